@@ -1,0 +1,582 @@
+"""The fast solver: conjugate gradients on the contact nodes, between prunings of the contact.
+
+On a given set of contact nodes the pressure obeys a linear system, the compliance restricted to the
+set, solved by conjugate gradients. The inverse of the compliance acts like |q|, whose kernel decays as
+r⁻³, so a small real-space stencil on the contact nodes preconditions it. A *block* of iterations ends
+when its residual has dropped far enough; then tension is cut off, nodes that penetrate join the set, and
+the gap is evaluated anew in the full precision. Blocks are corrections and run in single precision. The
+sum of a block and its pruning is a step between two admissible pressures, shortened to where the energy
+is least: the energy cannot grow. Where pruning spoils a step, the next is shortened before it is pruned.
+
+The load is steered to an area along the *tangent*, the change of pressure per approach on the present
+contact. One block gives it, and with it the approach at which each node enters or leaves the contact.
+
+Grids are nested: the solution of a grid of half the nodes on each axis starts that of the next.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from asperity.contact.area import AREA_TOLERANCE, AreaControl
+from asperity.contact.certificate import ConvergenceError
+from asperity.contact.problem import Control, Problem, Progress, Reporter, State
+from asperity.spectral import Array, Fourier, Grid
+
+# A block ends when its residual has dropped by this factor, or after this many iterations: short blocks
+# while the contact changes, longer by `LENGTHENED` after one that hardly lowered the error, long ones once
+# the error is below `SETTLED`. No block goes far below the tolerance.
+BLOCK_DROP = 0.05
+BLOCK_ITERATIONS = 4
+SETTLED = 2e-3
+LONG_DROP = 2e-3
+LONG_ITERATIONS = 9
+LENGTHENED = 2
+ENOUGH = 0.3
+
+# Blocks on the finest grid before giving up, and on a coarse one before going on.
+MOST_BLOCKS = 2000
+COARSE_BLOCKS = 20
+
+# Blocks without a smaller error before giving up.
+PATIENCE = 40
+
+# The coarsest grid has at least this many nodes on each axis, and coarse grids are solved to these errors.
+COARSEST = 32
+COARSE_TOLERANCE = 2e-4
+COARSE_AREA_TOLERANCE = 1e-2
+
+# A start is used if its load, area, or approach from first touch differs by less than this fraction.
+NEAR_START = 0.3
+
+# Most that the load may change at once along a tangent, relative to itself.
+MOST_CHANGE = 0.5
+
+# Radius, in nodes, of the stencil.
+RADIUS = 3
+
+
+class System(NamedTuple):
+    """Linear system of a set of contact nodes.
+
+    Attributes
+    ----------
+    plain, nodes : (count,) int arrays
+        The nodes, in the flattened array and in the padded one.
+    residual : (count,) array
+        Overlap to be removed, in units of `Level.unit`.
+    weight : (count,) array
+        The preconditioner's image of a uniform residual.
+    weight_sum : float
+    fixed_load : bool
+        Whether corrections must sum to zero.
+    """
+
+    plain: Array
+    nodes: Array
+    residual: Array
+    weight: Array
+    weight_sum: float
+    fixed_load: bool
+
+
+class Level:
+    """One grid of the hierarchy with its working space."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        grid, outer = problem.grid, problem.fourier
+        self.inner = Fourier(grid, np.float32, outer.threads, outer.work)
+        ny, nx = grid.shape
+        self.field = np.zeros((ny + 2 * RADIUS, nx + 2 * RADIUS + 1), np.float32)
+        self.response = np.empty(grid.shape, np.float32)
+        self.coefficients = np.empty(grid.half_shape, np.complex64)
+        self.weights = stencil(grid)
+
+    @cached_property
+    def compliance(self) -> Array:
+        """Compliance in the precision and in units that suit the blocks."""
+        return (self.problem.compliance / self.unit).astype(np.float32)
+
+    @property
+    def unit(self) -> float:
+        """Displacement of a node per pressure on it: spacing / E*."""
+        return min(self.problem.grid.spacing) / self.problem.modulus
+
+    def select(self, state: State) -> tuple[Array, Array]:
+        """Contact nodes, in the plain and in the padded array; the padded array is emptied."""
+        self.field.fill(0)
+        gap, pressure = state.gap.reshape(-1), state.pressure.reshape(-1)
+        return _select(pressure, gap, state.approach, *self.problem.grid.shape)
+
+    def precondition(self, nodes: Array, values: Array, out: Array) -> tuple[float, float]:
+        """Stencil applied on the contact; sums of the result, and of its product with the values."""
+        _scatter(self.field.reshape(-1), nodes, values)
+        _wrap(self.field)
+        return _apply_stencil(self.field.reshape(-1), self.field.shape[1], nodes, self.weights, values, out)
+
+    def respond(self, nodes: Array, values: Array) -> Array:
+        """Displacement [y, x] of pressures on the contact."""
+        _scatter(self.field.reshape(-1), nodes, values)
+        ny, nx = self.problem.grid.shape
+        self.inner.forward(self.field[RADIUS : RADIUS + ny, RADIUS : RADIUS + nx], self.coefficients)
+        self.coefficients *= self.compliance
+        return self.inner.inverse(self.coefficients, self.response, overwrite=True)
+
+    def correct(
+        self,
+        system: System,
+        displacement: Array | None = None,
+        drop: float = BLOCK_DROP,
+        iterations: int = BLOCK_ITERATIONS,
+    ) -> tuple[Array, int]:
+        """Block of preconditioned conjugate gradients for the compliance on the contact.
+
+        With a fixed load the correction sums to zero. Its displacement of the whole surface is added to
+        `displacement`, if that is given.
+        """
+        plain, nodes, residual, weight, weight_sum, fixed_load = system
+        count = nodes.size
+        x = np.zeros(count, np.float32)
+        z = np.empty(count, np.float32)
+        d = np.zeros(count, np.float32)
+        first = previous = math.nan
+        for iteration in range(iterations + 1):
+            total, product = self.precondition(nodes, residual, z)
+            shift = total / weight_sum if fixed_load else 0.0
+            if fixed_load:
+                product -= shift * _dot(weight, residual)
+            if iteration == 0:
+                first = product
+            if iteration == iterations or not product > drop**2 * first or not product > 0:
+                return x, iteration
+            ratio = product / previous if iteration else 0.0
+            _advance(d, z, weight, np.float32(shift), np.float32(ratio))
+            previous = product
+            response = self.respond(nodes, d).reshape(-1)
+            curvature = _dot_gathered(d, response, plain)
+            if not curvature > 0:
+                return x, iteration + 1
+            length = np.float32(product / curvature)
+            _step(x, residual, d, response, plain, length)
+            if displacement is not None:
+                _accumulate(displacement, response, length)
+        raise AssertionError
+
+    def look(self, state: State, fixed_load: bool) -> System:
+        """The linear system of the present contact; estimates the error of the state."""
+        pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
+        if fixed_load:
+            state.approach = _contact_gap(pressure, gap)
+            plain, nodes, weight, total = self._contact(state)
+            # The approach for which the first correction leaves the load as it is.
+            state.approach += _weighted_mean(weight, gap, plain, state.approach)
+        plain, nodes, weight, total = self._contact(state)
+        residual = _residual(gap, plain, state.approach, self.unit)
+        estimate = np.empty_like(residual)
+        load, _ = self.precondition(nodes, residual, estimate)
+        if fixed_load and total:
+            estimate -= np.float32(load / total) * weight
+        norm = math.sqrt(_sum_of_squares(pressure))
+        missing = math.sqrt(_sum_of_squares(estimate))
+        state.error = missing / norm if norm else (math.inf if missing else 0.0)
+        return System(plain, nodes, residual, weight, total, fixed_load)
+
+    def steer(self, state: State, system: System, area: AreaControl, settled: bool, tolerance: float) -> bool:
+        """Change the load towards an area, along the tangent of the present contact.
+
+        The block that was due is done with it. Returns whether the load is new.
+        """
+        pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
+        plain, residual = system.plain, system.residual
+        displacement = np.zeros(gap.size, np.float32)
+        if not settled:
+            change, used = self.correct(system, displacement)
+            state.iterations += used
+            _add(pressure, plain, change)
+            gap += self.unit * displacement
+            displacement.fill(0)
+        residual.fill(1)
+        rate, used = self.correct(system._replace(fixed_load=False), displacement)
+        state.iterations += used
+        per_load = float(rate.sum(dtype=float)) / gap.size
+        # Changes of the approach at which a node enters or leaves the contact, from lift-off to `most`.
+        most = MOST_CHANGE * state.load / per_load
+        least = -0.999 * state.load / per_load
+        events = _events(pressure, gap, state.approach, self.unit, plain, rate, displacement)
+        count = int(np.count_nonzero(events <= least))
+        edges = np.concatenate(([least], np.sort(events[(events > least) & (events < most)]), [most]))
+        # Only numbers of nodes that last while the load changes can be asked for.
+        lasting = np.flatnonzero(np.diff(edges) >= 0.1 * tolerance * state.load / per_load)
+        best = lasting[np.argmin(np.abs(lasting + (count - area.target)))]
+        along = 0.5 * (edges[best] + edges[best + 1])
+        if best == 0 and edges[1] >= 0 and count > area.target:
+            along = 0.0
+        elif best == edges.size - 2:
+            along = most
+        along = max(along, -most)
+        load = state.load
+        moved = area.steer(state, settled, load + float(along) * per_load)
+        _add_clipped(pressure, plain, rate, np.float32((state.load - load) / per_load))
+        return moved
+
+    def _contact(self, state: State) -> tuple[Array, Array, Array, float]:
+        """Contact nodes twice numbered, and the preconditioner's image of a uniform residual with its sum."""
+        plain, nodes = self.select(state)
+        weight = np.empty(nodes.size, np.float32)
+        total, _ = self.precondition(nodes, np.ones(nodes.size, np.float32), weight)
+        return plain, nodes, weight, total
+
+    def relax(
+        self,
+        state: State,
+        control: Control,
+        tolerance: float,
+        area_tolerance: float,
+        progress: Progress | None,
+        blocks: int,
+    ) -> bool:
+        """Bring the state to the tolerance on this grid; whether that took no more than so many blocks."""
+        problem = self.problem
+        fixed_load = control.fixes_load
+        height = problem.height.reshape(-1)
+        pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
+        pressure_before, gap_before = np.empty_like(pressure), np.empty_like(gap)
+        area = None
+        if control.kind == "area_fraction":
+            area = AreaControl(control.value, problem.grid.size, area_tolerance)
+        report = Reporter(progress, tolerance)
+        moved, stepped, reach = False, False, 1.0
+        stalled, best, error_before, length = 0, math.inf, math.inf, BLOCK_ITERATIONS
+        for _ in range(blocks):
+            if fixed_load:
+                pressure *= state.load / pressure.mean(dtype=float)
+            problem.displacement(state.pressure, state.gap)
+            state.iterations += 1
+            if not fixed_load:
+                factor = _best_scale(pressure, gap, height, control.value)
+                pressure *= factor
+                gap *= factor
+            gap += height
+            if stepped:
+                fraction = _line_search(pressure, pressure_before, gap, gap_before, state.approach)
+                if fraction < 0.9:
+                    _blend(pressure, pressure_before, fraction)
+                    _blend(gap, gap_before, fraction)
+                reach = reach / 4 if fraction < 0.1 else min(2 * reach, 1.0)
+            system = self.look(state, fixed_load)
+            report(state.error)
+            if system.plain.size == 0:
+                break
+            # A load just changed takes effect in a block, even if the change is below the tolerance.
+            settled = state.error <= tolerance and not moved
+            if area is not None and not moved and area.misses(state, settled):
+                moved, stepped, best = True, False, math.inf
+                if not (settled or area.is_near(state)):
+                    area.steer(state, settled)
+                    continue
+                if self.steer(state, system, area, settled, tolerance):
+                    continue
+            if settled:
+                return True
+            stalled, best = (0, state.error) if state.error < 0.9 * best else (stalled + 1, best)
+            if stalled > PATIENCE:
+                break
+            moved, stepped = False, True
+            pressure_before[:] = pressure
+            gap_before[:] = gap
+            if state.error > SETTLED:
+                slow = state.error > 0.8 * error_before
+                length = min(length + LENGTHENED, LONG_ITERATIONS) if slow else BLOCK_ITERATIONS
+                drop = BLOCK_DROP
+            else:
+                length = LONG_ITERATIONS
+                drop = max(LONG_DROP, ENOUGH * tolerance / state.error)
+            error_before = state.error
+            change, used = self.correct(system, drop=drop, iterations=length)
+            state.iterations += used
+            _add_clipped(pressure, system.plain, change, np.float32(reach))
+        return False
+
+
+def solve(
+    problem: Problem, control: Control, rtol: float, progress: Progress | None, initial: Array | None
+) -> State:
+    """Solve a contact problem on nested grids.
+
+    Parameters
+    ----------
+    problem : Problem
+        On the finest grid.
+    control : Control
+    rtol : float
+        Estimated error of the pressure, relative to its norm, to be reached.
+    progress : callable, optional
+    initial : (ny, nx) array, optional
+        Start on the finest grid from this pressure.
+    """
+    problems = [problem]
+    if initial is not None and not _is_near(problem, control, initial):
+        initial = None
+    while initial is None and (coarser := problems[-1].coarser(COARSEST)) is not None:
+        problems.append(coarser)
+    coarsest = problems[-1]
+    load = control.value if control.kind == "mean_pressure" else math.nan
+    if initial is not None:
+        pressure = np.maximum(initial, 0).astype(problem.fourier.real)
+    else:
+        pressure, load = _overlap(coarsest, control)
+    if control.kind == "area_fraction":
+        load = float(pressure.mean(dtype=float)) if initial is not None else load
+    state = State(pressure, np.empty_like(pressure), control.value, load)
+    for coarse, finer in zip(reversed(problems[1:]), reversed(problems[:-1]), strict=True):
+        Level(coarse).relax(state, control, COARSE_TOLERANCE, COARSE_AREA_TOLERANCE, None, COARSE_BLOCKS)
+        state.pressure = coarse.refine(state.pressure, finer, state.approach)
+        state.gap = np.empty_like(state.pressure)
+    if not Level(problem).relax(state, control, rtol, AREA_TOLERANCE, progress, MOST_BLOCKS):
+        raise ConvergenceError(
+            f"active set on {problem.grid.shape} nodes stopped",
+            state.error,
+            rtol,
+            state.iterations,
+            float(state.pressure.mean(dtype=float)),
+        )
+    return state
+
+
+def _is_near(problem: Problem, control: Control, pressure: Array) -> bool:
+    """Whether a pressure is a better start than the solution of a coarser grid."""
+    if control.kind == "area_fraction":
+        now = float(np.count_nonzero(pressure > 0)) / problem.grid.size
+    elif control.kind == "mean_pressure":
+        now = float(np.maximum(pressure, 0).mean())
+    else:
+        pressure = np.maximum(pressure, 0).astype(problem.fourier.real)
+        gap = problem.displacement(pressure) + problem.height
+        contact = pressure > 0
+        now = float(gap[contact].mean()) - problem.height.min() if contact.any() else 0.0
+        return abs(now - (control.value - problem.height.min())) < NEAR_START * abs(now)
+    return abs(now - control.value) < NEAR_START * control.value
+
+
+def _overlap(problem: Problem, control: Control) -> tuple[Array, float]:
+    """First guess: pressure in proportion to the overlap with the undeformed solid."""
+    height = problem.height
+    if control.kind == "approach":
+        return np.zeros_like(height), math.nan
+    stiffness = problem.modulus * 2 * math.pi / max(problem.grid.length)
+    if control.kind == "area_fraction":
+        fraction = min(0.999, 2 * control.value)
+        level = max(np.quantile(height, fraction), height.min() + 1e-3 * np.std(height, dtype=float))
+        pressure = np.maximum(level - height, 0) * stiffness
+        if not pressure.any():
+            pressure[:] = stiffness * min(problem.grid.spacing) * 1e-3
+        return pressure, float(pressure.mean(dtype=float))
+    low = float(height.min())
+    high = float(height.max()) + control.value / stiffness
+    for _ in range(60):
+        level = 0.5 * (low + high)
+        if np.maximum(level - height, 0).mean() * stiffness > control.value:
+            high = level
+        else:
+            low = level
+    return np.maximum(high - height, 0) * stiffness, control.value
+
+
+def stencil(grid: Grid) -> Array:
+    """Real-space kernel of |q|, in units of the inverse spacing, on (2 RADIUS + 1, 2 RADIUS + 2) nodes.
+
+    It is cut off at `RADIUS` nodes, or less on a small grid; the last column is empty.
+    """
+    tile = Grid((64, 64), (64 * grid.spacing[0], 64 * grid.spacing[1]))
+    kernel = Fourier(tile).inverse(0.5 * tile.wavenumber() * min(grid.spacing) / tile.size + 0j)
+    radius = max(0, min(RADIUS, (min(grid.shape) - 1) // 2))
+    row, column = np.meshgrid(np.arange(-RADIUS, RADIUS + 1), np.arange(-RADIUS, RADIUS + 2), indexing="ij")
+    near = row**2 + column**2 <= (radius + 0.5) ** 2
+    return np.where(near, kernel[row, column], 0).astype(np.float32)
+
+
+@njit(cache=True, error_model="numpy")
+def _select(pressure: Any, gap: Any, approach: float, ny: int, nx: int) -> tuple[Any, Any]:
+    """Contact nodes, and those that penetrate: their numbers in the plain and in the padded array."""
+    count = 0
+    for i in range(pressure.size):
+        if pressure[i] > 0 or gap[i] < approach:
+            count += 1
+    plain = np.empty(count, np.int64)
+    nodes = np.empty(count, np.int64)
+    count = 0
+    for row in range(ny):
+        for column in range(nx):
+            i = row * nx + column
+            if pressure[i] > 0 or gap[i] < approach:
+                plain[count] = i
+                nodes[count] = (row + RADIUS) * (nx + 2 * RADIUS + 1) + column + RADIUS
+                count += 1
+    return plain, nodes
+
+
+@njit(cache=True, error_model="numpy")
+def _contact_gap(pressure: Any, gap: Any) -> float:
+    """Mean of the gap over the nodes under pressure."""
+    total, count = 0.0, 0
+    for i in range(pressure.size):
+        if pressure[i] > 0:
+            total += gap[i]
+            count += 1
+    return total / count if count else gap.min()
+
+
+@njit(cache=True, error_model="numpy")
+def _weighted_mean(weight: Any, gap: Any, plain: Any, origin: float) -> float:
+    total, norm = 0.0, 0.0
+    for k in range(plain.size):
+        total += weight[k] * (gap[plain[k]] - origin)
+        norm += weight[k]
+    return total / norm
+
+
+@njit(cache=True, error_model="numpy")
+def _residual(gap: Any, plain: Any, approach: float, unit: float) -> Any:
+    out = np.empty(plain.size, np.float32)
+    for k in range(plain.size):
+        out[k] = (approach - gap[plain[k]]) / unit
+    return out
+
+
+@njit(cache=True, error_model="numpy")
+def _add_clipped(pressure: Any, plain: Any, change: Any, reach: Any) -> None:
+    for k in range(plain.size):
+        pressure[plain[k]] = max(pressure[plain[k]] + reach * change[k], 0.0)
+
+
+@njit(cache=True, error_model="numpy")
+def _line_search(pressure: Any, pressure_before: Any, gap: Any, gap_before: Any, approach: float) -> float:
+    """Fraction of a step at which the energy is least."""
+    slope, curvature = 0.0, 0.0
+    for i in range(pressure.size):
+        change = pressure[i] - pressure_before[i]
+        slope -= change * (gap_before[i] - approach)
+        curvature += change * (gap[i] - gap_before[i])
+    return min(max(slope / curvature, 0.0), 1.0) if curvature > 0 else 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def _best_scale(pressure: Any, displacement: Any, height: Any, approach: float) -> float:
+    """Factor on the pressure, and so on the displacement, at which the energy is least."""
+    work, energy = 0.0, 0.0
+    for i in range(pressure.size):
+        work += pressure[i] * (approach - height[i])
+        energy += pressure[i] * displacement[i]
+    return work / energy if energy > 0 and work > 0 else 1.0
+
+
+@njit(cache=True, error_model="numpy")
+def _events(
+    pressure: Any, gap: Any, approach: float, unit: float, plain: Any, rate: Any, response: Any
+) -> Any:
+    """Change of the approach at which each node enters or leaves the contact."""
+    changes = np.empty(pressure.size, np.float32)
+    for i in range(pressure.size):
+        closing = 1 - response[i]
+        changes[i] = (gap[i] - approach) / (unit * closing) if closing > 0 else np.inf
+    for k in range(plain.size):
+        changes[plain[k]] = -pressure[plain[k]] / rate[k] if rate[k] > 0 else -np.inf
+    return changes
+
+
+@njit(cache=True, error_model="numpy")
+def _add(pressure: Any, plain: Any, change: Any) -> None:
+    for k in range(plain.size):
+        pressure[plain[k]] += change[k]
+
+
+@njit(cache=True, error_model="numpy")
+def _accumulate(displacement: Any, response: Any, length: Any) -> None:
+    for i in range(displacement.size):
+        displacement[i] += length * response[i]
+
+
+@njit(cache=True, error_model="numpy")
+def _blend(values: Any, before: Any, fraction: float) -> None:
+    for i in range(values.size):
+        values[i] = before[i] + fraction * (values[i] - before[i])
+
+
+@njit(cache=True, error_model="numpy")
+def _scatter(field: Any, nodes: Any, values: Any) -> None:
+    for k in range(nodes.size):
+        field[nodes[k]] = values[k]
+
+
+@njit(cache=True, error_model="numpy")
+def _wrap(field: Any) -> None:
+    """Repeat the cell in the padding."""
+    ny, nx = field.shape[0] - 2 * RADIUS, field.shape[1] - 2 * RADIUS - 1
+    for i in range(RADIUS, RADIUS + ny):
+        for j in range(RADIUS):
+            field[i, j] = field[i, RADIUS + (j - RADIUS) % nx]
+        for j in range(RADIUS + nx, field.shape[1]):
+            field[i, j] = field[i, RADIUS + (j - RADIUS) % nx]
+    for i in range(RADIUS):
+        field[i] = field[RADIUS + (i - RADIUS) % ny]
+        field[RADIUS + ny + i] = field[RADIUS + i % ny]
+
+
+@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+def _apply_stencil(
+    field: Any, width: int, nodes: Any, weights: Any, values: Any, out: Any
+) -> tuple[float, float]:
+    total, product = 0.0, 0.0
+    for k in range(nodes.size):
+        corner = nodes[k] - RADIUS * (width + 1)
+        value: Any = np.float32(0)
+        for i in range(2 * RADIUS + 1):
+            for j in range(2 * RADIUS + 2):
+                value += weights[i, j] * field[corner + i * width + j]
+        out[k] = value
+        total += value
+        product += value * values[k]
+    return total, product
+
+
+@njit(cache=True, error_model="numpy")
+def _sum_of_squares(values: Any) -> float:
+    total = 0.0
+    for i in range(values.size):
+        total += values[i] * values[i]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _dot(a: Any, b: Any) -> float:
+    total = 0.0
+    for k in range(a.size):
+        total += a[k] * b[k]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _dot_gathered(a: Any, field: Any, plain: Any) -> float:
+    total = 0.0
+    for k in range(plain.size):
+        total += a[k] * field[plain[k]]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _advance(direction: Any, z: Any, weight: Any, shift: Any, ratio: Any) -> None:
+    for k in range(direction.size):
+        direction[k] = z[k] - shift * weight[k] + ratio * direction[k]
+
+
+@njit(cache=True, error_model="numpy")
+def _step(x: Any, residual: Any, direction: Any, response: Any, plain: Any, length: Any) -> None:
+    for k in range(plain.size):
+        x[k] += length * direction[k]
+        residual[k] -= length * response[plain[k]]

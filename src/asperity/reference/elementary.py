@@ -1,0 +1,73 @@
+"""The two loads everything else is a sum of: one harmonic of pressure, and a point force.
+
+Both on an elastic half-space without friction. Stress components in the order xx, yy, zz, yz, xz, xy.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity.reference.hertz import require_positive
+from asperity.spectral import Array
+
+
+def single_mode_stress(x: ArrayLike, depth: ArrayLike, wavenumber: float, poisson: float) -> Array:
+    """Stress under the pressure ``cos qx`` of unit amplitude, (..., 6).
+
+    Plane strain along y (K. L. Johnson, Contact Mechanics, 1985, section 13.2).
+    """
+    require_positive(wavenumber=wavenumber)
+    phase, y = np.broadcast_arrays(wavenumber * np.asarray(x, float), wavenumber * np.asarray(depth, float))
+    even, odd = np.cos(phase) * np.exp(-y), np.sin(phase) * np.exp(-y)
+    none = np.zeros_like(even)
+    return np.stack([-(1 - y) * even, -2 * poisson * even, -(1 + y) * even, none, y * odd, none], axis=-1)
+
+
+def single_mode_displacement(
+    x: ArrayLike, depth: ArrayLike, wavenumber: float, young: float, poisson: float
+) -> Array:
+    """Displacement (x, y, z), z up, under the pressure ``cos qx`` of unit amplitude, (..., 3)."""
+    require_positive(wavenumber=wavenumber, young=young)
+    phase, y = np.broadcast_arrays(wavenumber * np.asarray(x, float), wavenumber * np.asarray(depth, float))
+    scale = (1 + poisson) / (young * wavenumber) * np.exp(-y)
+    along = -scale * (1 - 2 * poisson - y) * np.sin(phase)
+    up = -scale * (2 * (1 - poisson) + y) * np.cos(phase)
+    return np.stack([along, np.zeros_like(along), up], axis=-1)
+
+
+def point_force_stress(y: ArrayLike, x: ArrayLike, depth: ArrayLike, poisson: float) -> Array:
+    """Stress under a unit force pressing on the surface at the origin, (..., 6).
+
+    Boussinesq's solution (K. L. Johnson, Contact Mechanics, 1985, eq. 3.19), arranged so that nothing
+    cancels on the axis. Infinite at the origin.
+    """
+    y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
+    distance = np.sqrt(x**2 + y**2 + depth**2)
+    n_x, n_y, n_z = x / distance, y / distance, depth / distance
+    weight = (1 - 2 * poisson) / (2 * np.pi * distance**2)
+    cubic = 3 / (2 * np.pi * distance**2)
+    # (1 − n_z)/(n_x² + n_y²) = 1/(1 + n_z)
+    blunt = (2 + n_z) / (1 + n_z) ** 2
+    xx = -cubic * n_x**2 * n_z + weight * (n_z - 1 / (1 + n_z) + n_x**2 * blunt)
+    yy = -cubic * n_y**2 * n_z + weight * (n_z - 1 / (1 + n_z) + n_y**2 * blunt)
+    xy = -cubic * n_x * n_y * n_z + weight * n_x * n_y * blunt
+    zz = -cubic * n_z**3
+    return np.stack([xx, yy, zz, cubic * n_y * n_z**2, cubic * n_x * n_z**2, xy], axis=-1)
+
+
+def point_force_displacement(
+    y: ArrayLike, x: ArrayLike, depth: ArrayLike, young: float, poisson: float
+) -> Array:
+    """Displacement (x, y, z), z up, under a unit force pressing at the origin, (..., 3).
+
+    Zero far away; K. L. Johnson, Contact Mechanics, 1985, eq. 3.18.
+    """
+    require_positive(young=young)
+    y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
+    distance = np.sqrt(x**2 + y**2 + depth**2)
+    scale = (1 + poisson) / (2 * np.pi * young * distance)
+    n_z = depth / distance
+    outward = scale * (n_z - (1 - 2 * poisson) / (1 + n_z)) / distance
+    up = -scale * (2 * (1 - poisson) + n_z**2)
+    return np.stack([outward * x, outward * y, up], axis=-1)

@@ -1,0 +1,205 @@
+"""Hertz: a smooth rigid sphere pressed without friction into an elastic half-space.
+
+The pressure ``p0 √(1 − r²/a²)`` on a circle of radius a, its displacement of the surface, and the stress
+everywhere below it (M. T. Huber, Ann. Phys. 319 (1904) 153, DOI 10.1002/andp.19043190612; surface: K. L.
+Johnson, Contact Mechanics, 1985, eqs. 3.37–3.42).
+
+Huber's stress is written here in the oblate spheroidal coordinates of the contact circle,
+``r² = (a² + u)(1 − c²)``, ``depth = c √u`` with ``u ≥ 0`` and ``0 ≤ c ≤ 1``: no term then cancels, neither
+on the axis nor at the surface nor far away.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity.spectral import Array
+
+
+class AxisymmetricStress(NamedTuple):
+    """Cylindrical stress components, tension positive, z up; all other components vanish."""
+
+    radial: Array
+    hoop: Array
+    axial: Array
+    shear: Array
+
+    @property
+    def von_mises(self) -> Array:
+        """Von Mises stress."""
+        radial, hoop, axial, shear = self
+        square = (radial - hoop) ** 2 + (hoop - axial) ** 2 + (axial - radial) ** 2
+        return np.sqrt(0.5 * square + 3 * shear**2)
+
+
+@dataclass(frozen=True)
+class Hertz:
+    """Contact of a paraboloid ``r² / (2 R)`` with a half-space.
+
+    Parameters
+    ----------
+    contact_radius : float
+        Radius a of the contact circle.
+    curvature_radius : float
+        Radius of curvature R of the indenter.
+    effective_modulus : float
+        E* = E / (1 − ν²) of the half-space; stresses are in its unit.
+
+    Raises
+    ------
+    ValueError
+        If one of them is not positive and finite.
+    """
+
+    contact_radius: float
+    curvature_radius: float
+    effective_modulus: float = 1.0
+
+    def __post_init__(self) -> None:
+        require_positive(
+            contact_radius=self.contact_radius,
+            curvature_radius=self.curvature_radius,
+            effective_modulus=self.effective_modulus,
+        )
+
+    @classmethod
+    def from_load(cls, load: float, curvature_radius: float, effective_modulus: float = 1.0) -> Self:
+        """The contact that carries a force, ``a³ = 3 F R / (4 E*)``."""
+        require_positive(load=load, curvature_radius=curvature_radius, effective_modulus=effective_modulus)
+        contact_radius = np.cbrt(0.75 * load * curvature_radius / effective_modulus)
+        return cls(float(contact_radius), curvature_radius, effective_modulus)
+
+    @classmethod
+    def from_approach(cls, approach: float, curvature_radius: float, effective_modulus: float = 1.0) -> Self:
+        """The contact at an approach, ``a² = R δ``."""
+        require_positive(
+            approach=approach, curvature_radius=curvature_radius, effective_modulus=effective_modulus
+        )
+        return cls(float(np.sqrt(approach * curvature_radius)), curvature_radius, effective_modulus)
+
+    @property
+    def largest_pressure(self) -> float:
+        """Pressure p0 on the axis."""
+        return 2 / np.pi * self.effective_modulus * self.contact_radius / self.curvature_radius
+
+    @property
+    def mean_contact_pressure(self) -> float:
+        """Load over the area of contact, the paper's P_0: two thirds of the largest pressure."""
+        return 2 / 3 * self.largest_pressure
+
+    @property
+    def load(self) -> float:
+        """Force."""
+        return 4 / 3 * self.effective_modulus * self.contact_radius**3 / self.curvature_radius
+
+    @property
+    def approach(self) -> float:
+        """Displacement of the indenter from first touch."""
+        return self.contact_radius**2 / self.curvature_radius
+
+    def pressure(self, r: ArrayLike) -> Array:
+        """Contact pressure at a distance `r` from the axis, zero outside the contact."""
+        inside = 1 - (np.asarray(r, float) / self.contact_radius) ** 2
+        return self.largest_pressure * np.sqrt(np.maximum(inside, 0.0))
+
+    def displacement(self, r: ArrayLike) -> Array:
+        """Downward displacement of the surface at a distance `r` from the axis (Eq. 11 without replicas)."""
+        scale = self.largest_pressure * self.contact_radius / (2 * self.effective_modulus)
+        return scale * unit_displacement(np.asarray(r, float) / self.contact_radius)
+
+    def stress(self, r: ArrayLike, depth: ArrayLike, poisson: float) -> AxisymmetricStress:
+        """Stress below the surface.
+
+        Parameters
+        ----------
+        r, depth : array_like
+            Distance from the axis and depth, both ≥ 0; they broadcast.
+        poisson : float
+
+        Returns
+        -------
+        AxisymmetricStress
+            In the unit of the effective modulus. At the edge of contact on the surface, where the hoop
+            and radial stress jump in slope only, the limit.
+        """
+        nu = poisson
+        rho, zeta = np.broadcast_arrays(
+            np.asarray(r, float) / self.contact_radius, np.asarray(depth, float) / self.contact_radius
+        )
+        if np.any(rho < 0) or np.any(zeta < 0):
+            raise ValueError("r and depth must be ≥ 0 everywhere")
+        above = rho**2 + zeta**2 - 1
+        root = np.hypot(above, 2 * zeta)
+        outside = above > 0
+        with np.errstate(divide="ignore", invalid="ignore"):
+            u = np.where(outside, 0.5 * (root + above), 2 * zeta**2 / (root - above))
+            c2 = np.where(outside, 2 * zeta**2 / (root + above), 0.5 * (root - above))
+            u, c2 = np.where(root > 0, (u, c2), 0.0)
+            c, w = np.sqrt(c2), np.sqrt(u)
+            edge = np.where(root > 0, c2 / (u + c2), 0.0)
+        angle = w * np.arctan2(1.0, w)
+        plane = (1 - 2 * nu) / 3 * (1 + c + c2) / ((1 + c) * (1 + u))
+        axial = -c * edge
+        radial = plane - axial + c * ((1 - nu) * u / (1 + u) + (1 + nu) * angle - 2)
+        hoop = -plane - c * (2 * nu + (1 - nu) * u / (1 + u) - (1 + nu) * angle)
+        shear = rho * w * edge / (1 + u)
+        return AxisymmetricStress(*(self.largest_pressure * part for part in (radial, hoop, axial, shear)))
+
+    def stress_cartesian(self, y: ArrayLike, x: ArrayLike, depth: ArrayLike, poisson: float) -> Array:
+        """Stress at positions relative to the axis, (..., 6) in the order xx, yy, zz, yz, xz, xy."""
+        y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
+        r = np.hypot(y, x)
+        radial, hoop, axial, shear = self.stress(r, depth, poisson)
+        cosine = np.divide(x, r, out=np.ones_like(r), where=r > 0)
+        sine = np.divide(y, r, out=np.zeros_like(r), where=r > 0)
+        return np.stack(
+            [
+                radial * cosine**2 + hoop * sine**2,
+                radial * sine**2 + hoop * cosine**2,
+                axial,
+                shear * sine,
+                shear * cosine,
+                (radial - hoop) * sine * cosine,
+            ],
+            axis=-1,
+        )
+
+
+def unit_displacement(rho: ArrayLike) -> Array:
+    """Shape of the displaced surface, ``(2 − ρ²) asin(1/ρ) + √(ρ² − 1)`` outside, π/2 (2 − ρ²) inside.
+
+    The bracket of Eqs. 11 and 12 over a². It behaves as 4/(3ρ) far away, where the printed form loses
+    ρ² ε of it; a series is used from ρ = 4 on.
+    """
+    rho = np.asarray(rho, float)
+    inverse = 1 / np.maximum(rho, 1.0)
+    square = inverse**2
+    near = (2 - rho**2) * np.arcsin(inverse) + np.sqrt(np.maximum(rho**2 - 1, 0.0))
+    far = np.zeros_like(rho)
+    for coefficient in _FAR[::-1]:
+        far = far * square + coefficient
+    return np.where(rho <= 1, 0.5 * np.pi * (2 - rho**2), np.where(rho < 4, near, far * inverse))
+
+
+def _far_coefficients(terms: int) -> list[float]:
+    """Coefficients of 1/ρ^(2n+1) in the displacement outside the contact."""
+    # asin(e) = Σ A_n e^(2n+1) and √(1 − e²) = Σ B_n e^(2n).
+    arcsine, root = [1.0], [1.0]
+    for n in range(terms + 1):
+        arcsine.append(arcsine[-1] * (2 * n + 1) ** 2 / ((2 * n + 2) * (2 * n + 3)))
+        root.append(root[-1] * (2 * n - 1) / (2 * n + 2))
+    return [2 * arcsine[n] - arcsine[n + 1] + root[n + 1] for n in range(terms)]
+
+
+_FAR = _far_coefficients(14)
+
+
+def require_positive(**values: float) -> None:
+    """Raise `ValueError` naming the first argument that is not positive and finite."""
+    for name, value in values.items():
+        if not (np.isfinite(value) and value > 0):
+            raise ValueError(f"{name} = {value!r}: a positive finite number is needed")

@@ -1,0 +1,233 @@
+"""The paper's equations of the elastic layer, as printed and as they hold.
+
+Only for showing what does not hold (`docs/method.md`) and what floating point makes of the rest
+(`asperity.stability`); the library itself computes with `asperity.layer`. Every function takes
+``corrected``: False gives the printed text literally, True the nearest form that holds.
+
+``lib`` is the arithmetic: ``mpmath.mp`` for any number of digits, ``numpy`` for floating point, in the
+precision of the arguments. Equation numbers are those of the paper; z is measured upward from the bottom.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+ELEMENTS = ("11", "12", "13", "22", "23", "33", "14", "15", "16", "25", "26", "36")
+
+
+def elastic_constants(young: Any, poisson: Any) -> tuple[Any, Any, Any]:
+    """C11, C12 and C44 of an isotropic solid; infinite at ν = 1/2."""
+    factor = young / ((1 + poisson) * (1 - 2 * poisson))
+    return factor * (1 - poisson), factor * poisson, young / (2 * (1 + poisson))
+
+
+def equilibrium_in_space(
+    displacement: Sequence[Sequence[Any]], qx: Any, qy: Any, young: Any, poisson: Any, corrected: bool
+) -> list[Any]:
+    """Left-hand sides of the three lines of Eq. 3 for one Fourier mode.
+
+    `displacement` holds (u_x, u_y, u_z) and its first and second derivative along z. As printed the first
+    line has ∂x² + ∂y² instead of ∂y² + ∂z² and the third ∂x² + ∂z² instead of ∂x² + ∂y².
+    """
+    c11, c12, c44 = elastic_constants(young, poisson)
+    (ux, uy, uz), (ux1, uy1, uz1), (ux2, uy2, uz2) = displacement
+    x, y = 1j * qx, 1j * qy
+    shear_x = y * y * ux + (ux2 if corrected else x * x * ux)
+    shear_z = x * x * uz + (y * y * uz if corrected else uz2)
+    mixed = c12 + c44
+    return [
+        c44 * shear_x + c11 * x * x * ux + mixed * (x * y * uy + x * uz1),
+        c44 * (x * x * uy + uy2) + c11 * y * y * uy + mixed * (x * y * ux + y * uz1),
+        c44 * shear_z + c11 * uz2 + mixed * (y * uy1 + x * ux1),
+    ]
+
+
+def equilibrium_of_mode(displacement: Sequence[Sequence[Any]], qx: Any, qy: Any, s: Any) -> list[Any]:
+    """Left-hand sides of the three lines of Eq. 4, s = C44/C11; they hold as printed."""
+    (ux, uy, uz), (ux1, uy1, uz1), (ux2, uy2, uz2) = displacement
+    x, y = 1j * qx, 1j * qy
+    return [
+        s * (y * y * ux + x * y * uy + x * uz1 + ux2) + (1 - 2 * s) * (x * y * uy + x * uz1) + x * x * ux,
+        s * (x * x * uy + x * y * ux + y * uz1 + uy2) + (1 - 2 * s) * (x * y * ux + y * uz1) + y * y * uy,
+        s * (x * x * uz + y * y * uz + x * ux1 + y * uy1) + uz2 + (1 - 2 * s) * (x * ux1 + y * uy1),
+    ]
+
+
+def basis(lib: Any, qx: Any, qy: Any, z: Any, s: Any, corrected: bool = True) -> tuple[Any, Any]:
+    """Matrix f of Eqs. 5 and 6, and its derivative along z, as 3 rows of 6.
+
+    As printed f34 is missing, and read as 0; it equals f26.
+    """
+    q = lib.sqrt(qx * qx + qy * qy)
+    sinh, cosh = lib.sinh(z * q), lib.cosh(z * q)
+    r = (s - 1) / (s + 1)
+    sinh_z, cosh_z = z * sinh, z * q * cosh
+    sinh_slope, cosh_slope = sinh + cosh_z, q * cosh + z * q * q * sinh
+
+    def diagonal(along: Any, across: Any) -> tuple[Any, Any, Any, Any]:
+        """f11 and f12 and their derivatives, or f23 and f24."""
+        even = 2 * s / (s + 1) * cosh - r * along**2 * sinh_z / q
+        even_slope = 2 * s / (s + 1) * q * sinh - r * along**2 * sinh_slope / q
+        odd = (along**2 * ((s + 1) * sinh - (s - 1) * cosh_z) + 2 * across**2 * sinh) / ((s + 1) * q**3)
+        odd_slope = (along**2 * ((s + 1) * q * cosh - (s - 1) * cosh_slope) + 2 * across**2 * q * cosh) / (
+            (s + 1) * q**3
+        )
+        return even, odd, even_slope, odd_slope
+
+    f11, f12, f11_slope, f12_slope = diagonal(qx, qy)
+    f23, f24, f23_slope, f24_slope = diagonal(qy, qx)
+    f13, f13_slope = -r * qx * qy * sinh_z / q, -r * qx * qy * sinh_slope / q
+    f14, f14_slope = r * qx * qy * (sinh - cosh_z) / q**3, -r * qx * qy * sinh_z / q
+    f15, f15_slope = 1j * r * qx * (cosh_z - sinh) / q, 1j * r * qx * q * sinh_z
+    f16, f16_slope = 1j * r * qx * sinh_z / q, 1j * r * qx * sinh_slope / q
+    f25, f25_slope = 1j * r * qy * (cosh_z - sinh) / q, 1j * r * qy * q * sinh_z
+    f26, f26_slope = 1j * r * qy * sinh_z / q, 1j * r * qy * sinh_slope / q
+    f34, f34_slope = (f26, f26_slope) if corrected else (0 * f26, 0 * f26)
+    f35, f35_slope = r * q * sinh_z + 2 * cosh / (s + 1), r * q * sinh_slope + 2 * q * sinh / (s + 1)
+    f36, f36_slope = r * z * cosh + sinh / q, r * (cosh + z * q * sinh) + cosh
+    values = [[f11, f12, f13, f14, f15, f16], [f13, f14, f23, f24, f25, f26], [f15, f16, f25, f34, f35, f36]]
+    slopes = [
+        [f11_slope, f12_slope, f13_slope, f14_slope, f15_slope, f16_slope],
+        [f13_slope, f14_slope, f23_slope, f24_slope, f25_slope, f26_slope],
+        [f15_slope, f16_slope, f25_slope, f34_slope, f35_slope, f36_slope],
+    ]
+    return values, slopes
+
+
+def stress_rows(
+    values: Any, slopes: Any, qx: Any, qy: Any, young: Any, poisson: Any, corrected: bool = True
+) -> list[list[Any]]:
+    """σ_zz, σ_yz and σ_zx of the six columns of `basis`, by Eq. 7, as 3 rows of 6.
+
+    As printed the rows of σ_yz and σ_zx are exchanged.
+    """
+    c11, c12, c44 = elastic_constants(young, poisson)
+    x, y = 1j * qx, 1j * qy
+    rows: list[list[Any]] = [[], [], []]
+    for (ux, uy, uz), (ux1, uy1, uz1) in zip(
+        zip(*values, strict=True), zip(*slopes, strict=True), strict=True
+    ):
+        second, third = c44 * (ux1 + x * uz), c44 * (uy1 + y * uz)
+        if corrected:
+            second, third = third, second
+        for row, entry in zip(rows, (c12 * (x * ux + y * uy) + c11 * uz1, second, third), strict=True):
+            row.append(entry)
+    return rows
+
+
+def half_space_compliance(lib: Any, qx: Any, qy: Any, young: Any, poisson: Any) -> list[Any]:
+    """G_xz, G_yz and G_zz of Eq. 10, displacement per traction t_z; they hold as printed."""
+    square = qx * qx + qy * qy
+    shear = 1j * (poisson + 1) * (2 * poisson - 1) / (young * square)
+    return [shear * qx, shear * qy, -2 * (poisson**2 - 1) / (young * lib.sqrt(square))]
+
+
+def compliance_elements(
+    lib: Any, qx: Any, qy: Any, height: Any, young: Any, poisson: Any, corrected: bool = True
+) -> dict[str, Any]:
+    """The twelve elements of Eq. A.3.
+
+    As printed G11, G12 and G22 have (1 + e^2h)³ for (−1 + e^2h)³, G11 besides q_r³ for q_y² q_r in its
+    first bracket, and the brackets of G33, G36, G16 and G26 stand under the root.
+    """
+    q = lib.sqrt(qx * qx + qy * qy)
+    h = q * height
+    sinh, cosh, double_sinh = lib.sinh(h), lib.cosh(h), lib.sinh(2 * h)
+    coth, cosech = 1 / lib.tanh(h), 1 / sinh
+    nu, zm = poisson, height
+    depth = zm * zm * q * q - sinh * sinh
+    cube = (lib.exp(2 * h) - 1) ** 3 if corrected else (lib.exp(2 * h) + 1) ** 3
+    exponential = 8 * lib.exp(3 * h) * (1 + nu) / cube
+    first = qy * qy if corrected else q * q
+
+    def rooted(bracket: Any) -> Any:
+        """Denominator q [bracket], printed with the bracket under the root."""
+        return q * bracket if corrected else lib.sqrt(q * q * bracket)
+
+    elements = {
+        "11": -exponential
+        * sinh
+        * (
+            first * q * (-2 * qy * qy * zm * zm * coth + double_sinh)
+            + 2 * qx * qx * qy * qy * zm * (-1 + nu - q * zm * coth)
+            + 2 * (nu - 1) * zm * qx**4
+            + qx * qx * (1 - nu) * q * double_sinh
+        )
+        / (young * q**4 * (-1 + q * q * zm * zm * cosech * cosech)),
+        "12": exponential
+        * sinh**3
+        * qx
+        * qy
+        * (coth * 2 * nu * sinh * sinh * q - coth * 2 * zm * zm * q**3 - 2 * zm * (nu - 1) * q * q)
+        / (young * q**4 * depth),
+        "22": exponential
+        * sinh**3
+        * (
+            -2 * zm * (nu - 1) * q * q * qy * qy
+            + double_sinh * ((nu - 1) * qy * qy - qx * qx) * q
+            + 2 * zm * zm * coth * qx * qx * q**3
+        )
+        / (young * q**4 * depth),
+        "33": (nu * nu - 1) * (double_sinh + 2 * h) / (young * rooted(depth)),
+        "14": lib.exp(h)
+        * (nu + 1)
+        * (coth - 1)
+        * (
+            2 * q * (zm * zm * qy**4 - sinh * sinh * qy * qy)
+            + 2 * q * qx * qx * ((nu - 1) * sinh * sinh + zm * zm * qy * qy)
+            - zm * (nu - 1) * double_sinh * qx * qx * q * q
+        )
+        / (young * q**4 * depth),
+        "15": lib.exp(-h)
+        * (nu + 1)
+        * (coth + 1)
+        * qx
+        * qy
+        * (-zm * (nu - 1) * double_sinh * q * q - 2 * (zm * zm * q * q - nu * sinh * sinh) * q)
+        / (young * q**4 * depth),
+        "25": 2
+        * (nu + 1)
+        * sinh
+        * (
+            -zm * (nu - 1) * coth * qy * qy * q
+            + (zm * zm * cosech * cosech * q * q - 1) * qx * qx
+            + (nu - 1) * qy * qy
+        )
+        / (young * q**3 * depth),
+        "36": 2 * (nu * nu - 1) * (sinh + zm * cosh * q) / (young * rooted(depth)),
+    }
+    for name, component in (("1", qx), ("2", qy)):
+        elements[name + "3"] = (
+            -(nu + 1) * component * ((2 * nu - 1) * sinh * sinh - zm * zm * q * q) / (young * q * q * depth)
+        )
+        bracket = -2 * zm * zm * q * q + lib.cosh(2 * h) - 1
+        elements[name + "6"] = 4 * zm * (nu * nu - 1) * sinh * component / (young * rooted(bracket))
+    return elements
+
+
+def compliance(elements: Mapping[str, Any], corrected: bool = True) -> list[list[Any]]:
+    """The 6 × 6 compliance of Eq. A.2 from its elements, as rows; t = σ·n with outward n on both faces.
+
+    As printed the entries (5, 4), (6, 4) and (6, 5) are G15, i G16 and i G26 for G12, i G13 and i G23.
+    """
+    g = elements
+    lower = (g["12"], 1j * g["13"], 1j * g["23"]) if corrected else (g["15"], 1j * g["16"], 1j * g["26"])
+    return [
+        [g["11"], g["12"], 1j * g["13"], g["14"], g["15"], 1j * g["16"]],
+        [g["12"], g["22"], 1j * g["23"], g["15"], g["25"], 1j * g["26"]],
+        [-1j * g["13"], -1j * g["23"], g["33"], 1j * g["16"], 1j * g["26"], g["36"]],
+        [g["14"], g["15"], -1j * g["16"], g["11"], g["12"], -1j * g["13"]],
+        [g["15"], g["25"], -1j * g["26"], lower[0], g["22"], -1j * g["23"]],
+        [-1j * g["16"], -1j * g["26"], g["36"], lower[1], lower[2], g["33"]],
+    ]
+
+
+def critical_damping(lib: Any, time_step: Any, stiffness: Any, corrected: bool = True) -> Any:
+    """Critical damping of a mode of unit mass, Eq. 18: (2/Δt) √(κ − κ) as printed, which is zero.
+
+    `stiffness` is that of the mode, E/(2 L_c (1 + ν)) in the paper; κ = stiffness Δt² and the scheme with
+    centred damping is critical at (2/Δt) √(κ − κ²/4).
+    """
+    kappa = stiffness * time_step**2
+    return 2 / time_step * lib.sqrt(kappa - (kappa**2 / 4 if corrected else kappa))
