@@ -1,0 +1,45 @@
+# From rough surfaces to the figures of the paper: surface -> contact -> body -> statistics -> figures.
+import sys
+
+from asperity.config import ConfigError, check, load_schema
+
+
+configfile: "config/config.yaml"
+
+
+report: "workflow/report/overview.rst"
+
+
+try:
+    check(config, load_schema(workflow.source_path("workflow/schemas/config.schema.yaml")))
+except ConfigError as error:
+    sys.exit(f"config: {error}")
+
+RESULTS = config["results"]
+SURFACES = config["surfaces"]
+
+
+wildcard_constraints:
+    surface="|".join(SURFACES),
+    seed=r"\d+",
+
+
+include: "workflow/rules/common.smk"
+include: "workflow/rules/surface.smk"
+include: "workflow/rules/contact.smk"
+include: "workflow/rules/body.smk"
+include: "workflow/rules/statistics.smk"
+include: "workflow/rules/validation.smk"
+include: "workflow/rules/pictures.smk"
+include: "workflow/rules/figures.smk"
+include: "workflow/rules/verification.smk"
+include: "workflow/rules/claims.smk"
+
+
+rule all:
+    default_target: True
+    input:
+        rules.figures.input,
+        rules.validation_table.output,
+        rules.verified.input,
+        rules.claims.output,

@@ -1,0 +1,15 @@
+rule contact:
+    input:
+        surface=f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
+        code=code("contact"),
+    output:
+        f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
+    log:
+        f"{RESULTS}/log/contact/{{surface}}/seed{{seed}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/contact/{{surface}}/seed{{seed}}.tsv"
+    params:
+        layer=config["layer"],
+        contact=contact_settings,
+    script:
+        "../scripts/contact.py"

@@ -1,0 +1,16 @@
+rule statistics:
+    input:
+        surfaces=expand(f"{RESULTS}/surface/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
+        contacts=expand(f"{RESULTS}/contact/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
+        bodies=expand(f"{RESULTS}/body/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
+        code=code("statistics"),
+    output:
+        f"{RESULTS}/statistics/{{surface}}.nc",
+    log:
+        f"{RESULTS}/log/statistics/{{surface}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/statistics/{{surface}}.tsv"
+    params:
+        statistics=config["statistics"],
+    script:
+        "../scripts/statistics.py"

@@ -1,0 +1,21 @@
+MEASURED = config["measured"]
+
+
+wildcard_constraints:
+    surface="|".join([*SURFACES, *MEASURED]),
+
+
+rule surface:
+    input:
+        map=lambda wildcards: ([MEASURED[wildcards.surface]["file"]] if wildcards.surface in MEASURED else []),
+        code=code("surface"),
+    output:
+        f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
+    log:
+        f"{RESULTS}/log/surface/{{surface}}/seed{{seed}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/surface/{{surface}}/seed{{seed}}.tsv"
+    params:
+        surface=lambda wildcards: {**SURFACES, **MEASURED}[wildcards.surface],
+    script:
+        "../scripts/surface.py"

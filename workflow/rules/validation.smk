@@ -1,0 +1,58 @@
+VALIDATIONS = list(config["validation"])
+
+
+rule validation:
+    input:
+        code=code("validation"),
+    output:
+        f"{RESULTS}/validation/{{validation}}.nc",
+    log:
+        f"{RESULTS}/log/validation/{{validation}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/validation/{{validation}}.tsv"
+    wildcard_constraints:
+        validation="|".join(VALIDATIONS),
+    params:
+        settings=lambda wildcards: config["validation"][wildcards.validation],
+    script:
+        "../scripts/validation.py"
+
+
+# A second finite-element code, where it is installed; not asked for by rule all.
+rule calculix:
+    input:
+        code=code("calculix"),
+    output:
+        f"{RESULTS}/validation/calculix.nc",
+    log:
+        f"{RESULTS}/log/validation/calculix.log",
+    benchmark:
+        f"{RESULTS}/benchmark/validation/calculix.tsv"
+    params:
+        folder=lambda wildcards, output: output[0].removesuffix(".nc"),
+    script:
+        "../scripts/calculix.py"
+
+
+rule validation_table:
+    input:
+        expand(f"{RESULTS}/validation/{{validation}}.nc", validation=VALIDATIONS),
+        calculix=lambda wildcards: [path for path in rules.calculix.output if os.path.exists(path)],
+        code=code("validation_table"),
+    output:
+        report(
+            f"{RESULTS}/validation/table.md",
+            caption="../report/validation.rst",
+            category="Validation",
+            labels={"table": "what is compared with what"},
+        ),
+    log:
+        f"{RESULTS}/log/validation/table.log",
+    benchmark:
+        f"{RESULTS}/benchmark/validation/table.tsv"
+    params:
+        results=lambda wildcards, input: {
+            os.path.basename(path).removesuffix(".nc"): path for path in input if path.endswith(".nc")
+        },
+    script:
+        "../scripts/validation_table.py"

@@ -1,0 +1,30 @@
+rule verification:
+    input:
+        surface=expand(f"{RESULTS}/surface/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
+        contact=expand(f"{RESULTS}/contact/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
+        body=expand(f"{RESULTS}/body/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
+        statistics=f"{RESULTS}/statistics/{{surface}}.nc",
+        code=code("verification"),
+    output:
+        report(
+            f"{RESULTS}/verification/{{surface}}.csv",
+            caption="../report/verification.rst",
+            category="Verification",
+            labels=lambda wildcards: {"surface": wildcards.surface},
+        ),
+    log:
+        f"{RESULTS}/log/verification/{{surface}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/verification/{{surface}}.tsv"
+    params:
+        seeds=config["seeds"],
+    script:
+        "../scripts/verification.py"
+
+
+rule verified:
+    input:
+        expand(
+            f"{RESULTS}/verification/{{surface}}.csv",
+            surface=sorted({name for names in config["studies"].values() for name in names}),
+        ),

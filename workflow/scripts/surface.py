@@ -1,0 +1,19 @@
+"""Rule surface: a rough surface, made or measured, and its measures."""
+
+from asperity import dataset
+from asperity.progress import Progress, record
+from asperity.study.surface import make_surface, read_surface
+
+with record(snakemake.log[0]), Progress(f"surface {snakemake.wildcards.surface}"):
+    seed, parameters = int(snakemake.wildcards.seed), snakemake.params.surface
+    if "file" in parameters:
+        surface, made = read_surface(parameters), "Measured"
+        parameters = {**parameters, "wavelength_short": surface.attrs["wavelength_short"]}
+    else:
+        surface, made = make_surface(parameters, seed), "Rough"
+    dataset.write(
+        surface,
+        snakemake.output[0],
+        title=f"{made} surface {snakemake.wildcards.surface}, seed {seed}",
+        settings={"name": snakemake.wildcards.surface, "seed": seed, "surface": parameters},
+    )

@@ -1,0 +1,24 @@
+"""Rule validation: the solver against closed forms, finite elements and floating point."""
+
+from asperity import dataset, stability, validation
+from asperity.progress import Progress, record
+
+COMPARISONS = {
+    "load_area": validation.load_area,
+    "slab_load_area": validation.slab_load_area,
+    "grid_convergence": validation.grid_convergence,
+    "elements": validation.compare_elements,
+    "mesh_convergence": validation.mesh_convergence,
+    "punch": validation.punch,
+    "stability": stability.compute,
+}
+
+name = snakemake.wildcards.validation
+with record(snakemake.log[0]), Progress(f"validation {name}") as progress:
+    settings = snakemake.params.settings
+    dataset.write(
+        COMPARISONS[name](**settings, progress=progress),
+        snakemake.output[0],
+        title=f"Validation: {COMPARISONS[name].__doc__.splitlines()[0]}",
+        settings={"validation": {name: settings}},
+    )

@@ -1,0 +1,24 @@
+"""Rule verification: the files of one surface held against the laws that they must obey."""
+
+import csv
+
+from asperity import dataset
+from asperity.progress import Progress, record
+from asperity.verification import require, verify_member, verify_statistics
+
+STAGES = ("surface", "contact", "body")
+
+with record(snakemake.log[0]), Progress(f"verification {snakemake.wildcards.surface}") as progress:
+    found, bodies = [], []
+    for number, seed in enumerate(snakemake.params.seeds):
+        stages = [dataset.read(snakemake.input[stage][number]) for stage in STAGES]
+        found += [(f"seed {seed}", check) for check in verify_member(*stages)]
+        bodies.append(stages[-1])
+        progress(number + 1, len(snakemake.params.seeds))
+    statistics = dataset.read(snakemake.input.statistics)
+    found += [("all seeds", check) for check in verify_statistics(statistics, bodies)]
+    require([check for _, check in found], snakemake.wildcards.surface)
+    with open(snakemake.output[0], "w", newline="", encoding="utf-8") as file:
+        table = csv.writer(file, lineterminator="\n")
+        table.writerow(["surface", "of", "check", "value", "bound"])
+        table.writerows([snakemake.wildcards.surface, part, *check] for part, check in found)
