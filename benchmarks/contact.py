@@ -1,0 +1,191 @@
+"""Contact solvers side by side: true error of the pressure against processor time and against transforms.
+
+One command gives one table and one picture:
+
+    python benchmarks/contact.py --points 512 1024 2048 --out results/benchmarks
+
+Everything runs on one thread, in one process, one after the other, and the time is that of the processor,
+which other work on the machine disturbs less than the wall's. Errors are relative L2 errors of the
+pressure against a reference of our fast solver at an estimated error of 1e-10. A peer that is not
+installed is left out.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+import asperity as asp
+from asperity.contact import solve
+from asperity.layer import Layer
+from asperity.spectral import Array, Fourier, Grid
+
+LAYER = Layer(1.0, 0.0)
+REFERENCE = 1e-10
+
+# Solver and precision, and the tolerances it is run at.
+OURS: tuple[tuple[str, str, tuple[float, ...]], ...] = (
+    ("active_set", "float64", (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)),
+    ("active_set", "float32", (1e-2, 1e-3, 1e-4)),
+    ("gfmd", "float64", (1e-2, 1e-4, 1e-6)),
+    ("gfmd", "float32", (1e-2, 1e-3)),
+)
+TAMAAS = (1e-5, 1e-7, 1e-9)
+
+
+class Row(NamedTuple):
+    """One run."""
+
+    points: int
+    hurst: float
+    load: float
+    solver: str
+    tolerance: float
+    error: float
+    pairs: float
+    seconds: float
+    transform_seconds: float
+
+
+def pair_seconds(points: int, dtype: str) -> float:
+    """Processor time of a forward and an inverse transform, the least of five."""
+    fourier = Fourier(Grid((points, points)), dtype)
+    field = np.random.default_rng(0).standard_normal((points, points)).astype(dtype)
+    best = np.inf
+    for _ in range(5):
+        start = time.process_time()
+        fourier.inverse(fourier.forward(field), overwrite=True)
+        best = min(best, time.process_time() - start)
+    return best
+
+
+def ours(height: Array, load: float) -> Iterator[tuple[str, float, Callable[[], tuple[Array, float]]]]:
+    """Our solvers: name, tolerance and a run giving pressure and pairs."""
+    for method, dtype, tolerances in OURS:
+        for tolerance in tolerances:
+
+            def run(method=method, dtype=dtype, tolerance=tolerance):
+                contact = solve(height, LAYER, mean_pressure=load, method=method, dtype=dtype, rtol=tolerance)
+                return contact.pressure, contact.certificate.pairs
+
+            yield f"{method} {dtype}", tolerance, run
+
+
+def peers(height: Array, load: float) -> Iterator[tuple[str, float, Callable[[], tuple[Array, float]]]]:
+    """Polonsky and Keer's conjugate gradients in tamaas, two convolutions an iteration."""
+    try:
+        import tamaas
+    except ImportError:
+        return
+    tamaas.initialize(1)
+    for tolerance in TAMAAS:
+
+        def run(tolerance=tolerance):
+            model = tamaas.ModelFactory.createModel(
+                tamaas.model_type.basic_2d, [1.0, 1.0], list(height.shape)
+            )
+            model.E, model.nu = 1.0, 0.0
+            solver = tamaas.PolonskyKeerRey(model, -height, tolerance)
+            solver.max_iter = 20_000
+            solver.dump_freq = 20_001
+            solver.solve(load)
+            return np.array(model.traction), np.nan
+
+        yield "tamaas PolonskyKeerRey", tolerance, run
+
+
+def measure(points: int, hurst: float, fraction: float, skip: set[str]) -> Iterator[Row]:
+    """All runs on one surface at one load, `fraction` × E* × rms gradient."""
+    height = asp.self_affine((points, points), hurst, 1 / 8, 8 / points, 1e-3, seed=1)
+    load = fraction * asp.measure(height).rms_gradient
+    for warm in ("float64", "float32"):
+        solve(height[:64, :64].copy(), LAYER, mean_pressure=load, dtype=warm, rtol=1e-2)
+    truth = solve(height, LAYER, mean_pressure=load, rtol=REFERENCE).pressure
+    pair = {dtype: pair_seconds(points, dtype) for dtype in ("float64", "float32")}
+    for source in (ours, peers):
+        for name, tolerance, run in source(height, load):
+            if name.split()[0] in skip:
+                continue
+            start = time.process_time()
+            pressure, pairs = run()
+            seconds = time.process_time() - start
+            error = float(np.linalg.norm(pressure - truth) / np.linalg.norm(truth))
+            spent = pairs * pair["float32" if "float32" in name else "float64"]
+            yield Row(points, hurst, fraction, name, tolerance, error, pairs, seconds, spent)
+
+
+def table(rows: list[Row]) -> str:
+    """Markdown."""
+    lines = [
+        "| points | H | load / (E* ḡ) | solver | tolerance | true error | pairs | seconds | per transforms |",
+        "|---|---|---|---|---|---|---|---|---|",
+    ]
+    for row in rows:
+        ratio = row.seconds / row.transform_seconds
+        known = "" if np.isnan(row.pairs) else f"{row.pairs:.1f}"
+        lines.append(
+            f"| {row.points} | {row.hurst} | {row.load} | {row.solver} | {row.tolerance:.0e} "
+            f"| {row.error:.1e} | {known} | {row.seconds:.2f} | {'' if np.isnan(ratio) else f'{ratio:.2f}'} |"
+        )
+    return "\n".join(lines)
+
+
+def picture(rows: list[Row], path: Path) -> None:
+    """Error against processor time and against pairs, on the largest grid."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    largest = max(row.points for row in rows)
+    figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), sharey=True, layout="constrained")
+    names = list(dict.fromkeys(row.solver for row in rows))
+    for number, name in enumerate(names):
+        for hurst, line in zip(sorted({row.hurst for row in rows}), ("-", "--"), strict=False):
+            some = [row for row in rows if (row.solver, row.hurst, row.points) == (name, hurst, largest)]
+            error = [row.error for row in some]
+            style = {"color": f"C{number}", "marker": "o", "linestyle": line, "label": f"{name}, H = {hurst}"}
+            axes[0].loglog([row.seconds for row in some], error, **style)
+            axes[1].loglog([row.pairs for row in some], error, **style)
+    axes[0].set(xlabel="processor time, s, one thread", ylabel="relative L2 error of the pressure")
+    axes[1].set(xlabel="pairs of transforms of the finest grid")
+    axes[0].legend(fontsize=7)
+    figure.suptitle(f"{largest}²")
+    figure.savefig(path, dpi=150)
+
+
+def main() -> None:
+    """Run, print the table, write the table, the numbers and the picture."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--points", type=int, nargs="+", default=[512, 1024])
+    parser.add_argument("--hurst", type=float, nargs="+", default=[0.2, 0.8])
+    parser.add_argument("--load", type=float, nargs="+", default=[0.05], help="mean pressure over E* ḡ")
+    parser.add_argument("--skip", nargs="*", default=[], choices=["gfmd", "tamaas", "active_set"])
+    parser.add_argument("--out", type=Path, default=Path("results/benchmarks"))
+    chosen = parser.parse_args()
+    rows: list[Row] = []
+    for points in chosen.points:
+        for hurst in chosen.hurst:
+            for load in chosen.load:
+                for row in measure(points, hurst, load, set(chosen.skip)):
+                    rows.append(row)
+                    print(table([row]).splitlines()[-1], flush=True)
+    chosen.out.mkdir(parents=True, exist_ok=True)
+    (chosen.out / "contact.md").write_text(table(rows) + "\n", encoding="utf-8")
+    with (chosen.out / "contact.csv").open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(Row._fields)
+        writer.writerows(rows)
+    picture(rows, chosen.out / "contact.png")
+
+
+if __name__ == "__main__":
+    main()

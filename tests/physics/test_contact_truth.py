@@ -1,0 +1,134 @@
+"""Contact against closed forms, with the rate at which the grid approaches them, and against peers."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.contact import solve
+from asperity.layer import Layer
+from asperity.reference.hertz import Hertz
+from asperity.reference.westergaard import Westergaard
+from asperity.spectral import Grid
+
+HALF_SPACE = Layer(1.0, 0.0)
+AMPLITUDE = 1e-3
+
+
+def rate(points: list[int], errors: list[float]) -> float:
+    return float(-np.polyfit(np.log(points), np.log(errors), 1)[0])
+
+
+def wave_errors(points: int) -> tuple[float, float, float]:
+    """Root mean squares over loads of errors of pressure, area and approach: an edge falls anywhere."""
+    errors = []
+    for part in np.linspace(0.2, 0.7, 6):
+        exact = Westergaard(part * np.pi * AMPLITUDE, AMPLITUDE)
+        grid = Grid((4, points), (4 / points, 1.0))
+        x = grid.coordinates()[1] - 0.5
+        height = np.tile(exact.height(x), (4, 1))
+        contact = solve(height, HALF_SPACE, grid.length, mean_pressure=exact.mean_pressure, rtol=1e-8)
+        pressure = exact.pressure(x)
+        errors.append(
+            (
+                np.linalg.norm(contact.pressure[0] - pressure) / np.linalg.norm(pressure),
+                contact.area_fraction / exact.area_fraction - 1,
+                (contact.approach - exact.approach) / AMPLITUDE,
+            )
+        )
+    pressure, area, approach = np.sqrt(np.mean(np.square(errors), axis=0))
+    return float(pressure), float(area), float(approach)
+
+
+def test_westergaard_partial_contact_at_the_order_of_an_edge() -> None:
+    """Grid error: a pressure that ends like a square root is met with order 1 in the mean square."""
+    points = [64, 128, 256, 512]
+    pressure, area, approach = np.array([wave_errors(n) for n in points]).T
+    assert rate(points, pressure) > 0.8
+    assert rate(points, area) > 0.7
+    assert rate(points, approach) > 1.5
+    assert pressure[-1] < 5e-3
+    assert approach[-1] < 1e-4
+
+
+def test_westergaard_complete_contact_is_exact() -> None:
+    """Rounding: one Fourier mode is held exactly by the grid."""
+    exact = Westergaard(1.2 * np.pi * AMPLITUDE, AMPLITUDE)
+    grid = Grid((4, 64), (1 / 16, 1.0))
+    x = grid.coordinates()[1] - 0.5
+    contact = solve(
+        np.tile(exact.height(x), (4, 1)),
+        HALF_SPACE,
+        grid.length,
+        mean_pressure=exact.mean_pressure,
+        rtol=1e-12,
+    )
+    np.testing.assert_allclose(contact.pressure[0], exact.pressure(x), rtol=1e-9)
+
+
+def test_hertz_at_the_order_of_an_edge() -> None:
+    """Grid error of the pressure; the replicas change it by 1.9 (a/L)³, 2e-4 at these radii."""
+    points, errors = [64, 128, 256], []
+    for n in points:
+        y, x = (axis - 0.5 for axis in Grid((n, n)).coordinates())
+        r = np.hypot(y[:, None], x[None, :])
+        squares = []
+        for radius in np.linspace(0.045, 0.06, 6):
+            exact = Hertz(contact_radius=radius, curvature_radius=1.0)
+            contact = solve(r**2 / 2, HALF_SPACE, mean_pressure=exact.load, rtol=1e-8)
+            pressure = exact.pressure(r)
+            squares.append(np.sum((contact.pressure - pressure) ** 2) / np.sum(pressure**2))
+        errors.append(float(np.sqrt(np.mean(squares))))
+    assert rate(points, errors) > 0.8
+    assert errors[-1] < 0.02
+
+
+def test_small_problem_against_a_dense_solve() -> None:
+    """Solver error, against dense projected Gauss-Seidel iterations to rounding."""
+    height = asp.self_affine((12, 12), 0.8, 0.5, 0.25, 1e-2, 5)
+    layer = Layer(1.0, 0.3, height=0.5)
+    grid = Grid((12, 12))
+    compliance = layer.surface_compliance(
+        np.hypot(*np.meshgrid(grid.qy, np.fft.fftfreq(12, 1 / 12) * 2 * np.pi))
+    )
+    kernel = np.fft.ifft2(compliance).real
+    index = np.arange(144)
+    row, column = index // 12, index % 12
+    matrix = kernel[(row[:, None] - row) % 12, (column[:, None] - column) % 12]
+    approach = 0.3 * float(np.ptp(height)) + float(height.min())
+    overlap = approach - height.reshape(-1)
+    pressure = np.zeros(144)
+    for _ in range(3000):
+        for node in range(144):
+            pressure[node] = max(
+                0.0, pressure[node] + (overlap[node] - matrix[node] @ pressure) / matrix[node, node]
+            )
+    for method in ("active_set", "gfmd"):
+        contact = solve(height, layer, approach=approach, method=method, rtol=1e-11)
+        np.testing.assert_allclose(contact.pressure.reshape(-1), pressure, atol=1e-8 * pressure.max())
+
+
+def test_gfmd_steps_grow_as_the_root_of_the_points() -> None:
+    """Slowest mode at critical damping: steps ~ √N once the contact is resolved."""
+    points = [64, 128, 256, 512]
+    steps = []
+    for n in points:
+        x = Grid((n, n)).coordinates()[1] - 0.5
+        height = (x[:, None] ** 2 + x[None, :] ** 2) / 2
+        contact = solve(height, HALF_SPACE, mean_pressure=0.02, method="gfmd", rtol=1e-6)
+        steps.append(contact.certificate.iterations)
+    assert -rate(points, steps) < 0.6
+
+
+def test_against_tamaas() -> None:
+    tamaas = pytest.importorskip("tamaas")
+    height = asp.self_affine((128, 128), 0.8, 0.25, 1 / 16, 1e-3, 2)
+    load = 0.05 * asp.measure(height).rms_gradient
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [128, 128])
+    model.E, model.nu = 1.0, 0.0
+    peer = tamaas.PolonskyKeerRey(model, -height, 1e-13)
+    peer.max_iter = 5000
+    peer.solve(load)
+    ours = solve(height, HALF_SPACE, mean_pressure=load, rtol=1e-11)
+    np.testing.assert_allclose(ours.pressure, np.asarray(model.traction), atol=1e-8 * ours.pressure.max())

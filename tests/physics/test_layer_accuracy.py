@@ -1,0 +1,80 @@
+"""The layer against the independent high-precision solve, over its whole range."""
+
+import numpy as np
+import pytest
+
+from asperity.layer import Layer
+from asperity.stability import FORMULAS, PRECISIONS, compute, layer_errors
+
+# Bounds on rounding, relative to the largest component at the same depth and per 1 + q depth.
+ROUNDING = {"float64": 4e-15, "float32": 2e-6}
+
+HEIGHTS = [1e-8, 1e-4, 0.02, 0.5, 0.999, 1.001, 3.0, 39.0, 300.0, 1e5]
+RATIOS = [-0.99, -0.3, 0.0, 0.33, 0.4999999, 0.5]
+
+
+@pytest.mark.parametrize("dtype", PRECISIONS)
+@pytest.mark.parametrize("poisson", RATIOS)
+@pytest.mark.parametrize("bottom", ["bonded", "frictionless", "free"])
+def test_layer_is_exact_to_rounding(bottom, poisson, dtype):
+    for height in HEIGHTS:
+        errors = layer_errors(height, bottom, poisson, dtype, fractions=(0.0, 1e-4, 0.3, 0.9, 0.9999, 1.0))
+        assert max(errors.values()) < ROUNDING[dtype], (height, errors)
+
+
+@pytest.mark.parametrize("dtype", PRECISIONS)
+@pytest.mark.parametrize("poisson", RATIOS)
+def test_half_space_is_exact_to_rounding(poisson, dtype):
+    errors = layer_errors(None, "bonded", poisson, dtype)
+    assert max(errors.values()) < ROUNDING[dtype], errors
+
+
+@pytest.mark.parametrize("dtype", PRECISIONS)
+@pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
+@pytest.mark.parametrize("poisson", [-0.9, 0.3, 0.5])
+def test_every_wavenumber_and_depth_gives_finite_numbers(bottom, poisson, dtype):
+    q = np.concatenate([[0.0], np.geomspace(1e-12, 1e9, 300)]).astype(dtype)[:, None]
+    depth = np.concatenate([[0.0], np.geomspace(1e-9, 1.0, 60), 1 - np.geomspace(1e-15, 0.5, 30)]).astype(
+        dtype
+    )
+    layer = Layer(1.0, poisson, 1.0, bottom)
+    with np.errstate(all="raise", under="ignore"):
+        for kernel in layer.kernels(q, depth):
+            assert np.all(np.isfinite(kernel))
+        assert np.all(np.isfinite(layer.surface_compliance(q)))
+        assert np.all(np.isfinite(layer.stress(q, 0 * q, depth)))
+        assert np.all(np.isfinite(layer.displacement(q, 0 * q, depth)))
+        assert np.all(np.isfinite(layer.compliance(q[1:].astype(float), 0 * q[1:])[20:]))
+
+
+def test_bonded_bottom_does_not_move_and_frictionless_bottom_does_not_sink():
+    q = np.geomspace(1e-8, 1e3, 40)
+    np.testing.assert_array_equal(Layer(1.0, 0.3, 0.7).displacement(q, q, 0.7), 0)
+    slides = Layer(1.0, 0.3, 0.7, "frictionless")
+    np.testing.assert_array_equal(slides.displacement(q, q, 0.7)[:, 2], 0)
+    np.testing.assert_array_equal(slides.stress(q, q, 0.7)[:, 3:5], 0)
+
+
+def test_stability_dataset_tells_the_formulas_apart():
+    data = compute(poisson=(0.33, 0.5), smallest=1e-4, largest=1e3, per_decade=1)
+    error = data["error"]
+    assert error.shape == (2, len(FORMULAS), len(PRECISIONS), 2, 8)
+    for precision in PRECISIONS:
+        ours = error.sel(formula="layer", precision=precision)
+        assert float(ours.max(skipna=False)) < ROUNDING[precision]
+    for formula in ("printed", "direct"):
+        theirs = error.sel(formula=formula, quantity="compliance", precision="float64", poisson=0.33)
+        assert float(theirs.min()) < 1e-12
+        assert float(theirs.max()) > 1e-6 or bool(np.isnan(theirs).any())
+    # Eqs. 5–7 have no solution at ν = 1/2, where C11 and C12 are infinite.
+    assert bool(np.isnan(error.sel(formula="direct", poisson=0.5)).all())
+
+
+def test_stability_figure_shows_every_formula():
+    stability = pytest.importorskip("asperity.figures.stability")
+    dataset = compute(poisson=(0.33, 0.5), smallest=0.1, largest=1e3, per_decade=1)
+    figure = stability.draw({"stability": dataset})
+    assert len(figure.axes) == 4
+    shown = [{line.get_color() for line in axis.get_lines()} for axis in figure.axes]
+    # The printed formulas have no stress.
+    assert [len(colours & {"#D55E00", "#56B4E9", "#000000"}) for colours in shown] == [3, 3, 2, 2]

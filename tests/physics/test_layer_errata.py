@@ -1,0 +1,245 @@
+"""What the paper prints and what holds, line by line, against the independent high-precision solve.
+
+Every correction is a pair: the printed form misses the independent solution by far more than any rounding,
+the corrected one meets it to all digits.
+"""
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from asperity.reference import printed
+from asperity.reference.state_space import StateSpace
+
+# Rounding of 60-digit arithmetic, with the digits lost in the solves.
+EXACT = mp.mpf(10) ** -40
+WRONG = 0.01
+
+MODES = [
+    (0.7, -1.1, 0.9, 2.3, 0.31),
+    (2.0, 1.3, 0.4, 1.0, -0.4),
+    (-0.3, 0.2, 1.7, 0.6, 0.1),
+]
+
+
+@pytest.fixture(autouse=True)
+def _digits():
+    with mp.workdps(60):
+        yield
+
+
+def numbers(mode):
+    return [mp.mpf(value) for value in mode]
+
+
+def profile(mode, depth=0.3, bottom="bonded"):
+    """Displacement of the independent solution and its first two derivatives along z."""
+    qx, qy, height, young, nu = numbers(mode)
+    solid = StateSpace(qx, qy, young, nu, height, bottom, digits=60)
+    state = solid.state(height * depth)
+    slope = solid.system * state
+    return [list(y[0:3]) for y in (state, slope, solid.system * slope)]
+
+
+def scale(values):
+    return max(abs(value) for value in values)
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize(("line", "holds"), [(0, False), (1, True), (2, False)])
+def test_equation_3(mode, line, holds):
+    qx, qy, _, young, nu = numbers(mode)
+    u = profile(mode)
+    size = young * (qx**2 + qy**2) * scale(u[0])
+    literal, right = (printed.equilibrium_in_space(u, qx, qy, young, nu, c)[line] for c in (False, True))
+    assert abs(right) < EXACT * size
+    assert (abs(literal) < EXACT * size) if holds else (abs(literal) > WRONG * size)
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_equation_4_holds(mode):
+    qx, qy, _, _, nu = numbers(mode)
+    u = profile(mode)
+    residual = printed.equilibrium_of_mode(u, qx, qy, (1 - 2 * nu) / (2 * (1 - nu)))
+    assert scale(residual) < EXACT * (qx**2 + qy**2) * scale(u[0])
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("column", range(6))
+def test_equation_6_columns_solve_equation_4_but_for_the_missing_f34(mode, column):
+    qx, qy, _, _, nu = numbers(mode)
+    s = (1 - 2 * nu) / (2 * (1 - nu))
+    z = mp.mpf("0.37")
+
+    def residual(corrected):
+        with mp.workdps(90):
+
+            def element(row, order, at):
+                return printed.basis(mp, qx, qy, at, s, corrected)[order][row][column]
+
+            values = [element(row, 0, z) for row in range(3)]
+            slopes = [element(row, 1, z) for row in range(3)]
+            curvatures = [mp.diff(lambda at, row=row: element(row, 1, at), z) for row in range(3)]
+            return scale(printed.equilibrium_of_mode([values, slopes, curvatures], qx, qy, s))
+
+    # Rounding of the numerical derivative of the analytical slopes.
+    assert residual(True) < mp.mpf(10) ** -30
+    if column == 3:
+        assert residual(False) > WRONG
+    else:
+        assert residual(False) < mp.mpf(10) ** -30
+
+
+def test_equation_6_slopes_are_derivatives():
+    qx, qy, _, _, nu = numbers(MODES[0])
+    s = (1 - 2 * nu) / (2 * (1 - nu))
+    z = mp.mpf("0.37")
+    for row in range(3):
+        for column in range(6):
+            slope = mp.diff(lambda at, r=row, c=column: printed.basis(mp, qx, qy, at, s)[0][r][c], z)
+            assert abs(slope - printed.basis(mp, qx, qy, z, s)[1][row][column]) < mp.mpf(10) ** -25
+
+
+def bonded_by_the_paper(mode, rows_corrected=True, basis_corrected=True):
+    """u at the top of a bonded layer under σ_zz = −1 and σ_zx = 1/2, by Eqs. 5, 6 and 7.
+
+    The shear is there because a pressure alone does not notice that the rows of Eq. 7 are exchanged.
+    """
+    qx, qy, height, young, nu = numbers(mode)
+    s = (1 - 2 * nu) / (2 * (1 - nu))
+    bottom, _ = printed.basis(mp, qx, qy, mp.mpf(0), s, basis_corrected)
+    top, slopes = printed.basis(mp, qx, qy, height, s, basis_corrected)
+    stress = printed.stress_rows(top, slopes, qx, qy, young, nu, rows_corrected)
+    amplitudes = mp.lu_solve(mp.matrix(bottom + stress), mp.matrix([0, 0, 0, -1, 0, mp.mpf("0.5")]))
+    return mp.matrix(top) * amplitudes
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_equations_5_to_7_solve_the_layer_once_the_rows_of_7_are_in_order(mode):
+    qx, qy, height, young, nu = numbers(mode)
+    solid = StateSpace(qx, qy, young, nu, height, digits=60)
+    true = solid.state(0, solid.solve([mp.mpf("0.5"), 0, -1]))[0:3]
+    size = scale(true)
+    assert scale(bonded_by_the_paper(mode) - true) < EXACT * size
+    assert scale(bonded_by_the_paper(mode, rows_corrected=False) - true) > WRONG * size
+    assert scale(bonded_by_the_paper(mode, basis_corrected=False) - true) > WRONG * size
+
+
+def test_equation_6_is_no_basis_for_an_incompressible_solid():
+    """The determinant of Eq. 5 at the two faces falls as s²; the problem is not singular at ν = 1/2."""
+    qx, qy, height, _, _ = numbers(MODES[0])
+
+    def determinant(nu):
+        s = (1 - 2 * nu) / (2 * (1 - nu))
+        rows = printed.basis(mp, qx, qy, mp.mpf(0), s)[0] + printed.basis(mp, qx, qy, height, s)[0]
+        return abs(mp.det(mp.matrix(rows)))
+
+    small, smaller = (determinant(mp.mpf(1) / 2 - mp.mpf(10) ** -n) for n in (8, 9))
+    assert small / smaller == pytest.approx(100, rel=1e-5)
+    assert determinant(mp.mpf(1) / 2) < EXACT
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_equation_10_holds(mode):
+    qx, qy, _, young, nu = numbers(mode)
+    solid = StateSpace(qx, qy, young, nu, digits=60)
+    # A traction t_z = 1 is the pressure −1.
+    true = -solid.state(0)[0:3]
+    assert scale(mp.matrix(printed.half_space_compliance(mp, qx, qy, young, nu)) - true) < EXACT * scale(true)
+
+
+def face_compliance(mode):
+    qx, qy, height, young, nu = numbers(mode)
+    return StateSpace(qx, qy, young, nu, height, "free", digits=60).compliance()
+
+
+# Element -> its entry (row, column), factor included
+ENTRIES = {
+    "11": (0, 0, 1),
+    "12": (0, 1, 1),
+    "13": (0, 2, 1j),
+    "22": (1, 1, 1),
+    "23": (1, 2, 1j),
+    "33": (2, 2, 1),
+    "14": (0, 3, 1),
+    "15": (0, 4, 1),
+    "16": (0, 5, 1j),
+    "25": (1, 4, 1),
+    "26": (1, 5, 1j),
+    "36": (2, 5, 1),
+}
+
+
+@pytest.mark.parametrize("mode", MODES)
+@pytest.mark.parametrize("element", printed.ELEMENTS)
+def test_equation_a3(mode, element):
+    true = face_compliance(mode)
+    row, column, factor = ENTRIES[element]
+    literal, right = (
+        factor * printed.compliance_elements(mp, *numbers(mode), corrected=c)[element] for c in (False, True)
+    )
+    size = mp.sqrt(abs(true[row, row] * true[column, column]))
+    assert abs(right - true[row, column]) < EXACT * size
+    if element in ("11", "12", "22", "33", "36", "16", "26"):
+        assert abs(literal - true[row, column]) > WRONG * size
+    else:
+        assert abs(literal - true[row, column]) < EXACT * size
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_equation_a2(mode):
+    true = face_compliance(mode)
+    elements = printed.compliance_elements(mp, *numbers(mode))
+    right, literal = (mp.matrix(printed.compliance(elements, c)) for c in (True, False))
+    wrong = []
+    for row in range(6):
+        for column in range(6):
+            size = mp.sqrt(abs(true[row, row] * true[column, column]))
+            assert abs(right[row, column] - true[row, column]) < EXACT * size
+            if abs(literal[row, column] - true[row, column]) > EXACT * size:
+                wrong.append((row + 1, column + 1))
+    assert wrong == [(5, 4), (6, 4), (6, 5)]
+
+
+@pytest.mark.parametrize("mode", MODES)
+def test_tractions_are_those_on_outward_normals(mode):
+    """With t_i = σ_iz on both faces the compliance would not be Hermitian."""
+    true = face_compliance(mode)
+    size = scale(true)
+    assert scale(true - true.transpose_conj()) < EXACT * size
+    inward = true * mp.diag([1, 1, 1, -1, -1, -1])
+    assert scale(inward - inward.transpose_conj()) > WRONG * size
+
+
+def spectral_radius(time_step, stiffness, damping):
+    """Of one step of position Störmer–Verlet with centred damping, unit mass."""
+    g = damping * time_step / 2
+    step = [[(2 - stiffness * time_step**2) / (1 + g), -(1 - g) / (1 + g)], [1, 0]]
+    return np.abs(np.linalg.eigvals(step)).max()
+
+
+def test_equation_18_damps_nothing_and_its_corrected_form_is_critical():
+    time_step, stiffness = 0.8, 0.9
+    assert printed.critical_damping(mp, time_step, stiffness, corrected=False) == 0
+    critical = float(printed.critical_damping(mp, time_step, stiffness))
+    fastest = spectral_radius(time_step, stiffness, critical)
+    # A double root: the radius rises like a square root on one side, linearly on the other.
+    assert fastest < spectral_radius(time_step, stiffness, 0.99 * critical)
+    assert fastest < spectral_radius(time_step, stiffness, 1.01 * critical)
+    assert spectral_radius(time_step, stiffness, 0.0) == pytest.approx(1)
+
+
+def test_equation_12_grows_without_limit():
+    """Every neighbour at distance r adds about 4 a³/(3 r), and there are r of them."""
+    a = 0.2
+
+    def partial_sum(n):
+        k = np.arange(-n, n + 1)
+        r = np.hypot(k[:, None], k[None, :])
+        r = r[r > 0]
+        e = a / r
+        return np.sum(r**2 * ((2 * e**2 - 1) * np.arcsin(e) + e * np.sqrt(1 - e**2)))
+
+    sums = np.array([partial_sum(n) for n in (10, 20, 40, 80)])
+    growth = np.diff(sums)
+    np.testing.assert_allclose(growth[1:] / growth[:-1], 2, rtol=0.03)

@@ -1,0 +1,138 @@
+"""The finite-element slab: its matrices against scikit-fem's own, exact solutions, and its contact."""
+
+import numpy as np
+import pytest
+import skfem
+from skfem.models.elasticity import lame_parameters, linear_elasticity
+
+from asperity.reference.finite_element import Slab, SlabContact, graded, press
+
+YOUNG, POISSON = 1.3, 0.3
+
+
+@pytest.fixture(scope="module")
+def slab():
+    return Slab(graded(0.5, 3, 2.0), 1 - graded(1.0, 4, 3.0)[::-1], YOUNG, POISSON)
+
+
+def test_graded_mesh_has_its_length_and_ratio():
+    edges = graded(0.5, 9, 3.0)
+    assert edges[0] == 0
+    assert edges[-1] == pytest.approx(0.5, rel=1e-15)
+    assert np.ptp(edges[-2:]) / np.ptp(edges[:2]) == pytest.approx(3.0, rel=1e-12)
+
+
+def test_stiffness_is_that_of_27_node_hexahedra(slab):
+    plane, column = slab.free.edges, slab.column.edges
+    mesh = skfem.MeshHex.init_tensor(plane, plane, column)
+    basis = skfem.Basis(mesh, skfem.ElementVector(skfem.ElementHex2()), intorder=4)
+    stiffness = linear_elasticity(*lame_parameters(YOUNG, POISSON)).assemble(basis)
+    assert stiffness.shape[0] == 3 * np.prod(slab.shape)
+
+    def numbers(lines, positions):
+        return np.abs(lines[:, None] - positions[None, :]).argmin(axis=0)
+
+    x, y, z = basis.doflocs
+    node = [numbers(slab.column.nodes, z), numbers(slab.free.nodes, y), numbers(slab.free.nodes, x)]
+    component = np.empty(len(x), int)
+    for number, name in enumerate(("u^1", "u^2", "u^3")):
+        component[basis.get_dofs(elements=True).all(name)] = number
+    displacement = np.random.default_rng(0).standard_normal((3, *slab.shape))
+    ours = slab.force(displacement)[component, node[0], node[1], node[2]]
+    theirs = stiffness @ displacement[component, node[0], node[1], node[2]]
+    # Rounding.
+    np.testing.assert_allclose(ours, theirs, atol=1e-12 * np.abs(theirs).max())
+
+
+def test_precondition_inverts_the_diagonal_blocks(slab):
+    """With Lamé's first parameter and the coupling of components gone, it is the inverse itself."""
+    force = np.random.default_rng(1).standard_normal((3, *slab.shape))
+    displacement = slab.precondition(force)
+    for component in range(3):
+        alone = np.zeros_like(displacement)
+        alone[component] = displacement[component]
+        back = slab.force(alone)[component]
+        free = ~slab._held[component]
+        # Rounding.
+        np.testing.assert_allclose(back[free], force[component][free], atol=1e-11 * np.abs(force).max())
+
+
+def test_uniform_compression_is_exact(slab):
+    """The whole surface held down: confined compression, stress C11 δ / height."""
+    nodes = np.arange(slab.shape[1] * slab.shape[2])
+    moved, force, _ = slab.solve_held(
+        np.zeros((3, *slab.shape)), nodes, np.full(len(nodes), -0.01), tolerance=1e-12
+    )
+    modulus = YOUNG * (1 - POISSON) / ((1 + POISSON) * (1 - 2 * POISSON))
+    # Solver.
+    assert -4 * force[2, -1].sum() == pytest.approx(0.01 * modulus, rel=1e-9)
+    _, z, displacement, stress = slab.on_diagonal(moved)
+    np.testing.assert_allclose(
+        displacement[:, :, 2], -0.01 * z[:, None] + 0 * displacement[:, :, 2], atol=1e-10
+    )
+    ratio = POISSON / (1 - POISSON)
+    expected = -0.01 * modulus * np.array([ratio, ratio, 1, 0, 0, 0])
+    np.testing.assert_allclose(stress, np.broadcast_to(expected, stress.shape), atol=1e-10)
+
+
+def test_stress_of_a_quadratic_displacement_is_exact(slab):
+    """Gauss-point strains of a field inside the elements' space."""
+    z, y, x = np.meshgrid(slab.column.nodes, slab.free.nodes, slab.free.nodes, indexing="ij")
+    moved = np.stack([x * y + z**2, 2 * x * z, x**2 - 3 * y * z])
+    along, up, displacement, stress = slab.on_diagonal(moved)
+    z, x = np.meshgrid(up, along, indexing="ij")
+    y, mu, lame = x, slab.shear_modulus, slab.lame
+    trace = y - 3 * y
+    expected = [lame * trace + 2 * mu * y, lame * trace, lame * trace - 6 * mu * y]
+    expected += [mu * (2 * x - 3 * z), mu * (2 * z + 2 * x), mu * (x + 2 * z)]
+    # Rounding.
+    np.testing.assert_allclose(stress, np.stack(expected, axis=-1), atol=1e-13)
+    np.testing.assert_allclose(displacement[..., 1], 2 * x * z, atol=1e-14)
+
+
+@pytest.fixture(scope="module")
+def pressed() -> SlabContact:
+    slab = Slab(graded(0.5, 8, 2.0), 1 - graded(1.0, 7, 6.0)[::-1], YOUNG, POISSON)
+    return press(slab, 10.0, 0.002, tolerance=1e-10)
+
+
+def test_contact_is_complementary(pressed):
+    nodes = pressed.slab.free.nodes
+    height = (nodes[:, None] ** 2 + nodes**2) / 20
+    gap = height - pressed.displacement[2, -1] - 0.002
+    assert np.all(pressed.pressure[pressed.contact] > 0)
+    assert np.all(pressed.pressure[~pressed.contact] == 0)
+    assert np.all(gap[~pressed.contact] > 0)
+    # Rounding, against the approach.
+    assert np.abs(gap[pressed.contact]).max() < 1e-12
+
+
+def test_contact_carries_its_load_to_the_ground(pressed):
+    force = pressed.slab.force(pressed.displacement)
+    # Solver.
+    assert 4 * force[2, 0].sum() == pytest.approx(pressed.load, rel=1e-8)
+
+
+def test_contact_is_symmetric_in_x_and_y(pressed):
+    # Solver.
+    np.testing.assert_allclose(pressed.pressure, pressed.pressure.T, rtol=1e-6)
+
+
+def test_iterations_do_not_grow_with_the_mesh():
+    counts = []
+    for elements in (4, 8, 14):
+        slab = Slab(graded(0.5, elements, 2.0), 1 - graded(1.0, elements, 6.0)[::-1], YOUNG, POISSON)
+        nodes = np.array([0])
+        counts.append(slab.solve_held(np.zeros((3, *slab.shape)), nodes, np.array([-1.0]), 1e-8)[2])
+    assert max(counts) <= min(counts) + 8
+
+
+def test_a_solve_that_does_not_converge_says_so(slab):
+    with pytest.raises(RuntimeError, match="after 2 iterations"):
+        slab.solve_held(np.zeros((3, *slab.shape)), np.array([0]), np.array([-1.0]), 1e-12, limit=2)
+
+
+@pytest.mark.parametrize("poisson", [0.5, -1.0, np.nan])
+def test_poisson_out_of_range_is_named(poisson):
+    with pytest.raises(ValueError, match="poisson"):
+        Slab(graded(0.5, 2, 1.0), graded(1.0, 2, 1.0), YOUNG, poisson)

@@ -1,0 +1,170 @@
+"""Hertz, alone and repeated."""
+
+import numpy as np
+import pytest
+import scipy.integrate
+import scipy.special
+from hypothesis import given
+from hypothesis import strategies as st
+
+from asperity.reference.elementary import point_force_stress
+from asperity.reference.hertz import Hertz, unit_displacement
+from asperity.reference.periodic_hertz import PeriodicHertz, replica_difference
+
+CONTACT = Hertz(contact_radius=0.3, curvature_radius=2.0, effective_modulus=1.7)
+positions = st.floats(0.0, 3.0)
+
+
+def test_load_approach_and_pressure_belong_together():
+    assert Hertz.from_load(CONTACT.load, 2.0, 1.7).contact_radius == pytest.approx(0.3, rel=1e-14)
+    assert Hertz.from_approach(CONTACT.approach, 2.0, 1.7).contact_radius == pytest.approx(0.3, rel=1e-14)
+    assert CONTACT.load == pytest.approx(np.pi * 0.3**2 * CONTACT.mean_contact_pressure, rel=1e-14)
+    load, _ = scipy.integrate.quad(lambda r: 2 * np.pi * r * CONTACT.pressure(r), 0, 0.3)
+    assert load == pytest.approx(CONTACT.load, rel=1e-8)
+
+
+def test_surface_follows_the_indenter_inside_and_stays_below_it_outside():
+    r = np.linspace(0, 0.3, 50)
+    np.testing.assert_allclose(CONTACT.displacement(r), CONTACT.approach - r**2 / 4, rtol=1e-14)
+    r = np.linspace(0.3001, 3, 50)
+    assert np.all(CONTACT.displacement(r) > CONTACT.approach - r**2 / 4)
+
+
+def test_far_surface_is_that_of_a_point_force():
+    assert 1e6 * unit_displacement(1e6) == pytest.approx(4 / 3, rel=1e-12)
+
+
+def test_displacement_series_meets_the_printed_form():
+    rho = np.array([4.0, 5.0, 8.0])
+    printed = (2 - rho**2) * np.arcsin(1 / rho) + np.sqrt(rho**2 - 1)
+    # Rounding of the printed form, about ρ³ ε.
+    np.testing.assert_allclose(unit_displacement(rho), printed, rtol=1e-12)
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
+def test_stress_is_the_hankel_transform_of_the_pressure(poisson):
+    """Every component at points off the axis, from the half-space's kernels and the transformed pressure."""
+    r, depth, a = 0.23, 0.11, CONTACT.contact_radius
+
+    def integral(kernel):
+        def integrand(t):
+            # ∫ p r J0(tr) dr = p0 a² (sin ta − ta cos ta)/(ta)³
+            s = t * a
+            pressure = a**2 * (np.sin(s) - s * np.cos(s)) / s**3
+            return pressure * t * kernel(t) * np.exp(-t * depth)
+
+        return scipy.integrate.quad(integrand, 0, 400, limit=2000, epsabs=1e-13, epsrel=1e-12)[0]
+
+    j0, j1 = scipy.special.j0, scipy.special.j1
+    nu = poisson
+    axial = -integral(lambda t: (1 + t * depth) * j0(t * r))
+    shear = integral(lambda t: t * depth * j1(t * r))
+    along = integral(lambda t: (1 - t * depth) * j0(t * r))
+    bent = integral(lambda t: (1 - 2 * nu - t * depth) * j1(t * r) / (t * r))
+    mean = integral(lambda t: 2 * nu * j0(t * r))
+    radial, hoop = -along + bent, -mean - bent
+    found = CONTACT.stress(r, depth, poisson)
+    expected = np.array([radial, hoop, axial, shear]) * CONTACT.largest_pressure
+    # Quadrature.
+    np.testing.assert_allclose(np.array(found), expected, atol=1e-9 * CONTACT.largest_pressure)
+
+
+@given(positions, positions, st.floats(0.02, 3.0), st.floats(-0.5, 0.5))
+def test_stress_is_in_equilibrium(y, x, depth, poisson):
+    step = 1e-4
+
+    def difference(axis):
+        shift = np.zeros(3)
+        shift[axis] = step
+
+        def at(sign):
+            here = np.array([x, y, -depth]) + sign * shift
+            return CONTACT.stress_cartesian(here[1], here[0], -here[2], poisson)
+
+        return (at(1) - at(-1)) / (2 * step)
+
+    dx, dy, dz = map(difference, range(3))
+    force = [dx[0] + dy[5] + dz[4], dx[5] + dy[1] + dz[3], dx[4] + dy[3] + dz[2]]
+    # Second differences: step² over the cube of the distance to the edge of contact.
+    assert np.abs(force).max() < 20 * step**2 * CONTACT.largest_pressure / 0.02**3
+
+
+@given(positions, st.floats(-0.5, 0.5))
+def test_surface_stress_is_the_pressure_without_shear(r, poisson):
+    stress = CONTACT.stress(r, 0.0, poisson)
+    assert float(stress.axial) == pytest.approx(-float(CONTACT.pressure(r)), abs=1e-15)
+    assert float(stress.shear) == 0.0
+    assert np.all(np.isfinite(stress))
+
+
+def test_edge_of_contact_is_in_pure_shear():
+    """The largest tension, (1 − 2ν) p0 / 3 along the radius."""
+    radial, hoop, axial, shear = CONTACT.stress(0.3, 0.0, 0.25)
+    assert radial == pytest.approx(CONTACT.largest_pressure / 6, rel=1e-14)
+    assert hoop == pytest.approx(-radial, rel=1e-14)
+    assert axial == shear == 0
+
+
+@pytest.mark.parametrize(("poisson", "peak", "depth"), [(0.0, 0.7696, 0.3819), (0.5, 0.5327, 0.5479)])
+def test_largest_von_mises_stress(poisson, peak, depth):
+    z = np.linspace(0, 1, 10001)
+    found = CONTACT.stress(0.0, 0.3 * z, poisson).von_mises / CONTACT.largest_pressure
+    # The printed digits.
+    assert found.max() == pytest.approx(peak, abs=5e-5)
+    assert z[found.argmax()] == pytest.approx(depth, abs=1.5e-4)
+
+
+def test_far_stress_is_that_of_a_point_force():
+    far = 300.0
+    y, x, depth = far * np.array([0.3, 0.5, 0.7])
+    expected = CONTACT.load * point_force_stress(y, x, depth, 0.3)
+    # The next multipole, (a / distance)².
+    np.testing.assert_allclose(CONTACT.stress_cartesian(y, x, depth, 0.3), expected, rtol=1e-5)
+
+
+def test_replicas_against_a_very_wide_window():
+    """Plain summation over 2n + 1 periods, whose remainder is the integral beyond, to order n⁻³."""
+    from asperity.reference.periodic_hertz import _windowed_difference
+
+    wide = _windowed_difference(0.2, 0.0, 0.2, 1.0, 200)
+    assert replica_difference(0.2, 0.0, 0.2, 1.0) == pytest.approx(wide, abs=3e-10)
+
+
+def test_replicas_against_the_fourier_sum():
+    """The same displacement by modes: Hertz's pressure transformed, divided by q."""
+    contact = PeriodicHertz(0.2, 10.0)
+    n = 1500
+    k = 2 * np.pi * np.arange(-n, n + 1)
+    kx, ky = k[None, :], k[n:, None]
+    q = np.hypot(kx, ky)
+    q[0, n] = 1.0
+    s = q * 0.2
+    pressure = 2 * np.pi * contact.largest_pressure * 0.2**2 * (np.sin(s) - s * np.cos(s)) / s**3
+    mode = np.where(ky > 0, 2, 1) * 2 / q * pressure
+    mode[0, n] = 0.0
+    for y, x in ((0.0, 0.2), (0.5, 0.5), (0.1, 0.3)):
+        summed = float(np.sum(mode * (np.cos(kx * x + ky * y) - 1)))
+        # Truncation of the sum over modes.
+        assert contact.displacement(y, x) == pytest.approx(summed, rel=2e-5)
+
+
+def test_enhancement_of_small_contacts():
+    """The neighbours' curvature: 1 + c (a/L)³ with c = (4/3π) · 9.0336/2, the sum of r⁻³ over the lattice."""
+    lattice = (
+        4 * scipy.special.zeta(1.5) * (scipy.special.zeta(1.5, 0.25) - scipy.special.zeta(1.5, 0.75)) / 8
+    )
+    small = PeriodicHertz(0.01, 1.0).enhancement
+    # The next order, (a/L)².
+    assert (small - 1) / 0.01**3 == pytest.approx(2 / np.pi * lattice / 3, rel=1e-3)
+
+
+@pytest.mark.parametrize("name", ["contact_radius", "curvature_radius", "effective_modulus"])
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
+def test_bad_values_are_named(name, value):
+    with pytest.raises(ValueError, match=name):
+        Hertz(**{"contact_radius": 1.0, "curvature_radius": 1.0, name: value})
+
+
+def test_overlapping_contacts_are_refused():
+    with pytest.raises(ValueError, match="below half the period"):
+        PeriodicHertz(0.5, 1.0)

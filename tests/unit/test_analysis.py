@@ -1,0 +1,177 @@
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from asperity.analysis import EVERY_POISSON, QUANTITIES, analyse
+from asperity.body import body_planes, depth_grid
+from asperity.layer import Layer
+from asperity.peaks import find_peaks, plane_peaks
+from asperity.spectral import Fourier, Grid, Work
+from asperity.statistics import autocorrelation, select_peaks
+
+RATIOS = [0.0, 0.33, 0.5]
+
+
+@dataclass(frozen=True)
+class Pressed:
+    pressure: np.ndarray
+    grid: Grid
+    layer: Layer
+
+
+def rough(points=96, layer=None, seed=0):
+    """A pressure with many spots of many sizes: what exceeds a threshold of a random field."""
+    grid = Grid((points, points))
+    draw = np.random.default_rng(seed)
+    reference = Grid((64, 64))
+    wavenumber = reference.wavenumber() / (2 * np.pi)
+    band = np.where((wavenumber > 3) & (wavenumber < 14), np.maximum(wavenumber, 1) ** -1.8, 0)
+    modes = np.zeros(grid.half_shape, complex)
+    kept = np.abs(reference.ky) < 32
+    random = band * np.exp(2j * np.pi * draw.random(band.shape))
+    modes[np.ix_(reference.ky[kept], reference.kx[:32])] = random[kept, :32]
+    field = Fourier(grid).inverse(modes)
+    excess = np.maximum(field - np.quantile(field, 0.85), 0.0)
+    return Pressed(0.1 * np.sqrt(excess / excess.max()), grid, layer or Layer(young=1.0, poisson=0.33))
+
+
+@pytest.fixture(scope="module")
+def contact():
+    return rough()
+
+
+@pytest.fixture(scope="module")
+def result(contact):
+    return analyse(contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=1e-5)
+
+
+def test_peaks_are_those_of_a_search_in_the_full_planes(contact):
+    """On one grid throughout, against the plain search through planes of each field."""
+    data = analyse(contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=0, growth=0.3, floor=0.0)
+    depths = data["plane_depth"].values
+    for name in QUANTITIES[1:]:
+        for number, nu in enumerate(RATIOS):
+            planes = body_planes(contact, depths, nu, (name,), tolerance=0)
+            expected = find_peaks(planes, name)
+            mine = select_peaks(data, name, nu)
+            floor = 1e-9
+            kept = np.abs(expected.value) > floor
+            got = mine.isel(peak=np.flatnonzero(np.abs(mine["peak_value"].values) > floor))
+            assert got.sizes["peak"] == np.sum(kept), (name, number)
+            order, other = np.argsort(expected.value[kept]), np.argsort(got["peak_value"].values)
+            np.testing.assert_allclose(
+                got["peak_value"].values[other], expected.value[kept][order], rtol=1e-8
+            )
+            np.testing.assert_array_equal(got["peak_interior"].values[other], expected.interior[kept][order])
+
+
+def test_pressure_peaks_are_those_of_the_surface(contact, result):
+    expected = plane_peaks(contact.pressure / contact.layer.effective_modulus, contact.grid)
+    peaks = select_peaks(result, "pressure", 0.5)
+    np.testing.assert_allclose(peaks["peak_value"], expected.value)
+    assert (peaks["peak_poisson"] == EVERY_POISSON).all()
+    assert (peaks["peak_interior"] == 0).all()
+    assert (peaks["peak_depth"] == 0).all()
+
+
+def test_profile_and_covariance_are_those_of_the_planes(contact):
+    """Eq. 22, on the full grid: against its definition."""
+    data = analyse(contact, poisson=RATIOS, quantities=("von_mises",), tolerance=0)
+    depths = data["plane_depth"].values
+    fields = [p.fields["von_mises"] for p in body_planes(contact, depths, RATIOS, tolerance=0)]
+    for number in range(len(RATIOS)):
+        planes = np.stack([field[number] for field in fields])
+        np.testing.assert_allclose(data["mean_von_mises"][number], planes.mean(axis=(1, 2)), rtol=1e-12)
+        np.testing.assert_allclose(data["largest_von_mises"][number], planes.max(axis=(1, 2)), rtol=1e-12)
+        best = int(np.argmax(planes.max(axis=(1, 2))))
+        assert data["reference_depth"][number] == depths[best]
+        covariance = (
+            np.mean(planes * planes[best], axis=(1, 2)) - planes.mean(axis=(1, 2)) * planes[best].mean()
+        )
+        np.testing.assert_allclose(data["covariance_depth"][number], covariance, rtol=1e-9, atol=1e-15)
+        lag, plane = autocorrelation(planes[best], contact.grid)
+        np.testing.assert_allclose(data["covariance_plane"][number], plane, rtol=1e-9, atol=1e-15)
+        np.testing.assert_allclose(data["lag"], lag)
+
+
+def test_coarse_planes_change_the_statistics_by_no_more_than_the_tolerance(contact):
+    exact, coarse = (analyse(contact, poisson=RATIOS, tolerance=t) for t in (0, 1e-5))
+    assert coarse["plane_points"][-1] < exact["plane_points"][-1]
+    scale = float(exact["largest_von_mises"].max())
+    for name in ("mean_von_mises", "reference_depth"):
+        np.testing.assert_allclose(coarse[name], exact[name], rtol=0, atol=1e-4 * scale)
+    # Coarse nodes miss the very top of a plane.
+    np.testing.assert_allclose(coarse["largest_von_mises"], exact["largest_von_mises"], rtol=0.03)
+    for name in ("covariance_depth", "covariance_plane"):
+        largest = float(np.abs(exact[name]).max())
+        np.testing.assert_allclose(coarse[name], exact[name], rtol=0, atol=1e-4 * largest)
+    for name in ("von_mises", "zz"):
+        for nu in RATIOS:
+            one, two = (np.sort(select_peaks(d, name, nu)["peak_value"].values) for d in (exact, coarse))
+            assert abs(one.size - two.size) <= max(2, 0.02 * one.size)
+            for share in (0.1, 0.5, 0.9, 0.99):
+                assert np.quantile(one, share) == pytest.approx(np.quantile(two, share), abs=0.01 * scale)
+
+
+def test_largest_peak_is_no_lower_than_its_plane(result):
+    for number, nu in enumerate(RATIOS):
+        peaks = select_peaks(result, "von_mises", nu)
+        largest = float(result["largest_von_mises"][number].max())
+        assert largest <= peaks["peak_value"].max() <= 1.05 * largest
+
+
+def test_stream_costs_what_the_issue_allows_and_no_more_for_five_ratios(contact):
+    one, five = Work(), Work()
+    analyse(contact, poisson=[0.1, 0.2], tolerance=1e-4, work=one)
+    analyse(contact, poisson=[0.0, 0.1, 0.2, 0.33, 0.5], tolerance=1e-4, work=five)
+    assert five.transforms(contact.grid) / 8 < 40
+    assert five.nodes < 1.4 * one.nodes
+
+
+def test_the_same_on_two_threads(contact, result):
+    two = analyse(contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=1e-5, threads=2)
+    xr.testing.assert_identical(two, result)
+
+
+@pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
+def test_a_layer_is_followed_to_its_bottom(bottom):
+    layer = Layer(young=1.0, poisson=0.3, height=0.05, bottom=bottom)
+    data = analyse(rough(64, layer), quantities=("zz", "xx"))
+    assert data["plane_depth"][-1] == 0.05
+    assert data["poisson"].values.tolist() == [0.3]
+    assert set(data["peak_poisson"].values) == {0}
+
+
+def test_a_thick_layer_is_a_half_space(contact):
+    thick = replace(contact, layer=Layer(young=1.0, poisson=0.33, height=5.0))
+    depths = depth_grid(contact.grid, 0.3)
+    one, two = (analyse(c, depths, tolerance=0, quantities=("von_mises",)) for c in (contact, thick))
+    np.testing.assert_allclose(one["covariance_depth"], two["covariance_depth"], rtol=1e-9)
+    np.testing.assert_allclose(one["largest_von_mises"], two["largest_von_mises"], rtol=1e-9)
+
+
+def test_progress_ends_at_its_total(contact):
+    calls = []
+    analyse(contact, [0.0, 0.01, 0.02, 0.1], progress=lambda *c: calls.append(c))
+    done, total = np.array(calls).T
+    assert np.all(np.diff(done) >= 0)
+    assert done[-1] == pytest.approx(total[-1])
+
+
+def test_bad_quantity_is_named(contact):
+    with pytest.raises(ValueError, match=r"^quantities = 'vm'"):
+        analyse(contact, quantities=("vm",))
+    with pytest.raises(ValueError, match=r"^floor"):
+        analyse(contact, floor=-1.0)
+
+
+def test_floor_leaves_out_ripples_and_no_peak_under_a_contact(contact):
+    counts = []
+    for floor in (0.0, 0.01):
+        data = analyse(contact, floor=floor, tolerance=1e-4)
+        counts.append([select_peaks(data, "xz", None, s).sizes["peak"] for s in ("all", "under_contact")])
+    (every, below), (fewer, still) = counts
+    assert fewer < every
+    assert still > 0.98 * below

@@ -1,0 +1,372 @@
+"""Behaviour of `solve`, `solve_path` and the certificate: controls, extremes, bad input."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.contact import Contact, ConvergenceError, certify, solve, solve_path
+from asperity.layer import Layer
+from asperity.spectral import Array
+
+HALF_SPACE = Layer(1 - 0.33**2, 0.33)
+SLAB = Layer(1 - 0.33**2, 0.33, height=1.0)
+INCOMPRESSIBLE = Layer(0.75, 0.5, height=0.1)
+METHODS = ("active_set", "gfmd")
+
+
+def rough(shape: tuple[int, int] = (64, 64), seed: int = 1) -> Array:
+    return asp.self_affine(shape, 0.8, 0.5, 0.125, 1e-3, seed)
+
+
+def load_of(height: Array, fraction: float = 0.05) -> float:
+    return fraction * asp.measure(height).rms_gradient
+
+
+def largest_difference(one: Contact, other: Contact) -> float:
+    return float(np.abs(one.pressure - other.pressure).max() / other.pressure.max())
+
+
+@pytest.mark.parametrize("layer", [HALF_SPACE, SLAB, INCOMPRESSIBLE, Layer(0.8, 0.2, 0.3, "frictionless")])
+@pytest.mark.parametrize("method", METHODS)
+def test_controls_agree(layer: Layer, method: str) -> None:
+    """Solver error: three controls at one state."""
+    height = rough()
+    by_load = solve(height, layer, mean_pressure=load_of(height), method=method, rtol=1e-9)
+    by_load.certificate.check(1e-7)
+    by_approach = solve(height, layer, approach=by_load.approach, method=method, rtol=1e-9)
+    assert largest_difference(by_approach, by_load) < 1e-6
+    by_area = solve(height, layer, area_fraction=by_load.area_fraction, method=method, rtol=1e-9)
+    assert np.count_nonzero(by_area.pressure) == np.count_nonzero(by_load.pressure)
+    # One node enters or leaves per few thousandths of the load on this grid.
+    assert by_area.mean_pressure == pytest.approx(by_load.mean_pressure, rel=0.02)
+
+
+@pytest.mark.parametrize("layer", [HALF_SPACE, SLAB, INCOMPRESSIBLE])
+def test_methods_agree(layer: Layer) -> None:
+    height = rough()
+    one, other = (
+        solve(height, layer, mean_pressure=load_of(height), method=method, rtol=1e-11) for method in METHODS
+    )
+    assert largest_difference(one, other) < 1e-9
+    assert one.approach == pytest.approx(other.approach, abs=1e-9 * height.std())
+
+
+@pytest.mark.parametrize("area_fraction", [0.003, 0.05, 0.3, 0.8])
+def test_area_is_met(area_fraction: float) -> None:
+    height = rough((128, 128))
+    contact = solve(height, HALF_SPACE, area_fraction=area_fraction)
+    wanted = round(area_fraction * height.size)
+    assert abs(np.count_nonzero(contact.pressure) - wanted) <= max(0.5, 1e-4 * wanted)
+    contact.certificate.check(1e-4)
+
+
+@pytest.mark.parametrize("hurst", [0.2, 0.8])
+@pytest.mark.parametrize("area_fraction", [0.003, 0.05, 0.1])
+def test_area_control_costs_at_most_twice_a_solve(hurst: float, area_fraction: float) -> None:
+    """On the mean of three surfaces."""
+    spent = np.zeros(2)
+    for seed in (1, 2, 3):
+        height = asp.self_affine((256, 256), hurst, 0.125, 1 / 32, 1e-3, seed)
+        by_area = solve(height, HALF_SPACE, area_fraction=area_fraction)
+        by_load = solve(height, HALF_SPACE, mean_pressure=by_area.mean_pressure)
+        spent += by_area.certificate.pairs, by_load.certificate.pairs
+    assert spent[0] < 2 * spent[1]
+
+
+@pytest.mark.parametrize("fraction", [0.002, 0.05])
+def test_area_that_jumps(fraction: float) -> None:
+    """A crossed grating has contacts alike: its area jumps, and the nearer side is taken."""
+    x = np.arange(64) / 64
+    wave = np.cos(8 * np.pi * x)
+    height = 1e-3 * (wave[:, None] + wave[None, :])
+    contact = solve(height, HALF_SPACE, area_fraction=fraction)
+    count = np.count_nonzero(contact.pressure)
+    assert count % 16 == 0
+    assert abs(count - fraction * height.size) <= 64
+    contact.certificate.check(1e-4)
+
+
+def test_path_costs_no_more_than_single_solves() -> None:
+    height = asp.self_affine((256, 256), 0.8, 0.125, 1 / 32, 1e-3, 1)
+    fractions = [0.002, 0.005, 0.01, 0.05, 0.1, 0.12]
+    for step in solve_path(height, HALF_SPACE, area_fractions=fractions):
+        single = solve(height, HALF_SPACE, mean_pressure=step.mean_pressure)
+        assert step.certificate.pairs < 2.5 * single.certificate.pairs
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_fields_belong_together(method: str) -> None:
+    """Rounding: gap = height + displacement − approach, and the displacement is that of the pressure."""
+    height = rough()
+    contact = solve(height, SLAB, mean_pressure=load_of(height), method=method)
+    np.testing.assert_allclose(
+        contact.gap, contact.height + contact.displacement - contact.approach, atol=1e-15, rtol=0
+    )
+    assert contact.area_fraction == np.count_nonzero(contact.pressure) / height.size
+    assert contact.mean_pressure == pytest.approx(load_of(height), rel=1e-6)
+    assert 0 < contact.gradient_rms_contact < 2 * asp.measure(height).rms_gradient
+    assert contact.certificate.pairs > 0
+    assert contact.certificate.iterations > 0
+
+
+def test_result_repeats_and_does_not_depend_on_threads() -> None:
+    height = rough((256, 130))
+    first = solve(height, SLAB, mean_pressure=load_of(height))
+    for threads in (1, 2):
+        again = solve(height, SLAB, mean_pressure=load_of(height), threads=threads)
+        np.testing.assert_array_equal(again.pressure, first.pressure)
+
+
+# Extremes
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_full_contact(method: str) -> None:
+    """Exact: û = −ĥ at every mode but the uniform one."""
+    height = rough()
+    contact = solve(height, HALF_SPACE, mean_pressure=2.0, method=method, rtol=1e-12)
+    assert contact.area_fraction == 1
+    assert np.abs(contact.displacement + height - contact.approach).max() < 1e-8 * height.std()
+    contact.certificate.check(1e-7)
+
+
+@pytest.mark.parametrize("fraction", [0.3, 0.5, 0.7])
+def test_nearly_full_contact(fraction: float) -> None:
+    height = rough((128, 128))
+    contact = solve(height, HALF_SPACE, mean_pressure=load_of(height, fraction), rtol=1e-8)
+    assert contact.area_fraction > 0.5
+    contact.certificate.check(1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_one_node_in_contact(method: str) -> None:
+    height = rough()
+    contact = solve(height, HALF_SPACE, area_fraction=1 / height.size, method=method)
+    assert np.count_nonzero(contact.pressure) == 1
+    assert np.argmax(contact.pressure) == np.argmin(height)
+    contact.certificate.check(1e-4)
+
+
+@pytest.mark.parametrize("load", [1e-9, 1e-15, 1e-100])
+def test_vanishing_load(load: float) -> None:
+    height = rough()
+    contact = solve(height, HALF_SPACE, mean_pressure=load)
+    assert contact.mean_pressure == pytest.approx(load, rel=1e-12)
+    assert contact.pressure.reshape(-1)[np.argmin(height)] == contact.pressure.max()
+    contact.certificate.check(1e-5)
+
+
+def test_no_load_touches() -> None:
+    height = rough()
+    contact = solve(height, HALF_SPACE, mean_pressure=0.0)
+    assert not contact.pressure.any()
+    assert contact.approach == height.min()
+    assert contact.area_fraction == 0
+    assert np.isnan(contact.gradient_rms_contact)
+
+
+@pytest.mark.parametrize("layer", [HALF_SPACE, SLAB])
+def test_lift_off(layer: Layer) -> None:
+    height = rough()
+    contact = solve(height, layer, approach=height.min() - 1e-3)
+    assert not contact.pressure.any()
+    np.testing.assert_allclose(contact.gap.min(), 1e-3, rtol=1e-12)
+    contact.certificate.check(0.0)
+
+
+@pytest.mark.parametrize("layer", [HALF_SPACE, SLAB, INCOMPRESSIBLE])
+@pytest.mark.parametrize("method", METHODS)
+def test_flat_surface(layer: Layer, method: str) -> None:
+    contact = solve(np.zeros((16, 16)), layer, mean_pressure=0.01, method=method)
+    np.testing.assert_allclose(contact.pressure, 0.01, rtol=1e-6)
+    assert contact.area_fraction == 1
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_single_asperity(method: str) -> None:
+    height = np.ones((32, 32))
+    height[7, 9] = 0.0
+    contact = solve(height, HALF_SPACE, mean_pressure=1e-4, method=method)
+    assert np.count_nonzero(contact.pressure) == 1
+    assert contact.pressure[7, 9] == pytest.approx(1e-4 * height.size)
+
+
+@pytest.mark.parametrize("poisson", [0.49, 0.4999, 0.5])
+@pytest.mark.parametrize("thickness", [0.3, 0.03, 0.003])
+def test_thin_bonded_nearly_incompressible(poisson: float, thickness: float) -> None:
+    height = rough()
+    layer = Layer(1 - poisson**2, poisson, height=thickness)
+    contact = solve(height, layer, mean_pressure=load_of(height), rtol=1e-8)
+    contact.certificate.check(1e-5)
+
+
+@pytest.mark.parametrize(
+    ("shape", "length"),
+    [((31, 47), 1.0), ((45, 64), (0.5, 1.5)), ((16, 128), (0.25, 2.0)), ((1, 64), (0.1, 1.0))],
+)
+def test_odd_and_oblong_grids(shape: tuple[int, int], length: float | tuple[float, float]) -> None:
+    generator = np.random.default_rng(4)
+    height = 1e-3 * generator.standard_normal(shape)
+    height += 1e-2 * np.cos(2 * np.pi * np.arange(shape[1]) / shape[1])
+    contact = solve(height, HALF_SPACE, length, mean_pressure=0.01, rtol=1e-9)
+    assert 0 < contact.area_fraction < 1
+    contact.certificate.check(1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_single_precision_throughout(method: str) -> None:
+    """Rounding of single precision, 6e-8, times the conditioning of the problem."""
+    height = rough()
+    reference = solve(height, SLAB, mean_pressure=load_of(height), rtol=1e-9)
+    contact = solve(height, SLAB, mean_pressure=load_of(height), dtype="float32", rtol=1e-4, method=method)
+    assert contact.pressure.dtype == contact.gap.dtype == np.float32
+    assert np.linalg.norm(contact.pressure - reference.pressure) < 1e-3 * np.linalg.norm(reference.pressure)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_unreachable_tolerance_raises_with_numbers(method: str) -> None:
+    height = rough((32, 32))
+    with pytest.raises(ConvergenceError, match="residual") as caught:
+        solve(height, SLAB, mean_pressure=load_of(height), dtype="float32", rtol=1e-12, method=method)
+    error = caught.value
+    assert error.residual > error.tolerance == 1e-12
+    assert error.iterations > 0
+    assert error.load == pytest.approx(load_of(height), rel=0.1)
+
+
+@pytest.mark.parametrize("gradient", [1e-6, 1e-3, 1.0, 10.0])
+def test_rms_gradient(gradient: float) -> None:
+    """The problem is linear: pressures and heights scale together."""
+    height = rough()
+    scale = gradient / asp.measure(height).rms_gradient
+    one = solve(height, HALF_SPACE, mean_pressure=load_of(height), rtol=1e-8)
+    other = solve(scale * height, HALF_SPACE, mean_pressure=scale * load_of(height), rtol=1e-8)
+    np.testing.assert_allclose(other.pressure, scale * one.pressure, atol=1e-6 * other.pressure.max())
+
+
+@pytest.mark.parametrize("young", [1e-6, 1e11])
+def test_units_do_not_matter(young: float) -> None:
+    height = rough()
+    one = solve(height, Layer(1.0, 0.3), mean_pressure=load_of(height), rtol=1e-8)
+    other = solve(1e6 * height, Layer(young, 0.3), 1e6, mean_pressure=young * load_of(height), rtol=1e-8)
+    np.testing.assert_allclose(other.pressure, young * one.pressure, atol=1e-6 * other.pressure.max())
+
+
+# Load paths
+
+
+def test_path_is_the_same_as_single_solves_and_cheaper() -> None:
+    height = rough((128, 128))
+    fractions = [0.02, 0.05, 0.1]
+    path = list(solve_path(height, HALF_SPACE, area_fractions=fractions, rtol=1e-8))
+    for fraction, step in zip(fractions, path, strict=True):
+        single = solve(height, HALF_SPACE, area_fraction=fraction, rtol=1e-8)
+        assert abs(step.area_fraction - single.area_fraction) * height.size <= 1
+        assert step.mean_pressure == pytest.approx(single.mean_pressure, rel=2e-3)
+    pressures = [step.mean_pressure for step in path]
+    assert pressures == sorted(pressures)
+
+
+def test_path_of_approaches_and_loads() -> None:
+    height = rough()
+    approaches = [height.min() - 1e-4, height.min() + 2e-4, height.min() + 1e-3]
+    steps = list(solve_path(height, SLAB, approaches=approaches))
+    assert steps[0].area_fraction == 0 < steps[1].area_fraction < steps[2].area_fraction
+    loads = [step.mean_pressure for step in steps[1:]]
+    for step, again in zip(steps[1:], solve_path(height, SLAB, mean_pressures=loads), strict=True):
+        assert again.approach == pytest.approx(step.approach, abs=1e-5 * height.std())
+
+
+def test_progress_rises_to_its_end() -> None:
+    height = rough()
+    seen: list[float] = []
+    list(
+        solve_path(
+            height, SLAB, mean_pressures=[1e-4, 2e-4], progress=lambda done, total: seen.append(done / total)
+        )
+    )
+    assert seen == sorted(seen)
+    assert seen[-1] == 1
+    assert len(seen) > 4
+
+
+def test_warm_start_saves_work() -> None:
+    height = rough((128, 128))
+    cold = solve(height, HALF_SPACE, mean_pressure=load_of(height))
+    warm = solve(height, HALF_SPACE, mean_pressure=load_of(height), initial=cold)
+    assert warm.certificate.pairs < 0.5 * cold.certificate.pairs
+
+
+# The certificate
+
+
+def test_certificate_catches_tampering() -> None:
+    height = rough()
+    contact = solve(height, SLAB, mean_pressure=load_of(height), rtol=1e-9)
+
+    def again(pressure: Array, approach: float = contact.approach) -> float:
+        return certify(height, pressure, SLAB, approach=approach, mean_pressure=load_of(height)).worst
+
+    assert again(contact.pressure) < 1e-6
+    assert again(1.001 * contact.pressure) > 1e-4
+    assert again(np.roll(contact.pressure, 1, axis=0)) > 1e-2
+    assert again(contact.pressure, contact.approach + 1e-3 * height.std()) > 1e-4
+    node = np.unravel_index(np.argmax(contact.pressure), height.shape)
+    for value in (0.0, -contact.pressure[node], np.nan):
+        tampered = contact.pressure.copy()
+        tampered[node] = value
+        assert not again(tampered) < 1e-3
+    with pytest.raises(ConvergenceError, match="certificate"):
+        replace(contact.certificate, tension=0.1).check(1e-3)
+
+
+# Bad input
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({}, "exactly one of"),
+        ({"area_fraction": 0.1, "mean_pressure": 0.1}, "exactly one of"),
+        ({"area_fraction": 0.0}, "area_fraction = 0.0"),
+        ({"area_fraction": 1.5}, "area_fraction = 1.5"),
+        ({"mean_pressure": -1.0}, "mean_pressure = -1.0"),
+        ({"mean_pressure": np.nan}, "mean_pressure = nan"),
+        ({"approach": 1.0}, "approach = 1.0"),
+        ({"mean_pressure": 0.1, "method": "magic"}, "method = 'magic'"),
+        ({"mean_pressure": 0.1, "rtol": 0.0}, "rtol = 0.0"),
+        ({"mean_pressure": 0.1, "threads": 0}, "threads = 0"),
+        ({"mean_pressure": 0.1, "dtype": "int32"}, "dtype = 'int32'"),
+        ({"mean_pressure": 0.1, "initial": np.zeros((3, 3))}, "initial has the shape"),
+        ({"mean_pressure": 0.1, "initial": np.full((16, 16), np.inf)}, "initial: finite"),
+        ({"mean_pressure": 0.1, "length": -1.0}, "length = -1.0"),
+    ],
+)
+def test_bad_arguments(arguments: dict, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        solve(np.zeros((16, 16)), HALF_SPACE, **arguments)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_surface_with_a_hole(bad: float) -> None:
+    height = rough((16, 16))
+    height[3, 4] = bad
+    with pytest.raises(ValueError, match="1 of 256 nodes are not finite"):
+        solve(height, HALF_SPACE, mean_pressure=0.1)
+
+
+def test_bad_types() -> None:
+    with pytest.raises(TypeError, match="mean_pressure = '1'"):
+        solve(np.zeros((16, 16)), HALF_SPACE, mean_pressure="1")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="layer = 3"):
+        solve(np.zeros((16, 16)), 3, mean_pressure=0.1)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="height has the type"):
+        solve(np.zeros((16, 16), complex), HALF_SPACE, mean_pressure=0.1)
+    with pytest.raises(ValueError, match="two-dimensional"):
+        solve(np.zeros(16), HALF_SPACE, mean_pressure=0.1)
+    with pytest.raises(ValueError, match="exactly one of area_fractions"):
+        solve_path(np.zeros((16, 16)), HALF_SPACE)

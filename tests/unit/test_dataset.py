@@ -1,0 +1,100 @@
+"""Result files: whole, described, and never taken for what they are not."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from asperity import dataset
+
+
+@pytest.fixture
+def surface():
+    rng = np.random.default_rng(1)
+    return xr.Dataset(
+        {"height": (("y", "x"), rng.normal(size=(40, 30))), "rms_height": 1.0},
+        coords={"y": np.arange(40.0), "x": np.arange(30.0)},
+        attrs={"decision": "half-space"},
+    )
+
+
+SETTINGS = {"seed": 3, "surface": {"hurst": 0.8}}
+
+
+def test_a_file_explains_itself_and_comes_back_equal(surface, tmp_path):
+    path = tmp_path / "deep" / "file.nc"
+    dataset.write(surface, path, "A surface", SETTINGS)
+    found = dataset.read(path)
+    xr.testing.assert_equal(found, surface)
+    assert dataset.settings_of(found) == SETTINGS
+    assert found.attrs["title"] == "A surface"
+    assert found.attrs["Conventions"].startswith("CF-")
+    assert found.attrs["source"].startswith("asperity ")
+    assert found.attrs["decision"] == "half-space"
+    assert found.attrs["settings_digest"] == dataset.digest(SETTINGS)
+    for name, variable in found.variables.items():
+        assert variable.attrs["units"] == dataset.VOCABULARY[name].units
+        assert variable.attrs["long_name"] == dataset.VOCABULARY[name].long_name
+
+
+def test_the_digest_is_of_the_values_not_of_their_order():
+    assert (
+        dataset.digest({"a": 1, "b": 2})
+        == dataset.digest({"b": 2, "a": 1})
+        != dataset.digest({"a": 2, "b": 1})
+    )
+
+
+def test_nothing_is_left_of_a_write_that_fails(surface, tmp_path, monkeypatch):
+    path = tmp_path / "file.nc"
+    dataset.write(surface, path, "Before", SETTINGS)
+    before = path.read_bytes()
+
+    def fail(self, target, **_):
+        target.write_bytes(b"half")
+        raise OSError("No space left on device")
+
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", fail)
+    with pytest.raises(OSError, match="No space"):
+        dataset.write(surface, path, "After", SETTINGS)
+    assert path.read_bytes() == before
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_name_outside_the_vocabulary_is_refused(surface, tmp_path):
+    with pytest.raises(KeyError, match="heigth"):
+        dataset.write(surface.rename(height="heigth"), tmp_path / "file.nc", "Typing error", SETTINGS)
+
+
+def damage_end(path):
+    path.write_bytes(path.read_bytes()[:-500])
+
+
+def damage_empty(path):
+    path.write_bytes(b"")
+
+
+def damage_byte(path):
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 255
+    path.write_bytes(content)
+
+
+def damage_units(path):
+    import netCDF4
+
+    with netCDF4.Dataset(path, "a") as file:
+        file["height"].units = "furlong"
+
+
+@pytest.mark.parametrize("damage", [damage_end, damage_empty, damage_byte, damage_units])
+def test_a_damaged_file_is_named_with_a_remedy(surface, tmp_path, damage):
+    path = tmp_path / "file.nc"
+    dataset.write(surface, path, "A surface", SETTINGS)
+    damage(path)
+    with pytest.raises(dataset.DatasetError, match=r"file\.nc: .*delete it and run again"):
+        dataset.read(path)
+
+
+def test_a_missing_file_is_named(tmp_path):
+    with pytest.raises(dataset.DatasetError, match=r"absent\.nc: no such file"):
+        dataset.read(tmp_path / "absent.nc")

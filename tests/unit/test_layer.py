@@ -1,0 +1,267 @@
+"""The layer: shapes, types, rules for the special modes, refusals."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from asperity.layer import COMPONENTS, Kernels, Layer, mirror_rows
+from asperity.spectral import Fourier, Grid
+
+SUPPORTED = [
+    Layer(1.3, 0.3),
+    Layer(1.3, 0.3, 0.4),
+    Layer(1.3, 0.3, 0.4, "frictionless"),
+]
+
+
+@pytest.mark.parametrize("layer", [*SUPPORTED, Layer(1.3, 0.3, 0.4, "free")])
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_surface_compliance_keeps_shape_and_type(layer, dtype):
+    q = np.arange(6, dtype=dtype).reshape(2, 3)
+    compliance = layer.surface_compliance(q)
+    assert compliance.shape == q.shape
+    assert compliance.dtype == dtype
+    assert layer.surface_compliance(2).dtype == np.float64
+    assert layer.surface_compliance(2).shape == ()
+
+
+@pytest.mark.parametrize("layer", SUPPORTED)
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_fields_broadcast_and_keep_their_precision(layer, dtype):
+    q = np.linspace(0, 5, 4, dtype=dtype)[:, None]
+    depth = np.linspace(0, 0.4, 3, dtype=dtype)
+    kernels = layer.kernels(q, depth)
+    assert isinstance(kernels, Kernels)
+    assert all(k.shape == (4, 3) and k.dtype == dtype for k in kernels)
+    kind = np.result_type(dtype, np.complex64)
+    stress = layer.stress(q, q, depth)
+    assert stress.shape == (4, 3, 6)
+    assert stress.dtype == kind
+    displacement = layer.displacement(q, q, depth)
+    assert displacement.shape == (4, 3, 3)
+    assert displacement.dtype == kind
+    assert layer.compliance(q, q).shape == (4, 1, 6, 6)
+    np.testing.assert_array_equal(layer.kernels(q[2], depth).shear, kernels.shear[2])
+
+
+@pytest.mark.parametrize("layer", SUPPORTED)
+def test_single_precision_is_double_precision_rounded(layer):
+    q = np.linspace(0, 20, 50, dtype=np.float32)
+    for single, double in zip(layer.kernels(q, 0.25), layer.kernels(q.astype(float), 0.25), strict=True):
+        np.testing.assert_array_equal(single, double.astype(np.float32))
+
+
+@pytest.mark.parametrize("lateral", ["confined", "free"])
+@pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
+def test_uniform_mode(lateral, bottom):
+    layer = Layer(2.0, 0.3, 0.5, bottom, lateral)
+    xx, yy, zz, *shear = layer.uniform_stress()
+    c11 = 2.0 * 0.7 / (1.3 * 0.4)
+    assert zz == -1
+    assert shear == [0, 0, 0]
+    assert xx == yy == (pytest.approx(-0.3 / 0.7) if lateral == "confined" else 0)
+    modulus = c11 if lateral == "confined" else 2.0
+    assert layer.surface_compliance(0.0) == pytest.approx(0.5 / modulus)
+    np.testing.assert_array_equal(layer.stress(0.0, 0.0, [0.0, 0.2])[1], layer.uniform_stress())
+    displacement = layer.displacement(0.0, 0.0, [0.0, 0.2, 0.5])
+    np.testing.assert_allclose(displacement[:, 2], -np.array([0.5, 0.3, 0.0]) / modulus)
+    np.testing.assert_array_equal(displacement[:, :2], 0)
+    # Hooke: the vertical strain of the uniform stress
+    assert (zz - 0.3 * (xx + yy)) / 2.0 == pytest.approx(-1 / modulus)
+
+
+@pytest.mark.parametrize("layer", [Layer(1.0, 0.3), Layer(1.0, 0.3, 1.0, "free")])
+def test_uniform_displacement_is_zero_by_rule_without_a_support(layer):
+    assert layer.uniform_compliance() == 0
+    assert layer.surface_compliance(0.0) == 0
+    assert np.all(layer.compliance(0.0, 0.0) == 0)
+    if layer.height is None:
+        assert np.all(layer.displacement(0.0, 0.0, [0.0, 3.0]) == 0)
+        assert np.all(layer.stress(0.0, 0.0, 3.0)[:2] == -0.3 / 0.7)
+
+
+def test_incompressible_confined_layer_does_not_give_way_uniformly():
+    assert Layer(1.0, 0.5, 1.0).surface_compliance(0.0) == 0
+
+
+def test_kernels_of_the_uniform_mode():
+    for kernel, value in zip(Layer(1.0, 0.3, 1.0).kernels(0.0, 0.3), (1, 0, 0, 0, 0), strict=True):
+        assert kernel == value
+
+
+@pytest.mark.parametrize("layer", SUPPORTED)
+@pytest.mark.parametrize("shape", [(8, 6), (7, 5), (6, 9), (1, 4)])
+def test_fields_of_a_grid_are_real_and_follow_the_nyquist_rule(layer, shape):
+    """At a Nyquist wavevector only what is even in it survives; the rest is the stress of the mode."""
+    grid = Grid(shape, (1.5, 2.0))
+    stress, displacement = layer.grid_stress(grid, 0.1), layer.grid_displacement(grid, 0.1)
+    assert stress.shape == (*grid.half_shape, 6)
+    x, y = np.broadcast_arrays(grid.qx, grid.qy[:, None])
+    expected, moved = layer.stress(x, y, 0.1), layer.displacement(x, y, 0.1)
+    nyquist_x = 2 * grid.kx == shape[1]
+    nyquist_y = 2 * grid.ky == shape[0]
+    for name, odd_x, odd_y in (("yz", 0, 1), ("xz", 1, 0), ("xy", 1, 1)):
+        component = COMPONENTS.index(name)
+        zero = (odd_x & nyquist_x[None, :]) | (odd_y & nyquist_y[:, None])
+        expected[..., component][zero.astype(bool)] = 0
+    moved[:, nyquist_x, 0] = 0
+    moved[nyquist_y, :, 1] = 0
+    np.testing.assert_array_equal(stress, expected)
+    np.testing.assert_array_equal(displacement, moved)
+    # A real field: its transform has the coefficients that went in.
+    fourier = Fourier(grid)
+    for component in range(6):
+        field = fourier.inverse(np.ascontiguousarray(stress[..., component]))
+        # Rounding of a pair of transforms.
+        np.testing.assert_allclose(fourier.forward(field), stress[..., component], atol=1e-15)
+
+
+@pytest.mark.parametrize("shape", [(8, 6), (7, 5)])
+def test_rows_of_equal_wavenumber_are_evaluated_once(shape):
+    grid = Grid(shape)
+    layer = Layer(1.0, 0.3, 0.2)
+    kernels = layer.grid_kernels(grid, 0.05)
+    assert kernels.normal.shape == (shape[0] // 2 + 1, shape[1] // 2 + 1)
+    whole = layer.kernels(grid.wavenumber(), 0.05)
+    for half, full in zip(kernels, whole, strict=True):
+        np.testing.assert_array_equal(mirror_rows(half, grid), full)
+    compliance = layer.grid_surface_compliance(grid)
+    np.testing.assert_array_equal(compliance, layer.surface_compliance(grid.wavenumber()))
+    assert layer.grid_surface_compliance(grid, "float32").dtype == np.float32
+
+
+@pytest.mark.parametrize("layer", [SUPPORTED[0], SUPPORTED[2]])
+def test_one_split_serves_every_poisson_ratio(layer):
+    qx, qy, depth = 3.0, -2.0, 0.17
+    constant, slope = layer.stress_split(qx, qy, depth)
+    np.testing.assert_array_equal(slope[2:5], 0)
+    # Rounding of the sum.
+    assert constant[0] + constant[1] + constant[2] == pytest.approx(slope[0] + slope[1], abs=1e-15)
+    for nu in (-0.9, 0.0, 0.25, 0.5):
+        stress = dataclasses.replace(layer, poisson=nu).stress(qx, qy, depth)
+        np.testing.assert_allclose(constant + nu * slope, stress, atol=1e-15)
+
+
+def test_bonded_stress_is_not_linear_in_poisson():
+    stress = [Layer(1.0, nu, 0.4).stress(3.0, -2.0, 0.17) for nu in (0.0, 0.25, 0.5)]
+    assert np.abs(stress[0] - 2 * stress[1] + stress[2]).max() > 1e-2
+
+
+@pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
+@pytest.mark.parametrize("poisson", [-0.95, -0.5, 0.0, 0.33, 0.5])
+def test_bound_of_the_half_space_holds_and_is_tight(bottom, poisson):
+    q = np.geomspace(1.0, 30.0, 25)
+    half_space = Layer(1.0, poisson)
+    bounds = []
+    for reach in (1.0, 2.0, 4.0, 2 * np.pi, 12.0):
+        layer = Layer(1.0, poisson, reach, bottom)
+        chosen = layer.effective(q_min=1.0, tolerance=0.0)
+        assert chosen.layer is layer
+        depth = np.linspace(0, reach, 101)[:, None, None]
+        angle = np.array([0.0, 0.3, np.pi / 4])[:, None]
+        direction = q * np.cos(angle), q * np.sin(angle)
+        difference = np.abs(layer.stress(*direction, depth) - half_space.stress(*direction, depth)).max()
+        ratio = layer.surface_compliance(q) / half_space.surface_compliance(q)
+        assert difference <= chosen.stress_bound
+        # 1e-15: rounding of the ratio.
+        assert np.abs(ratio - 1).max() <= chosen.compliance_bound + 1e-15
+        if reach > 3:
+            assert chosen.stress_bound < 2 * difference
+        assert chosen.bound == max(chosen.stress_bound, chosen.compliance_bound)
+        bounds.append(chosen.bound)
+    assert np.all(np.diff(bounds) < 0)
+
+
+@pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
+def test_bounds_fall_with_the_height(bottom):
+    """A bound for the smallest wavenumber is one for all larger ones."""
+    for poisson in np.linspace(-0.99, 0.5, 12):
+        layer = Layer(1.0, poisson, 1.0, bottom)
+        choices = [layer.effective(q, 0.0) for q in np.geomspace(0.05, 60, 200)]
+        assert np.all(np.diff([c.stress_bound for c in choices]) <= 0)
+        assert np.all(np.diff([c.compliance_bound for c in choices]) <= 0)
+
+
+def test_effective_solid():
+    layer = Layer(1.0, 0.33, 1.0, lateral="free")
+    chosen = layer.effective(2 * np.pi, 0.05)
+    assert chosen.layer == Layer(1.0, 0.33, None, lateral="free")
+    assert "half-space" in chosen.reason
+    assert chosen.tolerance == 0.05
+    kept = layer.effective(2 * np.pi, 1e-3)
+    assert kept.layer is layer
+    assert kept.bound > 1e-3
+    assert "layer" in kept.reason
+    half_space = Layer(1.0, 0.33)
+    assert half_space.effective(1.0, 0.0).layer is half_space
+    assert half_space.effective(1.0, 0.0).bound == 0
+    free = Layer(1.0, 0.33, 100.0, "free")
+    assert free.effective(1.0, 0.5).layer is free
+
+
+def test_half_space_compliance_is_that_of_two_separate_faces():
+    tall, limit = (Layer(1.0, 0.2, height).compliance(3.0, 1.0) for height in (50.0, None))
+    np.testing.assert_allclose(tall, limit, atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"poisson": 0.5 + 1e-12}, "poisson = .* > -1 and ≤ 0.5"),
+        ({"poisson": -1}, "poisson = -1"),
+        ({"poisson": np.nan}, "poisson = nan"),
+        ({"young": 0}, "young = 0: .* > 0"),
+        ({"young": np.inf}, "young = inf"),
+        ({"height": 0.0}, "height = 0.0: a finite length > 0"),
+        ({"height": np.inf}, "height = inf"),
+        ({"bottom": "glued"}, "bottom = 'glued': one of bonded, frictionless, free"),
+        ({"lateral": "loose"}, "lateral = 'loose': one of confined, free"),
+    ],
+)
+def test_bad_layer_is_named(arguments, words):
+    with pytest.raises(ValueError, match=words):
+        Layer(**{"young": 1.0, "poisson": 0.3, "height": 1.0, **arguments})
+
+
+@pytest.mark.parametrize("arguments", [{"young": "1"}, {"poisson": None}, {"height": [1.0]}, {"poisson": 1j}])
+def test_what_is_no_number_is_refused(arguments):
+    with pytest.raises(TypeError, match=f"{next(iter(arguments))} = "):
+        Layer(**{"young": 1.0, "poisson": 0.3, **arguments})
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda s: s.surface_compliance(-1.0), "q = .*1.0.*: finite wavenumbers ≥ 0"),
+        (lambda s: s.surface_compliance([1.0, np.nan]), "q = .*nan"),
+        (lambda s: s.kernels(np.inf, 0.0), "q = .*inf"),
+        (lambda s: s.kernels(1.0, -0.1), "depth = .*-0.1.*from 0 to 0.4"),
+        (lambda s: s.kernels(1.0, 0.41), "depth = .*0.41.*from 0 to 0.4"),
+        (lambda s: s.kernels(1.0, np.nan), "depth = .*nan"),
+        (lambda s: s.kernels(np.ones(3), np.zeros(2)), r"shapes q \(3,\), depth \(2,\)"),
+        (lambda s: s.stress(np.ones(3), np.ones(2), 0.0), r"shapes qx \(3,\), qy \(2,\)"),
+        (lambda s: s.stress(np.nan, 1.0, 0.0), "qx = .*nan"),
+        (lambda s: s.displacement(1.0, np.inf, 0.0), "qy = .*inf"),
+        (lambda s: s.effective(0.0, 0.1), "q_min = 0.0: a finite number > 0"),
+        (lambda s: s.effective(1.0, -0.1), "tolerance = -0.1: a finite number ≥ 0"),
+        (lambda s: dataclasses.replace(s, bottom="free").kernels(1.0, 0.1), "bottom = 'free'"),
+    ],
+)
+def test_bad_argument_is_named(call, words):
+    with pytest.raises(ValueError, match=words):
+        call(Layer(1.0, 0.3, 0.4))
+
+
+@pytest.mark.parametrize("call", [lambda s: s.kernels("a", 0.0), lambda s: s.kernels(1j, 0.0)])
+def test_wavenumbers_that_are_no_numbers_are_refused(call):
+    with pytest.raises(TypeError, match="q = "):
+        call(Layer(1.0, 0.3, 0.4))
+
+
+def test_depth_of_the_bottom_may_be_rounded_in_its_own_precision():
+    layer = Layer(1.0, 0.3, 0.1)
+    assert float(np.float32(0.1)) > 0.1
+    np.testing.assert_array_equal(layer.displacement(2.0, 1.0, np.float32(0.1)), 0)
+    with pytest.raises(ValueError, match="depth"):
+        layer.displacement(2.0, 1.0, float(np.float32(0.1)))

@@ -1,0 +1,213 @@
+import itertools
+
+import numpy as np
+import pytest
+
+from asperity.body import Plane
+from asperity.peaks import PeakFinder, Peaks, find_peaks, plane_peaks
+from asperity.spectral import Fourier, Grid, good_size, resample
+
+
+def bumps(count, seed=0, widths=(0.05, 0.09), spread=0.12):
+    """Separate smooth bumps: their maxima are known and are all there are."""
+    draw = np.random.default_rng(seed)
+    side = int(np.ceil(np.sqrt(count)))
+    cells = [(j, i) for j in range(side) for i in range(side)][:count]
+    centre = np.array([((j + 0.5) / side, (i + 0.5) / side) for j, i in cells])
+    centre += draw.uniform(-spread, spread, centre.shape) / side
+    depth = draw.uniform(0.02, 0.5, count)
+    width = draw.uniform(*widths, count) / side
+    height = draw.uniform(0.5, 2.0, count)
+    return centre, depth, width * 2, height
+
+
+def field_of(grid, z, centre, depth, width, height):
+    y, x = grid.coordinates()
+    apart_y, apart_x = ((p[None] - c[:, None] + 0.5) % 1 - 0.5 for p, c in zip((y, x), centre.T, strict=True))
+    width, depth = np.asarray(width)[:, None], np.asarray(depth)
+    tall = 0.4 * np.maximum(depth, 0.1)
+    along_y, along_x = (np.exp(np.maximum(-((a / width) ** 2), -100)) for a in (apart_y, apart_x))
+    return (height * np.exp(np.maximum(-(((z - depth) / tall) ** 2), -100)) * along_y.T) @ along_x
+
+
+def planes_of(shapes, depths, *what):
+    for shape, z in zip(shapes, depths, strict=True):
+        grid = Grid(shape)
+        yield Plane(z, grid, {"f": field_of(grid, z, *what)[None]}, 0.0)
+
+
+def by_brute_force(values):
+    """Strict maxima of a periodic stack over 26 neighbours; none above the first plane."""
+    found = set()
+    for k in range(values.shape[0] - 1):
+        here = np.abs(values[k])
+        largest = np.full(here.shape, -np.inf)
+        for dk, dj, di in itertools.product((-1, 0, 1), repeat=3):
+            if (dk, dj, di) != (0, 0, 0) and k + dk >= 0:
+                largest = np.maximum(largest, np.abs(np.roll(values[k + dk], (dj, di), (0, 1))))
+        found |= {(k, int(j), int(i)) for j, i in np.argwhere(here > largest)}
+    return found
+
+
+@pytest.mark.parametrize("shape", [(12, 17), (16, 16), (3, 9)])
+def test_maxima_on_one_grid_are_those_of_brute_force(shape):
+    values = np.random.default_rng(3).standard_normal((9, *shape))
+    grid = Grid(shape)
+    finder = PeakFinder()
+    for k, plane in enumerate(values):
+        finder.add(float(k), grid, plane)
+    peaks = finder.peaks()
+    expected = by_brute_force(values)
+    nodes = {value: (k, j, i) for (k, j, i), value in np.ndenumerate(values)}
+    assert {nodes[value] for value in peaks.node_value} == expected
+    assert peaks.size == len(expected)
+    assert {nodes[v][0] > 0 for v in peaks.node_value[peaks.interior]} == {True}
+    assert {nodes[v][0] for v in peaks.node_value[~peaks.interior]} == {0}
+
+
+def test_a_plateau_has_no_peak_and_a_floor_leaves_out_what_is_below():
+    grid = Grid((8, 8))
+    field = np.zeros((8, 8))
+    field[2:4, 2:4] = 1.0
+    assert plane_peaks(field, grid).size == 0
+    field[6, 6] = -0.5
+    assert plane_peaks(field, grid).value == pytest.approx([-0.5], abs=1e-12)
+    assert plane_peaks(field, grid, floor=0.5).size == 0
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("changes", ["none", "every plane", "a few"])
+def test_no_peak_is_lost_or_doubled_where_the_grid_changes(changes, seed):
+    count = 64
+    what = bumps(count, seed)
+    depths = np.linspace(0.0, 1.0, 47) ** 1.3
+    if changes == "none":
+        sizes = np.full(depths.size, 192)
+    elif changes == "every plane":
+        sizes = np.array([good_size(int(n)) for n in np.linspace(260, 140, depths.size)])
+    else:
+        sizes = np.repeat([240, 210, 192, 160], 12)[: depths.size]
+    peaks = find_peaks(planes_of([(n, n) for n in sizes], depths, *what), "f", floor=0.1)
+    assert peaks.size == count
+    distance = np.abs(np.stack([peaks.y, peaks.x], 1)[:, None] - what[0][None])
+    owner = np.argmin(np.max(np.minimum(distance, 1 - distance), axis=2), axis=1)
+    assert sorted(owner) == list(range(count))
+    # Depth grid: the bumps are as little as two spacings tall.
+    np.testing.assert_allclose(peaks.value, what[3][owner], rtol=1e-2)
+    np.testing.assert_allclose(peaks.depth, what[1][owner], atol=0.2 * np.diff(depths).max())
+    np.testing.assert_allclose(np.stack([peaks.y, peaks.x], 1), what[0][owner], atol=0.1 / sizes[-1])
+
+
+@pytest.mark.parametrize(("before", "after"), [(120, 96), (96, 120)])
+def test_a_change_of_grid_among_crowded_maxima_touches_only_the_planes_beside_it(before, after):
+    """Random waves whose maxima sit on the very planes where the grid changes."""
+    draw = np.random.default_rng(5)
+    depths = np.linspace(0.0, 0.5, 26)
+    step = depths[1]
+    coarsest = Grid((32, 32))
+    band = (coarsest.wavenumber() > 4 * 2 * np.pi) & (coarsest.wavenumber() < 10 * 2 * np.pi)
+    modes = band * np.exp(2j * np.pi * draw.random(band.shape))
+    turn = 2 * np.pi * draw.random(band.shape)
+
+    def field(n, z):
+        grid = Grid((n, n))
+        return Fourier(grid).inverse(resample(modes * np.cos(9 * z + turn), coarsest, grid))
+
+    fields = {n: [field(n, z) for z in depths] for n in (before, after)}
+
+    def search(sizes):
+        finder = PeakFinder()
+        for k, (n, z) in enumerate(zip(sizes, depths, strict=True)):
+            finder.add(z, Grid((n, n)), fields[n][k])
+        return finder.peaks()
+
+    def beside(one, other):
+        reach = np.array([1.01 * step, 1.5 / 96, 1.5 / 96])
+        first, second = (np.stack([p.depth, p.y, p.x], axis=1) / reach for p in (one, other))
+        apart, cell = np.abs(first[:, None] - second[None]), np.array([np.inf, 1, 1]) / reach
+        return np.all(np.minimum(apart, cell - apart) < 1, axis=2)
+
+    upper, lower = search([before] * 26), search([after] * 26)
+    assert min(upper.size, lower.size) > 150
+    lost = claimed = 0
+    for change in range(3, 24, 2):
+        both = search([before] * change + [after] * (26 - change))
+        far = np.concatenate(
+            [
+                upper.node_value[upper.depth < depths[change - 1] - 0.51 * step],
+                lower.node_value[lower.depth > depths[change] + 0.51 * step],
+            ]
+        )
+        assert set(far) <= set(both.node_value)
+        sure = beside(upper, lower).any(axis=1)
+        lost += np.sum(sure & ~beside(upper, both).any(axis=1))
+        claimed += np.sum(~(beside(both, upper).any(axis=1) | beside(both, lower).any(axis=1)))
+        assert beside(both, both).sum(axis=1).max() <= max(
+            beside(p, p).sum(axis=1).max() for p in (upper, lower)
+        )
+    # A ridge that drifts sideways has lattice maxima where the field has none: a few come and go.
+    assert lost <= 0.002 * 11 * upper.size
+    assert claimed <= 0.002 * 11 * upper.size
+
+
+def test_refined_values_and_positions_converge():
+    errors = []
+    draw = np.random.default_rng(2)
+    places = draw.uniform(0.3, 0.7, (8, 2)), draw.uniform(0.28, 0.34, 8)
+    for n in (24, 48, 96):
+        grid = Grid((n, n))
+        depths = np.linspace(0, 0.6, n)
+        error = np.zeros(3)
+        for place, z in zip(*places, strict=True):
+            peaks = find_peaks(planes_of([grid.shape] * n, depths, place[None], [z], [0.25], [1.0]), "f")
+            assert peaks.size == 1
+            apart = np.hypot(peaks.y[0] - place[0], peaks.x[0] - place[1])
+            error += abs(peaks.value[0] - 1), apart, abs(peaks.depth[0] - z)
+        errors.append(error)
+    rate = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    assert np.all(rate[:, 0] > 3)  # value: fourth order expected
+    assert np.all(rate[:, 1:] > 2)  # position: third order expected
+
+
+def test_plane_peaks_are_refined_between_the_nodes():
+    grid = Grid((64, 48))
+    y, x = grid.coordinates()
+    field = np.cos(2 * np.pi * (y - 0.1234))[:, None] + np.cos(2 * np.pi * (x - 0.9871))[None, :]
+    peaks = plane_peaks(field, grid)
+    np.testing.assert_allclose(peaks.value[0], 2, atol=1e-5)  # grid: the quadratic's
+    np.testing.assert_allclose([peaks.y[0], peaks.x[0]], [0.1234, 0.9871], atol=1e-4)
+    assert peaks.value[1] == pytest.approx(-2, abs=1e-5)
+    assert not peaks.interior.any()
+
+
+def test_sign_is_kept_and_position_stays_in_the_cell():
+    what = np.array([[0.999, 0.002]]), [0.3], [0.2], [-1.0]
+    peaks = find_peaks(planes_of([(40, 40)] * 30, np.linspace(0, 0.7, 30), *what), "f")
+    assert peaks.value == pytest.approx([-1.0], abs=1e-3)
+    assert 0 <= peaks.y[0] < 1
+    assert 0 <= peaks.x[0] < 1
+
+
+def test_under_contact_is_what_lies_below_a_loaded_node():
+    grid = Grid((10, 10))
+    pressure = np.zeros((10, 10))
+    pressure[0, 3] = 1.0
+    two = np.array([0.98, 0.5])
+    peaks = Peaks(two, two, two, np.array([0.31, 0.31]), two, np.ones(2, bool))
+    assert peaks.under_contact(pressure, grid).tolist() == [True, False]
+
+
+def test_joining_nothing_gives_no_peaks():
+    assert Peaks.join([]).size == 0
+    assert PeakFinder().peaks().size == 0
+
+
+def test_bad_input_is_refused():
+    finder = PeakFinder()
+    finder.add(0.1, Grid((8, 8)), np.zeros((8, 8)))
+    with pytest.raises(ValueError, match="depth"):
+        finder.add(0.1, Grid((8, 8)), np.zeros((8, 8)))
+    with pytest.raises(ValueError, match="field has shape"):
+        plane_peaks(np.zeros((8, 9)), Grid((8, 8)))
+    with pytest.raises(ValueError, match="three nodes"):
+        plane_peaks(np.zeros((2, 9)), Grid((2, 9)))

@@ -1,0 +1,58 @@
+"""Progress and logs, seen from outside the process."""
+
+import fcntl
+import os
+import pty
+import struct
+import subprocess
+import sys
+import termios
+
+import pytest
+
+JOB = """
+import sys, warnings, logging, numpy as np
+from asperity.progress import Progress, record
+with record({log!r}), Progress("contact") as progress:
+    print("printed")
+    warnings.warn("warned")
+    import os; os.system("echo from a child")
+    progress(1, 4)
+    if {fail}:
+        raise ValueError("poisson = 0.6: too much")
+"""
+
+
+@pytest.mark.parametrize("fail", [False, True])
+def test_the_log_holds_all_that_a_job_says(tmp_path, fail):
+    log = tmp_path / "logs" / "job.log"
+    run = subprocess.run(
+        [sys.executable, "-c", JOB.format(log=str(log), fail=fail)], capture_output=True, text=True
+    )
+    text = log.read_text()
+    for words in ("contact: begun", "printed", "warned", "from a child"):
+        assert words in text
+    assert run.stdout == ""
+    assert run.returncode == fail
+    if fail:
+        assert "Traceback" in text
+        assert run.stderr.strip() == f"ValueError: poisson = 0.6: too much (whole story in {log})"
+    else:
+        assert "contact: done" in text
+        assert run.stderr == ""
+
+
+def test_a_terminal_shows_a_bar_with_the_remaining_time(tmp_path):
+    leader, follower = pty.openpty()
+    fcntl.ioctl(follower, termios.TIOCSWINSZ, struct.pack("HHHH", 25, 80, 0, 0))
+    code = JOB.format(log=str(tmp_path / "job.log"), fail=False)
+    subprocess.run([sys.executable, "-c", code], stderr=follower, check=True)
+    os.close(follower)
+    shown = b""
+    try:
+        while chunk := os.read(leader, 4096):
+            shown += chunk
+    except OSError:
+        pass
+    os.close(leader)
+    assert "contact:  25% |" in shown.decode()

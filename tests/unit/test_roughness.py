@@ -1,0 +1,136 @@
+"""Rough surfaces: spectrum, symmetry, moments, and what makes two of them the same."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.stats import norm
+
+from asperity.roughness import johnson, measure, self_affine, spectrum, target_spectrum, with_moments
+from asperity.spectral import Fourier, Grid
+
+BAND = {"hurst": 0.8, "wavelength_long": 1 / 4, "wavelength_short": 1 / 16, "rms_height": 0.01}
+
+
+@pytest.mark.parametrize("fine", [(96, 96), (65, 80), (256, 64)])
+def test_the_same_seed_is_the_same_surface_at_every_resolution(fine):
+    coarse = self_affine((64, 64), seed=7, **BAND)
+    other = self_affine(fine, seed=7, **BAND)
+    coarse_grid, fine_grid = Grid((64, 64)), Grid(fine)
+    a, b = Fourier(coarse_grid).forward(coarse), Fourier(fine_grid).forward(other)
+    rows = np.r_[0:17, -16:0]
+    np.testing.assert_allclose(a[rows, :17], b[rows, :17], atol=1e-16)
+
+
+def test_a_shorter_cutoff_keeps_the_long_waves():
+    short = BAND | {"wavelength_short": 1 / 30}
+    a = Fourier(Grid((64, 64))).forward(self_affine((64, 64), seed=3, **BAND))
+    b = Fourier(Grid((64, 64))).forward(self_affine((64, 64), seed=3, **short))
+    inside = np.abs(a) > 1e-12
+    ratio = b[inside] / a[inside]
+    np.testing.assert_allclose(ratio, ratio[0], rtol=1e-9)
+
+
+def test_seeds_differ_and_repeat():
+    assert np.array_equal(self_affine((32, 32), seed=1, **BAND), self_affine((32, 32), seed=1, **BAND))
+    a, b = (self_affine((32, 32), seed=seed, **BAND) for seed in (1, 2))
+    assert abs(np.corrcoef(a.ravel(), b.ravel())[0, 1]) < 0.5
+
+
+@settings(max_examples=20, deadline=None)
+@given(hurst=st.floats(0, 1), rms=st.floats(1e-9, 1e3), seed=st.integers(0, 2**63))
+def test_the_rms_height_is_exact_and_the_mean_zero(hurst, rms, seed):
+    height = self_affine((33, 40), hurst, 0.5, 0.1, rms, seed)
+    assert np.std(height) == pytest.approx(rms, rel=1e-12)
+    assert abs(np.mean(height)) < 1e-12 * rms
+
+
+def test_the_spectrum_follows_its_power_law_over_an_ensemble():
+    """Statistics: 40 samples, rings of at least 25 waves; the bound is four standard errors."""
+    grid, samples = Grid((128, 128)), 40
+    q, target = target_spectrum(grid, 0.3, 1 / 4, 1 / 32, 0.01)
+    mean = np.mean(
+        [spectrum(self_affine((128, 128), 0.3, 1 / 4, 1 / 32, 0.01, s))[1] for s in range(samples)], 0
+    )
+    number = q / (2 * np.pi)
+    inside, outside = (number > 4.5) & (number < 31.5), (number < 3.4) | (number > 32.6)
+    error = np.abs(mean[inside] / target[inside] - 1)
+    assert np.all(error < 4 / np.sqrt(samples * np.pi * number[inside]) + 0.02)
+    assert mean[outside].max() < 1e-25
+    slope = np.polyfit(np.log(q[inside]), np.log(mean[inside]), 1)[0]
+    assert slope == pytest.approx(-2 * 0.3 - 2, abs=0.05)
+
+
+def test_an_ensemble_is_gaussian():
+    """Statistics: kurtosis and skewness of 40 samples of about 800 independent waves each."""
+    measures = [measure(self_affine((128, 128), 0.2, 1 / 4, 1 / 32, 0.01, seed)) for seed in range(40)]
+    assert np.mean([m.kurtosis for m in measures]) == pytest.approx(3, abs=0.05)
+    assert np.mean([m.skewness for m in measures]) == pytest.approx(0, abs=0.05)
+
+
+def test_measures_of_a_wave():
+    grid = Grid((32, 48), (2.0, 3.0))
+    _, x = grid.coordinates()
+    wave = np.broadcast_to(0.1 * np.cos(2 * np.pi * x), grid.shape)
+    found = measure(wave, grid.length)
+    assert found.rms_height == pytest.approx(0.1 / np.sqrt(2))
+    assert found.rms_gradient == pytest.approx(0.1 * 2 * np.pi / np.sqrt(2))
+    assert found.kurtosis == pytest.approx(1.5)
+    assert found.skewness == pytest.approx(0, abs=1e-12)
+
+
+def normal_heights():
+    """Heights at the quantiles of the normal distribution: no statistical error."""
+    return norm.ppf((np.arange(512**2) + 0.5) / 512**2).reshape(512, 512)
+
+
+@pytest.mark.parametrize(("delta", "skewness", "kurtosis"), [(1.0, 0.919, 3.375), (2.0, 0.359, 2.854)])
+def test_johnson_moments_are_those_of_a_transformed_normal(delta, skewness, kurtosis):
+    found = measure(johnson(normal_heights(), 1.25, delta))
+    assert found.skewness == pytest.approx(skewness, abs=2e-3)
+    assert found.kurtosis == pytest.approx(kurtosis, abs=2e-3)
+    assert found.rms_height == pytest.approx(np.std(normal_heights()), rel=1e-12)
+
+
+@pytest.mark.parametrize(("skewness", "kurtosis"), [(0, 2.2), (0, 5), (0.5, 3), (0.5, 4.5), (-0.8, 3.3)])
+def test_given_moments_are_reached(skewness, kurtosis):
+    """The bound is the quantile grid's: its tails end at about five standard deviations."""
+    found = measure(with_moments(normal_heights(), skewness, kurtosis))
+    assert found.skewness == pytest.approx(skewness, abs=2e-3)
+    assert found.kurtosis == pytest.approx(kurtosis, rel=1e-2)
+    assert found.rms_height == pytest.approx(np.std(normal_heights()), rel=1e-12)
+
+
+def test_moments_no_distribution_has_are_refused():
+    with pytest.raises(ValueError, match=r"skewness = 1, kurtosis = 1\.5: no Johnson curve"):
+        with_moments(normal_heights(), 1, 1.5)
+
+
+def test_johnson_of_minus_gamma_is_the_mirror_image():
+    height = self_affine((64, 64), seed=1, **BAND)
+    np.testing.assert_allclose(johnson(height, 1.25, 1.0), -johnson(-height, -1.25, 1.0), atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"hurst": 1.5}, "hurst = 1.5: a number from 0 to 1"),
+        ({"wavelength_long": -1}, "wavelength_long = -1: a positive"),
+        ({"wavelength_short": 0.5}, "at most 0.25"),
+        ({"wavelength_short": 1 / 40}, "at least two nodes"),
+        ({"rms_height": float("nan")}, "rms_height = nan"),
+        ({"seed": -1}, "seed = -1"),
+        ({"wavelength_long": 0.26, "wavelength_short": 0.255}, "no wave of this band"),
+    ],
+)
+def test_a_wrong_argument_is_named(change, words):
+    with pytest.raises(ValueError, match=words):
+        self_affine((64, 64), **({"seed": 1} | BAND | change))
+
+
+@pytest.mark.parametrize(("change", "words"), [({"delta": 0}, "delta = 0"), ({"lam": -8.0}, "lam = -8.0")])
+def test_a_wrong_johnson_parameter_is_named(change, words):
+    with pytest.raises(ValueError, match=words):
+        johnson(np.eye(4), **({"gamma": 1.25, "delta": 1.0} | change))
+    with pytest.raises(ValueError, match="flat"):
+        johnson(np.ones((4, 4)), 1.25, 1.0)

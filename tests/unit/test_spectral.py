@@ -1,0 +1,116 @@
+"""The DFT convention, held against sums written out."""
+
+import numpy as np
+import pytest
+
+from asperity.spectral import Fourier, Grid, Work, good_size, gradient, mean_square, radial_average, resample
+
+SHAPES = [(8, 8), (7, 9), (8, 5), (6, 12), (1, 4)]
+
+
+def explicit_coefficients(values, grid):
+    y, x = grid.coordinates()
+    phase_y = np.exp(-1j * np.outer(grid.qy, y))
+    phase_x = np.exp(-1j * np.outer(x, grid.qx))
+    return phase_y @ values @ phase_x / grid.size
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize(("dtype", "bound"), [("float64", 1e-14), ("float32", 1e-6)])
+def test_forward_is_the_written_sum_and_inverse_undoes_it(shape, dtype, bound):
+    grid = Grid(shape, (2.0, 3.0))
+    values = np.random.default_rng(1).normal(size=shape)
+    fourier = Fourier(grid, dtype)
+    coefficients = fourier.forward(values)
+    assert coefficients.dtype == fourier.complex
+    np.testing.assert_allclose(coefficients, explicit_coefficients(values, grid), atol=bound)
+    np.testing.assert_allclose(fourier.inverse(coefficients), values, atol=10 * bound)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_parseval(shape):
+    grid = Grid(shape)
+    values = np.random.default_rng(2).normal(size=shape)
+    assert mean_square(Fourier(grid).forward(values), grid) == pytest.approx(np.mean(values**2), rel=1e-14)
+
+
+@pytest.mark.parametrize("threads", [2, 3, 4])
+@pytest.mark.parametrize("shape", [(256, 360), (326, 512), (625, 625)])
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_transforms_have_the_same_bits_on_any_number_of_threads(shape, dtype, threads):
+    grid = Grid(shape)
+    values = np.random.default_rng(3).normal(size=shape)
+    one, many = Fourier(grid, dtype), Fourier(grid, dtype, threads=threads)
+    coefficients = one.forward(values)
+    assert np.array_equal(coefficients, many.forward(values))
+    assert np.array_equal(one.inverse(coefficients), many.inverse(coefficients))
+
+
+def test_gradient_of_a_wave_and_of_the_nyquist_mode():
+    grid = Grid((12, 16), (1.0, 2.0))
+    y, x = grid.coordinates()
+    fourier = Fourier(grid)
+    wave = np.sin(2 * np.pi * 3 * y)[:, None] * np.cos(np.pi * 2 * x)[None, :]
+    slope_y, slope_x = gradient(fourier.forward(wave), fourier)
+    expected_y = 6 * np.pi * np.outer(np.cos(6 * np.pi * y), np.cos(2 * np.pi * x))
+    expected_x = -2 * np.pi * np.outer(np.sin(6 * np.pi * y), np.sin(2 * np.pi * x))
+    np.testing.assert_allclose(slope_y, expected_y, atol=1e-12)
+    np.testing.assert_allclose(slope_x, expected_x, atol=1e-12)
+    nyquist = np.ones(12)[:, None] * (-1.0) ** np.arange(16)[None, :]
+    assert np.abs(gradient(fourier.forward(nyquist), fourier)).max() < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("source", "target"), [((12, 15), (24, 20)), ((24, 20), (12, 15)), ((9, 9), (9, 30))]
+)
+def test_resample_is_exact_for_modes_both_grids_hold(source, target):
+    rng = np.random.default_rng(4)
+    modes = [(ky, kx, *rng.normal(size=2)) for ky in (-3, 0, 2) for kx in (0, 1, 4)]
+
+    def sample(grid):
+        y, x = grid.coordinates()
+        phase = [2 * np.pi * (ky * y[:, None] + kx * x[None, :]) for ky, kx, _, _ in modes]
+        return sum(a * np.cos(p) + b * np.sin(p) for p, (_, _, a, b) in zip(phase, modes, strict=True))
+
+    coarse, fine = Grid(source), Grid(target)
+    moved = Fourier(fine).inverse(resample(Fourier(coarse).forward(sample(coarse)), coarse, fine))
+    np.testing.assert_allclose(moved, sample(fine), atol=1e-13)
+
+
+def test_resample_drops_the_nyquist_mode():
+    coarse, fine = Grid((8, 8)), Grid((16, 16))
+    nyquist = np.broadcast_to((-1.0) ** np.arange(8), (8, 8))
+    assert not resample(Fourier(coarse).forward(nyquist), coarse, fine).any()
+
+
+def test_radial_average_recovers_a_radial_function():
+    grid = Grid((64, 96), (1.0, 1.5))
+    wavenumber, average = radial_average(grid.wavenumber(), grid)
+    assert np.all(np.abs(average - wavenumber) < 2 * np.pi / 1.5 / 2)
+
+
+def test_work_is_counted_in_nodes_and_shared():
+    work, fine, coarse = Work(), Grid((8, 8)), Grid((4, 4))
+    Fourier(fine, work=work).forward(np.zeros((8, 8)))
+    Fourier(coarse, work=work).forward(np.zeros((4, 4)))
+    assert work.transforms(fine) == 1.25
+    assert work.pairs(coarse) == 2.5
+
+
+def test_good_size_is_even_and_large_enough():
+    sizes = [good_size(n) for n in range(1, 300)]
+    assert all(size >= n and size % 2 == 0 for n, size in enumerate(sizes, start=1))
+    assert max(size / n for n, size in enumerate(sizes[31:], start=32)) < 1.2
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"), [(((0, 4),), "shape"), (((4, 4, 4),), "shape"), (((4, 4), -1.0), "length")]
+)
+def test_a_wrong_grid_is_named(arguments, words):
+    with pytest.raises(ValueError, match=words):
+        Grid(*arguments)
+
+
+def test_a_wrong_precision_is_named():
+    with pytest.raises(ValueError, match="float64 or float32"):
+        Fourier(Grid((4, 4)), "int32")

@@ -1,0 +1,245 @@
+import numpy as np
+import pytest
+import xarray as xr
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from asperity.spectral import Fourier, Grid
+from asperity.statistics import (
+    PERCENTS,
+    autocorrelation,
+    ensemble,
+    joint_counts,
+    probability_density,
+    select_peaks,
+)
+
+ROUNDING = 1e-12
+
+
+@settings(max_examples=60, deadline=None)
+@given(hnp.arrays(float, st.integers(1, 200), elements=st.floats(-1e6, 1e6)), st.integers(1, 120))
+def test_density_counts_every_value_and_integrates_to_one(values, bins):
+    counts, edges, density = probability_density(values, bins)
+    assert counts.sum() == values.size
+    assert counts.shape == density.shape == (bins,)
+    assert edges[0] <= values.min()
+    assert edges[-1] >= values.max()
+    assert np.sum(density * np.diff(edges)) == pytest.approx(1.0, rel=1e-9)
+
+
+def test_density_within_limits_counts_only_what_is_inside():
+    counts, edges, density = probability_density(np.array([-5.0, 0.1, 0.2, 0.9, 7.0]), 2, (0.0, 1.0))
+    assert counts.tolist() == [2, 1]
+    assert edges.tolist() == [0.0, 0.5, 1.0]
+    np.testing.assert_allclose(density, [4 / 3, 2 / 3])
+    assert probability_density(np.empty(0), 3, (0.0, 1.0)).density.tolist() == [0, 0, 0]
+
+
+def test_density_of_a_normal_variable():
+    values = np.random.default_rng(0).standard_normal(200_000)
+    counts, edges, density = probability_density(values, 40, (-4.0, 4.0))
+    centre = 0.5 * (edges[1:] + edges[:-1])
+    expected = np.exp(-0.5 * centre**2) / np.sqrt(2 * np.pi)
+    width = np.diff(edges)
+    statistics = 5 * np.sqrt(np.maximum(counts, 1)) / (values.size * width)
+    bin_width = width**2 / 24 * np.abs(centre**2 - 1) * expected
+    assert np.all(np.abs(density - expected) < statistics + 2 * bin_width + 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (([1.0, np.nan],), "values"),
+        (([1.0], 0), "bins"),
+        (([1.0], 2.5), "bins"),
+        (([1.0], 2, (1.0, 1.0)), "limits"),
+        (([1.0], 2, (0.0, np.inf)), "limits"),
+    ],
+)
+def test_density_refuses_what_it_cannot_count(arguments, message):
+    with pytest.raises(ValueError, match=f"^{message}"):
+        probability_density(*arguments)
+
+
+def test_joint_counts_sum_to_the_counts_of_either_alone():
+    draw = np.random.default_rng(1)
+    values, depths = draw.random(500), draw.random(500)
+    edges = np.linspace(0, 1, 11)
+    joint = joint_counts(values, depths, edges, edges)
+    assert joint.dtype.kind == "i"
+    np.testing.assert_array_equal(joint.sum(axis=1), np.histogram(values, edges)[0])
+    np.testing.assert_array_equal(joint.sum(axis=0), np.histogram(depths, edges)[0])
+
+
+def test_autocorrelation_is_the_ring_average_of_shifted_products():
+    grid = Grid((20, 26), (1.0, 1.3))
+    field = np.random.default_rng(2).standard_normal(grid.shape) + 3.0
+    lag, covariance = autocorrelation(field, grid)
+    rest = field - field.mean()
+    rings: dict[int, list[float]] = {}
+    for j in range(20):
+        for i in range(26):
+            y, x = 0.05 * min(j, 20 - j), 0.05 * min(i, 26 - i)
+            product = np.mean(rest * np.roll(rest, (-j, -i), (0, 1)))
+            rings.setdefault(int(np.rint(np.hypot(y, x) / 0.05)), []).append(product)
+    np.testing.assert_allclose(lag, 0.05 * np.arange(11), atol=ROUNDING)
+    np.testing.assert_allclose(covariance, [np.mean(rings[k]) for k in range(11)], atol=ROUNDING)
+    assert covariance[0] == pytest.approx(field.var(), rel=ROUNDING)
+
+
+def test_autocorrelation_on_a_finer_grid_has_the_same_variance():
+    coarse, fine = Grid((16, 16)), Grid((48, 48))
+    modes = np.zeros(coarse.half_shape, complex)
+    modes[1, 2], modes[3, 0], modes[-3, 0] = 0.5 + 0.1j, 0.3, 0.3
+    field = Fourier(coarse).inverse(modes)
+    lag, covariance = autocorrelation(field, coarse, fine)
+    assert lag[1] == pytest.approx(1 / 48)
+    assert covariance[0] == pytest.approx(field.var(), rel=ROUNDING)
+    same = autocorrelation(Fourier(fine).inverse(_lift(modes, coarse, fine)), fine)
+    np.testing.assert_allclose(covariance, same[1], atol=ROUNDING)
+
+
+def _lift(modes, coarse, fine):
+    out = np.zeros(fine.half_shape, complex)
+    out[: coarse.shape[0] // 2, : modes.shape[1]] = modes[: coarse.shape[0] // 2]
+    out[-(coarse.shape[0] // 2 - 1) :, : modes.shape[1]] = modes[-(coarse.shape[0] // 2 - 1) :]
+    return out
+
+
+def body(seed=0, peaks=4000, scale=1.0):
+    """An analysis in shape, with values from a known distribution: 1 + ν times an exponential."""
+    draw = np.random.default_rng(seed)
+    ratios = np.array([0.0, 0.5])
+    quantity = draw.integers(0, 2, peaks)
+    poisson = np.where(quantity == 0, draw.integers(0, 2, peaks), -1)
+    value = scale * draw.exponential(1.0, peaks) * (1 + ratios[np.maximum(poisson, 0)])
+    value[quantity == 1] *= draw.choice([-1, 1], np.sum(quantity == 1))
+    planes = np.array([0.0, 0.1, 0.3, 1.0])
+    profile = scale * (1 + 0.1 * draw.standard_normal((2, 4)))
+    return xr.Dataset(
+        {
+            "peak_quantity": ("peak", quantity.astype(np.int16)),
+            "peak_poisson": ("peak", poisson.astype(np.int16)),
+            "peak_value": ("peak", value),
+            "peak_depth": ("peak", draw.random(peaks)),
+            "peak_interior": ("peak", draw.integers(0, 2, peaks).astype(np.int8)),
+            "peak_under_contact": ("peak", draw.integers(0, 2, peaks).astype(np.int8)),
+            "plane_depth": ("plane", planes),
+            "mean_von_mises": (("poisson", "plane"), profile),
+            "largest_von_mises": (("poisson", "plane"), 5 * profile),
+            "covariance_depth": (("poisson", "plane"), scale * profile),
+            "covariance_plane": (("poisson", "lag"), scale * profile[:, :3]),
+            "reference_depth": ("poisson", planes[[1, 2]]),
+        },
+        coords={"quantity": ["von_mises", "xz"], "poisson": ratios, "lag": [0.0, 0.1, 0.2]},
+    )
+
+
+def test_selected_peaks_are_those_asked_for():
+    data = body()
+    everything = select_peaks(data, "von_mises", 0.5)
+    assert everything.sizes["peak"] == np.sum((data["peak_quantity"] == 0) & (data["peak_poisson"] == 1))
+    inside = select_peaks(data, "von_mises", 0.5, "interior")
+    below = select_peaks(data, "von_mises", 0.5, "under_contact")
+    assert (inside["peak_interior"] == 1).all()
+    assert ((below["peak_interior"] == 1) & (below["peak_under_contact"] == 1)).all()
+    assert 0 < below.sizes["peak"] < inside.sizes["peak"] < everything.sizes["peak"]
+    xr.testing.assert_identical(select_peaks(data, "xz", 0.0), select_peaks(data, "xz", 0.5))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("zz",), "quantity"),
+        (("xz", 0.3), "poisson"),
+        (("xz", 0.0, "inside"), "selection"),
+    ],
+)
+def test_selecting_names_what_is_there(arguments, message):
+    with pytest.raises(ValueError, match=f"^{message}"):
+        select_peaks(body(), *arguments)
+
+
+def test_ensemble_pools_the_seeds_and_normalises_each_by_its_gradient():
+    bodies = [body(seed, scale=gradient) for seed, gradient in enumerate((0.5, 1.0, 2.0))]
+    result = ensemble(bodies, [0.5, 1.0, 2.0], bins=50, resamples=200)
+    for quantity in ("von_mises", "xz"):
+        for poisson in (0.0, 0.5):
+            values = np.concatenate(
+                [
+                    select_peaks(b, quantity, poisson, "interior")["peak_value"].values / g
+                    for b, g in zip(bodies, (0.5, 1.0, 2.0), strict=True)
+                ]
+            )
+            here = {"selection": "interior", "quantity": quantity, "poisson": poisson}
+            edges = result["bin_edge"].sel(quantity=quantity).values
+            counts = result["peak_counts"].sel(here)
+            expected = probability_density(values, 50, (edges[0], edges[-1]))
+            np.testing.assert_array_equal(counts.sum("member"), expected.counts)
+            np.testing.assert_allclose(result["peak_density"].sel(here), expected.density, rtol=1e-12)
+            np.testing.assert_array_equal(result["joint_counts"].sel(here).sum("depth_bin"), expected.counts)
+            np.testing.assert_allclose(
+                result["peak_percentile"].sel(here), np.percentile(np.abs(values), PERCENTS)
+            )
+    np.testing.assert_allclose(
+        result["scaled_covariance_depth"],
+        np.mean([b["covariance_depth"] / g**2 for b, g in zip(bodies, (0.5, 1, 2), strict=True)], axis=0),
+    )
+
+
+def test_bands_hold_the_estimate_and_narrow_with_the_seeds():
+    few = ensemble([body(s) for s in range(4)], [1.0] * 4, bins=20, resamples=300)
+    many = ensemble([body(s) for s in range(16)], [1.0] * 16, bins=20, resamples=300)
+    for data in (few, many):
+        for name in ("peak_percentile", "scaled_mean_von_mises"):
+            middle = data[name].values
+            assert np.all(data[f"{name}_low"] <= middle * (1 + 1e-3))
+            assert np.all(data[f"{name}_high"] >= middle * (1 - 1e-3))
+
+    def width(data):
+        return float((data["scaled_mean_von_mises_high"] - data["scaled_mean_von_mises_low"]).mean())
+
+    assert 0.3 < width(many) / width(few) < 0.8  # one half expected
+    # The true value of the median, ln 2 (1 + ν), lies in the band (95 %).
+    band = many.sel(selection="all", quantity="von_mises", percent=50.0)
+    true = np.log(2) * (1 + band["poisson"])
+    assert np.all((band["peak_percentile_low"] < 1.02 * true) & (band["peak_percentile_high"] > 0.98 * true))
+
+
+def test_bootstrap_is_the_same_every_time():
+    bodies = [body(s, 500) for s in range(3)]
+    xr.testing.assert_identical(ensemble(bodies, [1, 1, 1], 10, 50), ensemble(bodies, [1, 1, 1], 10, 50))
+
+
+def test_one_seed_has_an_estimate_and_no_band():
+    result = ensemble([body()], [1.0], bins=10)
+    assert np.isfinite(result["peak_density"]).all()
+    assert np.isnan(result["peak_density_low"]).all()
+    assert np.isnan(result["scaled_covariance_plane_high"]).all()
+
+
+def test_a_selection_without_peaks_has_no_percentiles():
+    data = body()
+    data["peak_interior"][:] = 0
+    result = ensemble([data, data], [1.0, 1.0], bins=10, resamples=20)
+    assert np.isnan(result["peak_percentile"].sel(selection="interior")).all()
+    assert (result["peak_density"].sel(selection="interior") == 0).all()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"bodies": []}, "gradients"),
+        ({"gradients": [1.0]}, "gradients"),
+        ({"gradients": [1.0, 0.0]}, "gradients"),
+        ({"resamples": 0}, "resamples"),
+        ({"confidence": 1.0}, "confidence"),
+        ({"bins": 0}, "bins"),
+        ({"bodies": [body(), body().assign_coords(lag=[0.0, 0.1, 0.3])]}, "bodies.*lag"),
+    ],
+)
+def test_ensemble_refuses_what_does_not_fit(changes, message):
+    with pytest.raises(ValueError, match=f"^{message}"):
+        ensemble(**({"bodies": [body(), body(1)], "gradients": [1.0, 1.0]} | changes))

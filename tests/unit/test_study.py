@@ -1,0 +1,99 @@
+"""The stages of the study, called as functions."""
+
+import numpy as np
+import pytest
+
+from asperity import dataset
+from asperity.study.body import analyse_body
+from asperity.study.contact import press
+from asperity.study.solid import SOLID_ATTRIBUTES, solid
+from asperity.study.statistics import summarise
+from asperity.study.surface import make_surface
+
+SURFACE = {
+    "label": "test",
+    "hurst": 0.8,
+    "wavelength_long": 0.25,
+    "wavelength_short": 0.125,
+    "rms_height": 0.001,
+    "points": 64,
+}
+LAYER = {
+    "height": 1.0,
+    "bottom": "bonded",
+    "poisson": 0.33,
+    "lateral": "confined",
+    "half_space_tolerance": 0.03,
+}
+CONTACT = {
+    "method": "active_set",
+    "area_fraction": 0.1,
+    "path_area_fractions": [0.05, 0.15],
+    "tolerance": 1e-6,
+    "precision": "float64",
+}
+BODY = {"poisson": [0.0, 0.33], "tolerance": 1e-4, "depth_spacing": 0.5}
+STATISTICS = {"bins": 10, "resamples": 50, "confidence": 0.9}
+
+
+def run(seed, layer=LAYER):
+    surface = make_surface(SURFACE, seed)
+    contact = press(surface, layer, CONTACT)
+    return surface, contact, analyse_body(contact, layer, BODY)
+
+
+def test_a_tall_layer_is_taken_for_a_half_space_and_a_thin_one_is_not():
+    tall, record = solid(LAYER)
+    assert tall.height is None
+    assert record["solid"] == "half-space"
+    assert 0 < record["solid_bound"] <= LAYER["half_space_tolerance"]
+    thin, record = solid(LAYER | {"height": 0.2})
+    assert thin.height == 0.2
+    assert record["solid"] == "layer, bonded bottom"
+    assert thin.effective_modulus == pytest.approx(1)
+
+
+def test_the_curve_holds_every_area_asked_for_in_order():
+    _, contact, _ = run(1)
+    np.testing.assert_allclose(contact.path_area_fraction, [0.05, 0.1, 0.15], atol=1 / 64**2)
+    assert np.all(np.diff(contact.path_mean_pressure) > 0)
+    assert float(contact.area_fraction) == pytest.approx(0.1, abs=1 / 64**2)
+    middle = contact.path_mean_pressure.values[1]
+    assert float(contact.mean_pressure) == middle == pytest.approx(contact.pressure.values.mean())
+
+
+def test_a_layer_is_analysed_for_the_poissons_ratio_of_its_contact_alone():
+    _, _, half_space = run(1)
+    assert half_space.poisson.values.tolist() == [0.0, 0.33]
+    _, _, layer = run(1, LAYER | {"height": 0.2})
+    assert layer.poisson.values.tolist() == [0.33]
+    assert layer.plane_depth.values[-1] == pytest.approx(0.2)
+
+
+def test_a_ratio_at_which_the_half_space_does_not_stand_for_the_layer_is_refused():
+    surface = make_surface(SURFACE, 1)
+    contact = press(surface, LAYER, CONTACT)
+    with pytest.raises(ValueError, match=r"body\.poisson = 0\.5: layer: .*beyond the tolerance 0\.03; leave"):
+        analyse_body(contact, LAYER, BODY | {"poisson": [0.33, 0.5]})
+
+
+def test_two_seeds_have_bands_and_one_has_none():
+    stages = [run(seed) for seed in (1, 2)]
+    surfaces, contacts, bodies = map(list, zip(*stages, strict=True))
+    two = summarise(surfaces, contacts, bodies, **STATISTICS)
+    one = summarise(surfaces[:1], contacts[:1], bodies[:1], **STATISTICS)
+    assert np.isnan(one.scaled_covariance_depth_low.values).all()
+    low, high = two.scaled_covariance_depth_low, two.scaled_covariance_depth_high
+    assert bool((low <= high).all())
+    assert bool((low < high).any())
+    assert two.sizes["member"] == 2
+    assert float((two.height_density * np.diff(two.height_edge)).sum()) == pytest.approx(1)
+    assert all(name in two.attrs for name in SOLID_ATTRIBUTES)
+
+
+def test_every_stage_speaks_the_vocabulary(tmp_path):
+    surface, contact, body = run(1)
+    statistics = summarise([surface], [contact], [body], **STATISTICS)
+    for name, data in {"s": surface, "c": contact, "b": body, "t": statistics}.items():
+        dataset.write(data, tmp_path / f"{name}.nc", name, {"seed": 1})
+        assert set(dataset.read(tmp_path / f"{name}.nc").variables) == set(data.variables)

@@ -1,0 +1,101 @@
+"""Every figure of the paper is asked for by `rule all`, and drawn from datasets alone."""
+
+import ast
+import importlib
+import inspect
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from asperity.figures import captions
+from asperity.figures.shared import folded_density
+
+ROOT = Path(__file__).parents[2]
+PAPER = [f"fig{number:02d}" for number in range(1, 19)]
+MODULES = sorted((ROOT / "src/asperity/figures").glob("fig*.py"))
+
+
+@pytest.fixture(scope="module")
+def jobs():
+    """What `rule all` would do from nothing: figure → its input files, in a dry run of the paper's study."""
+    environment = os.environ | {"PATH": f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"}
+    run = subprocess.run(
+        ["snakemake", "--cores", "1", "--dry-run", "--forceall"],
+        cwd=ROOT,
+        env=environment,
+        capture_output=True,
+        text=True,
+    )
+    text = run.stdout + run.stderr
+    assert run.returncode == 0, text
+    found = re.findall(r"^rule figure:\n    input: (.*)\n    output: (\S+)/(\w+)\.png", text, re.MULTILINE)
+    return {name: inputs.split(", ") for inputs, _, name in found}
+
+
+def stages_of(inputs):
+    """The stages from which a figure has datasets."""
+    return {Path(file).parts[1] for file in inputs if file.endswith(".nc")}
+
+
+def test_rule_all_asks_for_every_figure_of_the_paper(jobs):
+    missing = [figure for figure in PAPER if figure not in jobs]
+    assert not missing, f"not asked for by rule all: {', '.join(missing)}"
+
+
+def test_every_figure_has_the_datasets_it_is_drawn_from(jobs):
+    assert jobs
+    without = {}
+    for figure, inputs in jobs.items():
+        module = importlib.import_module(f"asperity.figures.{figure.split('_')[0]}")
+        needed = set(inspect.signature(module.draw).parameters)
+        if needed - stages_of(inputs) or not needed:
+            without[figure] = sorted(needed - stages_of(inputs))
+    assert not without, f"drawn without their datasets: {without}"
+
+
+def test_every_figure_depends_on_its_module_and_the_style(jobs):
+    for figure, inputs in jobs.items():
+        assert f"src/asperity/figures/{figure.split('_')[0]}.py" in inputs
+        assert "src/asperity/figures/style.mplstyle" in inputs
+
+
+def test_the_supplement_shows_given_kurtosis_and_measured_surfaces(jobs):
+    studies = {name.split("_")[1] for name in jobs if "_" in name}
+    assert studies == {"moments", "measured"}
+
+
+@pytest.mark.parametrize("path", MODULES, ids=lambda path: path.stem)
+def test_a_figure_opens_no_file_of_its_own(path):
+    tree = ast.parse(path.read_text())
+    called = {
+        node.func.id if isinstance(node.func, ast.Name) else getattr(node.func, "attr", "")
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call)
+    }
+    assert not called & {"open", "open_dataset", "load", "loadtxt", "read", "read_text", "read_bytes"}
+
+
+def test_every_figure_of_the_paper_says_what_the_paper_says_and_ours_shows():
+    rows = [line for line in (ROOT / "docs/figures.md").read_text().splitlines() if line.startswith("| ")]
+    described = {row.split("|")[1].strip() for row in rows}
+    assert described >= {str(number) for number in range(1, 19)}
+
+
+def test_a_folded_density_is_the_density_of_the_magnitude():
+    """Rounding: the density is constant in each bin, and the folded bins divide them."""
+    edges = np.linspace(-1.0, 2.0, 31)
+    folded = np.linspace(0.0, 2.0, 21)
+    values = np.where(edges[1:] <= 1e-12, 0.25, 0.375)
+    result = folded_density(values, edges, folded)
+    np.testing.assert_allclose(result[:10], 0.625, rtol=1e-12)
+    np.testing.assert_allclose(result[10:], 0.375, rtol=1e-12)
+    assert float(np.sum(result * np.diff(folded))) == pytest.approx(1)
+
+
+def test_every_figure_of_the_paper_has_a_caption_with_numbers():
+    assert set(captions.FIGURES) >= set(PAPER)
