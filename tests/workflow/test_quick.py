@@ -27,7 +27,7 @@ def test_every_figure_is_there_as_picture_and_as_vectors(quick_study):
     names = {path.name for path in figures.iterdir()}
     modules = {path.stem for path in (ROOT / "src/asperity/figures").glob("fig*.py")}
     assert names >= {f"{module}{suffix}" for module in modules for suffix in (".png", ".pdf")}
-    assert all(path.stat().st_size > 5000 for path in figures.iterdir())
+    assert all(path.stat().st_size > 5000 for path in figures.iterdir() if path.suffix != ".rst")
 
 
 def test_nothing_is_left_to_do_and_nothing_is_left_over(quick_study):
@@ -69,10 +69,12 @@ def test_logs_hold_what_the_rules_said(quick_study):
 def test_surfaces_have_the_height_and_the_spectrum_asked_for(quick_study):
     for surface in read_all(quick_study.folder, "surface"):
         asked = dataset.settings_of(surface)["surface"]
+        if "file" in asked:
+            continue
         assert float(surface.rms_height) == pytest.approx(asked["rms_height"], rel=1e-12)
         assert np.std(surface.height.values) == pytest.approx(asked["rms_height"], rel=1e-12)
         number = surface.wavenumber / (2 * np.pi)
-        band = (number > 10) & (number < 31)
+        band = (number > 10) & (number < 0.97 / asked["wavelength_short"])
         deviation = np.log(surface.spectrum / surface.spectrum_target).where(band, drop=True)
         assert abs(float(deviation.mean())) < 0.1  # statistics of one seed
 
@@ -130,7 +132,7 @@ def test_every_file_tells_a_stranger_what_it_is(quick_study):
         for data in read_all(quick_study.folder, stage):
             assert all(data.attrs[name] for name in ("title", "source", "references", "Conventions"))
             settings = dataset.settings_of(data)
-            assert settings["surface"]["points"] == 256
+            assert settings["surface"]["points"] in (128, 256)
             assert dataset.digest(settings) == data.attrs["settings_digest"]
             if stage in ("contact", "body", "statistics"):
                 assert data.attrs["solid"] == "half-space"

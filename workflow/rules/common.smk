@@ -18,6 +18,7 @@ def code(script, *modules):
 
 def contact_settings(wildcards):
     """Section contact, without the load-area curve where no figure shows it."""
-    if wildcards.surface in config["studies"]["hurst"]:
+    studies = config["studies"]
+    if wildcards.surface in {*studies["hurst"], *studies["measured"]}:
         return config["contact"]
     return {**config["contact"], "path_area_fractions": []}

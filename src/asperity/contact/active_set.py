@@ -40,7 +40,7 @@ LENGTHENED = 2
 ENOUGH = 0.3
 
 # Blocks on the finest grid before giving up, and on a coarse one before going on.
-MOST_BLOCKS = 2000
+MOST_BLOCKS = 400
 COARSE_BLOCKS = 20
 
 # Blocks without a smaller error before giving up.
@@ -53,6 +53,9 @@ COARSE_AREA_TOLERANCE = 1e-2
 
 # A start is used if its load, area, or approach from first touch differs by less than this fraction.
 NEAR_START = 0.3
+
+# Share of the spacing of floating-point numbers that counts as the rounding error of a gap.
+ROUNDING = 0.1
 
 # Most that the load may change at once along a tangent, relative to itself.
 MOST_CHANGE = 0.5
@@ -107,6 +110,13 @@ class Level:
     def unit(self) -> float:
         """Displacement of a node per pressure on it: spacing / E*."""
         return min(self.problem.grid.spacing) / self.problem.modulus
+
+    @cached_property
+    def rounding(self) -> float:
+        """Pressure of a node, by the preconditioner, that stands for the rounding of the gap."""
+        height = self.problem.height
+        spacing = float(np.spacing(np.abs(height).max()))
+        return ROUNDING * spacing / self.unit * float(np.linalg.norm(self.weights))
 
     def select(self, state: State) -> tuple[Array, Array]:
         """Contact nodes, in the plain and in the padded array; the padded array is emptied."""
@@ -184,10 +194,12 @@ class Level:
             estimate -= np.float32(load / total) * weight
         norm = math.sqrt(_sum_of_squares(pressure))
         missing = math.sqrt(_sum_of_squares(estimate))
+        # Only by chance is the estimate below the rounding of the gaps, of which a given load fixes one.
+        missing = max(missing, self.rounding * math.sqrt(plain.size - fixed_load)) if plain.size else missing
         state.error = missing / norm if norm else (math.inf if missing else 0.0)
         return System(plain, nodes, residual, weight, total, fixed_load)
 
-    def steer(self, state: State, system: System, area: AreaControl, settled: bool, tolerance: float) -> bool:
+    def steer(self, state: State, system: System, area: AreaControl, settled: bool) -> bool:
         """Change the load towards an area, along the tangent of the present contact.
 
         The block that was due is done with it. Returns whether the load is new.
@@ -201,9 +213,13 @@ class Level:
             _add(pressure, plain, change)
             gap += self.unit * displacement
             displacement.fill(0)
-        residual.fill(1)
-        rate, used = self.correct(system._replace(fixed_load=False), displacement)
-        state.iterations += used
+        if plain.size == gap.size and self.problem.compliance[0, 0] == 0:
+            # In full contact the load of such a solid changes at a fixed approach.
+            rate = np.ones_like(residual)
+        else:
+            residual.fill(1)
+            rate, used = self.correct(system._replace(fixed_load=False), displacement)
+            state.iterations += used
         per_load = float(rate.sum(dtype=float)) / gap.size
         # Changes of the approach at which a node enters or leaves the contact, from lift-off to `most`.
         most = MOST_CHANGE * state.load / per_load
@@ -212,8 +228,11 @@ class Level:
         count = int(np.count_nonzero(events <= least))
         edges = np.concatenate(([least], np.sort(events[(events > least) & (events < most)]), [most]))
         # Only numbers of nodes that last while the load changes can be asked for.
-        lasting = np.flatnonzero(np.diff(edges) >= 0.1 * tolerance * state.load / per_load)
+        lasting = np.flatnonzero(np.diff(edges) >= area.resolution * state.load / per_load)
         best = lasting[np.argmin(np.abs(lasting + (count - area.target)))]
+        in_reach = best < edges.size - 2 or best + count > area.target
+        if settled and in_reach and edges[best] < 0 < edges[best + 1]:
+            return False
         along = 0.5 * (edges[best] + edges[best + 1])
         if best == 0 and edges[1] >= 0 and count > area.target:
             along = 0.0
@@ -249,7 +268,7 @@ class Level:
         pressure_before, gap_before = np.empty_like(pressure), np.empty_like(gap)
         area = None
         if control.kind == "area_fraction":
-            area = AreaControl(control.value, problem.grid.size, area_tolerance)
+            area = AreaControl(control.value, problem.grid.size, tolerance, area_tolerance)
         report = Reporter(progress, tolerance)
         moved, stepped, reach = False, False, 1.0
         stalled, best, error_before, length = 0, math.inf, math.inf, BLOCK_ITERATIONS
@@ -280,7 +299,7 @@ class Level:
                 if not (settled or area.is_near(state)):
                     area.steer(state, settled)
                     continue
-                if self.steer(state, system, area, settled, tolerance):
+                if self.steer(state, system, area, settled):
                     continue
             if settled:
                 return True
@@ -296,7 +315,7 @@ class Level:
                 drop = BLOCK_DROP
             else:
                 length = LONG_ITERATIONS
-                drop = max(LONG_DROP, ENOUGH * tolerance / state.error)
+                drop = max(LONG_DROP, ENOUGH * tolerance / max(state.error, tolerance))
             error_before = state.error
             change, used = self.correct(system, drop=drop, iterations=length)
             state.iterations += used

@@ -11,8 +11,8 @@ from asperity.contact.problem import State
 # Contact nodes may miss the area asked for by one half, or by this fraction.
 AREA_TOLERANCE = 1e-4
 
-# Width, relative to the load, of the bracket in which the area jumps past the one asked for.
-LOAD_TOLERANCE = 1e-5
+# Loads nearer than this fraction of the pressure's tolerance are not told apart.
+RESOLUTION = 0.1
 
 # An unconverged pressure steers only if the area misses by more than this many times its estimated error.
 # So many times on a grid.
@@ -27,21 +27,28 @@ class AreaControl:
     """Steers the load of a state to an area fraction.
 
     The load follows the guess of the solver, or the area along a power law, whose exponent is learnt from
-    the last two loads. Loads whose pressure has converged bracket the one that gives the area. If the area
-    jumps past the one asked for, the bracket closes on the jump and the side with the nearer area is taken.
+    the last two loads. Loads whose pressure has converged bracket the one that gives the area. Nodes that
+    touch at one load, as on a surface with a symmetry, are gained together: if the area jumps past the one
+    asked for, the bracket closes on the jump and the side with the nearer area is taken.
 
     Parameters
     ----------
     area_fraction : float
     size : int
         Nodes of the grid.
+    rtol : float
+        Tolerance of the pressure.
     tolerance : float
         Relative to the area asked for.
     """
 
-    def __init__(self, area_fraction: float, size: int, tolerance: float = AREA_TOLERANCE) -> None:
+    def __init__(
+        self, area_fraction: float, size: int, rtol: float, tolerance: float = AREA_TOLERANCE
+    ) -> None:
         self.target = max(1, round(area_fraction * size))
         self.allowed = max(tolerance * self.target, 0.5)
+        self.resolution = RESOLUTION * rtol
+        self.nearest = False
         self.low = (0.0, 0)
         self.high = (math.inf, size + 1)
         self.width = math.inf
@@ -61,6 +68,8 @@ class AreaControl:
         """Whether the area is certain to differ from the one asked for."""
         if abs(np.count_nonzero(state.pressure) - self.target) <= self.allowed:
             return False
+        if settled and self.nearest:
+            return False
         # While the pressure is wrong by a fraction, the area may be wrong by as much.
         return settled or (self.early > 0 and abs(self.missing(state)) > CAUTION * state.error)
 
@@ -74,8 +83,6 @@ class AreaControl:
             return False
         count, missing = int(np.count_nonzero(state.pressure)), self.missing(state)
         if settled:
-            # Symmetric surfaces gain and lose nodes in groups: what is near is taken after many tries.
-            self.allowed *= 1.25
             self._learn(state.load, max(1, count))
         if guess is None:
             guess = state.load * math.exp(min(max(self.exponent * missing, -0.7), 0.7))
@@ -91,9 +98,10 @@ class AreaControl:
             self.high = min(self.high, (state.load, count))
         width = self.high[0] - self.low[0]
         bracketed = self.low[0] > 0 and math.isfinite(width)
-        if bracketed and width <= LOAD_TOLERANCE * self.high[0]:
+        if bracketed and width <= self.resolution * self.high[0]:
+            self.nearest = True
             nearest = min((self.low, self.high), key=lambda end: abs(end[1] - self.target))
-            if count == nearest[1]:
+            if state.load == nearest[0]:
                 return False
             state.load = nearest[0]
             return True

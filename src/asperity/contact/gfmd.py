@@ -92,7 +92,7 @@ def solve(
     if hold:
         stiffness[0, 0] = hold
     squared_step = TIME_STEP**2 * 4 / stiffest
-    area = AreaControl(control.value, grid.size) if control.kind == "area_fraction" else None
+    area = AreaControl(control.value, grid.size, rtol) if control.kind == "area_fraction" else None
     rms_height = float(np.std(height, dtype=float))
 
     if initial is not None and np.any(initial):
