@@ -2,6 +2,7 @@
 import sys
 
 from asperity.config import ConfigError, check, load_schema
+from asperity.presets import complete
 
 
 configfile: "config/config.yaml"
@@ -14,6 +15,8 @@ try:
     check(config, load_schema(workflow.source_path("workflow/schemas/config.schema.yaml")))
 except ConfigError as error:
     sys.exit(f"config: {error}")
+
+config.update(complete(config))
 
 RESULTS = config["results"]
 SURFACES = config["surfaces"]

@@ -14,6 +14,8 @@ from typing import Any
 import jsonschema
 import yaml
 
+from asperity.presets import complete
+
 _WORDS = {
     "number": "a number",
     "integer": "a whole number",
@@ -40,6 +42,7 @@ def check(config: Mapping[str, Any], schema: Mapping[str, Any]) -> None:
     error = min(validator.iter_errors(config), key=lambda e: (len(e.path), str(e.path)), default=None)
     if error is not None:
         raise ConfigError(_one_line(error))
+    config = complete(config)
     for name, surface in config["surfaces"].items():
         _check_surface(f"surfaces.{name}", surface)
     for name in config["measured"]:

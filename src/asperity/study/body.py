@@ -16,6 +16,9 @@ from asperity.progress import Report
 from asperity.spectral import Array, Grid
 from asperity.study.solid import SOLID_ATTRIBUTES, solid
 
+GROWTH = 0.25
+"""Distance of deep planes over their depth, relative to the spacing of the upper ones: one knob for both."""
+
 
 @dataclass(frozen=True)
 class _Pressed:
@@ -59,7 +62,8 @@ def analyse_body(
     if layer.height is None:
         poisson = body_settings["poisson"]
         _check_half_space(layer_settings, poisson)
-    depths = depth_grid(grid, layer_settings["height"], body_settings["depth_spacing"])
+    spacing = body_settings["depth_spacing"]
+    depths = depth_grid(grid, layer_settings["height"], spacing, GROWTH * spacing)
     dataset = analyse(
         _Pressed(contact["pressure"].values.astype(float), grid, layer),
         depths=depths,

@@ -1,0 +1,69 @@
+"""Presets of accuracy: what they fill in, and what they leave to the configuration."""
+
+import copy
+from pathlib import Path
+
+import pytest
+import yaml
+
+from asperity.config import check, load_schema
+from asperity.presets import PRESETS, complete, overlay
+
+ROOT = Path(__file__).parents[2]
+SCHEMA = load_schema(ROOT / "workflow/schemas/config.schema.yaml")
+PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
+
+
+def test_the_paper_has_the_settings_its_figures_were_made_with():
+    whole = complete(PAPER)
+    points = {name: surface["points"] for name, surface in whole["surfaces"].items()}
+    assert points["hurst_02"] == points["hurst_08"] == 2048
+    assert (points["cutoff_64"], points["gaussian"], points["cutoff_512"]) == (512, 1024, 4096)
+    assert whole["measured"]["fault"]["points"] == 512
+    assert whole["seeds"] == [1]
+    assert (whole["contact"]["tolerance"], whole["contact"]["precision"]) == (1e-6, "float64")
+    assert (whole["body"]["tolerance"], whole["body"]["depth_spacing"]) == (1e-4, 0.5)
+    assert whole["layer"]["half_space_tolerance"] == 0.05
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_preset_gives_a_configuration_that_is_accepted_and_stays_as_it_is(name):
+    before = PAPER | {"accuracy": name}
+    whole = complete(before)
+    check(whole, SCHEMA)
+    assert complete(whole) == whole
+    assert "tolerance" not in before["contact"]
+
+
+def test_what_a_configuration_names_itself_counts():
+    config = copy.deepcopy(PAPER) | {"accuracy": "draft", "seeds": [7]}
+    config["contact"]["precision"] = "float32"
+    config["surfaces"]["gaussian"]["points"] = 300
+    whole = complete(config)
+    assert whole["seeds"] == [7]
+    assert (whole["contact"]["precision"], whole["contact"]["tolerance"]) == ("float32", 1e-3)
+    assert whole["surfaces"]["gaussian"]["points"] == 300
+    assert whole["surfaces"]["hurst_02"]["points"] == 1024
+
+
+def test_a_map_without_a_shortest_wavelength_keeps_its_points():
+    config = copy.deepcopy(PAPER)
+    del config["measured"]["fault"]["wavelength_short"]
+    assert "points" not in complete(config)["measured"]["fault"]
+
+
+def test_an_overlay_sets_every_knob():
+    """Laid over the paper it gives what the preset itself gives."""
+    wavelengths = {name: surface["wavelength_short"] for name, surface in PAPER["surfaces"].items()}
+    keys = overlay(PRESETS["reference"], wavelengths)
+    config = copy.deepcopy(PAPER) | {"seeds": keys["seeds"]}
+    for section in ("contact", "body", "layer"):
+        config[section] |= keys[section]
+    for name, surface in keys["surfaces"].items():
+        config["surfaces"][name] |= surface
+    expected = complete(PAPER | {"accuracy": "reference"})
+    assert complete(config) | {"accuracy": "reference", "measured": expected["measured"]} == expected
+
+
+def test_points_are_fast_to_transform():
+    assert PRESETS["paper"].points(0.03) == 270
