@@ -75,7 +75,8 @@ def test_surfaces_have_the_height_and_the_spectrum_asked_for(quick_study):
         assert np.std(surface.height.values) == pytest.approx(asked["rms_height"], rel=1e-12)
         number = surface.wavenumber / (2 * np.pi)
         band = (number > 10) & (number < 0.97 / asked["wavelength_short"])
-        deviation = np.log(surface.spectrum / surface.spectrum_target).where(band, drop=True)
+        drawn = surface.get("spectrum_before", surface.spectrum)  # a Johnson map moves some of it
+        deviation = np.log(drawn / surface.spectrum_target).where(band, drop=True)
         assert abs(float(deviation.mean())) < 0.1  # statistics of one seed
 
 
