@@ -150,16 +150,25 @@ def johnson(height: Array, gamma: float, delta: float, zeta: float = -4.0, lam: 
     Raises
     ------
     ValueError
-        If δ or λ is not positive, or the input has no variation.
+        If γ or ζ is not finite, δ or λ not positive, the input not finite or without variation, or the
+        transformed heights are all the same in floating point.
 
     Notes
     -----
-    N. L. Johnson, Biometrika 36 (1949) 149, doi 10.2307/2332539.
+    N. L. Johnson, Biometrika 36 (1949) 149, doi 10.2307/2332539. The rescaling undoes ζ and λ. The curve is
+    taken from the bound that it comes nearest to, where it would be lost beside the width of the interval.
     """
+    for name, value in (("gamma", gamma), ("zeta", zeta)):
+        if not np.isfinite(value):
+            raise ValueError(f"{name} = {value!r}: a finite number is needed")
     for name, value in (("delta", delta), ("lam", lam)):
         if not (np.isfinite(value) and value > 0):
             raise ValueError(f"{name} = {value!r}: a positive finite number is needed")
-    return _rescaled(zeta + lam * expit((_standardised(height) - gamma) / delta), height)
+    normal = (_standardised(height) - gamma) / delta
+    transformed = expit(normal) if gamma >= 0 else -expit(-normal)
+    if np.ptp(transformed) == 0:
+        raise ValueError(f"gamma = {gamma!r}, delta = {delta!r}: all heights come to lie at one bound")
+    return _rescaled(transformed, height)
 
 
 def with_moments(height: Array, skewness: float, kurtosis: float) -> Array:
@@ -219,6 +228,8 @@ _NORMAL_WEIGHTS /= _NORMAL_WEIGHTS.sum()
 
 def _standardised(height: Array) -> Array:
     """The heights with mean zero and rms one."""
+    if not np.all(np.isfinite(height)):
+        raise ValueError("height: finite heights are needed")
     rms_height = float(np.std(height))
     if rms_height == 0:
         raise ValueError("height: a surface that varies is needed, this one is flat")
@@ -227,7 +238,10 @@ def _standardised(height: Array) -> Array:
 
 def _rescaled(transformed: Array, height: Array) -> Array:
     """Transformed heights, centred, with the rms height of the original ones."""
-    return (transformed - np.mean(transformed)) * (np.std(height) / np.std(transformed))
+    # Heights of the order of one, whose squares do not underflow.
+    centred = transformed / np.abs(transformed).max()
+    centred -= np.mean(centred)
+    return centred * (np.std(height) / np.std(centred))
 
 
 def _moments(values: Array, weights: Array) -> tuple[float, float, float]:

@@ -197,4 +197,16 @@ VOCABULARY: dict[str, Variable] = {
     "scaled_wavenumber": Variable("1", "wavenumber times height of the layer"),
     "formula": Variable("1", "how the quantity was computed"),
     "precision": Variable("1", "floating-point precision"),
+    # extremes
+    "outcome": Variable("1", "what became of the contact with the two levels"),
+    "scaled_violation": Variable("1", "violation of the conditions of contact over the tolerance"),
+    "scaled_pressure_error": Variable("1", "relative L2 error of the pressure over the tolerance"),
+    "reason": Variable("1", "why there is no solution, or none that was checked"),
+    "level_axis": Variable("1", "setting that the level is one of"),
+    "level_value": Variable("1", "value of the setting"),
+    "level_default": Variable("1", "1 if the level is that of the scene that others change"),
+    "beyond_axis": Variable("1", "setting that is out of its range"),
+    "beyond_value": Variable("1", "value out of range"),
+    "beyond_outcome": Variable("1", "what became of the contact with a value out of range"),
+    "beyond_reason": Variable("1", "why there is no solution"),
 }

@@ -128,9 +128,30 @@ def test_a_wrong_argument_is_named(change, words):
         self_affine((64, 64), **({"seed": 1} | BAND | change))
 
 
-@pytest.mark.parametrize(("change", "words"), [({"delta": 0}, "delta = 0"), ({"lam": -8.0}, "lam = -8.0")])
+@pytest.mark.parametrize(("gamma", "delta"), [(10.0, 0.1), (-10.0, 0.1), (20.0, 0.05)])
+def test_johnson_far_from_its_middle_is_an_exponential(gamma, delta):
+    """Rounding: where no height leaves the bound by a part of 1e-20, the tail is all there is."""
+    normal = np.sign(gamma) * normal_heights() / np.std(normal_heights())
+    tail = np.sign(gamma) * np.exp((normal - normal.max()) / delta)
+    tail -= tail.mean()
+    found = johnson(normal_heights(), gamma, delta)
+    np.testing.assert_allclose(found / found.std(), tail / tail.std(), rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"delta": 0}, "delta = 0"),
+        ({"lam": -8.0}, "lam = -8.0"),
+        ({"gamma": float("nan")}, "gamma = nan"),
+        ({"zeta": float("inf")}, "zeta = inf"),
+        ({"gamma": 1e3, "delta": 0.01}, "gamma = 1000.0, delta = 0.01: all heights come to lie at one bound"),
+    ],
+)
 def test_a_wrong_johnson_parameter_is_named(change, words):
     with pytest.raises(ValueError, match=words):
         johnson(np.eye(4), **({"gamma": 1.25, "delta": 1.0} | change))
     with pytest.raises(ValueError, match="flat"):
         johnson(np.ones((4, 4)), 1.25, 1.0)
+    with pytest.raises(ValueError, match="finite heights"):
+        johnson(np.full((4, 4), np.inf), 1.25, 1.0)

@@ -25,6 +25,7 @@ VALIDATION_FIGURES = {
     "fig04": ["elements"],
     "fig12": ["punch"],
     "stability": ["stability"],
+    "extremes": ["extremes"],
 }
 FIGURES |= {figure: ("validation", ["validation"]) for figure in VALIDATION_FIGURES}
 

@@ -1,6 +1,6 @@
 """Rule validation: the solver against closed forms, finite elements and floating point."""
 
-from asperity import dataset, stability, validation
+from asperity import dataset, extremes, stability, validation
 from asperity.progress import Progress, record
 
 COMPARISONS = {
@@ -11,6 +11,7 @@ COMPARISONS = {
     "mesh_convergence": validation.mesh_convergence,
     "punch": validation.punch,
     "stability": stability.compute,
+    "extremes": extremes.compute,
 }
 
 name = snakemake.wildcards.validation

@@ -15,7 +15,8 @@ damping is a fraction of the critical damping of the slowest,
 The wall is at rest and the load pushes the solid against it, so that with an imposed load the uniform
 mode has no elastic stiffness: its restoring force is the growth of contact, d(load)/d(gap) ≈ load over
 half the rms height. With an imposed approach and no uniform displacement the mean is held at zero by a
-spring and by a load that grows with what is left of the mean.
+spring and by a load that grows with what is left of the mean; what the load still lacks, by its last
+change per change of the mean, counts as error.
 """
 
 from __future__ import annotations
@@ -105,7 +106,7 @@ def solve(
     now = fourier.forward(displacement)
     before = now.copy()
     state = State(np.zeros_like(height), np.empty_like(height), control.value, load)
-    report, waiting = Reporter(progress, rtol), 0
+    report, waiting, held = Reporter(progress, rtol), 0, (0.0, 0.0)
     for step in range(1, MOST_STEPS + 1):
         slowest = softest
         if fixed_load and rms_height:
@@ -129,6 +130,11 @@ def solve(
         astray = math.sqrt(float(np.sum(np.square(traction - state.pressure), dtype=float)))
         if not math.isfinite(astray):
             break
+        if hold:
+            mean = float(now[0, 0].real)
+            growth = abs((state.load - held[0]) / (mean - held[1])) if mean != held[1] else 0.0
+            astray = max(astray, max(hold, growth) * abs(mean) * math.sqrt(grid.size))
+            held = (state.load, mean)
         state.error = astray / norm if norm else (0.0 if astray == 0 else math.inf)
         report(state.error)
         # A load just changed takes effect within the relaxation time of the slowest mode.

@@ -40,6 +40,30 @@ def rounding(validation: Results) -> list[str]:
     )
 
 
+def extremes(validation: Results) -> list[str]:
+    """How many contacts ended how, and how many values out of range were refused."""
+    from asperity.extremes import NO_CELL, OUTCOMES, REFUSED
+
+    data = validation["extremes"]
+    outcome = data["outcome"].values
+    found = outcome[np.tril(np.ones(outcome.shape, bool)) & (outcome != NO_CELL)]
+    refused, beyond = data["beyond_outcome"].values == REFUSED, data.sizes["beyond"]
+    double, single = (data.attrs[f"tolerance_{precision}"] for precision in ("float64", "float32"))
+    text = (
+        "Each level alone (diagonal) and with each level of every other setting; in bold the scene that they "
+        "change. :math:`q_0 = 2\\pi/L`; loads are relative to the one that closes the last gap, approaches "
+        "to the way from the lowest to the mean height. Solved to tolerances of "
+        f"{double:g} (double precision) and {single:g} (single)."
+    )
+    counts = [
+        f"{name}: {int(np.sum(found == number))}" for number, name in enumerate(OUTCOMES) if number != NO_CELL
+    ]
+    return [
+        text,
+        *_bullets([*counts, f"values out of range refused by name: {int(refused.sum())} of {beyond}"]),
+    ]
+
+
 def cell(validation: Results) -> list[str]:
     """Size of what is drawn."""
     data = validation["elements"]
@@ -247,6 +271,7 @@ FIGURES: dict[str, Callable[..., list[str]]] = {
     "fig17": two_peaks,
     "fig18": common_depths,
     "stability": rounding,
+    "extremes": extremes,
 }
 
 

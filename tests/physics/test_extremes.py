@@ -1,0 +1,97 @@
+"""The stability matrix: no contact is silently wrong, and what is out of range is refused by name."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import asperity as asp
+from asperity import extremes
+from asperity.contact import certify, solve
+from asperity.extremes import ACCEPTABLE, CERTIFIED, CHECKED, OUTCOMES, WRONG, Scene
+from asperity.layer import Layer
+from asperity.reference import pivoting
+from asperity.reference.pivoting import PivotingError, pivot
+
+HALF_SPACE = Layer(1.0, 0.0)
+
+
+@pytest.fixture(scope="module")
+def matrix() -> xr.Dataset:
+    return extremes.compute(levels="ends", largest=64)
+
+
+def test_nothing_is_silently_wrong_but_thin_layers(matrix: xr.Dataset) -> None:
+    """The fast solver takes its estimate of the error from the half-space."""
+    axis, value = matrix["level_axis"].values, matrix["level_value"].values
+    thin = (axis == "scaled_height") & (value == "1e-06")
+    bad = ~np.isin(matrix["outcome"].values, ACCEPTABLE) & ~(thin[:, None] | thin)
+    found = [f"{axis[i]} {value[i]}, {axis[j]} {value[j]}" for i, j in np.argwhere(bad)]
+    assert not found
+
+
+def test_nearly_all_extremes_are_solved_and_checked(matrix: xr.Dataset) -> None:
+    outcome = matrix["outcome"].values
+    assert np.sum(outcome == CHECKED) > 0.9 * np.sum(outcome != 0)
+
+
+def test_every_value_out_of_range_is_refused_by_name(matrix: xr.Dataset) -> None:
+    for axis, value, outcome, reason in zip(
+        *(matrix[f"beyond_{name}"].values for name in ("axis", "value", "outcome", "reason")), strict=True
+    ):
+        assert OUTCOMES[outcome] == "refused", f"{axis} {value}: {reason}"
+        assert any(mark in reason for mark in (" = ", "height:")), reason
+
+
+@pytest.mark.parametrize(("points", "expected"), [(24, CHECKED), (128, CERTIFIED)])
+def test_a_judge_tells_a_solution_from_a_tampered_one(points: int, expected: int) -> None:
+    scene = Scene(points=points)
+    height = scene.rms_gradient * extremes.surface(scene)
+    load = scene.rms_gradient * 0.03 * extremes.closing_pressure(height / scene.rms_gradient, HALF_SPACE)
+    contact = solve(height, HALF_SPACE, mean_pressure=load)
+    assert extremes.judge(scene, contact, {"mean_pressure": load}).outcome == expected
+    generator = np.random.default_rng(1)
+    error = contact.pressure * generator.standard_normal(height.shape)
+    error -= contact.pressure * error.sum() / contact.pressure.sum()
+    tampered = replace(contact, pressure=contact.pressure + 1e-4 * error)
+    assert extremes.judge(scene, tampered, {"mean_pressure": load}).outcome == WRONG
+
+
+@pytest.mark.parametrize(
+    "layer", [HALF_SPACE, Layer(1.0, 0.5, 1e-4), Layer(1.0, 0.3, 1e-4), Layer(1.0, 0.3, 0.1, "free")]
+)
+def test_pivoting_fulfils_the_conditions_of_contact(layer: Layer) -> None:
+    """Rounding alone: there is no tolerance."""
+    height = asp.self_affine((24, 24), 0.8, 0.5, 1 / 6, 1e-3, 1)
+    closing = extremes.closing_pressure(height, layer)
+    for part in (1e-30, 0.03, 0.5, 2.0):
+        pressure = pivot(height, layer, mean_pressure=part * closing)
+        assert pressure.mean() == pytest.approx(part * closing, rel=1e-12)
+        assert certify(height, pressure, layer, mean_pressure=part * closing).worst < 1e-10
+
+
+def test_closing_pressure_closes_the_last_gap() -> None:
+    height = asp.self_affine((24, 24), 0.8, 0.5, 1 / 6, 1e-3, 1)
+    closing = extremes.closing_pressure(height, HALF_SPACE)
+    assert np.all(pivot(height, HALF_SPACE, mean_pressure=1.0001 * closing) > 0)
+    assert np.sum(pivot(height, HALF_SPACE, mean_pressure=0.9999 * closing) == 0) == 1
+
+
+def test_pivoting_that_does_not_end_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pivoting, "MOST_PIVOTS", 1)
+    height = asp.self_affine((24, 24), 0.8, 0.5, 1 / 6, 1e-3, 1)
+    with pytest.raises(PivotingError, match="of 576 nodes still wrong after 1 pivots"):
+        pivot(height, HALF_SPACE, mean_pressure=1e-3)
+
+
+@pytest.mark.parametrize("part", [0.3, 0.99, 0.999])
+def test_damped_dynamics_near_full_contact_at_a_given_approach(part: float) -> None:
+    """The load grows without limit towards the mean height; it counts as much as the tractions."""
+    height = asp.self_affine((24, 24), 0.8, 0.5, 1 / 6, 1e-3, 1)
+    approach = (1 - part) * float(height.min())
+    contact = solve(height, HALF_SPACE, approach=approach, method="gfmd", rtol=1e-6)
+    true = pivot(height, HALF_SPACE, approach=approach)
+    assert np.linalg.norm(contact.pressure - true) < 3e-6 * np.linalg.norm(true)
