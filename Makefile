@@ -4,10 +4,10 @@ CORES ?= 2
 VENV := .venv
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick test lint check report bench calculix clean
+.PHONY: help study quick test test-faults lint check report bench calculix clean
 
 help: ## What can be made
-	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 10
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
 
 study: $(VENV)/ready ## The paper: every figure of the study, in results/figures
 	snakemake --cores $(CORES)
@@ -30,6 +30,9 @@ check: $(VENV)/ready ## Whether the numbers of the quick study are those in test
 
 report: study ## The study as one page, results/report.html, that needs no network
 	snakemake --cores 1 --report results/report.html
+
+test-faults: $(VENV)/ready ## A small study killed fifty times and run again, as a table in results/faults.md
+	python tests/workflow/faults.py --kills 50
 
 bench: $(VENV)/ready ## Speed and accuracy of the layer, the contact solvers and the body, peers beside them where installed
 	python benchmarks/layer.py

@@ -1,8 +1,18 @@
 # From rough surfaces to the figures of the paper: surface -> contact -> body -> statistics -> figures.
 import sys
 
-from asperity.config import ConfigError, check, load_schema
-from asperity.presets import complete
+try:
+    from asperity.config import ConfigError, check, load_schema
+    from asperity.preflight import PreflightError, require_packages
+    from asperity.presets import complete
+
+    require_packages()
+except ImportError as error:
+    sys.exit(
+        f"study: not installed: {error.name}; all that is needed: pip install --requirement requirements.lock"
+    )
+except PreflightError as error:
+    sys.exit(f"study: {error}")
 
 
 configfile: "config/config.yaml"
@@ -37,6 +47,7 @@ include: "workflow/rules/pictures.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/verification.smk"
 include: "workflow/rules/claims.smk"
+include: "workflow/rules/faults.smk"
 
 
 rule all:

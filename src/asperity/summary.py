@@ -19,7 +19,7 @@ import xarray as xr
 from scipy import ndimage
 from scipy.stats import spearmanr
 
-from asperity.dataset import settings_of
+from asperity.dataset import DatasetError, settings_of, whole
 from asperity.spectral import Array
 from asperity.statistics import select_peaks, selection
 
@@ -134,16 +134,22 @@ def contact_patches(contact: Array) -> tuple[Array, Array]:
 def write(summary: Summary, path: str | os.PathLike[str]) -> None:
     """Write a summary as JSON, whole or not at all."""
     tree = asdict(summary) | {"quantiles": {name: list(q) for name, q in summary.quantiles.items()}}
-    path = Path(path)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    unfinished = path.with_name(f".{path.name}.unfinished")
-    unfinished.write_text(json.dumps(tree, indent=1, sort_keys=True) + "\n", encoding="utf-8")
-    os.replace(unfinished, path)
+    with whole(path) as unfinished:
+        unfinished.write_text(json.dumps(tree, indent=1, sort_keys=True) + "\n", encoding="utf-8")
 
 
 def read(path: str | os.PathLike[str]) -> Summary:
-    """Read what `write` wrote."""
-    tree = json.loads(Path(path).read_text(encoding="utf-8"))
+    """Read what `write` wrote.
+
+    Raises
+    ------
+    DatasetError
+        If the file is missing or damaged.
+    """
+    try:
+        tree = json.loads(Path(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        raise DatasetError(f"{path}: damaged or missing ({error}); delete it and run again") from error
     quantiles = {name: np.array(values) for name, values in tree["quantiles"].items()}
     return Summary(tree["settings"], tree["values"], quantiles)
 

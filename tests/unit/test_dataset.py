@@ -1,5 +1,8 @@
 """Result files: whole, described, and never taken for what they are not."""
 
+import contextlib
+import errno
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -51,10 +54,10 @@ def test_nothing_is_left_of_a_write_that_fails(surface, tmp_path, monkeypatch):
 
     def fail(self, target, **_):
         target.write_bytes(b"half")
-        raise OSError("No space left on device")
+        raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(xr.Dataset, "to_netcdf", fail)
-    with pytest.raises(OSError, match="No space"):
+    with pytest.raises(dataset.DatasetError, match=r"file\.nc: cannot be written \(the disk is full\); free"):
         dataset.write(surface, path, "After", SETTINGS)
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
@@ -86,13 +89,67 @@ def damage_units(path):
         file["height"].units = "furlong"
 
 
-@pytest.mark.parametrize("damage", [damage_end, damage_empty, damage_byte, damage_units])
+def damage_value(path):
+    import netCDF4
+
+    with netCDF4.Dataset(path, "a") as file:
+        file["height"][3, 4] += 1e-9
+
+
+def damage_scalar(path):
+    import netCDF4
+
+    with netCDF4.Dataset(path, "a") as file:
+        file["rms_height"][...] = 2.0
+
+
+def damage_settings(path):
+    import netCDF4
+
+    with netCDF4.Dataset(path, "a") as file:
+        file.settings = file.settings.replace("0.8", "0.2")
+
+
+DAMAGES = [damage_end, damage_empty, damage_byte, damage_units, damage_value, damage_scalar, damage_settings]
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
 def test_a_damaged_file_is_named_with_a_remedy(surface, tmp_path, damage):
     path = tmp_path / "file.nc"
     dataset.write(surface, path, "A surface", SETTINGS)
     damage(path)
-    with pytest.raises(dataset.DatasetError, match=r"file\.nc: .*delete it and run again"):
-        dataset.read(path)
+    for look in (dataset.read, dataset.verify):
+        with pytest.raises(dataset.DatasetError, match=r"file\.nc: .*delete it and run again"):
+            look(path)
+
+
+def test_every_flipped_byte_is_seen_or_changes_nothing(surface, tmp_path):
+    path = tmp_path / "file.nc"
+    dataset.write(surface, path, "A surface", SETTINGS)
+    content, whole = path.read_bytes(), dataset.read(path)
+    for position in np.random.default_rng(1).choice(len(content), 40, replace=False):
+        damaged = bytearray(content)
+        damaged[position] ^= 1 << position % 8
+        path.write_bytes(damaged)
+        with contextlib.suppress(dataset.DatasetError):
+            assert dataset.read(path).identical(whole)
+
+
+def test_a_file_is_checked_some_rows_at_a_time(surface, tmp_path, monkeypatch):
+    path = tmp_path / "file.nc"
+    dataset.write(surface, path, "A surface", SETTINGS)
+    monkeypatch.setattr(dataset, "_BLOCK", 1000)
+    dataset.verify(path)
+    assert dataset.read(path).attrs[dataset.FINGERPRINT] == dataset.fingerprint(dataset.read(path))
+
+
+def test_what_a_killed_process_left_is_swept_and_what_a_living_one_writes_is_not(surface, tmp_path):
+    path = tmp_path / "file.nc"
+    dead, alive = (tmp_path / f".file.nc.{process}.unfinished" for process in (2**22 + 1, 1))
+    dead.write_bytes(b"half")
+    alive.write_bytes(b"half")
+    dataset.write(surface, path, "A surface", SETTINGS)
+    assert set(tmp_path.iterdir()) == {path, alive}
 
 
 def test_a_missing_file_is_named(tmp_path):

@@ -7,18 +7,23 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
-PARTS = ("Snakefile", "config", "workflow", "profiles", "src", "tests/reference")
+PARTS = ("Snakefile", "config", "workflow", "profiles", "src", "tests/reference", "tests/workflow/tiny.yaml")
 QUICK = ("--configfile", "config/quick.yaml")
+TINY = ("--configfile", "config/quick.yaml", "tests/workflow/tiny.yaml")
+
+
+def environment(folder):
+    """The environment of the tests, with the library of a folder."""
+    binaries = Path(sys.executable).parent
+    return os.environ | {
+        "PATH": f"{binaries}{os.pathsep}{os.environ['PATH']}",
+        "PYTHONPATH": str(folder / "src"),
+    }
 
 
 def run(folder, *command):
     """Run a command of the environment in a folder."""
-    binaries = Path(sys.executable).parent
-    environment = os.environ | {
-        "PATH": f"{binaries}{os.pathsep}{os.environ['PATH']}",
-        "PYTHONPATH": str(folder / "src"),
-    }
-    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    return subprocess.run(command, cwd=folder, env=environment(folder), capture_output=True, text=True)
 
 
 def snakemake(folder, *arguments, cores=2):
@@ -32,5 +37,6 @@ def copy_project(folder):
         if (ROOT / part).is_dir():
             shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
         else:
+            (folder / part).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / part, folder / part)
     return folder

@@ -1,4 +1,5 @@
 import os
+import re
 from functools import cache
 from modulefinder import ModuleFinder
 
@@ -22,3 +23,27 @@ def contact_settings(wildcards):
     if wildcards.surface in {*studies["hurst"], *studies["measured"]}:
         return config["contact"]
     return {**config["contact"], "path_area_fractions": []}
+
+
+def earlier_results(jobs):
+    """Result files of earlier runs that these jobs read."""
+    made = {file for job in jobs for file in job.output}
+    read = {file for job in jobs for file in job.input if file.endswith(".nc")}
+    return sorted(file for file in read - made if os.path.exists(file))
+
+
+def needs(jobs, resource):
+    """What the jobs declare that they need of a resource, by the first file that each makes."""
+    return {job.output[0]: job.resources.get(resource, 0) for job in jobs if job.output}
+
+
+def last_words(job):
+    """What ended a job, in one line: the error in its log, without the names of this project's own."""
+    for log in filter(os.path.exists, job.log):
+        with open(log, encoding="utf-8", errors="replace") as file:
+            errors = re.findall(r"^([\w.]*Error): (.+)$", file.read(), re.MULTILINE)
+        if errors:
+            name, message = errors[-1]
+            told = message if name.startswith("asperity.") else f"{job.output[0]}: {message} ({name})"
+            return f"{told} [{log}]"
+    return f"{job.output[0]}: its job was stopped; the memory or the disk may have run out"

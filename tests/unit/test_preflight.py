@@ -1,0 +1,86 @@
+"""What a study stands on: each check passes where it should and names what is wrong where it should not."""
+
+import ast
+import fcntl
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from asperity import preflight
+from asperity.preflight import PreflightError, claim, require_memory, require_packages, require_space
+
+ROOT = Path(__file__).parents[2]
+
+
+def imported(path):
+    """The packages that a module imports, wherever in it."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield node.module.split(".")[0]
+
+
+def test_the_packages_are_those_that_the_library_and_the_scripts_import():
+    paths = [*(ROOT / "src/asperity").rglob("*.py"), *(ROOT / "workflow/scripts").glob("*.py")]
+    found = {name for path in paths for name in imported(path)} - sys.stdlib_module_names - {"asperity"}
+    assert found - {"mpl_toolkits"} == preflight.PACKAGES.keys() - {"netCDF4"}  # of matplotlib; by xarray
+
+
+def test_missing_packages_are_named_by_what_is_to_be_installed(monkeypatch):
+    require_packages()
+    monkeypatch.setattr(preflight, "find_spec", lambda name: None if name in ("skfem", "yaml") else name)
+    with pytest.raises(PreflightError, match="not installed: scikit-fem, pyyaml; all that is needed: pip"):
+        require_packages()
+
+
+def test_a_claim_ends_with_its_process_and_holds_until_then(tmp_path):
+    holder = "import sys, asperity.preflight as p; p.claim(sys.argv[1]); print(flush=True); sys.stdin.read()"
+    with subprocess.Popen(
+        [sys.executable, "-c", holder, str(tmp_path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as other:
+        other.stdout.readline()
+        with pytest.raises(PreflightError, match=f"another study is at work here .process {other.pid} on"):
+            claim(tmp_path)
+        other.kill()
+    descriptor = claim(tmp_path)
+    assert fcntl.fcntl(descriptor, fcntl.F_GETFD) & fcntl.FD_CLOEXEC
+    os.close(descriptor)
+
+
+def test_a_folder_that_is_a_file_cannot_be_claimed(tmp_path):
+    path = tmp_path / "results"
+    path.write_text("")
+    with pytest.raises(PreflightError, match=r"results: cannot be written \(File exists\); make it writable"):
+        claim(path)
+
+
+def test_memory_is_that_of_the_largest_job_against_the_limit_or_the_machine(monkeypatch):
+    require_memory({})
+    require_memory({"a.nc": 100, "c.nc": 50}, limit=100)
+    with pytest.raises(PreflightError, match=r"c\.nc needs about 4 GiB of memory, mem_mb allows 1 GiB"):
+        require_memory({"a.nc": 100, "c.nc": 4096}, limit=1024)
+    monkeypatch.setattr(preflight, "physical_memory", lambda: 2048.0)
+    with pytest.raises(PreflightError, match="needs about 4 GiB of memory, this machine has 2 GiB; choose"):
+        require_memory({"c.nc": 4096})
+
+
+def test_a_control_group_limits_the_memory(monkeypatch, tmp_path):
+    machine = preflight.physical_memory()
+    path = tmp_path / "memory.max"
+    monkeypatch.setattr(preflight, "_GROUP_LIMITS", (str(path),))
+    path.write_text("max\n")
+    assert preflight.physical_memory() >= machine
+    path.write_text(f"{2**30}\n")
+    assert preflight.physical_memory() == 1024
+
+
+def test_space_is_that_of_the_disk_of_the_folder(tmp_path):
+    require_space(tmp_path, 0)
+    with pytest.raises(
+        PreflightError, match=r"about 1e\+15 MiB will be written, \S+ MiB are free; free some"
+    ):
+        require_space(tmp_path, 1e15)

@@ -1,0 +1,146 @@
+"""Broken ground: damaged files, full and read-only disks, missing packages, too little memory, two at once.
+
+Each ends in one line that names what is wrong and the remedy, and leaves earlier results as they were.
+"""
+
+import contextlib
+import os
+import shutil
+import signal
+import subprocess
+
+import netCDF4
+import pytest
+from faults import RESULTS, STUDY
+from project import environment
+
+CONTACT = f"{RESULTS}/contact/hurst_08/seed1.nc"
+STATISTICS = f"{RESULTS}/statistics/hurst_08.nc"
+AGAIN = (*STUDY[: STUDY.index("--")], "--forcerun", "statistics", *STUDY[STUDY.index("--") :])
+DARK = """
+from importlib.machinery import PathFinder
+
+found = PathFinder.find_spec
+PathFinder.find_spec = lambda name, *rest: None if name == "{name}" else found(name, *rest)
+"""
+
+
+@pytest.fixture
+def folder(tiny_study, tmp_path):
+    """A copy of the finished study."""
+    return shutil.copytree(tiny_study.folder, tmp_path / "project")
+
+
+def contents(folder):
+    return {
+        path.relative_to(folder): (path.read_bytes(), path.stat().st_mtime_ns)
+        for path in (folder / RESULTS).rglob("*")
+        if path.is_file() and path.name != ".running" and not {"log", "benchmark"} & set(path.parts)
+    }
+
+
+def refused(folder, *command, **variables):
+    """The one line with which a study ends that is refused; earlier results are as they were."""
+    before = contents(folder)
+    found = subprocess.run(
+        command or AGAIN, cwd=folder, env=environment(folder) | variables, capture_output=True, text=True
+    )
+    said = found.stdout + found.stderr
+    assert found.returncode == 1, said
+    assert "Traceback" not in said
+    assert contents(folder) == before
+    (line,) = (line for line in said.splitlines() if line.startswith("study: "))
+    assert said.rstrip().endswith(line)
+    return line
+
+
+@contextlib.contextmanager
+def mounted(folder, *arguments):
+    """A mount over a folder, for as long as the block lasts."""
+    done = subprocess.run(["mount", *arguments, str(folder)], capture_output=True, text=True)
+    if done.returncode:
+        pytest.skip(f"mounting is not permitted here: {done.stderr.strip()}")
+    try:
+        yield
+    finally:
+        subprocess.run(["umount", str(folder)], check=True)
+
+
+def truncate(path):
+    path.write_bytes(path.read_bytes()[:-500])
+
+
+def flip(path):
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 1
+    path.write_bytes(content)
+
+
+def relabel(path):
+    with netCDF4.Dataset(path, "a") as file:
+        file["pressure"].units = "Pa"
+
+
+@pytest.mark.parametrize("damage", [truncate, flip, relabel])
+def test_a_damaged_result_is_named_before_anything_is_made_of_it(folder, damage):
+    damage(folder / CONTACT)
+    line = refused(folder)
+    assert line.startswith(f"study: {CONTACT}: ")
+    assert line.endswith("; delete it and run again")
+
+
+def test_a_deleted_result_is_made_again_with_the_same_numbers(folder, tiny_study):
+    (folder / CONTACT).unlink()
+    done = subprocess.run(AGAIN, cwd=folder, env=environment(folder), capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    for path in (CONTACT, STATISTICS):
+        assert (folder / path).read_bytes() == (tiny_study.folder / path).read_bytes()
+
+
+def test_a_full_disk_is_named_and_costs_no_earlier_result(folder):
+    results = folder / "results"
+    kept = shutil.copytree(results, folder / "kept")
+    (kept / "tiny/statistics/hurst_08.nc").unlink()
+    with mounted(results, "-t", "tmpfs", "-o", "size=8m", "tmpfs"):
+        shutil.copytree(kept, results, dirs_exist_ok=True)
+        space = shutil.disk_usage(results).free
+        (results / "ballast").write_bytes(bytes(space - 2**15))
+        line = refused(folder, *STUDY[: STUDY.index("--")], "--", STATISTICS)
+        assert line.startswith(f"study: {STATISTICS}: cannot be written (the disk is full); free some space")
+
+
+def test_a_read_only_folder_is_named(folder):
+    results = folder / "results"
+    with mounted(results, "-t", "tmpfs", "-o", "ro", "tmpfs"):
+        line = refused(folder)
+    assert line.startswith(f"study: {RESULTS}: cannot be written (Read-only file system); make it writable")
+
+
+@pytest.mark.parametrize("name", ["mpmath", "jsonschema"])
+def test_a_missing_package_is_named_before_the_run(folder, name):
+    (folder / "dark").mkdir()
+    (folder / "dark/sitecustomize.py").write_text(DARK.format(name=name))
+    line = refused(folder, PYTHONPATH=f"{folder / 'dark'}{os.pathsep}{folder / 'src'}")
+    assert line.startswith(f"study: not installed: {name}; all that is needed: pip install")
+
+
+def test_a_second_study_in_the_same_folder_is_refused(folder):
+    shutil.rmtree(folder / RESULTS)
+    first = subprocess.Popen(
+        STUDY,
+        cwd=folder,
+        env=environment(folder),
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    try:
+        while not (folder / RESULTS / ".running").exists() and first.poll() is None:
+            pass
+        found = subprocess.run(STUDY, cwd=folder, env=environment(folder), capture_output=True, text=True)
+    finally:
+        os.killpg(first.pid, signal.SIGKILL)
+        first.communicate()
+    assert found.returncode == 1
+    (line,) = (line for line in found.stderr.splitlines() if line.startswith("study: "))
+    assert line.startswith(f"study: {RESULTS}: another study is at work here (process {first.pid} on ")
