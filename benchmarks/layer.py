@@ -59,6 +59,7 @@ def speed(points=2048):
         "bonded, height 0.01": (Layer(1.0, 0.33, 0.01), 0.002),
         "frictionless, height 0.01": (Layer(1.0, 0.33, 0.01, "frictionless"), 0.002),
         "bonded, height 0.0001": (Layer(1.0, 0.33, 1e-4), 2e-5),
+        "frictionless, height 0.0001": (Layer(1.0, 0.33, 1e-4, "frictionless"), 2e-5),
     }
     print(f"\nTime of all kernels of {points}² at one depth over that of one real transform")
     print(f"{'solid':28}" + "".join(f"{precision:>10}" for precision in PRECISIONS))

@@ -598,6 +598,8 @@ def _largest(constant: float, slope: float) -> float:
 
 # Contraction to fused multiply-adds keeps every rule for special values.
 _compiled = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
+# Into the loops that call them, which then compile to vectors.
+_inlined = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"}, forceinline=True)
 
 
 @_compiled
@@ -616,7 +618,7 @@ _COSH_SERIES = tuple(1.0 / math.factorial(2 * k) for k in range(9, 0, -1))
 _SINHC_SERIES = tuple(1.0 / math.factorial(2 * k + 1) for k in range(1, 13))
 
 
-@_compiled
+@_inlined
 def _sinh_rest(square: float) -> float:
     """(sinh x / x − 1)/x² as a function of x², x ≤ 1."""
     total = 0.0
@@ -625,7 +627,7 @@ def _sinh_rest(square: float) -> float:
     return total
 
 
-@_compiled
+@_inlined
 def _cosh_rest(square: float) -> float:
     """(cosh x − 1)/x² as a function of x², x ≤ 1; less `_sinh_rest` it is (x cosh x − sinh x)/x³."""
     total = 0.0
@@ -634,14 +636,14 @@ def _cosh_rest(square: float) -> float:
     return total
 
 
-@_compiled
+@_inlined
 def _double_sinh_rest(square: float) -> float:
     """(sinh 2x / (2x) − 1)/x² as a function of x², x ≤ 1."""
     sinh, cosh = _sinh_rest(square), _cosh_rest(square)
     return sinh + cosh + square * sinh * cosh
 
 
-@_compiled
+@_inlined
 def _sinhc_difference(square_a: float, square_b: float) -> float:
     """(sinh a / a − sinh b / b)/(a² − b²) as a function of the squares, b ≤ a ≤ 2."""
     power, power_b, total = 0.0, 1.0, 0.0
@@ -684,7 +686,7 @@ def frictionless_kernels(
     )
 
 
-@_compiled
+@_inlined
 def _thin_frictionless_kernels(
     h: float, t: float, d: float, poisson: float
 ) -> tuple[float, float, float, float, float]:
@@ -736,7 +738,7 @@ def bonded_kernels(h: float, t: float, d: float, poisson: float) -> tuple[float,
     return normal, longitudinal, shear, along, downward
 
 
-@_compiled
+@_inlined
 def _thin_bonded_kernels(
     h: float, t: float, d: float, poisson: float
 ) -> tuple[float, float, float, float, float]:
@@ -777,11 +779,66 @@ def _thin_bonded_kernels(
     return normal, longitudinal, shear, along, downward
 
 
+# Modes that are looked at together. Thin ones take a loop without branches and with an array for each kernel,
+# which compiles to vectors.
+_BLOCK = 256
+
+
 @_compiled
 def _fill_kernels(kind: int, q: Any, depth: Any, height: float, poisson: float, out: Any) -> None:
     """Kernels of all modes; one depth may serve all."""
+    supported = kind != _HALF_SPACE and depth.size == 1
+    for first in range(0, q.size, _BLOCK):
+        last = min(first + _BLOCK, q.size)
+        part = q[first:last]
+        if supported and part.min() > 0.0 and float(part.max()) * height < 1.0:
+            _fill_thin(
+                kind,
+                part,
+                depth[0],
+                height,
+                poisson,
+                out[0, first:last],
+                out[1, first:last],
+                out[2, first:last],
+                out[3, first:last],
+                out[4, first:last],
+            )
+        else:
+            _fill_any(kind, q, depth, height, poisson, out, first, last)
+
+
+@_compiled
+def _fill_thin(
+    kind: int,
+    q: Any,
+    depth: float,
+    height: float,
+    poisson: float,
+    normal: Any,
+    longitudinal: Any,
+    shear: Any,
+    along: Any,
+    downward: Any,
+) -> None:
+    if kind == _BONDED:
+        for n in range(q.size):
+            k = float(q[n])
+            values = _thin_bonded_kernels(k * height, k * (height - depth), k * depth, poisson)
+            normal[n], longitudinal[n], shear[n], along[n], downward[n] = values
+    else:
+        for n in range(q.size):
+            k = float(q[n])
+            values = _thin_frictionless_kernels(k * height, k * (height - depth), k * depth, poisson)
+            normal[n], longitudinal[n], shear[n], along[n], downward[n] = values
+
+
+@_compiled
+def _fill_any(
+    kind: int, q: Any, depth: Any, height: float, poisson: float, out: Any, first: int, last: int
+) -> None:
     many = depth.size > 1
-    for n in range(q.size):
+    for n in range(first, last):
         wavenumber = float(q[n])
         below = depth[n if many else 0]
         d = wavenumber * below

@@ -90,6 +90,18 @@ def test_kernels_of_the_uniform_mode():
         assert kernel == value
 
 
+@pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+def test_modes_evaluated_together_are_those_evaluated_one_by_one(bottom, dtype):
+    """Rounding: blocks of thin, of thick and of both kinds of modes, with and without the uniform one."""
+    layer = Layer(1.0, 0.4, 0.01, bottom)
+    q = np.concatenate([[0], np.linspace(0.1, 99, 700), np.linspace(90, 300, 500)]).astype(dtype)
+    together = np.array(layer.kernels(q, 0.004))
+    one_by_one = np.array(layer.kernels(q, np.full(q.shape, 0.004)))
+    np.testing.assert_allclose(together, one_by_one, rtol=0, atol=10 * np.finfo(dtype).eps)
+    np.testing.assert_array_equal(together[:, 0], [1, 0, 0, 0, 0])
+
+
 @pytest.mark.parametrize("layer", SUPPORTED)
 @pytest.mark.parametrize("shape", [(8, 6), (7, 5), (6, 9), (1, 4)])
 def test_fields_of_a_grid_are_real_and_follow_the_nyquist_rule(layer, shape):
