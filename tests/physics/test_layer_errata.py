@@ -10,6 +10,7 @@ import pytest
 
 from asperity.reference import printed
 from asperity.reference.state_space import StateSpace
+from asperity.roughness import self_affine
 
 # Rounding of 60-digit arithmetic, with the digits lost in the solves.
 EXACT = mp.mpf(10) ** -40
@@ -243,3 +244,43 @@ def test_equation_12_grows_without_limit():
     sums = np.array([partial_sum(n) for n in (10, 20, 40, 80)])
     growth = np.diff(sums)
     np.testing.assert_allclose(growth[1:] / growth[:-1], 2, rtol=0.03)
+
+
+def reflected(values):
+    """A field at −r, or coefficients at −q."""
+    return np.roll(values[::-1, ::-1], 1, axis=(0, 1))
+
+
+def test_equation_21_gives_two_values_to_one_symbol():
+    """Either line alone makes surfaces that are even; without Δ(−q) = Δ(q)* they are not even real."""
+    number = np.fft.fftfreq(64, 1 / 64)
+    wavenumber = np.maximum(np.hypot(number[:, None], number), 1)
+    amplitude = np.where((wavenumber >= 2) & (wavenumber <= 16), wavenumber**-1.8, 0)
+    uniform = 1 - np.random.default_rng(1).random((2, 64, 64))
+    cosine, sine = printed.gaussian_variable(np, *uniform, corrected=False)
+    assert np.mean(np.abs(cosine - sine)) > 1
+    whole = printed.gaussian_variable(np, *uniform)
+    for deviate, even in ((cosine + 0j, True), (whole, False)):
+        alone = np.fft.ifft2(amplitude * deviate)
+        assert np.std(alone.imag) > 0.3 * np.std(alone.real)
+        height = np.fft.ifft2(amplitude * (deviate + reflected(deviate).conj()))
+        assert np.abs(height.imag).max() < 1e-14 * np.abs(height.real).max()
+        same = np.corrcoef(height.real.ravel(), reflected(height.real).ravel())[0, 1]
+        assert same == pytest.approx(1) if even else same < 0.9
+
+
+def test_equation_21_is_what_surfaces_are_made_of():
+    """Statistics of about 3200 independent waves: bounds of four standard errors."""
+    height = self_affine((256, 256), 0.8, 1 / 2, 1 / 64, 1e-3, seed=1)
+    number = np.fft.fftfreq(256, 1 / 256)
+    ky, kx = np.meshgrid(number, number, indexing="ij")
+    size = np.hypot(ky, kx)
+    half = ((kx > 0) | ((kx == 0) & (ky > 0))) & (size >= 2) & (size <= 64)
+    deviate = np.fft.fft2(height)[half] * size[half] ** 1.8
+    deviate /= np.sqrt(np.mean(np.abs(deviate) ** 2) / 2)
+    bound = 4 / np.sqrt(half.sum())
+    for part in (deviate.real, deviate.imag):
+        assert np.mean(part) == pytest.approx(0, abs=bound)
+        assert np.mean(part**2) == pytest.approx(1, abs=np.sqrt(2) * bound)
+        assert np.mean(part**4) == pytest.approx(3, abs=np.sqrt(96) * bound)
+    assert np.mean(deviate.real * deviate.imag) == pytest.approx(0, abs=bound)

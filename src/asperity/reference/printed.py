@@ -223,6 +223,16 @@ def compliance(elements: Mapping[str, Any], corrected: bool = True) -> list[list
     ]
 
 
+def gaussian_variable(lib: Any, first: Any, second: Any, corrected: bool = True) -> Any:
+    """Eq. 21: one complex number, or as printed what its two lines give for the same symbol.
+
+    `first` and `second` are the independent random numbers, uniform in (0, 1]; 0 is not in the logarithm.
+    """
+    radius = lib.sqrt(-2 * lib.log(first))
+    real, imaginary = radius * lib.cos(2 * lib.pi * second), radius * lib.sin(2 * lib.pi * second)
+    return real + 1j * imaginary if corrected else (real, imaginary)
+
+
 def critical_damping(lib: Any, time_step: Any, stiffness: Any, corrected: bool = True) -> Any:
     """Critical damping of a mode of unit mass, Eq. 18: (2/Δt) √(κ − κ) as printed, which is zero.
 
