@@ -69,7 +69,7 @@ class System(NamedTuple):
 
     Attributes
     ----------
-    plain, nodes : (count,) int arrays
+    plain, nodes : (count,) arrays of unsigned numbers
         The nodes, in the flattened array and in the padded one.
     residual : (count,) array
         Overlap to be removed, in units of `Level.unit`.
@@ -96,7 +96,7 @@ class Level:
         grid, outer = problem.grid, problem.fourier
         self.inner = Fourier(grid, np.float32, outer.threads, outer.work)
         ny, nx = grid.shape
-        self.field = np.zeros((ny + 2 * RADIUS, nx + 2 * RADIUS + 1), np.float32)
+        self.field = np.zeros((ny + 2 * RADIUS, nx + 2 * RADIUS), np.float32)
         self.response = np.empty(grid.shape, np.float32)
         self.coefficients = np.empty(grid.half_shape, np.complex64)
         self.weights = stencil(grid)
@@ -116,7 +116,7 @@ class Level:
         """Pressure of a node, by the preconditioner, that stands for the rounding of the gap."""
         height = self.problem.height
         spacing = float(np.spacing(np.abs(height).max()))
-        return ROUNDING * spacing / self.unit * float(np.linalg.norm(self.weights))
+        return ROUNDING * spacing / self.unit * float(self.weights[0, 0])
 
     def select(self, state: State) -> tuple[Array, Array]:
         """Contact nodes, in the plain and in the padded array; the padded array is emptied."""
@@ -408,16 +408,16 @@ def _overlap(problem: Problem, control: Control) -> tuple[Array, float]:
 
 
 def stencil(grid: Grid) -> Array:
-    """Real-space kernel of |q|, in units of the inverse spacing, on (2 RADIUS + 1, 2 RADIUS + 2) nodes.
+    """Real-space kernel of |q|, in units of the inverse spacing: one quadrant, (RADIUS + 1, RADIUS + 1).
 
-    It is cut off at `RADIUS` nodes, or less on a small grid; the last column is empty.
+    It is cut off at `RADIUS` nodes, or less on a small grid.
     """
     tile = Grid((64, 64), (64 * grid.spacing[0], 64 * grid.spacing[1]))
     kernel = Fourier(tile).inverse(0.5 * tile.wavenumber() * min(grid.spacing) / tile.size + 0j)
     radius = max(0, min(RADIUS, (min(grid.shape) - 1) // 2))
-    row, column = np.meshgrid(np.arange(-RADIUS, RADIUS + 1), np.arange(-RADIUS, RADIUS + 2), indexing="ij")
-    near = row**2 + column**2 <= (radius + 0.5) ** 2
-    return np.where(near, kernel[row, column], 0).astype(np.float32)
+    row, column = np.ogrid[: RADIUS + 1, : RADIUS + 1]
+    near = row**2 + column**2 <= radius * (radius + 1)
+    return np.where(near, kernel[: RADIUS + 1, : RADIUS + 1], 0).astype(np.float32)
 
 
 @njit(cache=True, error_model="numpy")
@@ -427,15 +427,16 @@ def _select(pressure: Any, gap: Any, approach: float, ny: int, nx: int) -> tuple
     for i in range(pressure.size):
         if pressure[i] > 0 or gap[i] < approach:
             count += 1
-    plain = np.empty(count, np.int64)
-    nodes = np.empty(count, np.int64)
+    # Unsigned, because the compiler guards every access by a signed number against one below zero.
+    plain = np.empty(count, np.uint64)
+    nodes = np.empty(count, np.uint64)
     count = 0
     for row in range(ny):
         for column in range(nx):
             i = row * nx + column
             if pressure[i] > 0 or gap[i] < approach:
                 plain[count] = i
-                nodes[count] = (row + RADIUS) * (nx + 2 * RADIUS + 1) + column + RADIUS
+                nodes[count] = (row + RADIUS) * (nx + 2 * RADIUS) + column + RADIUS
                 count += 1
     return plain, nodes
 
@@ -536,7 +537,7 @@ def _scatter(field: Any, nodes: Any, values: Any) -> None:
 @njit(cache=True, error_model="numpy")
 def _wrap(field: Any) -> None:
     """Repeat the cell in the padding."""
-    ny, nx = field.shape[0] - 2 * RADIUS, field.shape[1] - 2 * RADIUS - 1
+    ny, nx = field.shape[0] - 2 * RADIUS, field.shape[1] - 2 * RADIUS
     for i in range(RADIUS, RADIUS + ny):
         for j in range(RADIUS):
             field[i, j] = field[i, RADIUS + (j - RADIUS) % nx]
@@ -552,16 +553,26 @@ def _apply_stencil(
     field: Any, width: int, nodes: Any, weights: Any, values: Any, out: Any
 ) -> tuple[float, float]:
     total, product = 0.0, 0.0
+    row = np.uint64(width)
     for k in range(nodes.size):
-        corner = nodes[k] - RADIUS * (width + 1)
-        value: Any = np.float32(0)
-        for i in range(2 * RADIUS + 1):
-            for j in range(2 * RADIUS + 2):
-                value += weights[i, j] * field[corner + i * width + j]
+        node = nodes[k]
+        value = weights[0, 0] * field[node]
+        for i in range(1, RADIUS + 1):
+            up = np.uint64(i) * row
+            value += weights[i, 0] * _pair(field, node, up) + weights[0, i] * _pair(field, node, np.uint64(i))
+            for j in range(1, RADIUS + 1):
+                if i * i + j * j <= RADIUS * (RADIUS + 1):
+                    aside = np.uint64(j)
+                    value += weights[i, j] * (_pair(field, node + up, aside) + _pair(field, node - up, aside))
         out[k] = value
         total += value
         product += value * values[k]
     return total, product
+
+
+@njit(cache=True, error_model="numpy")
+def _pair(field: Any, node: Any, step: Any) -> Any:
+    return field[node + step] + field[node - step]
 
 
 @njit(cache=True, error_model="numpy")
