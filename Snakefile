@@ -38,6 +38,7 @@ wildcard_constraints:
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/resources.smk"
 include: "workflow/rules/surface.smk"
 include: "workflow/rules/contact.smk"
 include: "workflow/rules/body.smk"
@@ -46,6 +47,7 @@ include: "workflow/rules/validation.smk"
 include: "workflow/rules/pictures.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/verification.smk"
+include: "workflow/rules/members.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/faults.smk"
 

@@ -82,12 +82,22 @@ def _terminal() -> TextIO | None:
     return sys.stderr if sys.stderr.isatty() else None
 
 
+def _peak_memory() -> float:
+    """Largest resident memory of this process so far, in MB; NaN where the system does not tell."""
+    try:
+        status = Path("/proc/self/status").read_text(encoding="utf-8")
+    except OSError:
+        return float("nan")
+    (line,) = (line for line in status.splitlines() if line.startswith("VmHWM:"))
+    return int(line.split()[1]) * 1024 / 1e6
+
+
 @contextlib.contextmanager
 def record(log: str | os.PathLike[str]) -> Iterator[None]:
     """Send all this process prints, logs and warns of to the file `log`; errors go to both.
 
     A terminal stays in view for progress bars. An exception is written to the log whole, and as one
-    line to where stderr was.
+    line to where stderr was. The last line says what the process took.
     """
     global _terminal_stream
     path = Path(log)
@@ -113,6 +123,9 @@ def record(log: str | os.PathLike[str]) -> Iterator[None]:
             print(f"{type(error).__name__}: {error} (whole story in {path})", file=screen, flush=True)
             raise SystemExit(1) from None
         finally:
+            logger.info(
+                "took %.1f s of processor time, %.0f MB of memory", time.process_time(), _peak_memory()
+            )
             logging.captureWarnings(False)
             logging.getLogger("py.warnings").removeHandler(handler)
             logger.removeHandler(handler)

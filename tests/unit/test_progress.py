@@ -3,6 +3,7 @@
 import fcntl
 import os
 import pty
+import re
 import struct
 import subprocess
 import sys
@@ -32,6 +33,7 @@ def test_the_log_holds_all_that_a_job_says(tmp_path, fail):
     text = log.read_text()
     for words in ("contact: begun", "printed", "warned", "from a child"):
         assert words in text
+    assert re.search(r" took \d+\.\d s of processor time, [1-9]\d+ MB of memory\n$", text)
     assert run.stdout == ""
     assert run.returncode == fail
     if fail:

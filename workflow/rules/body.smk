@@ -8,6 +8,11 @@ rule body:
         f"{RESULTS}/log/body/{{surface}}/seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmark/body/{{surface}}/seed{{seed}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=memory("body"),
+        disk_mb=disk("body"),
+        runtime=minutes("body"),
     params:
         body=config["body"],
     script:

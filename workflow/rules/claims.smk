@@ -1,20 +1,3 @@
-from asperity.claims import resolutions, roles
-from asperity.statements import DATASETS
-
-CONTINUUM_SEEDS = config["seeds"][:2]
-SUMMARY = f"{RESULTS}/summary/{{}}/seed{{}}.json"
-
-# Role → summaries of its surface, one for each seed; and the same for each resolution of the continuum study.
-CLAIM_MEMBERS = {
-    role: [SUMMARY.format(name, seed) for seed in config["seeds"]]
-    for role, name in roles(config["studies"], SURFACES).items()
-}
-FINER_MEMBERS = {
-    nodes: {role: [SUMMARY.format(name, seed) for seed in CONTINUUM_SEEDS] for role, name in names.items()}
-    for nodes, names in resolutions(SURFACES).items()
-}
-
-
 rule summary:
     input:
         surface=f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
@@ -27,28 +10,31 @@ rule summary:
         f"{RESULTS}/log/summary/{{surface}}/seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmark/summary/{{surface}}/seed{{seed}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=memory("summary"),
+        disk_mb=disk("summary"),
+        runtime=minutes("summary"),
     script:
         "../scripts/summary.py"
 
 
 rule summaries:
     input:
-        [file for files in CLAIM_MEMBERS.values() for file in files],
+        lambda wildcards: [file for files in claim_members().values() for file in files],
 
 
 rule claims:
     input:
-        summaries=sorted(
+        summaries=lambda wildcards: sorted(
             {
                 file
-                for members in (CLAIM_MEMBERS, *FINER_MEMBERS.values())
+                for members in (claim_members(), *finer_members().values())
                 for files in members.values()
                 for file in files
             }
         ),
-        validation=[
-            f"{RESULTS}/validation/{name}.nc" for name in DATASETS if name in config.get("validation", {})
-        ],
+        validation=claim_datasets,
         style="src/asperity/figures/style.mplstyle",
         code=code("claims"),
     output:
@@ -72,9 +58,14 @@ rule claims:
         f"{RESULTS}/log/claims.log",
     benchmark:
         f"{RESULTS}/benchmark/claims.tsv"
+    threads: 1
+    resources:
+        mem_mb=memory("claims"),
+        disk_mb=disk("claims"),
+        runtime=minutes("claims"),
     params:
-        members=CLAIM_MEMBERS,
-        finer=FINER_MEMBERS,
+        members=lambda wildcards: claim_members(),
+        finer=lambda wildcards: finer_members(),
         seeds=config["seeds"],
         nodes=min(s["points"] * s["wavelength_short"] for s in SURFACES.values()),
     script:

@@ -8,6 +8,11 @@ rule contact:
         f"{RESULTS}/log/contact/{{surface}}/seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmark/contact/{{surface}}/seed{{seed}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=memory("contact"),
+        disk_mb=disk("contact"),
+        runtime=minutes("contact"),
     params:
         layer=config["layer"],
         contact=contact_settings,

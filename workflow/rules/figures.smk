@@ -25,6 +25,11 @@ rule figure:
         f"{RESULTS}/benchmark/figure/{{figure}}.tsv"
     wildcard_constraints:
         figure="|".join(FIGURES),
+    threads: 1
+    resources:
+        mem_mb=memory("figure"),
+        disk_mb=disk("figure"),
+        runtime=minutes("figure"),
     params:
         stages=lambda wildcards: stage_results(wildcards.figure),
         caption=lambda wildcards, output: Path(output.caption),  # read when the report is made

@@ -10,6 +10,11 @@ rule statistics:
         f"{RESULTS}/log/statistics/{{surface}}.log",
     benchmark:
         f"{RESULTS}/benchmark/statistics/{{surface}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=memory("statistics"),
+        disk_mb=disk("statistics"),
+        runtime=minutes("statistics"),
     params:
         statistics=config["statistics"],
     script:

@@ -15,6 +15,11 @@ rule surface:
         f"{RESULTS}/log/surface/{{surface}}/seed{{seed}}.log",
     benchmark:
         f"{RESULTS}/benchmark/surface/{{surface}}/seed{{seed}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=memory("surface"),
+        disk_mb=disk("surface"),
+        runtime=minutes("surface"),
     params:
         surface=lambda wildcards: {**SURFACES, **MEASURED}[wildcards.surface],
     script:

@@ -12,6 +12,11 @@ rule validation:
         f"{RESULTS}/benchmark/validation/{{validation}}.tsv"
     wildcard_constraints:
         validation="|".join(VALIDATIONS),
+    threads: 1
+    resources:
+        mem_mb=memory("validation"),
+        disk_mb=disk("validation"),
+        runtime=minutes("validation"),
     params:
         settings=lambda wildcards: config["validation"][wildcards.validation],
     script:
@@ -50,6 +55,11 @@ rule validation_table:
         f"{RESULTS}/log/validation/table.log",
     benchmark:
         f"{RESULTS}/benchmark/validation/table.tsv"
+    threads: 1
+    resources:
+        mem_mb=memory("validation_table"),
+        disk_mb=disk("validation_table"),
+        runtime=minutes("validation_table"),
     params:
         results=lambda wildcards, input: {
             os.path.basename(path).removesuffix(".nc"): path for path in input if path.endswith(".nc")

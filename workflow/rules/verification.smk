@@ -16,6 +16,11 @@ rule verification:
         f"{RESULTS}/log/verification/{{surface}}.log",
     benchmark:
         f"{RESULTS}/benchmark/verification/{{surface}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=memory("verification"),
+        disk_mb=disk("verification"),
+        runtime=minutes("verification"),
     params:
         seeds=config["seeds"],
     script:
