@@ -4,7 +4,7 @@ CORES ?= 2
 VENV := .venv
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick test test-faults lint check report bench calculix clean
+.PHONY: help study quick test test-faults test-slurm lint check report bench calculix clean
 
 help: ## What can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -17,6 +17,9 @@ quick: $(VENV)/ready ## Every stage and every rule on a small cell, in results/q
 
 test: lint ## Everything that is checked: lint, unit and physics tests, the quick study from clean
 	pytest
+
+test-slurm: $(VENV)/ready ## The quick study on a SLURM started for it (apt install slurmctld slurmd slurm-client munge)
+	pytest -m slurm tests/slurm
 
 lint: $(VENV)/ready ## Style, types, workflow
 	ruff check .
