@@ -134,7 +134,7 @@ def measure(points: int, hurst: float, fraction: float, skip: set[str]) -> Itera
 def table(rows: list[Row]) -> str:
     """Markdown."""
     lines = [
-        "| points | H | load / (E* ḡ) | solver | tolerance | true error | pairs | seconds | over its transforms |",
+        "| points | H | load / (E* ḡ) | solver | tolerance | true error | pairs | s | over transforms |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for row in rows:
