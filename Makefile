@@ -40,6 +40,7 @@ test-faults: $(VENV)/ready ## A small study killed fifty times and run again, as
 bench: $(VENV)/ready ## Speed and accuracy of the layer, the contact solvers and the body, peers beside them where installed
 	python benchmarks/layer.py
 	python benchmarks/contact.py
+	python benchmarks/gfmd.py
 	python benchmarks/body.py
 
 calculix: $(VENV)/ready ## The slab by CalculiX too (which must be installed), and the validation table with it

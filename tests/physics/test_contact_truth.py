@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.contact import solve
+from asperity.contact import gfmd, solve
+from asperity.contact.problem import Control, Problem
 from asperity.layer import Layer
 from asperity.reference.hertz import Hertz
 from asperity.reference.westergaard import Westergaard
-from asperity.spectral import Grid
+from asperity.spectral import Grid, Work
 
 HALF_SPACE = Layer(1.0, 0.0)
 AMPLITUDE = 1e-3
@@ -132,3 +133,18 @@ def test_against_tamaas() -> None:
     peer.solve(load)
     ours = solve(height, HALF_SPACE, mean_pressure=load, rtol=1e-11)
     np.testing.assert_allclose(ours.pressure, np.asarray(model.traction), atol=1e-8 * ours.pressure.max())
+
+
+@pytest.mark.parametrize("fraction", [0.005, 0.05])
+def test_the_slowest_mode_sets_the_damping(fraction: float) -> None:
+    """Far from its critical damping, on either side, the surface takes longer to come to rest."""
+    height = asp.self_affine((64, 64), 0.8, 1 / 4, 1 / 8, 1e-3, 1)
+    control = Control("mean_pressure", fraction * asp.measure(height).rms_gradient)
+
+    def steps(damping: float) -> int:
+        problem = Problem(height, HALF_SPACE, Grid(height.shape), "float64", 1, Work())
+        return gfmd.solve(problem, control, 1e-6, None, None, damping).iterations
+
+    critical = steps(gfmd.DAMPING)
+    assert steps(0.3) > 1.5 * critical
+    assert steps(2.0) > 1.5 * critical
