@@ -4,7 +4,7 @@ CORES ?= 2
 VENV := .venv
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick test test-faults test-slurm lint check report bench calculix clean
+.PHONY: help study quick test test-faults test-slurm lint check report bench tradeoff calculix clean
 
 help: ## What can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -42,6 +42,10 @@ bench: $(VENV)/ready ## Speed and accuracy of the layer, the contact solvers and
 	python benchmarks/contact.py
 	python benchmarks/gfmd.py
 	python benchmarks/body.py
+	python benchmarks/economies.py
+
+tradeoff: $(VENV)/ready ## What every knob of accuracy costs, measured anew and kept for asperity plan and config/README.md
+	python workflow/tradeoff.py
 
 calculix: $(VENV)/ready ## The slab by CalculiX too (which must be installed), and the validation table with it
 	snakemake --cores $(CORES) results/validation/calculix.nc

@@ -50,6 +50,7 @@ include: "workflow/rules/verification.smk"
 include: "workflow/rules/members.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/faults.smk"
+include: "workflow/rules/tradeoff.smk"
 
 
 rule all:
@@ -59,3 +60,4 @@ rule all:
         rules.validation_table.output,
         rules.verified.input,
         rules.claims.output,
+        expand(rules.tradeoff_figures.output, extent="reduced"),

@@ -1,4 +1,4 @@
-"""The command line, for one-off use without the study: ``asperity solve | body | peaks | plot``.
+"""The command line, for one-off use without the study: ``asperity solve | body | peaks | plot | plan``.
 
 Each command is one stage of the study, on files named by the caller, with the paper's settings where
 none are given; its result is a file as the study's own, which the study's figures accept.
@@ -188,6 +188,70 @@ def plot(options: argparse.Namespace) -> None:
         save(module.draw(**shown), *options.out)
 
 
+def plan(options: argparse.Namespace) -> None:
+    """What a calculation costs and how wrong it is, and settings for a target."""
+    from asperity.plan import PEAKS, assess, propose, report
+
+    config = _config_to_plan(options)
+    names, scenes, knobs, ratios = _scenes_to_plan(config)
+    outputs = options.output or PEAKS
+    memory = None if options.memory is None else options.memory * 2**30
+    if options.error is None and options.seconds is None and memory is None:
+        found = assess(scenes, knobs, ratios, options.one_surface)
+    else:
+        found = propose(scenes, outputs, options.error, options.seconds, memory, ratios, options.one_surface)
+    print(report(found, dict(zip(names, scenes, strict=True)), outputs, options.one_surface))
+
+
+def _config_to_plan(options: argparse.Namespace) -> dict[str, Any]:
+    """The complete configuration that files or a spectrum amount to."""
+    import yaml
+
+    from asperity.presets import complete
+
+    merged: dict[str, Any] = {}
+    for given in options.config:
+        text = Path(given).read_text(encoding="utf-8") if Path(given).is_file() else given
+        try:
+            tree = yaml.safe_load(text)
+        except yaml.YAMLError as error:
+            raise ValueError(f"{given}: no YAML ({error})") from error
+        if not isinstance(tree, dict):
+            raise ValueError(f"{given}: a file, or keys and values such as '{{hurst: 0.8, ...}}', is needed")
+        merged = _merged(merged, tree)
+    if "surfaces" not in merged:
+        merged = {"surfaces": {"surface": merged}, "studies": {"hurst": []}, "body": {"poisson": [0.33]}}
+    config = {"accuracy": "paper", "measured": {}, "contact": {}, "layer": {}, **merged}
+    config["contact"] = {"area_fraction": 0.1, "path_area_fractions": [], **config["contact"]}
+    config["layer"] = {"height": 1.0, **config["layer"]}
+    for name, surface in config["surfaces"].items():
+        for key in ("hurst", "wavelength_long", "wavelength_short"):
+            if not isinstance(surface.get(key), (int, float)):
+                raise ValueError(f"surfaces.{name}.{key} = {surface.get(key)!r}: a number is needed")
+    if options.area_fraction is not None:
+        config["contact"]["area_fraction"] = options.area_fraction
+    return complete(config)
+
+
+def _merged(base: Any, overlay: Any) -> Any:
+    """One configuration laid over another, key by key."""
+    if not (isinstance(base, dict) and isinstance(overlay, dict)):
+        return overlay
+    both = {key: _merged(base[key], overlay[key]) for key in base.keys() & overlay.keys()}
+    return {**base, **overlay, **both}
+
+
+def _scenes_to_plan(config: dict[str, Any]) -> tuple[list[str], list[Any], Any, int]:
+    """Surfaces that a study shows, or all if there is none, and the settings of the coarsest of them."""
+    from asperity.plan import scene_of
+    from asperity.presets import knobs_of
+
+    shown = {name for names in config["studies"].values() for name in names}
+    names = [name for name in config["surfaces"] if name in shown] or list(config["surfaces"])
+    knobs = min((knobs_of(config, name) for name in names), key=lambda each: each.points_per_wavelength)
+    return names, [scene_of(config, name) for name in names], knobs, len(config["body"]["poisson"])
+
+
 def _surface(options: argparse.Namespace) -> tuple[xr.Dataset, dict[str, Any]]:
     """The surface to press against, from a result of the study or from a height map."""
     path = Path(options.surface)
@@ -298,7 +362,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="asperity",
         description="Stress inside an elastic solid pressed against a rough surface. Lengths are in units of "
         "the longer edge of the cell, stresses in units of the effective modulus E/(1 - poisson^2).",
-        epilog="The steps in order: solve, body, peaks, plot.",
+        epilog="The steps in order: solve, body, peaks, plot; plan tells cost and error beforehand.",
     )
     parser.add_argument("--version", action="version", version=f"asperity {asperity.__version__}")
     commands = parser.add_subparsers(title="commands", required=True, metavar="COMMAND")
@@ -320,6 +384,9 @@ def _parser() -> argparse.ArgumentParser:
     _add_peaks(command(peaks, "Make the distributions of the peaks of one surface, and print percentiles."))
     _add_plot(
         command(plot, "Draw a figure of the paper from results. Give the files of every stage it shows.")
+    )
+    _add_plan(
+        command(plan, "Tell cost and error before a calculation. With a target, find the settings for it.")
     )
     return parser
 
@@ -412,6 +479,32 @@ def _add_plot(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("results", nargs="+", help="result files of the stages that the figure shows")
     parser.add_argument(
         "--out", nargs="+", required=True, metavar="FILE", help="pictures to write, such as fig.png fig.pdf"
+    )
+
+
+def _add_plan(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "config",
+        nargs="+",
+        metavar="CONFIG_OR_SPECTRUM",
+        help="configuration and overlays of the study, or a spectrum: a file or the text itself, such as "
+        "'{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.004}'",
+    )
+    add = parser.add_argument
+    add("--error", type=_POSITIVE, help="largest relative error of the outputs; the cheapest settings follow")
+    add(
+        "--output",
+        nargs="+",
+        metavar="NAME",
+        help="outputs that are to be right, such as von_mises_p99 or peak_depth (default: peaks)",
+    )
+    add("--seconds", type=_POSITIVE, help="processor time for all surfaces and seeds, on one thread")
+    add("--memory", type=_POSITIVE, metavar="GIB", help="memory of one process")
+    add("--area-fraction", type=_FRACTION, help="true contact area over nominal area")
+    add(
+        "--one-surface",
+        action="store_true",
+        help="errors of this very surface, not of the mean over its kind: one seed will do",
     )
 
 

@@ -47,3 +47,12 @@ def last_words(job):
             told = message if name.startswith("asperity.") else f"{job.output[0]}: {message} ({name})"
             return f"{told} [{log}]"
     return f"{job.output[0]}: its job was stopped; the memory or the disk may have run out"
+
+
+def announce_run(jobs):
+    """Say before the run what it will take."""
+    from asperity.plan import announce  # not in the process of every job
+
+    ahead = [(job.rule.name, NEEDS[job.rule.name](job.wildcards)) for job in jobs if job.rule.name in NEEDS]
+    if ahead:
+        print(announce(ahead, workflow.cores), file=sys.stderr, flush=True)

@@ -12,6 +12,7 @@ onstart:
         require_undamaged(earlier_results(jobs))
     except PreflightError as error:
         sys.exit(f"study: {error}")
+    announce_run(jobs)
 
 
 onerror:

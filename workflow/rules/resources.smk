@@ -42,6 +42,8 @@ NEEDS = {
     "validation": lambda wildcards: need("validation"),
     "validation_table": lambda wildcards: need("validation table"),
     "claims": lambda wildcards: need("claims"),
+    "tradeoff": lambda wildcards: need("tradeoff", max(config["tradeoff"][wildcards.extent]["sizes"]) ** 2),
+    "tradeoff_figures": lambda wildcards: need("figure"),
 }
 
 

@@ -44,6 +44,7 @@ _LINES = {
     "claims": _Line(380, 0, 10, 0),
     "validation": _Line(330, 0, 25, 0),
     "validation table": _Line(280, 0, 5, 0),
+    "tradeoff": _Line(330, 300, 8, 95),
 }
 _AGAIN = {
     "contact": _Line(0, 0, 0.5, 1.5),

@@ -1,0 +1,149 @@
+"""What each economy of the calculation saves, measured by turning it off.
+
+    python benchmarks/economies.py [--points 512]
+
+Eight nodes on the shortest wavelength, a tenth of the cell in contact, four Poisson's ratios; processor time
+on one thread, the least of some repetitions.
+"""
+
+import argparse
+import tempfile
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from asperity import dataset
+from asperity.analysis import analyse
+from asperity.body import body_planes, depth_grid
+from asperity.contact import solve
+from asperity.layer import COMPONENTS, Layer
+from asperity.roughness import self_affine
+from asperity.study.solid import solid
+
+RATIOS = (0.0, 0.25, 0.33, 0.5)
+SLAB = {"height": 1.0, "bottom": "bonded", "poisson": 0.33, "lateral": "confined"}
+
+
+def spent(call, repetitions):
+    """Least processor time of a call."""
+    times = []
+    for _ in range(repetitions):
+        start = time.process_time()
+        call()
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def press(height, layer):
+    return solve(height, layer, area_fraction=0.1)
+
+
+def layer_of(half_space_tolerance, poisson=0.33):
+    return solid({**SLAB, "poisson": poisson, "half_space_tolerance": half_space_tolerance})[0]
+
+
+def half_space(height):
+    """The slab as a half-space, and as the layer it is, for one Poisson's ratio."""
+
+    def whole(tolerance):
+        contact = press(height, layer_of(tolerance))
+        analyse(contact, depth_grid(contact.grid, 1.0), tolerance=1e-4)
+
+    return lambda: whole(0.05), lambda: whole(0.0)
+
+
+def every_ratio(height):
+    """One contact and one stream of planes for all Poisson's ratios, and each by itself."""
+
+    def together():
+        contact = press(height, layer_of(0.05))
+        analyse(contact, depth_grid(contact.grid, 1.0), RATIOS, tolerance=1e-4)
+
+    def apart():
+        for poisson in RATIOS:
+            contact = press(height, replace(Layer(1.0, poisson), young=1 - poisson**2))
+            analyse(contact, depth_grid(contact.grid, 1.0), tolerance=1e-4)
+
+    return together, apart
+
+
+def coarse_planes(height):
+    """Deep planes on grids no finer than they need, and all on the grid of the contact."""
+    contact = press(height, layer_of(0.05))
+    depths = depth_grid(contact.grid, 1.0)
+    return (
+        lambda: analyse(contact, depths, RATIOS, tolerance=1e-4),
+        lambda: analyse(contact, depths, RATIOS, tolerance=0),
+    )
+
+
+def on_demand(height):
+    """One component where one is asked for, and all six."""
+    contact = press(height, layer_of(0.05))
+    depths = depth_grid(contact.grid, 1.0)
+
+    def planes(components):
+        for _ in body_planes(contact, depths, components=components, tolerance=1e-4):
+            pass
+
+    return lambda: planes(("zz",)), lambda: planes(COMPONENTS)
+
+
+def nothing_unread(height, folder):
+    """The result that is written, and the stress of every plane beside it; seconds and bytes."""
+    contact = press(height, layer_of(0.05))
+    depths = depth_grid(contact.grid, 1.0)
+    paths = folder / "kept.nc", folder / "field.nc"
+
+    def kept():
+        data = analyse(contact, depths, tolerance=1e-4)
+        dataset.write(data, paths[0], title="economies", settings={})
+
+    def everything():
+        kept()
+        field = np.empty((depths.size, len(COMPONENTS), *contact.grid.shape))
+        for number, plane in enumerate(body_planes(contact, depths, None, COMPONENTS, tolerance=0)):
+            field[number] = np.stack([plane.fields[name][0] for name in COMPONENTS])
+        encoding = {"stress": {"zlib": True, "complevel": 1, "shuffle": True}}
+        xr.Dataset({"stress": (("plane", "component", "y", "x"), field)}).to_netcdf(
+            paths[1], engine="netcdf4", encoding=encoding
+        )
+
+    return kept, everything, paths
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--points", type=int, default=512)
+    parser.add_argument("--repetitions", type=int, default=2)
+    chosen = parser.parse_args()
+    points = chosen.points
+    height = self_affine((points, points), 0.8, 1 / 8, 8 / points, 1e-3, seed=1)
+    economies = {
+        "half-space where the layer cannot be told apart": half_space(height),
+        "one contact and one stream for four Poisson's ratios": every_ratio(height),
+        "deep planes on coarse grids": coarse_planes(height),
+        "one component where one is asked for": on_demand(height),
+    }
+    for use, _ in economies.values():
+        use()  # compiles
+    print("| economy | seconds | without it | saves |\n|---|---|---|---|")
+    for name, calls in economies.items():
+        short, long = (spent(call, chosen.repetitions) for call in calls)
+        print(f"| {name} | {short:.2f} | {long:.2f} | {100 * (1 - short / long):.0f} % |")
+    with tempfile.TemporaryDirectory() as folder:
+        kept, everything, paths = nothing_unread(height, Path(folder))
+        short, long = spent(kept, 1), spent(everything, 1)
+        one, both = paths[0].stat().st_size, sum(path.stat().st_size for path in paths)
+        name = "no stress field written"
+        print(f"| {name} | {short:.2f} | {long:.2f} | {100 * (1 - short / long):.0f} % |")
+        print(f"| {name}, MB | {one / 1e6:.1f} | {both / 1e6:.0f} | {100 * (1 - one / both):.1f} % |")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,58 @@
+# The measurement from which plans are made: reduced in rule all, in full by its own name.
+rule tradeoff:
+    input:
+        code=code("tradeoff"),
+    output:
+        runs=f"{RESULTS}/tradeoff/{{extent}}/runs.nc",
+        measured=f"{RESULTS}/tradeoff/{{extent}}/measured.json",
+        table=report(
+            f"{RESULTS}/tradeoff/{{extent}}/table.md",
+            caption="../report/tradeoff.rst",
+            category="Speed and accuracy",
+            labels={"speed and accuracy": "table"},
+        ),
+    log:
+        f"{RESULTS}/log/tradeoff/{{extent}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/tradeoff/{{extent}}.tsv"
+    wildcard_constraints:
+        extent="|".join(config["tradeoff"]),
+    threads: 1
+    resources:
+        mem_mb=memory("tradeoff"),
+        disk_mb=disk("tradeoff"),
+        runtime=minutes("tradeoff"),
+    params:
+        settings=lambda wildcards: config["tradeoff"][wildcards.extent],
+    script:
+        "../scripts/tradeoff.py"
+
+
+rule tradeoff_figures:
+    input:
+        runs=rules.tradeoff.output.runs,
+        style="src/asperity/figures/style.mplstyle",
+        code=code("tradeoff_figures"),
+    output:
+        report(
+            expand(
+                f"{RESULTS}/tradeoff/{{{{extent}}}}/{{figure}}.png", figure=["front", "budget", "growth"]
+            ),
+            caption="../report/tradeoff.rst",
+            category="Speed and accuracy",
+            labels={"speed and accuracy": "picture"},
+        ),
+        expand(f"{RESULTS}/tradeoff/{{{{extent}}}}/{{figure}}.pdf", figure=["front", "budget", "growth"]),
+    log:
+        f"{RESULTS}/log/tradeoff_figures/{{extent}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/tradeoff_figures/{{extent}}.tsv"
+    wildcard_constraints:
+        extent="|".join(config["tradeoff"]),
+    threads: 1
+    resources:
+        mem_mb=memory("tradeoff_figures"),
+        disk_mb=disk("tradeoff_figures"),
+        runtime=minutes("tradeoff_figures"),
+    script:
+        "../scripts/tradeoff_figures.py"

@@ -1,0 +1,22 @@
+"""Rule tradeoff: errors and costs of every knob, and the tables that plans are made from."""
+
+from pathlib import Path
+
+from asperity import dataset
+from asperity.calibration import as_json, describe_errors, describe_presets, fit
+from asperity.progress import Progress, record
+from asperity.tradeoff import measure
+
+with record(snakemake.log[0]), Progress("tradeoff") as progress:
+    settings = snakemake.params.settings
+    runs = measure(**settings, progress=progress)
+    dataset.write(
+        runs,
+        snakemake.output.runs,
+        title="The trade between speed and accuracy",
+        settings={"tradeoff": settings},
+    )
+    measured = fit(runs)
+    Path(snakemake.output.measured).write_text(as_json(measured), encoding="utf-8")
+    text = f"{describe_presets(measured)}\n\n{describe_errors(measured)}\n"
+    Path(snakemake.output.table).write_text(text, encoding="utf-8")

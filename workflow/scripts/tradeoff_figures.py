@@ -1,0 +1,12 @@
+"""Rule tradeoff_figures: error against time, errors by source, cost against size."""
+
+from asperity import dataset
+from asperity.calibration import fit
+from asperity.figures import tradeoff
+from asperity.figures.style import save, style
+from asperity.progress import record
+
+with record(snakemake.log[0]), style(snakemake.input.style):
+    runs = dataset.read(snakemake.input.runs)
+    for name, figure in tradeoff.draw(runs, fit(runs)).items():
+        save(figure, *(path for path in snakemake.output if name in path))
