@@ -7,7 +7,7 @@ One command gives one table and one picture:
 Everything runs on one thread, in one process, one after the other, and the time is that of the processor,
 which other work on the machine disturbs less than the wall's. Errors are relative L2 errors of the
 pressure against a reference of our fast solver at an estimated error of 1e-10. A peer that is not
-installed is left out.
+installed is left out: `pip install 'asperity[peers]'`.
 """
 
 from __future__ import annotations
@@ -27,17 +27,21 @@ from asperity.contact import solve
 from asperity.layer import Layer
 from asperity.spectral import Array, Fourier
 
+Run = Callable[[float], tuple[Array, float]]
+Tolerances = dict[str, tuple[float, ...]]
+
 LAYER = Layer(1.0, 0.0)
 REFERENCE = 1e-10
 
-# Solver and precision, and the tolerances it is run at.
-OURS: tuple[tuple[str, str, tuple[float, ...]], ...] = (
-    ("active_set", "float64", (1e-2, 1e-3, 1e-4, 1e-5, 1e-6)),
-    ("active_set", "float32", (1e-2, 1e-3, 1e-4)),
-    ("gfmd", "float64", (1e-2, 1e-4, 1e-6)),
-    ("gfmd", "float32", (1e-2, 1e-3)),
-)
-TAMAAS = (1e-5, 1e-7, 1e-9)
+# Solver and precision, and the tolerances it is run at; those of the peers mean something else.
+TOLERANCES: Tolerances = {
+    "active_set float64": (1e-2, 1e-3, 1e-4, 1e-5, 1e-6),
+    "active_set float32": (1e-2, 1e-3, 1e-4),
+    "gfmd float64": (1e-2, 1e-4, 1e-6),
+    "gfmd float32": (1e-2, 1e-3),
+    "tamaas": (1e-5, 1e-7, 1e-9),
+    "ContactMechanics": (1e-3, 1e-5, 1e-7),
+}
 
 
 class Row(NamedTuple):
@@ -75,60 +79,75 @@ def clock_of_transforms() -> Iterator[list[float]]:
         Fourier.forward, Fourier.inverse = kept
 
 
-def ours(height: Array, load: float) -> Iterator[tuple[str, float, Callable[[], tuple[Array, float]]]]:
-    """Our solvers: name, tolerance and a run giving pressure and pairs."""
-    for method, dtype, tolerances in OURS:
-        for tolerance in tolerances:
+def runs(name: str, height: Array, load: float) -> Run | None:
+    """What a solver does at a tolerance, giving pressure and pairs; None if it is not installed."""
+    makers = {"tamaas": with_tamaas, "ContactMechanics": with_contact_mechanics}
+    if name in makers:
+        try:
+            return makers[name](height, load)
+        except ImportError:
+            return None
+    method, dtype = name.split()
 
-            def run(method=method, dtype=dtype, tolerance=tolerance):
-                contact = solve(height, LAYER, mean_pressure=load, method=method, dtype=dtype, rtol=tolerance)
-                return contact.pressure, contact.certificate.pairs
+    def run(tolerance: float) -> tuple[Array, float]:
+        contact = solve(height, LAYER, mean_pressure=load, method=method, dtype=dtype, rtol=tolerance)
+        return contact.pressure, contact.certificate.pairs
 
-            yield f"{method} {dtype}", tolerance, run
+    return run
 
 
-def peers(height: Array, load: float) -> Iterator[tuple[str, float, Callable[[], tuple[Array, float]]]]:
-    """Polonsky and Keer's conjugate gradients in tamaas, two convolutions an iteration."""
-    try:
-        import tamaas
-    except ImportError:
-        return
+def with_tamaas(height: Array, load: float) -> Run:
+    """Polonsky and Keer's conjugate gradients in tamaas."""
+    import tamaas
+
     tamaas.initialize(1)
-    for tolerance in TAMAAS:
 
-        def run(tolerance=tolerance):
-            model = tamaas.ModelFactory.createModel(
-                tamaas.model_type.basic_2d, [1.0, 1.0], list(height.shape)
-            )
-            model.E, model.nu = 1.0, 0.0
-            solver = tamaas.PolonskyKeerRey(model, -height, tolerance)
-            solver.max_iter = 20_000
-            solver.dump_freq = 20_001
-            solver.solve(load)
-            return np.array(model.traction), np.nan
+    def run(tolerance: float) -> tuple[Array, float]:
+        model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], list(height.shape))
+        model.E, model.nu = 1.0, 0.0
+        solver = tamaas.PolonskyKeerRey(model, -height, tolerance)
+        solver.max_iter = 20_000
+        solver.dump_freq = 20_001
+        solver.solve(load)
+        return np.array(model.traction), np.nan
 
-        yield "tamaas PolonskyKeerRey", tolerance, run
+    return run
 
 
-def measure(points: int, hurst: float, fraction: float, skip: set[str]) -> Iterator[Row]:
+def with_contact_mechanics(height: Array, load: float) -> Run:
+    """The same algorithm in ContactMechanics; the tolerance is the penetration over the rms height."""
+    from ContactMechanics import PeriodicFFTElasticHalfSpace, make_system
+    from SurfaceTopography import Topography
+
+    def run(tolerance: float) -> tuple[Array, float]:
+        substrate = PeriodicFFTElasticHalfSpace(height.shape, 1.0, (1.0, 1.0))
+        topography = Topography(-height, physical_sizes=(1.0, 1.0), periodic=True)
+        system = make_system(substrate=substrate, surface=topography)
+        result = system.minimize_proxy(
+            external_force=load, pentol=tolerance * height.std(), thermotol=tolerance, maxiter=20_000
+        )
+        return np.asarray(result.jac) * height.size, np.nan
+
+    return run
+
+
+def measure(points: int, hurst: float, fraction: float, tolerances: Tolerances) -> Iterator[Row]:
     """All runs on one surface at one load, `fraction` × E* × rms gradient."""
     height = asp.self_affine((points, points), hurst, 1 / 8, 8 / points, 1e-3, seed=1)
     load = fraction * asp.measure(height).rms_gradient
     for warm in ("float64", "float32"):
         solve(height[:64, :64].copy(), LAYER, mean_pressure=load, dtype=warm, rtol=1e-2)
     truth = solve(height, LAYER, mean_pressure=load, rtol=REFERENCE).pressure
-    for source in (ours, peers):
-        for name, tolerance, run in source(height, load):
-            if name.split()[0] in skip:
-                continue
+    for name, values in tolerances.items():
+        run = runs(name, height, load)
+        for tolerance in values if run is not None else ():
             with clock_of_transforms() as transforms:
                 start = time.process_time()
-                pressure, pairs = run()
+                pressure, pairs = run(tolerance)
                 seconds = time.process_time() - start
             error = float(np.linalg.norm(pressure - truth) / np.linalg.norm(truth))
-            yield Row(
-                points, hurst, fraction, name, tolerance, error, pairs, seconds, transforms[0] or np.nan
-            )
+            spent = transforms[0] or np.nan
+            yield Row(points, hurst, fraction, name, tolerance, error, pairs, seconds, spent)
 
 
 def table(rows: list[Row]) -> str:
@@ -179,14 +198,16 @@ def main() -> None:
     parser.add_argument("--points", type=int, nargs="+", default=[512, 1024])
     parser.add_argument("--hurst", type=float, nargs="+", default=[0.2, 0.8])
     parser.add_argument("--load", type=float, nargs="+", default=[0.05], help="mean pressure over E* ḡ")
-    parser.add_argument("--skip", nargs="*", default=[], choices=["gfmd", "tamaas", "active_set"])
+    parser.add_argument("--solver", nargs="+", default=list(TOLERANCES), choices=TOLERANCES)
+    parser.add_argument("--tolerance", type=float, nargs="+", help="for all solvers, instead of their own")
     parser.add_argument("--out", type=Path, default=Path("results/benchmarks"))
     chosen = parser.parse_args()
+    tolerances = {name: tuple(chosen.tolerance or TOLERANCES[name]) for name in chosen.solver}
     rows: list[Row] = []
     for points in chosen.points:
         for hurst in chosen.hurst:
             for load in chosen.load:
-                for row in measure(points, hurst, load, set(chosen.skip)):
+                for row in measure(points, hurst, load, tolerances):
                     rows.append(row)
                     print(table([row]).splitlines()[-1], flush=True)
     chosen.out.mkdir(parents=True, exist_ok=True)

@@ -135,6 +135,21 @@ def test_against_tamaas() -> None:
     np.testing.assert_allclose(ours.pressure, np.asarray(model.traction), atol=1e-8 * ours.pressure.max())
 
 
+def test_against_contact_mechanics() -> None:
+    peer = pytest.importorskip("ContactMechanics")
+    topography = pytest.importorskip("SurfaceTopography").Topography
+    height = asp.self_affine((128, 128), 0.8, 0.25, 1 / 16, 1e-3, 2)
+    load = 0.05 * asp.measure(height).rms_gradient
+    substrate = peer.PeriodicFFTElasticHalfSpace(height.shape, 1.0, (1.0, 1.0))
+    surface = topography(-height, physical_sizes=(1.0, 1.0), periodic=True)
+    found = peer.make_system(substrate=substrate, surface=surface).minimize_proxy(
+        external_force=load, pentol=1e-13 * height.std(), forcetol=1e-14, thermotol=1e-12, maxiter=5000
+    )
+    ours = solve(height, HALF_SPACE, mean_pressure=load, rtol=1e-11)
+    theirs = np.asarray(found.jac) * height.size
+    np.testing.assert_allclose(ours.pressure, theirs, atol=1e-8 * ours.pressure.max())
+
+
 @pytest.mark.parametrize("fraction", [0.005, 0.05])
 def test_the_slowest_mode_sets_the_damping(fraction: float) -> None:
     """Far from its critical damping, on either side, the surface takes longer to come to rest."""
