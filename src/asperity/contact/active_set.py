@@ -60,6 +60,9 @@ ROUNDING = 0.1
 # Most that the load may change at once along a tangent, relative to itself.
 MOST_CHANGE = 0.5
 
+# A solid so many times stiffer than the half-space in some mode estimates its error by its own stiffness.
+STIFFER = 2.0
+
 # Radius, in nodes, of the stencil.
 RADIUS = 3
 
@@ -112,11 +115,27 @@ class Level:
         return min(self.problem.grid.spacing) / self.problem.modulus
 
     @cached_property
-    def rounding(self) -> float:
+    def highest(self) -> float:
+        """Largest magnitude of the heights."""
+        return float(np.abs(self.problem.height).max())
+
+    def rounding(self, pressure: Array) -> float:
         """Pressure of a node, by the preconditioner, that stands for the rounding of the gap."""
-        height = self.problem.height
-        spacing = float(np.spacing(np.abs(height).max()))
+        compliance, height = self.problem.compliance, self.problem.height
+        # A tall layer gives way by far more than the surface is rough.
+        largest = self.highest + float(compliance[0, 0]) * float(pressure.mean(dtype=float))
+        spacing = float(np.spacing(height.dtype.type(largest)))
         return ROUNDING * spacing / self.unit * float(self.weights[0, 0])
+
+    @cached_property
+    def stiffness(self) -> Array | None:
+        """Inverse of the compliance, in units of the inverse `unit`, if it is far above the half-space's."""
+        q, compliance = self.problem.grid.wavenumber(), self.problem.compliance
+        waves = q > 0
+        if np.all(2 / self.problem.modulus < STIFFER * (q * compliance)[waves]):
+            return None
+        out = np.zeros(compliance.shape)
+        return np.divide(self.unit, compliance, out=out, where=compliance > 0)
 
     def select(self, state: State) -> tuple[Array, Array]:
         """Contact nodes, in the plain and in the padded array; the padded array is emptied."""
@@ -194,8 +213,11 @@ class Level:
             estimate -= np.float32(load / total) * weight
         norm = math.sqrt(_sum_of_squares(pressure))
         missing = math.sqrt(_sum_of_squares(estimate))
+        if self.stiffness is not None:
+            missing = max(missing, self._met_by_layer(plain, residual, fixed_load))
         # Only by chance is the estimate below the rounding of the gaps, of which a given load fixes one.
-        missing = max(missing, self.rounding * math.sqrt(plain.size - fixed_load)) if plain.size else missing
+        unfixed = max(plain.size - fixed_load, 0)
+        missing = max(missing, self.rounding(pressure) * math.sqrt(unfixed))
         state.error = missing / norm if norm else (math.inf if missing else 0.0)
         return System(plain, nodes, residual, weight, total, fixed_load)
 
@@ -244,6 +266,15 @@ class Level:
         _add_clipped(pressure, plain, rate, np.float32((state.load - load) / per_load))
         return moved
 
+    def _met_by_layer(self, plain: Array, residual: Array, fixed_load: bool) -> float:
+        """Norm of the pressure with which the whole layer would meet a residual on the contact."""
+        fourier, grid = self.problem.fourier, self.problem.grid
+        overlap = np.zeros(grid.size, fourier.real)
+        overlap[plain] = residual
+        coefficients = fourier.forward(overlap.reshape(grid.shape)) * self.stiffness
+        pressure = fourier.inverse(coefficients.astype(fourier.complex), overwrite=True).reshape(-1)[plain]
+        return float(np.linalg.norm(pressure - pressure.mean() if fixed_load else pressure))
+
     def _contact(self, state: State) -> tuple[Array, Array, Array, float]:
         """Contact nodes twice numbered, and the preconditioner's image of a uniform residual with its sum."""
         plain, nodes = self.select(state)
@@ -274,6 +305,8 @@ class Level:
         stalled, best, error_before, length = 0, math.inf, math.inf, BLOCK_ITERATIONS
         for _ in range(blocks):
             if fixed_load:
+                if not pressure.any():
+                    pressure[np.argmin(height)] = 1
                 pressure *= state.load / pressure.mean(dtype=float)
             problem.displacement(state.pressure, state.gap)
             state.iterations += 1
@@ -391,7 +424,7 @@ def _overlap(problem: Problem, control: Control) -> tuple[Array, float]:
     stiffness = problem.modulus * 2 * math.pi / max(problem.grid.length)
     if control.kind == "area_fraction":
         fraction = min(0.999, 2 * control.value)
-        level = max(np.quantile(height, fraction), height.min() + 1e-3 * np.std(height, dtype=float))
+        level = float(max(np.quantile(height, fraction), height.min() + 1e-3 * np.std(height, dtype=float)))
         pressure = np.maximum(level - height, 0) * stiffness
         if not pressure.any():
             pressure[:] = stiffness * min(problem.grid.spacing) * 1e-3
