@@ -19,7 +19,8 @@ Bound
 A mode of pressure amplitude |p̂| has, at depth d, no component and no equivalent stress larger than
 √3 (1 + q d) e^(−q d) |p̂| (twice that in a layer). The sum over the modes that a grid drops bounds the
 error at every node, and the grid is the coarsest whose bound is below `tolerance` times the root mean
-square of σ_zz in that plane, itself at most the largest |σ_zz| there.
+square of σ_zz in that plane, itself at most the largest |σ_zz| there. Planes are computed in single
+precision where `tolerance` is well above its rounding.
 """
 
 from __future__ import annotations
@@ -39,6 +40,9 @@ from asperity.spectral import Array, Fourier, Grid, Work, good_size, resample
 FIELDS = (*COMPONENTS, "von_mises")
 
 _FEWEST_NODES = 16
+
+# Tolerances from which single precision will do: its transforms round to a few 1e-7 of the root mean square.
+_SINGLE = 3e-5
 
 
 class Contact(Protocol):
@@ -228,10 +232,15 @@ class StressPlane:
     lateral: dict[float, float]
     done: float = 1.0
 
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """Precision of the fields."""
+        return next(iter(self.constant.values())).dtype
+
     def field(self, name: str, poisson: float, out: Array | None = None) -> Array:
         """The field `name` for one Poisson's ratio, (ny, nx)."""
         if out is None:
-            out = np.empty(next(iter(self.constant.values())).shape)
+            out = np.empty(next(iter(self.constant.values())).shape, self.dtype)
         a, b = self.constant, self.slope
         uniform = self.lateral[poisson]
         ratio = poisson if b else 0.0
@@ -301,12 +310,13 @@ def _stress_planes(
     plan = [truncation.choose(depth) for depth in depths]
     done = np.cumsum([chosen.size for chosen, _ in plan], dtype=float)
     done /= done[-1]
+    dtype = "float32" if tolerance >= _SINGLE else "float64"
     coarse, coefficients = grid, pressure
     with ThreadPoolExecutor(threads) as pool:
         for depth, (chosen, bound), share in zip(depths, plan, done, strict=True):
             if chosen.shape != coarse.shape:
                 coarse, coefficients = chosen, resample(pressure, grid, chosen)
-            transform = _PlaneTransform(coefficients, coarse, layer, depth)
+            transform = _PlaneTransform(coefficients, Fourier(coarse, dtype), layer, depth)
             fields = list(pool.map(transform, *zip(*tasks, strict=True)))
             work.nodes += len(tasks) * coarse.size
             constant = dict(zip(needed, fields, strict=False))
@@ -319,15 +329,15 @@ def _stress_planes(
 class _PlaneTransform:
     """Fields a A + b B of one plane from the coefficients of the pressure."""
 
-    def __init__(self, pressure: Array, grid: Grid, layer: Layer, depth: float) -> None:
-        self._pressure, self._grid = pressure, grid
+    def __init__(self, pressure: Array, fourier: Fourier, layer: Layer, depth: float) -> None:
+        self._pressure, self._fourier = pressure, fourier
         # The rows of −ky have the kernels of those of ky.
-        kernels = layer.grid_kernels(grid, depth)
+        kernels = layer.grid_kernels(fourier.grid, depth, fourier.real)
         self._kernels = kernels.normal, kernels.longitudinal, kernels.shear
 
     def __call__(self, name: str, a: float, b: float) -> Array:
-        grid = self._grid
-        coefficients = np.empty(grid.half_shape, np.complex128)
+        grid = self._fourier.grid
+        coefficients = np.empty(grid.half_shape, self._fourier.complex)
         normal, longitudinal, shear = self._kernels
         _mode_stress(
             COMPONENTS.index(name),
@@ -343,7 +353,7 @@ class _PlaneTransform:
             grid.odd_qy,
             coefficients,
         )
-        return Fourier(grid).inverse(coefficients, overwrite=True)
+        return self._fourier.inverse(coefficients, overwrite=True)
 
 
 def body_planes(
@@ -402,7 +412,7 @@ def _body_planes(
     for plane in planes:
         fields = {}
         for name in names:
-            fields[name] = np.empty((len(ratios), *plane.grid.shape))
+            fields[name] = np.empty((len(ratios), *plane.grid.shape), plane.dtype)
             for out, nu in zip(fields[name], ratios, strict=True):
                 plane.field(name, nu, out)
         yield Plane(plane.depth, plane.grid, fields, plane.bound)

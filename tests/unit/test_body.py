@@ -112,6 +112,25 @@ def test_coarse_planes_agree_with_the_full_grid_within_the_tolerance(layer, tole
     assert sizes[-1] < sizes[0] / 20
 
 
+@pytest.mark.parametrize("layer", [HALF_SPACE, BONDED])
+def test_single_precision_only_where_the_tolerance_is_above_its_rounding(layer):
+    contact = pressed(layer=layer)
+    depths = [0.0, 0.01, 0.2]
+    for single, double in zip(
+        body_planes(contact, depths, components=FIELDS, tolerance=1e-4),
+        body_planes(contact, depths, components=FIELDS, tolerance=1e-5),
+        strict=True,
+    ):
+        scale = double.fields["zz"].std()
+        for name in FIELDS:
+            assert single.fields[name].dtype == np.float32
+            assert double.fields[name].dtype == np.float64
+        if single.grid == double.grid:
+            for name in FIELDS:
+                error = np.abs(single.fields[name] - double.fields[name]).max()
+                assert error < 5e-6 * scale  # rounding
+
+
 def test_grid_never_becomes_finer_with_depth_nor_coarser_with_accuracy():
     contact = pressed((256, 256))
     depths = depth_grid(contact.grid)
