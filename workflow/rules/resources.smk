@@ -34,9 +34,9 @@ NEEDS = {
         "map" if wildcards.surface in MEASURED else "surface", nodes(wildcards.surface)
     ),
     "contact": lambda wildcards: need("contact", nodes(wildcards.surface), loads(wildcards)),
-    "body": lambda wildcards: need("body", nodes(wildcards.surface)),
+    "body": lambda wildcards: need("body", nodes(wildcards.surface), len(config["body"]["poisson"])),
     "summary": lambda wildcards: need("summary", nodes(wildcards.surface)),
-    "statistics": lambda wildcards: need("statistics", nodes(wildcards.surface) * len(config["seeds"])),
+    "statistics": lambda wildcards: need("statistics", nodes(wildcards.surface), len(config["seeds"])),
     "verification": lambda wildcards: need("verification", nodes(wildcards.surface), len(config["seeds"])),
     "figure": lambda wildcards: figure_need(wildcards.figure),
     "validation": lambda wildcards: need("validation"),
@@ -63,5 +63,5 @@ def disk(rule):
 
 
 def minutes(rule):
-    """The resource runtime of a rule: four times what its job took here, and two minutes to start."""
-    return lambda wildcards: math.ceil(2 + 4 * NEEDS[rule](wildcards).seconds / 60)
+    """The resource runtime of a rule: four times what its job took here, and ten minutes to start."""
+    return lambda wildcards: math.ceil(10 + 4 * NEEDS[rule](wildcards).seconds / 60)

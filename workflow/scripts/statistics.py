@@ -6,8 +6,9 @@ from asperity.study.statistics import summarise
 
 with record(snakemake.log[0]), Progress(f"statistics {snakemake.wildcards.surface}"):
     stages = {
-        stage: [dataset.read(path) for path in snakemake.input[stage]]
-        for stage in ("surfaces", "contacts", "bodies")
+        "surfaces": [dataset.read(path) for path in snakemake.input.surfaces],
+        "contacts": [dataset.read(path).drop_dims(["y", "x"]) for path in snakemake.input.contacts],
+        "bodies": [dataset.read(path) for path in snakemake.input.bodies],
     }
     settings = dataset.settings_of(stages["bodies"][0]) | {"statistics": snakemake.params.statistics}
     settings["seed"] = [dataset.settings_of(body)["seed"] for body in stages["bodies"]]

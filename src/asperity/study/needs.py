@@ -1,11 +1,13 @@
 """What the jobs of a study need: memory and processor time, by the size of the grid.
 
 Fitted to the study of the paper, on grids of 512² to 4096²; `workflow/cost.py --declared` holds the
-memory against a run.
+memory against a run. `python -m asperity.study.needs POINTS …` prints the needs of any grids.
 """
 
 from __future__ import annotations
 
+import sys
+from collections.abc import Iterable
 from typing import NamedTuple
 
 WORKFLOW_MEMORY = 320.0
@@ -33,9 +35,9 @@ class _Line(NamedTuple):
 _LINES = {
     "surface": _Line(144, 31, 2, 0.8),
     "map": _Line(250, 31, 5, 0.8),
-    "contact": _Line(286, 98, 3, 4.7),
-    "contact path": _Line(286, 163, 3, 4.7),
-    "body": _Line(330, 261, 4, 7.5),
+    "contact": _Line(286, 98, 3, 4.0),
+    "contact path": _Line(286, 163, 3, 4.0),
+    "body": _Line(330, 180, 4, 5.1),
     "summary": _Line(212, 50, 3, 0.4),
     "statistics": _Line(238, 53, 3, 0.5),
     "verification": _Line(300, 262, 4, 2),
@@ -47,10 +49,12 @@ _LINES = {
     "tradeoff": _Line(330, 300, 8, 95),
 }
 _AGAIN = {
-    "contact": _Line(0, 0, 0.5, 1.5),
-    "verification": _Line(0, 20, 1, 2),
+    "contact": _Line(0, 0, 0.5, 1.6),
+    "body": _Line(0, 27, 0, 0.8),
+    "statistics": _Line(0, 48, 2, 0.3),
+    "verification": _Line(0, 8, 0.1, 0.3),
 }
-"""What every further load or seed adds."""
+"""What every further load, Poisson's ratio or seed adds."""
 
 _WRITTEN = {"surface": 7, "map": 7, "contact": 15, "body": 2}
 """Bytes in files for each node; the other stages write less than a megabyte."""
@@ -66,7 +70,7 @@ def need(stage: str, nodes: int = 0, times: int = 1) -> Need:
     nodes : int
         Nodes of the grid of its surface, of all fields that a figure holds, or elements of a mesh.
     times : int
-        Loads of a contact's load-area curve, or seeds that a verification goes through.
+        Loads of a contact, Poisson's ratios of a body, seeds of statistics and of a verification.
 
     Raises
     ------
@@ -83,3 +87,26 @@ def need(stage: str, nodes: int = 0, times: int = 1) -> Need:
         + (times - 1) * (again.seconds + again.microseconds * millions),
         1 + _WRITTEN.get(stage, 0) * millions,
     )
+
+
+def table(points: Iterable[int], ratios: int = 4) -> str:
+    """Gigabytes and processor minutes of the stages on square grids, for a reader.
+
+    Parameters
+    ----------
+    points : iterable of int
+        Nodes on an edge.
+    ratios : int
+        Poisson's ratios of the body.
+    """
+    stages = {"surface": 1, "contact": 1, "body": ratios, "statistics": 1, "verification": 1}
+    lines = [f"| points | {' | '.join(stages)} |", "|---" * (len(stages) + 1) + "|"]
+    for edge in points:
+        needs = [need(stage, edge**2, times) for stage, times in stages.items()]
+        cells = [f"{each.memory / 1000:.1f} GB, {each.seconds / 60:.1f} min" for each in needs]
+        lines.append(f"| {edge}² | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    print(table(map(int, sys.argv[1:])))
