@@ -55,4 +55,5 @@ def announce_run(jobs):
 
     ahead = [(job.rule.name, NEEDS[job.rule.name](job.wildcards)) for job in jobs if job.rule.name in NEEDS]
     if ahead:
-        print(announce(ahead, workflow.cores), file=sys.stderr, flush=True)
+        at_once = workflow.cores if workflow.local_exec else workflow.nodes
+        print(announce(ahead, at_once), file=sys.stderr, flush=True)
