@@ -1,16 +1,18 @@
 # The two commands are `make study` and `make test`; each makes its own environment first.
 PYTHON ?= python3
 CORES ?= 2
+SCHEMA := workflow/schemas/config.schema.yaml
 VENV := .venv
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick test test-faults test-slurm lint check report bench tradeoff calculix clean
+.PHONY: help study quick test test-faults test-slurm bad-input lint check report bench tradeoff calculix clean
 
 help: ## What can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
 
-study: $(VENV)/ready ## The paper: every figure of the study, in results/figures
-	snakemake --cores $(CORES)
+study: $(VENV)/ready ## The paper: every figure of the study, in results/figures; CONFIG=overlay.yaml changes it
+	$(if $(CONFIG),python -m asperity.config $(SCHEMA) config/config.yaml $(CONFIG))
+	snakemake --cores $(CORES) $(if $(CONFIG),--configfile $(CONFIG))
 
 quick: $(VENV)/ready ## Every stage and every rule on a small cell, in results/quick
 	snakemake --cores $(CORES) --configfile config/quick.yaml
@@ -33,6 +35,9 @@ check: $(VENV)/ready ## Whether the numbers of the quick study are those in test
 
 report: study ## The study as one page, results/report.html, that needs no network
 	snakemake --cores 1 --report results/report.html
+
+bad-input: $(VENV)/ready ## Some two hundred wrong configurations, command lines and maps, each with what it is answered
+	python tests/unit/bad_input.py
 
 test-faults: $(VENV)/ready ## A small study killed fifty times and run again, as a table in results/faults.md
 	python tests/workflow/faults.py --kills 50

@@ -2,7 +2,8 @@
 import sys
 
 try:
-    from asperity.config import ConfigError, check, load_schema
+    from asperity.config import ConfigError, check, check_files, load_schema
+    from asperity.overlay import load
     from asperity.preflight import PreflightError, require_packages
     from asperity.presets import complete
 
@@ -22,7 +23,10 @@ report: "workflow/report/overview.rst"
 
 
 try:
+    for overlay in workflow.overwrite_configfiles:
+        load(overlay)
     check(config, load_schema(workflow.source_path("workflow/schemas/config.schema.yaml")))
+    check_files(config)
 except ConfigError as error:
     sys.exit(f"config: {error}")
 

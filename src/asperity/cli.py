@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
 import xarray as xr
@@ -21,7 +21,7 @@ import xarray as xr
 import asperity
 from asperity import dataset
 from asperity.contact import ConvergenceError
-from asperity.progress import Progress
+from asperity.progress import Progress, one_line
 from asperity.roughness import measure
 from asperity.study.body import analyse_body
 from asperity.study.contact import press
@@ -50,6 +50,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     options = _parser().parse_args(arguments)
     try:
+        _keep_inputs(options)
         options.run(options)
     except KeyboardInterrupt:
         return _fail("interrupted", 130)
@@ -61,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _fail(message: str, code: int = 1) -> int:
-    print(f"asperity: {' '.join(message.split())}", file=sys.stderr)
+    print(f"asperity: {one_line(' '.join(message.split()))}", file=sys.stderr)
     return code
 
 
@@ -252,6 +253,19 @@ def _scenes_to_plan(config: dict[str, Any]) -> tuple[list[str], list[Any], Any, 
     return names, [scene_of(config, name) for name in names], knobs, len(config["body"]["poisson"])
 
 
+def _keep_inputs(options: argparse.Namespace) -> None:
+    """Raise `ValueError` if a result would take the place of a file that it is made from."""
+    outs, ins = (
+        [Path(path) for name in names for path in np.atleast_1d(getattr(options, name, None) or [])]
+        for names in (("out",), ("surface", "contact", "body", "results"))
+    )
+    for out in outs:
+        if out.is_dir():
+            raise ValueError(f"--out {out}: a folder, the name of a file is needed")
+        if any(out.exists() and path.exists() and out.samefile(path) for path in ins):
+            raise ValueError(f"--out {out}: is read too, another name is needed")
+
+
 def _surface(options: argparse.Namespace) -> tuple[xr.Dataset, dict[str, Any]]:
     """The surface to press against, from a result of the study or from a height map."""
     path = Path(options.surface)
@@ -275,7 +289,7 @@ def _is_result(path: Path) -> bool:
     try:
         with xr.open_dataset(path, engine="netcdf4") as opened:
             return "settings" in opened.attrs
-    except (OSError, ValueError):
+    except (OSError, RuntimeError, ValueError):
         return False
 
 
@@ -323,7 +337,7 @@ def _number(
         except ValueError:
             value = None
         if value is None or not (np.isfinite(value) and holds(value)):
-            raise argparse.ArgumentTypeError(f"{text!r}: {accepted} is needed")
+            raise argparse.ArgumentTypeError(f"{text[:60]!r}: {accepted} is needed")
         return value
 
     return convert
@@ -337,7 +351,7 @@ def _figure_number(text: str) -> int:
     )
     number = text.lower().removeprefix("fig").removesuffix(".py")
     if not (number.isdigit() and int(number) in known):
-        raise argparse.ArgumentTypeError(f"{text!r}: one of {', '.join(map(str, known))} is needed")
+        raise argparse.ArgumentTypeError(f"{text[:60]!r}: one of {', '.join(map(str, known))} is needed")
     return int(number)
 
 
@@ -346,8 +360,21 @@ _POSITIVE = _number("a number > 0", lambda value: value > 0)
 _POISSON = _number("a number > -1 and ≤ 0.5", lambda value: -1 < value <= 0.5)
 
 
-def _count(minimum: int) -> Callable[[str], Any]:
-    return _number(f"a whole number ≥ {minimum}", lambda value: value >= minimum, int)
+def _count(minimum: int, maximum: int) -> Callable[[str], Any]:
+    return _number(
+        f"a whole number ≥ {minimum} and ≤ {maximum}", lambda value: minimum <= value <= maximum, int
+    )
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that takes options by their whole names, and tells what is wrong in one line."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options, allow_abbrev=False)
+
+    def error(self, message: str) -> NoReturn:
+        """End with 2."""
+        sys.exit(_fail(f"{message} (see {self.prog} --help)", 2))
 
 
 class _Help(argparse.ArgumentDefaultsHelpFormatter):
@@ -358,7 +385,7 @@ class _Help(argparse.ArgumentDefaultsHelpFormatter):
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         prog="asperity",
         description="Stress inside an elastic solid pressed against a rough surface. Lengths are in units of "
         "the longer edge of the cell, stresses in units of the effective modulus E/(1 - poisson^2).",
@@ -431,7 +458,7 @@ def _add_solve(parser: argparse.ArgumentParser) -> None:
     )
     maps.add_argument("--undefined", choices=("harmonic",), help="how points without data are filled")
     maps.add_argument("--wavelength-short", type=_FRACTION, help="shorter waves are removed")
-    maps.add_argument("--points", type=_count(8), help="nodes on the longer edge, interpolated")
+    maps.add_argument("--points", type=_count(8, 32768), help="nodes on the longer edge, interpolated")
     maps.add_argument(
         "--physical-size", type=_POSITIVE, nargs=2, metavar=("Y", "X"), help="edges, if the file does not say"
     )
@@ -464,8 +491,8 @@ def _add_peaks(parser: argparse.ArgumentParser) -> None:
     )
     _add_out(parser)
     add = parser.add_argument
-    add("--bins", type=_count(2), default=100, help="bins of every probability density")
-    add("--resamples", type=_count(10), default=1000, help="bootstrap resamples over the seeds")
+    add("--bins", type=_count(2, 10000), default=100, help="bins of every probability density")
+    add("--resamples", type=_count(10, 100000), default=1000, help="bootstrap resamples over the seeds")
     add(
         "--confidence",
         type=_number("a number > 0 and < 1", lambda value: 0 < value < 1),

@@ -1,6 +1,7 @@
 """The study's configuration: checked against its schema, and described from it.
 
-`python -m asperity.config SCHEMA` prints the description of every key.
+`python -m asperity.config SCHEMA` prints the description of every key,
+`python -m asperity.config SCHEMA CONFIG OVERLAY ...` checks a configuration with its overlays.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from typing import Any
 import jsonschema
 import yaml
 
+from asperity.overlay import ConfigError, load, merged, shown
 from asperity.presets import complete
 
 _WORDS = {
@@ -25,8 +27,13 @@ _WORDS = {
 }
 
 
-class ConfigError(ValueError):
-    """A configuration that cannot be run: one line with the key, the value and what is accepted."""
+_VALIDATOR = jsonschema.validators.extend(
+    jsonschema.Draft202012Validator,
+    type_checker=jsonschema.Draft202012Validator.TYPE_CHECKER.redefine(
+        "integer", lambda _, value: isinstance(value, int) and not isinstance(value, bool)
+    ),
+)
+"""A whole number is one that is written as one: 2048.0 is not."""
 
 
 def load_schema(path: str | Path) -> dict[str, Any]:
@@ -35,16 +42,26 @@ def load_schema(path: str | Path) -> dict[str, Any]:
         return yaml.safe_load(file)
 
 
+def check_files(config: Mapping[str, Any]) -> None:
+    """Raise `ConfigError` for the first measured surface whose file is not there."""
+    for name, surface in config["measured"].items():
+        if not Path(surface["file"]).is_file():
+            raise ConfigError(f"measured.{name}.file = {shown(surface['file'])}: no such file")
+
+
 def check(config: Mapping[str, Any], schema: Mapping[str, Any]) -> None:
     """Raise `ConfigError` for the first key that the schema or the physics does not accept."""
     _check_plain("", config)
-    validator = jsonschema.Draft202012Validator(schema)
+    validator = _VALIDATOR(schema)
     error = min(validator.iter_errors(config), key=lambda e: (len(e.path), str(e.path)), default=None)
     if error is not None:
         raise ConfigError(_one_line(error))
     config = complete(config)
     for name, surface in config["surfaces"].items():
         _check_surface(f"surfaces.{name}", surface)
+    for section in ("surfaces", "measured"):
+        for name, surface in config[section].items():
+            _check_label(f"{section}.{name}.label", surface["label"])
     for name in config["measured"]:
         if name in config["surfaces"]:
             raise ConfigError(f"measured.{name}: another name is needed, surfaces.{name} has it")
@@ -55,6 +72,10 @@ def check(config: Mapping[str, Any], schema: Mapping[str, Any]) -> None:
                 raise ConfigError(
                     f"studies.{study} = {name!r}: the name of a surface is needed ({', '.join(known)})"
                 )
+    if config["contact"]["precision"] == "float32" and config["contact"]["tolerance"] < 1e-6:
+        raise ConfigError(
+            f"contact.tolerance = {config['contact']['tolerance']!r}: at least 1e-6 is needed in float32"
+        )
     path = config["contact"]["path_area_fractions"]
     if path != sorted(path):
         raise ConfigError(f"contact.path_area_fractions = {path!r}: rising numbers are needed")
@@ -65,12 +86,19 @@ def check(config: Mapping[str, Any], schema: Mapping[str, Any]) -> None:
         )
 
 
+def _check_label(key: str, label: str) -> None:
+    if not label.isprintable():
+        raise ConfigError(f"{key} = {shown(label)}: text that can be printed is needed")
+    if label.count("$") % 2:
+        raise ConfigError(f"{key} = {shown(label)}: mathematics between two dollar signs is needed")
+
+
 def _check_plain(key: str, value: Any) -> None:
     """What a schema cannot say: keys are text, numbers are finite."""
     if isinstance(value, Mapping):
         for name, entry in value.items():
             if not isinstance(name, str):
-                raise ConfigError(f"{key}{name!r}: a key that is text is needed")
+                raise ConfigError(f"{key}{shown(name)}: a key that is text is needed")
             _check_plain(f"{key}{name}.", entry)
     elif isinstance(value, list):
         for entry in value:
@@ -100,31 +128,36 @@ def _check_surface(key: str, surface: Mapping[str, Any]) -> None:
 
 
 def _one_line(error: jsonschema.ValidationError) -> str:
-    key = ".".join(str(part) for part in error.absolute_path) or "the configuration"
+    key = ".".join(map(_part, error.absolute_path)) or "the configuration"
     if error.validator == "additionalProperties":
         known = error.schema["properties"]
         unknown = next(name for name in error.instance if name not in known)
         prefix = f"{key}." if error.absolute_path else ""
-        return f"{prefix}{unknown}: unknown key; known here are {', '.join(known)}"
+        return f"{prefix}{_part(unknown)}: unknown key; known here are {', '.join(known)}"
     if error.validator == "required":
         missing = next(name for name in error.validator_value if name not in error.instance)
         prefix = f"{key}." if error.absolute_path else ""
         return f"{prefix}{missing}: missing; {accepted(error.schema['properties'][missing])} is needed"
     if error.validator == "pattern" and "accepts" not in error.schema:
-        return f"{key}: {error.instance!r} as a name; lower-case letters, digits and underscores are needed"
-    value = repr(error.instance)
-    value = value if len(value) <= 80 else value[:77] + "..."
+        return (
+            f"{key}: {shown(error.instance)} as a name; at most 40 lower-case letters, digits and "
+            f"underscores are needed, a letter first"
+        )
     text_for_number = error.schema.get("type") in ("number", "integer") and _is_number(error.instance)
     hint = " (YAML reads this as text; an exponent needs a decimal point: 1.0e-6)" if text_for_number else ""
-    return f"{key} = {value}: {accepted(error.schema)} is needed{hint}"
+    return f"{key} = {shown(error.instance)}: {accepted(error.schema)} is needed{hint}"
+
+
+def _part(name: Any) -> str:
+    """A key as it is shown in a message."""
+    return str(name) if len(str(name)) <= 40 and str(name).isprintable() else shown(name)
 
 
 def _is_number(text: Any) -> bool:
     try:
-        float(text)
-    except (TypeError, ValueError):
+        return isinstance(text, str) and math.isfinite(float(text))
+    except ValueError:
         return False
-    return isinstance(text, str)
 
 
 def accepted(schema: Mapping[str, Any]) -> str:
@@ -170,5 +203,23 @@ def _keys(prefix: str, schema: Mapping[str, Any]) -> Iterator[tuple[str, Mapping
         yield from _keys(f"{prefix}NAME.", named)
 
 
+def main(arguments: list[str]) -> int:
+    """Describe the schema, or check a configuration; 1 and one line on stderr if it is not accepted."""
+    schema, *paths = arguments
+    if not paths:
+        print(describe(load_schema(schema)))
+        return 0
+    try:
+        config: dict[str, Any] = {}
+        for path in paths:
+            config = merged(config, load(path))
+        check(config, load_schema(schema))
+        check_files(config)
+    except ConfigError as error:
+        print(f"config: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
 if __name__ == "__main__":
-    print(describe(load_schema(sys.argv[1])))
+    sys.exit(main(sys.argv[1:]))

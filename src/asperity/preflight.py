@@ -99,32 +99,32 @@ def require_memory(needs: Mapping[str, float], limit: float | None = None) -> No
     Parameters
     ----------
     needs : mapping
-        What is to be made → memory that its making needs, in MiB.
+        What is to be made → memory that its making needs, in MB.
     limit : float, optional
-        Memory to be used, in MiB; by default what the machine has, or what its control group may use.
+        Memory to be used, in MB; by default what the machine has, or what its control group may use.
     """
     available, source = (physical_memory(), "this machine has") if limit is None else (limit, "mem_mb allows")
     made = max(needs, key=lambda name: needs[name], default=None)
     if made is not None and needs[made] > available:
         raise PreflightError(
-            f"{made} needs about {needs[made] / 1024:.3g} GiB of memory, {source} "
-            f"{available / 1024:.3g} GiB; choose fewer points, or a machine with more"
+            f"{made} needs about {needs[made] / 1e3:.3g} GB of memory, {source} "
+            f"{available / 1e3:.3g} GB; choose fewer points, or a machine with more"
         )
 
 
 def physical_memory() -> float:
-    """Memory that this process may use, in MiB: the machine's, or less where its control group has less."""
+    """Memory that this process may use, in MB: the machine's, or less where its control group has less."""
     limits = [path.read_text().strip() for path in map(Path, _GROUP_LIMITS) if path.is_file()]
     machine = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    return min([machine, *(int(limit) for limit in limits if limit.isdigit())]) / 2**20
+    return min([machine, *(int(limit) for limit in limits if limit.isdigit())]) / 1e6
 
 
 def require_space(folder: str | os.PathLike[str], need: float) -> None:
-    """Raise `PreflightError` if the disk of a folder has less than `need` MiB left."""
-    free = shutil.disk_usage(folder).free / 2**20
+    """Raise `PreflightError` if the disk of a folder has less than `need` MB left."""
+    free = shutil.disk_usage(folder).free / 1e6
     if need > free:
         raise PreflightError(
-            f"{folder}: about {need:.3g} MiB will be written, {free:.3g} MiB are free; "
+            f"{folder}: about {need:.3g} MB will be written, {free:.3g} MB are free; "
             f"free some space, or set a folder on another disk as results"
         )
 

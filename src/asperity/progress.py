@@ -135,3 +135,8 @@ def record(log: str | os.PathLike[str]) -> Iterator[None]:
             os.dup2(screen.fileno(), 2)
             os.close(stdout)
             _terminal_stream = None
+
+
+def one_line(message: str) -> str:
+    """A message in which line breaks and what else is not printed are written out."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in message)

@@ -25,6 +25,15 @@ PERIODICITIES = ("declared", "mirrored", "windowed")
 TAPER = 0.1
 """Part of each edge over which a windowed map falls to its mean plane, at either end."""
 
+FEWEST = 2
+"""Least number of points along an edge of a map."""
+
+STEEPEST = 1e6
+"""Largest height of a map over its longer edge; more is a wrong unit or a wrong number."""
+
+_ROUNDING = 1e-13
+_EDGES_UNKNOWN = "the file does not say its edges; set physical_size"
+
 
 @dataclass(frozen=True)
 class HeightMap:
@@ -114,13 +123,26 @@ def read_map(
         ) from error
     except Exception as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+        if "physical_sizes" in reason:
+            raise ValueError(f"{os.fspath(path)}: {_EDGES_UNKNOWN}") from error
         raise ValueError(f"{os.fspath(path)}: not a height map that can be read ({reason})") from error
     if found.dim != 2 or not found.is_uniform:
         raise ValueError(f"{os.fspath(path)}: a line scan or scattered points, a rectangular map is needed")
     sizes = found.physical_sizes
     if sizes is None or any(size is None for size in sizes):
-        raise ValueError(f"{os.fspath(path)}: the file does not say its edges; set physical_size")
+        raise ValueError(f"{os.fspath(path)}: {_EDGES_UNKNOWN}")
+    if not all(math.isfinite(size) and size > 0 for size in sizes):
+        raise ValueError(f"{os.fspath(path)}: edges {sizes[1]:g} and {sizes[0]:g}, numbers > 0 are needed")
+    if min(found.nb_grid_pts) < FEWEST:
+        raise ValueError(
+            f"{os.fspath(path)}: {found.nb_grid_pts[1]} x {found.nb_grid_pts[0]} points, "
+            f"at least {FEWEST} x {FEWEST} are needed"
+        )
     height: Array = np.ma.filled(np.ma.asarray(found.heights(), dtype=float), np.nan).T
+    if np.nanmax(np.abs(height), initial=0.0, where=np.isfinite(height)) > STEEPEST * max(sizes):
+        raise ValueError(
+            f"{os.fspath(path)}: heights above {STEEPEST:g} times its edges; set height_factor or correct it"
+        )
     return HeightMap(height, (float(sizes[1]), float(sizes[0])), bool(found.is_periodic))
 
 
@@ -167,7 +189,10 @@ def make_periodic(
             "periodic: the file does not say that the map is one period; "
             "set periodic to mirrored, windowed or declared"
         )
-    height = _detrended(_filled(surface, undefined), detrend)
+    given = _filled(surface, undefined)
+    height = _detrended(given, detrend)
+    if np.ptp(height) <= _ROUNDING * np.abs(given).max():
+        raise ValueError("file: a surface that varies is needed, this one is flat")
     length = surface.length
     if periodic == "mirrored":
         height = np.block([[height, height[:, ::-1]], [height[::-1], height[::-1, ::-1]]])
@@ -249,8 +274,8 @@ def _band_limited(
         coefficients[grid.wavenumber() > 2 * np.pi / wavelength_short * (1 + 1e-9)] = 0.0
     coefficients[0, 0] = 0.0
     smooth = Fourier(target).inverse(resample(coefficients, grid, target), overwrite=True)
-    if not np.ptp(smooth):
-        raise ValueError("file: a surface that varies is needed, this one is flat")
+    if np.ptp(smooth) <= _ROUNDING * np.ptp(height):
+        raise ValueError("wavelength_short: nothing of the map is left without its shorter waves")
     return PeriodicSurface(smooth, target, wavelength_short)
 
 

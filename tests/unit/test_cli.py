@@ -2,38 +2,16 @@
 
 import numpy as np
 import pytest
+from bad_input import SMALL, make_chain
 
 from asperity import dataset
 from asperity.cli import main
-from asperity.study.surface import make_surface
-
-PARAMETERS = {
-    "label": "small",
-    "hurst": 0.8,
-    "wavelength_long": 0.5,
-    "wavelength_short": 0.125,
-    "rms_height": 1e-3,
-    "points": 64,
-}
 
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
     """The results of one chain: surface, contact, body, statistics."""
-    folder = tmp_path_factory.mktemp("chain")
-    paths = {
-        stage: str(folder / f"{stage}.nc") for stage in ("surface", "contact", "body", "statistics", "curve")
-    }
-    dataset.write(
-        make_surface(PARAMETERS, 1),
-        paths["surface"],
-        title="Rough surface",
-        settings={"name": "small", "seed": 1, "surface": PARAMETERS},
-    )
-    assert main(["solve", paths["surface"], "--area-fraction", "0.2", "--out", paths["contact"]]) == 0
-    assert main(["body", paths["contact"], "--poisson", "0.0", "0.33", "--out", paths["body"]]) == 0
-    assert main(["peaks", paths["body"], "--contact", paths["contact"], "--out", paths["statistics"]]) == 0
-    return paths
+    return make_chain(tmp_path_factory.mktemp("chain"))
 
 
 def test_the_results_are_files_of_the_study(files):
@@ -41,7 +19,7 @@ def test_the_results_are_files_of_the_study(files):
     assert float(contact["area_fraction"]) == pytest.approx(0.2, abs=1e-3)  # one node of 64²
     assert body["poisson"].values.tolist() == [0.0, 0.33]
     settings = dataset.settings_of(dataset.read(files["statistics"]))
-    assert settings["surface"] == PARAMETERS
+    assert settings["surface"] == SMALL
     assert settings["contact"]["area_fraction"] == 0.2
     assert settings["seed"] == [1]
 
@@ -91,60 +69,12 @@ def test_a_height_map_is_pressed_face_down(tmp_path, capsys):
     assert dataset.settings_of(dataset.read(out))["surface"]["label"] == "waves"
 
 
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        ("solve {folder}/none.nc --out {folder}/x.nc", "none.nc: no such file"),
-        ("solve {contact} --out {folder}/x.nc", "a result of contact, one of surface is needed"),
-        ("solve {surface} --detrend tilt --out {folder}/x.nc", "--detrend: for height maps"),
-        ("solve {surface} --precision float32 --tolerance 1e-14 --out {folder}/x.nc", "tolerance"),
-        ("body {surface} --out {folder}/x.nc", "a result of surface, one of contact is needed"),
-        ("body {folder} --out {folder}/x.nc", "no such file"),
-        ("peaks {body} {body} --contact {contact} --out {folder}/x.nc", "one for each body is needed"),
-        (
-            "plot 7 {statistics} --out {folder}/x.png",
-            "figure 7: a contact file (of asperity solve) is needed",
-        ),
-        ("plot 12 {statistics} --out {folder}/x.png", "figure 12 is drawn from the study's validation alone"),
-        ("plot 9 {statistics} --out {folder}/x.docx", "docx"),
-    ],
-)
-def test_a_failure_is_one_line_and_leaves_no_file(files, tmp_path, capsys, arguments, line):
-    filled = [part.format(folder=tmp_path, **files) for part in arguments.split()]
-    assert main(filled) == 1
-    error = capsys.readouterr().err
-    assert line in error
-    assert error.startswith("asperity: ")
-    assert error.count("\n") == 1
-    assert not list(tmp_path.iterdir())
-
-
 def test_a_layer_has_the_ratio_of_its_contact_alone(files, tmp_path, capsys):
     thin = str(tmp_path / "thin.nc")
     assert main(["solve", files["surface"], "--layer-height", "0.1", "--out", thin]) == 0
     assert dataset.read(thin).attrs["solid"] == "layer, bonded bottom"
     assert main(["body", thin, "--poisson", "0.2", "--out", str(tmp_path / "body.nc")]) == 1
     assert "which has that one only" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(
-    ("arguments", "line"),
-    [
-        ("", "the following arguments are required"),
-        ("solve s.nc", "required: --out"),
-        ("solve s.nc --out x.nc --poisson 0.6", "--poisson: '0.6': a number > -1 and ≤ 0.5 is needed"),
-        ("solve s.nc --out x.nc --area-fraction ten", "'ten': a number > 0 and ≤ 1 is needed"),
-        ("solve s.nc --out x.nc --points 3.5", "'3.5': a whole number ≥ 8 is needed"),
-        ("peaks b.nc --contact c.nc --out x.nc --bins 1", "'1': a whole number ≥ 2 is needed"),
-        ("plot 19 s.nc --out x.png", "'19': one of 1, 2"),
-        ("polish", "invalid choice"),
-    ],
-)
-def test_bad_usage_ends_with_two_and_says_what_is_accepted(capsys, arguments, line):
-    with pytest.raises(SystemExit) as stopped:
-        main(arguments.split())
-    assert stopped.value.code == 2
-    assert line in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("command", ["", "solve", "body", "peaks", "plot"])

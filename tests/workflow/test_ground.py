@@ -5,6 +5,7 @@ Each ends in one line that names what is wrong and the remedy, and leaves earlie
 
 import contextlib
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -97,7 +98,9 @@ def test_a_deleted_result_is_made_again_with_the_same_numbers(folder, tiny_study
         assert (folder / path).read_bytes() == (tiny_study.folder / path).read_bytes()
 
 
-def test_a_full_disk_is_named_and_costs_no_earlier_result(folder):
+@contextlib.contextmanager
+def full_disk(folder):
+    """The results without one, on a disk with hardly any space left."""
     results = folder / "results"
     kept = shutil.copytree(results, folder / "kept")
     (kept / "tiny/statistics/hurst_08.nc").unlink()
@@ -105,8 +108,37 @@ def test_a_full_disk_is_named_and_costs_no_earlier_result(folder):
         shutil.copytree(kept, results, dirs_exist_ok=True)
         space = shutil.disk_usage(results).free
         (results / "ballast").write_bytes(bytes(space - 2**15))
+        yield
+
+
+def test_a_disk_that_will_be_full_is_named_before_the_run(folder):
+    with full_disk(folder):
         line = refused(folder, *STUDY[: STUDY.index("--")], "--", STATISTICS)
-        assert line.startswith(f"study: {STATISTICS}: cannot be written (the disk is full); free some space")
+    assert re.match(
+        rf"study: {RESULTS}: about \d+ MB will be written, [.\d]+ MB are free; free some space", line
+    )
+
+
+def test_a_disk_that_fills_up_is_named_and_costs_no_earlier_result(folder):
+    with full_disk(folder):
+        line = refused(
+            folder,
+            *STUDY[: STUDY.index("--")],
+            *("--set-resources", "statistics:disk_mb=0", "--", STATISTICS),
+        )
+    assert line.startswith(f"study: {STATISTICS}: cannot be written (the disk is full); free some space")
+
+
+def test_too_little_memory_is_foretold_with_the_number(folder):
+    (folder / "large.yaml").write_text("surfaces: {hurst_08: {points: 32768}}")
+    overlay = STUDY.index("--")
+    line = refused(folder, *STUDY[:overlay], "large.yaml", *STUDY[overlay:])
+    found = re.fullmatch(
+        rf"study: {RESULTS}/\w+/hurst_08/\S+ needs about (\S+) GB of memory, this machine has (\S+) GB; choose "
+        r"fewer points, or a machine with more",
+        line,
+    )
+    assert float(found[1]) > float(found[2])
 
 
 def test_a_read_only_folder_is_named(folder):

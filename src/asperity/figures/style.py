@@ -19,6 +19,8 @@ MILLIMETRE = 1 / 25.4
 PAGE = 170 * MILLIMETRE
 COLUMN = 85 * MILLIMETRE
 
+_FORMATS = (".png", ".pdf", ".svg")
+
 
 @contextlib.contextmanager
 def style(path: str | os.PathLike[str] | None = None) -> Iterator[None]:
@@ -57,8 +59,16 @@ def wavelength_short(data: xr.Dataset) -> float:
 
 
 def save(figure: Figure, *paths: str | os.PathLike[str]) -> None:
-    """Write the figure to each path, in the format of its suffix, byte for byte the same each time."""
+    """Write the figure to each path, in the format of its suffix, byte for byte the same each time.
+
+    Raises
+    ------
+    ValueError
+        If a suffix is of no picture.
+    """
     for path in map(Path, paths):
+        if path.suffix not in _FORMATS:
+            raise ValueError(f"{path}: the name of a picture is needed, ending in {', '.join(_FORMATS)}")
         path.parent.mkdir(parents=True, exist_ok=True)
         unfinished = path.with_name(f".{path.stem}.unfinished{path.suffix}")
         metadata = {".pdf": {"CreationDate": None, "Producer": None}, ".svg": {"Date": None}}

@@ -1,0 +1,412 @@
+"""What is refused: configurations, command lines and height maps, and the line that each is answered with.
+
+python tests/unit/bad_input.py prints every one of them with the line it printed.
+"""
+
+import contextlib
+import io
+import pickle
+import re
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from asperity import cli, config, dataset
+from asperity.study.surface import make_surface
+
+ROOT = Path(__file__).parents[2]
+SCHEMA, BASE = (str(ROOT / path) for path in ("workflow/schemas/config.schema.yaml", "config/config.yaml"))
+
+LAUGHS = "a: &a [x, x]\n" + "".join(
+    f"{now}: &{now} [{', '.join([f'*{last}'] * 9)}]\n" for last, now in zip("abcdefg", "bcdefgh", strict=True)
+)
+
+CONFIGS = [
+    ("contact: {tolerance: 1e-6}", "contact.tolerance = '1e-6': a number ≥ 1e-14 and ≤ 0.01 is needed (YAML"),
+    ("contact: {tolerance: 0}", "contact.tolerance = 0: a number ≥ 1e-14 and ≤ 0.01"),
+    ("contact: {tolerance: .nan}", "contact.tolerance = nan: a finite number"),
+    ("contact: {area_fraction: .inf}", "contact.area_fraction = inf: a finite number"),
+    ("contact: {area_fraction: 10}", "contact.area_fraction = 10: a number > 0 and ≤ 1"),
+    ("contact: {area_fraction: ten percent}", "contact.area_fraction = 'ten percent': a number"),
+    ("contact: {area: 0.1}", "contact.area: unknown key; known here are method, area_fraction"),
+    ("contact: {method: magic}", "contact.method = 'magic': gfmd or active_set"),
+    ("contact: {precision: 64}", "contact.precision = 64: float64 or float32"),
+    ("contact: {path_area_fractions: []}", "contact.path_area_fractions = []: a list of ≥ 1"),
+    ("contact: {path_area_fractions: [0.1, 0.05]}", "contact.path_area_fractions = [0.1, 0.05]: rising"),
+    ("contact: {path_area_fractions: [0.1, 2]}", "contact.path_area_fractions.1 = 2"),
+    ("contact: null", "contact = None: a group of keys"),
+    ("contact: 3", "contact = 3: a group of keys"),
+    ("seeds: []", "seeds = []: a list of ≥ 1"),
+    ("seeds: [1, 1]", "seeds = [1, 1]: a list of ≥ 1 distinct items"),
+    ("seeds: [-1]", "seeds.0 = -1: a whole number"),
+    ("seeds: [1.5]", "seeds.0 = 1.5: a whole number"),
+    ("seeds: 1", "seeds = 1: a list"),
+    ("sedes: [1]", "sedes: unknown key"),
+    ("results: ../elsewhere", "results = '../elsewhere': `results` or a folder below it"),
+    ("results: /etc", "results = '/etc'"),
+    ("results: results/../..", "results = 'results/../..'"),
+    ("surfaces: {hurst_02: {hurst: -0.1}}", "surfaces.hurst_02.hurst = -0.1: a number ≥ 0 and ≤ 1"),
+    ("surfaces: {hurst_02: {hurst: true}}", "surfaces.hurst_02.hurst = True: a number"),
+    ("surfaces: {hurst_02: {points: 2048.5}}", "surfaces.hurst_02.points = 2048.5: a whole number"),
+    ("surfaces: {hurst_02: {points: 256}}", "surfaces.hurst_02.points = 256: at least 512 are needed"),
+    ("surfaces: {hurst_02: {points: 1000000}}", "surfaces.hurst_02.points = 1000000"),
+    (
+        "surfaces: {hurst_02: {wavelength_short: 0.5}}",
+        "wavelength_short = 0.5: at most wavelength_long = 0.125",
+    ),
+    ("surfaces: {hurst_02: {rms_height: 0}}", "surfaces.hurst_02.rms_height = 0: a number > 0"),
+    ("surfaces: {hurst_02: {label: ''}}", "surfaces.hurst_02.label = ''"),
+    ("surfaces: {'H=0.2': {hurst: 0.2}}", "'H=0.2' as a name"),
+    ("surfaces: {new: {hurst: 0.2}}", "surfaces.new.label: missing; text of 1 to 60 characters is needed"),
+    ("surfaces: {1: {hurst: 0.2}}", "surfaces.1: a key that is text"),
+    ("surfaces: {hurst_02: {johnson: {gamma: 1}}}", "surfaces.hurst_02.johnson.delta: missing; a number > 0"),
+    ("studies: {hurst: [unknown]}", "studies.hurst = 'unknown': the name of a surface is needed (hurst_02"),
+    (
+        "surfaces: {skew_positive: {moments: {skewness: 0, kurtosis: 3}}}",
+        "surfaces.skew_positive.moments: only one of moments and johnson is accepted",
+    ),
+    (
+        "surfaces: {kurtosis_low: {moments: {skewness: 2}}}",
+        "surfaces.kurtosis_low.moments.kurtosis = 2.4: a number > 5, 1 + skewness², is needed",
+    ),
+    (
+        "measured: {fault: {periodic: maybe}}",
+        "measured.fault.periodic = 'maybe': declared or mirrored or windowed",
+    ),
+    ("measured: {mine: {label: mine, detrend: tilt}}", "measured.mine.file: missing; text"),
+    ("measured: {hurst_02: {label: a, file: b, detrend: none}}", "measured.hurst_02: another name is needed"),
+    (
+        "studies: {compressibility: [hurst_02, hurst_08]}",
+        "studies.compressibility = ['hurst_02', 'hurst_08']: a",
+    ),
+    ("studies: {kurtosis: []}", "studies.kurtosis = []: a list of ≥ 1"),
+    ("layer: {poisson: 0.51}", "layer.poisson = 0.51: a number > -1 and ≤ 0.5"),
+    ("layer: {poisson: 0.4}", "layer.poisson = 0.4 must be one of them"),
+    ("layer: {height: 0}", "layer.height = 0: a number > 0"),
+    ("layer: {bottom: glued}", "layer.bottom = 'glued': bonded or frictionless"),
+    ("body: {poisson: [0.33, 0.33]}", "body.poisson = [0.33, 0.33]: a list of ≥ 1 and ≤ 16 distinct items"),
+    ("body: {depth_spacing: 100}", "body.depth_spacing = 100"),
+    ("statistics: {bins: 1}", "statistics.bins = 1: a whole number ≥ 2"),
+    ("statistics: {confidence: 95}", "statistics.confidence = 95: a number > 0 and < 1"),
+    # numbers that are none, or none of their kind
+    ("contact: {tolerance: -.inf}", "contact.tolerance = -inf: a finite number"),
+    ("contact: {area_fraction: -0.0}", "contact.area_fraction = -0.0: a number > 0"),
+    ("contact: {area_fraction: 1e400}", "contact.area_fraction = '1e400': a number"),
+    ("contact: {area_fraction: [0.1]}", "contact.area_fraction = [0.1]: a number"),
+    ("contact: {area_fraction: '0.1'}", "contact.area_fraction = '0.1': a number"),
+    ("contact: {area_fraction: 0,1}", "contact.1: a key that is text is needed"),
+    ("contact: {area_fraction: 2026-11-21}", "contact.area_fraction = datetime.date(2026, 11, 21): a number"),
+    ("contact: {area_fraction: !!binary aGVsbG8=}", "contact.area_fraction = b'hello': a number"),
+    ("contact: {area_fraction: yes}", "contact.area_fraction = True: a number"),
+    ("contact: {area_fraction: ~}", "contact.area_fraction = None: a number"),
+    (f"contact: {{area_fraction: 1{'0' * 5000}}}", "overlay.yaml: Exceeds the limit (4300 digits)"),
+    (f"seeds: [1{'0' * 400}]", "a whole number ≥ 0 and ≤ 4294967295 is needed"),
+    ("seeds: [2.0]", "seeds.0 = 2.0: a whole number"),
+    ("seeds: [.nan]", "seeds = nan: a finite number"),
+    ("seeds: !!set {1}", "seeds = {1}: a list"),
+    ("surfaces: {hurst_02: {points: 2048.0}}", "surfaces.hurst_02.points = 2048.0: a whole number"),
+    ("surfaces: {hurst_02: {points: 7}}", "surfaces.hurst_02.points = 7: a whole number ≥ 8 and ≤ 32768"),
+    ("layer: {poisson: -1}", "layer.poisson = -1: a number > -1 and ≤ 0.5"),
+    # text that is none
+    ("surfaces: {hurst_02: {label: 3}}", "surfaces.hurst_02.label = 3: text of 1 to 60 characters"),
+    (f"surfaces: {{hurst_02: {{label: {'ü' * 61}}}}}", "text of 1 to 60 characters is needed"),
+    (
+        'surfaces: {hurst_02: {label: "two\\nlines"}}',
+        "label = 'two\\nlines': text that can be printed is needed",
+    ),
+    (
+        'surfaces: {hurst_02: {label: "\\e[31mred"}}',
+        "label = '\\x1b[31mred': text that can be printed is needed",
+    ),
+    ('"con\\ntact": 1', "'con\\ntact': unknown key"),
+    (f"? {'k' * 5000}\n: 1", "kkk...: unknown key"),
+    ("ｃontact: {area_fraction: 0.1}", "ｃontact: unknown key; known here are results"),
+    # names and paths
+    ("surfaces: {../up: {hurst: 0.2}}", "'../up' as a name"),
+    (f"surfaces: {{{'a' * 41}: {{hurst: 0.2}}}}", "as a name; at most 40 lower-case letters"),
+    ('surfaces: {"new\\n": {hurst: 0.2}}', "'new\\n' as a name"),
+    ("results: results/../results", "results = 'results/../results': `results` or a folder below it"),
+    ("results: results//quick", "results = 'results//quick'"),
+    ("results: /work/results", "results = '/work/results'"),
+    ("results: ~/results", "results = '~/results'"),
+    ("results: $HOME", "results = '$HOME'"),
+    ("results: resultsé", "results = 'resultsé'"),
+    ('results: "results\\n"', "results = 'results\\n'"),
+    ('results: "results/\\0"', "results = 'results/\\x00'"),
+    (f"results: results/{'a' * 61}", "`results` or a folder below it is needed"),
+    ("results: ''", "results = '': `results` or a folder below it"),
+    (
+        "measured: {mine: {label: mine, file: none.x3p, detrend: tilt}}",
+        "measured.mine.file = 'none.x3p': no such file",
+    ),
+    ("measured: {mine: {label: mine, file: /, detrend: tilt}}", "measured.mine.file = '/': no such file"),
+    ("measured: {fault: {file: /dev/zero}}", "measured.fault.file = '/dev/zero': no such file"),
+    ('measured: {fault: {file: "a\\0b"}}', "measured.fault.file = 'a\\x00b': no such file"),
+    ("measured: {fault: {physical_size: [1]}}", "measured.fault.physical_size = [1]: a list of ≥ 2 and ≤ 2"),
+    ("measured: {fault: {physical_size: [1, .inf]}}", "measured.fault.physical_size = inf: a finite number"),
+    # what contradicts itself
+    ("layer: {poisson: 0.2}\nbody: {poisson: [0.3]}", "layer.poisson = 0.2 must be one of them"),
+    ("contact: {area_fraction: 0.1, tolerance: 1}", "contact.tolerance = 1: a number ≥ 1e-14 and ≤ 0.01"),
+    (
+        "contact: {precision: float32, tolerance: 1.0e-9}",
+        "contact.tolerance = 1e-09: at least 1e-6 is needed",
+    ),
+    (
+        "validation: {slab_load_area: {points: 32}}",
+        "validation.slab_load_area.points = 32: a whole number ≥ 64",
+    ),
+    # what is no configuration
+    ("", "overlay.yaml: keys with values are needed"),
+    ("# nothing", "overlay.yaml: keys with values are needed"),
+    ("- 1", "overlay.yaml: keys with values are needed"),
+    ("just text", "overlay.yaml: keys with values are needed"),
+    ("contact: {area_fraction: 0.1", "overlay.yaml: YAML is needed; expected ',' or '}'"),
+    ("\tcontact: 1", "overlay.yaml: YAML is needed; found character '\\t'"),
+    ("contact: 1\n---\ncontact: 2", "overlay.yaml: YAML is needed; but found another document in line 2"),
+    (b"\xff\xfe\x00", "overlay.yaml: YAML in UTF-8 is needed"),
+    (b"results: \xe9", "overlay.yaml: YAML in UTF-8 is needed"),
+    (b"#" * (2**20 + 1), "overlay.yaml: a configuration of at most 1048576 bytes is needed"),
+    ("? [1, 2]\n: 3", "overlay.yaml: YAML is needed; found unhashable key in line 1"),
+    (
+        "contact: {method: gfmd}\ncontact: {method: active_set}",
+        "overlay.yaml: YAML is needed; 'contact' is given twice",
+    ),
+    ("seeds: [1]\n? seeds\n: [2]", "overlay.yaml: YAML is needed; 'seeds' is given twice"),
+    # tags and anchors
+    (
+        "seeds: !!python/object/apply:os.system ['touch pwned']",
+        "overlay.yaml: YAML is needed; could not determine",
+    ),
+    ("seeds: !!python/name:os.system", "overlay.yaml: YAML is needed; could not determine a constructor"),
+    ("seeds: !include /etc/passwd", "overlay.yaml: YAML is needed; could not determine a constructor"),
+    ("__use_yte__: true\n?open('pwned', 'w'): {}", "__use_yte__: unknown key"),
+    ("__use_yte__: true\nseeds: ?[1]", "__use_yte__: unknown key"),
+    ("contact: *absent", "overlay.yaml: YAML is needed; found undefined alias 'absent' in line 1"),
+    ("contact: &own\n  again: *own", "overlay.yaml: at most 32 levels are accepted"),
+    ("contact: " + "[" * 400, "overlay.yaml: "),
+    ("contact: " + "[" * 40 + "]" * 40, "overlay.yaml: at most 32 levels are accepted, line 1 has more"),
+    (LAUGHS, "overlay.yaml: at most 100000 values are accepted, line 6 has more"),
+    ("<<: 3", "overlay.yaml: YAML is needed; expected a mapping or list of mappings for merging"),
+]
+
+
+SMALL = {
+    "label": "small",
+    "hurst": 0.8,
+    "wavelength_long": 0.5,
+    "wavelength_short": 0.125,
+    "rms_height": 1e-3,
+    "points": 64,
+}
+STAGES = ("surface", "contact", "body", "statistics")
+
+
+def make_chain(folder):
+    """The results of one chain by name, made in a folder by the command line."""
+    paths = {stage: str(folder / f"{stage}.nc") for stage in STAGES}
+    dataset.write(
+        make_surface(SMALL, 1),
+        paths["surface"],
+        title="Rough surface",
+        settings={"name": "small", "seed": 1, "surface": SMALL},
+    )
+    with contextlib.redirect_stdout(io.StringIO()):
+        assert cli.main(["solve", paths["surface"], "--area-fraction", "0.2", "--out", paths["contact"]]) == 0
+        assert cli.main(["body", paths["contact"], "--poisson", "0.0", "0.33", "--out", paths["body"]]) == 0
+        assert (
+            cli.main(["peaks", paths["body"], "--contact", paths["contact"], "--out", paths["statistics"]])
+            == 0
+        )
+    return paths
+
+
+HUGE = "9" * 5000
+COMMANDS = [
+    ("", 2, "the following arguments are required: COMMAND"),
+    ("polish", 2, "invalid choice: 'polish'"),
+    ("solve s.nc", 2, "the following arguments are required: --out"),
+    ("solve --out x.nc", 2, "the following arguments are required: surface"),
+    ("solve s.nc --out", 2, "argument --out: expected one argument"),
+    ("solve s.nc --out x.nc --area 0.1", 2, "unrecognized arguments: --area 0.1"),
+    ("solve s.nc --out x.nc --poisson 0.6", 2, "--poisson: '0.6': a number > -1 and ≤ 0.5 is needed"),
+    ("solve s.nc --out x.nc --poisson=-1", 2, "--poisson: '-1': a number > -1 and ≤ 0.5 is needed"),
+    ("solve s.nc --out x.nc --area-fraction ten", 2, "'ten': a number > 0 and ≤ 1 is needed"),
+    ("solve s.nc --out x.nc --area-fraction nan", 2, "'nan': a number > 0 and ≤ 1 is needed"),
+    ("solve s.nc --out x.nc --area-fraction inf", 2, "'inf': a number > 0 and ≤ 1 is needed"),
+    ("solve s.nc --out x.nc --area-fraction 0", 2, "'0': a number > 0 and ≤ 1 is needed"),
+    ("solve s.nc --out x.nc --area-fraction 10%", 2, "'10%': a number > 0 and ≤ 1 is needed"),
+    (f"solve s.nc --out x.nc --area-fraction {HUGE}", 2, "999': a number > 0 and ≤ 1 is needed"),
+    ("solve s.nc --out x.nc --area-fraction 0.1 0.2", 2, "unrecognized arguments: 0.2"),
+    ("solve s.nc --out x.nc --path", 2, "--path: expected at least one argument"),
+    ("solve s.nc --out x.nc --layer-height -1", 2, "--layer-height: '-1': a number > 0 is needed"),
+    ("solve s.nc --out x.nc --layer-height 1e999", 2, "--layer-height: '1e999': a number > 0 is needed"),
+    ("solve s.nc --out x.nc --bottom glued", 2, "--bottom: invalid choice: 'glued' (choose from"),
+    ("solve s.nc --out x.nc --tolerance 1", 2, "--tolerance: '1': a number ≥ 1e-14 and ≤ 0.01 is needed"),
+    ("solve s.nc --out x.nc --points 3.5", 2, "'3.5': a whole number ≥ 8 and ≤ 32768 is needed"),
+    ("solve s.nc --out x.nc --points 1000000000", 2, "'1000000000': a whole number ≥ 8 and ≤ 32768"),
+    (f"solve s.nc --out x.nc --points {HUGE}", 2, "999': a whole number ≥ 8 and ≤ 32768 is needed"),
+    ("solve s.nc --out x.nc --physical-size 1", 2, "--physical-size: expected 2 arguments"),
+    ("solve s.nc --out x.nc --physical-size 1 0", 2, "--physical-size: '0': a number > 0 is needed"),
+    ("solve s.nc --out x.nc --detrend \u00fc\x1b[31m", 2, "--detrend: invalid choice: 'ü\\x1b[31m'"),
+    ("body c.nc --out x.nc --depth-spacing 9", 2, "--depth-spacing: '9': a number ≥ 0.05 and ≤ 4"),
+    ("peaks b.nc --out x.nc", 2, "the following arguments are required: --contact"),
+    ("peaks b.nc --contact c.nc --out x.nc --bins 1", 2, "'1': a whole number ≥ 2 and ≤ 10000 is needed"),
+    ("peaks b.nc --contact c.nc --out x.nc --confidence 95", 2, "'95': a number > 0 and < 1 is needed"),
+    ("peaks b.nc --contact c.nc --out x.nc --resamples 1e3", 2, "'1e3': a whole number ≥ 10 and ≤ 100000"),
+    ("plot 19 s.nc --out x.png", 2, "'19': one of 1, 2"),
+    ("plot ../../etc/passwd s.nc --out x.png", 2, "'../../etc/passwd': one of 1, 2"),
+    ("solve {folder}/none.nc --out {folder}/x.nc", 1, "none.nc: no such file"),
+    ("solve {folder} --out {folder}/x.nc", 1, "no such file"),
+    ("solve {contact} --out {folder}/x.nc", 1, "a result of contact, one of surface is needed"),
+    ("solve {surface} --detrend tilt --out {folder}/x.nc", 1, "--detrend: for height maps"),
+    (
+        "solve {surface} --precision float32 --tolerance 1e-14 --out {folder}/x.nc",
+        1,
+        "tolerance = 1e-14: at least",
+    ),
+    ("solve {surface} --out {folder}", 1, "a folder, the name of a file is needed"),
+    ("solve {surface} --out {surface}", 1, "surface.nc: is read too, another name is needed"),
+    ("solve {surface} --out {surface}/x.nc", 1, "surface.nc/x.nc: cannot be written ("),
+    ("solve {surface} --out {folder}/" + "x" * 300, 1, "File name too long"),
+    ("solve {surface} --out /proc/x.nc", 1, "/proc/x.nc: cannot be written"),
+    ("body {surface} --out {folder}/x.nc", 1, "a result of surface, one of contact is needed"),
+    ("body {folder} --out {folder}/x.nc", 1, "no such file"),
+    ("body /dev/null --out {folder}/x.nc", 1, "/dev/null: no such file"),
+    ("peaks {body} {body} --contact {contact} --out {folder}/x.nc", 1, "one for each body is needed"),
+    ("peaks {contact} --contact {body} --out {folder}/x.nc", 1, "a result of contact, one of body is needed"),
+    (
+        "peaks {body} --contact {contact} --out {contact}",
+        1,
+        "contact.nc: is read too, another name is needed",
+    ),
+    ("plot 7 {statistics} --out {folder}/x.png", 1, "figure 7: a contact file (of asperity solve) is needed"),
+    ("plot 12 {statistics} --out {folder}/x.png", 1, "figure 12 is drawn from the study's validation alone"),
+    (
+        "plot 9 {statistics} --out {folder}/x.docx",
+        1,
+        "x.docx: the name of a picture is needed, ending in .png",
+    ),
+    ("plot 9 {statistics} --out {folder}/x", 1, "x: the name of a picture is needed, ending in .png"),
+]
+
+HEADER = "# Channel: Height\n# Width: 8 m\n# Height: 8 m\n# Value units: m\n"
+ROWS = [[f"{np.sin(3.0 * y) * np.cos(2.0 * x):.6f}" for x in range(8)] for y in range(8)]
+
+
+def matrix(rows, header=HEADER):
+    """A map as text."""
+    return (header + "\n".join(" ".join(row) for row in rows) + "\n").encode()
+
+
+def replaced(value):
+    """The map with another value at one node."""
+    rows = [list(row) for row in ROWS]
+    rows[3][4] = value
+    return matrix(rows)
+
+
+def saved(array):
+    """An array as numpy saves it."""
+    stream = io.BytesIO()
+    np.save(stream, array, allow_pickle=True)
+    return stream.getvalue()
+
+
+class Intruder:
+    """What would write a file if it were unpickled."""
+
+    def __reduce__(self):
+        return open, ("pwned", "w")
+
+
+MIRRORED = "--periodic mirrored"
+MAPS = [
+    ("map.asc", matrix(ROWS), "", "set periodic to mirrored, windowed or declared"),
+    ("empty.asc", b"", MIRRORED, "empty.asc: the file does not say its edges"),
+    ("zeros.x3p", bytes(1000), MIRRORED, "zeros.x3p: not a height map that can be read"),
+    (
+        "text.txt",
+        b"Dear reader,\nno numbers here.\n",
+        MIRRORED,
+        "text.txt: not a height map that can be read",
+    ),
+    ("words.asc", HEADER.encode() + b"one two\nthree four\n", MIRRORED, "words.asc: not a height map"),
+    ("ragged.asc", matrix([*ROWS[:5], ROWS[5][:3], *ROWS[6:]]), MIRRORED, "ragged.asc: not a height map"),
+    ("nan.asc", replaced("nan"), MIRRORED, "1 points of the map have no data; set undefined to harmonic"),
+    ("inf.asc", replaced("inf"), MIRRORED, "1 points of the map have no data; set undefined to harmonic"),
+    ("enormous.asc", replaced("1e300"), MIRRORED, "enormous.asc"),
+    ("flat.asc", matrix([["1.0"] * 8] * 8), MIRRORED, "a surface that varies is needed, this one is flat"),
+    ("row.asc", matrix(ROWS[:1]), MIRRORED, "row.asc"),
+    ("bare.asc", matrix(ROWS, ""), MIRRORED, "bare.asc: the file does not say its edges; set physical_size"),
+    ("size.asc", matrix(ROWS), MIRRORED + " --physical-size 1 1", "the file says itself what physical_size"),
+    ("nosize.asc", matrix(ROWS, HEADER.replace("8 m", "0 m")), MIRRORED, "nosize.asc"),
+    ("negative.asc", matrix(ROWS, HEADER.replace("8 m", "-8 m")), MIRRORED, "negative.asc"),
+    ("units.asc", matrix(ROWS, HEADER.replace("8 m", "8 furlong")), MIRRORED, "units.asc"),
+    ("pickle.npy", saved(np.array([[Intruder()] * 4] * 4)), MIRRORED, "pickle.npy: not a height map"),
+    ("pickle.x3p", pickle.dumps(Intruder()), MIRRORED, "pickle.x3p: not a height map that can be read"),
+    ("scan.npy", saved(np.arange(5.0)), MIRRORED, "scan.npy"),
+    ("complex.npy", saved(np.ones((4, 4), complex)), MIRRORED, "complex.npy"),
+    (
+        "short.asc",
+        matrix(ROWS),
+        MIRRORED + " --wavelength-short 1e-9",
+        "wavelength_short = 1e-09: a number ≥",
+    ),
+    ("bomb.nc", b"CDF\x05" + b"\x7f" * 64, MIRRORED, "bomb.nc: not a height map that can be read"),
+    ("damaged.nc", b"\x89HDF\r\n\x1a\n" + bytes(600), MIRRORED, "damaged.nc: not a height map"),
+]
+
+
+def answer(function, arguments):
+    """Exit code, and what was printed on stderr."""
+    said = io.StringIO()
+    with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
+        try:
+            code = function(arguments)
+        except SystemExit as stopped:
+            code = stopped.code
+    return code, said.getvalue()
+
+
+def answer_to_config(content, folder):
+    """What is said to an overlay."""
+    path = folder / "overlay.yaml"
+    path.write_bytes(content if isinstance(content, bytes) else content.encode())
+    with contextlib.chdir(ROOT):
+        return answer(config.main, [SCHEMA, BASE, str(path)])
+
+
+def answer_to_command(text, files, folder):
+    """What is said to a command line."""
+    return answer(cli.main, [part.format(folder=folder, **files) for part in text.split(" ") if part])
+
+
+def answer_to_map(name, content, options, folder):
+    """What is said to a height map."""
+    (folder / name).write_bytes(content)
+    return answer(cli.main, ["solve", str(folder / name), "--out", str(folder / "out.nc"), *options.split()])
+
+
+def main():
+    """Print every bad input and the line that it printed."""
+    with tempfile.TemporaryDirectory() as scratch:
+        folder = Path(scratch)
+        files = make_chain(folder)
+        answers = [
+            *((content, answer_to_config(content, folder)) for content, _ in CONFIGS),
+            *((f"asperity {text}", answer_to_command(text, files, folder)) for text, _, _ in COMMANDS),
+            *(
+                (f"{name} {options}", answer_to_map(name, content, options, folder))
+                for name, content, options, _ in MAPS
+            ),
+        ]
+    for given, (code, said) in answers:
+        shown = repr(given.decode(errors="replace") if isinstance(given, bytes) else given)[1:-1]
+        print(f"{shown[:100]}\n    {code}  {re.sub(re.escape(scratch) + '/', '', said).rstrip()}")
+    print(f"{len(answers)} bad inputs")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
