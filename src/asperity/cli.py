@@ -208,7 +208,7 @@ def _config_to_plan(options: argparse.Namespace) -> dict[str, Any]:
     """The complete configuration that files or a spectrum amount to."""
     import yaml
 
-    from asperity.presets import complete
+    from asperity.presets import PRESETS, complete
 
     merged: dict[str, Any] = {}
     for given in options.config:
@@ -223,12 +223,22 @@ def _config_to_plan(options: argparse.Namespace) -> dict[str, Any]:
     if "surfaces" not in merged:
         merged = {"surfaces": {"surface": merged}, "studies": {"hurst": []}, "body": {"poisson": [0.33]}}
     config = {"accuracy": "paper", "measured": {}, "contact": {}, "layer": {}, **merged}
+    for section in ("surfaces", "measured", "studies", "contact", "layer", "body"):
+        if not isinstance(config.get(section), dict):
+            raise ValueError(f"{section}: a group of keys is needed")
+    if config["accuracy"] not in PRESETS:
+        raise ValueError(f"accuracy = {config['accuracy']!r}: {' or '.join(PRESETS)} is needed")
     config["contact"] = {"area_fraction": 0.1, "path_area_fractions": [], **config["contact"]}
     config["layer"] = {"height": 1.0, **config["layer"]}
     for name, surface in config["surfaces"].items():
         for key in ("hurst", "wavelength_long", "wavelength_short"):
-            if not isinstance(surface.get(key), (int, float)):
-                raise ValueError(f"surfaces.{name}.{key} = {surface.get(key)!r}: a number is needed")
+            value = surface.get(key) if isinstance(surface, dict) else None
+            if (
+                not isinstance(value, (int, float))
+                or not 0 <= value <= 1
+                or (value < 6e-5 and key != "hurst")
+            ):
+                raise ValueError(f"surfaces.{name}.{key} = {value!r}: a number > 0 and ≤ 1 is needed")
     if options.area_fraction is not None:
         config["contact"]["area_fraction"] = options.area_fraction
     return complete(config)

@@ -27,6 +27,8 @@ _WORDS = {
 }
 
 
+_MOST_POINTS = 32768
+
 _VALIDATOR = jsonschema.validators.extend(
     jsonschema.Draft202012Validator,
     type_checker=jsonschema.Draft202012Validator.TYPE_CHECKER.redefine(
@@ -56,7 +58,9 @@ def check(config: Mapping[str, Any], schema: Mapping[str, Any]) -> None:
     error = min(validator.iter_errors(config), key=lambda e: (len(e.path), str(e.path)), default=None)
     if error is not None:
         raise ConfigError(_one_line(error))
+    _check_grids(config)
     config = complete(config)
+    _check_grids(config)
     for name, surface in config["surfaces"].items():
         _check_surface(f"surfaces.{name}", surface)
     for section in ("surfaces", "measured"):
@@ -84,6 +88,20 @@ def check(config: Mapping[str, Any], schema: Mapping[str, Any]) -> None:
             f"body.poisson = {config['body']['poisson']!r}: "
             f"layer.poisson = {config['layer']['poisson']!r} must be one of them"
         )
+
+
+def _check_grids(config: Mapping[str, Any]) -> None:
+    for section in ("surfaces", "measured"):
+        for name, surface in config[section].items():
+            short, points = surface.get("wavelength_short", 1.0), surface.get("points", 0)
+            key, least = f"{section}.{name}", 2 / _MOST_POINTS
+            if short < least:
+                raise ConfigError(f"{key}.wavelength_short = {short!r}: a number ≥ {least:g} is needed")
+            if points > _MOST_POINTS:
+                raise ConfigError(
+                    f"{key}.points: {points} are too many for a grid of at most {_MOST_POINTS}; "
+                    f"a longer wavelength_short or another accuracy is needed"
+                )
 
 
 def _check_label(key: str, label: str) -> None:

@@ -56,6 +56,11 @@ CONFIGS = [
         "surfaces: {hurst_02: {wavelength_short: 0.5}}",
         "wavelength_short = 0.5: at most wavelength_long = 0.125",
     ),
+    (
+        "surfaces: {gaussian: {wavelength_short: 1.0e-180}}",
+        "surfaces.gaussian.wavelength_short = 1e-180: a number ≥ 6.10352e-05 is needed",
+    ),
+    ("surfaces: {gaussian: {wavelength_short: 0.0001}}", "surfaces.gaussian.points: 80000 are too many"),
     ("surfaces: {hurst_02: {rms_height: 0}}", "surfaces.hurst_02.rms_height = 0: a number > 0"),
     ("surfaces: {hurst_02: {label: ''}}", "surfaces.hurst_02.label = ''"),
     ("surfaces: {'H=0.2': {hurst: 0.2}}", "'H=0.2' as a name"),
