@@ -82,7 +82,9 @@ def test_jobs_killed_for_memory_and_for_time_are_named_and_the_study_goes_on_aft
     said, code = on_slurm(slurm, folder, *QUICK, "slow.yaml", *ungrouped, *limits, "--", *targets)
     assert code != 0
     assert "Error in rule surface" in said
-    assert "Out Of Memory" in said
+    (log,) = (folder / ".snakemake/slurm_logs/rule_surface").rglob("*.log")
+    assert str(log) in said
+    assert "Out Of Memory" in log.read_text()
     assert "Error in rule validation" in said
     assert "SLURM status is: 'TIMEOUT'" in said
     kept = modified(folder)
