@@ -17,8 +17,8 @@ from asperity.presets import PRESETS
 from asperity.spectral import Array
 
 FRONT_OUTPUTS = {
-    "von_mises_p99": "99th percentile of von Mises peaks",
-    "peak_depth": "mean depth of the peaks",
+    "von_mises_p99": "error of 99 %, von Mises peaks",
+    "peak_depth": "error of the mean depth of peaks",
 }
 """Outputs whose error is drawn against time."""
 
@@ -104,8 +104,7 @@ def draw_front(runs: xr.Dataset) -> Figure:
         best = np.array(sorted(found.values()))
         kept = best[:, 1] == np.minimum.accumulate(best[:, 1])
         axis.step(*best[kept].T, where="post", color="0.6", lw=0.8, zorder=0)
-        axis.set(xscale="log", yscale="log", xlabel="processor time (s)", ylabel="relative error")
-        axis.set_title(title, loc="center")
+        axis.set(xscale="log", yscale="log", xlabel="processor time (s)", ylabel=title)
     figure.legend(handles=_front_legend(runs), loc="outside lower center", ncols=5)
     return figure
 
@@ -131,7 +130,7 @@ def _shade(points: float) -> tuple[float, float, float, float]:
 
 
 def draw_budget(errors: Mapping[str, Mapping[str, float]]) -> Figure:
-    """Errors of every output by source, at one choice of settings.
+    """Errors of every output by source, at one choice of settings; what is exactly zero is left out.
 
     Parameters
     ----------
@@ -142,15 +141,16 @@ def draw_budget(errors: Mapping[str, Mapping[str, float]]) -> Figure:
     axis = figure.add_subplot()
     outputs = [name for name in NAMES if name in errors]
     for row, name in enumerate(outputs):
-        for source in SOURCES:
+        for source, shift in zip(SOURCES, np.linspace(-0.24, 0.24, len(SOURCES)), strict=True):
             value = errors[name][source]
-            axis.plot(max(value, _LEAST), row, _MARKS[source], color=_COLOURS[source], clip_on=False, ms=4.5)
+            if value > 0:
+                axis.plot(max(value, _LEAST), row + shift, _MARKS[source], color=_COLOURS[source], ms=4)
     axis.set(xscale="log", xlim=(_LEAST, 1.0), xlabel="relative error", ylim=(len(outputs) - 0.5, -0.5))
     axis.set_yticks(range(len(outputs)), [NAMES[name] for name in outputs])
     axis.grid(axis="y", color="0.9", lw=0.6)
     axis.set_axisbelow(True)
     for source in SOURCES:
-        axis.plot([], [], _MARKS[source], color=_COLOURS[source], ms=4.5, label=SOURCE_NAMES[source])
+        axis.plot([], [], _MARKS[source], color=_COLOURS[source], ms=4, label=SOURCE_NAMES[source])
     figure.legend(loc="outside lower center", ncols=5)
     return figure
 
@@ -177,12 +177,12 @@ def draw_growth(runs: xr.Dataset) -> Figure:
     _square_law(time, runs, rows)
     for axis in (time, memory):
         ticks = sorted(set(runs["run_points"].values[rows].tolist()))
-        axis.set(xscale="log", yscale="log", xlabel="nodes on an edge")
+        axis.set(xscale="log", xlabel="nodes on an edge")
         axis.set_xticks(ticks, [str(tick) for tick in ticks])
         axis.set_xticks([], minor=True)
-        axis.legend()
-    time.set_ylabel("processor time (s)")
-    memory.set_ylabel("peak memory of the process (GiB)")
+        axis.legend(handlelength=3)
+    time.set(yscale="log", ylabel="processor time (s)")
+    memory.set(ylim=(0, None), ylabel="peak memory of the process (GiB)")
     return figure
 
 
