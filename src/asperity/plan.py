@@ -2,7 +2,7 @@
 
 Errors are bounds from the measurement of `asperity.tradeoff`: for each knob the largest error seen in any of
 its scenes, at the next coarser setting that was measured, raised by a margin and by what the reference itself
-was wrong. They are added up, and the spread of surfaces of one kind comes on top. Times follow power laws
+was wrong. They are added up, and the spread of surfaces of one kind comes on top. Times follow laws
 fitted to the same measurement, scaled to this machine by a transform that is timed on both.
 
 `python -m asperity.plan` prints what the presets of accuracy cost and how wrong they are.
@@ -48,7 +48,6 @@ STUDENT = 2.36
 
 MOST_SEEDS = 1000
 """More random surfaces than this are not proposed."""
-
 
 Known = Mapping[str, Mapping[str, Mapping[str, float]]]
 
@@ -113,7 +112,7 @@ def stage_seconds(
     settings = {
         **asdict(knobs),
         "area_fraction": scene.area_fraction,
-        "loads": 1 + len(scene.loads),
+        "loads": len({*scene.loads, scene.area_fraction}),
         "ratios": ratios,
     }
     points = knobs.points(scene.wavelength_short)
@@ -396,16 +395,12 @@ def _yaml(keys: Mapping[str, Any]) -> list[str]:
 
 
 def scene_of(config: Mapping[str, Any], name: str) -> Scene:
-    """What the study presses, of an entry of ``surfaces`` or ``measured`` of a complete configuration.
-
-    A measured map has no spectrum; its cost, which does not depend on it, is right nevertheless.
-    """
-    surface = {**config["measured"], **config["surfaces"]}[name]
-    contact = config["contact"]
+    """What the study presses, of an entry of ``surfaces`` of a complete configuration."""
+    surface, contact = config["surfaces"][name], config["contact"]
     return Scene(
-        hurst=surface.get("hurst", math.nan),
-        wavelength_long=surface.get("wavelength_long", 1.0),
-        wavelength_short=surface.get("wavelength_short", 1.0),
+        hurst=surface["hurst"],
+        wavelength_long=surface["wavelength_long"],
+        wavelength_short=surface["wavelength_short"],
         area_fraction=contact["area_fraction"],
         layer_height=config["layer"]["height"],
         loads=tuple(contact["path_area_fractions"] if name in config["studies"]["hurst"] else ()),

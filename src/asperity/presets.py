@@ -91,9 +91,9 @@ def complete(config: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def knobs_of(config: Mapping[str, Any], name: str) -> Knobs:
-    """The knobs of a complete configuration, for an entry of ``surfaces`` or ``measured``."""
-    surface = {**config["measured"], **config["surfaces"]}[name]
-    density = surface.get("points", 0) * surface.get("wavelength_short", 1.0)
+    """The knobs of a complete configuration, for an entry of ``surfaces``."""
+    surface = config["surfaces"][name]
+    density = surface["points"] * surface["wavelength_short"]
     chosen = {knob: config[section][key] for (section, key), knob in _KEYS.items()}
     return Knobs(points_per_wavelength=density, seeds=len(config["seeds"]), **chosen)
 

@@ -432,7 +432,7 @@ _COLUMNS: dict[str, Callable[[Run], Any]] = {
     "run_area_fraction": lambda run: run.outcome.scene.area_fraction,
     "run_points": lambda run: run.outcome.knobs.points(run.outcome.scene.wavelength_short),
     "run_ratios": lambda run: len(run.outcome.ratios),
-    "run_loads": lambda run: 1 + len(run.outcome.scene.loads),
+    "run_loads": lambda run: len({*run.outcome.scene.loads, run.outcome.scene.area_fraction}),
 }
 
 
