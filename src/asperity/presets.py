@@ -50,7 +50,7 @@ class Knobs:
 
 
 PRESETS = {
-    "draft": Knobs(4.0, 1e-3, "float64", 1e-2, 1.0, 0.05, 1),
+    "draft": Knobs(4.0, 1e-4, "float64", 1e-2, 0.5, 0.05, 1),
     "paper": Knobs(8.0, 1e-6, "float64", 1e-4, 0.5, 0.05, 1),
     "reference": Knobs(16.0, 1e-8, "float64", 1e-6, 0.25, 0.05, 8),
 }

@@ -1,5 +1,6 @@
 """Plans against what really happens, on scenes that were not used to make them."""
 
+import runpy
 from dataclasses import replace
 from pathlib import Path
 
@@ -175,3 +176,13 @@ def test_the_readme_has_the_presets_as_they_were_measured():
     table = text.split("<!-- presets: python -m asperity.plan -->\n")[1].split("\n\n")[0]
     assert table == describe_presets(load())
     assert set(load().presets) == set(PRESETS)
+
+
+def test_a_new_measurement_changes_the_presets_in_the_readme_and_nothing_else():
+    with_table = runpy.run_path(str(ROOT / "workflow/tradeoff.py"))["with_table"]
+    text = (ROOT / "config/README.md").read_text()
+    assert with_table(text, load()) == text
+    presets = {name: {**found, "seconds": 9.75} for name, found in load().presets.items()}
+    changed = with_table(text, replace(load(), presets=presets))
+    different = [line for line in changed.splitlines() if line not in text.splitlines()]
+    assert different == ["| processor time of one surface (s) | 9.75 | 9.75 | 9.75 |"]

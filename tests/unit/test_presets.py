@@ -41,7 +41,7 @@ def test_what_a_configuration_names_itself_counts():
     config["surfaces"]["gaussian"]["points"] = 300
     whole = complete(config)
     assert whole["seeds"] == [7]
-    assert (whole["contact"]["precision"], whole["contact"]["tolerance"]) == ("float32", 1e-3)
+    assert (whole["contact"]["precision"], whole["contact"]["tolerance"]) == ("float32", 1e-4)
     assert whole["surfaces"]["gaussian"]["points"] == 300
     assert whole["surfaces"]["hurst_02"]["points"] == 1024
 
