@@ -270,8 +270,9 @@ def measure(
         Along `run`, what was tried, its settings and its cost; along `output`, values and errors.
     """
     kinds = [Scene(h, wavelength_long, wavelength_short, area) for h in hurst for area in area_fractions]
-    for precision in ("float64", "float32"):  # compiles
-        evaluate(Scene(hurst[0], 1 / 4, 1 / 8, 0.1), replace(PRESETS["paper"], precision=precision))
+    paper = PRESETS["paper"]
+    for knobs in (paper, replace(paper, precision="float32"), replace(paper, depth_tolerance=1e-8)):
+        evaluate(Scene(hurst[0], 1 / 4, 1 / 8, 0.1), knobs)  # compiles
     sources = [
         *(_every_knob(replace(kind, seed=seed), points_per_wavelength) for kind in kinds for seed in seeds),
         *(_seeds(kind) for kind in kinds),

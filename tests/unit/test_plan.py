@@ -146,7 +146,7 @@ def test_the_command_tells_what_a_configuration_costs(capsys):
 @pytest.mark.parametrize(
     ("text", "line"),
     [
-        ("{hurst: 0.8}", "surfaces.surface.wavelength_long = None: a number is needed"),
+        ("{hurst: 0.8}", "surfaces.surface.wavelength_long = None: a number"),
         ("none.yaml", "none.yaml: a file, or keys and values such as"),
         ("{hurst: [", "no YAML"),
     ],
