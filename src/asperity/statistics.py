@@ -274,11 +274,17 @@ def _checked_ensemble(
     return bodies, scale
 
 
+# A bin at least so wide has a finite density.
+_NARROWEST = 1e-300
+
+
 def _edges(values: Array, bins: int, limits: tuple[float, float] | None) -> Array:
     if bins != int(bins) or bins < 1:
         raise ValueError(f"bins = {bins!r}: a whole number of at least 1 is needed")
     if limits is None:
-        return np.histogram_bin_edges(values, int(bins))
+        # Values so near to each other that a density would overflow are taken for equal.
+        alike = values.size and np.ptp(values) < bins * _NARROWEST
+        return np.histogram_bin_edges(values[:1] if alike else values, int(bins))
     if not (np.all(np.isfinite(limits)) and limits[0] < limits[1]):
         raise ValueError(f"limits = {limits!r}: two finite rising numbers are needed")
     return np.linspace(limits[0], limits[1], int(bins) + 1)

@@ -21,6 +21,8 @@ def figure_need(figure):
     studies, stages = FIGURES[figure]
     if figure in ("fig03", "fig04"):
         return need("map of elements", math.prod(config["validation"]["elements"]["elements"]))
+    if figure == "extremes":
+        return need("figure of extremes")
     if studies == "validation":
         return need("figure")
     studies = [studies] if isinstance(studies, str) else studies
@@ -43,7 +45,7 @@ NEEDS = {
     "validation_table": lambda wildcards: need("validation table"),
     "claims": lambda wildcards: need("claims"),
     "tradeoff": lambda wildcards: need("tradeoff", max(config["tradeoff"][wildcards.extent]["sizes"]) ** 2),
-    "tradeoff_figures": lambda wildcards: need("figure"),
+    "tradeoff_figures": lambda wildcards: need("tradeoff figures"),
 }
 
 
