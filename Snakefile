@@ -64,4 +64,4 @@ rule all:
         rules.validation_table.output,
         rules.verified.input,
         rules.claims.output,
-        expand(rules.tradeoff_figures.output, extent="reduced"),
+        expand(rules.tradeoff.output, extent="reduced"),
