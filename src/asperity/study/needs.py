@@ -35,11 +35,11 @@ class _Line(NamedTuple):
 _LINES = {
     "surface": _Line(144, 31, 2, 0.8),
     "map": _Line(250, 31, 5, 0.8),
-    "contact": _Line(286, 98, 3, 4.0),
-    "contact path": _Line(286, 163, 3, 4.0),
-    "body": _Line(330, 180, 4, 5.1),
+    "contact": _Line(260, 98, 3, 2.7),
+    "contact path": _Line(260, 160, 3, 2.7),
+    "body": _Line(270, 139, 4, 2.5),
     "summary": _Line(212, 50, 3, 0.4),
-    "statistics": _Line(238, 53, 3, 0.5),
+    "statistics": _Line(205, 53, 3, 0.5),
     "verification": _Line(300, 262, 4, 2),
     "figure": _Line(200, 8, 5, 0.1),
     "map of elements": _Line(218, 306e3, 6, 0),
@@ -51,8 +51,8 @@ _LINES = {
     "tradeoff": _Line(330, 300, 8, 95),
 }
 _AGAIN = {
-    "contact": _Line(0, 0, 0.5, 1.6),
-    "body": _Line(0, 27, 0, 0.8),
+    "contact": _Line(0, 0, 0.5, 0.8),
+    "body": _Line(0, 22, 0, 0.5),
     "statistics": _Line(0, 48, 2, 0.3),
     "verification": _Line(0, 8, 0.1, 0.3),
 }
