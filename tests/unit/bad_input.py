@@ -134,7 +134,7 @@ CONFIGS = [
     ('surfaces: {"new\\n": {hurst: 0.2}}', "'new\\n' as a name"),
     ("results: results/../results", "results = 'results/../results': `results` or a folder below it"),
     ("results: results//quick", "results = 'results//quick'"),
-    ("results: /work/results", "results = '/work/results'"),
+    ("results: /elsewhere/results", "results = '/elsewhere/results'"),
     ("results: ~/results", "results = '~/results'"),
     ("results: $HOME", "results = '$HOME'"),
     ("results: resultsé", "results = 'resultsé'"),
