@@ -6,7 +6,7 @@ r⁻³, so a small real-space stencil on the contact nodes preconditions it. A *
 when its residual has dropped far enough; then tension is cut off, nodes that penetrate join the set, and
 the gap is evaluated anew in the full precision. Blocks are corrections and run in single precision. The
 sum of a block and its pruning is a step between two admissible pressures, shortened to where the energy
-is least: the energy cannot grow. Where pruning spoils a step, the next is shortened before it is pruned.
+is least: the energy cannot grow. A step that pruning spoils is taken again, shortened before it is pruned.
 
 The load is steered to an area along the *tangent*, the change of pressure per approach on the present
 contact. One block gives it, and with it the approach at which each node enters or leaves the contact.
@@ -301,7 +301,8 @@ class Level:
         if control.kind == "area_fraction":
             area = AreaControl(control.value, problem.grid.size, tolerance, area_tolerance)
         report = Reporter(progress, tolerance)
-        moved, stepped, reach = False, False, 1.0
+        taken: tuple[Array, Array] | None = None
+        moved, reach = False, 1.0
         stalled, best, error_before, length = 0, math.inf, math.inf, BLOCK_ITERATIONS
         for _ in range(blocks):
             if fixed_load:
@@ -315,11 +316,16 @@ class Level:
                 pressure *= factor
                 gap *= factor
             gap += height
-            if stepped:
+            if taken is not None:
                 fraction = _line_search(pressure, pressure_before, gap, gap_before, state.approach)
                 if fraction < 0.9:
                     _blend(pressure, pressure_before, fraction)
                     _blend(gap, gap_before, fraction)
+                if fraction == 0 and stalled < PATIENCE:
+                    # The same step, shorter before it is pruned.
+                    reach, stalled = reach / 4, stalled + 1
+                    _add_clipped(pressure, *taken, np.float32(reach))
+                    continue
                 reach = reach / 4 if fraction < 0.1 else min(2 * reach, 1.0)
             system = self.look(state, fixed_load)
             report(state.error)
@@ -328,7 +334,7 @@ class Level:
             # A load just changed takes effect in a block, even if the change is below the tolerance.
             settled = state.error <= tolerance and not moved
             if area is not None and not moved and area.misses(state, settled):
-                moved, stepped, best = True, False, math.inf
+                moved, taken, best = True, None, math.inf
                 if not (settled or area.is_near(state)):
                     area.steer(state, settled)
                     continue
@@ -339,7 +345,7 @@ class Level:
             stalled, best = (0, state.error) if state.error < 0.9 * best else (stalled + 1, best)
             if stalled > PATIENCE:
                 break
-            moved, stepped = False, True
+            moved = False
             pressure_before[:] = pressure
             gap_before[:] = gap
             if state.error > SETTLED:
@@ -352,7 +358,8 @@ class Level:
             error_before = state.error
             change, used = self.correct(system, drop=drop, iterations=length)
             state.iterations += used
-            _add_clipped(pressure, system.plain, change, np.float32(reach))
+            taken = system.plain, change
+            _add_clipped(pressure, *taken, np.float32(reach))
         return False
 
 
