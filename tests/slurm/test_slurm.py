@@ -43,6 +43,14 @@ def states(slurm):
     return [tuple(line.split(maxsplit=1)) for line in lines]
 
 
+def numbers(path):
+    """A result without what it measures of the machine, and without the digest of the whole."""
+    data = dataset.read(path)
+    del data.attrs["content_digest"]
+    cost = [name for name, values in data.variables.items() if values.attrs.get("units") in ("s", "byte")]
+    return data.drop_vars(cost)
+
+
 def modified(folder):
     """Result → time of its last change."""
     return {path: os.stat(path).st_mtime_ns for path in sorted(folder.glob("results/quick/**/*.nc"))}
@@ -62,7 +70,7 @@ def test_the_quick_study_has_the_same_numbers_in_every_file_as_here(slurm, tmp_p
     assert files == {path.relative_to(there) for path in there.glob("results/quick/**/*.nc")}
     assert len(files) > 25
     for file in sorted(files):
-        assert dataset.read(here / file).identical(dataset.read(there / file)), file
+        assert numbers(here / file).identical(numbers(there / file)), file
     for picture in (here / "results/quick/figures").iterdir():
         assert picture.read_bytes() == (there / picture.relative_to(here)).read_bytes()
 
