@@ -7,9 +7,7 @@ import subprocess
 import pytest
 import yaml
 from cluster import cluster, missing
-from project import QUICK, copy_project, snakemake
-
-from asperity import dataset
+from project import QUICK, copy_project, numbers, snakemake
 
 REASON = missing()
 if not REASON and importlib.util.find_spec("snakemake_executor_plugin_slurm") is None:
@@ -41,14 +39,6 @@ def states(slurm):
     """State and comment of every job of the cluster so far."""
     lines = slurm.run("squeue", "--states=all", "--noheader", "--format=%T %k").splitlines()
     return [tuple(line.split(maxsplit=1)) for line in lines]
-
-
-def numbers(path):
-    """A result without what it measures of the machine, and without the digest of the whole."""
-    data = dataset.read(path)
-    del data.attrs["content_digest"]
-    cost = [name for name, values in data.variables.items() if values.attrs.get("units") in ("s", "byte")]
-    return data.drop_vars(cost)
 
 
 def modified(folder):

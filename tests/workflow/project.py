@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from asperity import dataset
+
 ROOT = Path(__file__).parents[2]
 PARTS = ("Snakefile", "config", "workflow", "profiles", "src", "tests/reference", "tests/workflow/tiny.yaml")
 QUICK = ("--configfile", "config/quick.yaml")
@@ -40,3 +42,11 @@ def copy_project(folder):
             (folder / part).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / part, folder / part)
     return folder
+
+
+def numbers(path):
+    """A result without what it measures of the machine, and without the digest of the whole."""
+    data = dataset.read(path)
+    del data.attrs["content_digest"]
+    cost = [name for name, values in data.variables.items() if values.attrs.get("units") in ("s", "byte")]
+    return data.drop_vars(cost)
