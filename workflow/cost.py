@@ -2,8 +2,7 @@
 
 python workflow/cost.py [results] [--declared [--configfile FILE]]
 
-With --declared: the memory of every job beside what its rule declares, and exit 1 if a quarter lies between,
-and more than 100 MB, which the libraries that a small job loads may differ by.
+With --declared: the memory of every job beside what its rule declares, and exit 1 if a quarter lies between.
 Benchmark files are not read: after sixteen seconds they sample a job every half minute, and miss its peak.
 """
 
@@ -16,7 +15,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 TOLERANCE = 0.25
-SLACK = 100  # MB
 TOOK = re.compile(r"took (\S+) s of processor time, (\S+) MB of memory$", re.MULTILINE)
 
 
@@ -78,7 +76,7 @@ def cost_table(costs: dict[Path, Cost], results: Path) -> str:
 
 
 def memory_table(costs: dict[Path, Cost], memory: dict[Path, float], results: Path) -> tuple[str, list[str]]:
-    """Memory of every job measured and declared, and the jobs for which the two are too far apart."""
+    """Memory of every job measured and declared, and the jobs more than a quarter apart."""
     lines, offenders = (
         ["| job | measured (MB) | declared (MB) | measured / declared |", "|---|---|---|---|"],
         [],
@@ -90,7 +88,7 @@ def memory_table(costs: dict[Path, Cost], memory: dict[Path, float], results: Pa
             continue
         ratio = cost.memory / memory[log]
         lines.append(f"| {job} | {cost.memory:.0f} | {memory[log]:.0f} | {ratio:.2f} |")
-        if abs(cost.memory - memory[log]) > max(TOLERANCE * memory[log], SLACK):
+        if abs(ratio - 1) > TOLERANCE:
             offenders.append(f"{job}: {cost.memory:.0f} MB measured, {memory[log]:.0f} MB declared")
     return "\n".join(lines), offenders
 

@@ -42,11 +42,11 @@ _LINES = {
     "statistics": _Line(205, 53, 3, 0.5),
     "verification": _Line(300, 262, 4, 2),
     "figure": _Line(200, 8, 5, 0.1),
-    "map of elements": _Line(218, 306e3, 6, 0),
+    "map of elements": _Line(235, 306e3, 6, 0),
     "figure of extremes": _Line(320, 0, 6, 0),
     "tradeoff figures": _Line(300, 0, 8, 0),
     "claims": _Line(380, 0, 10, 0),
-    "validation": _Line(330, 0, 25, 0),
+    "validation": _Line(300, 0, 25, 0),
     "validation table": _Line(240, 0, 5, 0),
     "tradeoff": _Line(330, 300, 8, 95),
 }
