@@ -43,6 +43,7 @@ wildcard_constraints:
 
 include: "workflow/rules/common.smk"
 include: "workflow/rules/resources.smk"
+include: "workflow/rules/compiled.smk"
 include: "workflow/rules/surface.smk"
 include: "workflow/rules/contact.smk"
 include: "workflow/rules/body.smk"

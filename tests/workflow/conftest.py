@@ -1,6 +1,7 @@
-"""The quick study, run once from clean for all tests of the workflow."""
+"""The quick study, run from clean for all tests of the workflow."""
 
 import resource
+import shutil
 from pathlib import Path
 from typing import NamedTuple
 
@@ -16,14 +17,27 @@ class Study(NamedTuple):
     seconds: float
 
 
-@pytest.fixture(scope="session")
-def quick_study(tmp_path_factory):
-    folder = copy_project(tmp_path_factory.mktemp("project"))
+def run_quick(folder, cores):
+    """The quick study in a folder."""
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    found = snakemake(folder, *QUICK)
+    found = snakemake(folder, *QUICK, cores=cores)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     assert found.returncode == 0, found.stdout + found.stderr
     return Study(folder, after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+
+
+@pytest.fixture(scope="session")
+def quick_study(tmp_path_factory):
+    """On two cores, with nothing compiled before."""
+    return run_quick(copy_project(tmp_path_factory.mktemp("project"), compiled=False), cores=2)
+
+
+@pytest.fixture(scope="session")
+def second_study(quick_study, tmp_path_factory):
+    """On one core, with all compiled that the first has compiled."""
+    folder = copy_project(tmp_path_factory.mktemp("second"), compiled=False)
+    shutil.copytree(quick_study.folder / "src", folder / "src", dirs_exist_ok=True)
+    return run_quick(folder, cores=1)
 
 
 @pytest.fixture(scope="session")

@@ -33,11 +33,12 @@ def snakemake(folder, *arguments, cores=2):
     return run(folder, "snakemake", "--cores", str(cores), *arguments)
 
 
-def copy_project(folder):
-    """All that a run needs."""
+def copy_project(folder, *, compiled=True):
+    """All that a run needs; with what is compiled already, which is known by the times that copies keep."""
+    left_out = shutil.ignore_patterns(*(() if compiled else ("__pycache__",)))
     for part in PARTS:
         if (ROOT / part).is_dir():
-            shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
+            shutil.copytree(ROOT / part, folder / part, ignore=left_out)
         else:
             (folder / part).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / part, folder / part)

@@ -2,19 +2,23 @@
 
 import re
 
+import pytest
 from project import QUICK, copy_project, run
 
 COST = ("python", "workflow/cost.py", "results/quick")
 DECLARED = (*COST, "--declared", *QUICK)
 
 
-def test_every_job_has_its_cost_and_takes_the_memory_that_its_rule_declares(quick_study):
-    found = run(quick_study.folder, *DECLARED)
+@pytest.mark.parametrize("study", ["quick_study", "second_study"])
+def test_every_job_has_its_cost_and_takes_the_memory_that_its_rule_declares(request, study):
+    """With nothing compiled before, and with everything."""
+    folder = request.getfixturevalue(study).folder
+    found = run(folder, *DECLARED)
     assert found.returncode == 0, found.stderr
     jobs = re.findall(r"^\| (\S+) \|.* (\S+) \|$", found.stdout, re.MULTILINE)[1:]
-    logs = list((quick_study.folder / "results/quick/log").rglob("*.log"))
+    logs = list((folder / "results/quick/log").rglob("*.log"))
     assert len(jobs) == len(logs) > 60
-    total = run(quick_study.folder, *COST).stdout.splitlines()[-1]
+    total = run(folder, *COST).stdout.splitlines()[-1]
     assert total.startswith(f"| all | {len(logs)} | ")
 
 

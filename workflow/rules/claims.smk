@@ -36,6 +36,7 @@ rule claims:
         ),
         validation=claim_datasets,
         style="src/asperity/figures/style.mplstyle",
+        compiled=ancient(rules.compiled.output),
         code=code("claims"),
     output:
         table=report(

@@ -1,6 +1,7 @@
 rule contact:
     input:
         surface=f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
+        compiled=ancient(rules.compiled.output),
         code=code("contact"),
     output:
         f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",

@@ -14,6 +14,9 @@ WORKFLOW_MEMORY = 320.0
 """What Snakemake takes beside a job on a node of a cluster, in MB: the instance that holds the
 allocation, and the one that runs the job."""
 
+COMPILER_MEMORY = 150.0
+"""What compiling takes beside a job, in MB, on a node whose processor is not that for which it was done."""
+
 
 class Need(NamedTuple):
     """Largest memory (MB), processor time (s) and files written (MB) of one job."""
@@ -33,6 +36,7 @@ class _Line(NamedTuple):
 
 
 _LINES = {
+    "compiled": _Line(330, 0, 20, 0),
     "surface": _Line(144, 31, 2, 0.8),
     "map": _Line(250, 31, 5, 0.8),
     "contact": _Line(260, 98, 3, 2.7),

@@ -1,0 +1,87 @@
+"""The functions that numba compiles, all of them compiled at once.
+
+Numba compiles a function when it is first called with some types, and keeps the code where other processes
+find it. For the whole library that takes some twenty seconds, and 150 MB that the calculation itself does not
+need: done once, it is spared to the jobs of a study, which would all do it at the same time.
+"""
+
+from __future__ import annotations
+
+import platform
+import sys
+from dataclasses import replace
+from importlib.metadata import version
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numba.core.registry import CPUDispatcher, cpu_target
+
+from asperity.analysis import analyse
+from asperity.contact import METHODS, solve
+from asperity.extremes import Scene, attempt
+from asperity.layer import Layer
+from asperity.progress import Report
+from asperity.roughness import self_affine
+
+PACKAGES = ("asperity", "numba", "llvmlite", "numpy")
+"""On whose versions the code depends."""
+
+PRECISIONS = ("float32", "float64")
+
+LAYERS = (
+    Layer(1.0, 0.33),
+    Layer(1.0, 0.33, height=1.0),
+    Layer(1.0, 0.33, height=1.0, bottom="frictionless"),
+)
+
+DEPTH_TOLERANCES = (1e-2, 1e-6)
+"""Planes are in single precision at the one, in double precision at the other."""
+
+RARE = (Scene(imposed=("approach", 0.5)), Scene(scaled_height=1e-6, points=64))
+"""Contacts that take steps which others do not: at a given approach, and to be damped on a thin layer."""
+
+
+def compile_library(progress: Report | None = None) -> None:
+    """Call every compiled function with all types that a study gives it, on small scenes.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Called as progress(done, total).
+    """
+    height = self_affine((32, 32), 0.8, 0.5, 0.125, 1e-3, seed=1)
+    scenes = list(product(PRECISIONS, METHODS, LAYERS))
+    for number, (precision, method, layer) in enumerate(scenes):
+        contact = solve(height, layer, area_fraction=0.1, method=method, rtol=1e-4, dtype=precision)
+        for tolerance in DEPTH_TOLERANCES:
+            analyse(contact, poisson=None if layer.height else (0.0, 0.5), tolerance=tolerance, spacing=2.0)
+        if progress is not None:
+            progress(number + 1, len(scenes))
+    for precision, scene in product(PRECISIONS, RARE):
+        attempt(replace(scene, precision=precision))
+    wavenumbers = np.array([1.0, 2.0])
+    layer.compliance(wavenumbers, 0.0)
+    layer.stress(wavenumbers[:, None], 0.0, np.zeros((2, 2)))
+
+
+def compiled_functions() -> dict[str, Any]:
+    """Every function of the imported modules of this package that numba compiles, by module and name."""
+    modules = {name: module for name, module in sys.modules.items() if name.startswith("asperity.")}
+    return {
+        f"{name}.{function.py_func.__name__}": function
+        for name, module in modules.items()
+        for function in list(vars(module).values())
+        if isinstance(function, CPUDispatcher) and function.__module__ == name
+    }
+
+
+def describe() -> str:
+    """What is compiled, with which versions and for which processor, for a reader."""
+    _, processor, _ = cpu_target.target_context.codegen().magic_tuple()
+    packages = ", ".join(f"{package} {version(package)}" for package in PACKAGES)
+    return (
+        f"{len(compiled_functions())} functions of the library are compiled, and kept beside its modules:\n"
+        f"{packages}, Python {platform.python_version()},\n"
+        f"for {processor} ({platform.machine()}).\n"
+    )
