@@ -1,12 +1,15 @@
 """The fast solver: conjugate gradients on the contact nodes, between prunings of the contact.
 
 On a given set of contact nodes the pressure obeys a linear system, the compliance restricted to the
-set, solved by conjugate gradients. The inverse of the compliance acts like |q|, whose kernel decays as
-r⁻³, so a small real-space stencil on the contact nodes preconditions it. A *block* of iterations ends
-when its residual has dropped far enough; then tension is cut off, nodes that penetrate join the set, and
+set, solved by conjugate gradients, with a preconditioner whose work is small and which makes their number
+independent of the grid. A *block* of iterations ends when its residual has dropped far enough. It has kept
+account of the gap everywhere, from which nodes that penetrate join the set; tension is cut off; and
 the gap is evaluated anew in the full precision. Blocks are corrections and run in single precision. The
 sum of a block and its pruning is a step between two admissible pressures, shortened to where the energy
 is least: the energy cannot grow. A step that pruning spoils is taken again, shortened before it is pruned.
+
+Nodes join by the gap at the end of a block, not by that after pruning: there the contact is out of
+balance, and nodes that only seem to penetrate would join beside every patch that has lost its tension.
 
 The load is steered to an area along the *tangent*, the change of pressure per approach on the present
 contact. One block gives it, and with it the approach at which each node enters or leaves the contact.
@@ -25,8 +28,9 @@ from numba import njit
 
 from asperity.contact.area import AREA_TOLERANCE, AreaControl
 from asperity.contact.certificate import ConvergenceError
+from asperity.contact.preconditioner import Preconditioner
 from asperity.contact.problem import Control, Problem, Progress, Reporter, State
-from asperity.spectral import Array, Fourier, Grid
+from asperity.spectral import Array, Fourier
 
 # A block ends when its residual has dropped by this factor, or after this many iterations: short blocks
 # while the contact changes, longer by `LENGTHENED` after one that hardly lowered the error, long ones once
@@ -48,7 +52,7 @@ PATIENCE = 40
 
 # The coarsest grid has at least this many nodes on each axis, and coarse grids are solved to these errors.
 COARSEST = 32
-COARSE_TOLERANCE = 2e-4
+COARSE_TOLERANCE = 2e-3
 COARSE_AREA_TOLERANCE = 1e-2
 
 # A start is used if its load, area, or approach from first touch differs by less than this fraction.
@@ -63,8 +67,8 @@ MOST_CHANGE = 0.5
 # A solid so many times stiffer than the half-space in some mode estimates its error by its own stiffness.
 STIFFER = 2.0
 
-# Radius, in nodes, of the stencil.
-RADIUS = 3
+# Pressure with which a node joins, in units of its penetration × E* / spacing.
+JOINING = 1.0
 
 
 class System(NamedTuple):
@@ -72,8 +76,8 @@ class System(NamedTuple):
 
     Attributes
     ----------
-    plain, nodes : (count,) arrays of unsigned numbers
-        The nodes, in the flattened array and in the padded one.
+    plain : (count,) array of unsigned numbers
+        The nodes, in the flattened array.
     residual : (count,) array
         Overlap to be removed, in units of `Level.unit`.
     weight : (count,) array
@@ -84,11 +88,14 @@ class System(NamedTuple):
     """
 
     plain: Array
-    nodes: Array
     residual: Array
     weight: Array
     weight_sum: float
     fixed_load: bool
+
+    def uniform_residual(self) -> float:
+        """The part of the residual that a change of the approach removes at a fixed load."""
+        return _dot(self.weight, self.residual) / self.weight_sum if self.fixed_load else 0.0
 
 
 class Level:
@@ -98,11 +105,10 @@ class Level:
         self.problem = problem
         grid, outer = problem.grid, problem.fourier
         self.inner = Fourier(grid, np.float32, outer.threads, outer.work)
-        ny, nx = grid.shape
-        self.field = np.zeros((ny + 2 * RADIUS, nx + 2 * RADIUS), np.float32)
+        self.preconditioner = Preconditioner(problem, self.unit)
         self.response = np.empty(grid.shape, np.float32)
+        self.displacement = np.empty(grid.size, np.float32)
         self.coefficients = np.empty(grid.half_shape, np.complex64)
-        self.weights = stencil(grid)
 
     @cached_property
     def compliance(self) -> Array:
@@ -125,7 +131,7 @@ class Level:
         # A tall layer gives way by far more than the surface is rough.
         largest = self.highest + float(compliance[0, 0]) * float(pressure.mean(dtype=float))
         spacing = float(np.spacing(height.dtype.type(largest)))
-        return ROUNDING * spacing / self.unit * float(self.weights[0, 0])
+        return ROUNDING * spacing / self.unit * float(self.preconditioner.weights[0, 0])
 
     @cached_property
     def stiffness(self) -> Array | None:
@@ -137,89 +143,81 @@ class Level:
         out = np.zeros(compliance.shape)
         return np.divide(self.unit, compliance, out=out, where=compliance > 0)
 
-    def select(self, state: State) -> tuple[Array, Array]:
-        """Contact nodes, in the plain and in the padded array; the padded array is emptied."""
-        self.field.fill(0)
-        gap, pressure = state.gap.reshape(-1), state.pressure.reshape(-1)
-        return _select(pressure, gap, state.approach, *self.problem.grid.shape)
-
-    def precondition(self, nodes: Array, values: Array, out: Array) -> tuple[float, float]:
-        """Stencil applied on the contact; sums of the result, and of its product with the values."""
-        _scatter(self.field.reshape(-1), nodes, values)
-        _wrap(self.field)
-        return _apply_stencil(self.field.reshape(-1), self.field.shape[1], nodes, self.weights, values, out)
-
-    def respond(self, nodes: Array, values: Array) -> Array:
-        """Displacement [y, x] of pressures on the contact."""
-        _scatter(self.field.reshape(-1), nodes, values)
-        ny, nx = self.problem.grid.shape
-        self.inner.forward(self.field[RADIUS : RADIUS + ny, RADIUS : RADIUS + nx], self.coefficients)
+    def respond(self, values: Array) -> Array:
+        """Displacement of every node under pressures on the contact."""
+        self.inner.forward(self.preconditioner.spread(values), self.coefficients)
         self.coefficients *= self.compliance
-        return self.inner.inverse(self.coefficients, self.response, overwrite=True)
+        return self.inner.inverse(self.coefficients, self.response, overwrite=True).reshape(-1)
 
     def correct(
-        self,
-        system: System,
-        displacement: Array | None = None,
-        drop: float = BLOCK_DROP,
-        iterations: int = BLOCK_ITERATIONS,
+        self, system: System, drop: float = BLOCK_DROP, iterations: int = BLOCK_ITERATIONS
     ) -> tuple[Array, int]:
         """Block of preconditioned conjugate gradients for the compliance on the contact.
 
-        With a fixed load the correction sums to zero. Its displacement of the whole surface is added to
-        `displacement`, if that is given.
+        With a fixed load the correction sums to zero. Its displacement of the whole surface is left in
+        `displacement`, what remains of the residual in that of the system.
         """
-        plain, nodes, residual, weight, weight_sum, fixed_load = system
-        count = nodes.size
-        x = np.zeros(count, np.float32)
-        z = np.empty(count, np.float32)
-        d = np.zeros(count, np.float32)
+        plain, residual, weight, weight_sum, fixed_load = system
+        x, z, d = (np.zeros(plain.size, np.float32) for _ in range(3))
+        self.displacement.fill(0)
+        response, length = self.response.reshape(-1), np.float32(0)
         first = previous = math.nan
         for iteration in range(iterations + 1):
-            total, product = self.precondition(nodes, residual, z)
-            shift = total / weight_sum if fixed_load else 0.0
-            if fixed_load:
-                product -= shift * _dot(weight, residual)
+            total, product = self.preconditioner.apply(residual, z)
+            shift = np.float32(total / weight_sum) if fixed_load else np.float32(0)
+            product -= float(shift) * _dot(weight, residual)
             if iteration == 0:
                 first = product
             if iteration == iterations or not product > drop**2 * first or not product > 0:
                 return x, iteration
-            ratio = product / previous if iteration else 0.0
-            _advance(d, z, weight, np.float32(shift), np.float32(ratio))
+            # The preconditioner differs a little from one application to the next.
+            change = -float(length) * _projected_dot(z, weight, shift, response, plain) if iteration else 0.0
+            _advance(d, z, weight, shift, np.float32(max(change / previous, 0) if iteration else 0))
             previous = product
-            response = self.respond(nodes, d).reshape(-1)
+            response = self.respond(d)
             curvature = _dot_gathered(d, response, plain)
             if not curvature > 0:
                 return x, iteration + 1
             length = np.float32(product / curvature)
             _step(x, residual, d, response, plain, length)
-            if displacement is not None:
-                _accumulate(displacement, response, length)
+            _accumulate(self.displacement, response, length)
         raise AssertionError
 
     def look(self, state: State, fixed_load: bool) -> System:
         """The linear system of the present contact; estimates the error of the state."""
         pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
-        if fixed_load:
-            state.approach = _contact_gap(pressure, gap)
-            plain, nodes, weight, total = self._contact(state)
+        plain = _select(pressure)
+        self.preconditioner.restrict(plain)
+        weight = np.empty(plain.size, np.float32)
+        total, _ = self.preconditioner.apply(np.ones(plain.size, np.float32), weight)
+        if fixed_load and total:
             # The approach for which the first correction leaves the load as it is.
+            state.approach = float(gap[plain[0]])
             state.approach += _weighted_mean(weight, gap, plain, state.approach)
-        plain, nodes, weight, total = self._contact(state)
         residual = _residual(gap, plain, state.approach, self.unit)
         estimate = np.empty_like(residual)
-        load, _ = self.precondition(nodes, residual, estimate)
+        load, _ = self.preconditioner.apply(residual, estimate)
         if fixed_load and total:
             estimate -= np.float32(load / total) * weight
         norm = math.sqrt(_sum_of_squares(pressure))
-        missing = math.sqrt(_sum_of_squares(estimate))
+        missing = math.hypot(
+            math.sqrt(_sum_of_squares(estimate)),
+            JOINING * math.sqrt(_penetration(pressure, gap, state.approach)) / self.unit,
+        )
         if self.stiffness is not None:
             missing = max(missing, self._met_by_layer(plain, residual, fixed_load))
         # Only by chance is the estimate below the rounding of the gaps, of which a given load fixes one.
         unfixed = max(plain.size - fixed_load, 0)
         missing = max(missing, self.rounding(pressure) * math.sqrt(unfixed))
         state.error = missing / norm if norm else (math.inf if missing else 0.0)
-        return System(plain, nodes, residual, weight, total, fixed_load)
+        return System(plain, residual, weight, total, fixed_load)
+
+    def advance(self, state: State, system: System, change: Array, reach: float) -> None:
+        """Add the change that a block has found; nodes that it makes penetrate join, tension is cut off."""
+        pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
+        approach = state.approach - self.unit * system.uniform_residual()
+        _join(pressure, gap, self.displacement, approach, self.unit)
+        _add_clipped(pressure, system.plain, change, np.float32(reach))
 
     def steer(self, state: State, system: System, area: AreaControl, settled: bool) -> bool:
         """Change the load towards an area, along the tangent of the present contact.
@@ -228,25 +226,25 @@ class Level:
         """
         pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
         plain, residual = system.plain, system.residual
-        displacement = np.zeros(gap.size, np.float32)
         if not settled:
-            change, used = self.correct(system, displacement)
+            change, used = self.correct(system)
             state.iterations += used
             _add(pressure, plain, change)
-            gap += self.unit * displacement
-            displacement.fill(0)
+            gap += self.unit * self.displacement
+            state.approach -= self.unit * system.uniform_residual()
+        self.displacement.fill(0)
         if plain.size == gap.size and self.problem.compliance[0, 0] == 0:
             # In full contact the load of such a solid changes at a fixed approach.
             rate = np.ones_like(residual)
         else:
             residual.fill(1)
-            rate, used = self.correct(system._replace(fixed_load=False), displacement)
+            rate, used = self.correct(system._replace(fixed_load=False))
             state.iterations += used
         per_load = float(rate.sum(dtype=float)) / gap.size
         # Changes of the approach at which a node enters or leaves the contact, from lift-off to `most`.
         most = MOST_CHANGE * state.load / per_load
         least = -0.999 * state.load / per_load
-        events = _events(pressure, gap, state.approach, self.unit, plain, rate, displacement)
+        events = _events(pressure, gap, state.approach, self.unit, plain, rate, self.displacement)
         count = int(np.count_nonzero(events <= least))
         edges = np.concatenate(([least], np.sort(events[(events > least) & (events < most)]), [most]))
         # Only numbers of nodes that last while the load changes can be asked for.
@@ -263,7 +261,10 @@ class Level:
         along = max(along, -most)
         load = state.load
         moved = area.steer(state, settled, load + float(along) * per_load)
-        _add_clipped(pressure, plain, rate, np.float32((state.load - load) / per_load))
+        taken = np.float32((state.load - load) / per_load)
+        self.displacement *= taken
+        _join(pressure, gap, self.displacement, state.approach + self.unit * float(taken), self.unit)
+        _add_clipped(pressure, plain, rate, taken)
         return moved
 
     def _met_by_layer(self, plain: Array, residual: Array, fixed_load: bool) -> float:
@@ -274,13 +275,6 @@ class Level:
         coefficients = fourier.forward(overlap.reshape(grid.shape)) * self.stiffness
         pressure = fourier.inverse(coefficients.astype(fourier.complex), overwrite=True).reshape(-1)[plain]
         return float(np.linalg.norm(pressure - pressure.mean() if fixed_load else pressure))
-
-    def _contact(self, state: State) -> tuple[Array, Array, Array, float]:
-        """Contact nodes twice numbered, and the preconditioner's image of a uniform residual with its sum."""
-        plain, nodes = self.select(state)
-        weight = np.empty(nodes.size, np.float32)
-        total, _ = self.precondition(nodes, np.ones(nodes.size, np.float32), weight)
-        return plain, nodes, weight, total
 
     def relax(
         self,
@@ -329,7 +323,7 @@ class Level:
                 reach = reach / 4 if fraction < 0.1 else min(2 * reach, 1.0)
             system = self.look(state, fixed_load)
             report(state.error)
-            if system.plain.size == 0:
+            if system.plain.size == 0 and state.error == 0:
                 break
             # A load just changed takes effect in a block, even if the change is below the tolerance.
             settled = state.error <= tolerance and not moved
@@ -359,7 +353,7 @@ class Level:
             change, used = self.correct(system, drop=drop, iterations=length)
             state.iterations += used
             taken = system.plain, change
-            _add_clipped(pressure, *taken, np.float32(reach))
+            self.advance(state, system, change, reach)
         return False
 
 
@@ -447,49 +441,41 @@ def _overlap(problem: Problem, control: Control) -> tuple[Array, float]:
     return np.maximum(high - height, 0) * stiffness, control.value
 
 
-def stencil(grid: Grid) -> Array:
-    """Real-space kernel of |q|, in units of the inverse spacing: one quadrant, (RADIUS + 1, RADIUS + 1).
-
-    It is cut off at `RADIUS` nodes, or less on a small grid.
-    """
-    tile = Grid((64, 64), (64 * grid.spacing[0], 64 * grid.spacing[1]))
-    kernel = Fourier(tile).inverse(0.5 * tile.wavenumber() * min(grid.spacing) / tile.size + 0j)
-    radius = max(0, min(RADIUS, (min(grid.shape) - 1) // 2))
-    row, column = np.ogrid[: RADIUS + 1, : RADIUS + 1]
-    near = row**2 + column**2 <= radius * (radius + 1)
-    return np.where(near, kernel[: RADIUS + 1, : RADIUS + 1], 0).astype(np.float32)
-
-
 @njit(cache=True, error_model="numpy")
-def _select(pressure: Any, gap: Any, approach: float, ny: int, nx: int) -> tuple[Any, Any]:
-    """Contact nodes, and those that penetrate: their numbers in the plain and in the padded array."""
+def _select(pressure: Any) -> Any:
+    """Numbers of the nodes under pressure."""
     count = 0
     for i in range(pressure.size):
-        if pressure[i] > 0 or gap[i] < approach:
+        if pressure[i] > 0:
             count += 1
     # Unsigned, because the compiler guards every access by a signed number against one below zero.
     plain = np.empty(count, np.uint64)
-    nodes = np.empty(count, np.uint64)
     count = 0
-    for row in range(ny):
-        for column in range(nx):
-            i = row * nx + column
-            if pressure[i] > 0 or gap[i] < approach:
-                plain[count] = i
-                nodes[count] = (row + RADIUS) * (nx + 2 * RADIUS) + column + RADIUS
-                count += 1
-    return plain, nodes
+    for i in range(pressure.size):
+        if pressure[i] > 0:
+            plain[count] = i
+            count += 1
+    return plain
 
 
 @njit(cache=True, error_model="numpy")
-def _contact_gap(pressure: Any, gap: Any) -> float:
-    """Mean of the gap over the nodes under pressure."""
-    total, count = 0.0, 0
+def _penetration(pressure: Any, gap: Any, approach: float) -> float:
+    """Sum of the squares of the penetrations of nodes without pressure."""
+    total = 0.0
     for i in range(pressure.size):
-        if pressure[i] > 0:
-            total += gap[i]
-            count += 1
-    return total / count if count else gap.min()
+        if pressure[i] <= 0 and gap[i] < approach:
+            total += (approach - gap[i]) ** 2
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _join(pressure: Any, gap: Any, displacement: Any, approach: float, unit: float) -> None:
+    """Give pressure to nodes without it that are about to penetrate."""
+    for i in range(pressure.size):
+        if pressure[i] == 0:
+            overlap = (approach - gap[i]) / unit - displacement[i]
+            if overlap > 0:
+                pressure[i] = JOINING * overlap
 
 
 @njit(cache=True, error_model="numpy")
@@ -569,53 +555,6 @@ def _blend(values: Any, before: Any, fraction: float) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def _scatter(field: Any, nodes: Any, values: Any) -> None:
-    for k in range(nodes.size):
-        field[nodes[k]] = values[k]
-
-
-@njit(cache=True, error_model="numpy")
-def _wrap(field: Any) -> None:
-    """Repeat the cell in the padding."""
-    ny, nx = field.shape[0] - 2 * RADIUS, field.shape[1] - 2 * RADIUS
-    for i in range(RADIUS, RADIUS + ny):
-        for j in range(RADIUS):
-            field[i, j] = field[i, RADIUS + (j - RADIUS) % nx]
-        for j in range(RADIUS + nx, field.shape[1]):
-            field[i, j] = field[i, RADIUS + (j - RADIUS) % nx]
-    for i in range(RADIUS):
-        field[i] = field[RADIUS + (i - RADIUS) % ny]
-        field[RADIUS + ny + i] = field[RADIUS + i % ny]
-
-
-@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
-def _apply_stencil(
-    field: Any, width: int, nodes: Any, weights: Any, values: Any, out: Any
-) -> tuple[float, float]:
-    total, product = 0.0, 0.0
-    row = np.uint64(width)
-    for k in range(nodes.size):
-        node = nodes[k]
-        value = weights[0, 0] * field[node]
-        for i in range(1, RADIUS + 1):
-            up = np.uint64(i) * row
-            value += weights[i, 0] * _pair(field, node, up) + weights[0, i] * _pair(field, node, np.uint64(i))
-            for j in range(1, RADIUS + 1):
-                if i * i + j * j <= RADIUS * (RADIUS + 1):
-                    aside = np.uint64(j)
-                    value += weights[i, j] * (_pair(field, node + up, aside) + _pair(field, node - up, aside))
-        out[k] = value
-        total += value
-        product += value * values[k]
-    return total, product
-
-
-@njit(cache=True, error_model="numpy")
-def _pair(field: Any, node: Any, step: Any) -> Any:
-    return field[node + step] + field[node - step]
-
-
-@njit(cache=True, error_model="numpy")
 def _sum_of_squares(values: Any) -> float:
     total = 0.0
     for i in range(values.size):
@@ -628,6 +567,14 @@ def _dot(a: Any, b: Any) -> float:
     total = 0.0
     for k in range(a.size):
         total += a[k] * b[k]
+    return total
+
+
+@njit(cache=True, error_model="numpy")
+def _projected_dot(a: Any, weight: Any, shift: Any, field: Any, plain: Any) -> float:
+    total = 0.0
+    for k in range(plain.size):
+        total += (a[k] - shift * weight[k]) * field[plain[k]]
     return total
 
 
