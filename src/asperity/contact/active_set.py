@@ -238,7 +238,7 @@ class Level:
             rate = np.ones_like(residual)
         else:
             residual.fill(1)
-            rate, used = self.correct(system._replace(fixed_load=False))
+            rate, used = self.correct(system._replace(fixed_load=False), drop=BLOCK_DROP)
             state.iterations += used
         per_load = float(rate.sum(dtype=float)) / gap.size
         # Changes of the approach at which a node enters or leaves the contact, from lift-off to `most`.
@@ -266,6 +266,27 @@ class Level:
         _join(pressure, gap, self.displacement, state.approach + self.unit * float(taken), self.unit)
         _add_clipped(pressure, plain, rate, taken)
         return moved
+
+    def level(self, state: State, system: System, tolerance: float) -> bool:
+        """Take off the residual's mean by a uniform pressure on the contact; whether that changes the pressure.
+
+        At a given approach the contact of a solid without uniform compliance resists a uniform pressure the
+        less the fewer nodes are out of contact, which the preconditioner does not know.
+        """
+        pressure = state.pressure.reshape(-1)
+        ones = np.zeros_like(pressure)
+        ones[system.plain] = 1
+        response = self.problem.displacement(ones.reshape(self.problem.grid.shape))
+        state.iterations += 1
+        yielding = float(response.reshape(-1)[system.plain].sum(dtype=float)) / self.unit
+        change = float(system.residual.sum(dtype=float)) / yielding if yielding > 0 else 0.0
+        norm = math.sqrt(_sum_of_squares(pressure))
+        missing = abs(change) * math.sqrt(system.plain.size) / norm
+        if missing <= tolerance:
+            return False
+        state.error = missing
+        pressure[system.plain] = np.maximum(pressure[system.plain] + change, 0)
+        return True
 
     def _met_by_layer(self, plain: Array, residual: Array, fixed_load: bool) -> float:
         """Norm of the pressure with which the whole layer would meet a residual on the contact."""
@@ -335,7 +356,10 @@ class Level:
                 if self.steer(state, system, area, settled):
                     continue
             if settled:
-                return True
+                if fixed_load or not self.level(state, system, tolerance):
+                    return True
+                taken = None
+                continue
             stalled, best = (0, state.error) if state.error < 0.9 * best else (stalled + 1, best)
             if stalled > PATIENCE:
                 break
@@ -390,6 +414,11 @@ def solve(
     for coarse, finer in zip(reversed(problems[1:]), reversed(problems[:-1]), strict=True):
         Level(coarse).relax(state, control, COARSE_TOLERANCE, COARSE_AREA_TOLERANCE, None, COARSE_BLOCKS)
         state.pressure = coarse.refine(state.pressure, finer, state.approach)
+        if control.kind == "area_fraction":
+            # Areas converge with the first power of the spacing: the next change is half of the last.
+            before, load = load, state.load
+            if coarse is not coarsest:
+                state.load *= min(max((load / before) ** 0.5, 0.5), 2.0)
         state.gap = np.empty_like(state.pressure)
     if not Level(problem).relax(state, control, rtol, AREA_TOLERANCE, progress, MOST_BLOCKS):
         raise ConvergenceError(
