@@ -21,11 +21,11 @@ from __future__ import annotations
 
 import math
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
+from asperity.contact import passes
 from asperity.contact.area import AREA_TOLERANCE, AreaControl
 from asperity.contact.certificate import ConvergenceError
 from asperity.contact.preconditioner import Preconditioner
@@ -80,8 +80,10 @@ class System(NamedTuple):
         The nodes, in the flattened array.
     residual : (count,) array
         Overlap to be removed, in units of `Level.unit`.
+    image : (count,) array
+        The preconditioner's image of the residual.
     weight : (count,) array
-        The preconditioner's image of a uniform residual.
+        That of a uniform residual.
     weight_sum : float
     fixed_load : bool
         Whether corrections must sum to zero.
@@ -89,13 +91,14 @@ class System(NamedTuple):
 
     plain: Array
     residual: Array
+    image: Array
     weight: Array
     weight_sum: float
     fixed_load: bool
 
     def uniform_residual(self) -> float:
         """The part of the residual that a change of the approach removes at a fixed load."""
-        return _dot(self.weight, self.residual) / self.weight_sum if self.fixed_load else 0.0
+        return passes.dot(self.weight, self.residual) / self.weight_sum if self.fixed_load else 0.0
 
 
 class Level:
@@ -125,17 +128,19 @@ class Level:
         """Largest magnitude of the heights."""
         return float(np.abs(self.problem.height).max())
 
-    def rounding(self, pressure: Array) -> float:
+    def rounding(self, mean_pressure: float) -> float:
         """Pressure of a node, by the preconditioner, that stands for the rounding of the gap."""
         compliance, height = self.problem.compliance, self.problem.height
         # A tall layer gives way by far more than the surface is rough.
-        largest = self.highest + float(compliance[0, 0]) * float(pressure.mean(dtype=float))
+        largest = self.highest + float(compliance[0, 0]) * mean_pressure
         spacing = float(np.spacing(height.dtype.type(largest)))
         return ROUNDING * spacing / self.unit * float(self.preconditioner.weights[0, 0])
 
     @cached_property
     def stiffness(self) -> Array | None:
         """Inverse of the compliance, in units of the inverse `unit`, if it is far above the half-space's."""
+        if self.problem.layer.height is None:
+            return None
         q, compliance = self.problem.grid.wavenumber(), self.problem.compliance
         waves = q > 0
         if np.all(2 / self.problem.modulus < STIFFER * (q * compliance)[waves]):
@@ -155,69 +160,73 @@ class Level:
         """Block of preconditioned conjugate gradients for the compliance on the contact.
 
         With a fixed load the correction sums to zero. Its displacement of the whole surface is left in
-        `displacement`, what remains of the residual in that of the system.
+        `displacement`, what remains of the residual, and the image of that, in those of the system.
         """
-        plain, residual, weight, weight_sum, fixed_load = system
-        x, z, d = (np.zeros(plain.size, np.float32) for _ in range(3))
+        plain, residual, z, weight, weight_sum, fixed_load = system
+        x, d = np.zeros(plain.size, np.float32), np.zeros(plain.size, np.float32)
         self.displacement.fill(0)
         response, length = self.response.reshape(-1), np.float32(0)
         first = previous = math.nan
         for iteration in range(iterations + 1):
-            total, product = self.preconditioner.apply(residual, z)
+            if iteration:
+                self.preconditioner.apply(residual, z)
+            total, product = passes.sum_and_dot(z, residual)
             shift = np.float32(total / weight_sum) if fixed_load else np.float32(0)
-            product -= float(shift) * _dot(weight, residual)
+            product -= float(shift) * passes.dot(weight, residual)
             if iteration == 0:
                 first = product
             if iteration == iterations or not product > drop**2 * first or not product > 0:
                 return x, iteration
             # The preconditioner differs a little from one application to the next.
-            change = -float(length) * _projected_dot(z, weight, shift, response, plain) if iteration else 0.0
-            _advance(d, z, weight, shift, np.float32(max(change / previous, 0) if iteration else 0))
+            change = (
+                -float(length) * passes.projected_dot(z, weight, shift, response, plain) if iteration else 0.0
+            )
+            passes.advance(d, z, weight, shift, np.float32(max(change / previous, 0) if iteration else 0))
             previous = product
             response = self.respond(d)
-            curvature = _dot_gathered(d, response, plain)
+            curvature = passes.dot_gathered(d, response, plain)
             if not curvature > 0:
                 return x, iteration + 1
             length = np.float32(product / curvature)
-            _step(x, residual, d, response, plain, length)
-            _accumulate(self.displacement, response, length)
+            passes.step(x, residual, d, response, plain, length)
+            passes.accumulate(self.displacement, response, length)
         raise AssertionError
 
     def look(self, state: State, fixed_load: bool) -> System:
         """The linear system of the present contact; estimates the error of the state."""
         pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
-        plain = _select(pressure)
+        plain = passes.select(pressure)
         self.preconditioner.restrict(plain)
-        weight = np.empty(plain.size, np.float32)
-        total, _ = self.preconditioner.apply(np.ones(plain.size, np.float32), weight)
+        weight = self.preconditioner.apply_uniform()
+        total = float(weight.sum(dtype=float))
         if fixed_load and total:
             # The approach for which the first correction leaves the load as it is.
             state.approach = float(gap[plain[0]])
-            state.approach += _weighted_mean(weight, gap, plain, state.approach)
-        residual = _residual(gap, plain, state.approach, self.unit)
-        estimate = np.empty_like(residual)
-        load, _ = self.preconditioner.apply(residual, estimate)
-        if fixed_load and total:
-            estimate -= np.float32(load / total) * weight
-        norm = math.sqrt(_sum_of_squares(pressure))
+            state.approach += passes.weighted_mean(weight, gap, plain, state.approach)
+        residual = passes.residual(gap, plain, state.approach, self.unit)
+        image = np.empty_like(residual)
+        self.preconditioner.apply(residual, image)
+        shift = float(image.sum(dtype=float)) / total if fixed_load and total else 0.0
+        load, squares, penetration = passes.norms(pressure, gap, state.approach)
+        norm = math.sqrt(squares)
         missing = math.hypot(
-            math.sqrt(_sum_of_squares(estimate)),
-            JOINING * math.sqrt(_penetration(pressure, gap, state.approach)) / self.unit,
+            math.sqrt(passes.projected_square(image, weight, shift)),
+            JOINING * math.sqrt(penetration) / self.unit,
         )
         if self.stiffness is not None:
             missing = max(missing, self._met_by_layer(plain, residual, fixed_load))
         # Only by chance is the estimate below the rounding of the gaps, of which a given load fixes one.
         unfixed = max(plain.size - fixed_load, 0)
-        missing = max(missing, self.rounding(pressure) * math.sqrt(unfixed))
+        missing = max(missing, self.rounding(load) * math.sqrt(unfixed))
         state.error = missing / norm if norm else (math.inf if missing else 0.0)
-        return System(plain, residual, weight, total, fixed_load)
+        return System(plain, residual, image, weight, total, fixed_load)
 
     def advance(self, state: State, system: System, change: Array, reach: float) -> None:
         """Add the change that a block has found; nodes that it makes penetrate join, tension is cut off."""
         pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
         approach = state.approach - self.unit * system.uniform_residual()
-        _join(pressure, gap, self.displacement, approach, self.unit)
-        _add_clipped(pressure, system.plain, change, np.float32(reach))
+        passes.join(pressure, gap, self.displacement, approach, self.unit, JOINING)
+        passes.add_clipped(pressure, system.plain, change, np.float32(reach))
 
     def steer(self, state: State, system: System, area: AreaControl, settled: bool) -> bool:
         """Change the load towards an area, along the tangent of the present contact.
@@ -229,7 +238,7 @@ class Level:
         if not settled:
             change, used = self.correct(system)
             state.iterations += used
-            _add(pressure, plain, change)
+            passes.add(pressure, plain, change)
             gap += self.unit * self.displacement
             state.approach -= self.unit * system.uniform_residual()
         self.displacement.fill(0)
@@ -238,13 +247,13 @@ class Level:
             rate = np.ones_like(residual)
         else:
             residual.fill(1)
-            rate, used = self.correct(system._replace(fixed_load=False), drop=BLOCK_DROP)
+            rate, used = self.correct(system._replace(image=system.weight.copy(), fixed_load=False))
             state.iterations += used
         per_load = float(rate.sum(dtype=float)) / gap.size
         # Changes of the approach at which a node enters or leaves the contact, from lift-off to `most`.
         most = MOST_CHANGE * state.load / per_load
         least = -0.999 * state.load / per_load
-        events = _events(pressure, gap, state.approach, self.unit, plain, rate, self.displacement)
+        events = passes.events(pressure, gap, state.approach, self.unit, plain, rate, self.displacement)
         count = int(np.count_nonzero(events <= least))
         edges = np.concatenate(([least], np.sort(events[(events > least) & (events < most)]), [most]))
         # Only numbers of nodes that last while the load changes can be asked for.
@@ -263,12 +272,13 @@ class Level:
         moved = area.steer(state, settled, load + float(along) * per_load)
         taken = np.float32((state.load - load) / per_load)
         self.displacement *= taken
-        _join(pressure, gap, self.displacement, state.approach + self.unit * float(taken), self.unit)
-        _add_clipped(pressure, plain, rate, taken)
+        approach = state.approach + self.unit * float(taken)
+        passes.join(pressure, gap, self.displacement, approach, self.unit, JOINING)
+        passes.add_clipped(pressure, plain, rate, taken)
         return moved
 
     def level(self, state: State, system: System, tolerance: float) -> bool:
-        """Take off the residual's mean by a uniform pressure on the contact; whether that changes the pressure.
+        """Take off the mean residual by a uniform pressure on the contact; whether that changes the pressure.
 
         At a given approach the contact of a solid without uniform compliance resists a uniform pressure the
         less the fewer nodes are out of contact, which the preconditioner does not know.
@@ -280,11 +290,10 @@ class Level:
         state.iterations += 1
         yielding = float(response.reshape(-1)[system.plain].sum(dtype=float)) / self.unit
         change = float(system.residual.sum(dtype=float)) / yielding if yielding > 0 else 0.0
-        norm = math.sqrt(_sum_of_squares(pressure))
-        missing = abs(change) * math.sqrt(system.plain.size) / norm
-        if missing <= tolerance:
+        error = abs(change) * math.sqrt(system.plain.size) / float(np.linalg.norm(pressure))
+        if error <= tolerance:
             return False
-        state.error = missing
+        state.error = error
         pressure[system.plain] = np.maximum(pressure[system.plain] + change, 0)
         return True
 
@@ -309,9 +318,8 @@ class Level:
         """Bring the state to the tolerance on this grid; whether that took no more than so many blocks."""
         problem = self.problem
         fixed_load = control.fixes_load
-        height = problem.height.reshape(-1)
-        pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
-        pressure_before, gap_before = np.empty_like(pressure), np.empty_like(gap)
+        pressure = state.pressure.reshape(-1)
+        pressure_before, gap_before = np.empty_like(pressure), np.empty_like(state.gap)
         area = None
         if control.kind == "area_fraction":
             area = AreaControl(control.value, problem.grid.size, tolerance, area_tolerance)
@@ -320,26 +328,19 @@ class Level:
         moved, reach = False, 1.0
         stalled, best, error_before, length = 0, math.inf, math.inf, BLOCK_ITERATIONS
         for _ in range(blocks):
-            if fixed_load:
-                if not pressure.any():
-                    pressure[np.argmin(height)] = 1
-                pressure *= state.load / pressure.mean(dtype=float)
-            problem.displacement(state.pressure, state.gap)
-            state.iterations += 1
-            if not fixed_load:
-                factor = _best_scale(pressure, gap, height, control.value)
-                pressure *= factor
-                gap *= factor
-            gap += height
+            self.evaluate(state, control)
+            gap = state.gap.reshape(-1)
             if taken is not None:
-                fraction = _line_search(pressure, pressure_before, gap, gap_before, state.approach)
+                fraction = passes.line_search(
+                    pressure, pressure_before, gap, gap_before.reshape(-1), state.approach
+                )
                 if fraction < 0.9:
-                    _blend(pressure, pressure_before, fraction)
-                    _blend(gap, gap_before, fraction)
+                    passes.blend(pressure, pressure_before, fraction)
+                    passes.blend(gap, gap_before.reshape(-1), fraction)
                 if fraction == 0 and stalled < PATIENCE:
                     # The same step, shorter before it is pruned.
                     reach, stalled = reach / 4, stalled + 1
-                    _add_clipped(pressure, *taken, np.float32(reach))
+                    passes.add_clipped(pressure, *taken, np.float32(reach))
                     continue
                 reach = reach / 4 if fraction < 0.1 else min(2 * reach, 1.0)
             system = self.look(state, fixed_load)
@@ -364,8 +365,6 @@ class Level:
             if stalled > PATIENCE:
                 break
             moved = False
-            pressure_before[:] = pressure
-            gap_before[:] = gap
             if state.error > SETTLED:
                 slow = state.error > 0.8 * error_before
                 length = min(length + LENGTHENED, LONG_ITERATIONS) if slow else BLOCK_ITERATIONS
@@ -377,8 +376,25 @@ class Level:
             change, used = self.correct(system, drop=drop, iterations=length)
             state.iterations += used
             taken = system.plain, change
+            pressure_before[:] = pressure
             self.advance(state, system, change, reach)
+            state.gap, gap_before = gap_before, state.gap
         return False
+
+    def evaluate(self, state: State, control: Control) -> None:
+        """The gap under the pressure, which is scaled to the load, or to the least energy at an approach."""
+        pressure, height = state.pressure.reshape(-1), self.problem.height.reshape(-1)
+        mean = float(pressure.mean(dtype=float)) if control.fixes_load else 1.0
+        if mean == 0:
+            pressure[np.argmin(height)], mean = 1, 1 / pressure.size
+        self.problem.displacement(state.pressure, state.gap)
+        state.iterations += 1
+        gap = state.gap.reshape(-1)
+        if control.fixes_load:
+            factor = state.load / mean
+        else:
+            factor = passes.best_scale(pressure, gap, height, control.value)
+        passes.scale(pressure, gap, height, factor)
 
 
 def solve(
@@ -468,161 +484,3 @@ def _overlap(problem: Problem, control: Control) -> tuple[Array, float]:
         else:
             low = level
     return np.maximum(high - height, 0) * stiffness, control.value
-
-
-@njit(cache=True, error_model="numpy")
-def _select(pressure: Any) -> Any:
-    """Numbers of the nodes under pressure."""
-    count = 0
-    for i in range(pressure.size):
-        if pressure[i] > 0:
-            count += 1
-    # Unsigned, because the compiler guards every access by a signed number against one below zero.
-    plain = np.empty(count, np.uint64)
-    count = 0
-    for i in range(pressure.size):
-        if pressure[i] > 0:
-            plain[count] = i
-            count += 1
-    return plain
-
-
-@njit(cache=True, error_model="numpy")
-def _penetration(pressure: Any, gap: Any, approach: float) -> float:
-    """Sum of the squares of the penetrations of nodes without pressure."""
-    total = 0.0
-    for i in range(pressure.size):
-        if pressure[i] <= 0 and gap[i] < approach:
-            total += (approach - gap[i]) ** 2
-    return total
-
-
-@njit(cache=True, error_model="numpy")
-def _join(pressure: Any, gap: Any, displacement: Any, approach: float, unit: float) -> None:
-    """Give pressure to nodes without it that are about to penetrate."""
-    for i in range(pressure.size):
-        if pressure[i] == 0:
-            overlap = (approach - gap[i]) / unit - displacement[i]
-            if overlap > 0:
-                pressure[i] = JOINING * overlap
-
-
-@njit(cache=True, error_model="numpy")
-def _weighted_mean(weight: Any, gap: Any, plain: Any, origin: float) -> float:
-    total, norm = 0.0, 0.0
-    for k in range(plain.size):
-        total += weight[k] * (gap[plain[k]] - origin)
-        norm += weight[k]
-    return total / norm
-
-
-@njit(cache=True, error_model="numpy")
-def _residual(gap: Any, plain: Any, approach: float, unit: float) -> Any:
-    out = np.empty(plain.size, np.float32)
-    for k in range(plain.size):
-        out[k] = (approach - gap[plain[k]]) / unit
-    return out
-
-
-@njit(cache=True, error_model="numpy")
-def _add_clipped(pressure: Any, plain: Any, change: Any, reach: Any) -> None:
-    for k in range(plain.size):
-        pressure[plain[k]] = max(pressure[plain[k]] + reach * change[k], 0.0)
-
-
-@njit(cache=True, error_model="numpy")
-def _line_search(pressure: Any, pressure_before: Any, gap: Any, gap_before: Any, approach: float) -> float:
-    """Fraction of a step at which the energy is least."""
-    slope, curvature = 0.0, 0.0
-    for i in range(pressure.size):
-        change = pressure[i] - pressure_before[i]
-        slope -= change * (gap_before[i] - approach)
-        curvature += change * (gap[i] - gap_before[i])
-    return min(max(slope / curvature, 0.0), 1.0) if curvature > 0 else 1.0
-
-
-@njit(cache=True, error_model="numpy")
-def _best_scale(pressure: Any, displacement: Any, height: Any, approach: float) -> float:
-    """Factor on the pressure, and so on the displacement, at which the energy is least."""
-    work, energy = 0.0, 0.0
-    for i in range(pressure.size):
-        work += pressure[i] * (approach - height[i])
-        energy += pressure[i] * displacement[i]
-    return work / energy if energy > 0 and work > 0 else 1.0
-
-
-@njit(cache=True, error_model="numpy")
-def _events(
-    pressure: Any, gap: Any, approach: float, unit: float, plain: Any, rate: Any, response: Any
-) -> Any:
-    """Change of the approach at which each node enters or leaves the contact."""
-    changes = np.empty(pressure.size, np.float32)
-    for i in range(pressure.size):
-        closing = 1 - response[i]
-        changes[i] = (gap[i] - approach) / (unit * closing) if closing > 0 else np.inf
-    for k in range(plain.size):
-        changes[plain[k]] = -pressure[plain[k]] / rate[k] if rate[k] > 0 else -np.inf
-    return changes
-
-
-@njit(cache=True, error_model="numpy")
-def _add(pressure: Any, plain: Any, change: Any) -> None:
-    for k in range(plain.size):
-        pressure[plain[k]] += change[k]
-
-
-@njit(cache=True, error_model="numpy")
-def _accumulate(displacement: Any, response: Any, length: Any) -> None:
-    for i in range(displacement.size):
-        displacement[i] += length * response[i]
-
-
-@njit(cache=True, error_model="numpy")
-def _blend(values: Any, before: Any, fraction: float) -> None:
-    for i in range(values.size):
-        values[i] = before[i] + fraction * (values[i] - before[i])
-
-
-@njit(cache=True, error_model="numpy")
-def _sum_of_squares(values: Any) -> float:
-    total = 0.0
-    for i in range(values.size):
-        total += values[i] * values[i]
-    return total
-
-
-@njit(cache=True, error_model="numpy")
-def _dot(a: Any, b: Any) -> float:
-    total = 0.0
-    for k in range(a.size):
-        total += a[k] * b[k]
-    return total
-
-
-@njit(cache=True, error_model="numpy")
-def _projected_dot(a: Any, weight: Any, shift: Any, field: Any, plain: Any) -> float:
-    total = 0.0
-    for k in range(plain.size):
-        total += (a[k] - shift * weight[k]) * field[plain[k]]
-    return total
-
-
-@njit(cache=True, error_model="numpy")
-def _dot_gathered(a: Any, field: Any, plain: Any) -> float:
-    total = 0.0
-    for k in range(plain.size):
-        total += a[k] * field[plain[k]]
-    return total
-
-
-@njit(cache=True, error_model="numpy")
-def _advance(direction: Any, z: Any, weight: Any, shift: Any, ratio: Any) -> None:
-    for k in range(direction.size):
-        direction[k] = z[k] - shift * weight[k] + ratio * direction[k]
-
-
-@njit(cache=True, error_model="numpy")
-def _step(x: Any, residual: Any, direction: Any, response: Any, plain: Any, length: Any) -> None:
-    for k in range(plain.size):
-        x[k] += length * direction[k]
-        residual[k] -= length * response[plain[k]]

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asperity.contact import passes
 from asperity.layer import Layer
 from asperity.spectral import Array, Fourier, Grid
 
@@ -138,20 +139,23 @@ def certify(
     if approach is None:
         approach = float(gap[contact].mean()) if contact.any() else float(gap.min())
     gap -= approach
-    largest = float(np.abs(pressure).max())
-    scale = max(float(np.std(height)), largest * min(grid.spacing) / layer.effective_modulus)
+    least, largest = float(pressure.min()), float(pressure.max())
+    largest = max(largest, -least)
+    scale = max(
+        passes.standard_deviation(height.reshape(-1)), largest * min(grid.spacing) / layer.effective_modulus
+    )
     scale = scale or 1.0
     load = float(pressure.mean())
     imbalance = 0.0
     if mean_pressure is not None and mean_pressure != load:
         imbalance = abs(load - mean_pressure) / max(abs(mean_pressure), abs(load))
-    held = np.abs(gap[contact])
+    pushed, held = pressure[contact], np.abs(gap[contact])
     return Certificate(
         penetration=max(0.0, float(-gap.min())) / scale,
         contact_gap=float(held.max(initial=0.0)) / scale,
-        tension=max(0.0, float(-pressure.min())) / (largest or 1.0),
+        tension=max(0.0, -least) / (largest or 1.0),
         load_imbalance=imbalance,
-        complementarity=float(pressure[contact] @ held) / (float(pressure[contact].sum()) or 1.0) / scale,
+        complementarity=float(pushed @ held) / (float(pushed.sum()) or 1.0) / scale,
         iterations=iterations,
         pairs=pairs,
         seconds=seconds,

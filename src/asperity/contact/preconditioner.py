@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+from asperity.contact.passes import dot
 from asperity.contact.problem import Problem
 from asperity.spectral import Array, Fourier, Grid
 
@@ -65,8 +66,8 @@ class Preconditioner:
         self._nodes, self._cell = _locate(plain, *self.grid.shape, *self.cells.shape)
         self._weight = np.empty(plain.size, np.float32)
         self._apply_stencil(np.ones(plain.size, np.float32), self._weight)
-        total = _sum_in_cells(self._cell, self._weight, self.cells.size)
-        share = (total * (self.cells.size / self.grid.size)).reshape(self.cells.shape)
+        self._total = _sum_in_cells(self._cell, self._weight, self.cells.size)
+        share = (self._total * (self.cells.size / self.grid.size)).reshape(self.cells.shape)
         mean = float(share.mean())
         self._share = share.astype(np.float32)
         self._mean_share = np.float32(mean)
@@ -78,13 +79,21 @@ class Preconditioner:
         ny, nx = self.grid.shape
         return self.padded[RADIUS : RADIUS + ny, RADIUS : RADIUS + nx]
 
-    def apply(self, values: Array, out: Array) -> tuple[float, float]:
-        """Pressures that meet a residual on the contact; their sum, and that of their product with it."""
+    def apply(self, values: Array, out: Array) -> None:
+        """Pressures that meet a residual on the contact."""
         self._apply_stencil(values, out)
-        residual = _weighted_sum_in_cells(self._cell, self._weight, values, self.cells.size)
-        residual *= self.cells.size / self.grid.size
-        displacement = self._solve_coarse(residual.astype(np.float32).reshape(self.cells.shape))
-        return _take_off(self._cell, self._weight, displacement.reshape(-1), values, out)
+        self._take_off(_weighted_sum_in_cells(self._cell, self._weight, values, self.cells.size), out)
+
+    def apply_uniform(self) -> Array:
+        """Pressures that meet a residual of one."""
+        out = self._weight.copy()
+        self._take_off(self._total.copy(), out)
+        return out
+
+    def _take_off(self, total: Array, out: Array) -> None:
+        total *= self.cells.size / self.grid.size
+        displacement = self._solve_coarse(total.astype(np.float32).reshape(self.cells.shape))
+        _take_off(self._cell, self._weight, displacement.reshape(-1), out)
 
     def _apply_stencil(self, values: Array, out: Array) -> None:
         self.spread(values)
@@ -101,7 +110,7 @@ class Preconditioner:
             coefficients = self.coarse.forward(residual)
             coefficients *= self._smoother
             z = self.coarse.inverse(coefficients, overwrite=True)
-            product = _dot(residual.reshape(-1), z.reshape(-1))
+            product = dot(residual.reshape(-1), z.reshape(-1))
             first = first or product
             if not product > COARSE_DROP**2 * first:
                 break
@@ -115,7 +124,7 @@ class Preconditioner:
             image -= self._mean_share * z
             response = self._share * direction
             response += image
-            curvature = _dot(direction.reshape(-1), response.reshape(-1))
+            curvature = dot(direction.reshape(-1), response.reshape(-1))
             if not curvature > 0:
                 break
             length = np.float32(product / curvature)
@@ -170,13 +179,9 @@ def _weighted_sum_in_cells(cell: Any, weight: Any, values: Any, count: int) -> A
 
 
 @njit(cache=True, error_model="numpy")
-def _take_off(cell: Any, weight: Any, displacement: Any, values: Any, out: Any) -> tuple[float, float]:
-    total, product = 0.0, 0.0
+def _take_off(cell: Any, weight: Any, displacement: Any, out: Any) -> None:
     for k in range(cell.size):
         out[k] -= weight[k] * displacement[cell[k]]
-        total += out[k]
-        product += out[k] * values[k]
-    return total, product
 
 
 @njit(cache=True, error_model="numpy")
@@ -218,11 +223,3 @@ def _apply_stencil(field: Any, width: int, nodes: Any, weights: Any, out: Any) -
 @njit(cache=True, error_model="numpy")
 def _pair(field: Any, node: Any, step: Any) -> Any:
     return field[node + step] + field[node - step]
-
-
-@njit(cache=True, error_model="numpy")
-def _dot(a: Any, b: Any) -> float:
-    total = 0.0
-    for k in range(a.size):
-        total += a[k] * b[k]
-    return total
