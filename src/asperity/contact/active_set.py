@@ -418,24 +418,23 @@ def solve(
         initial = None
     while initial is None and (coarser := problems[-1].coarser(COARSEST)) is not None:
         problems.append(coarser)
-    coarsest = problems[-1]
     load = control.value if control.kind == "mean_pressure" else math.nan
     if initial is not None:
         pressure = np.maximum(initial, 0).astype(problem.fourier.real)
     else:
-        pressure, load = _overlap(coarsest, control)
+        pressure, load = _overlap(problems[-1], control)
     if control.kind == "area_fraction":
         load = float(pressure.mean(dtype=float)) if initial is not None else load
     state = State(pressure, np.empty_like(pressure), control.value, load)
-    for coarse, finer in zip(reversed(problems[1:]), reversed(problems[:-1]), strict=True):
+    loads: list[float] = []
+    while len(problems) > 1:
+        coarse = problems.pop()
         Level(coarse).relax(state, control, COARSE_TOLERANCE, COARSE_AREA_TOLERANCE, None, COARSE_BLOCKS)
-        state.pressure = coarse.refine(state.pressure, finer, state.approach)
-        if control.kind == "area_fraction":
-            # Areas converge with the first power of the spacing: the next change is half of the last.
-            before, load = load, state.load
-            if coarse is not coarsest:
-                state.load *= min(max((load / before) ** 0.5, 0.5), 2.0)
+        state.pressure = coarse.refine(state.pressure, problems[-1], state.approach)
         state.gap = np.empty_like(state.pressure)
+        if control.kind == "area_fraction":
+            loads.append(state.load)
+            state.load = _foreseen(loads)
     if not Level(problem).relax(state, control, rtol, AREA_TOLERANCE, progress, MOST_BLOCKS):
         raise ConvergenceError(
             f"active set on {problem.grid.shape} nodes stopped",
@@ -445,6 +444,16 @@ def solve(
             float(state.pressure.mean(dtype=float)),
         )
     return state
+
+
+def _foreseen(loads: list[float]) -> float:
+    """Load of the next grid at a given area, from those of the grids before.
+
+    Areas converge with the first power of the spacing: the next change is half of the last.
+    """
+    if len(loads) < 2:
+        return loads[-1]
+    return loads[-1] * min(max((loads[-1] / loads[-2]) ** 0.5, 0.5), 2.0)
 
 
 def _is_near(problem: Problem, control: Control, pressure: Array) -> bool:
