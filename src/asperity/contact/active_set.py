@@ -98,7 +98,8 @@ class System(NamedTuple):
 
     def uniform_residual(self) -> float:
         """The part of the residual that a change of the approach removes at a fixed load."""
-        return passes.dot(self.weight, self.residual) / self.weight_sum if self.fixed_load else 0.0
+        fixed = self.fixed_load and self.weight_sum
+        return passes.dot(self.weight, self.residual) / self.weight_sum if fixed else 0.0
 
 
 class Level:
@@ -171,7 +172,7 @@ class Level:
             if iteration:
                 self.preconditioner.apply(residual, z)
             total, product = passes.sum_and_dot(z, residual)
-            shift = np.float32(total / weight_sum) if fixed_load else np.float32(0)
+            shift = np.float32(total / weight_sum if fixed_load and weight_sum else 0)
             product -= float(shift) * passes.dot(weight, residual)
             if iteration == 0:
                 first = product
