@@ -166,6 +166,27 @@ def table(rows: list[Row]) -> str:
     return "\n".join(lines)
 
 
+def growth(rows: list[Row]) -> str:
+    """Power of the number of nodes with which time and pairs grow, from the smallest grid to the largest."""
+    lines = [
+        "| H | load / (E* ḡ) | solver | tolerance | grids | time ~ nodes^ | pairs ~ nodes^ |",
+        "|---" * 7 + "|",
+    ]
+    for key in dict.fromkeys((row.hurst, row.load, row.solver, row.tolerance) for row in rows):
+        some = [row for row in rows if (row.hurst, row.load, row.solver, row.tolerance) == key]
+        small, large = some[0], some[-1]
+        if large.points <= small.points:
+            continue
+        nodes = 2 * np.log(large.points / small.points)
+        powers = np.log([large.seconds / small.seconds, large.pairs / small.pairs]) / nodes
+        hurst, load, solver, tolerance = key
+        lines.append(
+            f"| {hurst} | {load} | {solver} | {tolerance:.0e} | {small.points}² to {large.points}² "
+            f"| {powers[0]:.2f} | {'' if np.isnan(powers[1]) else f'{powers[1]:.2f}'} |"
+        )
+    return "\n".join(lines) if len(lines) > 2 else ""
+
+
 def picture(rows: list[Row], path: Path) -> None:
     """Error against processor time and against pairs, on the largest grid."""
     import matplotlib
@@ -210,8 +231,10 @@ def main() -> None:
                 for row in measure(points, hurst, load, tolerances):
                     rows.append(row)
                     print(table([row]).splitlines()[-1], flush=True)
+    grown = growth(rows)
+    print(grown)
     chosen.out.mkdir(parents=True, exist_ok=True)
-    (chosen.out / "contact.md").write_text(table(rows) + "\n", encoding="utf-8")
+    (chosen.out / "contact.md").write_text(f"{table(rows)}\n\n{grown}\n", encoding="utf-8")
     with (chosen.out / "contact.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(Row._fields)
