@@ -112,12 +112,12 @@ def test_small_problem_against_a_dense_solve() -> None:
 
 def test_gfmd_steps_grow_as_the_root_of_the_points() -> None:
     """Slowest mode at critical damping: steps ~ √N once the contact is resolved."""
-    points = [64, 128, 256, 512]
+    points = [64, 128, 256, 512, 1024]
     steps = []
     for n in points:
         x = Grid((n, n)).coordinates()[1] - 0.5
         height = (x[:, None] ** 2 + x[None, :] ** 2) / 2
-        contact = solve(height, HALF_SPACE, mean_pressure=0.02, method="gfmd", rtol=1e-6)
+        contact = solve(height, HALF_SPACE, mean_pressure=0.02, method="gfmd", dtype="float32", rtol=1e-3)
         steps.append(contact.certificate.iterations)
     assert -rate(points, steps) < 0.6
 
