@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numba.core.registry import CPUDispatcher, cpu_target
 
+from asperity import __version__
 from asperity.analysis import analyse
 from asperity.contact import METHODS, solve
 from asperity.extremes import Scene, attempt
@@ -24,8 +25,8 @@ from asperity.layer import Layer
 from asperity.progress import Report
 from asperity.roughness import self_affine
 
-PACKAGES = ("asperity", "numba", "llvmlite", "numpy")
-"""On whose versions the code depends."""
+PACKAGES = ("numba", "llvmlite", "numpy")
+"""On whose versions the code depends besides."""
 
 PRECISIONS = ("float32", "float64")
 
@@ -79,7 +80,7 @@ def compiled_functions() -> dict[str, Any]:
 def describe() -> str:
     """What is compiled, with which versions and for which processor, for a reader."""
     _, processor, _ = cpu_target.target_context.codegen().magic_tuple()
-    packages = ", ".join(f"{package} {version(package)}" for package in PACKAGES)
+    packages = ", ".join([f"asperity {__version__}", *(f"{name} {version(name)}" for name in PACKAGES)])
     return (
         f"{len(compiled_functions())} functions of the library are compiled, and kept beside its modules:\n"
         f"{packages}, Python {platform.python_version()},\n"
