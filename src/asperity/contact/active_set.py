@@ -178,11 +178,12 @@ class Level:
                 first = product
             if iteration == iterations or not product > drop**2 * first or not product > 0:
                 return x, iteration
-            # The preconditioner differs a little from one application to the next.
-            change = (
-                -float(length) * passes.projected_dot(z, weight, shift, response, plain) if iteration else 0.0
-            )
-            passes.advance(d, z, weight, shift, np.float32(max(change / previous, 0) if iteration else 0))
+            ratio = 0.0
+            if iteration:
+                # Of the change of the residual: the preconditioner is not quite the same every time.
+                changed = -float(length) * passes.projected_dot(z, weight, shift, response, plain)
+                ratio = max(changed / previous, 0.0)
+            passes.advance(d, z, weight, shift, np.float32(ratio))
             previous = product
             response = self.respond(d)
             curvature = passes.dot_gathered(d, response, plain)
@@ -278,7 +279,7 @@ class Level:
         passes.add_clipped(pressure, plain, rate, taken)
         return moved
 
-    def level(self, state: State, system: System, tolerance: float) -> bool:
+    def balance(self, state: State, system: System, tolerance: float) -> bool:
         """Take off the mean residual by a uniform pressure on the contact; whether that changes the pressure.
 
         At a given approach the contact of a solid without uniform compliance resists a uniform pressure the
@@ -358,7 +359,7 @@ class Level:
                 if self.steer(state, system, area, settled):
                     continue
             if settled:
-                if fixed_load or not self.level(state, system, tolerance):
+                if fixed_load or not self.balance(state, system, tolerance):
                     return True
                 taken = None
                 continue
