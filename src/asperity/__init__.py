@@ -3,8 +3,12 @@
 The public names are listed in ``__init__.pyi`` and imported when first used.
 """
 
-import lazy_loader
+from importlib.util import find_spec
 
 __version__ = "0.1.0"
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+# Without it there are no public names, but the command line and the study can say that it is missing.
+if find_spec("lazy_loader"):
+    import lazy_loader
+
+    __getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

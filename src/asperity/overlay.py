@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from asperity.progress import one_line
+from asperity.preflight import one_line
 
 _LARGEST_FILE = 2**20
 _LARGEST_CONTENT = 100_000
@@ -49,7 +49,22 @@ def load(path: str | Path) -> dict[str, Any]:
     if Path(path).stat().st_size > _LARGEST_FILE:
         raise ConfigError(f"{path}: a configuration of at most {_LARGEST_FILE} bytes is needed")
     try:
-        loader = _Loader(Path(path).read_bytes())
+        content = Path(path).read_bytes()
+    except OSError as error:
+        raise ConfigError(f"{path}: {error}") from error
+    return parse(content, str(path))
+
+
+def parse(content: str | bytes, name: str) -> dict[str, Any]:
+    """The configuration or overlay in a YAML text, which messages call `name`.
+
+    Raises
+    ------
+    ConfigError
+        If the text is no such thing: not YAML, with a key given twice, or beyond all measure.
+    """
+    try:
+        loader = _Loader(content)
         node = loader.get_single_node()
         if not isinstance(node, yaml.MappingNode):
             raise ValueError("keys with values are needed, such as `contact: {area_fraction: 0.05}`")
@@ -57,11 +72,11 @@ def load(path: str | Path) -> dict[str, Any]:
         return loader.construct_document(node)
     except yaml.MarkedYAMLError as error:
         where = f" in line {error.problem_mark.line + 1}" if error.problem_mark else ""
-        raise ConfigError(f"{path}: YAML is needed; {error.problem or error.context}{where}") from error
+        raise ConfigError(f"{name}: YAML is needed; {error.problem or error.context}{where}") from error
     except yaml.YAMLError as error:
-        raise ConfigError(f"{path}: YAML in UTF-8 is needed; {str(error).splitlines()[0]}") from error
-    except (ValueError, RecursionError, OSError) as error:
-        raise ConfigError(f"{path}: {str(error).split(';')[0]}") from error
+        raise ConfigError(f"{name}: YAML in UTF-8 is needed; {str(error).splitlines()[0]}") from error
+    except (ValueError, RecursionError) as error:
+        raise ConfigError(f"{name}: {str(error).split(';')[0]}") from error
 
 
 def _size(node: yaml.Node, sizes: dict[int, int], depth: int) -> int:

@@ -279,9 +279,7 @@ def propose(
     ValueError
         If an output is unknown, or no target is given.
     """
-    for name in outputs:
-        if name not in OUTPUTS:
-            raise ValueError(f"output = {name!r}: one of {', '.join(OUTPUTS)} is needed")
+    _check_outputs(outputs)
     if error is None and seconds is None and memory is None:
         raise ValueError("a target is needed: an error, a time or a memory")
     measured = measured or load()
@@ -305,6 +303,12 @@ def propose(
             f"{', '.join(outputs)}"
         )
     return min(good, key=lambda proposal: proposal.cost.seconds)
+
+
+def _check_outputs(outputs: Iterable[str]) -> None:
+    for name in outputs:
+        if name not in OUTPUTS:
+            raise ValueError(f"output = {name!r}: one of {', '.join(OUTPUTS)} is needed")
 
 
 def _with_seeds(single: Proposal, number: int) -> Proposal:
@@ -344,7 +348,13 @@ def report(
     outputs : names
     one_surface : bool
         What the errors are of.
+
+    Raises
+    ------
+    ValueError
+        If an output is unknown.
     """
+    _check_outputs(outputs)
     knobs, cost = proposal.knobs, proposal.cost
     largest = max(knobs.points(scene.wavelength_short) for scene in scenes.values())
     of = "this very surface" if one_surface else "the mean of its kind, to 95 %"

@@ -32,6 +32,9 @@ PACKAGES = {
 }
 """What the jobs of the study import, and the package that has it."""
 
+BASE_PACKAGES = ("ducc0", "lazy_loader", "netCDF4", "numba", "numpy", "scipy", "tqdm", "xarray")
+"""What the library imports wherever it is used."""
+
 REMEDY = "all that is needed: pip install --requirement requirements.lock"
 
 _RUNNING = ".running"
@@ -42,9 +45,9 @@ class PreflightError(RuntimeError):
     """A study that cannot run here and now; one line that names what is wrong and the remedy."""
 
 
-def require_packages() -> None:
-    """Raise `PreflightError` if a package that some job imports is not installed."""
-    missing = [package for module, package in PACKAGES.items() if find_spec(module) is None]
+def require_packages(modules: Iterable[str] = tuple(PACKAGES)) -> None:
+    """Raise `PreflightError` if a package that has one of these modules is not installed."""
+    missing = [PACKAGES[module] for module in modules if find_spec(module) is None]
     if missing:
         raise PreflightError(f"not installed: {', '.join(missing)}; {REMEDY}")
 
@@ -138,3 +141,8 @@ def require_undamaged(paths: Iterable[str | os.PathLike[str]]) -> None:
             verify(path)
         except DatasetError as error:
             raise PreflightError(str(error)) from error
+
+
+def one_line(message: str) -> str:
+    """A message in which line breaks and what else is not printed are written out."""
+    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in message)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import logging
 import os
+import resource
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -83,13 +84,24 @@ def _terminal() -> TextIO | None:
 
 
 def _peak_memory() -> float:
-    """Largest resident memory of this process so far, in MB; NaN where the system does not tell."""
+    """Largest resident memory of this process so far, in MB; NaN where the system does not tell.
+
+    That of the largest program it has run is added, where it is the larger one: a smaller one cannot be told
+    from the copy of this process as which it began.
+    """
     try:
         status = Path("/proc/self/status").read_text(encoding="utf-8")
     except OSError:
         return float("nan")
     (line,) = (line for line in status.splitlines() if line.startswith("VmHWM:"))
-    return int(line.split()[1]) * 1024 / 1e6
+    own, other = int(line.split()[1]), resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+    return (own + other if other > own else own) * 1024 / 1e6
+
+
+def _processor_time() -> float:
+    """Processor time of this process and of the programs it has run, in seconds."""
+    spent = os.times()
+    return spent.user + spent.system + spent.children_user + spent.children_system
 
 
 @contextlib.contextmanager
@@ -123,9 +135,7 @@ def record(log: str | os.PathLike[str]) -> Iterator[None]:
             print(f"{type(error).__name__}: {error} (whole story in {path})", file=screen, flush=True)
             raise SystemExit(1) from None
         finally:
-            logger.info(
-                "took %.1f s of processor time, %.0f MB of memory", time.process_time(), _peak_memory()
-            )
+            logger.info("took %.1f s of processor time, %.0f MB of memory", _processor_time(), _peak_memory())
             logging.captureWarnings(False)
             logging.getLogger("py.warnings").removeHandler(handler)
             logger.removeHandler(handler)
@@ -135,8 +145,3 @@ def record(log: str | os.PathLike[str]) -> Iterator[None]:
             os.dup2(screen.fileno(), 2)
             os.close(stdout)
             _terminal_stream = None
-
-
-def one_line(message: str) -> str:
-    """A message in which line breaks and what else is not printed are written out."""
-    return "".join(c if c.isprintable() else repr(c)[1:-1] for c in message)

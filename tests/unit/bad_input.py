@@ -228,6 +228,7 @@ def make_chain(folder):
 
 
 HUGE = "9" * 5000
+SPECTRUM = '{{"hurst":0.8,"wavelength_long":0.125,"wavelength_short":0.01}}'
 COMMANDS = [
     ("", 2, "the following arguments are required: COMMAND"),
     ("polish", 2, "invalid choice: 'polish'"),
@@ -294,6 +295,36 @@ COMMANDS = [
         "x.docx: the name of a picture is needed, ending in .png",
     ),
     ("plot 9 {statistics} --out {folder}/x", 1, "x: the name of a picture is needed, ending in .png"),
+    ("plan", 2, "the following arguments are required: CONFIG_OR_SPECTRUM"),
+    ("plan none.yaml", 1, "'none.yaml': a file, or keys and values such as '{hurst: 0.8, ...}', is needed"),
+    ("plan {folder}", 1, "a file, or keys and values such as"),
+    ("plan {surface}", 1, "surface.nc: YAML in UTF-8 is needed"),
+    (f"plan {SPECTRUM} --error -1", 2, "--error: '-1': a number > 0 is needed"),
+    (f"plan {SPECTRUM} --error 1e-9", 1, "error = 1e-09: 0."),
+    (f"plan {SPECTRUM} --seconds nan", 2, "--seconds: 'nan': a number > 0 is needed"),
+    (f"plan {SPECTRUM} --seconds 1e-9", 1, "not within this time and memory"),
+    (f"plan {SPECTRUM} --output depth", 1, "output = 'depth': one of area_fraction, proportionality"),
+    (f"plan {SPECTRUM} --area-fraction 2", 2, "--area-fraction: '2': a number > 0 and ≤ 1 is needed"),
+    (
+        f'plan {SPECTRUM} {{{{"hurts":1}}}}',
+        1,
+        "surfaces.surface.'hurts': unknown key; known here are label, hurst",
+    ),
+    (
+        f'plan {SPECTRUM} {{{{"hurst":yes}}}}',
+        1,
+        "surfaces.surface.hurst = True: a number ≥ 0 and ≤ 1 is needed",
+    ),
+    (
+        f'plan {SPECTRUM} {{{{"wavelength_short":0.5}}}}',
+        1,
+        "wavelength_short = 0.5: at most wavelength_long = 0.125",
+    ),
+    (f'plan {SPECTRUM} {{{{"points":16}}}}', 1, "points = 16: at least two on wavelength_short = 0.01 are"),
+    ('plan {{"hurst":!!python/name:os.system}}', 1, "YAML is needed; "),
+    ('plan {{"hurst":1,"hurst":0}}', 1, "YAML is needed; 'hurst' is given twice in line 1"),
+    ('plan {{"surfaces":{{}}}}', 1, "surfaces = {}: at least one surface is needed"),
+    ('plan {{"surfaces":3}}', 1, "surfaces = 3: a group of keys is needed"),
 ]
 
 HEADER = "# Channel: Height\n# Width: 8 m\n# Height: 8 m\n# Value units: m\n"

@@ -2,6 +2,7 @@
 
 import copy
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -138,6 +139,60 @@ def test_no_unknown_key_is_passed_over(data, key):
         assert refusal(config)
 
 
+SPECTRUM = {"hurst": 0.8, "wavelength_long": 0.125, "wavelength_short": 0.03125}
+SMALL_PLAN = {
+    "accuracy": "draft",
+    "surfaces": {"one": {**SPECTRUM, "rms_height": 1e-3, "points": 128}, "other": {**SPECTRUM}},
+    "measured": {"map": {"file": "map.asc", "wavelength_short": 0.1}},
+    "studies": {"hurst": ["one"], "kurtosis": ["one", "other"]},
+    "seeds": [1, 2],
+    "layer": {"height": 1.0, "poisson": 0.33, "half_space_tolerance": 0.05},
+    "contact": {
+        "area_fraction": 0.1,
+        "path_area_fractions": [0.05, 0.1],
+        "tolerance": 1e-6,
+        "precision": "float64",
+    },
+    "body": {"poisson": [0.0, 0.33], "tolerance": 1e-4, "depth_spacing": 0.5},
+}
+TARGETS = (
+    "--error 0.1 --error 1e-9 --error -1 --error nan --seconds 10 --seconds 1e-300 --memory 1 --memory 1e300"
+    " --area-fraction 0.1 --area-fraction 1e-300 --one-surface --output peak_depth --output none --output"
+)
+targets = st.sampled_from(re.findall(r"--\S+(?: [^-\s]\S*| -1)?", TARGETS))
+
+
+def answer_to_plan(config, options):
+    """What is said to ``asperity plan`` of a configuration and options."""
+    text = config if isinstance(config, str) else yaml.safe_dump(config, allow_unicode=True)
+    return answer(cli.main, ["plan", text, *" ".join(options).split()])
+
+
+@settings(max_examples=300, deadline=None)
+@given(data=st.data(), value=plain, options=st.lists(targets, max_size=3))
+def test_whatever_is_to_be_planned_it_is_done_or_named(data, value, options):
+    """Fuzz: a random value in place of one anywhere, in a spectrum or a configuration, or as the whole."""
+    config = copy.deepcopy(data.draw(st.sampled_from([SPECTRUM, SMALL_PLAN])))
+    tree, key = data.draw(st.sampled_from(list(places(config))))
+    if data.draw(st.booleans()):
+        tree[key] = value
+    else:
+        del tree[key]
+    code, said = answer_to_plan(config, options)
+    require_plan_or_line(code, said)
+
+
+@settings(max_examples=100, deadline=None)
+@given(text=st.text(max_size=12), options=st.lists(targets | st.text(max_size=4), max_size=3))
+def test_whatever_is_given_as_a_plan_it_is_named(text, options):
+    require_plan_or_line(*answer_to_plan(text, options))
+
+
+def require_plan_or_line(code, said):
+    assert code in (0, 1, 2)
+    assert code == 0 or (said.startswith("asperity: ") and said[:-1].isprintable() and len(said) < 500), said
+
+
 @settings(max_examples=60, deadline=None)
 @given(content=st.binary(max_size=60) | st.text(max_size=60).map(str.encode))
 def test_whatever_is_in_an_overlay_it_is_accepted_or_named(tmp_path_factory, content):
@@ -147,7 +202,7 @@ def test_whatever_is_in_an_overlay_it_is_accepted_or_named(tmp_path_factory, con
 
 
 WORDS = (
-    "solve body peaks plot --contact --path --poisson --points --periodic --help --version mirrored nan -1"
+    "solve body peaks plot plan --contact --path --poisson --points --periodic --help --version mirrored nan -1"
     " 0.1 9 -- - = {surface} {contact} {body} {statistics} {folder} {folder}/none.nc"
 )
 words = st.sampled_from(WORDS.split()) | st.text(max_size=6)

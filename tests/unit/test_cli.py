@@ -1,11 +1,17 @@
 """The command line: a chain of one-off commands, files that the figures accept, one-line errors."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from bad_input import SMALL, make_chain
+from project import ROOT, hide
 
 from asperity import dataset
 from asperity.cli import main
+from asperity.preflight import BASE_PACKAGES, PACKAGES
 
 
 @pytest.fixture(scope="module")
@@ -77,9 +83,33 @@ def test_a_layer_has_the_ratio_of_its_contact_alone(files, tmp_path, capsys):
     assert "which has that one only" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", ["", "solve", "body", "peaks", "plot"])
+@pytest.mark.parametrize("command", ["", "solve", "body", "peaks", "plot", "plan"])
 def test_every_command_has_help(capsys, command):
     with pytest.raises(SystemExit) as stopped:
         main([*command.split(), "--help"])
     assert stopped.value.code == 0
     assert "None" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("name", "command"),
+    [
+        *((name, "--version") for name in BASE_PACKAGES),
+        ("yaml", "plan {}"),
+        ("matplotlib", "plot 9 a.nc --out b.png"),
+    ],
+)
+def test_a_missing_package_is_one_line(tmp_path, name, command):
+    path = os.pathsep.join([str(hide(name, tmp_path / "dark")), str(ROOT / "src")])
+    found = subprocess.run(
+        [sys.executable, "-m", "asperity.cli", *command.split()],
+        env=os.environ | {"PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+    )
+    assert found.returncode == 1
+    assert found.stderr == (
+        f"asperity: not installed: {PACKAGES[name]}; all that is needed: "
+        "pip install --requirement requirements.lock\n"
+    )
+    assert not found.stdout

@@ -147,8 +147,8 @@ def test_the_command_tells_what_a_configuration_costs(capsys):
     ("text", "line"),
     [
         ("{hurst: 0.8}", "surfaces.surface.wavelength_long = None: a number"),
-        ("none.yaml", "none.yaml: a file, or keys and values such as"),
-        ("{hurst: [", "no YAML"),
+        ("none.yaml", "'none.yaml': a file, or keys and values such as"),
+        ("{hurst: [", "YAML is needed; "),
     ],
 )
 def test_a_spectrum_that_is_none_is_one_line(capsys, text, line):

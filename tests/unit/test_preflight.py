@@ -5,6 +5,7 @@ import fcntl
 import os
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -35,6 +36,12 @@ def test_missing_packages_are_named_by_what_is_to_be_installed(monkeypatch):
     monkeypatch.setattr(preflight, "find_spec", lambda name: None if name in ("skfem", "yaml") else name)
     with pytest.raises(PreflightError, match="not installed: scikit-fem, pyyaml; all that is needed: pip"):
         require_packages()
+
+
+def test_what_the_library_needs_is_what_it_declares():
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    names = {name.partition(">")[0] for name in declared}
+    assert names == {preflight.PACKAGES[module] for module in preflight.BASE_PACKAGES}
 
 
 def test_a_claim_ends_with_its_process_and_holds_until_then(tmp_path):

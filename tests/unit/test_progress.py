@@ -58,3 +58,16 @@ def test_a_terminal_shows_a_bar_with_the_remaining_time(tmp_path):
         pass
     os.close(leader)
     assert "contact:  25% |" in shown.decode()
+
+
+def test_a_program_that_a_job_runs_counts_with_it(tmp_path):
+    log = tmp_path / "job.log"
+    program = "import time; held = bytearray(300_000_000); " + "\nwhile time.process_time() < 1: pass"
+    code = (
+        "import subprocess, sys\nfrom asperity.progress import record\n"
+        f"with record({str(log)!r}):\n    subprocess.run([sys.executable, '-c', {program!r}], check=True)"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True)
+    seconds, memory = map(float, re.search(r"took (\S+) s of .*, (\d+) MB", log.read_text()).groups())
+    assert 1 <= seconds < 10
+    assert 310 < memory < 450

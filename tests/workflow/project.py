@@ -13,6 +13,20 @@ PARTS = ("Snakefile", "config", "workflow", "profiles", "src", "tests/reference"
 QUICK = ("--configfile", "config/quick.yaml")
 TINY = ("--configfile", "config/quick.yaml", "tests/workflow/tiny.yaml")
 
+DARK = """
+from importlib.machinery import PathFinder
+
+found = PathFinder.find_spec
+PathFinder.find_spec = lambda name, *rest: None if name == "{name}" else found(name, *rest)
+"""
+
+
+def hide(name, folder):
+    """A new folder, first on PYTHONPATH of a process in which a package is as if it were not installed."""
+    folder.mkdir()
+    (folder / "sitecustomize.py").write_text(DARK.format(name=name))
+    return folder
+
 
 def environment(folder):
     """The environment of the tests, with the library of a folder."""

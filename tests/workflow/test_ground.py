@@ -13,17 +13,11 @@ import subprocess
 import netCDF4
 import pytest
 from faults import RESULTS, STUDY
-from project import environment
+from project import environment, hide
 
 CONTACT = f"{RESULTS}/contact/hurst_08/seed1.nc"
 STATISTICS = f"{RESULTS}/statistics/hurst_08.nc"
 AGAIN = (*STUDY[: STUDY.index("--")], "--forcerun", "statistics", *STUDY[STUDY.index("--") :])
-DARK = """
-from importlib.machinery import PathFinder
-
-found = PathFinder.find_spec
-PathFinder.find_spec = lambda name, *rest: None if name == "{name}" else found(name, *rest)
-"""
 
 
 @pytest.fixture
@@ -150,9 +144,7 @@ def test_a_read_only_folder_is_named(folder):
 
 @pytest.mark.parametrize("name", ["mpmath", "jsonschema"])
 def test_a_missing_package_is_named_before_the_run(folder, name):
-    (folder / "dark").mkdir()
-    (folder / "dark/sitecustomize.py").write_text(DARK.format(name=name))
-    line = refused(folder, PYTHONPATH=f"{folder / 'dark'}{os.pathsep}{folder / 'src'}")
+    line = refused(folder, PYTHONPATH=f"{hide(name, folder / 'dark')}{os.pathsep}{folder / 'src'}")
     assert line.startswith(f"study: not installed: {name}; all that is needed: pip install")
 
 

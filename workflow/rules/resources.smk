@@ -43,6 +43,7 @@ NEEDS = {
     "verification": lambda wildcards: need("verification", nodes(wildcards.surface), len(config["seeds"])),
     "figure": lambda wildcards: figure_need(wildcards.figure),
     "validation": lambda wildcards: need("validation"),
+    "calculix": lambda wildcards: need("calculix"),
     "validation_table": lambda wildcards: need("validation table"),
     "claims": lambda wildcards: need("claims"),
     "tradeoff": lambda wildcards: need("tradeoff", max(config["tradeoff"][wildcards.extent]["sizes"]) ** 2),

@@ -35,6 +35,11 @@ rule calculix:
         f"{RESULTS}/log/validation/calculix.log",
     benchmark:
         f"{RESULTS}/benchmark/validation/calculix.tsv"
+    threads: 1
+    resources:
+        mem_mb=memory("calculix"),
+        disk_mb=disk("calculix"),
+        runtime=minutes("calculix"),
     params:
         folder=lambda wildcards, output: output[0].removesuffix(".nc"),
     script:

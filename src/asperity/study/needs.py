@@ -52,6 +52,7 @@ _LINES = {
     "claims": _Line(380, 0, 10, 0),
     "validation": _Line(300, 0, 25, 0),
     "validation table": _Line(240, 0, 5, 0),
+    "calculix": _Line(500, 0, 320, 0),
     "tradeoff": _Line(330, 300, 8, 95),
 }
 _AGAIN = {
@@ -64,6 +65,9 @@ _AGAIN = {
 
 _WRITTEN = {"surface": 7, "map": 7, "contact": 15, "body": 2}
 """Bytes in files for each node; the other stages write less than a megabyte."""
+
+_BESIDE = {"calculix": 3}
+"""Megabytes in files of another program."""
 
 
 def need(stage: str, nodes: int = 0, times: int = 1) -> Need:
@@ -91,7 +95,7 @@ def need(stage: str, nodes: int = 0, times: int = 1) -> Need:
         line.seconds
         + line.microseconds * millions
         + (times - 1) * (again.seconds + again.microseconds * millions),
-        1 + _WRITTEN.get(stage, 0) * millions,
+        1 + _BESIDE.get(stage, 0) + _WRITTEN.get(stage, 0) * millions,
     )
 
 
