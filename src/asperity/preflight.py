@@ -133,13 +133,16 @@ def require_space(folder: str | os.PathLike[str], need: float) -> None:
 
 
 def require_undamaged(paths: Iterable[str | os.PathLike[str]]) -> None:
-    """Raise `PreflightError` for the first result file that is not as it was written."""
-    from asperity.dataset import DatasetError, verify
+    """Raise `PreflightError` for the first result file that is not as it was written: datasets, summaries."""
+    from asperity import dataset, summary
 
     for path in paths:
         try:
-            verify(path)
-        except DatasetError as error:
+            if Path(path).suffix == ".json":
+                summary.read(path)
+            else:
+                dataset.verify(path)
+        except dataset.DatasetError as error:
             raise PreflightError(str(error)) from error
 
 

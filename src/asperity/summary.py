@@ -19,7 +19,7 @@ import xarray as xr
 from scipy import ndimage
 from scipy.stats import spearmanr
 
-from asperity.dataset import DatasetError, settings_of, whole
+from asperity.dataset import FINGERPRINT, DatasetError, digest, settings_of, whole
 from asperity.spectral import Array
 from asperity.statistics import select_peaks, selection
 
@@ -132,8 +132,9 @@ def contact_patches(contact: Array) -> tuple[Array, Array]:
 
 
 def write(summary: Summary, path: str | os.PathLike[str]) -> None:
-    """Write a summary as JSON, whole or not at all."""
+    """Write a summary as JSON, whole or not at all, with a fingerprint of what it holds."""
     tree = asdict(summary) | {"quantiles": {name: list(q) for name, q in summary.quantiles.items()}}
+    tree[FINGERPRINT] = digest(tree)
     with whole(path) as unfinished:
         unfinished.write_text(json.dumps(tree, indent=1, sort_keys=True) + "\n", encoding="utf-8")
 
@@ -144,12 +145,16 @@ def read(path: str | os.PathLike[str]) -> Summary:
     Raises
     ------
     DatasetError
-        If the file is missing or damaged.
+        If the file is missing or damaged, or not as it was written.
     """
     try:
         tree = json.loads(Path(path).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         raise DatasetError(f"{path}: damaged or missing ({error}); delete it and run again") from error
+    if not isinstance(tree, dict) or tree.pop(FINGERPRINT, None) != digest(tree):
+        raise DatasetError(
+            f"{path}: changed since it was written, or by another version; delete it and run again"
+        )
     quantiles = {name: np.array(values) for name, values in tree["quantiles"].items()}
     return Summary(tree["settings"], tree["values"], quantiles)
 

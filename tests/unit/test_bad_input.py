@@ -202,8 +202,8 @@ def test_whatever_is_in_an_overlay_it_is_accepted_or_named(tmp_path_factory, con
 
 
 WORDS = (
-    "solve body peaks plot plan --contact --path --poisson --points --periodic --help --version mirrored nan -1"
-    " 0.1 9 -- - = {surface} {contact} {body} {statistics} {folder} {folder}/none.nc"
+    "solve body peaks plot plan --contact --path --poisson --points --periodic --help --version mirrored nan"
+    " -1 0.1 9 -- - = {surface} {contact} {body} {statistics} {folder} {folder}/none.nc"
 )
 words = st.sampled_from(WORDS.split()) | st.text(max_size=6)
 

@@ -26,6 +26,7 @@ from asperity.claims import (
     tally,
     with_error,
 )
+from asperity.dataset import DatasetError
 from asperity.figures.claims import draw
 from asperity.figures.style import save, style
 from asperity.statements import CLAIMS, LARGER, kolmogorov, of_poisson, ratio
@@ -222,6 +223,14 @@ def test_a_summary_survives_its_file(tmp_path):
     assert math.isnan(found["b"])
     np.testing.assert_array_equal(found.quantiles["q@0"], [0.1, 0.2])
     assert [p.name for p in tmp_path.iterdir()] == ["one.json"]
+
+
+@pytest.mark.parametrize("content", ["", "[]", "{}", '{"values": {"a": 2.0}}'])
+def test_what_is_no_summary_as_it_was_written_is_named(tmp_path, content):
+    path = tmp_path / "one.json"
+    path.write_text(content)
+    with pytest.raises(DatasetError, match=r"one\.json: .*; delete it and run again"):
+        read(path)
 
 
 @pytest.mark.parametrize(

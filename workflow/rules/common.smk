@@ -28,7 +28,7 @@ def contact_settings(wildcards):
 def earlier_results(jobs):
     """Result files of earlier runs that these jobs read."""
     made = {file for job in jobs for file in job.output}
-    read = {file for job in jobs for file in job.input if file.endswith(".nc")}
+    read = {file for job in jobs for file in job.input if file.endswith((".nc", ".json"))}
     return sorted(file for file in read - made if os.path.exists(file))
 
 
