@@ -12,8 +12,15 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-import jsonschema
-import yaml
+from asperity.preflight import PACKAGES, REMEDY
+
+try:
+    import jsonschema
+    import yaml
+except ModuleNotFoundError as error:
+    if __name__ == "__main__" and error.name in PACKAGES:
+        sys.exit(f"config: not installed: {PACKAGES[error.name]}; {REMEDY}")
+    raise
 
 from asperity.overlay import ConfigError, load, merged, shown
 from asperity.presets import complete

@@ -1,9 +1,13 @@
 """The configuration: what is accepted, and the one line for what is not."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 import yaml
+from project import hide
 
 from asperity.config import check, describe, load_schema
 from asperity.overlay import merged
@@ -21,3 +25,14 @@ def test_the_committed_configurations_are_accepted(overlay):
 def test_the_readme_lists_the_keys_of_the_schema():
     table = (ROOT / "config/README.md").read_text().split("<!-- keys: ")[1].split("-->\n")[1]
     assert table.strip() == describe(SCHEMA)
+
+
+@pytest.mark.parametrize(("name", "package"), [("jsonschema", "jsonschema"), ("yaml", "pyyaml")])
+def test_a_missing_package_is_one_line(tmp_path, name, package):
+    path = os.pathsep.join([str(hide(name, tmp_path / "dark")), str(ROOT / "src")])
+    command = [sys.executable, "-m", "asperity.config", "workflow/schemas/config.schema.yaml"]
+    environment = os.environ | {"PYTHONPATH": path}
+    found = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
+    assert found.returncode == 1
+    assert found.stderr.startswith(f"config: not installed: {package}; all that is needed: pip install")
+    assert found.stderr.count("\n") == 1

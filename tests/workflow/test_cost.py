@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from project import QUICK, copy_project, run
+from project import QUICK, ROOT, copy_project, run
 
 COST = ("python", "workflow/cost.py", "results/quick")
 DECLARED = (*COST, "--declared", *QUICK)
@@ -20,6 +20,16 @@ def test_every_job_has_its_cost_and_takes_the_memory_that_its_rule_declares(requ
     assert len(jobs) == len(logs) > 60
     total = run(folder, *COST).stdout.splitlines()[-1]
     assert total.startswith(f"| all | {len(logs)} | ")
+
+
+def test_every_rule_with_a_script_declares_what_it_needs():
+    texts = [path.read_text() for path in (ROOT / "workflow/rules").glob("*.smk")]
+    rules = [rule for text in texts for rule in re.split(r"^rule ", text, flags=re.MULTILINE)[1:]]
+    working = {rule.partition(":")[0]: rule for rule in rules if "script:" in rule}
+    assert {"compiled", "calculix", "contact"} <= working.keys()
+    for name, rule in working.items():
+        for declared in ("threads: ", "mem_mb=", "disk_mb=", "runtime="):
+            assert declared in rule, name
 
 
 def test_a_job_that_took_more_than_its_rule_declares_is_named(quick_study, tmp_path):
