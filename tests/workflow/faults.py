@@ -178,7 +178,8 @@ def main():
     parser.add_argument("--out", type=Path, default=Path("results/faults.md"))
     chosen = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
-        folder, reference = (copy_project(Path(scratch) / name) for name in ("killed", "reference"))
+        reference = copy_project(Path(scratch) / "reference")
+        folder = copy_project(Path(scratch) / "killed", compiled=False)  # kills meet the compiler too
         duration = run_study(reference).seconds
         kills = []
         for kill in kill_and_run_again(folder, reference, chosen.kills, random.Random(chosen.seed), duration):
