@@ -321,7 +321,11 @@ COMMANDS = [
         "wavelength_short = 0.5: at most wavelength_long = 0.125",
     ),
     (f'plan {SPECTRUM} {{{{"points":16}}}}', 1, "points = 16: at least two on wavelength_short = 0.01 are"),
-    ('plan {{"hurst":!!python/name:os.system}}', 1, "YAML is needed; "),
+    (
+        'plan {{"hurst":!!python/name:os.system\n0}}',
+        1,
+        "YAML is needed; could not determine a constructor",
+    ),
     ('plan {{"hurst":1,"hurst":0}}', 1, "YAML is needed; 'hurst' is given twice in line 1"),
     ('plan {{"surfaces":{{}}}}', 1, "surfaces = {}: at least one surface is needed"),
     ('plan {{"surfaces":3}}', 1, "surfaces = 3: a group of keys is needed"),
