@@ -1,4 +1,4 @@
-"""The functions that numba compiles, all of them compiled at once.
+"""The functions that numba compiles, compiled before they are needed.
 
 Numba compiles a function when it is first called with some types, and keeps the code where other processes
 find it. For the whole library that takes some twenty seconds, and 150 MB that the calculation itself does not
@@ -12,7 +12,7 @@ import sys
 from dataclasses import replace
 from importlib.metadata import version
 from itertools import product
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba.core.registry import CPUDispatcher, cpu_target
@@ -22,8 +22,8 @@ from asperity.analysis import analyse
 from asperity.contact import METHODS, solve
 from asperity.extremes import Scene, attempt
 from asperity.layer import Layer
-from asperity.progress import Report
 from asperity.roughness import self_affine
+from asperity.spectral import Array, Grid
 
 PACKAGES = ("numba", "llvmlite", "numpy")
 """On whose versions the code depends besides."""
@@ -43,27 +43,37 @@ RARE = (Scene(imposed=("approach", 0.5)), Scene(scaled_height=1e-6, points=64))
 """Contacts that take steps which others do not: at a given approach, and to be damped on a thin layer."""
 
 
-def compile_library(progress: Report | None = None) -> None:
-    """Call every compiled function with all types that a study gives it, on small scenes.
+class _Pressed(NamedTuple):
+    """A solid under a pressure."""
 
-    Parameters
-    ----------
-    progress : callable, optional
-        Called as progress(done, total).
-    """
+    pressure: Array
+    grid: Grid
+    layer: Layer
+
+
+def compile_contact() -> None:
+    """Call every function of the contact with all types that a study gives it, on small scenes."""
     height = self_affine((32, 32), 0.8, 0.5, 0.125, 1e-3, seed=1)
-    scenes = list(product(PRECISIONS, METHODS, LAYERS))
-    for number, (precision, method, layer) in enumerate(scenes):
-        contact = solve(height, layer, area_fraction=0.1, method=method, rtol=1e-4, dtype=precision)
-        for tolerance in DEPTH_TOLERANCES:
-            analyse(contact, poisson=None if layer.height else (0.0, 0.5), tolerance=tolerance, spacing=2.0)
-        if progress is not None:
-            progress(number + 1, len(scenes))
+    for precision, method, layer in product(PRECISIONS, METHODS, LAYERS):
+        solve(height, layer, area_fraction=0.1, method=method, rtol=1e-4, dtype=precision)
     for precision, scene in product(PRECISIONS, RARE):
         attempt(replace(scene, precision=precision))
+
+
+def compile_stress() -> None:
+    """The same with the functions of the stress, its peaks and the layer."""
+    height = self_affine((32, 32), 0.8, 0.5, 0.125, 1e-3, seed=1)
+    grid = Grid(height.shape)
+    for layer, tolerance in product(LAYERS, DEPTH_TOLERANCES):
+        contact = _Pressed(np.maximum(-height, 0.0), grid, layer)
+        analyse(contact, poisson=None if layer.height else (0.0, 0.5), tolerance=tolerance, spacing=2.0)
     wavenumbers = np.array([1.0, 2.0])
     layer.compliance(wavenumbers, 0.0)
     layer.stress(wavenumbers[:, None], 0.0, np.zeros((2, 2)))
+
+
+PARTS = {"contact": compile_contact, "stress": compile_stress}
+"""Which have hardly a function in common, and can be compiled at the same time."""
 
 
 def compiled_functions() -> dict[str, Any]:
@@ -77,12 +87,12 @@ def compiled_functions() -> dict[str, Any]:
     }
 
 
-def describe() -> str:
+def describe(part: str) -> str:
     """What is compiled, with which versions and for which processor, for a reader."""
     _, processor, _ = cpu_target.target_context.codegen().magic_tuple()
     packages = ", ".join([f"asperity {__version__}", *(f"{name} {version(name)}" for name in PACKAGES)])
     return (
-        f"{len(compiled_functions())} functions of the library are compiled, and kept beside its modules:\n"
+        f"The functions of the {part} are compiled, and kept beside the modules of the library:\n"
         f"{packages}, Python {platform.python_version()},\n"
         f"for {processor} ({platform.machine()}).\n"
     )

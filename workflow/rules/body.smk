@@ -1,7 +1,7 @@
 rule body:
     input:
         contact=f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
-        compiled=ancient(rules.compiled.output),
+        compiled=COMPILED,
         code=code("body"),
     output:
         f"{RESULTS}/body/{{surface}}/seed{{seed}}.nc",

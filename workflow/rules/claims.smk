@@ -36,7 +36,7 @@ rule claims:
         ),
         validation=claim_datasets,
         style="src/asperity/figures/style.mplstyle",
-        compiled=ancient(rules.compiled.output),
+        compiled=COMPILED,
         code=code("claims"),
     output:
         table=report(

@@ -2,13 +2,18 @@
 # It runs only where its output is missing, and so has no inputs: a job that runs again would hide from Snakemake
 # what else is new to the jobs after it, of which it is an ancient() input. A changed function is compiled by the
 # jobs that call it.
+PARTS = ("contact", "stress")
+
+
 rule compiled:
     output:
-        f"{RESULTS}/compiled.txt",
+        f"{RESULTS}/compiled/{{part}}.txt",
     log:
-        f"{RESULTS}/log/compiled.log",
+        f"{RESULTS}/log/compiled/{{part}}.log",
     benchmark:
-        f"{RESULTS}/benchmark/compiled.tsv"
+        f"{RESULTS}/benchmark/compiled/{{part}}.tsv"
+    wildcard_constraints:
+        part="|".join(PARTS),
     priority: 1
     threads: 1
     resources:
@@ -17,3 +22,6 @@ rule compiled:
         runtime=minutes("compiled"),
     script:
         "../scripts/compiled.py"
+
+
+COMPILED = ancient(expand(rules.compiled.output, part=PARTS))

@@ -1,7 +1,7 @@
 rule contact:
     input:
         surface=f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
-        compiled=ancient(rules.compiled.output),
+        compiled=COMPILED,
         code=code("contact"),
     output:
         f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",

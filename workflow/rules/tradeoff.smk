@@ -1,7 +1,7 @@
 # The measurement from which plans are made: reduced in rule all, in full by its own name.
 rule tradeoff:
     input:
-        compiled=ancient(rules.compiled.output),
+        compiled=COMPILED,
         code=code("tradeoff"),
     output:
         runs=f"{RESULTS}/tradeoff/{{extent}}/runs.nc",

@@ -3,7 +3,7 @@ VALIDATIONS = list(config["validation"])
 
 rule validation:
     input:
-        compiled=ancient(rules.compiled.output),
+        compiled=COMPILED,
         code=code("validation"),
     output:
         f"{RESULTS}/validation/{{validation}}.nc",
@@ -27,7 +27,7 @@ rule validation:
 # A second finite-element code, where it is installed; not asked for by rule all.
 rule calculix:
     input:
-        compiled=ancient(rules.compiled.output),
+        compiled=COMPILED,
         code=code("calculix"),
     output:
         f"{RESULTS}/validation/calculix.nc",

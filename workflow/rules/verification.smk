@@ -4,7 +4,7 @@ rule verification:
         contact=expand(f"{RESULTS}/contact/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
         body=expand(f"{RESULTS}/body/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
         statistics=f"{RESULTS}/statistics/{{surface}}.nc",
-        compiled=ancient(rules.compiled.output),
+        compiled=COMPILED,
         code=code("verification"),
     output:
         report(

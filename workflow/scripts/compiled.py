@@ -2,9 +2,10 @@
 
 from pathlib import Path
 
-from asperity.compiled import compile_library, describe
+from asperity.compiled import PARTS, describe
 from asperity.progress import Progress, record
 
-with record(snakemake.log[0]), Progress("compiled") as progress:
-    compile_library(progress=progress)
-    Path(snakemake.output[0]).write_text(describe(), encoding="utf-8")
+part = snakemake.wildcards.part
+with record(snakemake.log[0]), Progress(f"compiled {part}"):
+    PARTS[part]()
+    Path(snakemake.output[0]).write_text(describe(part), encoding="utf-8")
