@@ -188,26 +188,47 @@ def growth(rows: list[Row]) -> str:
 
 
 def picture(rows: list[Row], path: Path) -> None:
-    """Error against processor time and against pairs, on the largest grid."""
+    """Error against processor time and against pairs on the largest grid, a row of panels for each load."""
     import matplotlib
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    from matplotlib.ticker import LogLocator, NullFormatter
 
     largest = max(row.points for row in rows)
-    figure, axes = plt.subplots(1, 2, figsize=(10, 4.2), sharey=True, layout="constrained")
-    names = list(dict.fromkeys(row.solver for row in rows))
-    for number, name in enumerate(names):
-        for hurst, line in zip(sorted({row.hurst for row in rows}), ("-", "--"), strict=False):
-            some = [row for row in rows if (row.solver, row.hurst, row.points) == (name, hurst, largest)]
-            error = [row.error for row in some]
-            style = {"color": f"C{number}", "marker": "o", "linestyle": line, "label": f"{name}, H = {hurst}"}
-            axes[0].loglog([row.seconds for row in some], error, **style)
-            axes[1].loglog([row.pairs for row in some], error, **style)
-    axes[0].set(xlabel="processor time, s, one thread", ylabel="relative L2 error of the pressure")
-    axes[1].set(xlabel="pairs of transforms of the finest grid")
-    axes[0].legend(fontsize=7)
-    figure.suptitle(f"{largest}²")
+    rows = [row for row in rows if row.points == largest]
+    loads, names = (sorted({row.load for row in rows}), list(dict.fromkeys(row.solver for row in rows)))
+    figure, axes = plt.subplots(
+        len(loads),
+        2,
+        figsize=(9, 1 + 3.2 * len(loads)),
+        sharex="col",
+        sharey=True,
+        squeeze=False,
+        layout="constrained",
+    )
+    for (left, right), load in zip(axes, loads, strict=True):
+        for number, name in enumerate(names):
+            for hurst, line in zip(sorted({row.hurst for row in rows}), ("-", "--"), strict=False):
+                some = [row for row in rows if (row.solver, row.hurst, row.load) == (name, hurst, load)]
+                error = [row.error for row in some]
+                style = {
+                    "color": f"C{number}",
+                    "marker": "osD^v<"[number % 6],
+                    "linestyle": line,
+                    "label": f"{name}, $H$ = {hurst}",
+                }
+                left.loglog([row.seconds for row in some], error, **style)
+                right.loglog([row.pairs for row in some], error, **style)
+        left.set(ylabel="relative L2 error of the pressure")
+        right.set_title(f"load {load} E* ḡ, {largest}² nodes", loc="right", fontsize="medium")
+    for axis in (axes[-1, 0].xaxis, axes[-1, 1].xaxis):
+        axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.set_major_formatter("{x:g}")
+        axis.set_minor_formatter(NullFormatter())
+    axes[-1, 0].set(xlabel="processor time, s, one thread")
+    axes[-1, 1].set(xlabel="pairs of transforms of the finest grid")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside right upper", fontsize=8)
     figure.savefig(path, dpi=150)
 
 
@@ -216,9 +237,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--points", type=int, nargs="+", default=[512, 1024])
+    parser.add_argument("--points", type=int, nargs="+", default=[256, 1024])
     parser.add_argument("--hurst", type=float, nargs="+", default=[0.2, 0.8])
-    parser.add_argument("--load", type=float, nargs="+", default=[0.05], help="mean pressure over E* ḡ")
+    parser.add_argument("--load", type=float, nargs="+", default=[0.01, 0.05], help="mean pressure over E* ḡ")
     parser.add_argument("--solver", nargs="+", default=list(TOLERANCES), choices=TOLERANCES)
     parser.add_argument("--tolerance", type=float, nargs="+", help="for all solvers, instead of their own")
     parser.add_argument("--out", type=Path, default=Path("results/benchmarks"))
