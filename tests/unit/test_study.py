@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from small_study import BODY, CONTACT, LAYER
 
 from asperity import dataset
 from asperity.study.body import analyse_body
@@ -18,21 +19,6 @@ SURFACE = {
     "rms_height": 0.001,
     "points": 64,
 }
-LAYER = {
-    "height": 1.0,
-    "bottom": "bonded",
-    "poisson": 0.33,
-    "lateral": "confined",
-    "half_space_tolerance": 0.03,
-}
-CONTACT = {
-    "method": "active_set",
-    "area_fraction": 0.1,
-    "path_area_fractions": [0.05, 0.15],
-    "tolerance": 1e-6,
-    "precision": "float64",
-}
-BODY = {"poisson": [0.0, 0.33], "tolerance": 1e-4, "depth_spacing": 0.5}
 STATISTICS = {"bins": 10, "resamples": 50, "confidence": 0.9}
 
 
@@ -54,7 +40,7 @@ def test_a_tall_layer_is_taken_for_a_half_space_and_a_thin_one_is_not():
 
 
 def test_the_curve_holds_every_area_asked_for_in_order():
-    _, contact, _ = run(1)
+    contact = press(make_surface(SURFACE, 1), LAYER, CONTACT | {"path_area_fractions": [0.15, 0.05]})
     np.testing.assert_allclose(contact.path_area_fraction, [0.05, 0.1, 0.15], atol=1 / 64**2)
     assert np.all(np.diff(contact.path_mean_pressure) > 0)
     assert float(contact.area_fraction) == pytest.approx(0.1, abs=1 / 64**2)

@@ -2,6 +2,7 @@ import json
 
 import numpy as np
 import pytest
+from small_study import BODY, CONTACT, LAYER
 
 from asperity.study.body import analyse_body
 from asperity.study.contact import press
@@ -12,21 +13,6 @@ from asperity.summary import summarise as numbers
 from asperity.verification import Check, VerificationError, require, verify_member, verify_statistics
 
 SURFACE = {"hurst": 0.8, "wavelength_long": 0.5, "wavelength_short": 0.125, "rms_height": 1e-3, "points": 64}
-LAYER = {
-    "height": 1.0,
-    "bottom": "bonded",
-    "poisson": 0.33,
-    "lateral": "confined",
-    "half_space_tolerance": 0.03,
-}
-CONTACT = {
-    "method": "active_set",
-    "area_fraction": 0.1,
-    "path_area_fractions": [0.05, 0.08, 0.1, 0.15],
-    "tolerance": 1e-6,
-    "precision": "float64",
-}
-BODY = {"poisson": [0.0, 0.33], "tolerance": 1e-4, "depth_spacing": 0.5}
 SETTINGS = {"name": "small", "seed": 1, "surface": SURFACE, "layer": LAYER, "contact": CONTACT, "body": BODY}
 
 
