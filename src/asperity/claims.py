@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 import asperity
 from asperity.spectral import Array
@@ -162,7 +162,7 @@ def judge(claim: Claim, evidence: Evidence) -> Finding:
         seeds, value, error = found.size, float(found.mean()), np.nan
         if seeds > 1:
             error = float(found.std(ddof=1) / np.sqrt(seeds))
-        half = float(student.ppf(0.5 + CONFIDENCE / 2, seeds - 1)) * error if seeds > 1 else np.nan
+        half = float(stdtrit(seeds - 1, 0.5 + CONFIDENCE / 2)) * error if seeds > 1 else np.nan
     low, high = value - half, value + half
     return Finding(claim, value, error, low, high, seeds, _verdict(low, high, claim.region))
 

@@ -17,7 +17,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from scipy import ndimage
-from scipy.stats import spearmanr
 
 from asperity.dataset import FINGERPRINT, DatasetError, digest, settings_of, whole
 from asperity.spectral import Array
@@ -199,6 +198,8 @@ def _depth_follows_size(peaks: xr.Dataset, patches: Array, radii: Array, spacing
     column = np.rint(peaks["peak_x"].values / spacing).astype(int) % nx
     above = patches[row, column]
     touched = above > 0
+    from scipy.stats import spearmanr  # takes a second to import, and the workflow imports this module
+
     return float(spearmanr(radii[above[touched] - 1], peaks["peak_depth"].values[touched]).statistic)
 
 

@@ -1,7 +1,30 @@
+import ast
 import os
 import re
 from functools import cache
-from modulefinder import ModuleFinder
+
+
+@cache
+def imported(source):
+    """Sources of the library that one names in its imports, with the packages they lie in."""
+    with open(source, "rb") as file:
+        found = [
+            node for node in ast.walk(ast.parse(file.read())) if isinstance(node, ast.Import | ast.ImportFrom)
+        ]
+    names = {alias.name for node in found if isinstance(node, ast.Import) for alias in node.names}
+    for node in found:
+        if isinstance(node, ast.ImportFrom) and node.module:
+            names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
+    return {source for name in names for source in sources_of(name)}
+
+
+@cache
+def sources_of(module):
+    """Source of a module of the library, and those of the packages around it."""
+    parts = module.split(".")
+    paths = ["/".join(["src", *parts[: end + 1]]) for end in range(len(parts))]
+    candidates = [f"{path}{ending}" for path in paths for ending in (".py", "/__init__.py")]
+    return [candidate for candidate in candidates if os.path.exists(candidate)]
 
 
 @cache
@@ -10,11 +33,13 @@ def code(script, *modules):
 
     `modules` are those the script imports by a name that it is given.
     """
-    finder = ModuleFinder(path=["src"])
-    finder.run_script(f"workflow/scripts/{script}.py")
-    for module in modules:
-        finder.import_hook(module)
-    return sorted(os.path.relpath(module.__file__) for module in finder.modules.values() if module.__file__)
+    found, ahead = set(), [f"workflow/scripts/{script}.py", *(s for m in modules for s in sources_of(m))]
+    while ahead:
+        source = ahead.pop()
+        if source not in found:
+            found.add(source)
+            ahead += imported(source)
+    return sorted(source for source in found if source.startswith("src/"))
 
 
 def contact_settings(wildcards):
