@@ -64,6 +64,14 @@ def test_area_is_met(area_fraction: float) -> None:
     contact.certificate.check(1e-4)
 
 
+def test_area_control_costs_no_more_on_a_large_grid() -> None:
+    """Hundreds of thousands of nodes enter and leave at loads closer than any tolerance."""
+    height = asp.self_affine((2048, 2048), 0.8, 0.125, 1 / 256, 1e-3, 1)
+    by_area = solve(height, HALF_SPACE, area_fraction=0.1)
+    assert by_area.area_fraction == pytest.approx(0.1, rel=1e-4)
+    assert by_area.certificate.pairs < 50
+
+
 @pytest.mark.parametrize("hurst", [0.2, 0.8])
 @pytest.mark.parametrize("area_fraction", [0.003, 0.05, 0.1])
 def test_area_control_costs_at_most_twice_a_solve(hurst: float, area_fraction: float) -> None:
@@ -398,3 +406,12 @@ def test_bad_types() -> None:
         solve(np.zeros(16), HALF_SPACE, mean_pressure=0.1)
     with pytest.raises(ValueError, match="exactly one of area_fractions"):
         solve_path(np.zeros((16, 16)), HALF_SPACE)
+
+
+def test_a_sheet_that_bends_is_solved_or_refused() -> None:
+    height = asp.self_affine((128, 128), 0.8, 1 / 8, 1 / 16, 1e-3, 1)
+    load = 0.05 * asp.measure(height).rms_gradient
+    thick, thin = (Layer(1.0, 0.33, height=part, bottom="free") for part in (0.3, 0.03))
+    assert solve(height, thick, mean_pressure=load).certificate.pairs < 30
+    with pytest.raises(ConvergenceError, match="stopped"):
+        solve(height, thin, mean_pressure=load)

@@ -258,8 +258,9 @@ class Level:
         events = passes.events(pressure, gap, state.approach, self.unit, plain, rate, self.displacement)
         count = int(np.count_nonzero(events <= least))
         edges = np.concatenate(([least], np.sort(events[(events > least) & (events < most)]), [most]))
-        # Only numbers of nodes that last while the load changes can be asked for.
+        # Only numbers of nodes that last while the load changes can be asked for, unless there is none.
         lasting = np.flatnonzero(np.diff(edges) >= area.resolution * state.load / per_load)
+        lasting = lasting if lasting.size else np.arange(edges.size - 1)
         best = lasting[np.argmin(np.abs(lasting + (count - area.target)))]
         in_reach = best < edges.size - 2 or best + count > area.target
         if settled and in_reach and edges[best] < 0 < edges[best + 1]:

@@ -11,7 +11,8 @@ from asperity.contact.problem import State
 # Contact nodes may miss the area asked for by one half, or by this fraction.
 AREA_TOLERANCE = 1e-4
 
-# Loads nearer than this fraction of the pressure's tolerance are not told apart.
+# Loads nearer than this fraction of the pressure's tolerance are not told apart, nor those nearer than this
+# fraction of the load of one node.
 RESOLUTION = 0.1
 
 # An unconverged pressure steers only if the area misses by more than this many times its estimated error.
@@ -47,7 +48,7 @@ class AreaControl:
     ) -> None:
         self.target = max(1, round(area_fraction * size))
         self.allowed = max(tolerance * self.target, 0.5)
-        self.resolution = RESOLUTION * rtol
+        self.resolution = RESOLUTION * min(rtol, 1 / self.target)
         self.nearest = False
         self.low = (0.0, 0)
         self.high = (math.inf, size + 1)

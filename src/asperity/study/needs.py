@@ -39,8 +39,8 @@ _LINES = {
     "compiled": _Line(295, 0, 14, 0),
     "surface": _Line(144, 31, 2, 0.8),
     "map": _Line(250, 31, 5, 0.8),
-    "contact": _Line(260, 98, 3, 2.7),
-    "contact path": _Line(260, 160, 3, 2.7),
+    "contact": _Line(260, 85, 3, 1.3),
+    "contact path": _Line(260, 130, 3, 1.3),
     "body": _Line(270, 139, 4, 2.5),
     "summary": _Line(212, 50, 3, 0.4),
     "statistics": _Line(205, 53, 3, 0.5),
@@ -56,7 +56,7 @@ _LINES = {
     "tradeoff": _Line(330, 300, 8, 95),
 }
 _AGAIN = {
-    "contact": _Line(0, 0, 0.5, 0.8),
+    "contact": _Line(0, 0, 0.5, 0.75),
     "body": _Line(0, 22, 0, 0.5),
     "statistics": _Line(0, 48, 2, 0.3),
     "verification": _Line(0, 8, 0.1, 0.3),
