@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from asperity.calibration import SOURCES, Measured, measured_errors
 from asperity.figures.style import MILLIMETRE, PAGE, panels
@@ -105,6 +106,10 @@ def draw_front(runs: xr.Dataset) -> Figure:
         kept = best[:, 1] == np.minimum.accumulate(best[:, 1])
         axis.step(*best[kept].T, where="post", color="0.6", lw=0.8, zorder=0)
         axis.set(xscale="log", yscale="log", xlabel="processor time (s)", ylabel=title)
+        # Less than two decades: labels of the powers of ten alone would be one or none.
+        axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.xaxis.set_major_formatter("{x:g}")
+        axis.xaxis.set_minor_formatter(NullFormatter())
     figure.legend(handles=_front_legend(runs), loc="outside lower center", ncols=5)
     return figure
 
@@ -180,7 +185,7 @@ def draw_growth(runs: xr.Dataset) -> Figure:
         axis.set(xscale="log", xlabel="nodes on an edge")
         axis.set_xticks(ticks, [str(tick) for tick in ticks])
         axis.set_xticks([], minor=True)
-        axis.legend(handlelength=3)
+        axis.legend(handlelength=3, loc="upper left")
     time.set(yscale="log", ylabel="processor time (s)")
     memory.set(ylim=(0, None), ylabel="peak memory of the process (GiB)")
     return figure
