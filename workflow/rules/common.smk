@@ -2,6 +2,7 @@ import ast
 import os
 import re
 from functools import cache
+from pathlib import Path
 
 
 @cache
@@ -22,9 +23,9 @@ def imported(source):
 def sources_of(module):
     """Source of a module of the library, and those of the packages around it."""
     parts = module.split(".")
-    paths = ["/".join(["src", *parts[: end + 1]]) for end in range(len(parts))]
-    candidates = [f"{path}{ending}" for path in paths for ending in (".py", "/__init__.py")]
-    return [candidate for candidate in candidates if os.path.exists(candidate)]
+    places = [Path("src").joinpath(*parts[: end + 1]) for end in range(len(parts))]
+    candidates = [source for place in places for source in (place.with_suffix(".py"), place / "__init__.py")]
+    return [str(source) for source in candidates if source.exists()]
 
 
 @cache
