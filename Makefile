@@ -1,7 +1,7 @@
 # The two commands are `make study` and `make test`; each makes its own environment first.
 PYTHON ?= python3
 CORES ?= 2
-SCHEMA := workflow/schemas/config.schema.yaml
+SCHEMA := src/asperity/config/schema.yaml
 VENV := .venv
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
@@ -11,7 +11,7 @@ help: ## What can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
 
 study: $(VENV)/ready ## The paper: every figure of the study, in results/figures; CONFIG=overlay.yaml changes it
-	$(if $(CONFIG),python -m asperity.config $(SCHEMA) config/config.yaml $(CONFIG))
+	$(if $(CONFIG),python -m asperity.config.check $(SCHEMA) config/config.yaml $(CONFIG))
 	snakemake --cores $(CORES) $(if $(CONFIG),--configfile $(CONFIG))
 
 quick: $(VENV)/ready ## Every stage and every rule on a small cell, in results/quick
@@ -42,11 +42,11 @@ bad-input: $(VENV)/ready ## Some two hundred wrong configurations, command lines
 test-faults: $(VENV)/ready ## A small study killed fifty times and run again, as a table in results/faults.md
 	python tests/workflow/faults.py --kills 50
 
-bench: $(VENV)/ready ## Speed and accuracy of the layer, the contact solvers and the body, peers beside them where installed
+bench: $(VENV)/ready ## Speed and accuracy of the layer, the contact solvers and the stress, peers beside them where installed
 	python benchmarks/layer.py
 	python benchmarks/contact.py
 	python benchmarks/gfmd.py
-	python benchmarks/body.py
+	python benchmarks/stress.py
 	python benchmarks/economies.py
 
 tradeoff: $(VENV)/ready ## What every knob of accuracy costs, measured anew and kept for asperity plan and config/README.md

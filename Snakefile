@@ -1,11 +1,12 @@
-# From rough surfaces to the figures of the paper: surface -> contact -> body -> statistics -> figures.
+# From rough surfaces to the figures of the paper: surface -> contact -> stress -> statistics -> figures.
 import sys
 
 try:
-    from asperity.config import ConfigError, check, check_files, load_schema
-    from asperity.overlay import load
-    from asperity.preflight import PreflightError, require_packages
-    from asperity.presets import complete
+    from asperity.errors import ConfigError, PreflightError
+    from asperity.config.check import check, check_files, load_schema
+    from asperity.config.reader import load
+    from asperity.runtime.preflight import require_packages
+    from asperity.config.presets import complete
 
     require_packages()
 except ImportError as error:
@@ -25,7 +26,7 @@ report: "workflow/report/overview.rst"
 try:
     for overlay in workflow.overwrite_configfiles:
         load(overlay)
-    check(config, load_schema(workflow.source_path("workflow/schemas/config.schema.yaml")))
+    check(config, load_schema(workflow.source_path("src/asperity/config/schema.yaml")))
     check_files(config)
 except ConfigError as error:
     sys.exit(f"config: {error}")
@@ -46,7 +47,7 @@ include: "workflow/rules/resources.smk"
 include: "workflow/rules/compiled.smk"
 include: "workflow/rules/surface.smk"
 include: "workflow/rules/contact.smk"
-include: "workflow/rules/body.smk"
+include: "workflow/rules/stress.smk"
 include: "workflow/rules/statistics.smk"
 include: "workflow/rules/validation.smk"
 include: "workflow/rules/pictures.smk"

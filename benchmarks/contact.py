@@ -24,8 +24,9 @@ import numpy as np
 
 import asperity as asp
 from asperity.contact import solve
-from asperity.layer import Layer
-from asperity.spectral import Array, Fourier
+from asperity.elasticity.layer import Layer
+from asperity.spectral import Fourier
+from asperity.types import Array
 
 Run = Callable[[float], tuple[Array, float]]
 Tolerances = dict[str, tuple[float, ...]]
@@ -134,7 +135,7 @@ def with_contact_mechanics(height: Array, load: float) -> Run:
 def measure(points: int, hurst: float, fraction: float, tolerances: Tolerances) -> Iterator[Row]:
     """All runs on one surface at one load, `fraction` × E* × rms gradient."""
     height = asp.self_affine((points, points), hurst, 1 / 8, 8 / points, 1e-3, seed=1)
-    load = fraction * asp.measure(height).rms_gradient
+    load = fraction * asp.roughness_parameters(height).rms_gradient
     for warm in ("float64", "float32"):
         solve(height[:64, :64].copy(), LAYER, mean_pressure=load, dtype=warm, rtol=1e-2)
     truth = solve(height, LAYER, mean_pressure=load, rtol=REFERENCE).pressure

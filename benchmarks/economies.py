@@ -15,13 +15,13 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from asperity import dataset
-from asperity.analysis import analyse
-from asperity.body import body_planes, depth_grid
 from asperity.contact import solve
-from asperity.layer import COMPONENTS, Layer
-from asperity.roughness import self_affine
-from asperity.study.solid import solid
+from asperity.elasticity.layer import COMPONENTS, Layer
+from asperity.pipeline.solid import solid
+from asperity.results import dataset
+from asperity.stress.analysis import analyse_stress
+from asperity.stress.planes import depth_grid, stress_planes
+from asperity.surface.roughness import self_affine
 
 RATIOS = (0.0, 0.25, 0.33, 0.5)
 SLAB = {"height": 1.0, "bottom": "bonded", "poisson": 0.33, "lateral": "confined"}
@@ -50,7 +50,7 @@ def half_space(height):
 
     def whole(tolerance):
         contact = press(height, layer_of(tolerance))
-        analyse(contact, depth_grid(contact.grid, 1.0), tolerance=1e-4)
+        analyse_stress(contact, depth_grid(contact.grid, 1.0), tolerance=1e-4)
 
     return lambda: whole(0.05), lambda: whole(0.0)
 
@@ -60,12 +60,12 @@ def every_ratio(height):
 
     def together():
         contact = press(height, layer_of(0.05))
-        analyse(contact, depth_grid(contact.grid, 1.0), RATIOS, tolerance=1e-4)
+        analyse_stress(contact, depth_grid(contact.grid, 1.0), RATIOS, tolerance=1e-4)
 
     def apart():
         for poisson in RATIOS:
             contact = press(height, replace(Layer(1.0, poisson), young=1 - poisson**2))
-            analyse(contact, depth_grid(contact.grid, 1.0), tolerance=1e-4)
+            analyse_stress(contact, depth_grid(contact.grid, 1.0), tolerance=1e-4)
 
     return together, apart
 
@@ -75,8 +75,8 @@ def coarse_planes(height):
     contact = press(height, layer_of(0.05))
     depths = depth_grid(contact.grid, 1.0)
     return (
-        lambda: analyse(contact, depths, RATIOS, tolerance=1e-4),
-        lambda: analyse(contact, depths, RATIOS, tolerance=0),
+        lambda: analyse_stress(contact, depths, RATIOS, tolerance=1e-4),
+        lambda: analyse_stress(contact, depths, RATIOS, tolerance=0),
     )
 
 
@@ -86,7 +86,7 @@ def on_demand(height):
     depths = depth_grid(contact.grid, 1.0)
 
     def planes(components):
-        for _ in body_planes(contact, depths, components=components, tolerance=1e-4):
+        for _ in stress_planes(contact, depths, components=components, tolerance=1e-4):
             pass
 
     return lambda: planes(("zz",)), lambda: planes(COMPONENTS)
@@ -99,13 +99,13 @@ def nothing_unread(height, folder):
     paths = folder / "kept.nc", folder / "field.nc"
 
     def kept():
-        data = analyse(contact, depths, tolerance=1e-4)
+        data = analyse_stress(contact, depths, tolerance=1e-4)
         dataset.write(data, paths[0], title="economies", settings={})
 
     def everything():
         kept()
         field = np.empty((depths.size, len(COMPONENTS), *contact.grid.shape))
-        for number, plane in enumerate(body_planes(contact, depths, None, COMPONENTS, tolerance=0)):
+        for number, plane in enumerate(stress_planes(contact, depths, None, COMPONENTS, tolerance=0)):
             field[number] = np.stack([plane.fields[name][0] for name in COMPONENTS])
         encoding = {"stress": {"zlib": True, "complevel": 1, "shuffle": True}}
         xr.Dataset({"stress": (("plane", "component", "y", "x"), field)}).to_netcdf(

@@ -10,9 +10,10 @@ import sys
 import numpy as np
 
 import asperity as asp
-from asperity.contact import ConvergenceError, gfmd
+from asperity.contact import gfmd
 from asperity.contact.problem import Control, Problem
-from asperity.layer import Layer
+from asperity.elasticity.layer import Layer
+from asperity.errors import ConvergenceError
 from asperity.reference.pivoting import pivot
 from asperity.spectral import Grid, Work
 
@@ -48,7 +49,7 @@ def row(name, values, form="9.0f"):
 def damping(points=128):
     """Steps against the damping, with the critical damping as corrected and with that printed, none."""
     height = rough(points)
-    gradient = asp.measure(height).rms_gradient
+    gradient = asp.roughness_parameters(height).rms_gradient
     print(f"Steps by damping over the critical one of the slowest mode, {points}²; nan: no rest in 20 000")
     row("solid, imposed", (0.0, *FACTORS), "9.2f")
     cases = {f"half-space, load {load:g} E* g": (HALF_SPACE, "mean_pressure", load) for load in LOADS[1:]}
@@ -63,7 +64,7 @@ def damping(points=128):
 def eq17(points=128):
     """The damping that takes the fewest steps, and the exponent of the load in it."""
     height = rough(points)
-    gradient = asp.measure(height).rms_gradient
+    gradient = asp.roughness_parameters(height).rms_gradient
     softest = np.pi
     print(f"\nBest damping by load, half-space, {points}², against what the slowest mode suggests (Eq. 17)")
     row("load / (E* g)", LOADS, "9.3f")
@@ -98,7 +99,7 @@ def grids(sizes=(64, 128, 256, 512, 1024)):
         found = []
         for points in sizes:
             height = make(points)
-            pressure = load or 0.05 * asp.measure(height).rms_gradient
+            pressure = load or 0.05 * asp.roughness_parameters(height).rms_gradient
             found.append(steps(height, HALF_SPACE, Control("mean_pressure", pressure), gfmd.DAMPING))
         row(name, found)
         print(f"{'':32}exponent {np.polyfit(np.log(sizes), np.log(found), 1)[0]:.2f}")

@@ -12,10 +12,10 @@ from dataclasses import replace
 import numpy as np
 
 import asperity as asp
-from asperity.body import body_planes, depth_grid
-from asperity.layer import Layer
+from asperity.elasticity.layer import Layer
 from asperity.spectral import Fourier, Grid
-from asperity.stability import PRECISIONS, layer_errors
+from asperity.stress.planes import depth_grid, stress_planes
+from asperity.validation.rounding import PRECISIONS, layer_errors
 
 HEIGHTS = [1e-8, 1e-6, 1e-4, 1e-2, 0.1, 0.5, 0.99, 1.0, 1.01, 2.0, 5.0, 10.0, 39.0, 41.0, 300.0, 1e3, 1e5]
 RATIOS = [-0.99, -0.7, -0.3, 0.0, 0.2, 0.33, 0.45, 0.499999, 0.5]
@@ -24,7 +24,7 @@ MEASURES = ("compliance", "stress", "displacement", "face_compliance")
 
 def accuracy():
     """Worst error of each quantity over all q · height, ν and depths."""
-    print("Worst errors (see asperity.stability.layer_errors for what each is relative to)")
+    print("Worst errors (see asperity.validation.rounding.layer_errors for what each is relative to)")
     print(f"{'bottom':14}{'precision':11}" + "".join(f"{name:>17}" for name in MEASURES))
     for bottom in ("half-space", "bonded", "frictionless", "free"):
         for precision in PRECISIONS:
@@ -88,7 +88,7 @@ def uniform(points=256):
     )
     print(f"\nLargest von Mises stress, laterally free over confined; rough, {points}², half-space")
     print(
-        f"{'area fraction':>14}{'ν':>7}{'whole body':>13}{'depth L/16':>13}{'depth L/4':>13}{'depth L/2':>13}"
+        f"{'area fraction':>14}{'ν':>7}{'whole stress':>13}{'depth L/16':>13}{'depth L/4':>13}{'depth L/2':>13}"
     )
     for mean_pressure in (0.0005, 0.0025, 0.01):
         contact = asp.solve(height, Layer(1.0, 0.33), mean_pressure=mean_pressure)
@@ -97,7 +97,7 @@ def uniform(points=256):
         peaks = {}
         for lateral in ("confined", "free"):
             solid = replace(contact, layer=replace(contact.layer, lateral=lateral))
-            planes = body_planes(solid, depths, ratios)
+            planes = stress_planes(solid, depths, ratios)
             peaks[lateral] = np.array([p.fields["von_mises"].max(axis=(1, 2)) for p in planes])
         chosen = [np.flatnonzero(depths == d)[0] for d in (1 / 16, 1 / 4, 1 / 2)]
         for n, nu in enumerate(ratios):

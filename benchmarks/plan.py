@@ -8,9 +8,9 @@ An error, a time and a memory are asked for; the settings proposed are run, and 
 
 from dataclasses import replace
 
-from asperity.calibration import percent
-from asperity.plan import PEAKS, propose
-from asperity.tradeoff import EXACT, Scene, errors, evaluate
+from asperity.accuracy.measurement import EXACT, Scene, errors, evaluate
+from asperity.accuracy.model import percent
+from asperity.accuracy.plan import PEAKS, propose
 
 SMALL = Scene(hurst=0.5, wavelength_long=1 / 6, wavelength_short=1 / 24, area_fraction=0.06, seed=7)
 LARGE = Scene(hurst=0.6, wavelength_long=1 / 5, wavelength_short=1 / 48, area_fraction=0.15, seed=3)
@@ -24,7 +24,7 @@ TARGETS = (
 
 
 def seconds(costs):
-    return costs["surface_seconds"] + costs["contact_seconds"] + costs["body_seconds"]
+    return costs["surface_seconds"] + costs["contact_seconds"] + costs["stress_seconds"]
 
 
 def largest_error(outcome, scene, knobs):

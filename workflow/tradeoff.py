@@ -8,16 +8,16 @@ import re
 import subprocess
 from pathlib import Path
 
-from asperity.calibration import Measured, as_json, describe_presets
+from asperity.accuracy.model import Measured, as_json, describe_presets
 
-KEPT = Path("src/asperity/tradeoff.json")
+KEPT = Path("src/asperity/accuracy/measured.json")
 README = Path("config/README.md")
 MEASURED = Path("results/tradeoff/full/measured.json")
 
 
 def with_table(text: str, measured: Measured) -> str:
     """The README with the presets as measured."""
-    mark = "<!-- presets: python -m asperity.plan -->\n"
+    mark = "<!-- presets: python -m asperity.accuracy.plan -->\n"
     return re.sub(f"(?<={re.escape(mark)})(\\|.*\n)*", lambda _: describe_presets(measured) + "\n", text)
 
 

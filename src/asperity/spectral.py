@@ -35,9 +35,9 @@ from typing import Any
 
 import ducc0
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike
 
-Array = NDArray[Any]
+from asperity.types import Array
 
 REAL_TYPES = (np.dtype(np.float32), np.dtype(np.float64))
 

@@ -8,7 +8,7 @@ import pytest
 import asperity as asp
 from asperity.contact import gfmd, solve
 from asperity.contact.problem import Control, Problem
-from asperity.layer import Layer
+from asperity.elasticity.layer import Layer
 from asperity.reference.hertz import Hertz
 from asperity.reference.westergaard import Westergaard
 from asperity.spectral import Grid, Work
@@ -125,7 +125,7 @@ def test_gfmd_steps_grow_as_the_root_of_the_points() -> None:
 def test_against_tamaas() -> None:
     tamaas = pytest.importorskip("tamaas")
     height = asp.self_affine((128, 128), 0.8, 0.25, 1 / 16, 1e-3, 2)
-    load = 0.05 * asp.measure(height).rms_gradient
+    load = 0.05 * asp.roughness_parameters(height).rms_gradient
     model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [128, 128])
     model.E, model.nu = 1.0, 0.0
     peer = tamaas.PolonskyKeerRey(model, -height, 1e-13)
@@ -139,7 +139,7 @@ def test_against_contact_mechanics() -> None:
     peer = pytest.importorskip("ContactMechanics")
     topography = pytest.importorskip("SurfaceTopography").Topography
     height = asp.self_affine((128, 128), 0.8, 0.25, 1 / 16, 1e-3, 2)
-    load = 0.05 * asp.measure(height).rms_gradient
+    load = 0.05 * asp.roughness_parameters(height).rms_gradient
     substrate = peer.PeriodicFFTElasticHalfSpace(height.shape, 1.0, (1.0, 1.0))
     surface = topography(-height, physical_sizes=(1.0, 1.0), periodic=True)
     found = peer.make_system(substrate=substrate, surface=surface).minimize_proxy(
@@ -154,7 +154,7 @@ def test_against_contact_mechanics() -> None:
 def test_the_slowest_mode_sets_the_damping(fraction: float) -> None:
     """Far from its critical damping, on either side, the surface takes longer to come to rest."""
     height = asp.self_affine((64, 64), 0.8, 1 / 4, 1 / 8, 1e-3, 1)
-    control = Control("mean_pressure", fraction * asp.measure(height).rms_gradient)
+    control = Control("mean_pressure", fraction * asp.roughness_parameters(height).rms_gradient)
 
     def steps(damping: float) -> int:
         problem = Problem(height, HALF_SPACE, Grid(height.shape), "float64", 1, Work())

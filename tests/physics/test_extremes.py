@@ -9,12 +9,12 @@ import pytest
 import xarray as xr
 
 import asperity as asp
-from asperity import extremes
-from asperity.contact import certify, solve
-from asperity.extremes import ACCEPTABLE, CERTIFIED, CHECKED, OUTCOMES, WRONG, Scene
-from asperity.layer import Layer
+from asperity.contact import solve, verify_contact
+from asperity.elasticity.layer import Layer
 from asperity.reference import pivoting
 from asperity.reference.pivoting import PivotingError, pivot
+from asperity.validation import extremes
+from asperity.validation.extremes import ACCEPTABLE, CERTIFIED, CHECKED, OUTCOMES, WRONG, Scene
 
 HALF_SPACE = Layer(1.0, 0.0)
 
@@ -84,7 +84,7 @@ def test_pivoting_fulfils_the_conditions_of_contact(layer: Layer) -> None:
     for part in (1e-30, 0.03, 0.5, 2.0):
         pressure = pivot(height, layer, mean_pressure=part * closing)
         assert pressure.mean() == pytest.approx(part * closing, rel=1e-12)
-        assert certify(height, pressure, layer, mean_pressure=part * closing).worst < 1e-10
+        assert verify_contact(height, pressure, layer, mean_pressure=part * closing).worst < 1e-10
 
 
 def test_closing_pressure_closes_the_last_gap() -> None:

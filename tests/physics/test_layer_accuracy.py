@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from asperity.layer import Layer
-from asperity.stability import FORMULAS, PRECISIONS, compute, layer_errors
+from asperity.elasticity.layer import Layer
+from asperity.validation.rounding import FORMULAS, PRECISIONS, compute, layer_errors
 
 # Bounds on rounding, relative to the largest component at the same depth and per 1 + q depth.
 ROUNDING = {"float64": 4e-15, "float32": 2e-6}
@@ -71,7 +71,7 @@ def test_stability_dataset_tells_the_formulas_apart():
 
 
 def test_stability_figure_shows_every_formula():
-    stability = pytest.importorskip("asperity.figures.stability")
+    stability = pytest.importorskip("asperity.paper.figures.stability")
     dataset = compute(poisson=(0.33, 0.5), smallest=0.1, largest=1e3, per_decade=1)
     figure = stability.draw({"stability": dataset})
     assert len(figure.axes) == 4

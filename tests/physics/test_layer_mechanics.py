@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from asperity.layer import Layer
+from asperity.elasticity.layer import Layer
 
 # The first example may compile.
 unhurried = settings(deadline=None)

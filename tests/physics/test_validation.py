@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from asperity import validation
-from asperity.layer import Layer
+from asperity.elasticity.layer import Layer
 from asperity.reference import calculix
 from asperity.reference.elementary import single_mode_displacement, single_mode_stress
 from asperity.reference.periodic_hertz import PeriodicHertz
 from asperity.spectral import Grid
-from asperity.validation import BOUNDS, FIELDS
+from asperity.validation import comparisons as validation
+from asperity.validation.comparisons import BOUNDS, FIELDS
 
 
 def test_fields_at_any_point_are_those_of_a_mode():

@@ -13,11 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
-from asperity import cli, config, dataset
-from asperity.study.surface import make_surface
+from asperity.cli import main as cli
+from asperity.config import check as config
+from asperity.pipeline.surface import make_surface
+from asperity.results import dataset
 
 ROOT = Path(__file__).parents[2]
-SCHEMA, BASE = (str(ROOT / path) for path in ("workflow/schemas/config.schema.yaml", "config/config.yaml"))
+SCHEMA, BASE = (str(ROOT / path) for path in ("src/asperity/config/schema.yaml", "config/config.yaml"))
 
 LAUGHS = "a: &a [x, x]\n" + "".join(
     f"{now}: &{now} [{', '.join([f'*{last}'] * 9)}]\n" for last, now in zip("abcdefg", "bcdefgh", strict=True)
@@ -91,8 +93,11 @@ CONFIGS = [
     ("layer: {poisson: 0.4}", "layer.poisson = 0.4 must be one of them"),
     ("layer: {height: 0}", "layer.height = 0: a number > 0"),
     ("layer: {bottom: glued}", "layer.bottom = 'glued': bonded or frictionless"),
-    ("body: {poisson: [0.33, 0.33]}", "body.poisson = [0.33, 0.33]: a list of ≥ 1 and ≤ 16 distinct items"),
-    ("body: {depth_spacing: 100}", "body.depth_spacing = 100"),
+    (
+        "stress: {poisson: [0.33, 0.33]}",
+        "stress.poisson = [0.33, 0.33]: a list of ≥ 1 and ≤ 16 distinct items",
+    ),
+    ("stress: {depth_spacing: 100}", "stress.depth_spacing = 100"),
     ("statistics: {bins: 1}", "statistics.bins = 1: a whole number ≥ 2"),
     ("statistics: {confidence: 95}", "statistics.confidence = 95: a number > 0 and < 1"),
     # numbers that are none, or none of their kind
@@ -152,7 +157,7 @@ CONFIGS = [
     ("measured: {fault: {physical_size: [1]}}", "measured.fault.physical_size = [1]: a list of ≥ 2 and ≤ 2"),
     ("measured: {fault: {physical_size: [1, .inf]}}", "measured.fault.physical_size = inf: a finite number"),
     # what contradicts itself
-    ("layer: {poisson: 0.2}\nbody: {poisson: [0.3]}", "layer.poisson = 0.2 must be one of them"),
+    ("layer: {poisson: 0.2}\nstress: {poisson: [0.3]}", "layer.poisson = 0.2 must be one of them"),
     ("contact: {area_fraction: 0.1, tolerance: 1}", "contact.tolerance = 1: a number ≥ 1e-14 and ≤ 0.01"),
     (
         "contact: {precision: float32, tolerance: 1.0e-9}",
@@ -205,7 +210,7 @@ SMALL = {
     "rms_height": 1e-3,
     "points": 64,
 }
-STAGES = ("surface", "contact", "body", "statistics")
+STAGES = ("surface", "contact", "stress", "statistics")
 
 
 def make_chain(folder):
@@ -219,9 +224,11 @@ def make_chain(folder):
     )
     with contextlib.redirect_stdout(io.StringIO()):
         assert cli.main(["solve", paths["surface"], "--area-fraction", "0.2", "--out", paths["contact"]]) == 0
-        assert cli.main(["body", paths["contact"], "--poisson", "0.0", "0.33", "--out", paths["body"]]) == 0
         assert (
-            cli.main(["peaks", paths["body"], "--contact", paths["contact"], "--out", paths["statistics"]])
+            cli.main(["stress", paths["contact"], "--poisson", "0.0", "0.33", "--out", paths["stress"]]) == 0
+        )
+        assert (
+            cli.main(["peaks", paths["stress"], "--contact", paths["contact"], "--out", paths["statistics"]])
             == 0
         )
     return paths
@@ -256,7 +263,7 @@ COMMANDS = [
     ("solve s.nc --out x.nc --physical-size 1", 2, "--physical-size: expected 2 arguments"),
     ("solve s.nc --out x.nc --physical-size 1 0", 2, "--physical-size: '0': a number > 0 is needed"),
     ("solve s.nc --out x.nc --detrend \u00fc\x1b[31m", 2, "--detrend: invalid choice: 'ü\\x1b[31m'"),
-    ("body c.nc --out x.nc --depth-spacing 9", 2, "--depth-spacing: '9': a number ≥ 0.05 and ≤ 4"),
+    ("stress c.nc --out x.nc --depth-spacing 9", 2, "--depth-spacing: '9': a number ≥ 0.05 and ≤ 4"),
     ("peaks b.nc --out x.nc", 2, "the following arguments are required: --contact"),
     ("peaks b.nc --contact c.nc --out x.nc --bins 1", 2, "'1': a whole number ≥ 2 and ≤ 10000 is needed"),
     ("peaks b.nc --contact c.nc --out x.nc --confidence 95", 2, "'95': a number > 0 and < 1 is needed"),
@@ -277,13 +284,17 @@ COMMANDS = [
     ("solve {surface} --out {surface}/x.nc", 1, "surface.nc/x.nc: cannot be written ("),
     ("solve {surface} --out {folder}/" + "x" * 300, 1, "File name too long"),
     ("solve {surface} --out /proc/x.nc", 1, "/proc/x.nc: cannot be written"),
-    ("body {surface} --out {folder}/x.nc", 1, "a result of surface, one of contact is needed"),
-    ("body {folder} --out {folder}/x.nc", 1, "no such file"),
-    ("body /dev/null --out {folder}/x.nc", 1, "/dev/null: no such file"),
-    ("peaks {body} {body} --contact {contact} --out {folder}/x.nc", 1, "one for each body is needed"),
-    ("peaks {contact} --contact {body} --out {folder}/x.nc", 1, "a result of contact, one of body is needed"),
+    ("stress {surface} --out {folder}/x.nc", 1, "a result of surface, one of contact is needed"),
+    ("stress {folder} --out {folder}/x.nc", 1, "no such file"),
+    ("stress /dev/null --out {folder}/x.nc", 1, "/dev/null: no such file"),
+    ("peaks {stress} {stress} --contact {contact} --out {folder}/x.nc", 1, "one for each stress is needed"),
     (
-        "peaks {body} --contact {contact} --out {contact}",
+        "peaks {contact} --contact {stress} --out {folder}/x.nc",
+        1,
+        "a result of contact, one of stress is needed",
+    ),
+    (
+        "peaks {stress} --contact {contact} --out {contact}",
         1,
         "contact.nc: is read too, another name is needed",
     ),

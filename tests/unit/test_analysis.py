@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from asperity.analysis import EVERY_POISSON, QUANTITIES, analyse
-from asperity.body import body_planes, depth_grid
-from asperity.layer import Layer
-from asperity.peaks import find_peaks, plane_peaks
+from asperity.elasticity.layer import Layer
 from asperity.spectral import Fourier, Grid, Work
-from asperity.statistics import autocorrelation, select_peaks
+from asperity.stress.analysis import EVERY_POISSON, QUANTITIES, analyse_stress
+from asperity.stress.peaks import find_peaks, plane_peaks
+from asperity.stress.planes import depth_grid, stress_planes
+from asperity.stress.statistics import autocorrelation, select_peaks
 
 RATIOS = [0.0, 0.33, 0.5]
 
@@ -44,16 +44,16 @@ def contact():
 
 @pytest.fixture(scope="module")
 def result(contact):
-    return analyse(contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=1e-5)
+    return analyse_stress(contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=1e-5)
 
 
 def test_peaks_are_those_of_a_search_in_the_full_planes(contact):
     """On one grid throughout, against the plain search through planes of each field."""
-    data = analyse(contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=0, growth=0.3, floor=0.0)
+    data = analyse_stress(contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=0, growth=0.3, floor=0.0)
     depths = data["plane_depth"].values
     for name in QUANTITIES[1:]:
         for number, nu in enumerate(RATIOS):
-            planes = body_planes(contact, depths, nu, (name,), tolerance=0)
+            planes = stress_planes(contact, depths, nu, (name,), tolerance=0)
             expected = find_peaks(planes, name)
             mine = select_peaks(data, name, nu)
             floor = 1e-9
@@ -78,9 +78,9 @@ def test_pressure_peaks_are_those_of_the_surface(contact, result):
 
 def test_profile_and_covariance_are_those_of_the_planes(contact):
     """Eq. 22, on the full grid: against its definition."""
-    data = analyse(contact, poisson=RATIOS, quantities=("von_mises",), tolerance=0)
+    data = analyse_stress(contact, poisson=RATIOS, quantities=("von_mises",), tolerance=0)
     depths = data["plane_depth"].values
-    fields = [p.fields["von_mises"] for p in body_planes(contact, depths, RATIOS, tolerance=0)]
+    fields = [p.fields["von_mises"] for p in stress_planes(contact, depths, RATIOS, tolerance=0)]
     for number in range(len(RATIOS)):
         planes = np.stack([field[number] for field in fields])
         np.testing.assert_allclose(data["mean_von_mises"][number], planes.mean(axis=(1, 2)), rtol=1e-12)
@@ -97,7 +97,7 @@ def test_profile_and_covariance_are_those_of_the_planes(contact):
 
 
 def test_coarse_planes_change_the_statistics_by_no_more_than_the_tolerance(contact):
-    exact, coarse = (analyse(contact, poisson=RATIOS, tolerance=t) for t in (0, 1e-5))
+    exact, coarse = (analyse_stress(contact, poisson=RATIOS, tolerance=t) for t in (0, 1e-5))
     assert coarse["plane_points"][-1] < exact["plane_points"][-1]
     scale = float(exact["largest_von_mises"].max())
     for name in ("mean_von_mises", "reference_depth"):
@@ -124,21 +124,21 @@ def test_largest_peak_is_no_lower_than_its_plane(result):
 
 def test_stream_costs_what_the_issue_allows_and_no_more_for_five_ratios(contact):
     one, five = Work(), Work()
-    analyse(contact, poisson=[0.1, 0.2], tolerance=1e-4, work=one)
-    analyse(contact, poisson=[0.0, 0.1, 0.2, 0.33, 0.5], tolerance=1e-4, work=five)
+    analyse_stress(contact, poisson=[0.1, 0.2], tolerance=1e-4, work=one)
+    analyse_stress(contact, poisson=[0.0, 0.1, 0.2, 0.33, 0.5], tolerance=1e-4, work=five)
     assert five.transforms(contact.grid) / 8 < 40
     assert five.nodes < 1.4 * one.nodes
 
 
 def test_the_same_on_two_threads(contact, result):
-    two = analyse(contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=1e-5, threads=2)
+    two = analyse_stress(contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=1e-5, threads=2)
     xr.testing.assert_identical(two, result)
 
 
 @pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
 def test_a_layer_is_followed_to_its_bottom(bottom):
     layer = Layer(young=1.0, poisson=0.3, height=0.05, bottom=bottom)
-    data = analyse(rough(64, layer), quantities=("zz", "xx"))
+    data = analyse_stress(rough(64, layer), quantities=("zz", "xx"))
     assert data["plane_depth"][-1] == 0.05
     assert data["poisson"].values.tolist() == [0.3]
     assert set(data["peak_poisson"].values) == {0}
@@ -147,14 +147,14 @@ def test_a_layer_is_followed_to_its_bottom(bottom):
 def test_a_thick_layer_is_a_half_space(contact):
     thick = replace(contact, layer=Layer(young=1.0, poisson=0.33, height=5.0))
     depths = depth_grid(contact.grid, 0.3)
-    one, two = (analyse(c, depths, tolerance=0, quantities=("von_mises",)) for c in (contact, thick))
+    one, two = (analyse_stress(c, depths, tolerance=0, quantities=("von_mises",)) for c in (contact, thick))
     np.testing.assert_allclose(one["covariance_depth"], two["covariance_depth"], rtol=1e-9)
     np.testing.assert_allclose(one["largest_von_mises"], two["largest_von_mises"], rtol=1e-9)
 
 
 def test_progress_ends_at_its_total(contact):
     calls = []
-    analyse(contact, [0.0, 0.01, 0.02, 0.1], progress=lambda *c: calls.append(c))
+    analyse_stress(contact, [0.0, 0.01, 0.02, 0.1], progress=lambda *c: calls.append(c))
     done, total = np.array(calls).T
     assert np.all(np.diff(done) >= 0)
     assert done[-1] == pytest.approx(total[-1])
@@ -162,15 +162,15 @@ def test_progress_ends_at_its_total(contact):
 
 def test_bad_quantity_is_named(contact):
     with pytest.raises(ValueError, match=r"^quantities = 'vm'"):
-        analyse(contact, quantities=("vm",))
+        analyse_stress(contact, quantities=("vm",))
     with pytest.raises(ValueError, match=r"^floor"):
-        analyse(contact, floor=-1.0)
+        analyse_stress(contact, floor=-1.0)
 
 
 def test_floor_leaves_out_ripples_and_no_peak_under_a_contact(contact):
     counts = []
     for floor in (0.0, 0.01):
-        data = analyse(contact, floor=floor, tolerance=1e-4)
+        data = analyse_stress(contact, floor=floor, tolerance=1e-4)
         counts.append([select_peaks(data, "xz", None, s).sizes["peak"] for s in ("all", "under_contact")])
     (every, below), (fewer, still) = counts
     assert fewer < every

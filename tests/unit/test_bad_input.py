@@ -23,8 +23,9 @@ from bad_input import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from asperity import cli
-from asperity.config import ConfigError, check, load_schema
+from asperity.cli import main as cli
+from asperity.config.check import check, load_schema
+from asperity.errors import ConfigError
 
 TREE = load_schema(SCHEMA)
 PAPER = yaml.safe_load(Path(BASE).read_text(encoding="utf-8"))
@@ -153,7 +154,7 @@ SMALL_PLAN = {
         "tolerance": 1e-6,
         "precision": "float64",
     },
-    "body": {"poisson": [0.0, 0.33], "tolerance": 1e-4, "depth_spacing": 0.5},
+    "stress": {"poisson": [0.0, 0.33], "tolerance": 1e-4, "depth_spacing": 0.5},
 }
 TARGETS = (
     "--error 0.1 --error 1e-9 --error -1 --error nan --seconds 10 --seconds 1e-300 --memory 1 --memory 1e300"
@@ -202,8 +203,8 @@ def test_whatever_is_in_an_overlay_it_is_accepted_or_named(tmp_path_factory, con
 
 
 WORDS = (
-    "solve body peaks plot plan --contact --path --poisson --points --periodic --help --version mirrored nan"
-    " -1 0.1 9 -- - = {surface} {contact} {body} {statistics} {folder} {folder}/none.nc"
+    "solve stress peaks plot plan --contact --path --poisson --points --periodic --help --version mirrored nan"
+    " -1 0.1 9 -- - = {surface} {contact} {stress} {statistics} {folder} {folder}/none.nc"
 )
 words = st.sampled_from(WORDS.split()) | st.text(max_size=6)
 

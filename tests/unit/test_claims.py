@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from asperity.claims import (
+from asperity.errors import DatasetError
+from asperity.paper.claims.statements import CLAIMS, LARGER, kolmogorov, of_poisson, ratio
+from asperity.paper.claims.verdicts import (
     FAILS,
     HOLDS,
     NO_DATA,
@@ -26,13 +28,11 @@ from asperity.claims import (
     tally,
     with_error,
 )
-from asperity.dataset import DatasetError
-from asperity.figures.claims import draw
-from asperity.figures.style import save, style
-from asperity.statements import CLAIMS, LARGER, kolmogorov, of_poisson, ratio
-from asperity.summary import LEVELS, Summary, contact_patches, half_length, read, write
+from asperity.paper.figures.claims import draw
+from asperity.paper.figures.style import save, style
+from asperity.pipeline.summary import LEVELS, Summary, contact_patches, half_length, read, write
 
-SETTINGS = {"layer": {"poisson": 0.33}, "body": {"poisson": [0.0, 0.33, 0.5]}}
+SETTINGS = {"layer": {"poisson": 0.33}, "stress": {"poisson": [0.0, 0.33, 0.5]}}
 
 
 def claim(values, region=LARGER):

@@ -9,21 +9,21 @@ import pytest
 from bad_input import SMALL, make_chain
 from project import ROOT, hide
 
-from asperity import dataset
-from asperity.cli import main
-from asperity.preflight import BASE_PACKAGES, PACKAGES
+from asperity.cli.main import main
+from asperity.results import dataset
+from asperity.runtime.preflight import BASE_PACKAGES, PACKAGES
 
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
-    """The results of one chain: surface, contact, body, statistics."""
+    """The results of one chain: surface, contact, stress, statistics."""
     return make_chain(tmp_path_factory.mktemp("chain"))
 
 
 def test_the_results_are_files_of_the_study(files):
-    contact, body = dataset.read(files["contact"]), dataset.read(files["body"])
+    contact, stress = dataset.read(files["contact"]), dataset.read(files["stress"])
     assert float(contact["area_fraction"]) == pytest.approx(0.2, abs=1e-3)  # one node of 64²
-    assert body["poisson"].values.tolist() == [0.0, 0.33]
+    assert stress["poisson"].values.tolist() == [0.0, 0.33]
     settings = dataset.settings_of(dataset.read(files["statistics"]))
     assert settings["surface"] == SMALL
     assert settings["contact"]["area_fraction"] == 0.2
@@ -54,7 +54,7 @@ def test_the_figures_of_the_study_are_drawn_from_them(files, tmp_path, figure, s
 
 
 def test_peaks_prints_what_it_counted(files, capsys, tmp_path):
-    main(["peaks", files["body"], "--contact", files["contact"], "--out", str(tmp_path / "again.nc")])
+    main(["peaks", files["stress"], "--contact", files["contact"], "--out", str(tmp_path / "again.nc")])
     lines = capsys.readouterr().out.splitlines()
     assert any(line.startswith("von_mises") for line in lines)
     assert dataset.read(tmp_path / "again.nc").identical(dataset.read(files["statistics"]))
@@ -79,11 +79,11 @@ def test_a_layer_has_the_ratio_of_its_contact_alone(files, tmp_path, capsys):
     thin = str(tmp_path / "thin.nc")
     assert main(["solve", files["surface"], "--layer-height", "0.1", "--out", thin]) == 0
     assert dataset.read(thin).attrs["solid"] == "layer, bonded bottom"
-    assert main(["body", thin, "--poisson", "0.2", "--out", str(tmp_path / "body.nc")]) == 1
+    assert main(["stress", thin, "--poisson", "0.2", "--out", str(tmp_path / "stress.nc")]) == 1
     assert "which has that one only" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("command", ["", "solve", "body", "peaks", "plot", "plan"])
+@pytest.mark.parametrize("command", ["", "solve", "stress", "peaks", "plot", "plan"])
 def test_every_command_has_help(capsys, command):
     with pytest.raises(SystemExit) as stopped:
         main([*command.split(), "--help"])
@@ -102,7 +102,7 @@ def test_every_command_has_help(capsys, command):
 def test_a_missing_package_is_one_line(tmp_path, name, command):
     path = os.pathsep.join([str(hide(name, tmp_path / "dark")), str(ROOT / "src")])
     found = subprocess.run(
-        [sys.executable, "-m", "asperity.cli", *command.split()],
+        [sys.executable, "-m", "asperity.cli.main", *command.split()],
         env=os.environ | {"PYTHONPATH": path},
         capture_output=True,
         text=True,

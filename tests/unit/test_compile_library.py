@@ -5,17 +5,17 @@ import sys
 from pathlib import Path
 
 import asperity
-from asperity.compiled import compiled_functions
+from asperity.runtime.compiling import compiled_functions
 
 ALL_AT_ONCE = """
 from dataclasses import replace
 from itertools import product
 
-from asperity.compiled import PARTS, compiled_functions
+from asperity.runtime.compiling import PARTS, compiled_functions
 from asperity.contact import METHODS
-from asperity.extremes import LEVELS, Scene, attempt
-from asperity.presets import PRESETS
-from asperity.tradeoff import RATIOS, Scene as Kind, evaluate
+from asperity.validation.extremes import LEVELS, Scene, attempt
+from asperity.config.presets import PRESETS
+from asperity.accuracy.measurement import RATIOS, Scene as Kind, evaluate
 
 def signatures():
     functions = compiled_functions().items()

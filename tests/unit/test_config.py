@@ -9,11 +9,11 @@ import pytest
 import yaml
 from project import hide
 
-from asperity.config import check, describe, load_schema
-from asperity.overlay import merged
+from asperity.config.check import check, describe, load_schema
+from asperity.config.reader import merged
 
 ROOT = Path(__file__).parents[2]
-SCHEMA = load_schema(ROOT / "workflow/schemas/config.schema.yaml")
+SCHEMA = load_schema(ROOT / "src/asperity/config/schema.yaml")
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
 
 
@@ -30,7 +30,7 @@ def test_the_readme_lists_the_keys_of_the_schema():
 @pytest.mark.parametrize(("name", "package"), [("jsonschema", "jsonschema"), ("yaml", "pyyaml")])
 def test_a_missing_package_is_one_line(tmp_path, name, package):
     path = os.pathsep.join([str(hide(name, tmp_path / "dark")), str(ROOT / "src")])
-    command = [sys.executable, "-m", "asperity.config", "workflow/schemas/config.schema.yaml"]
+    command = [sys.executable, "-m", "asperity.config.check", "src/asperity/config/schema.yaml"]
     environment = os.environ | {"PYTHONPATH": path}
     found = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     assert found.returncode == 1

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.contact import Contact, ConvergenceError, certify, solve, solve_path
-from asperity.layer import Layer
-from asperity.spectral import Array
+from asperity.contact import Contact, solve, solve_path, verify_contact
+from asperity.elasticity.layer import Layer
+from asperity.errors import ConvergenceError
+from asperity.types import Array
 
 HALF_SPACE = Layer(1 - 0.33**2, 0.33)
 SLAB = Layer(1 - 0.33**2, 0.33, height=1.0)
@@ -23,7 +24,7 @@ def rough(shape: tuple[int, int] = (64, 64), seed: int = 1) -> Array:
 
 
 def load_of(height: Array, fraction: float = 0.05) -> float:
-    return fraction * asp.measure(height).rms_gradient
+    return fraction * asp.roughness_parameters(height).rms_gradient
 
 
 def largest_difference(one: Contact, other: Contact) -> float:
@@ -143,7 +144,7 @@ def test_fields_belong_together(method: str) -> None:
     )
     assert contact.area_fraction == np.count_nonzero(contact.pressure) / height.size
     assert contact.mean_pressure == pytest.approx(load_of(height), rel=1e-6)
-    assert 0 < contact.gradient_rms_contact < 2 * asp.measure(height).rms_gradient
+    assert 0 < contact.gradient_rms_contact < 2 * asp.roughness_parameters(height).rms_gradient
     assert contact.certificate.pairs > 0
     assert contact.certificate.iterations > 0
 
@@ -278,7 +279,7 @@ def test_unreachable_tolerance_raises_with_numbers(method: str, dtype: str, rtol
 def test_rms_gradient(gradient: float) -> None:
     """The problem is linear: pressures and heights scale together."""
     height = rough()
-    scale = gradient / asp.measure(height).rms_gradient
+    scale = gradient / asp.roughness_parameters(height).rms_gradient
     one = solve(height, HALF_SPACE, mean_pressure=load_of(height), rtol=1e-8)
     other = solve(scale * height, HALF_SPACE, mean_pressure=scale * load_of(height), rtol=1e-8)
     np.testing.assert_allclose(other.pressure, scale * one.pressure, atol=1e-6 * other.pressure.max())
@@ -345,7 +346,7 @@ def test_certificate_catches_tampering() -> None:
     contact = solve(height, SLAB, mean_pressure=load_of(height), rtol=1e-9)
 
     def again(pressure: Array, approach: float = contact.approach) -> float:
-        return certify(height, pressure, SLAB, approach=approach, mean_pressure=load_of(height)).worst
+        return verify_contact(height, pressure, SLAB, approach=approach, mean_pressure=load_of(height)).worst
 
     assert again(contact.pressure) < 1e-6
     assert again(1.001 * contact.pressure) > 1e-4
@@ -410,7 +411,7 @@ def test_bad_types() -> None:
 
 def test_a_sheet_that_bends_is_solved_or_refused() -> None:
     height = asp.self_affine((128, 128), 0.8, 1 / 8, 1 / 16, 1e-3, 1)
-    load = 0.05 * asp.measure(height).rms_gradient
+    load = 0.05 * asp.roughness_parameters(height).rms_gradient
     thick, thin = (Layer(1.0, 0.33, height=part, bottom="free") for part in (0.3, 0.03))
     assert solve(height, thick, mean_pressure=load).certificate.pairs < 30
     with pytest.raises(ConvergenceError, match="stopped"):

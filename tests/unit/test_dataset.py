@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from asperity import dataset
+from asperity.errors import DatasetError
+from asperity.results import dataset
 
 
 @pytest.fixture
@@ -57,7 +58,7 @@ def test_nothing_is_left_of_a_write_that_fails(surface, tmp_path, monkeypatch):
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(xr.Dataset, "to_netcdf", fail)
-    with pytest.raises(dataset.DatasetError, match=r"file\.nc: cannot be written \(the disk is full\); free"):
+    with pytest.raises(DatasetError, match=r"file\.nc: cannot be written \(the disk is full\); free"):
         dataset.write(surface, path, "After", SETTINGS)
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
@@ -119,7 +120,7 @@ def test_a_damaged_file_is_named_with_a_remedy(surface, tmp_path, damage):
     dataset.write(surface, path, "A surface", SETTINGS)
     damage(path)
     for look in (dataset.read, dataset.verify):
-        with pytest.raises(dataset.DatasetError, match=r"file\.nc: .*delete it and run again"):
+        with pytest.raises(DatasetError, match=r"file\.nc: .*delete it and run again"):
             look(path)
 
 
@@ -131,7 +132,7 @@ def test_every_flipped_byte_is_seen_or_changes_nothing(surface, tmp_path):
         damaged = bytearray(content)
         damaged[position] ^= 1 << position % 8
         path.write_bytes(damaged)
-        with contextlib.suppress(dataset.DatasetError):
+        with contextlib.suppress(DatasetError):
             assert dataset.read(path).identical(whole)
 
 
@@ -153,5 +154,5 @@ def test_what_a_killed_process_left_is_swept_and_what_a_living_one_writes_is_not
 
 
 def test_a_missing_file_is_named(tmp_path):
-    with pytest.raises(dataset.DatasetError, match=r"absent\.nc: no such file"):
+    with pytest.raises(DatasetError, match=r"absent\.nc: no such file"):
         dataset.read(tmp_path / "absent.nc")

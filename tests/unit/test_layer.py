@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from asperity.layer import COMPONENTS, Kernels, Layer, mirror_rows
+from asperity.elasticity.layer import COMPONENTS, Kernels, Layer, mirror_rows
 from asperity.spectral import Fourier, Grid
 
 SUPPORTED = [

@@ -3,9 +3,9 @@ import itertools
 import numpy as np
 import pytest
 
-from asperity.body import Plane
-from asperity.peaks import PeakFinder, Peaks, find_peaks, plane_peaks
 from asperity.spectral import Fourier, Grid, good_size, resample
+from asperity.stress.peaks import PeakFinder, Peaks, find_peaks, plane_peaks
+from asperity.stress.planes import StressPlane
 
 
 def bumps(count, seed=0, widths=(0.05, 0.09), spread=0.12):
@@ -33,7 +33,7 @@ def field_of(grid, z, centre, depth, width, height):
 def planes_of(shapes, depths, *what):
     for shape, z in zip(shapes, depths, strict=True):
         grid = Grid(shape)
-        yield Plane(z, grid, {"f": field_of(grid, z, *what)[None]}, 0.0)
+        yield StressPlane(z, grid, {"f": field_of(grid, z, *what)[None]}, 0.0)
 
 
 def by_brute_force(values):

@@ -7,22 +7,14 @@ from pathlib import Path
 import pytest
 import yaml
 
-from asperity.calibration import describe_presets, load
-from asperity.cli import main
-from asperity.config import check, load_schema
-from asperity.plan import (
-    MARGIN,
-    PlanError,
-    announce,
-    assess,
-    candidates,
-    predict_cost,
-    predict_errors,
-    propose,
-)
-from asperity.presets import PRESETS
-from asperity.study.needs import need
-from asperity.tradeoff import EXACT, OUTPUTS, Scene, errors, evaluate
+from asperity.accuracy.measurement import EXACT, OUTPUTS, Scene, errors, evaluate
+from asperity.accuracy.model import describe_presets, load
+from asperity.accuracy.plan import MARGIN, announce, assess, candidates, predict_cost, predict_errors, propose
+from asperity.accuracy.resources import need
+from asperity.cli.main import main
+from asperity.config.check import check, load_schema
+from asperity.config.presets import PRESETS
+from asperity.errors import PlanError
 
 ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
@@ -60,7 +52,7 @@ def test_time_and_memory_are_within_a_factor_of_two_on_another_scene(short, poin
     taken = []
     for _ in range(2):
         costs = evaluate(scene, knobs, ratios=(0.2, 0.33)).costs
-        taken.append(costs["surface_seconds"] + costs["contact_seconds"] + costs["body_seconds"])
+        taken.append(costs["surface_seconds"] + costs["contact_seconds"] + costs["stress_seconds"])
     assert expected.seconds / 2 < min(taken) < 2 * expected.seconds
     assert expected.memory / 2 < costs["peak_memory"] < 2 * expected.memory
 
@@ -130,9 +122,9 @@ def test_the_command_proposes_settings_that_a_configuration_accepts(capsys):
     keys = yaml.safe_load(printed.split("configuration:\n")[1])
     keys["surfaces"] = {"surface": PAPER["surfaces"]["gaussian"] | keys["surfaces"]["surface"]}
     config = {**PAPER, "seeds": keys["seeds"], "surfaces": {**PAPER["surfaces"], **keys["surfaces"]}}
-    for section in ("contact", "body", "layer"):
+    for section in ("contact", "stress", "layer"):
         config[section] = PAPER[section] | keys[section]
-    check(config, load_schema(ROOT / "workflow/schemas/config.schema.yaml"))
+    check(config, load_schema(ROOT / "src/asperity/config/schema.yaml"))
 
 
 def test_the_command_tells_what_a_configuration_costs(capsys):
@@ -173,7 +165,7 @@ def test_the_study_announces_its_jobs():
 
 def test_the_readme_has_the_presets_as_they_were_measured():
     text = (ROOT / "config/README.md").read_text()
-    table = text.split("<!-- presets: python -m asperity.plan -->\n")[1].split("\n\n")[0]
+    table = text.split("<!-- presets: python -m asperity.accuracy.plan -->\n")[1].split("\n\n")[0]
     assert table == describe_presets(load())
     assert set(load().presets) == set(PRESETS)
 

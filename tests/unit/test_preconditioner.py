@@ -9,8 +9,9 @@ import asperity as asp
 from asperity.contact import solve
 from asperity.contact.preconditioner import Preconditioner
 from asperity.contact.problem import Problem
-from asperity.layer import Layer
-from asperity.spectral import Array, Grid, Work
+from asperity.elasticity.layer import Layer
+from asperity.spectral import Grid, Work
+from asperity.types import Array
 
 HALF_SPACE = Layer(1.0, 0.0)
 LAYERS = {
@@ -97,7 +98,7 @@ def test_the_work_for_a_node_does_not_grow_with_the_grid(hurst: float) -> None:
     pairs = []
     for points in (128, 256, 512, 1024):
         height = asp.self_affine((points, points), hurst, 1 / 8, 8 / points, 1e-3, seed=1)
-        load = 0.05 * asp.measure(height).rms_gradient
+        load = 0.05 * asp.roughness_parameters(height).rms_gradient
         pairs.append(solve(height, HALF_SPACE, mean_pressure=load, rtol=1e-6).certificate.pairs)
     exponent = np.polyfit(np.log2([128, 256, 512, 1024]), np.log2(pairs), 1)[0]
     assert exponent < 0.15

@@ -10,8 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from asperity import preflight
-from asperity.preflight import PreflightError, claim, require_memory, require_packages, require_space
+from asperity.errors import PreflightError
+from asperity.runtime import preflight
+from asperity.runtime.preflight import claim, require_memory, require_packages, require_space
 
 ROOT = Path(__file__).parents[2]
 
@@ -45,7 +46,7 @@ def test_what_the_library_needs_is_what_it_declares():
 
 
 def test_a_claim_ends_with_its_process_and_holds_until_then(tmp_path):
-    holder = "import sys, asperity.preflight as p; p.claim(sys.argv[1]); print(flush=True); sys.stdin.read()"
+    holder = "import sys, asperity.runtime.preflight as p; p.claim(sys.argv[1]); print(flush=True); sys.stdin.read()"
     with subprocess.Popen(
         [sys.executable, "-c", holder, str(tmp_path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     ) as other:

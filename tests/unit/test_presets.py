@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 import yaml
 
-from asperity.config import check, load_schema
-from asperity.presets import PRESETS, complete, overlay
+from asperity.config.check import check, load_schema
+from asperity.config.presets import PRESETS, complete, overlay
 
 ROOT = Path(__file__).parents[2]
-SCHEMA = load_schema(ROOT / "workflow/schemas/config.schema.yaml")
+SCHEMA = load_schema(ROOT / "src/asperity/config/schema.yaml")
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
 
 
@@ -22,7 +22,7 @@ def test_the_paper_has_the_settings_its_figures_were_made_with():
     assert whole["measured"]["fault"]["points"] == 512
     assert whole["seeds"] == [1]
     assert (whole["contact"]["tolerance"], whole["contact"]["precision"]) == (1e-6, "float64")
-    assert (whole["body"]["tolerance"], whole["body"]["depth_spacing"]) == (1e-4, 0.5)
+    assert (whole["stress"]["tolerance"], whole["stress"]["depth_spacing"]) == (1e-4, 0.5)
     assert whole["layer"]["half_space_tolerance"] == 0.05
 
 
@@ -57,7 +57,7 @@ def test_an_overlay_sets_every_knob():
     wavelengths = {name: surface["wavelength_short"] for name, surface in PAPER["surfaces"].items()}
     keys = overlay(PRESETS["reference"], wavelengths)
     config = copy.deepcopy(PAPER) | {"seeds": keys["seeds"]}
-    for section in ("contact", "body", "layer"):
+    for section in ("contact", "stress", "layer"):
         config[section] |= keys[section]
     for name, surface in keys["surfaces"].items():
         config["surfaces"][name] |= surface

@@ -13,7 +13,7 @@ import pytest
 
 JOB = """
 import sys, warnings, logging, numpy as np
-from asperity.progress import Progress, record
+from asperity.runtime.progress import Progress, record
 with record({log!r}), Progress("contact") as progress:
     print("printed")
     warnings.warn("warned")
@@ -64,7 +64,7 @@ def test_a_program_that_a_job_runs_counts_with_it(tmp_path):
     log = tmp_path / "job.log"
     program = "import time; held = bytearray(300_000_000); " + "\nwhile time.process_time() < 1: pass"
     code = (
-        "import subprocess, sys\nfrom asperity.progress import record\n"
+        "import subprocess, sys\nfrom asperity.runtime.progress import record\n"
         f"with record({str(log)!r}):\n    subprocess.run([sys.executable, '-c', {program!r}], check=True)"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -6,8 +6,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from asperity.roughness import johnson, measure, self_affine, spectrum, target_spectrum, with_moments
 from asperity.spectral import Fourier, Grid
+from asperity.surface.roughness import (
+    johnson,
+    roughness_parameters,
+    self_affine,
+    spectrum,
+    target_spectrum,
+    with_moments,
+)
 
 BAND = {"hurst": 0.8, "wavelength_long": 1 / 4, "wavelength_short": 1 / 16, "rms_height": 0.01}
 
@@ -63,7 +70,9 @@ def test_the_spectrum_follows_its_power_law_over_an_ensemble():
 
 def test_an_ensemble_is_gaussian():
     """Statistics: kurtosis and skewness of 40 samples of about 800 independent waves each."""
-    measures = [measure(self_affine((128, 128), 0.2, 1 / 4, 1 / 32, 0.01, seed)) for seed in range(40)]
+    measures = [
+        roughness_parameters(self_affine((128, 128), 0.2, 1 / 4, 1 / 32, 0.01, seed)) for seed in range(40)
+    ]
     assert np.mean([m.kurtosis for m in measures]) == pytest.approx(3, abs=0.05)
     assert np.mean([m.skewness for m in measures]) == pytest.approx(0, abs=0.05)
 
@@ -72,7 +81,7 @@ def test_measures_of_a_wave():
     grid = Grid((32, 48), (2.0, 3.0))
     _, x = grid.coordinates()
     wave = np.broadcast_to(0.1 * np.cos(2 * np.pi * x), grid.shape)
-    found = measure(wave, grid.length)
+    found = roughness_parameters(wave, grid.length)
     assert found.rms_height == pytest.approx(0.1 / np.sqrt(2))
     assert found.rms_gradient == pytest.approx(0.1 * 2 * np.pi / np.sqrt(2))
     assert found.kurtosis == pytest.approx(1.5)
@@ -86,7 +95,7 @@ def normal_heights():
 
 @pytest.mark.parametrize(("delta", "skewness", "kurtosis"), [(1.0, 0.919, 3.375), (2.0, 0.359, 2.854)])
 def test_johnson_moments_are_those_of_a_transformed_normal(delta, skewness, kurtosis):
-    found = measure(johnson(normal_heights(), 1.25, delta))
+    found = roughness_parameters(johnson(normal_heights(), 1.25, delta))
     assert found.skewness == pytest.approx(skewness, abs=2e-3)
     assert found.kurtosis == pytest.approx(kurtosis, abs=2e-3)
     assert found.rms_height == pytest.approx(np.std(normal_heights()), rel=1e-12)
@@ -95,7 +104,7 @@ def test_johnson_moments_are_those_of_a_transformed_normal(delta, skewness, kurt
 @pytest.mark.parametrize(("skewness", "kurtosis"), [(0, 2.2), (0, 5), (0.5, 3), (0.5, 4.5), (-0.8, 3.3)])
 def test_given_moments_are_reached(skewness, kurtosis):
     """The bound is the quantile grid's: its tails end at about five standard deviations."""
-    found = measure(with_moments(normal_heights(), skewness, kurtosis))
+    found = roughness_parameters(with_moments(normal_heights(), skewness, kurtosis))
     assert found.skewness == pytest.approx(skewness, abs=2e-3)
     assert found.kurtosis == pytest.approx(kurtosis, rel=1e-2)
     assert found.rms_height == pytest.approx(np.std(normal_heights()), rel=1e-12)

@@ -6,11 +6,11 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from asperity.spectral import Fourier, Grid
-from asperity.statistics import (
+from asperity.stress.statistics import (
     PERCENTS,
     autocorrelation,
-    ensemble,
     joint_counts,
+    pool_peaks,
     probability_density,
     select_peaks,
 )
@@ -108,7 +108,7 @@ def _lift(modes, coarse, fine):
     return out
 
 
-def body(seed=0, peaks=4000, scale=1.0):
+def stress(seed=0, peaks=4000, scale=1.0):
     """An analysis in shape, with values from a known distribution: 1 + ν times an exponential."""
     draw = np.random.default_rng(seed)
     ratios = np.array([0.0, 0.5])
@@ -138,7 +138,7 @@ def body(seed=0, peaks=4000, scale=1.0):
 
 
 def test_selected_peaks_are_those_asked_for():
-    data = body()
+    data = stress()
     everything = select_peaks(data, "von_mises", 0.5)
     assert everything.sizes["peak"] == np.sum((data["peak_quantity"] == 0) & (data["peak_poisson"] == 1))
     inside = select_peaks(data, "von_mises", 0.5, "interior")
@@ -159,18 +159,18 @@ def test_selected_peaks_are_those_asked_for():
 )
 def test_selecting_names_what_is_there(arguments, message):
     with pytest.raises(ValueError, match=f"^{message}"):
-        select_peaks(body(), *arguments)
+        select_peaks(stress(), *arguments)
 
 
 def test_ensemble_pools_the_seeds_and_normalises_each_by_its_gradient():
-    bodies = [body(seed, scale=gradient) for seed, gradient in enumerate((0.5, 1.0, 2.0))]
-    result = ensemble(bodies, [0.5, 1.0, 2.0], bins=50, resamples=200)
+    stresses = [stress(seed, scale=gradient) for seed, gradient in enumerate((0.5, 1.0, 2.0))]
+    result = pool_peaks(stresses, [0.5, 1.0, 2.0], bins=50, resamples=200)
     for quantity in ("von_mises", "xz"):
         for poisson in (0.0, 0.5):
             values = np.concatenate(
                 [
                     select_peaks(b, quantity, poisson, "interior")["peak_value"].values / g
-                    for b, g in zip(bodies, (0.5, 1.0, 2.0), strict=True)
+                    for b, g in zip(stresses, (0.5, 1.0, 2.0), strict=True)
                 ]
             )
             here = {"selection": "interior", "quantity": quantity, "poisson": poisson}
@@ -185,13 +185,13 @@ def test_ensemble_pools_the_seeds_and_normalises_each_by_its_gradient():
             )
     np.testing.assert_allclose(
         result["scaled_covariance_depth"],
-        np.mean([b["covariance_depth"] / g**2 for b, g in zip(bodies, (0.5, 1, 2), strict=True)], axis=0),
+        np.mean([b["covariance_depth"] / g**2 for b, g in zip(stresses, (0.5, 1, 2), strict=True)], axis=0),
     )
 
 
 def test_bands_hold_the_estimate_and_narrow_with_the_seeds():
-    few = ensemble([body(s) for s in range(4)], [1.0] * 4, bins=20, resamples=300)
-    many = ensemble([body(s) for s in range(16)], [1.0] * 16, bins=20, resamples=300)
+    few = pool_peaks([stress(s) for s in range(4)], [1.0] * 4, bins=20, resamples=300)
+    many = pool_peaks([stress(s) for s in range(16)], [1.0] * 16, bins=20, resamples=300)
     for data in (few, many):
         for name in ("peak_percentile", "scaled_mean_von_mises"):
             middle = data[name].values
@@ -209,21 +209,23 @@ def test_bands_hold_the_estimate_and_narrow_with_the_seeds():
 
 
 def test_bootstrap_is_the_same_every_time():
-    bodies = [body(s, 500) for s in range(3)]
-    xr.testing.assert_identical(ensemble(bodies, [1, 1, 1], 10, 50), ensemble(bodies, [1, 1, 1], 10, 50))
+    stresses = [stress(s, 500) for s in range(3)]
+    xr.testing.assert_identical(
+        pool_peaks(stresses, [1, 1, 1], 10, 50), pool_peaks(stresses, [1, 1, 1], 10, 50)
+    )
 
 
 def test_one_seed_has_an_estimate_and_no_band():
-    result = ensemble([body()], [1.0], bins=10)
+    result = pool_peaks([stress()], [1.0], bins=10)
     assert np.isfinite(result["peak_density"]).all()
     assert np.isnan(result["peak_density_low"]).all()
     assert np.isnan(result["scaled_covariance_plane_high"]).all()
 
 
 def test_a_selection_without_peaks_has_no_percentiles():
-    data = body()
+    data = stress()
     data["peak_interior"][:] = 0
-    result = ensemble([data, data], [1.0, 1.0], bins=10, resamples=20)
+    result = pool_peaks([data, data], [1.0, 1.0], bins=10, resamples=20)
     assert np.isnan(result["peak_percentile"].sel(selection="interior")).all()
     assert (result["peak_density"].sel(selection="interior") == 0).all()
 
@@ -231,15 +233,15 @@ def test_a_selection_without_peaks_has_no_percentiles():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"bodies": []}, "gradients"),
+        ({"stresses": []}, "gradients"),
         ({"gradients": [1.0]}, "gradients"),
         ({"gradients": [1.0, 0.0]}, "gradients"),
         ({"resamples": 0}, "resamples"),
         ({"confidence": 1.0}, "confidence"),
         ({"bins": 0}, "bins"),
-        ({"bodies": [body(), body().assign_coords(lag=[0.0, 0.1, 0.3])]}, "bodies.*lag"),
+        ({"stresses": [stress(), stress().assign_coords(lag=[0.0, 0.1, 0.3])]}, "stresses.*lag"),
     ],
 )
 def test_ensemble_refuses_what_does_not_fit(changes, message):
     with pytest.raises(ValueError, match=f"^{message}"):
-        ensemble(**({"bodies": [body(), body(1)], "gradients": [1.0, 1.0]} | changes))
+        pool_peaks(**({"stresses": [stress(), stress(1)], "gradients": [1.0, 1.0]} | changes))

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from small_study import BODY, CONTACT, LAYER
 
-from asperity import dataset
-from asperity.study.body import analyse_body
-from asperity.study.contact import press
-from asperity.study.solid import SOLID_ATTRIBUTES, solid
-from asperity.study.statistics import summarise
-from asperity.study.surface import make_surface
+from asperity.pipeline.contact import solve_contact
+from asperity.pipeline.solid import SOLID_ATTRIBUTES, solid
+from asperity.pipeline.statistics import summarise
+from asperity.pipeline.stress import compute_stress
+from asperity.pipeline.surface import make_surface
+from asperity.results import dataset
 
 SURFACE = {
     "label": "test",
@@ -24,8 +24,8 @@ STATISTICS = {"bins": 10, "resamples": 50, "confidence": 0.9}
 
 def run(seed, layer=LAYER):
     surface = make_surface(SURFACE, seed)
-    contact = press(surface, layer, CONTACT)
-    return surface, contact, analyse_body(contact, layer, BODY)
+    contact = solve_contact(surface, layer, CONTACT)
+    return surface, contact, compute_stress(contact, layer, BODY)
 
 
 def test_a_tall_layer_is_taken_for_a_half_space_and_a_thin_one_is_not():
@@ -40,7 +40,7 @@ def test_a_tall_layer_is_taken_for_a_half_space_and_a_thin_one_is_not():
 
 
 def test_the_curve_holds_every_area_asked_for_in_order():
-    contact = press(make_surface(SURFACE, 1), LAYER, CONTACT | {"path_area_fractions": [0.15, 0.05]})
+    contact = solve_contact(make_surface(SURFACE, 1), LAYER, CONTACT | {"path_area_fractions": [0.15, 0.05]})
     np.testing.assert_allclose(contact.path_area_fraction, [0.05, 0.1, 0.15], atol=1 / 64**2)
     assert np.all(np.diff(contact.path_mean_pressure) > 0)
     assert float(contact.area_fraction) == pytest.approx(0.1, abs=1 / 64**2)
@@ -58,16 +58,18 @@ def test_a_layer_is_analysed_for_the_poissons_ratio_of_its_contact_alone():
 
 def test_a_ratio_at_which_the_half_space_does_not_stand_for_the_layer_is_refused():
     surface = make_surface(SURFACE, 1)
-    contact = press(surface, LAYER, CONTACT)
-    with pytest.raises(ValueError, match=r"body\.poisson = 0\.5: layer: .*beyond the tolerance 0\.03; leave"):
-        analyse_body(contact, LAYER, BODY | {"poisson": [0.33, 0.5]})
+    contact = solve_contact(surface, LAYER, CONTACT)
+    with pytest.raises(
+        ValueError, match=r"stress\.poisson = 0\.5: layer: .*beyond the tolerance 0\.03; leave"
+    ):
+        compute_stress(contact, LAYER, BODY | {"poisson": [0.33, 0.5]})
 
 
 def test_two_seeds_have_bands_and_one_has_none():
     stages = [run(seed) for seed in (1, 2)]
-    surfaces, contacts, bodies = map(list, zip(*stages, strict=True))
-    two = summarise(surfaces, contacts, bodies, **STATISTICS)
-    one = summarise(surfaces[:1], contacts[:1], bodies[:1], **STATISTICS)
+    surfaces, contacts, stresses = map(list, zip(*stages, strict=True))
+    two = summarise(surfaces, contacts, stresses, **STATISTICS)
+    one = summarise(surfaces[:1], contacts[:1], stresses[:1], **STATISTICS)
     assert np.isnan(one.scaled_covariance_depth_low.values).all()
     low, high = two.scaled_covariance_depth_low, two.scaled_covariance_depth_high
     assert bool((low <= high).all())
@@ -78,8 +80,8 @@ def test_two_seeds_have_bands_and_one_has_none():
 
 
 def test_every_stage_speaks_the_vocabulary(tmp_path):
-    surface, contact, body = run(1)
-    statistics = summarise([surface], [contact], [body], **STATISTICS)
-    for name, data in {"s": surface, "c": contact, "b": body, "t": statistics}.items():
+    surface, contact, stress = run(1)
+    statistics = summarise([surface], [contact], [stress], **STATISTICS)
+    for name, data in {"s": surface, "c": contact, "b": stress, "t": statistics}.items():
         dataset.write(data, tmp_path / f"{name}.nc", name, {"seed": 1})
         assert set(dataset.read(tmp_path / f"{name}.nc").variables) == set(data.variables)

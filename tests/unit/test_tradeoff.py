@@ -6,8 +6,17 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 
-from asperity import dataset
-from asperity.calibration import (
+from asperity.accuracy.measurement import (
+    DISTRIBUTIONS,
+    EXACT,
+    OUTPUTS,
+    Scene,
+    distance,
+    errors,
+    evaluate,
+    measure,
+)
+from asperity.accuracy.model import (
     Measured,
     as_json,
     describe_errors,
@@ -16,11 +25,11 @@ from asperity.calibration import (
     fit,
     seconds_of,
 )
-from asperity.figures import tradeoff as figures
-from asperity.figures.style import style
-from asperity.plan import predict_errors
-from asperity.presets import PRESETS
-from asperity.tradeoff import DISTRIBUTIONS, EXACT, OUTPUTS, Scene, distance, errors, evaluate, measure
+from asperity.accuracy.plan import predict_errors
+from asperity.config.presets import PRESETS
+from asperity.paper.figures import tradeoff as figures
+from asperity.paper.figures.style import style
+from asperity.results import dataset
 
 SETTINGS = {
     "hurst": [0.8],
@@ -101,7 +110,7 @@ def test_the_measurement_is_a_file_and_comes_back_from_text(runs, tmp_path):
 
 
 def test_the_law_of_time_gives_back_the_times_it_was_made_from(runs):
-    law = fit(runs).laws["body_seconds"]
+    law = fit(runs).laws["stress_seconds"]
     names = ("depth_digits", "spacing", "ratios")
     for row in range(runs.sizes["run"]):
         run = runs.isel(run=row)
@@ -112,7 +121,7 @@ def test_the_law_of_time_gives_back_the_times_it_was_made_from(runs):
         }
         powers = [law[name] for name in ("start", "node", *names)]
         expected = float(seconds_of(powers, float(run["run_points"]), features(names, settings)))
-        assert 1 / 3 < float(run["body_seconds"]) / expected < 3  # some take a hundredth of a second
+        assert 1 / 3 < float(run["stress_seconds"]) / expected < 3  # some take a hundredth of a second
 
 
 def test_bounds_lie_above_what_was_measured(runs):

@@ -4,25 +4,32 @@ import numpy as np
 import pytest
 from small_study import BODY, CONTACT, LAYER
 
-from asperity.study.body import analyse_body
-from asperity.study.contact import press
-from asperity.study.statistics import summarise
-from asperity.study.surface import make_surface
-from asperity.summary import LEVELS, QUANTITIES
-from asperity.summary import summarise as numbers
-from asperity.verification import Check, VerificationError, require, verify_member, verify_statistics
+from asperity.pipeline.contact import solve_contact
+from asperity.pipeline.statistics import summarise
+from asperity.pipeline.stress import compute_stress
+from asperity.pipeline.summary import LEVELS, QUANTITIES
+from asperity.pipeline.summary import summarise as numbers
+from asperity.pipeline.surface import make_surface
+from asperity.pipeline.verification import Check, VerificationError, require, verify_member, verify_statistics
 
 SURFACE = {"hurst": 0.8, "wavelength_long": 0.5, "wavelength_short": 0.125, "rms_height": 1e-3, "points": 64}
-SETTINGS = {"name": "small", "seed": 1, "surface": SURFACE, "layer": LAYER, "contact": CONTACT, "body": BODY}
+SETTINGS = {
+    "name": "small",
+    "seed": 1,
+    "surface": SURFACE,
+    "layer": LAYER,
+    "contact": CONTACT,
+    "stress": BODY,
+}
 
 
 @pytest.fixture(scope="module")
 def chain():
-    """Surface, contact and body of one seed, with the settings that their files would carry."""
+    """Surface, contact and stress of one seed, with the settings that their files would carry."""
     surface = make_surface(SURFACE, 1)
-    contact = press(surface, LAYER, CONTACT)
-    body = analyse_body(contact, LAYER, BODY)
-    return [data.assign_attrs(settings=json.dumps(SETTINGS)) for data in (surface, contact, body)]
+    contact = solve_contact(surface, LAYER, CONTACT)
+    stress = compute_stress(contact, LAYER, BODY)
+    return [data.assign_attrs(settings=json.dumps(SETTINGS)) for data in (surface, contact, stress)]
 
 
 def broken(checks):
@@ -37,8 +44,8 @@ def test_sound_results_pass_every_check(chain):
 
 
 def test_a_pressure_one_percent_too_large_is_found(chain):
-    surface, contact, body = chain
-    found = broken(verify_member(surface, contact.assign(pressure=1.01 * contact.pressure), body))
+    surface, contact, stress = chain
+    found = broken(verify_member(surface, contact.assign(pressure=1.01 * contact.pressure), stress))
     assert found >= {
         "gap under contact over its length scale",
         "load balance",
@@ -47,37 +54,39 @@ def test_a_pressure_one_percent_too_large_is_found(chain):
 
 
 def test_a_load_area_curve_that_falls_is_found(chain):
-    surface, contact, body = chain
+    surface, contact, stress = chain
     area = contact.path_area_fraction.copy(data=contact.path_area_fraction.values[::-1])
-    found = broken(verify_member(surface, contact.assign(path_area_fraction=area), body))
+    found = broken(verify_member(surface, contact.assign(path_area_fraction=area), stress))
     assert found == {"falls of the area along the load path"}
 
 
 def test_a_stress_field_one_percent_too_large_is_found(chain):
-    surface, contact, body = chain
-    found = broken(verify_member(surface, contact, body.assign(mean_von_mises=1.01 * body.mean_von_mises)))
+    surface, contact, stress = chain
+    found = broken(
+        verify_member(surface, contact, stress.assign(mean_von_mises=1.01 * stress.mean_von_mises))
+    )
     assert found == {"mean von Mises stress of a plane, computed again"}
 
 
 def test_peaks_outside_the_solid_or_above_their_plane_are_found(chain):
-    surface, contact, body = chain
-    assert broken(verify_member(surface, contact, body.assign(peak_depth=-1 - body.peak_depth))) == {
+    surface, contact, stress = chain
+    assert broken(verify_member(surface, contact, stress.assign(peak_depth=-1 - stress.peak_depth))) == {
         "peaks outside the solid"
     }
-    assert broken(verify_member(surface, contact, body.assign(peak_value=2 * body.peak_value))) == {
+    assert broken(verify_member(surface, contact, stress.assign(peak_value=2 * stress.peak_value))) == {
         "largest von Mises peak over the largest node"
     }
 
 
 def test_statistics_that_lose_peaks_or_do_not_integrate_to_one_are_found(chain):
-    surface, contact, body = chain
-    statistics = summarise([surface], [contact], [body], bins=20, resamples=10, confidence=0.95)
-    assert broken(verify_statistics(statistics, [body])) == set()
+    surface, contact, stress = chain
+    statistics = summarise([surface], [contact], [stress], bins=20, resamples=10, confidence=0.95)
+    assert broken(verify_statistics(statistics, [stress])) == set()
     assert broken(
-        verify_statistics(statistics.assign(peak_density=0.99 * statistics.peak_density), [body])
+        verify_statistics(statistics.assign(peak_density=0.99 * statistics.peak_density), [stress])
     ) == {"densities of the peaks against an integral of one"}
     fewer = statistics.assign(peak_counts=(statistics.peak_counts * 0.5).astype(int))
-    assert "peaks not counted" in broken(verify_statistics(fewer, [body]))
+    assert "peaks not counted" in broken(verify_statistics(fewer, [stress]))
 
 
 def test_a_broken_law_is_told_in_one_line():
@@ -86,15 +95,15 @@ def test_a_broken_law_is_told_in_one_line():
 
 
 def test_a_summary_measures_what_the_results_hold(chain):
-    surface, contact, body = chain
-    found = numbers(surface, contact, body)
+    surface, contact, stress = chain
+    found = numbers(surface, contact, stress)
     gradient = float(contact.gradient_rms_contact)
     assert found["contact.proportionality"] == pytest.approx(
         float(contact.area_fraction) * gradient / float(contact.mean_pressure)
     )
     assert found["contact.load_exponent"] == pytest.approx(1, abs=0.2)  # a few circles of contact
     assert found["profile.largest@0.33"] == pytest.approx(
-        float(body.largest_von_mises.sel(poisson=0.33).max()) / gradient
+        float(stress.largest_von_mises.sel(poisson=0.33).max()) / gradient
     )
     for name, curve in found.quantiles.items():
         quantity, _, ratio = name.partition("@")

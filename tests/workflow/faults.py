@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from project import TINY, copy_project, environment
 
-from asperity import dataset
+from asperity.results import dataset
 
 RESULTS = "results/tiny"
 TARGETS = (

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from asperity import dataset
+from asperity.results import dataset
 
 ROOT = Path(__file__).parents[2]
 PARTS = ("Snakefile", "config", "workflow", "profiles", "src", "tests/reference", "tests/workflow/tiny.yaml")

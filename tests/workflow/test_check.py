@@ -23,7 +23,7 @@ def test_the_quick_study_has_the_numbers_of_the_reference(quick):
 
 def test_one_percent_in_a_kernel_is_caught(tmp_path):
     folder = copy_project(tmp_path)
-    layer = folder / "src/asperity/layer.py"
+    layer = folder / "src/asperity/elasticity/layer.py"
     was, now = "(1.0 + d) * a, (1.0 - d) * a, d * a,", "(1.0 + d) * a, 1.01 * (1.0 - d) * a, d * a,"
     assert was in layer.read_text()
     layer.write_text(layer.read_text().replace(was, now))

@@ -5,9 +5,9 @@ import os
 import pytest
 from project import QUICK, run, snakemake
 
-from asperity.compiled import PARTS
+from asperity.runtime.compiling import PARTS
 
-NAMES = "from asperity.compiled import compiled_functions as found; print(*found(), sep='\\n')"
+NAMES = "from asperity.runtime.compiling import compiled_functions as found; print(*found(), sep='\\n')"
 
 
 def caches(folder):
@@ -46,5 +46,5 @@ def test_a_changed_solver_reruns_the_contacts(quick_study, name):
     module.write_text(text)
     os.utime(module, ns=(before.st_atime_ns, before.st_mtime_ns))
     jobs = dict(line.split() for line in (plan.stdout + plan.stderr).splitlines() if len(line.split()) == 2)
-    assert {jobs.get(rule) for rule in ("contact", "body", "statistics")} == {"6"}
+    assert {jobs.get(rule) for rule in ("contact", "stress", "statistics")} == {"6"}
     assert "surface" not in jobs

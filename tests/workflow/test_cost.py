@@ -34,13 +34,15 @@ def test_every_rule_with_a_script_declares_what_it_needs():
 
 def test_a_job_that_took_more_than_its_rule_declares_is_named(quick_study, tmp_path):
     folder = copy_project(tmp_path)
-    log = folder / "results/quick/log/body/hurst_08/seed1.log"
+    log = folder / "results/quick/log/stress/hurst_08/seed1.log"
     log.parent.mkdir(parents=True)
     said = (quick_study.folder / log.relative_to(folder)).read_text()
     log.write_text(re.sub(r"\d+ MB of memory", "4700 MB of memory", said))
     found = run(folder, *DECLARED)
     assert found.returncode == 1
-    assert re.search(r"^body/hurst_08/seed1: 4700 MB measured, \d+ MB declared$", found.stderr, re.MULTILINE)
+    assert re.search(
+        r"^stress/hurst_08/seed1: 4700 MB measured, \d+ MB declared$", found.stderr, re.MULTILINE
+    )
 
 
 def test_results_without_logs_are_said_so(tmp_path):

@@ -33,7 +33,7 @@ def test_no_finished_job_was_repeated_and_nothing_is_left_to_do(kills):
 
 def test_a_partial_file_would_be_seen(kills, tiny_study):
     folder, _ = kills
-    path = folder / "results/tiny/body/hurst_08/.seed1.nc.99999999.unfinished"
+    path = folder / "results/tiny/stress/hurst_08/.seed1.nc.99999999.unfinished"
     path.write_bytes(b"half")
-    assert differences(folder, tiny_study.folder) == ("body/hurst_08/.seed1.nc.99999999.unfinished",)
+    assert differences(folder, tiny_study.folder) == ("stress/hurst_08/.seed1.nc.99999999.unfinished",)
     path.unlink()

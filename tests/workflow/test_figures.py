@@ -12,12 +12,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from asperity.figures import captions
-from asperity.figures.shared import folded_density
+from asperity.paper.figures import captions
+from asperity.paper.figures.shared import folded_density
 
 ROOT = Path(__file__).parents[2]
 PAPER = [f"fig{number:02d}" for number in range(1, 19)]
-MODULES = sorted((ROOT / "src/asperity/figures").glob("fig*.py"))
+MODULES = sorted((ROOT / "src/asperity/paper/figures").glob("fig*.py"))
 
 
 @pytest.fixture(scope="module")
@@ -51,7 +51,7 @@ def test_every_figure_has_the_datasets_it_is_drawn_from(jobs):
     assert jobs
     without = {}
     for figure, inputs in jobs.items():
-        module = importlib.import_module(f"asperity.figures.{figure.split('_')[0]}")
+        module = importlib.import_module(f"asperity.paper.figures.{figure.split('_')[0]}")
         needed = set(inspect.signature(module.draw).parameters)
         if needed - stages_of(inputs) or not needed:
             without[figure] = sorted(needed - stages_of(inputs))
@@ -60,8 +60,8 @@ def test_every_figure_has_the_datasets_it_is_drawn_from(jobs):
 
 def test_every_figure_depends_on_its_module_and_the_style(jobs):
     for figure, inputs in jobs.items():
-        assert f"src/asperity/figures/{figure.split('_')[0]}.py" in inputs
-        assert "src/asperity/figures/style.mplstyle" in inputs
+        assert f"src/asperity/paper/figures/{figure.split('_')[0]}.py" in inputs
+        assert "src/asperity/paper/figures/style.mplstyle" in inputs
 
 
 def test_the_supplement_shows_given_kurtosis_and_measured_surfaces(jobs):

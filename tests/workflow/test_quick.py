@@ -8,7 +8,7 @@ import pytest
 import yaml
 from project import QUICK, ROOT, copy_project, numbers, snakemake
 
-from asperity import dataset
+from asperity.results import dataset
 
 
 def read_all(folder, stage):
@@ -25,7 +25,7 @@ def test_it_takes_at_most_ninety_seconds_of_two_cores(second_study):
 def test_every_figure_is_there_as_picture_and_as_vectors(quick_study):
     figures = quick_study.folder / "results/quick/figures"
     names = {path.name for path in figures.iterdir()}
-    modules = {path.stem for path in (ROOT / "src/asperity/figures").glob("fig*.py")}
+    modules = {path.stem for path in (ROOT / "src/asperity/paper/figures").glob("fig*.py")}
     assert names >= {f"{module}{suffix}" for module in modules for suffix in (".png", ".pdf")}
     assert all(path.stat().st_size > 5000 for path in figures.iterdir() if path.suffix != ".rst")
 
@@ -37,7 +37,7 @@ def test_nothing_is_left_to_do_and_nothing_is_left_over(quick_study):
 
 
 def test_a_changed_module_reruns_what_it_feeds_and_nothing_else(quick_study):
-    module = quick_study.folder / "src/asperity/figures/fig10.py"
+    module = quick_study.folder / "src/asperity/paper/figures/fig10.py"
     text, before = module.read_text(), module.stat()
     module.write_text(text + "\n")
     plan = snakemake(quick_study.folder, *QUICK, "--dry-run")
@@ -61,7 +61,7 @@ def test_one_core_gives_the_same_numbers_and_the_same_pictures(quick_study, seco
 
 
 def test_logs_hold_what_the_rules_said(quick_study):
-    for stage in ("surface", "contact", "body", "statistics"):
+    for stage in ("surface", "contact", "stress", "statistics"):
         logs = list((quick_study.folder / "results/quick/log" / stage).rglob("*.log"))
         assert logs
         assert all(": done after" in log.read_text() for log in logs)
@@ -101,42 +101,42 @@ def test_contacts_are_contacts(quick_study):
 
 
 def test_peaks_lie_in_the_solid_and_planes_reach_its_bottom(quick_study):
-    for body in read_all(quick_study.folder, "body"):
-        assert body.sizes["peak"] > 1000
-        assert float(body.peak_depth.min()) >= 0
-        assert float(body.peak_depth.max()) <= 1
-        for position in (body.peak_x, body.peak_y):
+    for stress in read_all(quick_study.folder, "stress"):
+        assert stress.sizes["peak"] > 1000
+        assert float(stress.peak_depth.min()) >= 0
+        assert float(stress.peak_depth.max()) <= 1
+        for position in (stress.peak_x, stress.peak_y):
             assert float(position.min()) >= 0
             assert float(position.max()) < 1
-        assert body.plane_depth.values[[0, -1]] == pytest.approx([0, 1])
-        assert np.all(np.diff(body.plane_points) <= 0)
-        surface_peaks = body.peak_depth.values[body.peak_interior.values == 0]
+        assert stress.plane_depth.values[[0, -1]] == pytest.approx([0, 1])
+        assert np.all(np.diff(stress.plane_points) <= 0)
+        surface_peaks = stress.peak_depth.values[stress.peak_interior.values == 0]
         assert not surface_peaks.any()
-        assert np.all(body.covariance_plane.values[:, 0] > 0)
+        assert np.all(stress.covariance_plane.values[:, 0] > 0)
 
 
 def test_densities_integrate_to_one_and_count_every_peak(quick_study):
-    for statistics, body in zip(
-        read_all(quick_study.folder, "statistics"), read_all(quick_study.folder, "body"), strict=True
+    for statistics, stress in zip(
+        read_all(quick_study.folder, "statistics"), read_all(quick_study.folder, "stress"), strict=True
     ):
         width = np.diff(statistics.bin_edge.values, axis=1)
         chosen = statistics.sel(selection="all")
         integral = (chosen.peak_density.values * width[:, None, :]).sum(axis=-1)
         np.testing.assert_allclose(integral, 1, rtol=1e-12)
-        for number in range(body.sizes["quantity"]):
-            expected = int(((body.peak_quantity == number) & (body.peak_poisson <= 0)).sum())
+        for number in range(stress.sizes["quantity"]):
+            expected = int(((stress.peak_quantity == number) & (stress.peak_poisson <= 0)).sum())
             assert int(chosen.peak_counts.isel(quantity=number, poisson=0).sum()) == expected
         assert float((statistics.height_density * np.diff(statistics.height_edge)).sum()) == pytest.approx(1)
 
 
 def test_every_file_tells_a_stranger_what_it_is(quick_study):
-    for stage in ("surface", "contact", "body", "statistics"):
+    for stage in ("surface", "contact", "stress", "statistics"):
         for data in read_all(quick_study.folder, stage):
             assert all(data.attrs[name] for name in ("title", "source", "references", "Conventions"))
             settings = dataset.settings_of(data)
             assert settings["surface"]["points"] in (128, 256)
             assert dataset.digest(settings) == data.attrs["settings_digest"]
-            if stage in ("contact", "body", "statistics"):
+            if stage in ("contact", "stress", "statistics"):
                 assert data.attrs["solid"] == "half-space"
                 assert data.attrs["uniform_mode"] == "laterally confined"
             assert not re.search(r"\d{4}-\d{2}-\d{2}|\d{2}:\d{2}:\d{2}", str(data.attrs))

@@ -49,8 +49,10 @@ class Session:
         found = self._ask(self._root, {"capabilities": {"alwaysMatch": OPTIONS}})
         self._root += f"/{found['sessionId']}"
 
-    def _ask(self, url, body):
-        request = urllib.request.Request(url, json.dumps(body).encode(), {"Content-Type": "application/json"})
+    def _ask(self, url, stress):
+        request = urllib.request.Request(
+            url, json.dumps(stress).encode(), {"Content-Type": "application/json"}
+        )
         with urllib.request.urlopen(request, timeout=120) as answer:
             return json.load(answer)["value"]
 

@@ -2,7 +2,7 @@ rule summary:
     input:
         surface=f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
         contact=f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
-        body=f"{RESULTS}/body/{{surface}}/seed{{seed}}.nc",
+        stress=f"{RESULTS}/stress/{{surface}}/seed{{seed}}.nc",
         code=code("summary"),
     output:
         f"{RESULTS}/summary/{{surface}}/seed{{seed}}.json",
@@ -35,7 +35,7 @@ rule claims:
             }
         ),
         validation=claim_datasets,
-        style="src/asperity/figures/style.mplstyle",
+        style="src/asperity/paper/figures/style.mplstyle",
         compiled=COMPILED,
         code=code("claims"),
     output:

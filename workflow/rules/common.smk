@@ -77,7 +77,7 @@ def last_words(job):
 
 def announce_run(jobs):
     """Say before the run what it will take."""
-    from asperity.plan import announce  # not in the process of every job
+    from asperity.accuracy.plan import announce  # not in the process of every job
 
     ahead = [(job.rule.name, NEEDS[job.rule.name](job.wildcards)) for job in jobs if job.rule.name in NEEDS]
     if ahead:

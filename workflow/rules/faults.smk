@@ -1,4 +1,4 @@
-from asperity.preflight import claim, require_memory, require_space, require_undamaged
+from asperity.runtime.preflight import claim, require_memory, require_space, require_undamaged
 
 
 onstart:

@@ -1,8 +1,8 @@
 rule figure:
     input:
         results=lambda wildcards: leaves(stage_results(wildcards.figure)),
-        style="src/asperity/figures/style.mplstyle",
-        code=lambda wildcards: code("figure", f"asperity.figures.{wildcards.figure.split('_')[0]}"),
+        style="src/asperity/paper/figures/style.mplstyle",
+        code=lambda wildcards: code("figure", f"asperity.paper.figures.{wildcards.figure.split('_')[0]}"),
     output:
         png=report(
             f"{RESULTS}/figures/{{figure}}.png",

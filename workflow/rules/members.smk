@@ -9,7 +9,7 @@ SUMMARY = f"{RESULTS}/summary/{{}}/seed{{}}.json"
 @cache
 def claim_members():
     """Role → summaries of its surface, one for each seed."""
-    from asperity.claims import roles
+    from asperity.paper.claims.verdicts import roles
 
     return {
         role: [SUMMARY.format(name, seed) for seed in config["seeds"]]
@@ -20,7 +20,7 @@ def claim_members():
 @cache
 def finer_members():
     """The same for each resolution of the continuum study."""
-    from asperity.claims import resolutions
+    from asperity.paper.claims.verdicts import resolutions
 
     return {
         nodes: {
@@ -32,6 +32,6 @@ def finer_members():
 
 def claim_datasets(wildcards):
     """Datasets of the validation that claims are decided on."""
-    from asperity.statements import DATASETS
+    from asperity.paper.claims.statements import DATASETS
 
     return [f"{RESULTS}/validation/{name}.nc" for name in DATASETS if name in config.get("validation", {})]

@@ -1,7 +1,7 @@
 import math
 import os
 
-from asperity.study.needs import COMPILER_MEMORY, WORKFLOW_MEMORY, need
+from asperity.accuracy.resources import COMPILER_MEMORY, WORKFLOW_MEMORY, need
 
 
 def nodes(*names):
@@ -37,7 +37,7 @@ NEEDS = {
         "map" if wildcards.surface in MEASURED else "surface", nodes(wildcards.surface)
     ),
     "contact": lambda wildcards: need("contact", nodes(wildcards.surface), loads(wildcards)),
-    "body": lambda wildcards: need("body", nodes(wildcards.surface), len(config["body"]["poisson"])),
+    "stress": lambda wildcards: need("stress", nodes(wildcards.surface), len(config["stress"]["poisson"])),
     "summary": lambda wildcards: need("summary", nodes(wildcards.surface)),
     "statistics": lambda wildcards: need("statistics", nodes(wildcards.surface), len(config["seeds"])),
     "verification": lambda wildcards: need("verification", nodes(wildcards.surface), len(config["seeds"])),

@@ -2,7 +2,7 @@ rule statistics:
     input:
         surfaces=expand(f"{RESULTS}/surface/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
         contacts=expand(f"{RESULTS}/contact/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
-        bodies=expand(f"{RESULTS}/body/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
+        stresses=expand(f"{RESULTS}/stress/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
         code=code("statistics"),
     output:
         f"{RESULTS}/statistics/{{surface}}.nc",

@@ -2,7 +2,7 @@ rule verification:
     input:
         surface=expand(f"{RESULTS}/surface/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
         contact=expand(f"{RESULTS}/contact/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
-        body=expand(f"{RESULTS}/body/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
+        stress=expand(f"{RESULTS}/stress/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
         statistics=f"{RESULTS}/statistics/{{surface}}.nc",
         compiled=COMPILED,
         code=code("verification"),

@@ -1,7 +1,8 @@
 """Rule calculix: the diagonal plane of the slab by CalculiX, beside the spectral solver."""
 
-from asperity import dataset, validation
-from asperity.progress import Progress, record
+from asperity.results import dataset
+from asperity.runtime.progress import Progress, record
+from asperity.validation import comparisons as validation
 
 with record(snakemake.log[0]), Progress("validation calculix"):
     found = validation.compare_calculix(snakemake.params.folder)

@@ -3,13 +3,13 @@
 import csv
 from pathlib import Path
 
-from asperity import dataset
-from asperity.claims import COLUMNS, Evidence, continuum_markdown, decide, markdown, rows
-from asperity.figures.claims import draw
-from asperity.figures.style import save, style
-from asperity.progress import Progress, record
-from asperity.statements import CLAIMS, HEADLINES
-from asperity.summary import read
+from asperity.paper.claims.statements import CLAIMS, HEADLINES
+from asperity.paper.claims.verdicts import COLUMNS, Evidence, continuum_markdown, decide, markdown, rows
+from asperity.paper.figures.claims import draw
+from asperity.paper.figures.style import save, style
+from asperity.pipeline.summary import read
+from asperity.results import dataset
+from asperity.runtime.progress import Progress, record
 
 
 def members(files):

@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
-from asperity.compiled import PARTS, describe
-from asperity.progress import Progress, record
+from asperity.runtime.compiling import PARTS, describe
+from asperity.runtime.progress import Progress, record
 
 part = snakemake.wildcards.part
 with record(snakemake.log[0]), Progress(f"compiled {part}"):

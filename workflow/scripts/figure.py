@@ -3,10 +3,10 @@
 from importlib import import_module
 from pathlib import Path
 
-from asperity import dataset
-from asperity.figures.captions import caption
-from asperity.figures.style import save, style
-from asperity.progress import record
+from asperity.paper.figures.captions import caption
+from asperity.paper.figures.style import save, style
+from asperity.results import dataset
+from asperity.runtime.progress import record
 
 
 def read(files):
@@ -19,6 +19,6 @@ def read(files):
 with record(snakemake.log[0]), style(snakemake.input.style):
     stages = {stage: read(files) for stage, files in snakemake.params.stages.items()}
     name = snakemake.wildcards.figure.split("_")[0]
-    figure = import_module(f"asperity.figures.{name}").draw(**stages)
+    figure = import_module(f"asperity.paper.figures.{name}").draw(**stages)
     save(figure, snakemake.output.png, snakemake.output.pdf)
     Path(snakemake.output.caption).write_text(caption(name, stages), encoding="utf-8")

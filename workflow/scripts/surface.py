@@ -1,8 +1,8 @@
 """Rule surface: a rough surface, made or measured, and its measures."""
 
-from asperity import dataset
-from asperity.progress import Progress, record
-from asperity.study.surface import make_surface, read_surface
+from asperity.pipeline.surface import make_surface, read_surface
+from asperity.results import dataset
+from asperity.runtime.progress import Progress, record
 
 with record(snakemake.log[0]), Progress(f"surface {snakemake.wildcards.surface}"):
     seed, parameters = int(snakemake.wildcards.seed), snakemake.params.surface

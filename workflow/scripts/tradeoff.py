@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from asperity import dataset
-from asperity.calibration import as_json, describe_errors, describe_presets, fit
-from asperity.progress import Progress, record
-from asperity.tradeoff import measure
+from asperity.accuracy.measurement import measure
+from asperity.accuracy.model import as_json, describe_errors, describe_presets, fit
+from asperity.results import dataset
+from asperity.runtime.progress import Progress, record
 
 with record(snakemake.log[0]), Progress("tradeoff") as progress:
     settings = snakemake.params.settings

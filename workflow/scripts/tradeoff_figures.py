@@ -1,10 +1,10 @@
 """Rule tradeoff_figures: error against time, errors by source, cost against size."""
 
-from asperity import dataset
-from asperity.calibration import fit
-from asperity.figures import tradeoff
-from asperity.figures.style import save, style
-from asperity.progress import record
+from asperity.accuracy.model import fit
+from asperity.paper.figures import tradeoff
+from asperity.paper.figures.style import save, style
+from asperity.results import dataset
+from asperity.runtime.progress import record
 
 with record(snakemake.log[0]), style(snakemake.input.style):
     runs = dataset.read(snakemake.input.runs)

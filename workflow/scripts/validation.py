@@ -1,7 +1,10 @@
 """Rule validation: the solver against closed forms, finite elements and floating point."""
 
-from asperity import dataset, extremes, stability, validation
-from asperity.progress import Progress, record
+from asperity.results import dataset
+from asperity.runtime.progress import Progress, record
+from asperity.validation import comparisons as validation
+from asperity.validation import extremes
+from asperity.validation import rounding as stability
 
 COMPARISONS = {
     "load_area": validation.load_area,

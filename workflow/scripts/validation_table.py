@@ -2,8 +2,9 @@
 
 from pathlib import Path
 
-from asperity import dataset, validation
-from asperity.progress import record
+from asperity.results import dataset
+from asperity.runtime.progress import record
+from asperity.validation import comparisons as validation
 
 with record(snakemake.log[0]):
     results = {name: dataset.read(path) for name, path in snakemake.params.results.items()}

@@ -2,21 +2,21 @@
 
 import csv
 
-from asperity import dataset
-from asperity.progress import Progress, record
-from asperity.verification import require, verify_member, verify_statistics
+from asperity.pipeline.verification import require, verify_member, verify_statistics
+from asperity.results import dataset
+from asperity.runtime.progress import Progress, record
 
-STAGES = ("surface", "contact", "body")
+STAGES = ("surface", "contact", "stress")
 
 with record(snakemake.log[0]), Progress(f"verification {snakemake.wildcards.surface}") as progress:
-    found, bodies = [], []
+    found, stresses = [], []
     for number, seed in enumerate(snakemake.params.seeds):
         stages = [dataset.read(snakemake.input[stage][number]) for stage in STAGES]
         found += [(f"seed {seed}", check) for check in verify_member(*stages)]
-        bodies.append(stages[-1])
+        stresses.append(stages[-1])
         progress(number + 1, len(snakemake.params.seeds))
     statistics = dataset.read(snakemake.input.statistics)
-    found += [("all seeds", check) for check in verify_statistics(statistics, bodies)]
+    found += [("all seeds", check) for check in verify_statistics(statistics, stresses)]
     require([check for _, check in found], snakemake.wildcards.surface)
     with open(snakemake.output[0], "w", newline="", encoding="utf-8") as file:
         table = csv.writer(file, lineterminator="\n")

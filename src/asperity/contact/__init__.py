@@ -18,20 +18,21 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from asperity.contact import active_set, gfmd
-from asperity.contact.certificate import Certificate, ConvergenceError, certify
+from asperity.contact.certificate import Certificate, verify_contact
 from asperity.contact.problem import (
     Problem,
-    Progress,
     State,
     checked_control,
     checked_height,
     checked_initial,
     checked_settings,
 )
-from asperity.layer import Layer
-from asperity.spectral import Array, Fourier, Grid, Work, gradient
+from asperity.elasticity.layer import Layer
+from asperity.errors import ConvergenceError
+from asperity.spectral import Fourier, Grid, Work, gradient
+from asperity.types import Array, Progress
 
-__all__ = ["Certificate", "Contact", "ConvergenceError", "certify", "solve", "solve_path"]
+__all__ = ["Certificate", "Contact", "ConvergenceError", "solve", "solve_path", "verify_contact"]
 
 METHODS = {"active_set": active_set.solve, "gfmd": gfmd.solve}
 
@@ -250,7 +251,7 @@ def _contact(problem: Problem, kind: str, state: State, method: str, rtol: float
         approach = state.approach
     else:
         approach = float(gap[contact].mean(dtype=float))
-    certificate = certify(
+    certificate = verify_contact(
         problem.height,
         pressure,
         layer,

@@ -25,12 +25,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from asperity.contact import passes
-from asperity.contact.area import AREA_TOLERANCE, AreaControl
-from asperity.contact.certificate import ConvergenceError
+from asperity.contact import kernels
+from asperity.contact.control import AREA_TOLERANCE, AreaControl
 from asperity.contact.preconditioner import Preconditioner
-from asperity.contact.problem import Control, Problem, Progress, Reporter, State
-from asperity.spectral import Array, Fourier
+from asperity.contact.problem import Control, Problem, Reporter, State
+from asperity.errors import ConvergenceError
+from asperity.spectral import Fourier
+from asperity.types import Array, Progress
 
 # A block ends when its residual has dropped by this factor, or after this many iterations: short blocks
 # while the contact changes, longer by `LENGTHENED` after one that hardly lowered the error, long ones once
@@ -99,7 +100,7 @@ class System(NamedTuple):
     def uniform_residual(self) -> float:
         """The part of the residual that a change of the approach removes at a fixed load."""
         fixed = self.fixed_load and self.weight_sum
-        return passes.dot(self.weight, self.residual) / self.weight_sum if fixed else 0.0
+        return kernels.dot(self.weight, self.residual) / self.weight_sum if fixed else 0.0
 
 
 class Level:
@@ -171,9 +172,9 @@ class Level:
         for iteration in range(iterations + 1):
             if iteration:
                 self.preconditioner.apply(residual, z)
-            total, product = passes.sum_and_dot(z, residual)
+            total, product = kernels.sum_and_dot(z, residual)
             shift = np.float32(total / weight_sum if fixed_load and weight_sum else 0)
-            product -= float(shift) * passes.dot(weight, residual)
+            product -= float(shift) * kernels.dot(weight, residual)
             if iteration == 0:
                 first = product
             if iteration == iterations or not product > drop**2 * first or not product > 0:
@@ -181,38 +182,38 @@ class Level:
             ratio = 0.0
             if iteration:
                 # Of the change of the residual: the preconditioner is not quite the same every time.
-                changed = -float(length) * passes.projected_dot(z, weight, shift, response, plain)
+                changed = -float(length) * kernels.projected_dot(z, weight, shift, response, plain)
                 ratio = max(changed / previous, 0.0)
-            passes.advance(d, z, weight, shift, np.float32(ratio))
+            kernels.advance(d, z, weight, shift, np.float32(ratio))
             previous = product
             response = self.respond(d)
-            curvature = passes.dot_gathered(d, response, plain)
+            curvature = kernels.dot_gathered(d, response, plain)
             if not curvature > 0:
                 return x, iteration + 1
             length = np.float32(product / curvature)
-            passes.step(x, residual, d, response, plain, length)
-            passes.accumulate(self.displacement, response, length)
+            kernels.step(x, residual, d, response, plain, length)
+            kernels.accumulate(self.displacement, response, length)
         raise AssertionError
 
     def look(self, state: State, fixed_load: bool) -> System:
         """The linear system of the present contact; estimates the error of the state."""
         pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
-        plain = passes.select(pressure)
+        plain = kernels.select(pressure)
         self.preconditioner.restrict(plain)
         weight = self.preconditioner.apply_uniform()
         total = float(weight.sum(dtype=float))
         if fixed_load and total:
             # The approach for which the first correction leaves the load as it is.
             state.approach = float(gap[plain[0]])
-            state.approach += passes.weighted_mean(weight, gap, plain, state.approach)
-        residual = passes.residual(gap, plain, state.approach, self.unit)
+            state.approach += kernels.weighted_mean(weight, gap, plain, state.approach)
+        residual = kernels.residual(gap, plain, state.approach, self.unit)
         image = np.empty_like(residual)
         self.preconditioner.apply(residual, image)
         shift = float(image.sum(dtype=float)) / total if fixed_load and total else 0.0
-        load, squares, penetration = passes.norms(pressure, gap, state.approach)
+        load, squares, penetration = kernels.norms(pressure, gap, state.approach)
         norm = math.sqrt(squares)
         missing = math.hypot(
-            math.sqrt(passes.projected_square(image, weight, shift)),
+            math.sqrt(kernels.projected_square(image, weight, shift)),
             JOINING * math.sqrt(penetration) / self.unit,
         )
         if self.stiffness is not None:
@@ -227,8 +228,8 @@ class Level:
         """Add the change that a block has found; nodes that it makes penetrate join, tension is cut off."""
         pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
         approach = state.approach - self.unit * system.uniform_residual()
-        passes.join(pressure, gap, self.displacement, approach, self.unit, JOINING)
-        passes.add_clipped(pressure, system.plain, change, np.float32(reach))
+        kernels.join(pressure, gap, self.displacement, approach, self.unit, JOINING)
+        kernels.add_clipped(pressure, system.plain, change, np.float32(reach))
 
     def steer(self, state: State, system: System, area: AreaControl, settled: bool) -> bool:
         """Change the load towards an area, along the tangent of the present contact.
@@ -240,7 +241,7 @@ class Level:
         if not settled:
             change, used = self.correct(system)
             state.iterations += used
-            passes.add(pressure, plain, change)
+            kernels.add(pressure, plain, change)
             gap += self.unit * self.displacement
             state.approach -= self.unit * system.uniform_residual()
         self.displacement.fill(0)
@@ -255,7 +256,7 @@ class Level:
         # Changes of the approach at which a node enters or leaves the contact, from lift-off to `most`.
         most = MOST_CHANGE * state.load / per_load
         least = -0.999 * state.load / per_load
-        events = passes.events(pressure, gap, state.approach, self.unit, plain, rate, self.displacement)
+        events = kernels.events(pressure, gap, state.approach, self.unit, plain, rate, self.displacement)
         count = int(np.count_nonzero(events <= least))
         edges = np.concatenate(([least], np.sort(events[(events > least) & (events < most)]), [most]))
         # Only numbers of nodes that last while the load changes can be asked for, unless there is none.
@@ -276,8 +277,8 @@ class Level:
         taken = np.float32((state.load - load) / per_load)
         self.displacement *= taken
         approach = state.approach + self.unit * float(taken)
-        passes.join(pressure, gap, self.displacement, approach, self.unit, JOINING)
-        passes.add_clipped(pressure, plain, rate, taken)
+        kernels.join(pressure, gap, self.displacement, approach, self.unit, JOINING)
+        kernels.add_clipped(pressure, plain, rate, taken)
         return moved
 
     def balance(self, state: State, system: System, tolerance: float) -> bool:
@@ -334,16 +335,16 @@ class Level:
             self.evaluate(state, control)
             gap = state.gap.reshape(-1)
             if taken is not None:
-                fraction = passes.line_search(
+                fraction = kernels.line_search(
                     pressure, pressure_before, gap, gap_before.reshape(-1), state.approach
                 )
                 if fraction < 0.9:
-                    passes.blend(pressure, pressure_before, fraction)
-                    passes.blend(gap, gap_before.reshape(-1), fraction)
+                    kernels.blend(pressure, pressure_before, fraction)
+                    kernels.blend(gap, gap_before.reshape(-1), fraction)
                 if fraction == 0 and stalled < PATIENCE:
                     # The same step, shorter before it is pruned.
                     reach, stalled = reach / 4, stalled + 1
-                    passes.add_clipped(pressure, *taken, np.float32(reach))
+                    kernels.add_clipped(pressure, *taken, np.float32(reach))
                     continue
                 reach = reach / 4 if fraction < 0.1 else min(2 * reach, 1.0)
             system = self.look(state, fixed_load)
@@ -396,8 +397,8 @@ class Level:
         if control.fixes_load:
             factor = state.load / mean
         else:
-            factor = passes.best_scale(pressure, gap, height, control.value)
-        passes.scale(pressure, gap, height, factor)
+            factor = kernels.best_scale(pressure, gap, height, control.value)
+        kernels.scale(pressure, gap, height, factor)
 
 
 def solve(

@@ -1,7 +1,7 @@
 """How well a contact solution fulfils the conditions of contact, recomputed from the pressure alone.
 
 A solution has p ≥ 0, g = h + u − δ ≥ 0 and p g = 0 at every node, with the displacement u that the
-layer has under p. `certify` evaluates u anew in double precision, so that nothing a solver kept can
+layer has under p. `verify_contact` evaluates u anew in double precision, so that nothing a solver kept can
 hide an error.
 """
 
@@ -11,33 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asperity.contact import passes
-from asperity.layer import Layer
-from asperity.spectral import Array, Fourier, Grid
-
-
-class ConvergenceError(RuntimeError):
-    """A contact problem that was not solved to its tolerance.
-
-    Attributes
-    ----------
-    residual, tolerance : float
-        What was reached and what was asked for.
-    iterations : int
-        Applications of the compliance on the finest grid and all others.
-    load : float
-        Mean pressure at that moment.
-    """
-
-    def __init__(self, reason: str, residual: float, tolerance: float, iterations: int, load: float) -> None:
-        super().__init__(
-            f"{reason}: residual {residual:.3g}, tolerance {tolerance:.3g}, "
-            f"{iterations} iterations, mean pressure {load:.6g}"
-        )
-        self.residual = residual
-        self.tolerance = tolerance
-        self.iterations = iterations
-        self.load = load
+from asperity.contact import kernels
+from asperity.elasticity.layer import Layer
+from asperity.errors import ConvergenceError
+from asperity.spectral import Fourier, Grid
+from asperity.types import Array
 
 
 @dataclass(frozen=True)
@@ -96,7 +74,7 @@ class Certificate:
             )
 
 
-def certify(
+def verify_contact(
     height: Array,
     pressure: Array,
     layer: Layer,
@@ -142,7 +120,7 @@ def certify(
     least, largest = float(pressure.min()), float(pressure.max())
     largest = max(largest, -least)
     scale = max(
-        passes.standard_deviation(height.reshape(-1)), largest * min(grid.spacing) / layer.effective_modulus
+        kernels.standard_deviation(height.reshape(-1)), largest * min(grid.spacing) / layer.effective_modulus
     )
     scale = scale or 1.0
     load = float(pressure.mean())

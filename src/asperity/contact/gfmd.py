@@ -27,10 +27,10 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from asperity.contact.area import AreaControl
-from asperity.contact.certificate import ConvergenceError
-from asperity.contact.problem import Control, Problem, Progress, Reporter, State
-from asperity.spectral import Array
+from asperity.contact.control import AreaControl
+from asperity.contact.problem import Control, Problem, Reporter, State
+from asperity.errors import ConvergenceError
+from asperity.types import Array, Progress
 
 # Time step over the stability limit, and damping over the critical damping of the slowest mode.
 TIME_STEP = 0.9

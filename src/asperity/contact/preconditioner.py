@@ -22,9 +22,10 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-from asperity.contact.passes import dot
+from asperity.contact.kernels import dot
 from asperity.contact.problem import Problem
-from asperity.spectral import Array, Fourier, Grid
+from asperity.spectral import Fourier, Grid
+from asperity.types import Array
 
 # Radius, in nodes, of the stencil.
 RADIUS = 3

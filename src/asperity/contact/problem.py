@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.layer import Layer
-from asperity.spectral import REAL_TYPES, Array, Fourier, Grid, Work, resample
-
-Progress = Callable[[float, float], None]
+from asperity.elasticity.layer import Layer
+from asperity.spectral import REAL_TYPES, Fourier, Grid, Work, resample
+from asperity.types import Array, Progress
 
 CONTROLS = ("area_fraction", "mean_pressure", "approach")
 

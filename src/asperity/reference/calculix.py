@@ -19,7 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from asperity.reference.finite_element import Line
-from asperity.spectral import Array
+from asperity.types import Array
 
 PROGRAM = "ccx"
 INSTALL = "CalculiX is not installed: put `ccx` on the path (Debian, Ubuntu: apt install calculix-ccx)"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.reference.hertz import require_positive
-from asperity.spectral import Array
+from asperity.types import Array
 
 
 def single_mode_stress(x: ArrayLike, depth: ArrayLike, wavenumber: float, poisson: float) -> Array:

@@ -28,7 +28,7 @@ import scipy.sparse as sp
 from skfem import Basis, BilinearForm, ElementLineP2, MeshLine
 
 from asperity.reference.hertz import require_positive
-from asperity.spectral import Array
+from asperity.types import Array
 
 # Points of an element, along each axis, where the stress of quadratic elements is most accurate.
 _GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)

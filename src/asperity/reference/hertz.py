@@ -17,7 +17,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.spectral import Array
+from asperity.types import Array
 
 
 class AxisymmetricStress(NamedTuple):

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.reference.hertz import Hertz, require_positive, unit_displacement
-from asperity.spectral import Array
+from asperity.types import Array
 
 _WINDOW = 16
 

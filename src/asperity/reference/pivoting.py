@@ -12,8 +12,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
-from asperity.layer import Layer
-from asperity.spectral import Array
+from asperity.elasticity.layer import Layer
+from asperity.types import Array
 
 # Violations below this fraction of the largest term are rounding.
 ROUNDING = 1e-13

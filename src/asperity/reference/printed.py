@@ -1,7 +1,7 @@
 """The paper's equations of the elastic layer, as printed and as they hold.
 
 Only for showing what does not hold (`docs/method.md`) and what floating point makes of the rest
-(`asperity.stability`); the library itself computes with `asperity.layer`. Every function takes
+(`asperity.validation.rounding`); the library itself computes with `asperity.elasticity.layer`. Every function takes
 ``corrected``: False gives the printed text literally, True the nearest form that holds.
 
 ``lib`` is the arithmetic: ``mpmath.mp`` for any number of digits, ``numpy`` for floating point, in the

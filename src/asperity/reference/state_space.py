@@ -7,9 +7,9 @@ Equilibrium and Hooke's law of one Fourier mode are a first-order system in z,
 whose matrix is finite for every −1 < ν ≤ 1/2. Its eigenvalues are +q and −q, three times each, and
 (A² − q²)² = 0. The solution is therefore a part that decays downward from the top and one that decays
 upward from the bottom, each an exponential times a linear function of z, and six boundary conditions fix
-them. Nothing here is shared with `asperity.layer`: no kernel, no compliance, no closed form.
+them. Nothing here is shared with `asperity.elasticity.layer`: no kernel, no compliance, no closed form.
 
-Conventions are those of `asperity.layer`. Numbers are `mpmath` numbers; `digits` is the working precision,
+Conventions are those of `asperity.elasticity.layer`. Numbers are `mpmath` numbers; `digits` is the working precision,
 of which about four times the logarithm of q · height is lost in a thin layer.
 """
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.reference.hertz import require_positive
-from asperity.spectral import Array
+from asperity.types import Array
 
 
 @dataclass(frozen=True)

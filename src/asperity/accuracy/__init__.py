@@ -1,0 +1,1 @@
+"""Accuracy and cost: measured errors, plans, and the resources of every job."""

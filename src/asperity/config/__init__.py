@@ -1,0 +1,1 @@
+"""The configuration of the study: schema, reader, presets."""

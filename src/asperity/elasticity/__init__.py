@@ -1,0 +1,1 @@
+"""The elastic solid: layer and half-space, compliance and stress per pressure mode."""

@@ -1,0 +1,1 @@
+"""The paper of the study: its figures and its claims."""

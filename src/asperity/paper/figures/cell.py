@@ -1,0 +1,73 @@
+"""The cell in three dimensions: a block of solid with its deformed surface, and the indenter above it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from mpl_toolkits.mplot3d import Axes3D
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+from asperity.paper.figures.style import MILLIMETRE
+from asperity.types import Array
+
+SOLID, FRONT, RIGHT = "#c9d6df", "#9fb3c1", "#8aa0b0"
+"""Colours of the solid's surface and of the two walls that are seen."""
+
+Edge = tuple[Array, Array | float, Array]
+
+
+def scene(width: float, height: float) -> tuple[Figure, Axes3D]:
+    """A figure of `width` × `height` millimetres, and bare axes in three dimensions for all of it.
+
+    What is added is drawn in that order, whatever lies in front.
+    """
+    figure = Figure(figsize=(width * MILLIMETRE, height * MILLIMETRE))
+    figure.set_layout_engine("none")
+    axis = Axes3D(figure, (0.0, 0.0, 1.0, 1.0), computed_zorder=False)
+    figure.add_axes(axis)
+    axis.view_init(24, -58)
+    axis.set_axis_off()
+    axis.set_proj_type("ortho")
+    return figure, axis
+
+
+def surface(axis: Axes3D, x: Array, y: Array, z: Array, colour: str | Array) -> None:
+    """A surface z over the coordinates x and y, in one colour or one for each node, lightly shaded."""
+    paint: dict[str, Any] = {"color": colour} if isinstance(colour, str) else {"facecolors": colour}
+    columns, rows = np.meshgrid(x, y)
+    axis.plot_surface(
+        columns, rows, z, rcount=len(y), ccount=len(x), lw=0, antialiased=False, rasterized=True, **paint
+    )
+
+
+def walls(axis: Axes3D, front: Edge, right: Edge) -> None:
+    """The two faces of the block that are seen, down to z = 0 from the given edges (x, y, z)."""
+    for edge, shade in ((front, FRONT), (right, RIGHT)):
+        x, y, z = np.broadcast_arrays(*edge)
+        top = np.column_stack([x, y, z])
+        bottom = np.column_stack([x, y, np.zeros_like(z)])[::-1]
+        axis.add_collection3d(
+            Poly3DCollection([np.vstack([top, bottom])], facecolor=shade, edgecolor="k", linewidth=0.4)
+        )
+
+
+def lines(axis: Axes3D, segments: Sequence[Array], **look: Any) -> None:
+    """Polylines of points (x, y, z)."""
+    axis.add_collection3d(Line3DCollection(segments, **look))
+
+
+def ground(axis: Axes3D, half: float = 0.5) -> None:
+    """The rigid ground the block is bonded to."""
+    reach, thick = half + 0.06, 0.05
+    corners = np.array([[-reach, -reach], [reach, -reach], [reach, reach], [-reach, reach]])
+    front = [(x, -reach, z) for x, z in ((-reach, 0), (reach, 0), (reach, -thick), (-reach, -thick))]
+    right = [(reach, y, z) for y, z in ((-reach, 0), (reach, 0), (reach, -thick), (-reach, -thick))]
+    top = [(x, y, 0.0) for x, y in corners]
+    axis.add_collection3d(
+        Poly3DCollection(
+            [top, front, right], facecolor=["#e6e6e6", "#bbbbbb", "#a8a8a8"], edgecolor="k", linewidth=0.3
+        )
+    )

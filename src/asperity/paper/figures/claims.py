@@ -1,0 +1,80 @@
+"""Overview of the claims: every number with its interval, beside the region in which the paper wants it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from asperity.paper.claims.verdicts import FAILS, HOLDS, NO_DATA, UNDECIDED, VERDICTS, Finding
+from asperity.paper.figures.style import MILLIMETRE, PAGE
+
+_COLOUR = {HOLDS: "C0", FAILS: "C1", UNDECIDED: "0.45", NO_DATA: "0.75"}
+_MARKER = {HOLDS: "o", FAILS: "s", UNDECIDED: "D", NO_DATA: "x"}
+_ROW = 4.6
+_LOW, _HIGH = 0.4, 2.5
+_WIDE = 1.5
+
+
+def draw(findings: Sequence[Finding]) -> Figure:
+    """A row for each claim, on a common axis: the number over the edge of its region, or over its middle.
+
+    Parameters
+    ----------
+    findings : sequence of Finding
+
+    Notes
+    -----
+    Numbers beyond the axis are drawn at its end as triangles; the numbers themselves stand at the right.
+    """
+    count = len(findings)
+    figure = Figure(figsize=(PAGE, (count * _ROW + 22) * MILLIMETRE))
+    axis = figure.add_subplot()
+    for row, finding in enumerate(findings):
+        _draw_row(axis, row, finding)
+    axis.axvline(1.0, color="k", lw=0.5)
+    axis.set(xscale="log", xlim=(_LOW, _HIGH), ylim=(count - 0.4, -0.6))
+    axis.set_xticks([0.5, 0.7, 1, 1.5, 2], ["0.5", "0.7", "1", "1.5", "2"])
+    axis.set_xticks([], minor=True)
+    axis.set_yticks(
+        range(count), [f"{f.claim.sentence}  ({f.claim.section})" for f in findings], fontsize=5.5
+    )
+    axis.tick_params(axis="y", length=0)
+    axis.set_xlabel("measured over the edge or the middle\nof the region predicted (shaded)")
+    for verdict in VERDICTS:
+        if number := sum(f.verdict == verdict for f in findings):
+            axis.plot(
+                [], [], _MARKER[verdict], color=_COLOUR[verdict], ls="none", label=f"{verdict} ({number})"
+            )
+    figure.legend(loc="outside upper right", ncols=4)
+    return figure
+
+
+def _draw_row(axis: Axes, row: int, finding: Finding) -> None:
+    """One claim: its region as a bar, its interval as a line, its number as text."""
+    low, high = finding.claim.region
+    unit = _unit(low, high)
+    left, right = np.clip([low / unit, high / unit], _LOW, _HIGH)
+    axis.barh(row, right - left, left=left, height=0.8, color="C4", alpha=0.25, lw=0)
+    colour, marker = _COLOUR[finding.verdict], _MARKER[finding.verdict]
+    if finding.verdict != NO_DATA:
+        value = finding.value / unit
+        shown = float(np.clip(value, _LOW * 1.02, _HIGH / 1.02))
+        if value != shown:
+            marker = ">" if value > shown else "<"
+        elif np.isfinite(finding.low):
+            axis.plot(
+                np.clip([finding.low / unit, finding.high / unit], _LOW, _HIGH), [row, row], color=colour
+            )
+        axis.plot(shown, row, marker, color=colour, clip_on=False)
+    text = finding.verdict if finding.verdict == NO_DATA else f"{finding.value:.3g}"
+    axis.text(1.01, row, text, transform=axis.get_yaxis_transform(), va="center", fontsize=5.5, color=colour)
+
+
+def _unit(low: float, high: float) -> float:
+    """What the row is drawn in units of: the edge of its region, or the middle between two."""
+    if low == 0:
+        return 1.0 if np.isinf(high) else high
+    return low if high > _WIDE * low else float(np.sqrt(low * high))

@@ -1,0 +1,82 @@
+"""Maps on the vertical diagonal plane of the cubic cell: a field, and how far finite elements are from it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from asperity.paper.figures.style import panels
+from asperity.types import Array
+
+SMALLEST, LARGEST = 1e-3, 10.0
+"""Percent of the field's largest magnitude between which differences are drawn."""
+
+
+def draw_fields(dataset: xr.Dataset, fields: Sequence[tuple[str, str, str, str]]) -> Figure:
+    """A row for each field: the spectral solution, and its difference to the finite elements.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Of `asperity.validation.comparisons.compare_elements`.
+    fields : sequence of (name, label, unit, colour map)
+        The unit is that of the figure: ``"length"`` for displacements over the approach, ``"stress"`` for
+        stresses over the largest pressure.
+    """
+    figure, axes = panels(rows=len(fields), height=60)
+    for row, (name, label, unit, colours) in enumerate(fields):
+        value, difference = axes[2 * row : 2 * row + 2]
+        ours, theirs = dataset[f"{name}_spectral"], dataset[f"{name}_elements"]
+        scale = (
+            dataset.attrs["approach"] if unit == "length" else float(np.abs(dataset.stress_zz_spectral).max())
+        )
+        shown = ours / scale
+        # A shear stress turns its sign on the other side of the axis.
+        odd = name == "stress_xz"
+        low, high = float(shown.min()), float(shown.max())
+        if odd:
+            high = max(-low, high)
+            low = -high
+        image = value.contourf(*_mirrored(shown, odd), levels=np.linspace(low, high, 31), cmap=colours)
+        # Contour bands leave hairlines in vector formats.
+        image.set_edgecolor("face")
+        image.set_rasterized(True)
+        ticks = MaxNLocator(5, steps=[1, 2, 2.5, 5, 10])
+        figure.colorbar(image, ax=value, label=label, shrink=0.85, ticks=ticks)
+        percent = 100 * np.abs(theirs - ours) / np.abs(ours).max()
+        norm = LogNorm(SMALLEST, LARGEST)
+        error = difference.pcolormesh(
+            *_mirrored(percent.clip(SMALLEST, LARGEST), False), norm=norm, cmap="cividis", rasterized=True
+        )
+        figure.colorbar(error, ax=difference, label="difference to FEM (% of max)", shrink=0.85)
+        for axis in (value, difference):
+            _frame(axis, float(dataset.contact_radius))
+    return figure
+
+
+def _mirrored(field: xr.DataArray, odd: bool) -> tuple[Array, Array, Array]:
+    """Positions along the diagonal, height, and the field on both sides of the indenter's axis.
+
+    The outermost values are carried on to the faces of the cell, half a Gauss interval away.
+    """
+    values = np.pad(field.transpose("depth", "distance").values, ((1, 1), (0, 1)), mode="edge")
+    distance = np.append(field.distance.values, np.sqrt(0.5))
+    height = 1 - np.concatenate([[0.0], field.depth.values, [1.0]])
+    both = np.concatenate([-distance[::-1], distance])
+    return both, height, np.hstack([(-1 if odd else 1) * values[:, ::-1], values])
+
+
+def _frame(axis: Axes, contact_radius: float) -> None:
+    """Axes of the plane, with the edge of contact marked above the surface."""
+    half = np.sqrt(0.5)
+    axis.set(xlim=(-half, half), ylim=(0, 1), aspect="equal", xlabel="position along diagonal $/ L$")
+    axis.set(ylabel="$z / L$", yticks=(0, 0.5, 1), xticks=(-0.5, 0, 0.5))
+    axis.plot(
+        [-contact_radius, contact_radius], [1.03, 1.03], ls="", marker="v", ms=3, color="k", clip_on=False
+    )

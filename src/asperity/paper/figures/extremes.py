@@ -1,0 +1,124 @@
+"""Extremes: what became of contacts at the ends of every range, and of every two at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap, LogNorm
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from asperity.paper.figures.style import MILLIMETRE, PAGE
+from asperity.validation.extremes import NO_CELL, OUTCOMES
+
+_HEIGHT = 178 * MILLIMETRE
+
+_COLOURS = dict(
+    zip(
+        OUTCOMES,
+        ("#FFFFFF", "#0072B2", "#8CC5E8", "#E69F00", "#BBBBBB", "#000000", "#CC79A7", "#D55E00"),
+        strict=True,
+    )
+)
+_MEANINGS = {
+    "certified and checked": "certified, as the direct solution",
+    "certified": "certified, by a bound",
+    "not converged": "ConvergenceError",
+    "refused": "refused by name",
+    "wrong": "silently wrong",
+    "warned": "floating-point warning",
+    "failed": "another exception",
+}
+_AXES = {
+    "poisson": r"$\nu$",
+    "scaled_height": r"$q_0 z_m$",
+    "bottom": "bottom",
+    "imposed": "imposed",
+    "rms_gradient": r"gradient",
+    "hurst": r"$H$",
+    "wavelength_long": r"$\lambda_l/L$",
+    "nodes_short": r"$\lambda_s/\Delta x$",
+    "johnson": r"$\gamma$, $\delta$",
+    "precision": "precision",
+    "points": r"$N$",
+    "method": "method",
+}
+# Errors from a thousandth of the tolerance to what is still allowed.
+_LEAST = 1e-3
+
+
+def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
+    """Outcomes below the diagonal and in it, errors over the tolerance above it.
+
+    Parameters
+    ----------
+    validation : mapping of datasets
+        ``extremes``, of `asperity.validation.extremes.compute`.
+
+    Notes
+    -----
+    The levels of the scene that others change are set in bold. q₀ = 2π/L.
+    """
+    data = validation["extremes"]
+    figure = Figure(figsize=(PAGE, _HEIGHT))
+    axis = figure.add_subplot()
+    outcome = data["outcome"].values
+    lower = np.tril(np.ones(outcome.shape, bool)) & (outcome != NO_CELL)
+    axis.pcolormesh(
+        np.ma.masked_array(outcome, ~lower),
+        cmap=ListedColormap(list(_COLOURS.values())),
+        vmin=-0.5,
+        vmax=len(OUTCOMES) - 0.5,
+        rasterized=True,
+    )
+    error = data["scaled_pressure_error"].values
+    seen = np.triu(np.isfinite(error), 1)
+    image = axis.pcolormesh(
+        np.ma.masked_array(np.clip(error, _LEAST, None), ~seen),
+        cmap="cividis",
+        norm=LogNorm(_LEAST, float(data.attrs["allowed"])),
+        rasterized=True,
+    )
+    _name_levels(axis, data)
+    bar = figure.colorbar(
+        image, ax=axis, orientation="horizontal", shrink=0.5, aspect=40, pad=0.01, extend="both"
+    )
+    bar.set_label("above the diagonal: error of the pressure over the tolerance")
+    counts = {name: int(np.sum(outcome[lower] == number)) for number, name in enumerate(OUTCOMES)}
+    handles = [
+        Patch(color=_COLOURS[name], label=f"{text}: {counts[name]}") for name, text in _MEANINGS.items()
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3)
+    return figure
+
+
+def _name_levels(axis: Axes, data: xr.Dataset) -> None:
+    """Levels along both edges, and lines and names between the settings."""
+    count = data.sizes["level"]
+    places = np.arange(count) + 0.5
+    names = [str(value) for value in data["level_value"].values]
+    axis.set(xlim=(0, count), ylim=(count, 0), aspect="equal")
+    axis.set_xticks(places, names, rotation=90)
+    axis.set_yticks(places, names)
+    axis.tick_params(length=0, labelsize=4.6, pad=1)
+    for texts in (axis.get_xticklabels(), axis.get_yticklabels()):
+        for text, default in zip(texts, data["level_default"].values, strict=True):
+            text.set_fontweight("bold" if default else "normal")
+    axis.spines[["top", "right"]].set_visible(True)
+    for name, first, last in _groups(data):
+        for line in (axis.axvline, axis.axhline):
+            line(last, color="0.3", linewidth=0.4)
+        middle = (first + last) / 2
+        axis.text(middle, -0.4, _AXES[name], rotation=90, ha="center", va="bottom", fontsize=7)
+        axis.text(count + 0.4, middle, _AXES[name], ha="left", va="center", fontsize=7)
+
+
+def _groups(data: xr.Dataset) -> Iterator[tuple[str, int, int]]:
+    """Settings in their order, with the first and the end of their levels."""
+    axes = [str(name) for name in data["level_axis"].values]
+    for name in dict.fromkeys(axes):
+        first = axes.index(name)
+        yield name, first, first + axes.count(name)

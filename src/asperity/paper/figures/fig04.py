@@ -1,0 +1,27 @@
+"""Figure 4: lateral and shear stress under a Hertzian contact, and finite elements beside them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import xarray as xr
+from matplotlib.figure import Figure
+
+from asperity.paper.figures.diagonal import draw_fields
+
+
+def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
+    """σ_xx (a) and σ_xz (c) on the diagonal plane, and their differences to the finite elements (b, d).
+
+    Parameters
+    ----------
+    validation : mapping of datasets
+        ``elements``, of `asperity.validation.comparisons.compare_elements`. Triangles mark the edge of contact.
+    """
+    return draw_fields(
+        validation["elements"],
+        [
+            ("stress_xx", r"$\sigma_{xx} / p_0$", "stress", "viridis"),
+            ("stress_xz", r"$\sigma_{xz} / p_0$", "stress", "RdBu_r"),
+        ],
+    )

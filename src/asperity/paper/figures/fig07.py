@@ -1,0 +1,57 @@
+"""Figure 7: the contact pressure over the cell, one panel a surface."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from matplotlib.figure import Figure
+
+from asperity.paper.figures.style import label, panels
+from asperity.results.dataset import grid_of
+
+_PIXELS = 512
+
+
+def draw(contact: Mapping[str, xr.Dataset]) -> Figure:
+    """Pressure over E* times the rms gradient of the true contact; white where there is no contact.
+
+    Parameters
+    ----------
+    contact : mapping of datasets
+        Results of stage contact, one a panel.
+
+    Notes
+    -----
+    A pixel shows the largest pressure of the nodes under it, so that the smallest contacts are seen.
+    """
+    maps = {
+        name: _coarse(data["pressure"].values) / float(data["gradient_rms_contact"])
+        for name, data in contact.items()
+    }
+    figure, axes = panels(columns=len(maps), height=76)
+    largest = max(np.percentile(values[values > 0], 99.5) for values in maps.values())
+    for axis, (name, values) in zip(axes, maps.items(), strict=True):
+        height, width = grid_of(contact[name]).length
+        image = axis.imshow(
+            np.ma.masked_equal(values, 0),
+            origin="lower",
+            extent=(0, width, 0, height),
+            vmin=0,
+            vmax=largest,
+            cmap="viridis_r",
+        )
+        axis.set(xlabel="$x / L$", ylabel="$y / L$")
+        axis.set_title(label(contact[name]), loc="center")
+        axis.spines[["top", "right"]].set_visible(True)
+    figure.colorbar(image, ax=axes, label=r"$t_3 / E^* \bar{g}_r$", extend="max", shrink=0.8)
+    return figure
+
+
+def _coarse(pressure: np.ndarray) -> np.ndarray:
+    """Largest value in each block of nodes that shares a pixel."""
+    block = max(1, pressure.shape[0] // _PIXELS)
+    rows, columns = (n // block * block for n in pressure.shape)
+    blocks = pressure[:rows, :columns].reshape(rows // block, block, columns // block, block)
+    return blocks.max(axis=(1, 3))

@@ -1,0 +1,97 @@
+"""Stability: what floating point makes of the formulas of the layer, over q · height."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from asperity.paper.figures.style import panels
+from asperity.types import Array
+
+_COLOURS = {"printed": "#D55E00", "direct": "#56B4E9", "layer": "#000000"}
+_NAMES = {
+    "printed": "Eqs. A.2–A.3, misprints corrected",
+    "direct": "Eqs. 5–7 solved numerically",
+    "layer": "this library",
+}
+_QUANTITIES = {"compliance": "compliance of both faces", "bonded_stress": "stress, bonded bottom"}
+_PRECISIONS = {"float64": "double precision", "float32": "single precision"}
+_LIMITS = (1e-17, 1e5)
+# Above this nothing of the number is right.
+_LOST = 1.0
+
+
+def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
+    """Largest error of each formula: the band over all Poisson's ratios, lines for two of them.
+
+    Parameters
+    ----------
+    validation : mapping of datasets
+        ``stability``, of `asperity.validation.rounding.compute`.
+
+    Notes
+    -----
+    Errors above one mean that no digit is right and are drawn at one. Marks above show where a formula
+    gives no finite number.
+    """
+    dataset = validation["stability"]
+    figure, axes = panels(columns=2, rows=2, height=58)
+    quantities = [str(name) for name in dataset["quantity"].values]
+    precisions = [str(name) for name in dataset["precision"].values]
+    cells = [(quantity, precision) for quantity in quantities for precision in precisions]
+    for axis, (quantity, precision) in zip(axes, cells, strict=True):
+        _panel(axis, dataset["error"].sel(quantity=quantity, precision=precision))
+        axis.set_title(f"{_QUANTITIES[quantity]}, {_PRECISIONS[precision]}", loc="center")
+    for axis in axes[2:]:
+        axis.set_xlabel(r"$q\, z_m$")
+    for axis in axes[::2]:
+        axis.set_ylabel("largest relative error")
+    handles: list[Artist] = [Patch(color=_COLOURS[name], label=_NAMES[name]) for name in _COLOURS]
+    # Two rows, filled column by column: an empty place keeps the Poisson's ratios together.
+    handles.append(Patch(color="none", label=" "))
+    for ratio, line, mark in _shown(dataset["poisson"].values):
+        label = rf"$\nu = {ratio:g}$; mark: no finite number"
+        handles.append(
+            Line2D([], [], color="0.35", linestyle=line, marker=mark, ms=3.5, mew=0.8, label=label)
+        )
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, handlelength=2.4)
+    return figure
+
+
+def _panel(axis: Axes, error: xr.DataArray) -> None:
+    x = error["scaled_wavenumber"].values
+    level = 10 * _LOST
+    for name, colour in _COLOURS.items():
+        values = error.sel(formula=name).transpose("poisson", "scaled_wavenumber").values
+        if np.isnan(values).all():
+            continue
+        # Where nothing is finite there is no band.
+        floor = np.where(np.isnan(values), np.inf, values).min(axis=0)
+        peak = np.where(np.isnan(values), -np.inf, values).max(axis=0)
+        seen = np.isfinite(floor)
+        low, high = np.clip(floor, _LIMITS[0], _LOST), np.clip(peak, _LIMITS[0], _LOST)
+        axis.fill_between(x, low, high, where=seen, color=colour, alpha=0.18, linewidth=0)
+        for ratio, line, mark in _shown(error["poisson"].values):
+            curve = values[error["poisson"].values == ratio][0]
+            axis.plot(x, np.clip(curve, _LIMITS[0], _LOST), color=colour, linestyle=line, linewidth=1.0)
+            lost = x[np.isnan(curve)]
+            if lost.size:
+                axis.plot(lost, np.full(lost.size, level), mark, color=colour, ms=2.4, mew=0.6)
+                level *= 10
+    axis.set(xscale="log", yscale="log", ylim=_LIMITS, xlim=(x[0], x[-1]))
+    axis.set_yticks([1e-16, 1e-12, 1e-8, 1e-4, 1.0])
+    axis.axhline(_LOST, color="0.7", linewidth=0.5)
+
+
+def _shown(ratios: Array) -> list[tuple[float, Any, Any]]:
+    """Two Poisson's ratios, the one nearest to 0.33 and the largest, with their lines and marks."""
+    chosen = (ratios[np.argmin(np.abs(ratios - 0.33))], ratios.max())
+    return [(float(r), line, mark) for r, line, mark in zip(chosen, ("-", "--"), ("x", "+"), strict=True)]

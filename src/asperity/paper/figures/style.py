@@ -1,0 +1,79 @@
+"""What the figures share: sizes, panels, and how a picture is written the same in every run."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Iterator
+from importlib.resources import files
+from pathlib import Path
+
+import matplotlib as mpl
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from asperity.results.dataset import settings_of
+
+MILLIMETRE = 1 / 25.4
+PAGE = 170 * MILLIMETRE
+COLUMN = 85 * MILLIMETRE
+
+_FORMATS = (".png", ".pdf", ".svg")
+
+
+@contextlib.contextmanager
+def style(path: str | os.PathLike[str] | None = None) -> Iterator[None]:
+    """Draw in the look of a style file, by default the package's own."""
+    chosen = os.fspath(path) if path else str(files("asperity.paper.figures") / "style.mplstyle")
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.style.use(chosen)
+        yield
+
+
+def panels(
+    columns: int = 2, rows: int = 1, height: float = 62.0, width: float = PAGE
+) -> tuple[Figure, list[Axes]]:
+    """A figure with lettered panels, row by row; `height` of a row in millimetres."""
+    figure = Figure(figsize=(width, rows * height * MILLIMETRE))
+    axes = [figure.add_subplot(rows, columns, number + 1) for number in range(rows * columns)]
+    for letter, axis in zip("abcdefgh", axes, strict=False):
+        letter_panel(axis, letter)
+    return figure, axes
+
+
+def letter_panel(axis: Axes, letter: str) -> None:
+    """Put the panel's letter at its upper left."""
+    axis.set_title(f"({letter})", loc="left", fontweight="bold")
+
+
+def label(data: xr.Dataset) -> str:
+    """What the configuration calls the surface of a result file."""
+    return settings_of(data)["surface"]["label"]
+
+
+def wavelength_short(data: xr.Dataset) -> float:
+    """Shortest wavelength of the surface of a result file, the natural unit of depth."""
+    return settings_of(data)["surface"]["wavelength_short"]
+
+
+def save(figure: Figure, *paths: str | os.PathLike[str]) -> None:
+    """Write the figure to each path, in the format of its suffix, byte for byte the same each time.
+
+    Raises
+    ------
+    ValueError
+        If a suffix is of no picture.
+    """
+    for path in map(Path, paths):
+        if path.suffix not in _FORMATS:
+            raise ValueError(f"{path}: the name of a picture is needed, ending in {', '.join(_FORMATS)}")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        unfinished = path.with_name(f".{path.stem}.unfinished{path.suffix}")
+        metadata = {".pdf": {"CreationDate": None, "Producer": None}, ".svg": {"Date": None}}
+        try:
+            figure.savefig(unfinished, metadata=metadata.get(path.suffix, {"Software": None}))
+            os.replace(unfinished, path)
+        finally:
+            unfinished.unlink(missing_ok=True)

@@ -1,0 +1,86 @@
+"""Stage three: the stress inside the solid, its peaks and its decay."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import xarray as xr
+
+from asperity.elasticity.layer import Layer
+from asperity.pipeline.solid import SOLID_ATTRIBUTES, solid
+from asperity.results.dataset import grid_of
+from asperity.spectral import Grid
+from asperity.stress.analysis import analyse_stress
+from asperity.stress.planes import depth_grid
+from asperity.types import Array, Progress
+
+GROWTH = 0.25
+"""Distance of deep planes over their depth, relative to the spacing of the upper ones: one knob for both."""
+
+
+@dataclass(frozen=True)
+class _Pressed:
+    """What the analysis of the stress needs from a contact."""
+
+    pressure: Array
+    grid: Grid
+    layer: Layer
+
+
+def compute_stress(
+    contact: xr.Dataset,
+    layer_settings: Mapping[str, Any],
+    stress_settings: Mapping[str, Any],
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Stress through the whole depth under a contact, for every Poisson's ratio of the configuration.
+
+    Parameters
+    ----------
+    contact : dataset
+        Result of stage contact.
+    layer_settings, body_settings : mapping
+        Sections ``layer`` and ``stress`` of the configuration.
+    progress : callable, optional
+
+    Returns
+    -------
+    dataset
+        As of `asperity.stress.analysis.analyse_stress`. A half-space is followed to the height of the layer that it
+        stands for; a layer has only the Poisson's ratio of its contact.
+
+    Raises
+    ------
+    ValueError
+        If the half-space of the contact does not stand for the layer at another Poisson's ratio.
+    """
+    layer, _ = solid(layer_settings)
+    grid = grid_of(contact)
+    poisson = [layer.poisson]
+    if layer.height is None:
+        poisson = stress_settings["poisson"]
+        _check_half_space(layer_settings, poisson)
+    spacing = stress_settings["depth_spacing"]
+    depths = depth_grid(grid, layer_settings["height"], spacing, GROWTH * spacing)
+    dataset = analyse_stress(
+        _Pressed(contact["pressure"].values.astype(float), grid, layer),
+        depths=depths,
+        poisson=poisson,
+        tolerance=stress_settings["tolerance"],
+        progress=progress,
+    )
+    kept = {name: contact.attrs[name] for name in SOLID_ATTRIBUTES}
+    kept["gradient_rms_contact"] = float(contact["gradient_rms_contact"])
+    return dataset.assign_attrs(kept)
+
+
+def _check_half_space(layer_settings: Mapping[str, Any], ratios: Sequence[float]) -> None:
+    for poisson in ratios:
+        layer, record = solid({**layer_settings, "poisson": poisson})
+        if layer.height is not None:
+            raise ValueError(
+                f"stress.poisson = {poisson}: {record['solid_reason']}; "
+                f"leave this ratio out or allow a larger layer.half_space_tolerance"
+            )

@@ -1,0 +1,254 @@
+"""The study's own files held against the laws they must obey: results tested as results.
+
+`verify_member` looks at one surface and one seed, `verify_statistics` at what is made of all seeds. What a
+solver or a stage kept beside its numbers is not believed: violations are computed anew from the fields. Each
+check is a number and the bound that it must not exceed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from asperity.contact import verify_contact
+from asperity.elasticity.layer import Layer
+from asperity.pipeline.solid import solid
+from asperity.results.dataset import grid_of, settings_of
+from asperity.spectral import Fourier, Grid, gradient, mean_square
+from asperity.stress.planes import stress_planes
+from asperity.stress.statistics import select_peaks
+from asperity.types import Array
+
+ROUNDING = 1e-10
+"""Bound of what is exact but for rounding."""
+
+
+_WORST_NODE = 100
+"""The solver's tolerance is of the whole pressure; a single node may be this much worse."""
+
+_BETWEEN_NODES = 0.25
+"""A refined peak may exceed the largest node by this part: eight nodes on the shortest wavelength."""
+
+
+class Check(NamedTuple):
+    """A law, by how much a result breaks it, and how much is allowed.
+
+    Parameters
+    ----------
+    name : str
+    value, bound : float
+    """
+
+    name: str
+    value: float
+    bound: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the value stays within its bound; not a number does not."""
+        return bool(self.value <= self.bound)
+
+
+class VerificationError(RuntimeError):
+    """Results that break a law; the message names the laws and by how much."""
+
+
+def require(checks: Sequence[Check], where: str) -> None:
+    """Raise `VerificationError` if a check does not hold."""
+    broken = [f"{c.name} {c.value:.3g} > {c.bound:.3g}" for c in checks if not c.holds]
+    if broken:
+        raise VerificationError(f"{where}: {'; '.join(broken)}")
+
+
+@dataclass(frozen=True)
+class _Pressed:
+    """What stress planes need from a contact."""
+
+    pressure: Array
+    grid: Grid
+    layer: Layer
+
+
+def verify_member(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset) -> list[Check]:
+    """Checks of one surface and one seed.
+
+    Parameters
+    ----------
+    surface, contact, stress : datasets
+        Results of the stages of these names.
+
+    Returns
+    -------
+    list of Check
+    """
+    layer, _ = solid(settings_of(contact)["layer"])
+    return [
+        *_of_contact(surface, contact, layer),
+        *_of_path(contact),
+        *_of_fields(contact, stress, layer),
+        *_of_peaks(stress, grid_of(contact)),
+    ]
+
+
+def _of_contact(surface: xr.Dataset, contact: xr.Dataset, layer: Layer) -> list[Check]:
+    """The conditions of contact, load balance and Parseval's theorem."""
+    tolerance = _WORST_NODE * settings_of(contact)["contact"]["tolerance"]
+    grid = grid_of(contact)
+    pressure = contact["pressure"].values.astype(float)
+    found = verify_contact(
+        surface["height"].values,
+        pressure,
+        layer,
+        grid.length,
+        approach=float(contact["approach"]),
+        mean_pressure=float(contact["mean_pressure"]),
+    )
+    square = mean_square(Fourier(grid).forward(pressure), grid)
+    touching = float(np.mean(pressure > 0))
+    return [
+        Check("penetration over its length scale", found.penetration, tolerance),
+        Check("gap under contact over its length scale", found.contact_gap, tolerance),
+        Check("tension over the largest pressure", found.tension, tolerance),
+        Check("complementarity", found.complementarity, tolerance),
+        Check("load balance", found.load_imbalance, ROUNDING),
+        Check(
+            "area fraction against the nodes in contact", abs(touching - float(contact["area_fraction"])), 0
+        ),
+        Check("Parseval's theorem, pressure", _relative(square, float(np.mean(pressure**2))), ROUNDING),
+    ]
+
+
+def _of_path(contact: xr.Dataset) -> list[Check]:
+    """Area and load rise together."""
+    steps = (np.diff(contact[f"path_{name}"].values) for name in ("area_fraction", "mean_pressure"))
+    return [
+        Check(f"falls of the {name} along the load path", float(np.sum(step <= 0)), 0)
+        for name, step in zip(("area", "load"), steps, strict=True)
+    ]
+
+
+def _of_fields(contact: xr.Dataset, stress: xr.Dataset, layer: Layer) -> list[Check]:
+    """Equilibrium of the stress, and a plane of the analysis computed again without truncation."""
+    grid = grid_of(contact)
+    pressed = _Pressed(contact["pressure"].values.astype(float), grid, layer)
+    nu = float(contact.attrs["poisson_contact"])
+    tolerance = settings_of(stress)["stress"]["tolerance"]
+    short = settings_of(contact)["surface"]["wavelength_short"]
+    depths = stress["plane_depth"].values
+    number = int(np.argmin(np.abs(depths - short / 2)))
+    step = 1e-3 * short
+    triple = depths[number] + step * np.array([-1.0, 0.0, 1.0])
+    names = ("xx", "zz", "xz", "yz", "xy", "von_mises")
+    above, middle, below = stress_planes(pressed, triple, [nu], names, tolerance=0)
+    mean = float(stress["mean_von_mises"].sel(poisson=nu).isel(plane=number))
+    largest = float(stress["largest_von_mises"].sel(poisson=nu).isel(plane=number))
+    von_mises = middle.fields["von_mises"][0]
+    load = float(np.mean(middle.fields["zz"])) + float(contact["mean_pressure"]) / layer.effective_modulus
+    return [
+        Check("load carried by a plane against that of the contact", abs(load), ROUNDING),
+        *(
+            Check(
+                f"equilibrium along {axis}",
+                _imbalance(axis, above.fields, middle.fields, below.fields, step, grid),
+                1e-4,
+            )
+            for axis in ("x", "z")
+        ),
+        Check(
+            "mean von Mises stress of a plane, computed again", _relative(mean, von_mises.mean()), tolerance
+        ),
+        Check(
+            "largest von Mises stress of a plane, computed again",
+            _relative(largest, von_mises.max()),
+            max(tolerance, 0.01),
+        ),
+    ]
+
+
+def _imbalance(
+    axis: str,
+    above: Mapping[str, Array],
+    middle: Mapping[str, Array],
+    below: Mapping[str, Array],
+    step: float,
+    grid: Grid,
+) -> float:
+    """Root mean square of the divergence of the stress over that of its part along depth.
+
+    z points upward, against depth; the derivative along it is a central difference.
+    """
+    along_x, along_y, along_z = {"x": ("xx", "xy", "xz"), "z": ("xz", "yz", "zz")}[axis]
+    fourier = Fourier(grid)
+    _, slope_x = gradient(fourier.forward(middle[along_x][0]), fourier)
+    slope_y, _ = gradient(fourier.forward(middle[along_y][0]), fourier)
+    slope_z = (above[along_z][0] - below[along_z][0]) / (2 * step)
+    return float(np.std(slope_x + slope_y + slope_z) / np.std(slope_z))
+
+
+def _of_peaks(stress: xr.Dataset, grid: Grid) -> list[Check]:
+    """Peaks lie in the solid, and none exceeds the plane that it lies in by more than its refinement."""
+    outside = 0
+    reach = {"depth": float(stress["plane_depth"].max()), "y": grid.length[0], "x": grid.length[1]}
+    for name, limit in reach.items():
+        place = stress[f"peak_{name}"].values
+        outside += int(np.sum((place < 0) | (place > limit)))
+    excess = 0.0
+    for nu in stress["poisson"].values:
+        peaks = select_peaks(stress, "von_mises", nu)
+        largest = float(stress["largest_von_mises"].sel(poisson=nu).max())
+        excess = max(excess, float(peaks["peak_value"].max()) / largest - 1)
+    return [
+        Check("peaks outside the solid", outside, 0),
+        Check("largest von Mises peak over the largest node", excess, _BETWEEN_NODES),
+        Check("peaks that are not finite", float(np.sum(~np.isfinite(stress["peak_value"].values))), 0),
+    ]
+
+
+def verify_statistics(statistics: xr.Dataset, stresses: Sequence[xr.Dataset]) -> list[Check]:
+    """Checks of the statistics of one surface.
+
+    Parameters
+    ----------
+    statistics : dataset
+        Result of stage statistics.
+    stresses : sequence of datasets
+        Results of stage stress from which it was made.
+
+    Returns
+    -------
+    list of Check
+    """
+    width = np.diff(statistics["bin_edge"].values, axis=1)[None, :, None, :]
+    counted = statistics["peak_counts"].values.sum(axis=-1) > 0
+    integral = np.sum(statistics["peak_density"].values * width, axis=-1)
+    integral = np.where(counted.any(axis=0), integral, 1.0)
+    heights = np.sum(statistics["height_density"].values * np.diff(statistics["height_edge"].values))
+    found = statistics["peak_counts"].sel(selection="all", poisson=statistics["poisson"][0]).sum("bin").values
+    expected = [
+        [
+            select_peaks(stress, str(name), float(statistics["poisson"][0])).sizes["peak"]
+            for name in statistics["quantity"].values
+        ]
+        for stress in stresses
+    ]
+    joint = statistics["joint_counts"].sum(("bin", "depth_bin")).values
+    return [
+        Check(
+            "densities of the peaks against an integral of one", float(np.abs(integral - 1).max()), ROUNDING
+        ),
+        Check("density of the heights against an integral of one", abs(float(heights) - 1), ROUNDING),
+        Check("peaks not counted", float(np.abs(found - np.array(expected)).sum()), 0),
+        Check(
+            "peaks by value and depth against peaks by value",
+            float(np.abs(joint - statistics["peak_counts"].sum(("member", "bin")).values).sum()),
+            0,
+        ),
+    ]
+
+
+def _relative(value: float, expected: float) -> float:
+    return abs(value - expected) / abs(expected)

@@ -1,0 +1,1 @@
+"""Result files: NetCDF datasets with names, units and fingerprints."""

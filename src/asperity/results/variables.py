@@ -1,0 +1,247 @@
+"""The vocabulary of the result files: one name, one unit, one description, in whatever file it stands.
+
+Lengths are in units of the edge of the cell, stresses in units of the effective modulus E* = E/(1 − ν²),
+both written as such. A scaled stress is divided by E* and by the rms gradient of the deformed surface over
+the true contact, the paper's E* ḡ_r.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Variable(NamedTuple):
+    """What a name means."""
+
+    units: str
+    long_name: str
+
+
+_LENGTH = "cell_length"
+_STRESS = "effective_modulus"
+_STRESS_SQUARED = "effective_modulus^2"
+_SCALED = "scaled_stress"
+_YOUNG = "young_modulus"
+_FORCE = "effective_modulus*cell_length^2"
+
+
+def _banded(name: str, units: str, long_name: str) -> dict[str, Variable]:
+    """An estimate and the ends of its confidence band."""
+    return {
+        name: Variable(units, long_name),
+        f"{name}_low": Variable(units, f"lower end of the band of {name}"),
+        f"{name}_high": Variable(units, f"upper end of the band of {name}"),
+    }
+
+
+def _both(name: str, units: str, long_name: str) -> dict[str, Variable]:
+    """The same quantity by the spectral solver and by finite elements."""
+    return {
+        f"{name}_spectral": Variable(units, f"{long_name}, spectral solver"),
+        f"{name}_elements": Variable(units, f"{long_name}, finite elements"),
+    }
+
+
+def _punch(name: str, units: str, long_name: str) -> dict[str, Variable]:
+    """The same quantity for the conventions of the uniform mode under a punch."""
+    cases = {
+        "confined": "laterally confined cell",
+        "free": "laterally free cell",
+        "array": "single contacts added up",
+        "closed_form": "single contact, closed form",
+    }
+    return {f"{name}_{case}": Variable(units, f"{long_name}, {words}") for case, words in cases.items()}
+
+
+VOCABULARY: dict[str, Variable] = {
+    # coordinates and the grid
+    "x": Variable(_LENGTH, "position along x"),
+    "y": Variable(_LENGTH, "position along y"),
+    "wavenumber": Variable("1/cell_length", "magnitude of the wavevector, 2π over the wavelength"),
+    "load": Variable("1", "number of the load on the load-area path"),
+    # surface
+    "height": Variable(_LENGTH, "height of the indenter's lower face, measured upward, mean zero"),
+    "rms_height": Variable(_LENGTH, "root-mean-square height"),
+    "rms_gradient": Variable("1", "root-mean-square gradient of the whole surface"),
+    "skewness": Variable("1", "skewness of the heights; positive: blunt contacts"),
+    "kurtosis": Variable("1", "kurtosis of the heights, 3 for a Gaussian"),
+    "spectrum": Variable("cell_length^4", "radially averaged power spectral density of the heights"),
+    "spectrum_target": Variable("cell_length^4", "power spectral density asked for, on the same rings"),
+    "spectrum_before": Variable(
+        "cell_length^4", "spectrum of the sample before its heights were transformed"
+    ),
+    "skewness_error": Variable("1", "standard error of the skewness of one Gaussian sample"),
+    "kurtosis_error": Variable("1", "standard error of the kurtosis of one Gaussian sample"),
+    # contact
+    "pressure": Variable(_STRESS, "contact pressure"),
+    "gap": Variable(_LENGTH, "gap between solid and indenter"),
+    "displacement": Variable(_LENGTH, "downward displacement of the solid's surface"),
+    "area_fraction": Variable("1", "true contact area over nominal area"),
+    "mean_pressure": Variable(_STRESS, "load over nominal area"),
+    "approach": Variable(_LENGTH, "approach of the indenter from first touch of its mean plane"),
+    "gradient_rms_contact": Variable("1", "rms gradient of the deformed surface over the true contact"),
+    "path_area_fraction": Variable("1", "true contact area over nominal area, along the load path"),
+    "path_mean_pressure": Variable(_STRESS, "load over nominal area, along the load path"),
+    "path_gradient_rms_contact": Variable(
+        "1", "rms gradient of the deformed surface over the true contact, along the load path"
+    ),
+    # stress
+    "quantity": Variable("1", "what a peak is a peak of"),
+    "poisson": Variable("1", "Poisson's ratio"),
+    "lag": Variable(_LENGTH, "distance in the plane"),
+    "peak_quantity": Variable("1", "index of the peak's quantity"),
+    "peak_poisson": Variable("1", "index of the peak's Poisson's ratio, -1: the same for every one"),
+    "peak_value": Variable(_STRESS, "stress at the peak, of signed components a maximum of the magnitude"),
+    "peak_depth": Variable(_LENGTH, "depth of the peak below the surface"),
+    "peak_y": Variable(_LENGTH, "position of the peak along y"),
+    "peak_x": Variable(_LENGTH, "position of the peak along x"),
+    "peak_interior": Variable("1", "1 if the peak is below the surface plane, 0 if in it"),
+    "peak_under_contact": Variable("1", "1 if the surface above the peak is in contact"),
+    "plane_depth": Variable(_LENGTH, "depth of the plane"),
+    "plane_points": Variable("1", "nodes on the longer edge of the plane's grid"),
+    "mean_von_mises": Variable(_STRESS, "mean von Mises stress of the plane"),
+    "largest_von_mises": Variable(_STRESS, "largest von Mises stress of the plane"),
+    "covariance_depth": Variable(
+        _STRESS_SQUARED, "covariance of the von Mises stress with the reference plane"
+    ),
+    "covariance_plane": Variable(
+        _STRESS_SQUARED, "covariance of the von Mises stress in the reference plane"
+    ),
+    "reference_depth": Variable(_LENGTH, "depth of the plane with the largest von Mises stress"),
+    # statistics; scaled: divided by the effective modulus and the rms gradient of the true contact
+    "selection": Variable("1", "which peaks are counted"),
+    "percent": Variable("1", "percentage of the peaks that are smaller"),
+    "seed_gradient_rms_contact": Variable("1", "rms gradient of the deformed surface over the true contact"),
+    "bin_edge": Variable(_SCALED, "edges of the bins of peak stress"),
+    "depth_edge": Variable(_LENGTH, "edges of the bins of peak depth"),
+    "peak_counts": Variable("1", "number of peaks in the bin, seed by seed"),
+    "joint_counts": Variable("1", "number of peaks in the bin of stress and depth, all seeds"),
+    **_banded("peak_density", "1/scaled_stress", "probability density of the scaled peak stress"),
+    **_banded("peak_percentile", _SCALED, "percentile of the magnitude of the scaled peak stress"),
+    **_banded("scaled_covariance_depth", "scaled_stress^2", "scaled covariance along depth (Eq. 22)"),
+    **_banded(
+        "scaled_covariance_plane", "scaled_stress^2", "scaled covariance in the reference plane (Eq. 22)"
+    ),
+    **_banded("scaled_mean_von_mises", _SCALED, "scaled mean von Mises stress of the plane"),
+    **_banded("scaled_largest_von_mises", _SCALED, "scaled largest von Mises stress of the plane"),
+    "reference_depth_low": Variable(_LENGTH, "lower end of the band of reference_depth"),
+    "reference_depth_high": Variable(_LENGTH, "upper end of the band of reference_depth"),
+    "height_edge": Variable("rms_height", "edges of the bins of height"),
+    "height_counts": Variable("1", "number of nodes in the bin of height"),
+    "height_density": Variable("1/rms_height", "probability density of the heights"),
+    "member_skewness": Variable("1", "skewness of the heights, seed by seed"),
+    "member_kurtosis": Variable("1", "kurtosis of the heights, seed by seed"),
+    "member_rms_gradient": Variable("1", "root-mean-square gradient, seed by seed"),
+    "member_mean_pressure": Variable(_STRESS, "load over nominal area, seed by seed"),
+    "member_area_fraction": Variable("1", "true contact area over nominal area, seed by seed"),
+    # validation
+    "hertz_contact_radius": Variable(_LENGTH, "radius of contact of the closed form"),
+    "hertz_area_fraction": Variable("1", "area fraction of the closed form"),
+    "imposed_mean_pressure_young": Variable(_YOUNG, "load over nominal area of the closed form, imposed"),
+    "solved_area_fraction": Variable("1", "area fraction found by the solver, nodes counted"),
+    "solved_contact_radius": Variable(
+        _LENGTH, "radius of contact found by the solver, fitted to the pressure"
+    ),
+    "curve_area_fraction": Variable("1", "area fraction of the closed form, along the drawn curve"),
+    "curve_mean_pressure_young": Variable(_YOUNG, "load over nominal area, along the drawn curve"),
+    "curve_mean_pressure": Variable(_STRESS, "load over nominal area, along the drawn curve"),
+    "slab_height": Variable(_LENGTH, "height of the slab"),
+    "slab_approach": Variable(_LENGTH, "indentation of the slab"),
+    "slab_area_fraction": Variable("1", "area fraction on the slab, nodes counted"),
+    "slab_contact_radius": Variable(_LENGTH, "radius of contact on the slab, fitted to the pressure"),
+    "slab_mean_pressure": Variable(_STRESS, "load over nominal area of the slab"),
+    "slab_stiffening": Variable("1", "load over that of Hertz on a half-space at the same approach"),
+    "grid_points": Variable("1", "nodes of the grid on an edge"),
+    "wave_pressure_error": Variable("1", "relative L2 error of the pressure, against Westergaard"),
+    "wave_approach_error": Variable("1", "relative error of the approach, against Westergaard"),
+    "wave_area_error": Variable("1", "relative error of the area of contact, against Westergaard"),
+    "slab_load_error": Variable(
+        "1", "relative error of the load at given approach, against twice the finest grid"
+    ),
+    "distance": Variable(_LENGTH, "distance from the indenter's axis along the diagonal"),
+    "depth": Variable(_LENGTH, "depth below the surface"),
+    "load_spectral": Variable(_FORCE, "force on the indenter, spectral solver"),
+    "load_elements": Variable(_FORCE, "force on the indenter, finite elements"),
+    "contact_radius": Variable(_LENGTH, "radius of contact"),
+    **_both("displacement_z", _LENGTH, "displacement along z, upward positive"),
+    **_both("stress_zz", _STRESS, "stress zz"),
+    **_both("stress_xx", _STRESS, "stress xx"),
+    **_both("stress_xz", _STRESS, "stress xz"),
+    **_both("pressure", _STRESS, "contact pressure along x"),
+    "axis_node": Variable(_LENGTH, "nodes of the elements along x from the indenter's axis"),
+    "axis_position": Variable(_LENGTH, "nodes of the spectral grid along x from the indenter's axis"),
+    "node_y": Variable(_LENGTH, "nodes of the elements along y from the indenter's axis"),
+    "node_z": Variable(_LENGTH, "nodes of the elements along z from the bottom"),
+    "component": Variable("1", "component of the displacement"),
+    "surface_displacement_elements": Variable(
+        _LENGTH, "displacement along z of the surface of a quarter cell"
+    ),
+    "wall_displacement_elements": Variable(
+        _LENGTH, "displacement x, y, z of the mirror plane through the axis"
+    ),
+    "rim_displacement_elements": Variable(_LENGTH, "displacement x, y, z of the face of the cell"),
+    "field": Variable("1", "compared field"),
+    "mesh_elements": Variable("1", "elements along half an edge of the cell"),
+    "difference_away": Variable(
+        "1", "largest difference over the field's largest magnitude, away from the edge"
+    ),
+    "difference_edge": Variable("1", "largest difference over the field's largest magnitude, near the edge"),
+    "difference_load": Variable("1", "load of the elements over that of the spectral solver, less one"),
+    "von_mises_spectral": Variable(_STRESS, "von Mises stress of the laterally confined periodic cell"),
+    "von_mises_closed_form": Variable(_STRESS, "von Mises stress of a single contact, closed form"),
+    **_punch("peak_von_mises", _STRESS, "largest von Mises stress"),
+    **_punch("peak_depth", _LENGTH, "depth of the largest von Mises stress"),
+    "largest_pressure": Variable(_STRESS, "largest pressure of the closed form"),
+    "largest_pressure_spectral": Variable(_STRESS, "largest pressure, spectral solver"),
+    "error": Variable("1", "error over the scale of the quantity"),
+    "scaled_wavenumber": Variable("1", "wavenumber times height of the layer"),
+    "formula": Variable("1", "how the quantity was computed"),
+    "precision": Variable("1", "floating-point precision"),
+    # extremes
+    "outcome": Variable("1", "what became of the contact with the two levels"),
+    "scaled_violation": Variable("1", "violation of the conditions of contact over the tolerance"),
+    "scaled_pressure_error": Variable("1", "relative L2 error of the pressure over the tolerance"),
+    "reason": Variable("1", "why there is no solution, or none that was checked"),
+    "level_axis": Variable("1", "setting that the level is one of"),
+    "level_value": Variable("1", "value of the setting"),
+    "level_default": Variable("1", "1 if the level is that of the scene that others change"),
+    "beyond_axis": Variable("1", "setting that is out of its range"),
+    "beyond_value": Variable("1", "value out of range"),
+    "beyond_outcome": Variable("1", "what became of the contact with a value out of range"),
+    "beyond_reason": Variable("1", "why there is no solution"),
+    # the trade between speed and accuracy
+    "output": Variable("1", "what an error is of"),
+    "run_knob": Variable("1", "source of error that the run shows; empty for a reference"),
+    "run_setting": Variable("1", "setting of it"),
+    "run_seed": Variable("1", "seed of the surface"),
+    "run_hurst": Variable("1", "Hurst exponent"),
+    "run_wavelength_long": Variable(_LENGTH, "longest wavelength of the surface"),
+    "run_wavelength_short": Variable(_LENGTH, "shortest wavelength of the surface"),
+    "run_area_fraction": Variable("1", "area fraction asked for"),
+    "run_points": Variable("1", "nodes on an edge of the grid"),
+    "run_ratios": Variable("1", "Poisson's ratios analysed"),
+    "run_loads": Variable("1", "loads solved"),
+    "points_per_wavelength": Variable("1", "grid spacings on the shortest wavelength"),
+    "contact_tolerance": Variable("1", "largest relative residual of the contact"),
+    "depth_tolerance": Variable("1", "error allowed where a deep plane is computed on a coarser grid"),
+    "depth_spacing": Variable("grid_spacing", "distance between the planes nearest to the surface"),
+    "half_space_tolerance": Variable("1", "largest difference at which a half-space stands for the layer"),
+    "surface_seconds": Variable("s", "processor time to make the surface"),
+    "contact_seconds": Variable("s", "processor time of the contact"),
+    "stress_seconds": Variable("s", "processor time of the stress inside the solid"),
+    "transform_seconds": Variable("s", "processor time of a pair of transforms of the grid"),
+    "contact_pairs": Variable("1", "transforms of the contact, in pairs of the finest grid"),
+    "full_planes": Variable("1", "planes of stress, in planes of the finest grid"),
+    "peak_memory": Variable("byte", "largest resident memory of the process"),
+    "output_value": Variable("1", "value of the output, in its unit"),
+    "output_error": Variable("1", "relative difference to the reference"),
+    "proportionality": Variable("1", "area fraction times rms gradient of the true contact over the load, κ"),
+    "pressure_p90": Variable(_SCALED, "90th percentile of the peaks of the contact pressure"),
+    "pressure_p99": Variable(_SCALED, "99th percentile of the peaks of the contact pressure"),
+    "von_mises_p90": Variable(_SCALED, "90th percentile of the peaks of the von Mises stress"),
+    "von_mises_p99": Variable(_SCALED, "99th percentile of the peaks of the von Mises stress"),
+    "pressure_distribution": Variable("1", "distribution of the peaks of the contact pressure"),
+    "von_mises_distribution": Variable("1", "distribution of the peaks of the von Mises stress"),
+    "decay_length_depth": Variable(_LENGTH, "depth over which the covariance of Eq. 22 falls to half"),
+    "decay_length_plane": Variable(_LENGTH, "distance over which the covariance of Eq. 22 falls to half"),
+}

@@ -1,0 +1,1 @@
+"""Services for running jobs: progress, logs, checks before a run, compilation."""

@@ -1,0 +1,1 @@
+"""Stress inside the solid: planes over depth, peaks, profiles, statistics."""

@@ -1,0 +1,1 @@
+"""Rough surfaces: random, with prescribed moments, and measured."""

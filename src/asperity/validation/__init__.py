@@ -1,0 +1,1 @@
+"""Comparison of the library with closed forms, finite elements and exact arithmetic."""

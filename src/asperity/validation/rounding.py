@@ -1,0 +1,293 @@
+"""What floating point makes of the elastic layer: the printed formulas, a direct solve, and ours.
+
+Every error is against `asperity.reference.state_space`, for the very numbers the formulas were given.
+
+Two quantities are followed over q · height:
+
+* ``compliance``: the 6 × 6 compliance of both faces (Eqs. A.1–A.3). The error is the largest of its
+  entries', relative to √(G_ii G_jj).
+* ``bonded_stress``: the stress under a pressure mode on a bonded layer, at five depths. The error is relative
+  to the largest component at that depth, per 1 + q depth, because the rounding of q depth itself is amplified
+  so.
+
+Three formulas compute them: ``printed`` is Eq. A.3 with its misprints corrected (compliance only),
+``direct`` sets up Eqs. 5–7 and solves the six linear equations, ``layer`` is `asperity.Layer`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import xarray as xr
+from numpy.typing import DTypeLike
+
+from asperity.elasticity.layer import Layer
+from asperity.reference import printed
+from asperity.reference.state_space import StateSpace
+from asperity.types import Array
+
+FORMULAS = ("printed", "direct", "layer")
+PRECISIONS = ("float64", "float32")
+QUANTITIES = ("compliance", "bonded_stress")
+
+# Unit direction of the wavevector, height and Young's modulus: the results depend on q · height alone.
+_DIRECTION = (0.6, 0.8)
+_HEIGHT = 1.0
+_YOUNG = 1.0
+
+_DEPTH_FRACTIONS = np.array([0.0, 0.125, 0.5, 0.875, 1.0])
+# Deeper in units of 1/q, single precision has nothing left.
+_DEEPEST = 40.0
+_DIGITS = 80
+
+Progress = Callable[[float, float], None]
+
+
+def compute(
+    poisson: Sequence[float] = (0.0, 0.33, 0.49, 0.4999, 0.5),
+    smallest: float = 1e-8,
+    largest: float = 1e5,
+    per_decade: int = 6,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Errors of all formulas in both precisions.
+
+    Parameters
+    ----------
+    poisson : sequence
+        Poisson's ratios; each is rounded to single precision, so that both precisions have the same solid.
+    smallest, largest : float
+        Range of q · height.
+    per_decade : int
+        Number of values in a decade.
+    progress : callable, optional
+        Called as progress(done, total).
+
+    Returns
+    -------
+    Dataset
+        ``error`` over (quantity, formula, precision, poisson, scaled_wavenumber); NaN where a formula gave
+        no finite number, and for the printed formulas, which have no ``bonded_stress``.
+    """
+    steps = round(per_decade * np.log10(largest / smallest)) + 1
+    nominal = np.geomspace(smallest, largest, steps)
+    qx, qy = (np.float32(component * nominal).astype(float) for component in _DIRECTION)
+    scaled = np.hypot(qx, qy) * _HEIGHT
+    ratios = np.asarray(poisson, np.float32).astype(float)
+    depths = _HEIGHT * np.minimum(1.0, _DEEPEST / scaled)[:, None] * _DEPTH_FRACTIONS
+    depths = np.minimum(np.float32(depths).astype(float), _HEIGHT)
+    shape = (len(QUANTITIES), len(FORMULAS), len(PRECISIONS), len(ratios), steps)
+    error = np.full(shape, np.nan)
+    for n, nu in enumerate(ratios):
+        compliance, stress = _reference(qx, qy, nu, depths)
+        for p, precision in enumerate(PRECISIONS):
+            kind = np.dtype(precision)
+            x, y, d = qx.astype(kind), qy.astype(kind), depths.astype(kind)
+            number = kind.type(nu)
+            with np.errstate(all="ignore"):
+                tensors = {
+                    "printed": _printed_compliance(x, y, number),
+                    "direct": _direct_compliance(x, y, number),
+                    "layer": Layer(_YOUNG, nu, _HEIGHT).compliance(x, y),
+                }
+                fields = {
+                    "direct": _direct_stress(x, y, number, d),
+                    "layer": Layer(_YOUNG, nu, _HEIGHT).stress(x[:, None], y[:, None], d),
+                }
+            for f, formula in enumerate(FORMULAS):
+                error[0, f, p, n] = _compliance_error(tensors[formula], compliance)
+                if formula in fields:
+                    error[1, f, p, n] = _stress_error(fields[formula], stress, scaled[:, None] * depths)
+        if progress is not None:
+            progress(n + 1, len(ratios))
+    return xr.Dataset(
+        {"error": (("quantity", "formula", "precision", "poisson", "scaled_wavenumber"), error)},
+        coords={
+            "quantity": list(QUANTITIES),
+            "formula": list(FORMULAS),
+            "precision": list(PRECISIONS),
+            "poisson": np.asarray(poisson, dtype=float),
+            "scaled_wavenumber": nominal,
+        },
+    )
+
+
+def layer_errors(
+    height: float | None,
+    bottom: str,
+    poisson: float,
+    dtype: DTypeLike = "float64",
+    fractions: Sequence[float] = (0.0, 1e-7, 1e-3, 0.1, 0.3, 0.5, 0.7, 0.9, 0.999, 1.0),
+    digits: int = _DIGITS,
+) -> dict[str, float]:
+    """Largest errors of `asperity.Layer` for one mode with q ≈ 1.
+
+    Parameters
+    ----------
+    height : float or None
+        Also q · height, and rounded to `dtype`; None for the half-space, whose depths are `fractions` × 20.
+    bottom : str
+    poisson : float
+    dtype : "float64" or "float32"
+        Of the wavevector, the depths and the results.
+    fractions : sequence
+        Depths over the height.
+    digits : int
+        Of the independent solve.
+
+    Returns
+    -------
+    errors : dict
+        ``compliance`` (surface) relative; ``stress`` relative to its largest component at the same depth,
+        per 1 + q depth; ``displacement`` likewise, or relative to e^(−q depth) of its largest component at
+        the top where that is larger: next to a support everything that moves may vanish together. For a free
+        bottom instead of both ``face_compliance``, relative to √(G_ii G_jj).
+    """
+    kind = np.dtype(dtype)
+    qx, qy = (np.full(1, component, kind) for component in _DIRECTION)
+    if height is not None:
+        height = float(np.array(height, kind))
+    layer = Layer(1.3, poisson, height, bottom)
+    mode = StateSpace(float(qx[0]), float(qy[0]), layer.young, poisson, height, bottom, digits)
+    q = float(mode.q)
+    # The compliance of the wavenumber that is given, rounded as it is.
+    rounded = np.array([q], kind)
+    alone = StateSpace(float(rounded[0]), 0, layer.young, poisson, height, bottom, digits)
+    exact = -alone.displacement(0)[2].real
+    errors = {"compliance": float(abs(layer.surface_compliance(rounded)[0].item() / exact - 1))}
+    if bottom == "free" and height is not None:
+        errors["face_compliance"] = float(_compliance_error(layer.compliance(qx, qy), [mode.compliance()])[0])
+        return errors
+    reach = 20.0 if height is None else height
+    # Deeper, the numbers leave the normal range of the precision.
+    deepest = 600.0 if kind == np.float64 else 70.0
+    top = max(abs(component) for component in mode.displacement(0))
+    errors |= {"stress": 0.0, "displacement": 0.0}
+    for fraction in fractions:
+        depth = np.array([fraction * reach], kind)
+        below = float(depth[0])
+        if q * below > deepest:
+            continue
+        stress, displacement = mode.stress(below), mode.displacement(below)
+        sizes = {
+            "stress": max(abs(component) for component in stress),
+            "displacement": max(*(abs(component) for component in displacement), top * mp.exp(-q * below)),
+        }
+        pairs = {
+            "stress": (layer.stress(qx, qy, depth)[0], stress),
+            "displacement": (layer.displacement(qx, qy, depth)[0], displacement),
+        }
+        for name, (values, true) in pairs.items():
+            largest = max(abs(complex(v) - t) for v, t in zip(values, true, strict=True))
+            errors[name] = max(errors[name], float(largest / sizes[name]) / (1 + q * below))
+    return errors
+
+
+def _reference(qx: Array, qy: Array, nu: float, depths: Array) -> tuple[list[Any], list[list[Any]]]:
+    """Compliances and stresses of every mode by the independent solve."""
+    compliance, stress = [], []
+    for x, y, levels in zip(qx, qy, depths, strict=True):
+        mode = (x, y, _YOUNG, nu, _HEIGHT)
+        compliance.append(StateSpace(*mode, bottom="free", digits=_DIGITS).compliance())
+        bonded = StateSpace(*mode, bottom="bonded", digits=_DIGITS)
+        stress.append([bonded.stress(level) for level in levels])
+    return compliance, stress
+
+
+def _compliance_error(values: Array, true: Sequence[Any]) -> Array:
+    """Largest error of the entries, relative to √(G_ii G_jj), for every mode."""
+    out = np.full(len(true), np.nan)
+    for n, (matrix, exact) in enumerate(zip(values, true, strict=True)):
+        if not np.all(np.isfinite(matrix)):
+            continue
+        size = [mp.sqrt(abs(exact[i, i])) for i in range(6)]
+        out[n] = max(
+            float(abs(complex(matrix[i, j]) - exact[i, j]) / (size[i] * size[j]))
+            for i in range(6)
+            for j in range(6)
+        )
+    return out
+
+
+def _stress_error(values: Array, true: Sequence[Sequence[Any]], decay: Array) -> Array:
+    """Largest error of a component at any depth over the largest there, per 1 + q depth, for every mode."""
+    out = np.full(len(true), np.nan)
+    for n, (levels, exact_levels, d) in enumerate(zip(values, true, decay, strict=True)):
+        if not np.all(np.isfinite(levels)):
+            continue
+        errors = []
+        for level, exact, deep in zip(levels, exact_levels, d, strict=True):
+            size = max(abs(e) for e in exact)
+            largest = max(abs(complex(v) - e) for v, e in zip(level, exact, strict=True))
+            errors.append(float(largest / size) / (1 + deep))
+        out[n] = max(errors)
+    return out
+
+
+def _printed_compliance(qx: Array, qy: Array, nu: Any) -> Array:
+    """Eq. A.2 and A.3, misprints corrected, (modes, 6, 6)."""
+    kind = qx.dtype.type
+    elements = printed.compliance_elements(np, qx, qy, kind(_HEIGHT), kind(_YOUNG), nu)
+    return _stack(printed.compliance(elements), qx)
+
+
+def _direct(qx: Array, qy: Array, nu: Any, z: Array) -> tuple[Array, Array, Array]:
+    """Displacements, their slopes and tractions of the six columns of Eq. 6, each (modes, 3, 6)."""
+    kind = qx.dtype.type
+    values, slopes = printed.basis(np, qx, qy, z, (1 - 2 * nu) / (2 * (1 - nu)))
+    rows = printed.stress_rows(values, slopes, qx, qy, kind(_YOUNG), nu)
+    # Tractions in the order x, y, z
+    ordered = [rows[2], rows[1], rows[0]]
+    return _stack(values, qx), _stack(slopes, qx), _stack(ordered, qx)
+
+
+def _direct_compliance(qx: Array, qy: Array, nu: Any) -> Array:
+    """Compliance of both faces by solving Eqs. 5–7, (modes, 6, 6)."""
+    top, _, top_traction = _direct(qx, qy, nu, np.full_like(qx, _HEIGHT))
+    bottom, _, bottom_traction = _direct(qx, qy, nu, np.zeros_like(qx))
+    tractions = np.concatenate([top_traction, -bottom_traction], axis=1)
+    identity = np.broadcast_to(np.eye(6, dtype=tractions.dtype), tractions.shape)
+    return np.concatenate([top, bottom], axis=1) @ _solve(tractions, identity)
+
+
+def _direct_stress(qx: Array, qy: Array, nu: Any, depths: Array) -> Array:
+    """Stress under a unit pressure mode on a bonded layer by solving Eqs. 5–7, (modes, depths, 6)."""
+    c11, c12, c44 = printed.elastic_constants(qx.dtype.type(_YOUNG), nu)
+    bottom, _, _ = _direct(qx, qy, nu, np.zeros_like(qx))
+    _, _, traction = _direct(qx, qy, nu, np.full_like(qx, _HEIGHT))
+    system = np.concatenate([traction, bottom], axis=1)
+    load = np.zeros((len(qx), 6, 1), system.dtype)
+    load[:, 2] = -1
+    amplitudes = _solve(system, load)
+    out = np.empty((*depths.shape, 6), system.dtype)
+    for level in range(depths.shape[1]):
+        values, slopes, rows = _direct(qx, qy, nu, qx.dtype.type(_HEIGHT) - depths[:, level])
+        u, slope, t = ((part @ amplitudes)[..., 0] for part in (values, slopes, rows))
+        x, y = 1j * qx * u[:, 0], 1j * qy * u[:, 1]
+        out[:, level, 0] = c11 * x + c12 * (y + slope[:, 2])
+        out[:, level, 1] = c11 * y + c12 * (x + slope[:, 2])
+        out[:, level, 2], out[:, level, 3], out[:, level, 4] = t[:, 2], t[:, 1], t[:, 0]
+        out[:, level, 5] = c44 * 1j * (qx * u[:, 1] + qy * u[:, 0])
+    return out
+
+
+def _stack(rows: Sequence[Sequence[Any]], like: Array) -> Array:
+    """Rows of arrays as (modes, rows, columns), complex in the precision of `like`."""
+    kind = np.result_type(like.dtype, np.complex64)
+    entries = [[np.broadcast_to(entry, like.shape) for entry in row] for row in rows]
+    return np.ascontiguousarray(np.moveaxis(np.array(entries), -1, 0).astype(kind))
+
+
+def _solve(systems: Array, sides: Array) -> Array:
+    """Solutions of each system; NaN where it is singular to rounding."""
+    out = np.full(sides.shape, np.nan, systems.dtype)
+    for n, (system, side) in enumerate(zip(systems, sides, strict=True)):
+        if np.all(np.isfinite(system)):
+            try:
+                out[n] = np.linalg.solve(system, side)
+            except np.linalg.LinAlgError:
+                continue
+    return out

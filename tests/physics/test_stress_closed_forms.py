@@ -1,0 +1,163 @@
+"""Stress in the solid against closed forms and against laws it was not built from."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from scipy.special import spherical_jn
+
+from asperity.elasticity.layer import COMPONENTS, Layer
+from asperity.reference.elementary import single_mode_stress
+from asperity.reference.hertz import Hertz
+from asperity.spectral import Fourier, Grid, mean_square
+from asperity.stress.analysis import analyse_stress
+from asperity.stress.peaks import find_peaks
+from asperity.stress.planes import depth_grid, stress_planes
+from asperity.stress.statistics import select_peaks
+
+
+@dataclass(frozen=True)
+class Pressed:
+    pressure: np.ndarray
+    grid: Grid
+    layer: Layer
+
+
+def hertz(radius, points, centre=(0.0, 0.0), layer=None):
+    """The pressure √(1 − r²/a²) from its exact Fourier transform: no error of the grid but the cut."""
+    grid = Grid((points, points))
+    reach = grid.wavenumber() * radius
+    shape = np.full(reach.shape, 1 / 3)
+    np.divide(spherical_jn(1, reach), reach, out=shape, where=reach > 0)
+    shift = np.exp(-1j * (grid.odd_qy[:, None] * centre[0] + grid.odd_qx[None, :] * centre[1]))
+    pressure = Fourier(grid).inverse(2 * np.pi * radius**2 * shape * shift)
+    layer = layer or Layer(young=1.0, poisson=0.33)
+    return Pressed(pressure * layer.effective_modulus, grid, layer)
+
+
+@pytest.mark.parametrize(
+    ("poisson", "largest", "depth"),
+    [(0.0, 0.7696, 0.3819), (0.3, 0.6200, 0.4809), (0.33, 0.6063, 0.4908), (0.5, 0.5327, 0.5479)],
+)
+def test_hertz_largest_von_mises_stress_and_its_depth(poisson, largest, depth):
+    radius = 0.02
+    depths = radius * np.arange(0.3, 0.66, 0.02)
+    planes = stress_planes(hertz(radius, 512, (0.5, 0.5)), depths, poisson, tolerance=1e-5)
+    peaks = find_peaks(planes, "von_mises", floor=0.3)
+    assert peaks.size == 1
+    # Replicas of the contact: the mean pressure is 8e-4. Depth: the maximum is flat.
+    assert peaks.value[0] == pytest.approx(largest, abs=8e-4)
+    assert peaks.depth[0] / radius == pytest.approx(depth, abs=4e-3)
+    assert (peaks.y[0], peaks.x[0]) == pytest.approx((0.5, 0.5), abs=1e-4)
+
+
+def test_hertz_on_and_off_axis_with_the_replicas_as_the_only_error():
+    """All six components; the difference is that of the other cells and shrinks with (a/L)²."""
+    errors = []
+    for radius, points in ((0.06, 216), (0.03, 432)):
+        contact = hertz(radius, points)
+        exact = Hertz(radius, curvature_radius=2 / np.pi * radius)
+        error = 0.0
+        for plane in stress_planes(
+            contact, radius * np.array([0.3, 0.7, 1.5]), 0.3, COMPONENTS, tolerance=1e-7
+        ):
+            y, x = plane.grid.coordinates()
+            j, i = np.flatnonzero(y < 2.5 * radius), np.flatnonzero(x < 2.5 * radius)
+            expected = exact.stress_cartesian(y[j][:, None], x[i][None, :], plane.depth, 0.3)
+            for number, name in enumerate(COMPONENTS):
+                error = max(error, np.abs(plane.fields[name][0][np.ix_(j, i)] - expected[..., number]).max())
+        errors.append(error)
+    assert errors[1] < 3e-3
+    assert np.log2(errors[0] / errors[1]) > 1.8
+
+
+@pytest.mark.parametrize("wave", [1, 3, 11])
+@pytest.mark.parametrize("shape", [(24, 36), (25, 35)])
+def test_single_mode(wave, shape):
+    grid = Grid(shape, (0.7, 1.3))
+    _, x = grid.coordinates()
+    q = 2 * np.pi * wave / 1.3
+    pressure = np.broadcast_to(1.0 + np.cos(q * x), shape)
+    contact = Pressed(pressure, grid, Layer(young=1 - 0.4**2, poisson=0.4))
+    for plane in stress_planes(contact, [0.0, 0.03, 0.4], [0.4, 0.1], COMPONENTS, tolerance=0):
+        for number, nu in enumerate((0.4, 0.1)):
+            uniform = np.array([-nu / (1 - nu), -nu / (1 - nu), -1, 0, 0, 0])
+            expected = single_mode_stress(x, plane.depth, q, nu) + uniform
+            for c, name in enumerate(COMPONENTS):
+                field = plane.fields[name][number]
+                np.testing.assert_allclose(field, np.broadcast_to(expected[:, c], shape), atol=2e-14)
+
+
+def spots(points=128, layer=None):
+    grid = Grid((points, points))
+    y, x = grid.coordinates()
+    pressure = np.zeros(grid.shape)
+    draw = np.random.default_rng(4)
+    for cy, cx, radius in zip(*draw.uniform(0.2, 0.8, (2, 15)), draw.uniform(0.02, 0.08, 15), strict=True):
+        pressure += np.maximum(1 - ((y[:, None] - cy) ** 2 + (x[None, :] - cx) ** 2) / radius**2, 0)
+    return Pressed(0.1 * pressure, grid, layer or Layer(young=1.0, poisson=0.3))
+
+
+def test_variance_of_the_normal_stress_by_parseval_at_every_depth():
+    contact = spots()
+    modes = Fourier(contact.grid).forward(contact.pressure / contact.layer.effective_modulus)
+    modes[0, 0] = 0.0
+    for plane in stress_planes(contact, depth_grid(contact.grid), components=("zz",), tolerance=1e-9):
+        decay = contact.grid.wavenumber() * plane.depth
+        expected = mean_square(modes, contact.grid, ((1 + decay) * np.exp(-decay)) ** 2)
+        assert plane.fields["zz"][0].var() == pytest.approx(expected, rel=1e-7)
+
+
+@pytest.mark.parametrize("layer", [None, Layer(1.0, 0.4, height=0.2), Layer(1.0, 0.4, 0.2, "frictionless")])
+def test_equilibrium_by_independent_derivatives(layer):
+    """∂σ_xi/∂x + ∂σ_yi/∂y + ∂σ_zi/∂z = 0 by central differences of eighth order, z upward."""
+    contact = spots(96, layer)
+    depths = 0.06 + 0.002 * np.arange(-8, 9)
+    weight = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
+    planes = list(stress_planes(contact, depths, components=COMPONENTS, tolerance=0))
+    here = {name: field[0] for name, field in planes[8].fields.items()}
+
+    def residual(stride):
+        def along(field, axis):
+            shifted = (w * np.roll(field, stride * (4 - k), axis) for k, w in enumerate(weight))
+            return sum(shifted) / (stride * contact.grid.spacing[0])
+
+        def upward(name):
+            used = planes[8 - 4 * stride : 9 + 4 * stride : stride]
+            return -sum(w * p.fields[name][0] for w, p in zip(weight, used, strict=True)) / (stride * 0.002)
+
+        worst = []
+        for x, y, z in (("xx", "xy", "xz"), ("xy", "yy", "yz"), ("xz", "yz", "zz")):
+            parts = [along(here[x], 1), along(here[y], 0), upward(z)]
+            worst.append(np.abs(sum(parts)).max() / max(np.abs(part).max() for part in parts))
+        return np.array(worst)
+
+    assert np.all(residual(1) < 3e-4)  # grid: the differences'
+    assert np.all(np.log2(residual(2) / residual(1)) > 6)
+
+
+def test_peaks_converge_with_the_grid():
+    """Fixed contacts on three grids of 4–7, 8–14, 16–28 nodes to their diameter, against a fourth."""
+    nu = 0.33
+    radii = np.array([0.03, 0.035, 0.04, 0.045, 0.05, 0.055])
+    centres = np.array([(0.2, 0.2), (0.21, 0.52), (0.18, 0.81), (0.7, 0.19), (0.72, 0.5), (0.69, 0.83)])
+    centres += np.random.default_rng(8).uniform(-0.02, 0.02, centres.shape)
+
+    def largest(points):
+        grid = Grid((points, points))
+        y, x = grid.coordinates()
+        pressure = np.zeros(grid.shape)
+        for (cy, cx), radius in zip(centres, radii, strict=True):
+            inside = 1 - ((y[:, None] - cy) ** 2 + (x[None, :] - cx) ** 2) / radius**2
+            pressure += np.sqrt(np.maximum(inside, 0.0)) / (1 - nu**2)
+        contact = Pressed(pressure, grid, Layer(1.0, nu))
+        data = analyse_stress(contact, depth_grid(grid, 0.06), quantities=("von_mises",), tolerance=1e-4)
+        peaks = select_peaks(data, "von_mises", selection="interior")
+        apart = np.hypot(*(peaks[f"peak_{c}"].values[:, None] - centres[:, k] for k, c in enumerate("yx")))
+        return np.array([peaks["peak_value"].values[apart[:, n] < radii[n]].max() for n in range(6)])
+
+    values = [largest(n) for n in (64, 128, 256, 512)]
+    errors = [np.sqrt(np.mean((v - values[-1]) ** 2)) for v in values[:-1]]
+    # Each load jumps as nodes enter its circle, so the order holds over the whole range only.
+    assert np.log2(errors[0] / errors[-1]) / 2 > 1.5
+    assert errors[-1] < 5e-4

@@ -1,0 +1,259 @@
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from asperity.elasticity.layer import COMPONENTS, Layer
+from asperity.spectral import Fourier, Grid, Work, resample
+from asperity.stress.planes import FIELDS, Truncation, depth_grid, linear_planes, stress_planes
+
+HALF_SPACE = Layer(young=1.0, poisson=0.3)
+BONDED = Layer(young=1.0, poisson=0.4, height=0.3)
+FRICTIONLESS = Layer(young=1.0, poisson=0.2, height=0.3, bottom="frictionless")
+
+
+@dataclass(frozen=True)
+class Pressed:
+    pressure: np.ndarray
+    grid: Grid
+    layer: Layer
+
+
+def pressed(shape=(64, 64), layer=HALF_SPACE, length=1.0, seed=1, spots=12):
+    """Sharp random spots: any non-negative pressure is a possible one."""
+    grid = Grid(shape, length)
+    y, x = grid.coordinates()
+    draw = np.random.default_rng(seed)
+    pressure = np.zeros(shape)
+    for _ in range(spots):
+        centre, radius = draw.random(2) * grid.length, draw.uniform(0.02, 0.08)
+        dy = (y - centre[0] + grid.length[0] / 2) % grid.length[0] - grid.length[0] / 2
+        dx = (x - centre[1] + grid.length[1] / 2) % grid.length[1] - grid.length[1] / 2
+        pressure += np.sqrt(np.maximum(1 - (dy[:, None] ** 2 + dx[None, :] ** 2) / radius**2, 0))
+    return Pressed(0.1 * pressure, grid, layer)
+
+
+@pytest.mark.parametrize("layer", [HALF_SPACE, BONDED, FRICTIONLESS])
+@pytest.mark.parametrize("shape", [(32, 32), (31, 32), (24, 45), (33, 35)])
+def test_components_are_those_of_the_layer_mode_by_mode(layer, shape):
+    contact = pressed(shape, layer, (0.7, 1.1))
+    grid, fourier = contact.grid, Fourier(contact.grid)
+    modes = fourier.forward(contact.pressure / layer.effective_modulus)
+    for plane in stress_planes(contact, [0.0, 0.01, 0.2], components=COMPONENTS, tolerance=0):
+        stress = layer.stress(grid.qx[None, :], grid.qy[:, None], plane.depth) * modes[..., None]
+        stress[..., [4, 5]] *= (2 * grid.kx != grid.shape[1])[:, None]
+        stress[..., [3, 5]] *= (2 * grid.ky != grid.shape[0])[:, None, None]
+        stress[0, 0] = layer.uniform_stress() * modes[0, 0]
+        for number, name in enumerate(COMPONENTS):
+            expected = fourier.inverse(stress[..., number])
+            rounding = 1e-13 * np.abs(contact.pressure).max()
+            np.testing.assert_allclose(plane.fields[name][0], expected, rtol=0, atol=rounding)
+
+
+@pytest.mark.parametrize("poisson", [[0.0, 0.25, 0.33, 0.5, -0.3], [0.3]])
+def test_every_poisson_ratio_is_as_if_it_were_the_only_one(poisson):
+    contact = pressed()
+    together = stress_planes(contact, [0.0, 0.02, 0.1], poisson, FIELDS)
+    alone = [stress_planes(contact, [0.0, 0.02, 0.1], nu, FIELDS) for nu in poisson]
+    for plane, *others in zip(together, *alone, strict=True):
+        for name in FIELDS:
+            for number, other in enumerate(others):
+                rounding = 1e-13
+                np.testing.assert_allclose(
+                    plane.fields[name][number], other.fields[name][0], rtol=0, atol=rounding
+                )
+
+
+def test_von_mises_is_that_of_its_components():
+    for plane in stress_planes(pressed(), [0.0, 0.03], [0.1, 0.4], FIELDS):
+        xx, yy, zz, yz, xz, xy = (plane.fields[name] for name in COMPONENTS)
+        tensor = np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=-1).reshape(*xx.shape, 3, 3)
+        deviator = tensor - np.trace(tensor, axis1=-2, axis2=-1)[..., None, None] / 3 * np.eye(3)
+        expected = np.sqrt(1.5 * np.sum(deviator**2, axis=(-2, -1)))
+        np.testing.assert_allclose(plane.fields["von_mises"], expected, rtol=0, atol=1e-13)  # rounding
+
+
+@pytest.mark.parametrize("lateral", ["confined", "free"])
+def test_uniform_mode_follows_the_choice_of_the_layer(lateral):
+    layer = Layer(young=1.0, poisson=0.25, lateral=lateral)
+    contact = pressed(layer=layer)
+    mean = contact.pressure.mean() / layer.effective_modulus
+    for plane in stress_planes(contact, [0.05, 1.0], [0.25, 0.4], ("xx", "zz")):
+        for number, nu in enumerate((0.25, 0.4)):
+            expected = -nu / (1 - nu) * mean if lateral == "confined" else 0.0
+            assert plane.fields["xx"][number].mean() == pytest.approx(expected, abs=1e-14)
+        assert plane.fields["zz"].mean() == pytest.approx(-mean, rel=1e-12)
+
+
+@pytest.mark.parametrize("layer", [HALF_SPACE, BONDED, FRICTIONLESS])
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-9])
+def test_coarse_planes_agree_with_the_full_grid_within_the_tolerance(layer, tolerance):
+    """The trigonometric interpolant of a coarse plane, at every node of the full grid."""
+    contact = pressed((180, 180), layer)
+    fourier = Fourier(contact.grid)
+    depths = np.array([0.0, 0.01, 0.03, 0.08, 0.2, 0.3])
+    coarse = linear_planes(contact, depths, tolerance=tolerance)
+    sizes = []
+    for plane, full in zip(coarse, linear_planes(contact, depths, tolerance=0), strict=True):
+        sizes.append(plane.grid.size)
+        allowed = tolerance * np.sqrt(np.mean(full.constant["zz"] ** 2)) + 1e-13
+        assert plane.bound <= allowed
+        fine = {}
+        for name in COMPONENTS:
+            modes = resample(Fourier(plane.grid).forward(plane.constant[name]), plane.grid, contact.grid)
+            fine[name] = fourier.inverse(modes) if plane.grid != contact.grid else plane.constant[name]
+            assert np.abs(fine[name] - full.constant[name]).max() <= allowed
+        lifted = type(full)(full.depth, full.grid, 0.0, fine, {}, full.mean_pressure, full.lateral)
+        nu = layer.poisson
+        error = np.abs(lifted.field("von_mises", nu) - full.field("von_mises", nu)).max()
+        assert error <= allowed
+    assert sizes[-1] < sizes[0] / 20
+
+
+@pytest.mark.parametrize("layer", [HALF_SPACE, BONDED])
+def test_single_precision_only_where_the_tolerance_is_above_its_rounding(layer):
+    contact = pressed(layer=layer)
+    depths = [0.0, 0.01, 0.2]
+    for single, double in zip(
+        stress_planes(contact, depths, components=FIELDS, tolerance=1e-4),
+        stress_planes(contact, depths, components=FIELDS, tolerance=1e-5),
+        strict=True,
+    ):
+        scale = double.fields["zz"].std()
+        for name in FIELDS:
+            assert single.fields[name].dtype == np.float32
+            assert double.fields[name].dtype == np.float64
+        if single.grid == double.grid:
+            for name in FIELDS:
+                error = np.abs(single.fields[name] - double.fields[name]).max()
+                assert error < 5e-6 * scale  # rounding
+
+
+def test_grid_never_becomes_finer_with_depth_nor_coarser_with_accuracy():
+    contact = pressed((256, 256))
+    depths = depth_grid(contact.grid)
+    sizes = [
+        [plane.grid.size for plane in stress_planes(contact, depths, components=("zz",), tolerance=t)]
+        for t in (1e-2, 1e-4, 1e-8)
+    ]
+    assert all(np.all(np.diff(s) <= 0) for s in sizes)
+    assert np.all(np.diff(sizes, axis=0) >= 0)
+
+
+def test_oblong_cell_keeps_the_bound_on_both_axes():
+    contact = pressed((60, 240), length=(0.25, 1.0))
+    grid = contact.grid
+    modes = Fourier(grid).forward(contact.pressure)
+    truncation = Truncation(modes, grid, HALF_SPACE, 1e-4)
+    chosen, bound = truncation.choose(0.05)
+    assert chosen.shape[0] < 60
+    assert chosen.shape[1] < 240
+    lost = modes - resample(resample(modes, grid, chosen), chosen, grid)
+    decay = grid.wavenumber() * 0.05
+    largest = np.sum(np.abs(lost) * (1 + decay) * np.exp(-decay) * grid.multiplicity)
+    assert np.sqrt(3) * largest <= bound <= 1e-4 * truncation.scale(0.05)
+
+
+@pytest.mark.parametrize(
+    ("components", "poisson", "transforms"),
+    [
+        (("zz",), [0.3], 1),
+        (("zz", "xz"), [0.0, 0.5], 2),
+        (("xx",), [0.3], 1),
+        (("xx",), [0.0, 0.1, 0.2, 0.3], 2),
+        (("von_mises",), [0.3], 6),
+        (("von_mises", "xx"), [0.0, 0.1, 0.2, 0.3, 0.4, 0.5], 8),
+    ],
+)
+def test_no_more_transforms_than_the_fields_need(components, poisson, transforms):
+    work = Work()
+    contact = pressed()
+    list(stress_planes(contact, [0.0, 0.001], poisson, components, tolerance=0, work=work))
+    assert work.transforms(contact.grid) == 2 * transforms + 1  # the one is that of the pressure
+
+
+def test_same_bits_on_any_number_of_threads():
+    contact = pressed((150, 140))
+    for one, two in zip(
+        *(stress_planes(contact, [0.0, 0.01, 0.1], [0.0, 0.4], FIELDS, threads=t) for t in (1, 2)),
+        strict=True,
+    ):
+        for name in FIELDS:
+            np.testing.assert_array_equal(one.fields[name], two.fields[name])
+
+
+def test_progress_grows_to_its_total_and_a_stream_may_be_left():
+    calls = []
+    planes = stress_planes(
+        pressed(), [0.0, 0.1, 0.2], components=("zz",), progress=lambda *done: calls.append(done)
+    )
+    for _ in planes:
+        pass
+    assert len(calls) == 3
+    assert [done / total for done, total in calls] == sorted(done / total for done, total in calls)
+    assert calls[-1][0] == pytest.approx(calls[-1][1])
+    left = stress_planes(pressed(), [0.0, 0.1, 0.2])
+    next(left)
+    left.close()
+
+
+def test_stress_is_in_units_of_the_effective_modulus():
+    soft, stiff = (pressed(layer=Layer(young=young, poisson=0.3)) for young in (1.0, 8.0))
+    one, eight = (next(stress_planes(c, [0.02])).fields["von_mises"] for c in (soft, stiff))
+    np.testing.assert_allclose(one, 8 * eight, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"depths": [0.1, 0.1]}, "depths"),
+        ({"depths": [-0.1]}, "depths"),
+        ({"depths": [np.nan]}, "depths"),
+        ({"depths": [[0.0, 0.1]]}, "depths"),
+        ({"poisson": 0.6}, "poisson"),
+        ({"poisson": []}, "poisson"),
+        ({"components": ("von mises",)}, "components"),
+        ({"components": "xx"}, "components"),
+        ({"components": ()}, "components"),
+        ({"tolerance": -1e-3}, "tolerance"),
+        ({"tolerance": 1.0}, "tolerance"),
+        ({"threads": 0}, "threads"),
+    ],
+)
+def test_bad_input_names_the_argument(changes, message):
+    with pytest.raises(ValueError, match=f"^{message}"):
+        next(stress_planes(**({"contact": pressed(), "depths": [0.0]} | changes)))
+
+
+def test_layer_allows_only_what_its_contact_allows():
+    with pytest.raises(ValueError, match=r"poisson = 0\.3"):
+        next(stress_planes(pressed(layer=BONDED), [0.0], poisson=0.3))
+    with pytest.raises(ValueError, match="depths"):
+        next(stress_planes(pressed(layer=BONDED), [0.0, 0.31]))
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    st.integers(8, 4096),
+    st.floats(0.01, 10.0),
+    st.floats(0.1, 2.0),
+    st.floats(0.02, 0.5),
+)
+def test_depth_grid_covers_the_solid_with_the_spacing_promised(points, height, spacing, growth):
+    grid = Grid((points, points))
+    depths = depth_grid(grid, height, spacing, growth)
+    steps = np.diff(depths)
+    assert depths[0] == 0
+    assert depths[-1] == height
+    assert np.all(steps > 0)
+    # The last step may take up half of another.
+    assert np.all(steps <= 1.5 * np.maximum(spacing / points, growth * depths[:-1]) * (1 + 1e-12))
+
+
+@pytest.mark.parametrize("name", ["spacing", "growth", "height"])
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
+def test_depth_grid_refuses_what_is_not_positive(name, value):
+    with pytest.raises(ValueError, match=f"^{name}"):
+        depth_grid(Grid((8, 8)), **{name: value})

@@ -1,0 +1,20 @@
+rule stress:
+    input:
+        contact=f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
+        compiled=COMPILED,
+        code=code("stress"),
+    output:
+        f"{RESULTS}/stress/{{surface}}/seed{{seed}}.nc",
+    log:
+        f"{RESULTS}/log/stress/{{surface}}/seed{{seed}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/stress/{{surface}}/seed{{seed}}.tsv"
+    threads: 1
+    resources:
+        mem_mb=memory("stress"),
+        disk_mb=disk("stress"),
+        runtime=minutes("stress"),
+    params:
+        stress=config["stress"],
+    script:
+        "../scripts/stress.py"

@@ -1,0 +1,15 @@
+"""Rule stress: the stress inside the solid, its peaks and its decay."""
+
+from asperity.pipeline.stress import compute_stress
+from asperity.results import dataset
+from asperity.runtime.progress import Progress, record
+
+with record(snakemake.log[0]), Progress(f"stress {snakemake.wildcards.surface}") as progress:
+    contact = dataset.read(snakemake.input.contact)
+    settings = dataset.settings_of(contact) | {"stress": snakemake.params.stress}
+    dataset.write(
+        compute_stress(contact, settings["layer"], snakemake.params.stress, progress=progress),
+        snakemake.output[0],
+        title=f"Stress under rough surface {snakemake.wildcards.surface}, seed {snakemake.wildcards.seed}",
+        settings=settings,
+    )
