@@ -30,7 +30,7 @@ def seconds(costs):
 def largest_error(outcome, scene, knobs):
     """Of the peaks, against the converged outcome at the same load."""
     reference = evaluate(scene, replace(EXACT, points_per_wavelength=24.0))
-    again = evaluate(scene, knobs, mean_pressure=reference.summary["contact.mean_pressure"])
+    again = evaluate(scene, knobs, mean_pressure=reference.mean_pressure)
     found = errors(again, reference)
     return max(abs(found[name]) for name in PEAKS)
 

@@ -10,8 +10,8 @@ from .stress.peaks import find_peaks as find_peaks
 from .stress.peaks import plane_peaks as plane_peaks
 from .stress.planes import depth_grid as depth_grid
 from .stress.planes import stress_planes as stress_planes
+from .stress.pooling import pool_peaks as pool_peaks
 from .stress.statistics import autocorrelation as autocorrelation
-from .stress.statistics import pool_peaks as pool_peaks
 from .stress.statistics import probability_density as probability_density
 from .surface.measured import make_periodic as make_periodic
 from .surface.measured import read_map as read_map

@@ -37,7 +37,7 @@ def tried():
 @pytest.mark.parametrize("number", range(3), ids=["draft", "paper", "proposed"])
 def test_errors_stay_within_their_bounds_on_another_scene(reference, number):
     knobs = list(tried())[number]
-    load_of_reference = reference.summary["contact.mean_pressure"]
+    load_of_reference = reference.mean_pressure
     found = errors(evaluate(UNSEEN, knobs, mean_pressure=load_of_reference), reference)
     bounds = predict_errors(UNSEEN, knobs, one_surface=True)
     beyond = {name: found[name] for name in OUTPUTS if abs(found[name]) > sum(bounds[name].values())}

@@ -16,18 +16,14 @@ def loads(wildcards):
     return len({*settings["path_area_fractions"], settings["area_fraction"]})
 
 
-def figure_need(figure):
+def figure_need(name):
     """Of a figure: it holds a field of each surface, five of each contact, and little of other stages."""
-    studies, stages = FIGURES[figure]
-    if figure in ("fig03", "fig04"):
-        return need("map of elements", math.prod(config["validation"]["elements"]["elements"]))
-    if figure == "extremes":
-        return need("figure of extremes")
-    if studies == "validation":
-        return need("figure")
-    studies = [studies] if isinstance(studies, str) else studies
-    names = [name for study in studies for name in config["studies"][study]]
-    return need("figure", nodes(*names) * (("surface" in stages) + 5 * ("contact" in stages)))
+    figure = FIGURES[name]
+    if figure.cost == "figure of elements":
+        return need(figure.cost, math.prod(config["validation"]["elements"]["elements"]))
+    surfaces = [surface for study in figure.studies for surface in config["studies"][study]]
+    fields = ("surface" in figure.stages) + 5 * ("contact" in figure.stages)
+    return need(figure.cost, nodes(*surfaces) * fields)
 
 
 # What the job of each rule needs. Other rules have next to nothing to do.
@@ -38,9 +34,12 @@ NEEDS = {
     ),
     "contact": lambda wildcards: need("contact", nodes(wildcards.surface), loads(wildcards)),
     "stress": lambda wildcards: need("stress", nodes(wildcards.surface), len(config["stress"]["poisson"])),
-    "summary": lambda wildcards: need("summary", nodes(wildcards.surface)),
-    "statistics": lambda wildcards: need("statistics", nodes(wildcards.surface), len(config["seeds"])),
-    "verification": lambda wildcards: need("verification", nodes(wildcards.surface), len(config["seeds"])),
+    "statistics": lambda wildcards: need(
+        "statistics", nodes(wildcards.surface), len(seeds_of(wildcards.surface))
+    ),
+    "verification": lambda wildcards: need(
+        "verification", nodes(wildcards.surface), len(seeds_of(wildcards.surface))
+    ),
     "figure": lambda wildcards: figure_need(wildcards.figure),
     "validation": lambda wildcards: need("validation"),
     "calculix": lambda wildcards: need("calculix"),

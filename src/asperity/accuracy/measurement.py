@@ -12,7 +12,6 @@ disturbs least, with the time of a transform at that moment beside them.
 
 from __future__ import annotations
 
-import json
 import resource
 import sys
 import time
@@ -28,28 +27,28 @@ from asperity.config.presets import PRESETS, Knobs
 from asperity.contact import solve
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.solid import solid
+from asperity.pipeline.statistics import LEVELS, seed_statistics
 from asperity.pipeline.stress import compute_stress
-from asperity.pipeline.summary import LEVELS, Summary, summarise
 from asperity.pipeline.surface import make_surface
 from asperity.spectral import Fourier, Grid
 from asperity.types import Array, Progress
 
-NUMBERS = {
-    "proportionality": "contact.proportionality",
-    "gradient_rms_contact": "contact.gradient_rms_contact",
-    "pressure_p90": "pressure.p90@{}",
-    "pressure_p99": "pressure.p99@{}",
-    "von_mises_p90": "von_mises.p90@{}",
-    "von_mises_p99": "von_mises.p99@{}",
-    "largest_von_mises": "profile.largest@{}",
-    "peak_depth": "von_mises.depth@{}",
-    "decay_length_depth": "decay.depth@{}",
-    "decay_length_plane": "decay.plane@{}",
+NUMBERS: dict[str, tuple[str, dict[str, Any]]] = {
+    "proportionality": ("seed_proportionality", {}),
+    "gradient_rms_contact": ("seed_gradient_rms_contact", {}),
+    "pressure_p90": ("seed_peak_quantile", {"quantity": "pressure", "level": 0.9}),
+    "pressure_p99": ("seed_peak_quantile", {"quantity": "pressure", "level": 0.99}),
+    "von_mises_p90": ("seed_peak_quantile", {"quantity": "von_mises", "level": 0.9}),
+    "von_mises_p99": ("seed_peak_quantile", {"quantity": "von_mises", "level": 0.99}),
+    "largest_von_mises": ("seed_largest_von_mises", {}),
+    "peak_depth": ("seed_mean_depth", {"quantity": "von_mises"}),
+    "decay_length_depth": ("seed_decay_length_depth", {}),
+    "decay_length_plane": ("seed_decay_length_plane", {}),
 }
-"""Outputs that are numbers of a summary; their error is relative."""
+"""Outputs that are numbers: variable of the statistics of a seed, and coordinates; their error is relative."""
 
-DISTRIBUTIONS = {"pressure_distribution": "pressure@{}", "von_mises_distribution": "von_mises@{}"}
-"""Outputs that are distributions of peaks; their error is how far equal percentiles lie apart on the mean,
+DISTRIBUTIONS = {"pressure_distribution": "pressure", "von_mises_distribution": "von_mises"}
+"""Outputs that are distributions of the peaks of a quantity; their error is how far equal percentiles lie apart on the mean,
 over the mean peak."""
 
 OUTPUTS = ("area_fraction", *NUMBERS, *DISTRIBUTIONS)
@@ -123,7 +122,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Outcome:
-    """Outputs and cost of one run of the chain from surface to summary.
+    """Outputs and cost of one run of the chain from surface to statistics.
 
     Parameters
     ----------
@@ -131,7 +130,8 @@ class Outcome:
     knobs : Knobs
     ratios : tuple of float
         Poisson's ratios analysed.
-    summary : Summary
+    statistics : dataset
+        Of `asperity.pipeline.statistics.seed_statistics`, at one Poisson's ratio.
     area_fraction : float
         At the load asked for, or that of the run.
     costs : mapping
@@ -142,14 +142,25 @@ class Outcome:
     scene: Scene
     knobs: Knobs
     ratios: tuple[float, ...]
-    summary: Summary
+    statistics: xr.Dataset
     area_fraction: float
     costs: Mapping[str, float]
 
     def values(self) -> dict[str, float]:
         """The outputs that are numbers, NaN for distributions."""
-        numbers = {name: self.summary[key.format(_POISSON)] for name, key in NUMBERS.items()}
+        numbers = {
+            name: float(self.statistics[variable].sel(where)) for name, (variable, where) in NUMBERS.items()
+        }
         return {"area_fraction": self.area_fraction, **numbers, **dict.fromkeys(DISTRIBUTIONS, np.nan)}
+
+    @property
+    def mean_pressure(self) -> float:
+        """Load over nominal area."""
+        return float(self.statistics["seed_mean_pressure"])
+
+    def quantiles(self, quantity: str) -> Array:
+        """Quantiles of the peaks of a quantity at `LEVELS`."""
+        return self.statistics["seed_peak_quantile"].sel(quantity=quantity).values
 
 
 @dataclass(frozen=True)
@@ -174,7 +185,7 @@ class Run:
 def evaluate(
     scene: Scene, knobs: Knobs, ratios: Sequence[float] = (_POISSON,), mean_pressure: float | None = None
 ) -> Outcome:
-    """Run the chain from surface to summary once.
+    """Run the chain from surface to statistics once.
 
     Parameters
     ----------
@@ -208,9 +219,8 @@ def evaluate(
     area = float(contact["area_fraction"])
     if mean_pressure is not None:
         area = _area_at(mean_pressure, surface, contact, settings)
-    stress.attrs["settings"] = json.dumps(settings)
-    summary = summarise(surface, contact, stress)
-    return Outcome(scene, knobs, tuple(ratios), summary, area, costs)
+    statistics = seed_statistics(surface, contact, stress).sel(poisson=_POISSON)
+    return Outcome(scene, knobs, tuple(ratios), statistics, area, costs)
 
 
 def transform_seconds(points: int, repetitions: int = 3) -> float:
@@ -229,9 +239,8 @@ def errors(outcome: Outcome, reference: Outcome) -> dict[str, float]:
     """How far the outputs are from those of a reference, relative and signed, of distributions positive."""
     own, right = outcome.values(), reference.values()
     found = {name: own[name] / right[name] - 1 for name in ("area_fraction", *NUMBERS)}
-    for name, key in DISTRIBUTIONS.items():
-        quantiles = (run.summary.quantiles[key.format(_POISSON)] for run in (outcome, reference))
-        found[name] = distance(*quantiles)
+    for name, quantity in DISTRIBUTIONS.items():
+        found[name] = distance(outcome.quantiles(quantity), reference.quantiles(quantity))
     return found
 
 
@@ -292,7 +301,7 @@ def _every_knob(scene: Scene, grids: Sequence[float]) -> Iterator[Run]:
     yield Run("", "", finest)
 
     def against(reference: Outcome, knob: str, setting: object, knobs: Knobs) -> Run:
-        outcome = evaluate(scene, knobs, mean_pressure=reference.summary["contact.mean_pressure"])
+        outcome = evaluate(scene, knobs, mean_pressure=reference.mean_pressure)
         return Run(knob, str(setting), outcome, errors(outcome, reference))
 
     for points in grids[:-1]:
@@ -322,7 +331,7 @@ def _half_space(scene: Scene) -> Run:
     layer = evaluate(scene, replace(EXACT, half_space_tolerance=0.0))
     bound = float(solid(_settings(scene, EXACT, (_POISSON,))["layer"])[1]["solid_bound"])
     taken = replace(EXACT, half_space_tolerance=bound)
-    outcome = evaluate(scene, taken, mean_pressure=layer.summary["contact.mean_pressure"])
+    outcome = evaluate(scene, taken, mean_pressure=layer.mean_pressure)
     return Run("half_space_tolerance", f"{bound:.3g}", outcome, errors(outcome, layer))
 
 
@@ -333,16 +342,16 @@ def _seeds(scene: Scene) -> Iterator[Run]:
     values = [member.values() for member in members]
     mean = {name: float(np.mean([value[name] for value in values])) for name in OUTPUTS}
     # At a given area it is the load that differs: nearly the same part as the area would at a given load.
-    load = [member.summary["contact.mean_pressure"] for member in members]
+    load = [member.mean_pressure for member in members]
     quantiles = {
-        key: np.mean([member.summary.quantiles[key.format(_POISSON)] for member in members], axis=0)
-        for key in DISTRIBUTIONS.values()
+        quantity: np.mean([member.quantiles(quantity) for member in members], axis=0)
+        for quantity in DISTRIBUTIONS.values()
     }
     for member, value, own_load in zip(members, values, load, strict=True):
         apart = {name: value[name] / mean[name] - 1 for name in NUMBERS}
         apart["area_fraction"] = float(np.mean(load)) / own_load - 1
-        for name, key in DISTRIBUTIONS.items():
-            apart[name] = distance(member.summary.quantiles[key.format(_POISSON)], quantiles[key])
+        for name, quantity in DISTRIBUTIONS.items():
+            apart[name] = distance(member.quantiles(quantity), quantiles[quantity])
         yield Run("seeds", "1", member, apart)
 
 

@@ -7,10 +7,8 @@ none are given; its result is a file as the study's own, which the study's figur
 from __future__ import annotations
 
 import argparse
-import inspect
 import sys
 from collections.abc import Callable, Sequence
-from importlib import import_module
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, NoReturn
@@ -21,7 +19,7 @@ import xarray as xr
 import asperity
 from asperity.errors import fail
 from asperity.pipeline.contact import solve_contact
-from asperity.pipeline.statistics import summarise
+from asperity.pipeline.statistics import SeedResults, surface_statistics
 from asperity.pipeline.stress import compute_stress
 from asperity.pipeline.surface import read_surface
 from asperity.results import dataset
@@ -38,7 +36,6 @@ _MAP_OPTIONS = (
     "physical_size",
     "height_factor",
 )
-_COMPARE_STUDIES = ("fig16", "fig17")
 _MARKS = {"surface": "spectrum", "contact": "pressure", "stress": "peak_value", "statistics": "peak_density"}
 _MAKERS = {"contact": "asperity solve", "stress": "asperity stress", "statistics": "asperity peaks"}
 
@@ -133,10 +130,11 @@ def peaks(options: argparse.Namespace) -> None:
     section = {"bins": options.bins, "resamples": options.resamples, "confidence": options.confidence}
     settings |= {
         "statistics": section,
-        "seed": [dataset.settings_of(one).get("seed") for one in stresses],
+        "seed": [dataset.settings_of(one)["seed"] for one in stresses],
     }
+    results = map(SeedResults, settings["seed"], map(_pressed_surface, contacts), contacts, stresses)
     with Progress(f"peaks {settings['name']}"):
-        result = summarise([_pressed_surface(one) for one in contacts], contacts, stresses, **section)
+        result = surface_statistics(results, **section)
     _write(result, options.out, "Statistics of rough surface", settings)
     print("quantity    poisson   peaks   50 %   90 %   99 %  (magnitudes over E* times rms gradient,")
     print("                                                  peaks as the figures count them)")
@@ -152,11 +150,11 @@ def peaks(options: argparse.Namespace) -> None:
 
 def plot(options: argparse.Namespace) -> None:
     """Draw a figure of the paper from result files."""
+    from asperity.paper.figures import describe, draw
     from asperity.paper.figures.style import save, style
 
-    name = f"fig{options.figure:02d}"
-    module = import_module(f"asperity.paper.figures.{name}")
-    needed = list(inspect.signature(module.draw).parameters)
+    figure = describe(f"fig{options.figure:02d}")
+    needed = figure.stages
     given: dict[str, dict[str, xr.Dataset]] = {}
     for path in options.results:
         data = dataset.read(path)
@@ -175,10 +173,10 @@ def plot(options: argparse.Namespace) -> None:
     for stage in needed:
         if list(shown[stage]) != list(shown[needed[0]]):
             raise ValueError(f"figure {options.figure}: the same surfaces are needed from each stage")
-    if name in _COMPARE_STUDIES:
+    if figure.compares_studies:
         shown = {stage: {"given": results} for stage, results in shown.items()}
     with style():
-        save(module.draw(**shown), *options.out)
+        save(draw(figure.module, shown), *options.out)
 
 
 def plan(options: argparse.Namespace) -> None:
