@@ -80,7 +80,7 @@ TOLERANCES = (
         "heights changed by 1e-13 move them by 2e-11, a tenth of the contact's tolerance by 2e-4",
     ),
 )
-"""The first pattern that matches applies. The changes named are the largest of all surfaces of the quick study."""
+"""The first pattern that matches applies. The changes named are the largest of all surfaces."""
 
 
 class Drift(NamedTuple):
