@@ -229,7 +229,7 @@ def test_ensemble_pools_the_seeds_and_normalises_each_by_its_gradient():
 
 
 def test_median_depths_are_those_of_all_and_of_the_highest_peaks():
-    """Depths spread evenly: down to 0.1 for nine tenths of the peaks, from 0.65 to 1 for the highest tenth."""
+    """Depths spread evenly: to 0.1 for nine tenths of the peaks, from 0.65 to 1 for the highest tenth."""
     data = stress(peaks=20_000)
     values = select_peaks(data, "von_mises", 0.5)["peak_value"].values
     share = np.random.default_rng(4).random(data.sizes["peak"])

@@ -68,4 +68,4 @@ def caption(
 def _with_moment(statistics: xr.Dataset, moment: str) -> str:
     """Label of a surface with its measured skewness or kurtosis, mean over seeds."""
     measured = float(statistics[f"seed_{moment}"].mean())
-    return f"{label(statistics)}\n{moment} {measured:+.2f}".replace(" +", " ")
+    return f"{label(statistics)}\n{moment} {measured:.2f}"
