@@ -15,7 +15,7 @@ from asperity.spectral import good_size
 
 
 @dataclass(frozen=True)
-class Knobs:
+class AccuracySettings:
     """Settings of every source of error.
 
     Parameters
@@ -50,9 +50,9 @@ class Knobs:
 
 
 PRESETS = {
-    "draft": Knobs(4.0, 1e-4, "float64", 1e-2, 0.5, 0.05, 1),
-    "paper": Knobs(8.0, 1e-6, "float64", 1e-4, 0.5, 0.05, 1),
-    "reference": Knobs(16.0, 1e-8, "float64", 1e-6, 0.25, 0.05, 8),
+    "draft": AccuracySettings(4.0, 1e-4, "float64", 1e-2, 0.5, 0.05, 1),
+    "paper": AccuracySettings(8.0, 1e-6, "float64", 1e-4, 0.5, 0.05, 1),
+    "reference": AccuracySettings(16.0, 1e-8, "float64", 1e-6, 0.25, 0.05, 8),
 }
 
 _KEYS = {
@@ -90,20 +90,20 @@ def complete(config: Mapping[str, Any]) -> dict[str, Any]:
     return whole
 
 
-def knobs_of(config: Mapping[str, Any], name: str) -> Knobs:
+def accuracy_of(config: Mapping[str, Any], name: str) -> AccuracySettings:
     """The knobs of a complete configuration, for an entry of ``surfaces``."""
     surface = config["surfaces"][name]
     density = surface["points"] * surface["wavelength_short"]
     chosen = {knob: config[section][key] for (section, key), knob in _KEYS.items()}
-    return Knobs(points_per_wavelength=density, seeds=len(config["seeds"]), **chosen)
+    return AccuracySettings(points_per_wavelength=density, seeds=len(config["seeds"]), **chosen)
 
 
-def overlay(knobs: Knobs, wavelengths: Mapping[str, float]) -> dict[str, Any]:
+def overlay(knobs: AccuracySettings, wavelengths: Mapping[str, float]) -> dict[str, Any]:
     """The keys of a configuration that set these knobs.
 
     Parameters
     ----------
-    knobs : Knobs
+    knobs : AccuracySettings
     wavelengths : mapping
         Name of a surface → its shortest wavelength.
     """
