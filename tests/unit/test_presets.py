@@ -7,7 +7,8 @@ import pytest
 import yaml
 
 from asperity.config.check import check, load_schema
-from asperity.config.presets import PRESETS, complete, overlay
+from asperity.config.defaults import complete
+from asperity.config.presets import PRESETS, overlay
 
 ROOT = Path(__file__).parents[2]
 SCHEMA = load_schema(ROOT / "src/asperity/config/schema.yaml")
