@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any, NoReturn
 
-from asperity.config.check import is_accepted
+from asperity.config.check import needed_instead
 from asperity.config.defaults import default
 from asperity.config.schema import Entry, accepted, setting
 from asperity.errors import fail, shown
@@ -86,8 +86,8 @@ def converted(entry: Entry, text: str) -> Any:
         value = _KINDS[entry.get("type", "string")](text)
     except ValueError:
         value = None
-    if not is_accepted(value, entry):
-        raise argparse.ArgumentTypeError(f"{shown(text)}: {accepted(entry)} is needed")
+    if needed := needed_instead(value, entry):
+        raise argparse.ArgumentTypeError(f"{shown(text)}: {needed} is needed")
     return value
 
 

@@ -58,10 +58,12 @@ def check_files(config: Mapping[str, Any]) -> None:
             raise ConfigError(f"measured.{name}.file = {shown(surface['file'])}: no such file")
 
 
-def is_accepted(value: Any, entry: Entry) -> bool:
-    """True if a value is accepted for the setting that the entry of the schema describes."""
-    finite = not isinstance(value, float) or math.isfinite(value)
-    return finite and _validator(None)(entry, format_checker=_FORMATS).is_valid(value)
+def needed_instead(value: Any, entry: Entry) -> str:
+    """Values that a setting needs in place of this one, in words; empty if the schema accepts the value."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return accepted(entry)
+    error = next(_validator(None)(entry, format_checker=_FORMATS).iter_errors(value), None)
+    return "" if error is None else _needed(error)
 
 
 @_FORMATS.checks("label", raises=ValueError)
@@ -187,11 +189,16 @@ def _one_line(error: ValidationError) -> str:
         return _unknown_key(path, error.instance, error.schema)
     if "propertyNames" in error.absolute_schema_path:
         return f"{'.'.join([*path, shown(error.instance)])}: {accepted(error.schema)} is needed"
-    needed = str(error.cause) if error.validator == "format" else accepted(error.schema)
     hint = ""
     if error.schema.get("type") in ("number", "integer") and _is_number(error.instance):
         hint = " (YAML reads this as text; an exponent needs a decimal point: 1.0e-6)"
-    return f"{'.'.join(path) or 'the configuration'} = {shown(error.instance)}: {needed} is needed{hint}"
+    return (
+        f"{'.'.join(path) or 'the configuration'} = {shown(error.instance)}: {_needed(error)} is needed{hint}"
+    )
+
+
+def _needed(error: ValidationError) -> str:
+    return str(error.cause) if error.validator == "format" else accepted(error.schema)
 
 
 def _unknown_key(path: list[str], given: Mapping[str, Any], entry: Entry) -> str:
