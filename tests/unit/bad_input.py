@@ -280,6 +280,7 @@ COMMANDS = [
         "--detrend: 'ü\\x1b[31m': none or tilt or curvature",
     ),
     ("stress c.nc --out x.nc --depth-spacing 9", 2, "--depth-spacing: '9': a number ≥ 0.05 and ≤ 4"),
+    ("stress c.nc --out x.nc --poisson 0.2 0.2", 2, "[0.2, 0.2]: a list of 1 to 16 distinct items"),
     ("peaks b.nc --out x.nc", 2, "the following arguments are required: --contact"),
     ("peaks b.nc --contact c.nc --out x.nc --bins 1", 2, "'1': a whole number ≥ 2 and ≤ 10000 is needed"),
     ("peaks b.nc --contact c.nc --out x.nc --confidence 95", 2, "'95': a number > 0 and < 1 is needed"),

@@ -31,6 +31,15 @@ class Parser(argparse.ArgumentParser):
         sys.exit(fail(f"{message} (see {self.prog} --help)", 2))
 
 
+class _StoreList(argparse.Action):
+    """Store a list of values that the schema accepts as a whole: their number, and that they are distinct."""
+
+    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
+        if needed := needed_instead(values, setting(self.dest)):
+            raise argparse.ArgumentError(self, f"{shown(values)}: {needed} is needed")
+        setattr(namespace, self.dest, values)
+
+
 def add_setting(
     parser: argparse._ActionsContainer, flag: str, key: str, *, left_out: str | None = None, **options: Any
 ) -> None:
@@ -53,7 +62,7 @@ def add_setting(
     value = None if left_out else default(key)
     if entry.get("type") == "array":
         fixed = entry.get("minItems") if entry.get("minItems") == entry.get("maxItems") else None
-        options = {"nargs": fixed or "+"} | options
+        options = {"nargs": fixed or "+", "action": _StoreList} | options
     without = left_out or entry.get("left_out") if value is None else str(value)
     made: dict[str, Any] = {
         "dest": key,
