@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Mapping
 from functools import partial
 from typing import Any, NoReturn
 
@@ -104,7 +103,7 @@ def _placeholder(entry: Entry) -> str:
     return f"{{{','.join(entry['enum'])}}}" if "enum" in entry else _PLACEHOLDERS[entry["type"]]
 
 
-def _help(entry: Mapping[str, Any], without: str | None) -> str:
+def _help(entry: Entry, without: str | None) -> str:
     """Help of an argument. Text from the schema is escaped: argparse formats it with %."""
     facts = [] if "enum" in entry else [accepted(entry.get("items", entry))]
     if "unit" in entry:
