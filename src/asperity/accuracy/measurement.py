@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from asperity.config.presets import PRESETS, Knobs
+from asperity.config.presets import PRESETS, AccuracySettings
 from asperity.contact import solve
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.solid import solid
@@ -55,7 +55,7 @@ over the mean peak."""
 OUTPUTS = ("area_fraction", *NUMBERS, *DISTRIBUTIONS)
 """What errors are measured of. The area is that at the load of the reference."""
 
-EXACT = Knobs(8.0, 1e-9, "float64", 1e-7, 0.125, 0.05, 1)
+EXACT = AccuracySettings(8.0, 1e-9, "float64", 1e-7, 0.125, 0.05, 1)
 """The reference: knobs so fine that their errors do not show beside those measured."""
 
 SETTINGS: dict[str, tuple[Any, ...]] = {
@@ -128,7 +128,7 @@ class Outcome:
     Parameters
     ----------
     scene : Scene
-    knobs : Knobs
+    knobs : AccuracySettings
     ratios : tuple of float
         Poisson's ratios analysed.
     summary : Summary
@@ -140,7 +140,7 @@ class Outcome:
     """
 
     scene: Scene
-    knobs: Knobs
+    knobs: AccuracySettings
     ratios: tuple[float, ...]
     summary: Summary
     area_fraction: float
@@ -172,14 +172,17 @@ class Run:
 
 
 def evaluate(
-    scene: Scene, knobs: Knobs, ratios: Sequence[float] = (_POISSON,), mean_pressure: float | None = None
+    scene: Scene,
+    knobs: AccuracySettings,
+    ratios: Sequence[float] = (_POISSON,),
+    mean_pressure: float | None = None,
 ) -> Outcome:
     """Run the chain from surface to summary once.
 
     Parameters
     ----------
     scene : Scene
-    knobs : Knobs
+    knobs : AccuracySettings
     ratios : sequence of float
         Poisson's ratios, 0.33 among them.
     mean_pressure : float, optional
@@ -291,7 +294,7 @@ def _every_knob(scene: Scene, grids: Sequence[float]) -> Iterator[Run]:
     finest = evaluate(scene, replace(EXACT, points_per_wavelength=grids[-1]))
     yield Run("", "", finest)
 
-    def against(reference: Outcome, knob: str, setting: object, knobs: Knobs) -> Run:
+    def against(reference: Outcome, knob: str, setting: object, knobs: AccuracySettings) -> Run:
         outcome = evaluate(scene, knobs, mean_pressure=reference.summary["contact.mean_pressure"])
         return Run(knob, str(setting), outcome, errors(outcome, reference))
 
@@ -357,7 +360,7 @@ def _growth(hurst: Sequence[float], sizes: Sequence[int], wavelength_long: float
             yield Run("size", str(points), evaluate(replace(scene, loads=LOADS), paper, RATIOS))
 
 
-def _settings(scene: Scene, knobs: Knobs, ratios: Sequence[float]) -> dict[str, Any]:
+def _settings(scene: Scene, knobs: AccuracySettings, ratios: Sequence[float]) -> dict[str, Any]:
     """The sections of a configuration for one scene."""
     return {
         "name": "tradeoff",

@@ -18,7 +18,7 @@ import xarray as xr
 from scipy.optimize import least_squares
 
 from asperity.accuracy.measurement import EXACT, OUTPUTS
-from asperity.config.presets import PRESETS, Knobs
+from asperity.config.presets import PRESETS, AccuracySettings
 from asperity.types import Array
 
 SOURCES = ("discretisation", "depths", "contact", "half_space", "seeds")
@@ -27,7 +27,7 @@ SOURCES = ("discretisation", "depths", "contact", "half_space", "seeds")
 T = TypeVar("T")
 
 KNOBS = tuple(name for name in asdict(EXACT) if name != "seeds")
-"""Knobs of one surface, each a source of error that was measured."""
+"""AccuracySettings of one surface, each a source of error that was measured."""
 
 LAWS: dict[str, tuple[str, ...]] = {
     "surface_seconds": (),
@@ -222,7 +222,9 @@ def nearest(by_area: Mapping[str, T], area_fraction: float) -> T | None:
     return by_area[max(smaller, key=float)] if smaller else None
 
 
-def measured_errors(knobs: Knobs, area_fraction: float, measured: Measured) -> dict[str, dict[str, float]]:
+def measured_errors(
+    knobs: AccuracySettings, area_fraction: float, measured: Measured
+) -> dict[str, dict[str, float]]:
     """The largest errors seen at settings that were measured, without margin: output → source → error.
 
     The seeds' is the deviation of one surface from the mean of its kind.

@@ -31,7 +31,7 @@ from asperity.accuracy.model import (
     seconds_of,
 )
 from asperity.accuracy.resources import Need
-from asperity.config.presets import PRESETS, Knobs, overlay
+from asperity.config.presets import PRESETS, AccuracySettings, overlay
 from asperity.errors import PlanError
 from asperity.pipeline.solid import solid
 
@@ -65,7 +65,7 @@ class Cost:
 class Proposal:
     """Settings, their cost for all surfaces and seeds, and the bound of every output's error by source."""
 
-    knobs: Knobs
+    knobs: AccuracySettings
     cost: Cost
     errors: Mapping[str, Mapping[str, float]]
 
@@ -81,14 +81,18 @@ def speed(measured: Measured | None = None) -> float:
 
 
 def predict_cost(
-    scene: Scene, knobs: Knobs, ratios: int = 1, measured: Measured | None = None, factor: float | None = None
+    scene: Scene,
+    knobs: AccuracySettings,
+    ratios: int = 1,
+    measured: Measured | None = None,
+    factor: float | None = None,
 ) -> Cost:
     """Processor time and memory of one surface and one seed, from its spectrum to its peaks.
 
     Parameters
     ----------
     scene : Scene
-    knobs : Knobs
+    knobs : AccuracySettings
     ratios : int
         Poisson's ratios analysed.
     measured : Measured, optional
@@ -102,7 +106,11 @@ def predict_cost(
 
 
 def stage_seconds(
-    scene: Scene, knobs: Knobs, ratios: int = 1, measured: Measured | None = None, factor: float | None = None
+    scene: Scene,
+    knobs: AccuracySettings,
+    ratios: int = 1,
+    measured: Measured | None = None,
+    factor: float | None = None,
 ) -> dict[str, float]:
     """The times of `predict_cost` stage by stage: surface, contact, stress."""
     laws = (measured or load()).laws
@@ -123,14 +131,14 @@ def stage_seconds(
 
 
 def predict_errors(
-    scene: Scene, knobs: Knobs, one_surface: bool = False, measured: Measured | None = None
+    scene: Scene, knobs: AccuracySettings, one_surface: bool = False, measured: Measured | None = None
 ) -> dict[str, dict[str, float]]:
     """Bounds of the relative errors: output → source → bound, infinite where nothing was measured.
 
     Parameters
     ----------
     scene : Scene
-    knobs : Knobs
+    knobs : AccuracySettings
     one_surface : bool
         Of this very surface; else of the mean over all surfaces of its kind.
     measured : Measured, optional
@@ -185,7 +193,7 @@ def _discretisation(points: float, finest: float, known: Known) -> Mapping[str, 
     return _scaled(grids[chosen], 1 / (1 - (float(chosen) / finest) ** ORDER))
 
 
-def _depth_spacing(knobs: Knobs, known: Known) -> Mapping[str, float]:
+def _depth_spacing(knobs: AccuracySettings, known: Known) -> Mapping[str, float]:
     """Errors of the distance of the planes, which counts relative to the shortest wavelength."""
     spacing = knobs.depth_spacing * EXACT.points_per_wavelength / knobs.points_per_wavelength
     finest = min(known["depth_spacing"], key=float)
@@ -194,7 +202,7 @@ def _depth_spacing(knobs: Knobs, known: Known) -> Mapping[str, float]:
     return _scaled(errors, spacing / within / (1 - EXACT.depth_spacing / within))
 
 
-def _half_space(scene: Scene, knobs: Knobs, known: Known) -> Mapping[str, float]:
+def _half_space(scene: Scene, knobs: AccuracySettings, known: Known) -> Mapping[str, float]:
     """Errors of taking the half-space, where it is taken."""
     layer = {"height": scene.layer_height, "bottom": "bonded", "poisson": 0.33, "lateral": "confined"}
     record = solid({**layer, "half_space_tolerance": knobs.half_space_tolerance})[1]
@@ -203,7 +211,7 @@ def _half_space(scene: Scene, knobs: Knobs, known: Known) -> Mapping[str, float]
     return _next("half_space_tolerance", float(record["solid_bound"]), known)
 
 
-def candidates(measured: Measured) -> list[Knobs]:
+def candidates(measured: Measured) -> list[AccuracySettings]:
     """Every combination of settings that were measured, for one seed."""
     known = next(iter(measured.errors.values()))
     half_space = PRESETS["paper"].half_space_tolerance
@@ -212,7 +220,7 @@ def candidates(measured: Measured) -> list[Knobs]:
         for knob in ("points_per_wavelength", "contact_tolerance", "depth_tolerance", "depth_spacing")
     ]
     return [
-        Knobs(points, contact, precision, depth, spacing, half_space, 1)
+        AccuracySettings(points, contact, precision, depth, spacing, half_space, 1)
         for points, contact, depth, spacing in itertools.product(*numbers)
         for precision in ("float64", "float32")
     ]
@@ -220,7 +228,7 @@ def candidates(measured: Measured) -> list[Knobs]:
 
 def assess(
     scenes: Sequence[Scene],
-    knobs: Knobs,
+    knobs: AccuracySettings,
     ratios: int = 1,
     one_surface: bool = False,
     measured: Measured | None = None,
