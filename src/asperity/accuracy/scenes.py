@@ -10,8 +10,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from asperity.accuracy.measurement import Scene
-from asperity.accuracy.plan import scene_of
+from asperity.accuracy.evaluation import Scene, scene_of
 from asperity.config.presets import PRESETS, Knobs, complete, knobs_of
 from asperity.config.reader import load, merged, parse
 from asperity.errors import ConfigError, shown
@@ -138,15 +137,15 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
     return whole
 
 
-def scenes(config: Mapping[str, Any]) -> tuple[dict[str, Scene], Knobs, int]:
-    """The scenes of a complete configuration, their settings, and the number of Poisson's ratios.
+def scenes(config: Mapping[str, Any]) -> tuple[dict[str, Scene], Knobs]:
+    """The scenes of a complete configuration, and their settings.
 
     They are those that a study shows, or all if there is none; the settings are those of the coarsest.
     """
     shown_names = {name for names in config["studies"].values() for name in names}
     names = [name for name in config["surfaces"] if name in shown_names] or list(config["surfaces"])
     knobs = min((knobs_of(config, name) for name in names), key=lambda each: each.points_per_wavelength)
-    return {name: scene_of(config, name) for name in names}, knobs, len(config["stress"]["poisson"])
+    return {name: scene_of(config, name) for name in names}, knobs
 
 
 def _tree(text: str) -> dict[str, Any]:

@@ -184,17 +184,18 @@ def plot(options: argparse.Namespace) -> None:
 def plan(options: argparse.Namespace) -> None:
     """What a calculation costs and how wrong it is, and settings for a target."""
     from asperity.accuracy import scenes as plan_config
-    from asperity.accuracy.plan import PEAKS, assess, propose, report
+    from asperity.accuracy.plan import PEAKS, Target, assess, propose, report
 
     given = plan_config.read(options.config, options.area_fraction)
-    surfaces, knobs, ratios = plan_config.scenes(given)
+    surfaces, accuracy = plan_config.scenes(given)
     scenes = list(surfaces.values())
     outputs = options.output or PEAKS
     memory = None if options.memory is None else options.memory * 2**30
     if options.error is None and options.seconds is None and memory is None:
-        found = assess(scenes, knobs, ratios, options.one_surface)
+        found = assess(scenes, accuracy, options.one_surface)
     else:
-        found = propose(scenes, outputs, options.error, options.seconds, memory, ratios, options.one_surface)
+        target = Target(outputs, options.error, options.seconds, memory, options.one_surface)
+        found = propose(scenes, target)
     print(report(found, surfaces, outputs, options.one_surface))
 
 
