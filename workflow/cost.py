@@ -25,11 +25,11 @@ TOOK = re.compile(r"took (\S+) s of processor time, (\S+) MB of memory$", re.MUL
 
 
 class Job(NamedTuple):
-    """Measured cost of a job, and the memory that its rule declares (MB; not a number if not asked for)."""
+    """Measured processor minutes and memory (MB) of a job, and the memory (MB) that its rule declares, if any."""
 
     minutes: float
     memory: float
-    declared: float = float("nan")
+    declared: float = 0.0
 
 
 def measured_jobs(logs: Path) -> dict[Path, Job]:
@@ -77,10 +77,10 @@ def table(jobs: dict[Path, Job], logs: Path, declared: bool) -> str:
 
 
 def wrongly_declared(jobs: dict[Path, Job], logs: Path) -> list[str]:
-    """A line for every job whose rule declares no memory, or more than a quarter too much or too little."""
+    """One line for every job whose measured memory differs from the declared one by more than a quarter."""
     lines = []
     for path, job in jobs.items():
-        if not abs(job.memory / job.declared - 1) <= TOLERANCE:
+        if abs(job.memory - job.declared) > TOLERANCE * job.declared:
             name = path.relative_to(logs).with_suffix("")
             lines.append(f"{name}: {job.memory:.0f} MB measured, {job.declared:.0f} MB declared")
     return lines
@@ -101,7 +101,7 @@ def main() -> None:
         sys.exit(f"{logs}: no finished job; run the study first")
     if options.declared:
         memory = declared_memory(options.configfile)
-        jobs = {path: job._replace(declared=memory.get(path, float("nan"))) for path, job in jobs.items()}
+        jobs = {path: job._replace(declared=memory.get(path, 0.0)) for path, job in jobs.items()}
     print(table(jobs, logs, options.declared))
     if options.declared and (lines := wrongly_declared(jobs, logs)):
         sys.exit("\n".join([f"measured and declared memory differ by more than {TOLERANCE:.0%}:", *lines]))

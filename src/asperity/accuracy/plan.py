@@ -116,7 +116,7 @@ def scene_cost(scene: Scene, accuracy: Knobs, factor: float = 1.0) -> tuple[floa
         job_cost(stage, nodes, repetitions.get(stage, 1), accuracy, scene.area_fraction)
         for stage in CALCULATION_STAGES
     ]
-    return factor * sum(cost.calculation for cost in costs), max(cost.memory for cost in costs)
+    return factor * sum(cost.calculation_seconds for cost in costs), max(cost.memory for cost in costs)
 
 
 def assess(

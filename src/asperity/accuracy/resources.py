@@ -52,64 +52,64 @@ class Cost(NamedTuple):
     ----------
     memory : float
         Peak memory in bytes.
-    start : float
-        Processor time (s) of the job before its calculation: Python and its imports.
-    calculation : float
-        Processor time (s) of the calculation on one thread.
+    fixed_seconds : float
+        Processor time that does not depend on the input: start of Python, imports, drawing.
+    calculation_seconds : float
+        Processor time of the calculation, which grows with the input.
     disk : float
         Bytes of the files written.
     """
 
     memory: float
-    start: float
-    calculation: float
+    fixed_seconds: float
+    calculation_seconds: float
     disk: float
 
     @property
     def seconds(self) -> float:
         """Processor time of the whole job."""
-        return self.start + self.calculation
+        return self.fixed_seconds + self.calculation_seconds
 
 
 class _Line(NamedTuple):
-    """Straight line of the cost over the nodes of the grid; a time per node only where no law is measured."""
+    """Cost as a straight line over the nodes of the grid: MB and seconds, bytes and microseconds per node."""
 
-    memory: float  # MB
-    memory_per_node: float = 0.0  # bytes
-    start: float = 0.0  # seconds
-    time_per_node: float = 0.0  # microseconds
-    disk: float = 1.0  # MB
-    disk_per_node: float = 0.0  # bytes
+    memory: float
+    memory_per_node: float = 0.0
+    seconds: float = 0.0
+    time_per_node: float = 0.0
+    disk: float = 1.0
+    disk_per_node: float = 0.0
 
 
-# Memory: fitted to the logs of the paper's study, on grids of 512² to 4096² (docs/scaling.md). For fig. 3 and
-# 4 the nodes are the finite elements of a mesh.
+# Fitted to the logs of the paper's study, on grids of 512² to 4096² (docs/scaling.md). The seconds of surface,
+# contact and stress are those of the imports; their calculation follows the time laws.
 _LINES = {
-    "compiled": _Line(295, start=14),
-    "surface": _Line(144, 31, start=2, disk_per_node=7),
-    "measured surface": _Line(250, 31, start=5, time_per_node=0.8, disk_per_node=7),
-    "contact": _Line(260, 85, start=2, disk_per_node=15),
-    "load-area curve": _Line(260, 130, start=2, disk_per_node=15),
-    "stress": _Line(270, 139, start=2, disk_per_node=2),
-    "summary": _Line(212, 50, start=3, time_per_node=0.4),
-    "statistics": _Line(205, 53, start=3, time_per_node=0.5),
-    "verification": _Line(300, 262, start=4, time_per_node=2),
-    "figure": _Line(200, 8, start=5, time_per_node=0.1),
-    "figure of elements": _Line(235, 306e3, start=6),
-    "figure of extremes": _Line(320, start=6),
-    "tradeoff": _Line(330, 300, start=8, time_per_node=95),
-    "tradeoff figures": _Line(300, start=8),
-    "claims": _Line(380, start=10),
-    "validation": _Line(300, start=25),
-    "validation table": _Line(240, start=5),
-    "calculix": _Line(500, start=320, disk=4),
+    "compiled": _Line(295, seconds=14),
+    "surface": _Line(144, 31, seconds=2, disk_per_node=7),
+    "measured surface": _Line(250, 31, seconds=5, time_per_node=0.8, disk_per_node=7),
+    "contact": _Line(260, 85, seconds=2, disk_per_node=15),
+    "load-area curve": _Line(260, 130, seconds=2, disk_per_node=15),
+    "stress": _Line(270, 139, seconds=2, disk_per_node=2),
+    "summary": _Line(212, 50, seconds=3, time_per_node=0.4),
+    "statistics": _Line(205, 53, seconds=3, time_per_node=0.5),
+    "verification": _Line(300, 262, seconds=4, time_per_node=2),
+    "figure": _Line(200, 8, seconds=5, time_per_node=0.1),
+    "figure of elements": _Line(235, 306e3, seconds=6),
+    "figure of extremes": _Line(320, seconds=6),
+    "tradeoff": _Line(330, 300, seconds=8, time_per_node=95),
+    "tradeoff figures": _Line(300, seconds=8),
+    "claims": _Line(380, seconds=10),
+    "validation": _Line(300, seconds=25),
+    "validation table": _Line(240, seconds=5),
+    "calculix": _Line(500, seconds=320, disk=4),
 }
 
-# Added for every further Poisson's ratio of a stress, and every further seed of the others.
+# Memory and time added for every further Poisson's ratio of a stress, and every further seed of the others.
 _FURTHER = {
-    "stress": _Line(0, 22, disk=0),
-    "statistics": _Line(0, 48, start=2, time_per_node=0.3, disk=0),
-    "verification": _Line(0, 8, start=0.1, time_per_node=0.3, disk=0),
+    "stress": _Line(0, 22),
+    "statistics": _Line(0, 48, seconds=2, time_per_node=0.3),
+    "verification": _Line(0, 8, seconds=0.1, time_per_node=0.3),
 }
 
 
@@ -123,8 +123,7 @@ def job_cost(
     job : str
         A stage of the study, ``measured surface``, or another job of the table in this module.
     nodes : int
-        Nodes of the grid; for a figure, of all fields that it holds; for ``figure of elements``, finite
-        elements.
+        Nodes of the grid; of a figure, those of all fields that it holds, or finite elements.
     repetitions : int
         Loads of a contact, Poisson's ratios of a stress, seeds of statistics and of a verification.
     accuracy : Knobs
@@ -138,7 +137,7 @@ def job_cost(
         If there is no such job.
     """
     line = _LINES["load-area curve" if job == "contact" and repetitions > 1 else job]
-    more, further = repetitions - 1, _FURTHER.get(job, _Line(0, disk=0))
+    more, further = repetitions - 1, _FURTHER.get(job, _Line(0))
     if job in TIME_LAWS:
         settings = asdict(accuracy) | {
             "area_fraction": area_fraction,
@@ -147,13 +146,12 @@ def job_cost(
         }
         calculation = float(law_seconds(load().time_laws[job], nodes, settings))
     else:
-        calculation = (
-            1e-6 * nodes * (line.time_per_node + more * further.time_per_node) + more * further.start
-        )
+        per_node = line.time_per_node + more * further.time_per_node
+        calculation = 1e-6 * nodes * per_node + more * further.seconds
     return Cost(
         memory=1e6 * line.memory + nodes * (line.memory_per_node + more * further.memory_per_node),
-        start=line.start,
-        calculation=calculation,
+        fixed_seconds=line.seconds,
+        calculation_seconds=calculation,
         disk=1e6 * line.disk + nodes * line.disk_per_node,
     )
 
