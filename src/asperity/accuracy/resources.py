@@ -82,7 +82,7 @@ class _Line(NamedTuple):
     disk_per_node: float = 0.0
 
 
-# Fitted to the logs of the paper's study, on grids of 512² to 4096² (docs/scaling.md). The seconds of surface,
+# Fitted to logs of the paper's study, on grids of 512² to 4096² (docs/scaling.md). The seconds of surface,
 # contact and stress are those of the imports; their calculation follows the time laws.
 _LINES = {
     "compiled": _Line(295, seconds=14),
