@@ -25,7 +25,7 @@ TOOK = re.compile(r"took (\S+) s of processor time, (\S+) MB of memory$", re.MUL
 
 
 class Job(NamedTuple):
-    """Processor minutes and memory (MB) that a job took, and the memory (MB) that its rule declares, if any."""
+    """Processor minutes and memory (MB) of a job, and the memory (MB) that its rule declares, if any."""
 
     minutes: float
     memory: float
