@@ -48,8 +48,8 @@ bench: $(VENV)/ready ## Speed and accuracy of the layer, the contact solvers and
 	python benchmarks/stress.py
 	python benchmarks/economies.py
 
-tradeoff: $(VENV)/ready ## What every knob of accuracy costs, measured anew and kept for asperity plan and config/README.md
-	python workflow/tradeoff.py
+tradeoff: $(VENV)/ready ## Errors and costs of all settings of accuracy, measured anew for asperity plan and config/README.md
+	python workflow/store_tradeoff.py
 
 calculix: $(VENV)/ready ## The slab by CalculiX too (which must be installed), and the validation table with it
 	snakemake --cores $(CORES) results/validation/calculix.nc

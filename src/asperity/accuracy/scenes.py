@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from asperity.accuracy.measurement import Scene
-from asperity.accuracy.plan import scene_of
+from asperity.accuracy.evaluation import Scene, scene_of
 from asperity.config.check import check
 from asperity.config.defaults import complete
 from asperity.config.presets import AccuracySettings, accuracy_of
@@ -46,8 +45,8 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
     return whole
 
 
-def scenes(config: Mapping[str, Any]) -> tuple[dict[str, Scene], AccuracySettings, int]:
-    """Scenes of a complete configuration, settings of accuracy, and number of Poisson's ratios.
+def scenes(config: Mapping[str, Any]) -> tuple[dict[str, Scene], AccuracySettings]:
+    """Scenes of a complete configuration, and settings of accuracy.
 
     The scenes are the random surfaces of all studies, or all surfaces if no study names any. The settings are
     those of the surface with the fewest nodes per wavelength.
@@ -55,7 +54,7 @@ def scenes(config: Mapping[str, Any]) -> tuple[dict[str, Scene], AccuracySetting
     in_studies = {name for names in config["studies"].values() for name in names}
     names = [name for name in config["surfaces"] if name in in_studies] or list(config["surfaces"])
     settings = min((accuracy_of(config, name) for name in names), key=lambda each: each.points_per_wavelength)
-    return {name: scene_of(config, name) for name in names}, settings, len(config["stress"]["poisson"])
+    return {name: scene_of(config, name) for name in names}, settings
 
 
 def _tree(text: str) -> dict[str, Any]:
