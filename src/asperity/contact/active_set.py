@@ -1,25 +1,27 @@
 """The outer loop of the fast solver: an active-set method for pressures that are not negative.
 
-The pressure p ≥ 0 minimises the energy ½ p·G p + p·(h − δ), with the compliance G, over all p at an approach δ, or over
-those of a given mean. One step of the loop
+The pressure p ≥ 0 minimises the energy ½ p·G p + p·(h − δ), with the compliance G, over all p at an approach
+δ, or over those of a given mean. One step of the loop
 
 1. evaluates the gap in the precision of the fields, and shortens the last step to where the energy is least,
 2. assembles the linear system of the *contact nodes*, those with p > 0, and estimates the error of p from it,
 3. changes the load, if an area is imposed and the present one misses it,
 4. solves the system approximately by conjugate gradients (`asperity.contact.inner_solve`),
-5. adds the correction: nodes that it would make penetrate join the contact, and nodes in tension are released.
+5. adds the correction: nodes that it would make penetrate join the contact, and nodes in tension are
+   released.
 
-It is kin to the conjugate gradients of Polonsky & Keer (1999, 10.1016/S0043-1648(99)00113-1), which change the set of
-contact nodes in every iteration, to the bound-constrained conjugate gradients of Vollebregt (2014,
-10.1007/s10957-013-0499-x), used for rough contact by Bugnicourt et al. (2018, 10.1007/s11249-017-0980-z), and most of
-all to the method of Moré & Toraldo (1991, 10.1137/0801008), which alternates between conjugate gradients on a fixed set
+It is kin to the conjugate gradients of Polonsky & Keer (1999, 10.1016/S0043-1648(99)00113-1), which change
+the set of contact nodes in every iteration, to the bound-constrained conjugate gradients of Vollebregt (2014,
+10.1007/s10957-013-0499-x) and of Bugnicourt et al. (2018, 10.1007/s11249-017-0980-z), and most of all to the
+method of Moré & Toraldo (1991, 10.1137/0801008), which alternates between conjugate gradients on a fixed set
 and changes of the set. New here are
 
-- the preconditioner with a coarse grid (`asperity.contact.preconditioner`), which makes the number of iterations
-  independent of the grid,
+- the preconditioner with a coarse grid (`asperity.contact.preconditioner`), which makes the number of
+  iterations independent of the grid,
 - that joining nodes are chosen from the gap at the end of an inner solve, before tensile nodes are released
   (`asperity.contact.safeguard`),
-- control of the area along the tangent of the contact (`asperity.contact.tangent`), which costs one more inner solve,
+- control of the area along the tangent of the contact (`asperity.contact.tangent`), which costs one more
+  inner solve,
 - that inner solves run in single precision, for a solution in double precision.
 """
 
@@ -33,10 +35,10 @@ import numpy as np
 from asperity.contact import kernels
 from asperity.contact.area_control import AreaControl
 from asperity.contact.assembly import JOIN_STIFFNESS, Assembler
-from asperity.contact.error_reporter import ErrorReporter
 from asperity.contact.inner_solve import ContactSystem, InnerAccuracy, InnerSolver
 from asperity.contact.problem import Control, Problem, State
 from asperity.contact.safeguard import SafeguardedStep, Stagnation
+from asperity.contact.solver_progress import ConvergenceProgress
 from asperity.contact.tangent import Tangent
 from asperity.types import Progress
 
@@ -83,7 +85,7 @@ class ActiveSet:
 
     def solve(self, state: State, progress: Progress | None = None) -> bool:
         """Iterate until the state fulfils the stopping rule; True if it does, False if the loop gave up."""
-        report = ErrorReporter(progress, self._rule.tolerance)
+        report = ConvergenceProgress(progress, self._rule.tolerance)
         accuracy, stagnation = InnerAccuracy(self._rule.tolerance), Stagnation()
         load_changed = False
         for _ in range(self._rule.max_outer_iterations):
@@ -180,9 +182,9 @@ class ActiveSet:
         return Tangent(nodes, pressure, displacement, float(pressure.sum(dtype=float)) / size, self._unit)
 
     def _follow(self, tangent: Tangent, state: State, load: float) -> None:
-        """Change the pressure along the tangent to a load: nodes join the contact or are released.
+        """Change the pressure along the tangent to a load; penetrating nodes join, nodes in tension leave.
 
-        The tangent is used up.
+        The displacement of the tangent is overwritten.
         """
         pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
         change = np.float32((load - state.load) / tangent.load)
@@ -195,9 +197,9 @@ class ActiveSet:
     def _balance(self, state: State, system: ContactSystem) -> bool:
         """Remove the mean residual by a uniform pressure on the contact; True if that changed the pressure.
 
-        At a given approach a solid without uniform displacement resists a uniform pressure on the contact the
-        less, the fewer nodes are out of contact. The preconditioner, and with it the error estimate, ignores
-        this.
+        A solid without uniform displacement is the softer for a uniform pressure on the contact, the fewer
+        nodes are out of contact. The preconditioner, and with it the error estimate, does not account for
+        that. It matters at a given approach.
         """
         pressure, nodes = state.pressure.reshape(-1), system.contact_nodes
         uniform = np.zeros_like(pressure)

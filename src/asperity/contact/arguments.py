@@ -1,4 +1,4 @@
-"""Checks of the arguments of `asperity.contact.solve`; each message names the argument, its value and its range."""
+"""Checks of the arguments of `asperity.contact.solve`; messages name argument, value and range."""
 
 from __future__ import annotations
 

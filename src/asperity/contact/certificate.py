@@ -1,8 +1,8 @@
-"""Certificate of a contact solution: violations of the conditions of contact, evaluated from the pressure alone.
+"""Certificate of a solution: violations of the conditions of contact, evaluated from the pressure alone.
 
-A solution has p ≥ 0, g = h + u − δ ≥ 0 and p g = 0 at every node, where u is the displacement of the layer under p.
-`verify_contact` evaluates u anew in double precision, so that the certificate does not depend on any intermediate
-result of a solver.
+A solution has p ≥ 0, g = h + u − δ ≥ 0 and p g = 0 at every node, where u is the displacement of the layer
+under p. `verify_contact` evaluates u anew in double precision, so that the certificate does not depend on any
+intermediate result of a solver.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ from asperity.types import Array
 class Certificate:
     """Violations of the conditions of contact, and the work spent on the solution.
 
-    Lengths are relative to the rms height of the surface, or to the largest pressure × grid spacing / E*, about the
-    displacement of a single node, if that is larger.
+    Lengths are relative to the rms height of the surface, or to the largest pressure × grid spacing / E*,
+    about the displacement of a single node, if that is larger.
 
     Attributes
     ----------
@@ -40,8 +40,8 @@ class Certificate:
     iterations : int
         Applications of the compliance, on all grids.
     pairs : float
-        Pairs of a forward and an inverse Fourier transform on the finest grid. Transforms on coarser grids count
-        in proportion to their numbers of nodes.
+        Pairs of a forward and an inverse Fourier transform on the finest grid. Transforms on coarser grids
+        count in proportion to their numbers of nodes.
     seconds : float
         Wall time of the solution.
     """

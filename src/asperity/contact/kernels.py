@@ -80,7 +80,7 @@ def add_penetrating_nodes(
 
 @njit(cache=True, error_model="numpy")
 def add_and_release(pressure: Any, nodes: Any, change: Any, fraction: Any) -> None:
-    """Add a fraction of a change to the contact nodes, and release nodes in tension: their pressure is zero."""
+    """Add a fraction of a change to the contact nodes; nodes in tension are released, to zero pressure."""
     for k in range(nodes.size):
         pressure[nodes[k]] = max(pressure[nodes[k]] + fraction * change[k], 0.0)
 

@@ -1,9 +1,9 @@
 """The fast solver on nested grids: the solution of each grid starts the iteration on the next finer one.
 
-Each grid has half the nodes of the next finer one on each axis. Starts from coarser grids are known from multigrid
-methods, and for rough surfaces from Bemporad & Paggi (2015, arXiv:1506.00532). New here are the interpolation of the
-pressure, which keeps nodes out of contact free (`Problem.refine`), and the prediction of the load of the next grid if
-an area is imposed.
+Each grid has half the nodes of the next finer one on each axis. Starts from coarser grids are known from
+multigrid methods, and for rough surfaces from Bemporad & Paggi (2015, arXiv:1506.00532). New here are the
+interpolation of the pressure, which keeps nodes out of contact free (`Problem.refine`), and the prediction of
+the load of the next grid if an area is imposed.
 """
 
 from __future__ import annotations
@@ -18,12 +18,15 @@ from asperity.contact.problem import Control, Problem, State
 from asperity.errors import ConvergenceError
 from asperity.types import Array, Progress
 
-# The coarsest grid has at least this many nodes on each axis.
+# The coarsest grid has at least this many nodes on each axis. Half and twice as many take the same number of
+# transforms on the finest grid to 2 %.
 MIN_POINTS = 32
 
-# A coarse grid need not be solved better than its own discretisation error.
+# A coarse grid need not be solved better than its own discretisation error. Found by trial on rough surfaces
+# of 512² nodes: a quarter of the tolerance takes 3 % more transforms, five times the tolerance as many.
 COARSE_RULE = StoppingRule(tolerance=2e-3, area_tolerance=1e-2, max_outer_iterations=20)
 
+# On the finest grid. The problems of `asperity.validation.extremes` that are solved take at most 134.
 MAX_OUTER_ITERATIONS = 400
 
 # A given start replaces the coarse grids if its load, its area, or its approach measured from first contact

@@ -1,21 +1,23 @@
 """Approximate inverse of the compliance on the contact nodes: a stencil, corrected on a coarse grid.
 
 The inverse of a half-space's compliance is E* |q| / 2, whose kernel in real space decays as r⁻³. Cut off at a
-few nodes and restricted to the contact nodes it is a sparse matrix S that is cheap to apply. It is akin to the
-FFT-based preconditioner of Vollebregt (J. Comput. Phys. 257 (2014) 333). What S lacks is the elastic interaction
-of distant contacts: it removes a uniform residual by the pressure w = S 1, as if every contact patch stood
-alone. For residuals that vary over lengths much longer than the patches that pressure is too large.
+few nodes and restricted to the contact nodes it is a sparse matrix S that is cheap to apply. It is akin to
+the FFT-based preconditioner of Vollebregt (J. Comput. Phys. 257 (2014) 333). What S lacks is the elastic
+interaction of distant contacts: it removes a uniform residual by the pressure w = S 1, as if every contact
+patch stood alone. For residuals that vary over lengths much longer than the patches that pressure is too
+large.
 
-New here is the correction of these long waves on a coarse grid. There a contact acts only by its sum over a cell.
-Let σ be the sum of w in each cell divided by the cell's area, V the operator that spreads a value of each cell
-over its contact nodes in proportion to w, and G the compliance on the coarse grid. The pressure of a long wave
-obeys (1/σ + G) p = r, where S assumes p = σ r. With Woodbury's identity,
+New here is the correction of these long waves on a coarse grid. There a contact acts only by its sum over a
+cell. Let σ be the sum of w in each cell divided by the cell's area, V the operator that spreads a value of
+each cell over its contact nodes in proportion to w, and G the compliance on the coarse grid. The pressure of
+a long wave obeys (1/σ + G) p = r, where S assumes p = σ r. With Woodbury's identity,
 
     (1/σ + G)⁻¹ = σ − σ (σ + 1/G)⁻¹ σ,      the preconditioner becomes      M = S − V (σ + 1/G)⁻¹ Vᵀ.
 
-S is the sum of diag(w) and a graph Laplacian, so that M is positive definite for every G ≥ 0. In full contact with
-a half-space, where S has the eigenvalue σ for long waves, M has σ q / (σ + q), which tends to q. The system of the
-coarse grid is solved by a few conjugate gradients, preconditioned by the same operator with the mean of σ.
+S is the sum of diag(w) and a graph Laplacian, so that M is positive definite for every G ≥ 0. In full contact
+with a half-space, where S has the eigenvalue σ for long waves, M has σ q / (σ + q), which tends to q. The
+system of the coarse grid is solved by a few conjugate gradients, preconditioned by the same operator with the
+mean of σ.
 """
 
 from __future__ import annotations
@@ -33,11 +35,13 @@ from asperity.types import Array
 # Radius of the stencil, in nodes.
 STENCIL_RADIUS = 3
 
-# Nodes on the edge of a cell of the coarse grid.
+# Nodes on the edge of a cell of the coarse grid. Found by trial on rough surfaces of 512² nodes: with 32
+# nodes a solution takes 7 % more transforms, with 8 as many, but the coarse grid is four times larger.
 CELL_NODES = 16
 
-# The coarse system is solved until the preconditioned norm of its residual has dropped by this factor, in at most
-# so many iterations.
+# The coarse system is solved until the preconditioned norm of its residual has dropped by this factor, in at
+# most so many iterations. Three times smaller or larger, the drop changes the number of transforms of a
+# solution by at most 2 %.
 COARSE_RESIDUAL_DROP = 0.03
 MAX_COARSE_ITERATIONS = 20
 
@@ -45,8 +49,8 @@ MAX_COARSE_ITERATIONS = 20
 class Preconditioner:
     """Approximate inverse of the compliance of one grid, restricted to a set of contact nodes.
 
-    It maps residuals, displacements in units of `Problem.nodal_compliance`, to the pressures that remove them.
-    `restrict` chooses the contact nodes to which the other methods refer.
+    It maps residuals, displacements in units of `Problem.nodal_compliance`, to the pressures that remove
+    them. `restrict` chooses the contact nodes to which the other methods refer.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The contact problem on one grid: the surface, the solid's compliance, the imposed quantity, and the iterate."""
+"""The contact problem on one grid, the imposed quantity, and the iterate of a solver."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.elasticity.layer import Layer
-from asperity.spectral import Fourier, Grid, Work, resample
+from asperity.spectral import Fourier, Grid, resample
 from asperity.types import Array
 
 CONTROLS = ("area_fraction", "mean_pressure", "approach")

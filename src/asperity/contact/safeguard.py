@@ -1,9 +1,10 @@
 """Safeguards of the outer loop: the energy of its iterates does not grow, and it ends when it stagnates.
 
-Adding nodes to the contact and releasing nodes in tension can raise the energy, which a correction on a fixed set of
-contact nodes cannot. The iterates before and after are both admissible (no tension), and so are those between them:
-the step is shortened to the fraction at which the energy is least (compare the projected searches of Moré & Toraldo
-1991, 10.1137/0801008). Without that the iteration diverges on grids of 2048² nodes.
+Adding nodes to the contact and releasing nodes in tension can raise the energy, which a correction on a fixed
+set of contact nodes cannot. The iterates before and after are both admissible (no tension), and so are those
+between them: the step is shortened to the fraction at which the energy is least (compare the projected
+searches of Moré & Toraldo 1991, 10.1137/0801008). Without that the iteration diverges on grids of 2048²
+nodes.
 """
 
 from __future__ import annotations
@@ -18,17 +19,21 @@ from asperity.contact.inner_solve import ContactSystem, Correction
 from asperity.contact.problem import Problem, State
 from asperity.types import Array
 
+# On rough surfaces of 512² nodes steps are rarely shortened: halving or doubling any of the factors below
+# changes the number of transforms by less than 1 %. They matter on large grids and on thin layers.
+
 # A step is taken whole unless the energy is least at less than this fraction of it.
 WHOLE_STEP = 0.9
 
-# If the energy is least at less than this fraction, corrections are shortened before nodes are released.
+# If the energy is least at less than this fraction of a step, the next corrections are shortened by the first
+# factor before nodes are released; otherwise they are lengthened again by the second, up to their full
+# length.
 SHORT_STEP = 0.1
-
-# Factor by which they are shortened; they are lengthened again by the factor below, up to one.
 SHORTENING = 4
 LENGTHENING = 2
 
-# The outer loop gives up after so many steps without an error below this fraction of the smallest before.
+# The outer loop gives up after so many steps without an error below a fraction of the smallest before. Of the
+# problems of `asperity.validation.extremes` that are solved, none takes more than 6 such steps.
 MAX_STEPS_WITHOUT_PROGRESS = 40
 PROGRESS_FACTOR = 0.9
 
@@ -49,10 +54,11 @@ class SafeguardedStep:
         self._fraction = 1.0
 
     def take(self, state: State, system: ContactSystem, correction: Correction) -> None:
-        """Add a correction: nodes that it would make penetrate join the contact, nodes in tension are released.
+        """Add a correction; nodes that it would make penetrate join the contact, nodes in tension leave it.
 
-        Joining nodes are chosen by the gap that the correction leads to, before nodes are released: afterwards
-        the pressure is out of equilibrium, and nodes around every patch that lost tension seem to penetrate.
+        Joining nodes are chosen by the gap that the correction leads to, before nodes are released:
+        afterwards the pressure is out of equilibrium, and nodes around every patch that lost tension seem to
+        penetrate.
         """
         pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
         self._pressure_before[:] = pressure

@@ -1,8 +1,8 @@
 """Tangent of the contact: its change per change of the approach, and the load it predicts for a contact area.
 
-On a fixed set of contact nodes pressure and gap are linear in the approach. The change of each approach at which a
-node leaves the contact, because its pressure becomes zero, or enters it, because its gap closes, follows from the
-tangent, and so does the number of contact nodes as a function of the load.
+On a fixed set of contact nodes pressure and gap are linear in the approach. From the tangent follows the
+approach at which each node leaves the contact, because its pressure becomes zero, or enters it, because its
+gap closes, and so the number of contact nodes as a function of the load.
 """
 
 from __future__ import annotations
@@ -16,10 +16,11 @@ from asperity.contact.area_control import AreaControl
 from asperity.contact.problem import State
 from asperity.types import Array
 
-# The load changes by at most this fraction of itself along a tangent.
+# The load changes by at most this fraction of itself along a tangent. Half and twice the value take the same
+# number of transforms.
 MAX_LOAD_CHANGE = 0.5
 
-# The lowest load considered is this fraction below the present one, just above that of lift-off.
+# Contact nodes are counted down to the load that is this fraction below the present one, just above lift-off.
 MAX_LOAD_DECREASE = 0.999
 
 
@@ -70,7 +71,7 @@ class Tangent:
         return float(max(change, -longest))
 
     def _edges(self, state: State, least: float, longest: float) -> tuple[int, Array]:
-        """Number of contact nodes at the change `least`, and the changes up to `longest` where it grows by one."""
+        """Number of contact nodes at the change `least`, and the changes up to `longest` where it grows."""
         changes = kernels.contact_changes(
             state.pressure.reshape(-1),
             state.gap.reshape(-1),

@@ -1,4 +1,4 @@
-"""Progress of an iteration, from the error that it has reached."""
+"""Progress of a solver, from the error that it has reached."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import math
 from asperity.types import Progress
 
 
-class ErrorReporter:
+class ConvergenceProgress:
     """Reports the decrease of an error to its tolerance as progress, on a logarithmic scale.
 
     The progress never decreases, although the error may grow.
