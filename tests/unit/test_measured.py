@@ -1,4 +1,4 @@
-"""Measured maps: read with their sizes and orientation, and made periodic in the way that was asked for."""
+"""Measured maps: sizes and orientation as read, each way of making them periodic, and refused arguments."""
 
 import re
 
@@ -116,8 +116,8 @@ def test_short_waves_are_removed_and_more_points_change_nothing_else():
 @pytest.mark.parametrize(
     ("change", "line"),
     [
-        ({"detrend": "slope"}, "detrend = 'slope': none, tilt, curvature is needed"),
-        ({"periodic": "yes"}, "periodic = 'yes': declared, mirrored, windowed is needed"),
+        ({"detrend": "slope"}, "detrend = 'slope': one of none, tilt, curvature is needed"),
+        ({"periodic": "yes"}, "periodic = 'yes': one of declared, mirrored, windowed is needed"),
         ({"wavelength_short": 0.01}, "wavelength_short = 0.01: a number ≥ 0.0625"),
         ({"wavelength_short": 2.0}, "wavelength_short = 2.0"),
         ({"points": 1}, "points = 1: a whole number ≥ 2"),
