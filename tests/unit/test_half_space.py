@@ -34,7 +34,7 @@ def test_bound_of_the_half_space_holds_and_is_tight(bottom, poisson):
 
 @pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
 def test_bounds_fall_with_the_height(bottom):
-    """A bound for the smallest wavenumber is one for all larger ones."""
+    """The bound for the smallest wavenumber therefore holds for all larger ones."""
     for poisson in np.linspace(-0.99, 0.5, 12):
         layer = Layer(1.0, poisson, 1.0, bottom)
         choices = [simplest_solid(layer, q, 0.0) for q in np.geomspace(0.05, 60, 200)]

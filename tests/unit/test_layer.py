@@ -72,7 +72,7 @@ def test_uniform_mode(lateral, bottom):
 
 
 @pytest.mark.parametrize("layer", [Layer(1.0, 0.3), Layer(1.0, 0.3, 1.0, "free")])
-def test_uniform_displacement_is_zero_by_rule_without_a_support(layer):
+def test_uniform_displacement_without_a_support_is_set_to_zero(layer):
     assert layer.uniform_compliance() == 0
     assert layer.surface_compliance(0.0) == 0
     assert np.all(layer.compliance(0.0, 0.0) == 0)
@@ -81,7 +81,7 @@ def test_uniform_displacement_is_zero_by_rule_without_a_support(layer):
         assert np.all(layer.stress(0.0, 0.0, 3.0)[:2] == -0.3 / 0.7)
 
 
-def test_incompressible_confined_layer_does_not_give_way_uniformly():
+def test_incompressible_confined_layer_has_no_uniform_compliance():
     assert Layer(1.0, 0.5, 1.0).surface_compliance(0.0) == 0
 
 
@@ -93,7 +93,7 @@ def test_kernels_of_the_uniform_mode():
 @pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 def test_modes_evaluated_together_are_those_evaluated_one_by_one(bottom, dtype):
-    """Rounding: blocks of thin, of thick and of both kinds of modes, with and without the uniform one."""
+    """Blocks of thin modes, of thick ones and of both, with and without the uniform mode; bound: rounding."""
     layer = Layer(1.0, 0.4, 0.01, bottom)
     q = np.concatenate([[0], np.linspace(0.1, 99, 700), np.linspace(90, 300, 500)]).astype(dtype)
     together = np.array(layer.kernels(q, 0.004))
@@ -105,7 +105,7 @@ def test_modes_evaluated_together_are_those_evaluated_one_by_one(bottom, dtype):
 @pytest.mark.parametrize("layer", SUPPORTED)
 @pytest.mark.parametrize("shape", [(8, 6), (7, 5), (6, 9), (1, 4)])
 def test_fields_of_a_grid_are_real_and_follow_the_nyquist_rule(layer, shape):
-    """At a Nyquist wavevector only what is even in it survives; the rest is the stress of the mode."""
+    """Components odd in a Nyquist wavevector are zero there; everything else is the field of the mode."""
     grid = Grid(shape, (1.5, 2.0))
     stress, displacement = layer.grid_stress(grid, 0.1), layer.grid_displacement(grid, 0.1)
     assert stress.shape == (*grid.half_shape, 6)
@@ -144,7 +144,7 @@ def test_rows_of_equal_wavenumber_are_evaluated_once(shape):
 
 
 @pytest.mark.parametrize("layer", [SUPPORTED[0], SUPPORTED[2]])
-def test_one_split_serves_every_poisson_ratio(layer):
+def test_stress_split_serves_every_poisson_ratio(layer):
     qx, qy, depth = 3.0, -2.0, 0.17
     constant, slope = layer.stress_split(qx, qy, depth)
     np.testing.assert_array_equal(slope[2:5], 0)
@@ -185,7 +185,7 @@ def test_half_space_compliance_is_that_of_two_separate_faces():
         ({"lateral": "loose"}, "lateral = 'loose': one of confined, free"),
     ],
 )
-def test_bad_layer_is_named(arguments, words):
+def test_an_argument_out_of_range_is_named(arguments, words):
     with pytest.raises(ValueError, match=words):
         Layer(**{"young": 1.0, "poisson": 0.3, "height": 1.0, **arguments})
 
@@ -233,7 +233,7 @@ def test_an_argument_that_is_not_a_number_is_refused(arguments):
         (lambda s: dataclasses.replace(s, bottom="free").kernels(1.0, 0.1), "bottom = 'free'"),
     ],
 )
-def test_bad_argument_is_named(call, words):
+def test_a_wavenumber_or_depth_out_of_range_is_named(call, words):
     with pytest.raises(ValueError, match=words):
         call(Layer(1.0, 0.3, 0.4))
 

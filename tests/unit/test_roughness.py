@@ -53,7 +53,7 @@ def test_the_rms_height_is_exact_and_the_mean_zero(hurst, rms, seed):
 
 
 def test_the_spectrum_follows_its_power_law_over_an_ensemble():
-    """Statistics: 40 samples, rings of at least 25 waves; the bound is four standard errors."""
+    """40 samples, rings of at least 25 waves; bound: four standard errors."""
     grid, samples = Grid((128, 128)), 40
     q, target = target_spectrum(grid, 0.3, 1 / 4, 1 / 32, 0.01)
     mean = np.mean(
@@ -69,7 +69,7 @@ def test_the_spectrum_follows_its_power_law_over_an_ensemble():
 
 
 def test_an_ensemble_is_gaussian():
-    """Statistics: kurtosis and skewness of 40 samples of about 800 independent waves each."""
+    """40 samples of about 800 independent waves each."""
     measures = [
         roughness_parameters(self_affine((128, 128), 0.2, 1 / 4, 1 / 32, 0.01, seed)) for seed in range(40)
     ]
@@ -77,7 +77,7 @@ def test_an_ensemble_is_gaussian():
     assert np.mean([m.skewness for m in measures]) == pytest.approx(0, abs=0.05)
 
 
-def test_measures_of_a_wave():
+def test_roughness_parameters_of_a_wave():
     grid = Grid((32, 48), (2.0, 3.0))
     _, x = grid.coordinates()
     wave = np.broadcast_to(0.1 * np.cos(2 * np.pi * x), grid.shape)
@@ -103,14 +103,14 @@ def test_johnson_moments_are_those_of_a_transformed_normal(delta, skewness, kurt
 
 @pytest.mark.parametrize(("skewness", "kurtosis"), [(0, 2.2), (0, 5), (0.5, 3), (0.5, 4.5), (-0.8, 3.3)])
 def test_given_moments_are_reached(skewness, kurtosis):
-    """The bound is the quantile grid's: its tails end at about five standard deviations."""
+    """Bound: the quantiles end at about five standard deviations."""
     found = roughness_parameters(with_moments(normal_heights(), skewness, kurtosis))
     assert found.skewness == pytest.approx(skewness, abs=2e-3)
     assert found.kurtosis == pytest.approx(kurtosis, rel=1e-2)
     assert found.rms_height == pytest.approx(np.std(normal_heights()), rel=1e-12)
 
 
-def test_moments_no_distribution_has_are_refused():
+def test_moments_that_no_distribution_has_are_refused():
     with pytest.raises(ValueError, match=r"skewness = 1\.0, kurtosis = 1\.5: no Johnson curve"):
         with_moments(normal_heights(), 1, 1.5)
 
@@ -156,7 +156,7 @@ def test_an_argument_that_is_not_a_number_is_refused(change):
 
 @pytest.mark.parametrize(("gamma", "delta"), [(10.0, 0.1), (-10.0, 0.1), (20.0, 0.05)])
 def test_johnson_far_from_its_middle_is_an_exponential(gamma, delta):
-    """Rounding: where no height leaves the bound by a part of 1e-20, the tail is all there is."""
+    """No height leaves the bound by a part of 1e-20: only the exponential tail varies. Bound: rounding."""
     normal = np.sign(gamma) * normal_heights() / np.std(normal_heights())
     tail = np.sign(gamma) * np.exp((normal - normal.max()) / delta)
     tail -= tail.mean()
@@ -253,7 +253,7 @@ def test_moments_out_of_reach_are_refused(skewness, kurtosis, words):
 
 
 def test_a_peak_that_a_johnson_curve_cannot_hold_is_refused():
-    """One node of 1024²: 1024 standard deviations, sinh of which overflows."""
+    """One node of 1024² is 1024 standard deviations high, and the sinh of the curve overflows."""
     height = np.zeros((1024, 1024))
     height[3, 4] = 1.0
     with pytest.raises(ValueError, match="height: a surface without extreme peaks"):
@@ -267,7 +267,7 @@ def test_the_moments_of_a_gaussian_leave_the_surface_as_it_is():
 
 @pytest.mark.parametrize(("skewness", "kurtosis"), [(0, 1.2), (1, 2.3), (2, 5.6)])
 def test_the_smallest_kurtosis_of_a_fit_is_reached(skewness, kurtosis):
-    """Two parts in a thousand: the quadrature of the fit, and the tails of the quantiles."""
+    """Bound: the quadrature of the fit, and the tails of the quantiles."""
     found = roughness_parameters(with_moments(normal_heights(), skewness, kurtosis))
     assert found.skewness == pytest.approx(skewness, abs=2e-3)
     assert found.kurtosis == pytest.approx(kurtosis, rel=2e-3)

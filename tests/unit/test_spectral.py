@@ -17,7 +17,7 @@ def explicit_coefficients(values, grid):
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize(("dtype", "bound"), [("float64", 1e-14), ("float32", 1e-6)])
-def test_forward_is_the_written_sum_and_inverse_undoes_it(shape, dtype, bound):
+def test_forward_is_the_explicit_sum_and_inverse_undoes_it(shape, dtype, bound):
     grid = Grid(shape, (2.0, 3.0))
     values = np.random.default_rng(1).normal(size=shape)
     fourier = Fourier(grid, dtype)

@@ -335,8 +335,8 @@ def fill_surface_compliance(
 def fill_face_compliance(q: Any, height: float, half_space: bool, poisson: float, out: Any) -> None:
     """Write the elements of the compliance of a free layer, in units of (1 + ν)/E.
 
-    The eight rows of `out` are the elements ll, tt, zz and lz, each first for displacement and traction at the
-    same face and then for those at opposite faces.
+    The eight rows of `out` are the elements ll, tt, zz and lz, each first for displacement and traction at
+    the same face and then for those at opposite faces.
     """
     m = 1.0 - 2.0 * poisson
     m1 = 1.0 + m
