@@ -1,7 +1,6 @@
 # The two commands are `make study` and `make test`; each makes its own environment first.
 PYTHON ?= python3
 CORES ?= 2
-SCHEMA := src/asperity/config/schema.yaml
 VENV := .venv
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
@@ -11,7 +10,7 @@ help: ## What can be made
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
 
 study: $(VENV)/ready ## The paper: every figure of the study, in results/figures; CONFIG=overlay.yaml changes it
-	$(if $(CONFIG),python -m asperity.config.check $(SCHEMA) config/config.yaml $(CONFIG))
+	$(if $(CONFIG),python -m asperity.config check config/config.yaml $(CONFIG))
 	snakemake --cores $(CORES) $(if $(CONFIG),--configfile $(CONFIG))
 
 quick: $(VENV)/ready ## Every stage and every rule on a small cell, in results/quick
@@ -36,7 +35,7 @@ check: $(VENV)/ready ## Whether the numbers of the quick study are those in test
 report: study ## The study as one page, results/report.html, that needs no network
 	snakemake --cores 1 --report results/report.html
 
-bad-input: $(VENV)/ready ## Some two hundred wrong configurations, command lines and maps, each with what it is answered
+bad-input: $(VENV)/ready ## Wrong configurations, command lines and height maps, and the line each is answered with
 	python tests/unit/bad_input.py
 
 test-faults: $(VENV)/ready ## A small study killed fifty times and run again, as a table in results/faults.md
@@ -49,8 +48,8 @@ bench: $(VENV)/ready ## Speed and accuracy of the layer, the contact solvers and
 	python benchmarks/stress.py
 	python benchmarks/economies.py
 
-tradeoff: $(VENV)/ready ## What every knob of accuracy costs, measured anew and kept for asperity plan and config/README.md
-	python workflow/tradeoff.py
+tradeoff: $(VENV)/ready ## Errors and costs of all settings of accuracy, measured anew for asperity plan and config/README.md
+	python workflow/store_tradeoff.py
 
 calculix: $(VENV)/ready ## The slab by CalculiX too (which must be installed), and the validation table with it
 	snakemake --cores $(CORES) results/validation/calculix.nc

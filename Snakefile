@@ -3,12 +3,12 @@ import sys
 
 try:
     from asperity.errors import ConfigError, PreflightError
-    from asperity.config.check import check, check_files, load_schema
-    from asperity.config.reader import load
     from asperity.runtime.preflight import require_packages
-    from asperity.config.presets import complete
 
     require_packages()
+    from asperity.config.check import check, check_files
+    from asperity.config.defaults import complete
+    from asperity.config.reader import load
 except ImportError as error:
     sys.exit(
         f"study: not installed: {error.name}; all that is needed: pip install --requirement requirements.lock"
@@ -24,9 +24,9 @@ report: "workflow/report/overview.rst"
 
 
 try:
-    for overlay in workflow.overwrite_configfiles:
-        load(overlay)
-    check(config, load_schema(workflow.source_path("src/asperity/config/schema.yaml")))
+    for path in workflow.configfiles:
+        load(path)  # stricter than Snakemake, which has read it: no key is given twice
+    check(config)
     check_files(config)
 except ConfigError as error:
     sys.exit(f"config: {error}")

@@ -1,13 +1,13 @@
-"""Contact solvers side by side: true error of the pressure against processor time and against transforms.
+"""Comparison of contact solvers: true error of the pressure against processor time and Fourier transforms.
 
-One command gives one table and one picture:
+One command writes a table, its numbers as CSV, and a figure:
 
     python benchmarks/contact.py --points 512 1024 2048 --out results/benchmarks
 
-Everything runs on one thread, in one process, one after the other, and the time is that of the processor,
-which other work on the machine disturbs less than the wall's. Errors are relative L2 errors of the
-pressure against a reference of our fast solver at an estimated error of 1e-10. A peer that is not
-installed is left out: `pip install 'asperity[peers]'`.
+All runs use one thread and follow each other in one process. Times are processor times, which other work on
+the machine disturbs less than wall times. Errors are relative L2 errors of the pressure, against a converged
+reference: the active-set solver at an estimated error of 1e-10. Other programs are compared if they are
+installed: `pip install 'asperity[peers]'`.
 """
 
 from __future__ import annotations
@@ -32,9 +32,10 @@ Run = Callable[[float], tuple[Array, float]]
 Tolerances = dict[str, tuple[float, ...]]
 
 LAYER = Layer(1.0, 0.0)
-REFERENCE = 1e-10
+REFERENCE_TOLERANCE = 1e-10
 
-# Solver and precision, and the tolerances it is run at; those of the peers mean something else.
+# Solvers with their precision, and the tolerances at which they run; other programs define theirs
+# differently.
 TOLERANCES: Tolerances = {
     "active_set float64": (1e-2, 1e-3, 1e-4, 1e-5, 1e-6),
     "active_set float32": (1e-2, 1e-3, 1e-4),
@@ -46,7 +47,7 @@ TOLERANCES: Tolerances = {
 
 
 class Row(NamedTuple):
-    """One run."""
+    """One run of a solver; `load` is the mean pressure over E* × rms gradient."""
 
     points: int
     hurst: float
@@ -60,9 +61,9 @@ class Row(NamedTuple):
 
 
 @contextmanager
-def clock_of_transforms() -> Iterator[list[float]]:
-    """Adds up the processor time of all transforms done meanwhile, in the one entry of the list."""
-    total, kept = [0.0], (Fourier.forward, Fourier.inverse)
+def transform_clock() -> Iterator[list[float]]:
+    """Add up, in the only entry of the list, the processor time of all Fourier transforms."""
+    total, originals = [0.0], (Fourier.forward, Fourier.inverse)
 
     def timed(transform):
         def run(*arguments, **options):
@@ -73,15 +74,15 @@ def clock_of_transforms() -> Iterator[list[float]]:
 
         return run
 
-    Fourier.forward, Fourier.inverse = map(timed, kept)
+    Fourier.forward, Fourier.inverse = map(timed, originals)
     try:
         yield total
     finally:
-        Fourier.forward, Fourier.inverse = kept
+        Fourier.forward, Fourier.inverse = originals
 
 
-def runs(name: str, height: Array, load: float) -> Run | None:
-    """What a solver does at a tolerance, giving pressure and pairs; None if it is not installed."""
+def solver_run(name: str, height: Array, load: float) -> Run | None:
+    """Function that maps a tolerance to pressure and pairs of transforms; None without the program."""
     makers = {"tamaas": with_tamaas, "ContactMechanics": with_contact_mechanics}
     if name in makers:
         try:
@@ -98,7 +99,7 @@ def runs(name: str, height: Array, load: float) -> Run | None:
 
 
 def with_tamaas(height: Array, load: float) -> Run:
-    """Polonsky and Keer's conjugate gradients in tamaas."""
+    """Conjugate gradients of Polonsky & Keer in tamaas."""
     import tamaas
 
     tamaas.initialize(1)
@@ -116,7 +117,7 @@ def with_tamaas(height: Array, load: float) -> Run:
 
 
 def with_contact_mechanics(height: Array, load: float) -> Run:
-    """The same algorithm in ContactMechanics; the tolerance is the penetration over the rms height."""
+    """Conjugate gradients of Polonsky & Keer in ContactMechanics; tolerance: penetration over rms height."""
     from ContactMechanics import PeriodicFFTElasticHalfSpace, make_system
     from SurfaceTopography import Topography
 
@@ -133,42 +134,43 @@ def with_contact_mechanics(height: Array, load: float) -> Run:
 
 
 def measure(points: int, hurst: float, fraction: float, tolerances: Tolerances) -> Iterator[Row]:
-    """All runs on one surface at one load, `fraction` × E* × rms gradient."""
+    """Run all solvers on one surface at one load, `fraction` × E* × rms gradient."""
     height = asp.self_affine((points, points), hurst, 1 / 8, 8 / points, 1e-3, seed=1)
     load = fraction * asp.roughness_parameters(height).rms_gradient
-    for warm in ("float64", "float32"):
-        solve(height[:64, :64].copy(), LAYER, mean_pressure=load, dtype=warm, rtol=1e-2)
-    truth = solve(height, LAYER, mean_pressure=load, rtol=REFERENCE).pressure
+    # Compile the library before the clock starts.
+    for dtype in ("float64", "float32"):
+        solve(height[:64, :64].copy(), LAYER, mean_pressure=load, dtype=dtype, rtol=1e-2)
+    truth = solve(height, LAYER, mean_pressure=load, rtol=REFERENCE_TOLERANCE).pressure
     for name, values in tolerances.items():
-        run = runs(name, height, load)
+        run = solver_run(name, height, load)
         for tolerance in values if run is not None else ():
-            with clock_of_transforms() as transforms:
+            with transform_clock() as transform_seconds:
                 start = time.process_time()
                 pressure, pairs = run(tolerance)
                 seconds = time.process_time() - start
             error = float(np.linalg.norm(pressure - truth) / np.linalg.norm(truth))
-            spent = transforms[0] or np.nan
+            spent = transform_seconds[0] or np.nan
             yield Row(points, hurst, fraction, name, tolerance, error, pairs, seconds, spent)
 
 
 def table(rows: list[Row]) -> str:
-    """Markdown."""
+    """Markdown table of all runs."""
     lines = [
-        "| points | H | load / (E* ḡ) | solver | tolerance | true error | pairs | s | over transforms |",
+        "| points | H | load / (E* ḡ) | solver | tolerance | true error | pairs | seconds | / transforms |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for row in rows:
         ratio = row.seconds / row.transform_seconds
-        known = "" if np.isnan(row.pairs) else f"{row.pairs:.1f}"
+        pairs = "" if np.isnan(row.pairs) else f"{row.pairs:.1f}"
         lines.append(
             f"| {row.points} | {row.hurst} | {row.load} | {row.solver} | {row.tolerance:.0e} "
-            f"| {row.error:.1e} | {known} | {row.seconds:.2f} | {'' if np.isnan(ratio) else f'{ratio:.2f}'} |"
+            f"| {row.error:.1e} | {pairs} | {row.seconds:.2f} | {'' if np.isnan(ratio) else f'{ratio:.2f}'} |"
         )
     return "\n".join(lines)
 
 
 def growth(rows: list[Row]) -> str:
-    """Power of the number of nodes with which time and pairs grow, from the smallest grid to the largest."""
+    """Markdown table of the exponents of the number of nodes in time and pairs, smallest to largest grid."""
     lines = [
         "| H | load / (E* ḡ) | solver | tolerance | grids | time ~ nodes^ | pairs ~ nodes^ |",
         "|---" * 7 + "|",
@@ -188,8 +190,8 @@ def growth(rows: list[Row]) -> str:
     return "\n".join(lines) if len(lines) > 2 else ""
 
 
-def picture(rows: list[Row], path: Path) -> None:
-    """Error against processor time and against pairs on the largest grid, a row of panels for each load."""
+def plot(rows: list[Row], path: Path) -> None:
+    """Plot the error on the largest grid against processor time and pairs, a row of panels for each load."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -228,13 +230,13 @@ def picture(rows: list[Row], path: Path) -> None:
         axis.set_major_formatter("{x:g}")
         axis.set_minor_formatter(NullFormatter())
     axes[-1, 0].set(xlabel="processor time, s, one thread")
-    axes[-1, 1].set(xlabel="pairs of transforms of the finest grid")
+    axes[-1, 1].set(xlabel="pairs of transforms on the finest grid")
     figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside right upper", fontsize=8)
     figure.savefig(path, dpi=150)
 
 
 def main() -> None:
-    """Run, print the table, write the table, the numbers and the picture."""
+    """Run the comparison; print and write its table, its numbers and its figure."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -242,26 +244,28 @@ def main() -> None:
     parser.add_argument("--hurst", type=float, nargs="+", default=[0.2, 0.8])
     parser.add_argument("--load", type=float, nargs="+", default=[0.01, 0.05], help="mean pressure over E* ḡ")
     parser.add_argument("--solver", nargs="+", default=list(TOLERANCES), choices=TOLERANCES)
-    parser.add_argument("--tolerance", type=float, nargs="+", help="for all solvers, instead of their own")
+    parser.add_argument(
+        "--tolerance", type=float, nargs="+", help="of all solvers, instead of those listed in the script"
+    )
     parser.add_argument("--out", type=Path, default=Path("results/benchmarks"))
-    chosen = parser.parse_args()
-    tolerances = {name: tuple(chosen.tolerance or TOLERANCES[name]) for name in chosen.solver}
+    options = parser.parse_args()
+    tolerances = {name: tuple(options.tolerance or TOLERANCES[name]) for name in options.solver}
     rows: list[Row] = []
-    for points in chosen.points:
-        for hurst in chosen.hurst:
-            for load in chosen.load:
+    for points in options.points:
+        for hurst in options.hurst:
+            for load in options.load:
                 for row in measure(points, hurst, load, tolerances):
                     rows.append(row)
                     print(table([row]).splitlines()[-1], flush=True)
-    grown = growth(rows)
-    print(grown)
-    chosen.out.mkdir(parents=True, exist_ok=True)
-    (chosen.out / "contact.md").write_text(f"{table(rows)}\n\n{grown}\n", encoding="utf-8")
-    with (chosen.out / "contact.csv").open("w", newline="", encoding="utf-8") as file:
+    exponents = growth(rows)
+    print(exponents)
+    options.out.mkdir(parents=True, exist_ok=True)
+    (options.out / "contact.md").write_text(f"{table(rows)}\n\n{exponents}\n", encoding="utf-8")
+    with (options.out / "contact.csv").open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file)
         writer.writerow(Row._fields)
         writer.writerows(rows)
-    picture(rows, chosen.out / "contact.png")
+    plot(rows, options.out / "contact.png")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
-"""How exact and how fast the layer is, and what the uniform mode changes: three tables, one command.
+"""Accuracy and speed of the elastic layer, and the effect of the uniform mode: three tables.
 
     python benchmarks/layer.py [accuracy] [speed] [uniform]
 
-Without arguments all three, in about two minutes on one core.
+Without arguments all three are printed, in about two minutes on one core.
 """
 
 import sys
@@ -23,8 +23,8 @@ MEASURES = ("compliance", "stress", "displacement", "face_compliance")
 
 
 def accuracy():
-    """Worst error of each quantity over all q · height, ν and depths."""
-    print("Worst errors (see asperity.validation.rounding.layer_errors for what each is relative to)")
+    """Print the largest error of each quantity over all q · height, ν and depths."""
+    print("Largest errors (asperity.validation.rounding.layer_errors defines what each is relative to)")
     print(f"{'bottom':14}{'precision':11}" + "".join(f"{name:>17}" for name in MEASURES))
     for bottom in ("half-space", "bonded", "frictionless", "free"):
         for precision in PRECISIONS:
@@ -39,7 +39,7 @@ def accuracy():
 
 
 def seconds(call, repeats=7):
-    """Shortest processor time of a call, after one that compiles."""
+    """Shortest processor time of several calls, after a first one that compiles."""
     call()
     times = []
     for _ in range(repeats):
@@ -50,7 +50,7 @@ def seconds(call, repeats=7):
 
 
 def speed(points=2048):
-    """All five kernels of a half-spectrum at one depth, in units of one real transform of the grid."""
+    """Print the time of all five kernels of a grid at one depth, in units of one real transform."""
     grid = Grid((points, points))
     solids = {
         "half-space": (Layer(1.0, 0.33), 0.002),
@@ -61,7 +61,7 @@ def speed(points=2048):
         "bonded, height 0.0001": (Layer(1.0, 0.33, 1e-4), 2e-5),
         "frictionless, height 0.0001": (Layer(1.0, 0.33, 1e-4, "frictionless"), 2e-5),
     }
-    print(f"\nTime of all kernels of {points}² at one depth over that of one real transform")
+    print(f"\nTime of all kernels of {points}² at one depth, in units of one real transform")
     print(f"{'solid':28}" + "".join(f"{precision:>10}" for precision in PRECISIONS))
     ratios = {name: [] for name in solids}
     for precision in PRECISIONS:
@@ -77,7 +77,7 @@ def speed(points=2048):
 
 
 def uniform(points=256):
-    """Largest von Mises stress with a laterally free cell over that with a confined one."""
+    """Print the largest von Mises stress in a laterally free cell divided by that in a confined one."""
     height = asp.self_affine(
         (points, points),
         hurst=0.8,
@@ -86,9 +86,9 @@ def uniform(points=256):
         rms_height=1e-3,
         seed=1,
     )
-    print(f"\nLargest von Mises stress, laterally free over confined; rough, {points}², half-space")
+    print(f"\nLargest von Mises stress, laterally free divided by confined; rough, {points}², half-space")
     print(
-        f"{'area fraction':>14}{'ν':>7}{'whole stress':>13}{'depth L/16':>13}{'depth L/4':>13}{'depth L/2':>13}"
+        f"{'area fraction':>14}{'ν':>7}{'all depths':>13}{'depth L/16':>13}{'depth L/4':>13}{'depth L/2':>13}"
     )
     for mean_pressure in (0.0005, 0.0025, 0.01):
         contact = asp.solve(height, Layer(1.0, 0.33), mean_pressure=mean_pressure)

@@ -1,9 +1,11 @@
-"""What the study cost: processor minutes and largest memory of every rule, from the last lines of its logs.
+"""Table of the processor minutes and largest memory of every rule and surface, from the logs of a finished
+study.
 
-python workflow/cost.py [results] [--declared [--configfile FILE]]
+    python workflow/cost.py [results] [--declared [--configfile FILE]]
 
-With --declared: the memory of every job beside what its rule declares, and exit 1 if a quarter lies between.
-Benchmark files are not read: after sixteen seconds they sample a job every half minute, and miss its peak.
+With --declared the memory that the rules declare stands beside the measured one, and the exit code is 1 if
+they differ by more than a quarter in any job. Snakemake's benchmark files are not read: after sixteen seconds
+they sample a job only every half minute, and miss its peak.
 """
 
 import argparse
@@ -14,31 +16,41 @@ from collections import defaultdict
 from pathlib import Path
 from typing import NamedTuple
 
+from asperity.accuracy.tables import markdown
+
 TOLERANCE = 0.25
+"""Largest relative difference between measured and declared memory."""
+
 TOOK = re.compile(r"took (\S+) s of processor time, (\S+) MB of memory$", re.MULTILINE)
 
 
-class Cost(NamedTuple):
-    """What a job took: processor minutes, and memory in MB."""
+class Job(NamedTuple):
+    """Processor minutes and memory (MB) of a job, and the memory (MB) that its rule declares, if any."""
 
     minutes: float
     memory: float
+    declared: float = 0.0
 
 
-def measured(results: Path) -> dict[Path, Cost]:
-    """The cost of every job that has a log below `results`, by the path of its log."""
-    costs = {}
-    for path in sorted((results / "log").rglob("*.log")):
+def measured_jobs(logs: Path) -> dict[Path, Job]:
+    """Path of each log in a folder → the cost that its last line states."""
+    jobs = {}
+    for path in sorted(logs.rglob("*.log")):
         if found := TOOK.findall(path.read_text(encoding="utf-8")):
             seconds, memory = map(float, found[-1])
-            costs[path] = Cost(seconds / 60, memory)
-    return costs
+            jobs[path] = Job(seconds / 60, memory)
+    return jobs
 
 
-def declared(dry_run: str) -> dict[Path, float]:
-    """The resource mem_mb of every job in the text of a dry run, by the path of its log."""
+def declared_memory(configfile: str | None) -> dict[Path, float]:
+    """Path of the log of every job → the resource mem_mb of its rule, from a dry run of the whole study."""
+    overlay = ["--configfile", configfile] if configfile else []
+    command = [sys.executable, "-m", "snakemake", "--cores", "1", "--forceall", "--dry-run", *overlay]
+    run = subprocess.run(command, capture_output=True, text=True)
+    if run.returncode:
+        sys.exit(run.stdout + run.stderr)
     memory, log = {}, None
-    for line in dry_run.splitlines():
+    for line in (run.stdout + run.stderr).splitlines():
         key, _, value = line.strip().partition(": ")
         if key == "log":
             log = Path(value)
@@ -47,71 +59,52 @@ def declared(dry_run: str) -> dict[Path, float]:
     return memory
 
 
-def plan(configfile: str | None) -> str:
-    """The text of a dry run of the whole study."""
-    overlay = ["--configfile", configfile] if configfile else []
-    command = [sys.executable, "-m", "snakemake", "--cores", "1", "--forceall", "--dry-run", *overlay]
-    found = subprocess.run(command, capture_output=True, text=True)
-    if found.returncode:
-        sys.exit(found.stdout + found.stderr)
-    return found.stdout + found.stderr
-
-
-def name_of(log: Path, results: Path) -> str:
-    """Rule and surface of a job, or its rule alone."""
-    rule, *rest = log.relative_to(results / "log").with_suffix("").parts
-    return f"{rule} {rest[0]}" if len(rest) > 1 else rule
-
-
-def cost_table(costs: dict[Path, Cost], results: Path) -> str:
-    """Processor minutes and largest memory of every rule and surface."""
+def table(jobs: dict[Path, Job], logs: Path, declared: bool) -> str:
+    """Markdown table of the jobs, one row for each rule and surface, with their largest memory."""
     groups = defaultdict(list)
-    for log, cost in costs.items():
-        groups[name_of(log, results)].append(cost)
-    lines = ["| rule | jobs | processor minutes | largest memory (GB) |", "|---|---|---|---|"]
-    for name, group in [*sorted(groups.items()), ("all", list(costs.values()))]:
-        minutes, memory = zip(*group, strict=True)
-        lines.append(f"| {name} | {len(group)} | {sum(minutes):.1f} | {max(memory) / 1000:.1f} |")
-    return "\n".join(lines)
+    for path, job in jobs.items():
+        folders = path.relative_to(logs).parent.parts
+        groups[" ".join(folders[:2] or [path.stem])].append(job)
+    head = ["rule", "jobs", "processor minutes", "largest memory (MB)", "declared (MB)"]
+    rows = []
+    for name, group in [*sorted(groups.items()), ("all", list(jobs.values()))]:
+        largest = max(group, key=lambda job: job.memory)
+        minutes = sum(job.minutes for job in group)
+        numbers = [f"{minutes:.1f}", f"{largest.memory:.0f}", f"{largest.declared:.0f}"]
+        rows.append([name, str(len(group)), *numbers])
+    columns = len(head) if declared else len(head) - 1
+    return markdown([row[:columns] for row in [head, *rows]])
 
 
-def memory_table(costs: dict[Path, Cost], memory: dict[Path, float], results: Path) -> tuple[str, list[str]]:
-    """Memory of every job measured and declared, and the jobs more than a quarter apart."""
-    lines, offenders = (
-        ["| job | measured (MB) | declared (MB) | measured / declared |", "|---|---|---|---|"],
-        [],
-    )
-    for log, cost in costs.items():
-        job = str(log.relative_to(results / "log").with_suffix(""))
-        if log not in memory:
-            offenders.append(f"{job}: its rule declares no memory")
-            continue
-        ratio = cost.memory / memory[log]
-        lines.append(f"| {job} | {cost.memory:.0f} | {memory[log]:.0f} | {ratio:.2f} |")
-        if abs(ratio - 1) > TOLERANCE:
-            offenders.append(f"{job}: {cost.memory:.0f} MB measured, {memory[log]:.0f} MB declared")
-    return "\n".join(lines), offenders
+def wrongly_declared(jobs: dict[Path, Job], logs: Path) -> list[str]:
+    """One line for every job whose measured memory differs from the declared one by more than a quarter."""
+    lines = []
+    for path, job in jobs.items():
+        if abs(job.memory - job.declared) > TOLERANCE * job.declared:
+            name = path.relative_to(logs).with_suffix("")
+            lines.append(f"{name}: {job.memory:.0f} MB measured, {job.declared:.0f} MB declared")
+    return lines
 
 
 def main() -> None:
-    """Print one of the tables."""
+    """Print the table."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("results", nargs="?", type=Path, default="results", help="folder of the results")
-    parser.add_argument("--declared", action="store_true", help="memory measured beside memory declared")
+    parser.add_argument("--declared", action="store_true", help="declared memory beside the measured one")
     parser.add_argument("--configfile", help="overlay that the study was run with")
-    chosen = parser.parse_args()
-    costs = measured(chosen.results)
-    if not costs:
-        sys.exit(f"{chosen.results}/log: no job has said what it took; run the study first")
-    if not chosen.declared:
-        print(cost_table(costs, chosen.results))
-        return
-    table, offenders = memory_table(costs, declared(plan(chosen.configfile)), chosen.results)
-    print(table)
-    if offenders:
-        sys.exit("\n".join([f"more than {TOLERANCE:.0%} between measured and declared memory:", *offenders]))
+    options = parser.parse_args()
+    logs = options.results / "log"
+    jobs = measured_jobs(logs)
+    if not jobs:
+        sys.exit(f"{logs}: no finished job; run the study first")
+    if options.declared:
+        memory = declared_memory(options.configfile)
+        jobs = {path: job._replace(declared=memory.get(path, 0.0)) for path, job in jobs.items()}
+    print(table(jobs, logs, options.declared))
+    if options.declared and (lines := wrongly_declared(jobs, logs)):
+        sys.exit("\n".join([f"measured and declared memory differ by more than {TOLERANCE:.0%}:", *lines]))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Write fault.asc: a cut of the elevation model that matplotlib ships, on square pixels."""
+"""Write fault.asc: a part of the elevation model that matplotlib contains, resampled to square pixels."""
 
 from pathlib import Path
 

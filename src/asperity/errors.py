@@ -1,6 +1,6 @@
-"""Exceptions of the package, and messages of one line.
+"""Exceptions of the package, and the form of messages: one line.
 
-A message names the argument or key, its value, and what is accepted.
+The message of a refused argument or key names it, shows its value and says what is accepted.
 """
 
 from __future__ import annotations
@@ -8,18 +8,19 @@ from __future__ import annotations
 import sys
 from typing import Any
 
+# Characters of a value that a message shows at most.
 _LONGEST_VALUE = 60
 
 
 class ConvergenceError(RuntimeError):
-    """A contact problem that was not solved to its tolerance.
+    """Raised when a contact problem was not solved to its tolerance.
 
     Attributes
     ----------
     residual, tolerance : float
-        Residual reached, and the tolerance asked for.
+        Residual that was reached, and the largest one accepted.
     iterations : int
-        Applications of the compliance, on all grids.
+        Number of applications of the compliance operator, on all grids.
     load : float
         Mean pressure when the solver stopped.
     """
@@ -36,36 +37,39 @@ class ConvergenceError(RuntimeError):
 
 
 class DatasetError(RuntimeError):
-    """A result file that is missing, damaged or changed since it was written."""
+    """Raised for a result file that is missing, damaged, or was changed after it was written."""
 
 
 class ConfigError(ValueError):
-    """A configuration that is not accepted; the message is one line."""
+    """Raised for a configuration that is not accepted; the message is one line."""
 
     def __init__(self, message: str) -> None:
         super().__init__(one_line(message))
 
 
 class PlanError(ValueError):
-    """A target of accuracy or cost that no measured setting reaches."""
+    """Raised for a target of accuracy or cost that no measured combination of settings reaches."""
 
 
 class PreflightError(RuntimeError):
-    """A study that cannot run on this machine; the message names the cause and the remedy."""
+    """Raised when a study cannot run on this machine; the message names the cause and the remedy."""
 
 
 def one_line(message: str) -> str:
-    """Escape line breaks and other characters that are not printable."""
+    """The message with line breaks and other unprintable characters escaped."""
     return "".join(c if c.isprintable() else repr(c)[1:-1] for c in message)
 
 
 def shown(value: Any) -> str:
-    """Shorten the representation of a value for a message."""
-    text = repr(value)
+    """The representation of a value for a message: one line of at most 60 characters."""
+    try:
+        text = one_line(repr(value))
+    except ValueError:  # an integer of more digits than Python prints
+        text = f"<{type(value).__name__}>"
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 3] + "..."
 
 
 def fail(message: str, code: int = 1) -> int:
-    """Print one line on stderr that says why a command ends, and return its exit code."""
+    """Print the reason why a command ends as one line on stderr, and return the exit code."""
     print(f"asperity: {one_line(' '.join(message.split()))}", file=sys.stderr)
     return code

@@ -1,29 +1,31 @@
-"""The one place for the discrete Fourier convention: grids, wavevectors, transforms, resampling.
+"""Discrete Fourier transforms of periodic fields: grids, wavevectors, transforms, resampling.
 
-Convention
-----------
+The conventions of the whole package are stated here.
+
+Fourier convention
+------------------
 A periodic field ``f[y, x]`` on a grid of ``shape = (ny, nx)`` nodes over a cell of
 ``length = (length_y, length_x)`` has the coefficients ``f̂[ky, kx]`` with
 
     f(r) = Σ_q f̂(q) exp(+i q·r),     f̂(q) = (1 / (ny nx)) Σ_r f(r) exp(−i q·r),
 
-so that ``f̂(0)`` is the mean and ``Σ_q |f̂(q)|²`` the mean square. Every pair (shape, length, spacing)
-is in array order, y before x. The fields are real, and only the half ``kx ≥ 0`` of the coefficients
-is stored: shape ``(ny, nx // 2 + 1)``. A sum over all q is a sum over the stored columns weighted
-with `Grid.multiplicity`.
+so that ``f̂(0)`` is the mean of f and ``Σ_q |f̂(q)|²`` its mean square. Pairs (shape, length, spacing) are in
+array order, y before x. Fields are real, and only the coefficients with ``kx ≥ 0`` are stored, in arrays of
+shape ``(ny, nx // 2 + 1)``. A sum over all q is a sum over the stored columns weighted with
+`Grid.multiplicity`.
 
 Nyquist rule
 ------------
-On an even axis the coefficient at the Nyquist wavevector stands for a cosine alone. A factor odd in
-that component of q (a first derivative, a shear stress) is zero there: `Grid.odd_qx` and
-`Grid.odd_qy` are the wavevectors with that rule applied, ``qx`` and ``qy`` without it. `resample`
-keeps the modes strictly below the Nyquist wavevector of both grids, and no others.
+On an axis with an even number of nodes, the coefficient at the Nyquist wavevector belongs to a cosine alone.
+A factor that is odd in that component of q (a first derivative, a shear stress) is therefore set to zero
+there: `Grid.odd_qx` and `Grid.odd_qy` are the wavevectors with this rule applied, ``qx`` and ``qy`` those
+without. `resample` keeps exactly the modes strictly below the Nyquist wavevectors of both grids.
 
 Transforms
 ----------
-`Fourier` wraps ducc0 in double or single precision and counts the work done. There is no planning,
-and the lines of a grid are transformed in blocks that do not depend on the number of threads: the
-same bits in every run and for every number of threads.
+`Fourier` wraps ducc0 in double or single precision and counts the transforms. The lines of a grid are
+transformed in blocks that do not depend on the number of threads, so that the result has the same bits for
+any number of threads.
 """
 
 from __future__ import annotations
@@ -37,16 +39,21 @@ import ducc0
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from asperity.types import Array
+from asperity.arguments import magnitude, real_array, whole_number
+from asperity.errors import shown
+from asperity.types import REAL_TYPES, Array
 
-REAL_TYPES = (np.dtype(np.float32), np.dtype(np.float64))
+MOST_NODES = 2**31 - 1
+"""Largest number of nodes on an axis."""
 
-# Lines are transformed a vector register at a time and the remainder one by one, which rounds
-# differently; whole blocks leave no remainder in any thread.
+# Lines are transformed in multiples of this number, and the remaining ones by a single thread. ducc0
+# transforms as many lines at once as a vector register holds numbers, and left-over lines one by one, which
+# rounds differently: multiples of 128 leave none over in any thread.
 _BLOCK = 128
 
-# Rows this many bytes apart share the same lines of the processor's cache: writing several of them at once
-# in single precision takes three times as long as through rows that are `_PADDING` numbers longer.
+# Distance of rows in bytes whose elements share the same lines of the processor's cache. Writing several such
+# rows at once in single precision takes three times as long as writing rows that are `_PADDING` numbers
+# longer.
 _CRITICAL_STRIDE = 4096
 _PADDING = 16
 
@@ -58,28 +65,22 @@ class Grid:
     Parameters
     ----------
     shape : (ny, nx)
-        Number of nodes on each axis, even or odd, at least one.
+        Number of nodes on each axis, even or odd, from 1 to `MOST_NODES`.
     length : float or (length_y, length_x)
-        Edges of the cell; one number for a square cell.
+        Edges of the cell, any unit of length; one number for a square cell.
 
     Raises
     ------
-    ValueError
-        If a number of nodes or an edge is not positive and finite.
+    TypeError, ValueError
+        If `shape` is not a pair of whole numbers, or an edge is not a number from 1e-75 to 1e75.
     """
 
     shape: tuple[int, int]
     length: tuple[float, float] = (1.0, 1.0)
 
     def __post_init__(self) -> None:
-        shape = tuple(self.shape)
-        if len(shape) != 2 or any(n != int(n) or n < 1 for n in shape):
-            raise ValueError(f"shape = {self.shape!r}: two positive whole numbers (ny, nx) are needed")
-        length = np.broadcast_to(np.asarray(self.length, dtype=float), (2,))
-        if not (np.all(np.isfinite(length)) and np.all(length > 0)):
-            raise ValueError(f"length = {self.length!r}: positive finite edges are needed")
-        object.__setattr__(self, "shape", (int(shape[0]), int(shape[1])))
-        object.__setattr__(self, "length", (float(length[0]), float(length[1])))
+        object.__setattr__(self, "shape", _pair_of_nodes(self.shape))
+        object.__setattr__(self, "length", _pair_of_edges(self.length))
 
     @property
     def size(self) -> int:
@@ -88,17 +89,17 @@ class Grid:
 
     @property
     def area(self) -> float:
-        """Area of the cell."""
+        """Area of the cell, in the unit of `length` squared."""
         return self.length[0] * self.length[1]
 
     @property
     def spacing(self) -> tuple[float, float]:
-        """Distance between nodes along y and x."""
+        """Distances between neighbouring nodes along y and x."""
         return self.length[0] / self.shape[0], self.length[1] / self.shape[1]
 
     @property
     def half_shape(self) -> tuple[int, int]:
-        """Shape of the stored half of the coefficients."""
+        """Shape of the stored coefficients, (ny, nx // 2 + 1)."""
         return self.shape[0], self.shape[1] // 2 + 1
 
     @cached_property
@@ -108,34 +109,34 @@ class Grid:
 
     @cached_property
     def ky(self) -> Array:
-        """Integer wavenumbers of the rows, (ny,): zero, the positive ones, the negative ones."""
+        """Integer wavenumbers of the rows, (ny,): zero, then the positive, then the negative ones."""
         ny = self.shape[0]
         rows = np.arange(ny)
         return np.where(rows <= ny // 2, rows, rows - ny)
 
     @cached_property
     def qx(self) -> Array:
-        """Wavevector components of the columns, (nx // 2 + 1,)."""
+        """Wavevector component along x of the columns, (nx // 2 + 1,), in radians per length."""
         return 2 * np.pi / self.length[1] * self.kx
 
     @cached_property
     def qy(self) -> Array:
-        """Wavevector components of the rows, (ny,)."""
+        """Wavevector component along y of the rows, (ny,), in radians per length."""
         return 2 * np.pi / self.length[0] * self.ky
 
     @cached_property
     def odd_qx(self) -> Array:
-        """`qx` with the Nyquist column zero: the factor of anything odd in qx."""
+        """`qx` with zero in the Nyquist column: for factors that are odd in qx."""
         return np.where(2 * self.kx == self.shape[1], 0.0, self.qx)
 
     @cached_property
     def odd_qy(self) -> Array:
-        """`qy` with the Nyquist row zero: the factor of anything odd in qy."""
+        """`qy` with zero in the Nyquist row: for factors that are odd in qy."""
         return np.where(2 * self.ky == self.shape[0], 0.0, self.qy)
 
     @cached_property
     def multiplicity(self) -> Array:
-        """How many modes each stored column stands for, (nx // 2 + 1,): one or two."""
+        """Number of modes that each stored column stands for, (nx // 2 + 1,): one or two."""
         return np.where((self.kx == 0) | (2 * self.kx == self.shape[1]), 1.0, 2.0)
 
     def wavenumber(self) -> Array:
@@ -148,34 +149,56 @@ class Grid:
         return spacing_y * np.arange(self.shape[0]), spacing_x * np.arange(self.shape[1])
 
 
+def _pair_of_nodes(shape: Any) -> tuple[int, int]:
+    accepted = f"a pair (ny, nx) of whole numbers from 1 to {MOST_NODES}"
+    try:
+        ny, nx = (whole_number("shape", nodes, accepted, lambda n: 1 <= n <= MOST_NODES) for nodes in shape)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"shape = {shown(shape)}: {accepted} is needed") from error
+    return ny, nx
+
+
+def _pair_of_edges(length: Any) -> tuple[float, float]:
+    edges = real_array("length", length)
+    if edges.shape not in ((), (1,), (2,)):
+        raise ValueError(f"length = {shown(length)}: one number or a pair (length_y, length_x) is needed")
+    length_y, length_x = (magnitude("length", float(edge)) for edge in np.broadcast_to(edges, (2,)))
+    return length_y, length_x
+
+
 @dataclass
 class Work:
-    """Transforms done so far, counted in nodes: the common currency of solvers and planes."""
+    """Transforms done so far, counted in nodes, so that transforms on different grids can be added."""
 
     nodes: int = 0
 
     def transforms(self, grid: Grid) -> float:
-        """Real transforms of `grid` that would have cost as much."""
+        """Number of real transforms of `grid` with as many nodes in total."""
         return self.nodes / grid.size
 
     def pairs(self, grid: Grid) -> float:
-        """Pairs of a forward and an inverse transform of `grid` that would have cost as much."""
+        """Number of pairs of a forward and an inverse transform of `grid` with as many nodes in total."""
         return self.nodes / (2 * grid.size)
 
 
 @dataclass
 class Fourier:
-    """Real transforms on one grid, in one precision, on a number of threads.
+    """Transforms of real fields on one grid, in one precision.
 
     Parameters
     ----------
     grid : Grid
     dtype : "float64" or "float32"
-        Precision of the fields; the coefficients are complex of the same precision.
+        Precision of the fields; the coefficients are complex numbers of the same precision.
     threads : int
-        The result does not depend on it.
+        Number of threads; the result does not depend on it.
     work : Work, optional
-        Where the work done is added; several grids may share one.
+        Counter to which transforms are added; transforms on several grids may share one.
+
+    Raises
+    ------
+    ValueError
+        If `dtype` is another type.
     """
 
     grid: Grid
@@ -184,15 +207,21 @@ class Fourier:
     work: Work = field(default_factory=Work)
 
     def __post_init__(self) -> None:
-        self.real: np.dtype[Any] = np.dtype(self.dtype)
-        if self.real not in REAL_TYPES:
-            raise ValueError(f"dtype = {self.dtype!r}: float64 or float32 is needed")
+        self.real: np.dtype[Any] = real_type(self.dtype)
         self.complex: np.dtype[Any] = np.result_type(self.real, np.complex64)
 
     def forward(self, values: Array, out: Array | None = None) -> Array:
-        """Coefficients f̂ of the field `values[y, x]`."""
+        """Coefficients f̂, (ny, nx // 2 + 1), of the field ``values[y, x]``.
+
+        Parameters
+        ----------
+        values : (ny, nx) array
+        out : (ny, nx // 2 + 1) complex array, optional
+            Array for the result.
+        """
         self.work.nodes += self.grid.size
         values = np.asarray(values, dtype=self.real)
+        _require_shape("values", values, self.grid.shape)
         if out is None:
             out = np.empty(self.grid.half_shape, self.complex)
         for rows, threads in self._blocks(self.grid.shape[0]):
@@ -203,11 +232,21 @@ class Fourier:
         return out
 
     def inverse(self, coefficients: Array, out: Array | None = None, overwrite: bool = False) -> Array:
-        """Field f[y, x] of the `coefficients`, which `overwrite` gives up as working space."""
+        """Field ``f[y, x]``, (ny, nx), of its coefficients.
+
+        Parameters
+        ----------
+        coefficients : (ny, nx // 2 + 1) complex array
+        out : (ny, nx) array, optional
+            Array for the result.
+        overwrite : bool
+            True if `coefficients` may be overwritten, which saves memory.
+        """
         self.work.nodes += self.grid.size
         if out is None:
             out = np.empty(self.grid.shape, self.real)
         coefficients = np.asarray(coefficients, dtype=self.complex)
+        _require_shape("coefficients", coefficients, self.grid.half_shape)
         columnwise = coefficients if overwrite else np.empty_like(coefficients)
         for columns, threads in self._blocks(coefficients.shape[1]):
             ducc0.fft.c2c(
@@ -236,15 +275,31 @@ class Fourier:
         return out
 
     def _blocks(self, lines: int, most: int | None = None) -> list[tuple[slice, int]]:
-        """Lines to transform together, at most so many, each part with its number of threads."""
+        """Blocks of lines, at most `most` each if given, with the number of threads for each."""
         whole = lines - lines % _BLOCK
         edges = [*range(0, whole, most or whole or 1), whole]
         parts = [(slice(start, stop), self.threads) for start, stop in pairwise(edges)]
         return [*parts, (slice(whole, lines), 1)] if whole < lines else parts
 
 
+def real_type(dtype: DTypeLike) -> np.dtype[Any]:
+    """The type float64 or float32; ValueError for any other."""
+    try:
+        real = np.dtype(dtype)
+    except TypeError:
+        real = np.dtype(object)
+    if real not in REAL_TYPES:
+        raise ValueError(f"dtype = {shown(dtype)}: float64 or float32 is needed")
+    return real
+
+
+def _require_shape(name: str, values: Array, shape: tuple[int, int]) -> None:
+    if values.shape != shape:
+        raise ValueError(f"{name} of shape {values.shape}: shape {shape}, that of the grid, is needed")
+
+
 def good_size(minimum: int, even: bool = True) -> int:
-    """Smallest number of nodes ≥ `minimum` whose transform is fast, even if asked."""
+    """Smallest number of nodes ≥ `minimum` whose only prime factors are 2, 3 and 5; even by default."""
     step = 2 if even else 1
     return step * int(ducc0.fft.good_size(-(-int(minimum) // step), True))
 
@@ -252,11 +307,22 @@ def good_size(minimum: int, even: bool = True) -> int:
 def resample(coefficients: Array, source: Grid, target: Grid) -> Array:
     """Coefficients of the same field on another grid of the same cell.
 
-    Modes strictly below the Nyquist wavevector of both grids are kept, all others are zero: exact
-    when refining a field without Nyquist modes, a spectral truncation when coarsening.
+    Modes strictly below the Nyquist wavevectors of both grids are kept, all others are zero. On a finer grid
+    a field without Nyquist modes stays the same; on a coarser grid its short waves are cut off.
+
+    Parameters
+    ----------
+    coefficients : (ny, nx // 2 + 1) complex array
+        Coefficients on the grid `source`.
+    source, target : Grid
+
+    Raises
+    ------
+    ValueError
+        If the grids are of different cells.
     """
     if source.length != target.length:
-        raise ValueError(f"resample: cells differ, {source.length} and {target.length}")
+        raise ValueError(f"target of length {target.length}: that of the source, {source.length}, is needed")
     if source.shape == target.shape:
         return coefficients.copy()
     out = np.zeros(target.half_shape, coefficients.dtype)
@@ -269,13 +335,16 @@ def resample(coefficients: Array, source: Grid, target: Grid) -> Array:
 
 
 def mean_square(coefficients: Array, grid: Grid, weight: ArrayLike = 1.0) -> float:
-    """⟨f²⟩ by Parseval, with an optional `weight` for each stored mode."""
+    """Mean square ⟨f²⟩ of the field with these coefficients, by Parseval's theorem.
+
+    An optional `weight` multiplies the power of each stored mode: with |q|² the result is ⟨|∇f|²⟩.
+    """
     power = (coefficients.real.astype(float) ** 2 + coefficients.imag.astype(float) ** 2) * weight
     return float(np.sum(power @ grid.multiplicity))
 
 
 def gradient(coefficients: Array, fourier: Fourier) -> tuple[Array, Array]:
-    """Fields ∂f/∂y and ∂f/∂x, by spectral differentiation with the Nyquist rule."""
+    """Fields ∂f/∂y and ∂f/∂x, (ny, nx) each, by spectral differentiation with the Nyquist rule."""
     grid = fourier.grid
     slope_y = fourier.inverse(1j * grid.odd_qy[:, None] * coefficients, overwrite=True)
     slope_x = fourier.inverse(1j * grid.odd_qx[None, :] * coefficients, overwrite=True)
@@ -283,7 +352,7 @@ def gradient(coefficients: Array, fourier: Fourier) -> tuple[Array, Array]:
 
 
 def radial_average(values: Array, grid: Grid) -> tuple[Array, Array]:
-    """Average of a quantity of the stored modes over rings of |q|.
+    """Average of a quantity of the modes over rings of equal |q|.
 
     Parameters
     ----------
@@ -294,8 +363,9 @@ def radial_average(values: Array, grid: Grid) -> tuple[Array, Array]:
     Returns
     -------
     wavenumber, average : (rings,) arrays
-        Rings are one fundamental wavenumber (of the longer edge) wide, centred on its multiples, the
-        mode q = 0 left out, up to the largest |q| that every direction reaches.
+        Centre |q| of each ring, and the average over the modes in it. Rings are centred on the multiples of
+        the fundamental wavenumber of the longer edge and one such wavenumber wide, from the first multiple to
+        the largest |q| that the grid holds in every direction. Rings without modes are left out.
     """
     width = 2 * np.pi / max(grid.length)
     rings = int(min(grid.qx[-1], np.abs(grid.qy).max()) / width + 1e-9)

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
-"""An array of any type."""
+"""An array with elements of any type."""
+
+REAL_TYPES = (np.dtype(np.float32), np.dtype(np.float64))
+"""Precisions of real fields: single and double."""
 
 Progress = Callable[[float, float], None]
-"""Called as ``progress(done, total)`` while work goes on."""
+"""Function called as ``progress(done, total)`` to report the progress of a computation."""

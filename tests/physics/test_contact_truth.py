@@ -1,4 +1,4 @@
-"""Contact against closed forms, with the rate at which the grid approaches them, and against peers."""
+"""Contact against closed forms, with the order of convergence on the grid, and against other programs."""
 
 from __future__ import annotations
 
@@ -11,18 +11,19 @@ from asperity.contact.problem import Control, Problem
 from asperity.elasticity.layer import Layer
 from asperity.reference.hertz import Hertz
 from asperity.reference.westergaard import Westergaard
-from asperity.spectral import Grid, Work
+from asperity.spectral import Fourier, Grid
 
 HALF_SPACE = Layer(1.0, 0.0)
 AMPLITUDE = 1e-3
 
 
-def rate(points: list[int], errors: list[float]) -> float:
+def order(points: list[int], errors: list[float]) -> float:
+    """Order of convergence: minus the exponent of the number of points in the error."""
     return float(-np.polyfit(np.log(points), np.log(errors), 1)[0])
 
 
 def wave_errors(points: int) -> tuple[float, float, float]:
-    """Root mean squares over loads of errors of pressure, area and approach: an edge falls anywhere."""
+    """Errors of pressure, area and approach, root mean squares over loads: the edge falls between nodes."""
     errors = []
     for part in np.linspace(0.2, 0.7, 6):
         exact = Westergaard(part * np.pi * AMPLITUDE, AMPLITUDE)
@@ -42,19 +43,19 @@ def wave_errors(points: int) -> tuple[float, float, float]:
     return float(pressure), float(area), float(approach)
 
 
-def test_westergaard_partial_contact_at_the_order_of_an_edge() -> None:
-    """Grid error: a pressure that ends like a square root is met with order 1 in the mean square."""
+def test_westergaard_partial_contact_converges_with_first_order() -> None:
+    """Grid error: a pressure that ends like a square root converges with order 1 in the mean square."""
     points = [64, 128, 256, 512]
     pressure, area, approach = np.array([wave_errors(n) for n in points]).T
-    assert rate(points, pressure) > 0.8
-    assert rate(points, area) > 0.7
-    assert rate(points, approach) > 1.5
+    assert order(points, pressure) > 0.8
+    assert order(points, area) > 0.7
+    assert order(points, approach) > 1.5
     assert pressure[-1] < 5e-3
     assert approach[-1] < 1e-4
 
 
 def test_westergaard_complete_contact_is_exact() -> None:
-    """Rounding: one Fourier mode is held exactly by the grid."""
+    """Rounding: the grid represents one Fourier mode exactly."""
     exact = Westergaard(1.2 * np.pi * AMPLITUDE, AMPLITUDE)
     grid = Grid((4, 64), (1 / 16, 1.0))
     x = grid.coordinates()[1] - 0.5
@@ -68,8 +69,8 @@ def test_westergaard_complete_contact_is_exact() -> None:
     np.testing.assert_allclose(contact.pressure[0], exact.pressure(x), rtol=1e-9)
 
 
-def test_hertz_at_the_order_of_an_edge() -> None:
-    """Grid error of the pressure; the replicas change it by 1.9 (a/L)³, 2e-4 at these radii."""
+def test_hertz_converges_with_first_order() -> None:
+    """Grid error of the pressure; the periodic images change it by 1.9 (a/L)³, 2e-4 at these radii."""
     points, errors = [64, 128, 256], []
     for n in points:
         y, x = (axis - 0.5 for axis in Grid((n, n)).coordinates())
@@ -81,12 +82,12 @@ def test_hertz_at_the_order_of_an_edge() -> None:
             pressure = exact.pressure(r)
             squares.append(np.sum((contact.pressure - pressure) ** 2) / np.sum(pressure**2))
         errors.append(float(np.sqrt(np.mean(squares))))
-    assert rate(points, errors) > 0.8
+    assert order(points, errors) > 0.8
     assert errors[-1] < 0.02
 
 
-def test_small_problem_against_a_dense_solve() -> None:
-    """Solver error, against dense projected Gauss-Seidel iterations to rounding."""
+def test_small_problem_agrees_with_projected_gauss_seidel() -> None:
+    """Solver error; the dense projected Gauss-Seidel iterations are at rounding."""
     height = asp.self_affine((12, 12), 0.8, 0.5, 0.25, 1e-2, 5)
     layer = Layer(1.0, 0.3, height=0.5)
     grid = Grid((12, 12))
@@ -110,8 +111,8 @@ def test_small_problem_against_a_dense_solve() -> None:
         np.testing.assert_allclose(contact.pressure.reshape(-1), pressure, atol=1e-8 * pressure.max())
 
 
-def test_gfmd_steps_grow_as_the_root_of_the_points() -> None:
-    """Slowest mode at critical damping: steps ~ √N once the contact is resolved."""
+def test_gfmd_steps_grow_as_the_square_root_of_the_points() -> None:
+    """With the slowest mode near critical damping the steps grow as √N once the contact is resolved."""
     points = [64, 128, 256, 512, 1024]
     steps = []
     for n in points:
@@ -119,10 +120,10 @@ def test_gfmd_steps_grow_as_the_root_of_the_points() -> None:
         height = (x[:, None] ** 2 + x[None, :] ** 2) / 2
         contact = solve(height, HALF_SPACE, mean_pressure=0.02, method="gfmd", dtype="float32", rtol=1e-3)
         steps.append(contact.certificate.iterations)
-    assert -rate(points, steps) < 0.6
+    assert -order(points, steps) < 0.6
 
 
-def test_against_tamaas() -> None:
+def test_pressure_agrees_with_tamaas() -> None:
     tamaas = pytest.importorskip("tamaas")
     height = asp.self_affine((128, 128), 0.8, 0.25, 1 / 16, 1e-3, 2)
     load = 0.05 * asp.roughness_parameters(height).rms_gradient
@@ -135,7 +136,7 @@ def test_against_tamaas() -> None:
     np.testing.assert_allclose(ours.pressure, np.asarray(model.traction), atol=1e-8 * ours.pressure.max())
 
 
-def test_against_contact_mechanics() -> None:
+def test_pressure_agrees_with_contact_mechanics() -> None:
     peer = pytest.importorskip("ContactMechanics")
     topography = pytest.importorskip("SurfaceTopography").Topography
     height = asp.self_affine((128, 128), 0.8, 0.25, 1 / 16, 1e-3, 2)
@@ -151,15 +152,15 @@ def test_against_contact_mechanics() -> None:
 
 
 @pytest.mark.parametrize("fraction", [0.005, 0.05])
-def test_the_slowest_mode_sets_the_damping(fraction: float) -> None:
-    """Far from its critical damping, on either side, the surface takes longer to come to rest."""
+def test_gfmd_is_fastest_near_the_critical_damping_of_the_slowest_mode(fraction: float) -> None:
+    """The surface takes longer to come to rest with much less and with much more damping."""
     height = asp.self_affine((64, 64), 0.8, 1 / 4, 1 / 8, 1e-3, 1)
     control = Control("mean_pressure", fraction * asp.roughness_parameters(height).rms_gradient)
 
-    def steps(damping: float) -> int:
-        problem = Problem(height, HALF_SPACE, Grid(height.shape), "float64", 1, Work())
-        return gfmd.solve(problem, control, 1e-6, None, None, damping).iterations
+    def steps(damping_fraction: float) -> int:
+        problem = Problem(height, HALF_SPACE, Fourier(Grid(height.shape)))
+        return gfmd.solve(problem, control, 1e-6, None, None, damping_fraction).iterations
 
-    critical = steps(gfmd.DAMPING)
+    critical = steps(gfmd.DAMPING_FRACTION)
     assert steps(0.3) > 1.5 * critical
     assert steps(2.0) > 1.5 * critical

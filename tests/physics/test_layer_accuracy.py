@@ -1,4 +1,4 @@
-"""The layer against the independent high-precision solve, over its whole range."""
+"""The layer against the independent high-precision solution, over its whole range."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ import pytest
 from asperity.elasticity.layer import Layer
 from asperity.validation.rounding import FORMULAS, PRECISIONS, compute, layer_errors
 
-# Bounds on rounding, relative to the largest component at the same depth and per 1 + q depth.
+# Bounds of rounding errors, relative to the largest component at the same depth and to 1 + q depth.
 ROUNDING = {"float64": 4e-15, "float32": 2e-6}
 
 HEIGHTS = [1e-8, 1e-4, 0.02, 0.5, 0.999, 1.001, 3.0, 39.0, 300.0, 1e5]

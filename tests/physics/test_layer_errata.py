@@ -1,7 +1,7 @@
-"""What the paper prints and what holds, line by line, against the independent high-precision solve.
+"""Equations of the paper as printed and as corrected, against the independent high-precision solution.
 
-Every correction is a pair: the printed form misses the independent solution by far more than any rounding,
-the corrected one meets it to all digits.
+For every correction the printed form differs from the independent solution by far more than rounding, and
+the corrected form agrees with it to all digits.
 """
 
 import mpmath as mp
@@ -104,7 +104,7 @@ def test_equation_6_slopes_are_derivatives():
 def bonded_by_the_paper(mode, rows_corrected=True, basis_corrected=True):
     """u at the top of a bonded layer under σ_zz = −1 and σ_zx = 1/2, by Eqs. 5, 6 and 7.
 
-    The shear is there because a pressure alone does not notice that the rows of Eq. 7 are exchanged.
+    The shear is needed because a pressure alone is not affected by the exchanged rows of Eq. 7.
     """
     qx, qy, height, young, nu = numbers(mode)
     s = (1 - 2 * nu) / (2 * (1 - nu))
@@ -213,7 +213,7 @@ def test_tractions_are_those_on_outward_normals(mode):
 
 
 def spectral_radius(time_step, stiffness, damping):
-    """Of one step of position Störmer–Verlet with centred damping, unit mass."""
+    """Spectral radius of one step of position Störmer–Verlet with centred damping and unit mass."""
     g = damping * time_step / 2
     step = [[(2 - stiffness * time_step**2) / (1 + g), -(1 - g) / (1 + g)], [1, 0]]
     return np.abs(np.linalg.eigvals(step)).max()
@@ -252,7 +252,7 @@ def reflected(values):
 
 
 def test_equation_21_gives_two_values_to_one_symbol():
-    """Either line alone makes surfaces that are even; without Δ(−q) = Δ(q)* they are not even real."""
+    """Either line alone gives symmetric surfaces, h(−r) = h(r); without Δ(−q) = Δ(q)* they are not real."""
     number = np.fft.fftfreq(64, 1 / 64)
     wavenumber = np.maximum(np.hypot(number[:, None], number), 1)
     amplitude = np.where((wavenumber >= 2) & (wavenumber <= 16), wavenumber**-1.8, 0)
@@ -269,8 +269,8 @@ def test_equation_21_gives_two_values_to_one_symbol():
         assert same == pytest.approx(1) if even else same < 0.9
 
 
-def test_equation_21_is_what_surfaces_are_made_of():
-    """Statistics of about 3200 independent waves: bounds of four standard errors."""
+def test_surfaces_follow_equation_21():
+    """About 3200 independent waves; bounds: four standard errors."""
     height = self_affine((256, 256), 0.8, 1 / 2, 1 / 64, 1e-3, seed=1)
     number = np.fft.fftfreq(256, 1 / 256)
     ky, kx = np.meshgrid(number, number, indexing="ij")

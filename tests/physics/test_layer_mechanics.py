@@ -1,4 +1,4 @@
-"""Laws and limits the layer obeys, whatever its formulas."""
+"""Laws of mechanics and limits that the layer obeys, independent of its formulas."""
 
 import dataclasses
 
@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from asperity.elasticity.layer import Layer
 
-# The first example may compile.
+# No deadline, because the first example may compile.
 unhurried = settings(deadline=None)
 
 ratios = st.one_of(st.floats(-0.95, 0.5), st.just(0.5))
@@ -26,7 +26,7 @@ def solids(draw):
 
 @unhurried
 @given(ratios, heights, angles)
-def test_compliance_is_hermitian_positive_and_blind_to_the_side(poisson, height, angle):
+def test_compliance_is_hermitian_positive_and_symmetric_between_the_faces(poisson, height, angle):
     layer = Layer(1.0, poisson, height)
     qx, qy = np.cos(angle), np.sin(angle)
     g = layer.compliance(qx, qy)
@@ -115,8 +115,8 @@ def test_a_tall_layer_is_the_half_space(poisson, bottom, depth):
 
 
 @pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
-def test_towards_an_incompressible_solid_nothing_jumps(bottom):
-    """Fields at ν = 1/2 are the limit, reached linearly."""
+def test_fields_are_continuous_at_the_incompressible_limit(bottom):
+    """The fields approach those at ν = 1/2 linearly in 1/2 − ν."""
     limit = Layer(1.0, 0.5, 0.8, bottom)
     q = np.array([0.03, 0.5, 2.0, 20.0])
     steps = np.array([1e-3, 1e-4, 1e-5])
@@ -146,14 +146,14 @@ def test_long_waves_on_a_bonded_layer_are_uniform_compression():
 
 
 def test_long_waves_on_a_frictionless_layer_stretch_it():
-    """G → (1 − ν²) height/E: free to spread along q but not across; not the uniform mode."""
+    """G → (1 − ν²) height/E: the layer spreads along q but not across; this is not the uniform mode."""
     layer = Layer(2.0, 0.3, 0.5, "frictionless")
     assert layer.surface_compliance(1e-6) == pytest.approx((1 - 0.3**2) * 0.5 / 2.0, rel=1e-10)
     assert layer.surface_compliance(1e-6) > 1.1 * layer.surface_compliance(0.0)
 
 
 def test_long_waves_bend_a_free_layer():
-    """G → 12 (1 − ν²)/(E q⁴ height³), the plate's."""
+    """G → 12 (1 − ν²)/(E q⁴ height³), the bending compliance of a plate."""
     assert Layer(2.0, 0.3, 0.5, "free").surface_compliance(1e-4) == pytest.approx(
         12 * (1 - 0.3**2) / (2.0 * 1e-16 * 0.5**3), rel=1e-7
     )
@@ -162,7 +162,7 @@ def test_long_waves_bend_a_free_layer():
 @unhurried
 @given(solids(), st.floats(-4, 4))
 def test_kernels_stay_below_twice_the_envelope_of_the_half_space(layer, exponent):
-    """The bound that says which modes a depth needs, (1 + d) e^(−d), twice that in a layer."""
+    """The bound used to drop modes at a depth: (1 + d) e^(−d), twice that in a layer."""
     reach = layer.height or 1.0
     q = 10.0**exponent / reach
     depth = np.linspace(0, reach, 41)

@@ -1,22 +1,32 @@
-"""The command line: a chain of one-off commands, files that the figures accept, one-line errors."""
+"""The command line: commands in a row, files that figures accept, arguments, errors in one line."""
 
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 from bad_input import SMALL, make_chain
 from project import ROOT, hide
 
+from asperity.cli.commands import peaks
 from asperity.cli.main import main
+from asperity.cli.parser import make_parser
+from asperity.config.defaults import default
+from asperity.config.schema import setting
 from asperity.results import dataset
 from asperity.runtime.preflight import BASE_PACKAGES, PACKAGES
+
+COSINE = np.cos(2 * np.pi * np.arange(16) / 16)
+HEADER = "# Channel: Height\n# Width: 16 m\n# Height: 16 m\n# Value units: m\n"
+WAVES = "".join(" ".join(f"{0.01 * (a + b):.9f}" for b in COSINE) + "\n" for a in COSINE)
+"""Height map of waves along x and y, whose highest node is the first."""
 
 
 @pytest.fixture(scope="module")
 def files(tmp_path_factory):
-    """The results of one chain: surface, contact, stress, statistics."""
+    """Results of one surface, contact, stress and statistics."""
     return make_chain(tmp_path_factory.mktemp("chain"))
 
 
@@ -30,7 +40,7 @@ def test_the_results_are_files_of_the_study(files):
     assert settings["seed"] == [1]
 
 
-def test_the_surface_is_found_again_in_the_contact(files):
+def test_the_moments_of_the_surface_are_recovered_from_the_contact(files):
     surface, statistics = dataset.read(files["surface"]), dataset.read(files["statistics"])
     for name in ("skewness", "kurtosis", "rms_gradient"):
         assert float(statistics[f"seed_{name}"][0]) == pytest.approx(float(surface[name]), rel=1e-9)
@@ -53,7 +63,7 @@ def test_the_figures_of_the_study_are_drawn_from_them(files, tmp_path, figure, s
     assert all(picture.stat().st_size > 3000 for picture in pictures)
 
 
-def test_peaks_prints_what_it_counted(files, capsys, tmp_path):
+def test_peaks_prints_percentiles(files, capsys, tmp_path):
     main(["peaks", files["stress"], "--contact", files["contact"], "--out", str(tmp_path / "again.nc")])
     lines = capsys.readouterr().out.splitlines()
     assert any(line.startswith("von_mises") for line in lines)
@@ -62,11 +72,8 @@ def test_peaks_prints_what_it_counted(files, capsys, tmp_path):
 
 def test_a_height_map_is_pressed_face_down(tmp_path, capsys):
     pytest.importorskip("SurfaceTopography")
-    height = np.cos(2 * np.pi * np.arange(16) / 16)
     path, out = tmp_path / "waves.asc", tmp_path / "contact.nc"
-    header = "# Channel: Height\n# Width: 16 m\n# Height: 16 m\n# Value units: m\n"
-    rows = [" ".join(f"{0.01 * (a + b):.9f}" for b in height) for a in height]
-    path.write_text(header + "\n".join(rows) + "\n")
+    path.write_text(HEADER + WAVES)
     assert main(["solve", str(path), "--out", str(out)]) == 1
     assert "set periodic to mirrored, windowed or declared" in capsys.readouterr().err
     assert main(["solve", str(path), "--periodic", "declared", "--out", str(out)]) == 0
@@ -75,12 +82,67 @@ def test_a_height_map_is_pressed_face_down(tmp_path, capsys):
     assert dataset.settings_of(dataset.read(out))["surface"]["label"] == "waves"
 
 
-def test_a_layer_has_the_ratio_of_its_contact_alone(files, tmp_path, capsys):
+def test_names_with_characters_that_formats_give_a_meaning_are_accepted(tmp_path):
+    pytest.importorskip("SurfaceTopography")
+    surface, contact, stress = (str(tmp_path / name) for name in ("{0}%s.asc", "{}%(a)d.nc", "%{.nc"))
+    Path(surface).write_text(HEADER + WAVES)
+    label = ["--label", "{0} %s"]
+    assert main(["solve", surface, "--periodic", "declared", *label, "--out", contact]) == 0
+    assert main(["stress", contact, "--out", stress]) == 0
+    assert dataset.settings_of(dataset.read(stress))["surface"]["label"] == "{0} %s"
+
+
+def test_a_layer_has_only_the_ratio_of_its_contact(files, tmp_path, capsys):
     thin = str(tmp_path / "thin.nc")
     assert main(["solve", files["surface"], "--layer-height", "0.1", "--out", thin]) == 0
     assert dataset.read(thin).attrs["solid"] == "layer, bonded bottom"
     assert main(["stress", thin, "--poisson", "0.2", "--out", str(tmp_path / "stress.nc")]) == 1
-    assert "which has that one only" in capsys.readouterr().err
+    assert "--poisson 0.2: only 0.33 is accepted" in capsys.readouterr().err
+
+
+def test_a_figure_of_a_ratio_that_was_not_analysed_needs_another_ratio(files, tmp_path, capsys):
+    """A contact with a half-space may be analysed at other ratios than its own, 0.33."""
+    stress, statistics, figure = (str(tmp_path / name) for name in ("stress.nc", "statistics.nc", "8.png"))
+    assert main(["stress", files["contact"], "--poisson", "0.2", "0.3", "--out", stress]) == 0
+    assert main(["peaks", stress, "--contact", files["contact"], "--out", statistics]) == 0
+    plot = ["plot", "8", files["contact"], statistics, "--out", figure]
+    assert main(plot) == 1
+    error = capsys.readouterr().err
+    assert "ratio 0.33 is not in the statistics of small; set --poisson to one of 0.2, 0.3" in error
+    assert main([*plot, "--poisson", "0.3"]) == 0
+    assert main(["plot", "14", statistics, "--out", figure]) == 0
+
+
+def test_arguments_have_the_defaults_of_the_schema():
+    arguments = {
+        "solve": ["surface.nc", "--out", "contact.nc"],
+        "stress": ["contact.nc", "--out", "stress.nc"],
+        "peaks": ["stress.nc", "--contact", "contact.nc", "--out", "statistics.nc"],
+        "plan": ["config.yaml"],
+    }
+    for command, given in arguments.items():
+        options = vars(make_parser().parse_args([command, *given]))
+        values = {key: value for key, value in options.items() if "." in key and value is not None}
+        assert values == {key: default(key) for key in values}
+        assert all(setting(key)["description"] for key in values)
+
+
+def test_help_does_not_wait_for_numerical_libraries():
+    code = (
+        "import sys; from asperity.cli.parser import make_parser; make_parser().format_help(); "
+        "sys.exit('numpy' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code]).returncode == 0
+
+
+def test_an_interrupt_is_one_line(files, monkeypatch, capsys, tmp_path):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(peaks, "read_result", interrupt)
+    command = ["peaks", files["stress"], "--contact", files["contact"], "--out", str(tmp_path / "again.nc")]
+    assert main(command) == 130
+    assert capsys.readouterr().err == "asperity: interrupted\n"
 
 
 @pytest.mark.parametrize("command", ["", "solve", "stress", "peaks", "plot", "plan"])
@@ -95,14 +157,13 @@ def test_every_command_has_help(capsys, command):
     ("name", "command"),
     [
         *((name, "--version") for name in BASE_PACKAGES),
-        ("yaml", "plan {}"),
         ("matplotlib", "plot 9 a.nc --out b.png"),
     ],
 )
 def test_a_missing_package_is_one_line(tmp_path, name, command):
     path = os.pathsep.join([str(hide(name, tmp_path / "dark")), str(ROOT / "src")])
     found = subprocess.run(
-        [sys.executable, "-m", "asperity.cli.main", *command.split()],
+        [sys.executable, "-m", "asperity.cli", *command.split()],
         env=os.environ | {"PYTHONPATH": path},
         capture_output=True,
         text=True,

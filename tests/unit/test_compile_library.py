@@ -15,7 +15,8 @@ from asperity.runtime.compiling import PARTS, compiled_functions
 from asperity.contact import METHODS
 from asperity.validation.extremes import LEVELS, Scene, attempt
 from asperity.config.presets import PRESETS
-from asperity.accuracy.measurement import RATIOS, Scene as Kind, evaluate
+from asperity.accuracy.evaluation import Scene as Kind, evaluate
+from asperity.accuracy.measurement import POISSON_RATIOS
 
 def signatures():
     functions = compiled_functions().items()
@@ -27,8 +28,9 @@ before = signatures()
 for knobs, precision, height in product(PRESETS.values(), ("float32", "float64"), (0.5, 1.0)):
     if precision == "float32" and knobs.contact_tolerance < 1e-6:
         continue
-    scene = Kind(0.8, 1 / 4, 1 / 16, 0.1, layer_height=height, loads=(0.05,))
-    evaluate(scene, replace(knobs, precision=precision), RATIOS if height == 1.0 else (0.33,), 1e-3)
+    ratios = POISSON_RATIOS if height == 1.0 else (0.33,)
+    scene = Kind(0.8, 1 / 4, 1 / 16, 0.1, layer_height=height, loads=(0.05,), poisson=ratios)
+    evaluate(scene, replace(knobs, precision=precision), 1e-3)
 for method, precision, bottom, imposed in product(
     METHODS, ("float32", "float64"), LEVELS["bottom"], (("load", 0.5), ("area", 1.0), ("approach", 0.999))
 ):

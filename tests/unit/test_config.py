@@ -1,5 +1,6 @@
-"""The configuration: what is accepted, and the one line for what is not."""
+"""The schema of the settings, and what is made from it: the check, defaults, the README."""
 
+import copy
 import os
 import subprocess
 import sys
@@ -9,28 +10,86 @@ import pytest
 import yaml
 from project import hide
 
-from asperity.config.check import check, describe, load_schema
-from asperity.config.reader import merged
+from asperity.config.check import check, needed_instead
+from asperity.config.defaults import complete, default
+from asperity.config.describe import with_settings
+from asperity.config.presets import KEYS
+from asperity.config.reader import load, merged
+from asperity.config.schema import accepted, schema, setting, settings
 
 ROOT = Path(__file__).parents[2]
-SCHEMA = load_schema(ROOT / "src/asperity/config/schema.yaml")
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
+SETTINGS = dict(settings(schema()))
 
 
 @pytest.mark.parametrize("overlay", sorted((ROOT / "config").glob("*.yaml")), ids=lambda path: path.name)
-def test_the_committed_configurations_are_accepted(overlay):
-    check(merged(PAPER, yaml.safe_load(overlay.read_text())), SCHEMA)
+def test_the_configurations_of_the_repository_are_accepted(overlay):
+    check(merged(PAPER, load(overlay)))
 
 
-def test_the_readme_lists_the_keys_of_the_schema():
-    table = (ROOT / "config/README.md").read_text().split("<!-- keys: ")[1].split("-->\n")[1]
-    assert table.strip() == describe(SCHEMA)
+def test_every_setting_is_described_in_words():
+    for key, entry in SETTINGS.items():
+        assert entry["description"].endswith("."), key
+        assert accepted(entry), key
+
+
+def test_every_default_is_accepted_by_its_own_setting():
+    defaults = {key: value for key in SETTINGS if (value := default(key)) is not None}
+    assert {"contact.area_fraction", "contact.tolerance", "statistics.bins"} <= defaults.keys()
+    assert {
+        key: needed for key, value in defaults.items() if (needed := needed_instead(value, setting(key)))
+    } == {}
+
+
+def test_every_setting_has_a_default_or_is_required():
+    for group in (schema(), *(entry for entry in SETTINGS.values() if "properties" in entry)):
+        for name, entry in group["properties"].items():
+            free = {"default", "left_out"} & entry.keys() or any(setting(key) is entry for key in KEYS)
+            assert bool(free) != (name in group.get("required", [])), name
+
+
+def test_the_paper_names_every_setting_that_decides_about_the_study_itself():
+    """A change of a default changes no number of the study."""
+    assert complete(PAPER) == merged(complete(PAPER), PAPER)
+    for section in ("layer", "contact", "statistics"):
+        preset = {key.split(".")[1] for key in KEYS if key.startswith(section)}
+        assert PAPER[section].keys() | preset == schema()["properties"][section]["properties"].keys()
+
+
+def test_settings_that_are_left_out_get_their_defaults():
+    config = copy.deepcopy(PAPER)
+    del config["layer"], config["measured"]["fault"]["detrend"], config["contact"]["path_area_fractions"]
+    del config["stress"]["poisson"]
+    check(config)
+    whole = complete(config)
+    assert whole["layer"] == {**PAPER["layer"], "half_space_tolerance": 0.05}
+    assert whole["measured"]["fault"]["detrend"] == "tilt"
+    assert whole["contact"]["path_area_fractions"] == [whole["contact"]["area_fraction"]]
+    assert whole["stress"]["poisson"] == [whole["layer"]["poisson"]]
+
+
+def test_the_readme_has_the_settings_of_the_schema():
+    """``python -m asperity.config describe config/README.md`` writes them."""
+    text = (ROOT / "config/README.md").read_text()
+    assert with_settings(text) == text
+
+
+def test_the_command_describes_and_checks(tmp_path):
+    overlay = tmp_path / "overlay.yaml"
+    overlay.write_text("contact: {area_fraction: 0.05}")
+    command = [sys.executable, "-m", "asperity.config"]
+    described = subprocess.run([*command, "describe"], capture_output=True, text=True, check=True).stdout
+    assert "| `contact.area_fraction` | a number > 0 and ≤ 1 |" in described
+    checked = subprocess.run(
+        [*command, "check", "config/config.yaml", overlay], cwd=ROOT, capture_output=True
+    )
+    assert (checked.returncode, checked.stderr) == (0, b"")
 
 
 @pytest.mark.parametrize(("name", "package"), [("jsonschema", "jsonschema"), ("yaml", "pyyaml")])
 def test_a_missing_package_is_one_line(tmp_path, name, package):
     path = os.pathsep.join([str(hide(name, tmp_path / "dark")), str(ROOT / "src")])
-    command = [sys.executable, "-m", "asperity.config.check", "src/asperity/config/schema.yaml"]
+    command = [sys.executable, "-m", "asperity.config", "check", "config/config.yaml"]
     environment = os.environ | {"PYTHONPATH": path}
     found = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     assert found.returncode == 1

@@ -1,4 +1,4 @@
-"""Measured maps: read with their sizes and orientation, and made periodic in the way that was asked for."""
+"""Measured maps: sizes and orientation as read, each way of making them periodic, and refused arguments."""
 
 import re
 
@@ -34,7 +34,7 @@ def test_the_lower_face_is_minus_the_map_in_units_of_the_longer_edge():
     assert surface.wavelength_short == 2 / 32
 
 
-def test_a_map_not_said_to_be_periodic_is_refused_with_what_to_set():
+def test_a_map_that_is_not_stated_to_be_periodic_is_refused_with_a_remedy():
     with pytest.raises(ValueError, match="set periodic to mirrored, windowed or declared"):
         make_periodic(HeightMap(rough(), (1.0, 1.0)), detrend="tilt")
     make_periodic(HeightMap(rough(), (1.0, 1.0), periodic=True), detrend="tilt")
@@ -62,7 +62,7 @@ def test_detrending_removes_its_polynomial_and_nothing_else(ny, nx, slope, bend)
         )  # rounding
 
 
-def test_a_tilted_plane_is_flat_and_a_flat_surface_is_refused():
+def test_a_flat_surface_is_refused():
     plane = np.add.outer(np.arange(8.0), 2 * np.arange(8.0))
     surface = HeightMap(plane, (1.0, 1.0))
     with pytest.raises(ValueError, match="a surface that varies is needed"):
@@ -72,7 +72,7 @@ def test_a_tilted_plane_is_flat_and_a_flat_surface_is_refused():
     assert np.ptp(residue.height) < 0.01
 
 
-def test_a_mirrored_map_meets_itself_at_every_edge():
+def test_a_mirrored_map_is_symmetric_and_continuous_at_every_edge():
     height = rough()
     surface = make_periodic(HeightMap(height, (24.0, 32.0)), detrend="none", periodic="mirrored")
     assert surface.grid.shape == (48, 64)
@@ -116,14 +116,14 @@ def test_short_waves_are_removed_and_more_points_change_nothing_else():
 @pytest.mark.parametrize(
     ("change", "line"),
     [
-        ({"detrend": "slope"}, "detrend = 'slope': none, tilt, curvature is needed"),
-        ({"periodic": "yes"}, "periodic = 'yes': declared, mirrored, windowed is needed"),
+        ({"detrend": "slope"}, "detrend = 'slope': one of none, tilt, curvature is needed"),
+        ({"periodic": "yes"}, "periodic = 'yes': one of declared, mirrored, windowed is needed"),
         ({"wavelength_short": 0.01}, "wavelength_short = 0.01: a number ≥ 0.0625"),
         ({"wavelength_short": 2.0}, "wavelength_short = 2.0"),
         ({"points": 1}, "points = 1: a whole number ≥ 2"),
     ],
 )
-def test_what_is_out_of_range_is_named(change, line):
+def test_an_argument_out_of_range_is_named(change, line):
     with pytest.raises(ValueError, match=re.escape(line)):
         make_periodic(HeightMap(rough((32, 32)), (1.0, 1.0)), **{**PLAIN, **change})
 
@@ -137,7 +137,7 @@ def test_undefined_points_are_refused():
 
 @pytest.fixture
 def matrix(tmp_path):
-    """A text export as of Gwyddion, 6 rows and 8 columns of 0.5 µm, heights in nm."""
+    """A text export in the form of Gwyddion: 6 rows and 8 columns of 0.5 µm, heights in nm."""
     pytest.importorskip("SurfaceTopography")
     path = tmp_path / "map.asc"
     height = waves((6, 8))
@@ -146,7 +146,7 @@ def matrix(tmp_path):
     return path, height
 
 
-def test_a_file_gives_rows_along_y_and_heights_in_the_unit_of_its_edges(matrix):
+def test_a_file_gives_rows_along_y_and_edges_in_the_unit_of_the_heights(matrix):
     path, height = matrix
     found = read_map(path)
     assert found.length == pytest.approx((3000.0, 4000.0))
@@ -154,12 +154,12 @@ def test_a_file_gives_rows_along_y_and_heights_in_the_unit_of_its_edges(matrix):
     assert not found.periodic
 
 
-def test_what_the_file_says_is_not_said_again(matrix):
+def test_an_argument_that_repeats_the_file_is_refused(matrix):
     with pytest.raises(ValueError, match="the file says itself"):
         read_map(matrix[0], physical_size=(1.0, 1.0))
 
 
-def test_a_file_that_is_no_map_is_named(tmp_path):
+def test_a_file_that_is_not_a_map_is_named(tmp_path):
     pytest.importorskip("SurfaceTopography")
     with pytest.raises(ValueError, match="no such file"):
         read_map(tmp_path / "none.x3p")
@@ -212,7 +212,7 @@ def test_the_surfaces_of_opposite_gamma_are_mirror_images():
 
 
 def test_the_errors_of_the_moments_are_the_scatter_of_samples():
-    """Statistics of 200 samples: a standard deviation is known to 5 %; the formula is of first order."""
+    """200 samples give a standard deviation to 5 %; the formula is exact to first order."""
     parameters = {**BAND, "points": 64}
     samples = [make_surface(parameters, seed) for seed in range(200)]
     skewness, kurtosis = moment_errors(Grid((64, 64)), **BAND)

@@ -1,4 +1,4 @@
-"""Presets of accuracy: what they fill in, and what they leave to the configuration."""
+"""Presets of accuracy: the settings that they fill in, and those that a configuration gives itself."""
 
 import copy
 from pathlib import Path
@@ -6,12 +6,18 @@ from pathlib import Path
 import pytest
 import yaml
 
-from asperity.config.check import check, load_schema
-from asperity.config.presets import PRESETS, complete, overlay
+from asperity.config.check import check
+from asperity.config.defaults import complete
+from asperity.config.presets import PRESETS, accuracy_of, overlay
+from asperity.config.reader import merged
+from asperity.config.schema import setting
 
 ROOT = Path(__file__).parents[2]
-SCHEMA = load_schema(ROOT / "src/asperity/config/schema.yaml")
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
+
+
+def test_the_schema_knows_the_presets():
+    assert setting("accuracy")["enum"] == list(PRESETS)
 
 
 def test_the_paper_has_the_settings_its_figures_were_made_with():
@@ -30,12 +36,13 @@ def test_the_paper_has_the_settings_its_figures_were_made_with():
 def test_every_preset_gives_a_configuration_that_is_accepted_and_stays_as_it_is(name):
     before = PAPER | {"accuracy": name}
     whole = complete(before)
-    check(whole, SCHEMA)
+    check(whole)
     assert complete(whole) == whole
+    assert accuracy_of(whole, "gaussian") == PRESETS[name]
     assert "tolerance" not in before["contact"]
 
 
-def test_what_a_configuration_names_itself_counts():
+def test_a_setting_that_is_given_overrides_the_preset():
     config = copy.deepcopy(PAPER) | {"accuracy": "draft", "seeds": [7]}
     config["contact"]["precision"] = "float32"
     config["surfaces"]["gaussian"]["points"] = 300
@@ -52,15 +59,9 @@ def test_a_map_without_a_shortest_wavelength_keeps_its_points():
     assert "points" not in complete(config)["measured"]["fault"]
 
 
-def test_an_overlay_sets_every_knob():
-    """Laid over the paper it gives what the preset itself gives."""
+def test_the_overlay_of_a_preset_gives_what_the_preset_gives():
     wavelengths = {name: surface["wavelength_short"] for name, surface in PAPER["surfaces"].items()}
-    keys = overlay(PRESETS["reference"], wavelengths)
-    config = copy.deepcopy(PAPER) | {"seeds": keys["seeds"]}
-    for section in ("contact", "stress", "layer"):
-        config[section] |= keys[section]
-    for name, surface in keys["surfaces"].items():
-        config["surfaces"][name] |= surface
+    config = merged(PAPER, overlay(PRESETS["reference"], wavelengths))
     expected = complete(PAPER | {"accuracy": "reference"})
     assert complete(config) | {"accuracy": "reference", "measured": expected["measured"]} == expected
 

@@ -13,7 +13,3 @@ def test_the_library_example_runs():
     exec(example, names)
     assert abs(names["contact"].area_fraction - 0.10) < 1e-4
     assert set(names["analysis"].poisson.values) == {0.0, 0.33, 0.5}
-
-
-def test_it_is_not_longer_than_a_reader_likes():
-    assert len(README.splitlines()) <= 120

@@ -1,4 +1,4 @@
-"""Rough surfaces: spectrum, symmetry, moments, and what makes two of them the same."""
+"""Rough surfaces: spectrum, symmetry, moments, seeds, and refused arguments."""
 
 import numpy as np
 import pytest
@@ -53,7 +53,7 @@ def test_the_rms_height_is_exact_and_the_mean_zero(hurst, rms, seed):
 
 
 def test_the_spectrum_follows_its_power_law_over_an_ensemble():
-    """Statistics: 40 samples, rings of at least 25 waves; the bound is four standard errors."""
+    """40 samples, rings of at least 25 waves; bound: four standard errors."""
     grid, samples = Grid((128, 128)), 40
     q, target = target_spectrum(grid, 0.3, 1 / 4, 1 / 32, 0.01)
     mean = np.mean(
@@ -69,7 +69,7 @@ def test_the_spectrum_follows_its_power_law_over_an_ensemble():
 
 
 def test_an_ensemble_is_gaussian():
-    """Statistics: kurtosis and skewness of 40 samples of about 800 independent waves each."""
+    """40 samples of about 800 independent waves each."""
     measures = [
         roughness_parameters(self_affine((128, 128), 0.2, 1 / 4, 1 / 32, 0.01, seed)) for seed in range(40)
     ]
@@ -77,7 +77,7 @@ def test_an_ensemble_is_gaussian():
     assert np.mean([m.skewness for m in measures]) == pytest.approx(0, abs=0.05)
 
 
-def test_measures_of_a_wave():
+def test_roughness_parameters_of_a_wave():
     grid = Grid((32, 48), (2.0, 3.0))
     _, x = grid.coordinates()
     wave = np.broadcast_to(0.1 * np.cos(2 * np.pi * x), grid.shape)
@@ -103,15 +103,15 @@ def test_johnson_moments_are_those_of_a_transformed_normal(delta, skewness, kurt
 
 @pytest.mark.parametrize(("skewness", "kurtosis"), [(0, 2.2), (0, 5), (0.5, 3), (0.5, 4.5), (-0.8, 3.3)])
 def test_given_moments_are_reached(skewness, kurtosis):
-    """The bound is the quantile grid's: its tails end at about five standard deviations."""
+    """Bound: the quantiles end at about five standard deviations."""
     found = roughness_parameters(with_moments(normal_heights(), skewness, kurtosis))
     assert found.skewness == pytest.approx(skewness, abs=2e-3)
     assert found.kurtosis == pytest.approx(kurtosis, rel=1e-2)
     assert found.rms_height == pytest.approx(np.std(normal_heights()), rel=1e-12)
 
 
-def test_moments_no_distribution_has_are_refused():
-    with pytest.raises(ValueError, match=r"skewness = 1, kurtosis = 1\.5: no Johnson curve"):
+def test_moments_that_no_distribution_has_are_refused():
+    with pytest.raises(ValueError, match=r"skewness = 1\.0, kurtosis = 1\.5: no Johnson curve"):
         with_moments(normal_heights(), 1, 1.5)
 
 
@@ -124,11 +124,20 @@ def test_johnson_of_minus_gamma_is_the_mirror_image():
     ("change", "words"),
     [
         ({"hurst": 1.5}, "hurst = 1.5: a number from 0 to 1"),
-        ({"wavelength_long": -1}, "wavelength_long = -1: a positive"),
+        ({"wavelength_long": -1}, "wavelength_long = -1: a number > 0"),
         ({"wavelength_short": 0.5}, "at most 0.25"),
         ({"wavelength_short": 1 / 40}, "at least two nodes"),
         ({"rms_height": float("nan")}, "rms_height = nan"),
+        ({"rms_height": 1e308}, r"rms_height = 1e\+308: 0 or a number from 1e-75"),
+        ({"rms_height": 10**400}, "rms_height = 1000"),
+        ({"hurst": 10**400}, "hurst = 1000"),
+        ({"wavelength_long": 10**400}, "wavelength_long = 1000"),
+        ({"wavelength_short": 5e-324}, "wavelength_short = 5e-324: a number > 0, from 1e-75"),
+        ({"length": 5e-324}, "length = 5e-324"),
         ({"seed": -1}, "seed = -1"),
+        ({"seed": 1.5}, "seed = 1.5"),
+        ({"seed": float("nan")}, "seed = nan"),
+        ({"seed": float("inf")}, "seed = inf"),
         ({"wavelength_long": 0.26, "wavelength_short": 0.255}, "no wave of this band"),
     ],
 )
@@ -137,9 +146,17 @@ def test_a_wrong_argument_is_named(change, words):
         self_affine((64, 64), **({"seed": 1} | BAND | change))
 
 
+@pytest.mark.parametrize(
+    "change", [{"hurst": "0.8"}, {"hurst": True}, {"rms_height": None}, {"seed": "1"}, {"seed": True}]
+)
+def test_an_argument_that_is_not_a_number_is_refused(change):
+    with pytest.raises(TypeError, match=f"{next(iter(change))} = .* needed$"):
+        self_affine((64, 64), **({"seed": 1} | BAND | change))
+
+
 @pytest.mark.parametrize(("gamma", "delta"), [(10.0, 0.1), (-10.0, 0.1), (20.0, 0.05)])
 def test_johnson_far_from_its_middle_is_an_exponential(gamma, delta):
-    """Rounding: where no height leaves the bound by a part of 1e-20, the tail is all there is."""
+    """No height leaves the bound by a part of 1e-20: only the exponential tail varies. Bound: rounding."""
     normal = np.sign(gamma) * normal_heights() / np.std(normal_heights())
     tail = np.sign(gamma) * np.exp((normal - normal.max()) / delta)
     tail -= tail.mean()
@@ -154,13 +171,103 @@ def test_johnson_far_from_its_middle_is_an_exponential(gamma, delta):
         ({"lam": -8.0}, "lam = -8.0"),
         ({"gamma": float("nan")}, "gamma = nan"),
         ({"zeta": float("inf")}, "zeta = inf"),
-        ({"gamma": 1e3, "delta": 0.01}, "gamma = 1000.0, delta = 0.01: all heights come to lie at one bound"),
+        ({"gamma": 10**400}, "gamma = 1000"),
+        ({"delta": 5e-324}, "delta = 5e-324"),
+        ({"delta": 1e300}, r"delta = 1e\+300: a number > 0, from 1e-75 to 1e\+06"),
+        (
+            {"gamma": 1e3, "delta": 0.01},
+            "gamma = 1000.0, delta = 0.01: .* all heights are mapped to one bound",
+        ),
     ],
 )
 def test_a_wrong_johnson_parameter_is_named(change, words):
     with pytest.raises(ValueError, match=words):
         johnson(np.eye(4), **({"gamma": 1.25, "delta": 1.0} | change))
-    with pytest.raises(ValueError, match="flat"):
-        johnson(np.ones((4, 4)), 1.25, 1.0)
-    with pytest.raises(ValueError, match="finite heights"):
-        johnson(np.full((4, 4), np.inf), 1.25, 1.0)
+
+
+FUNCTIONS = {
+    "johnson": lambda height: johnson(height, 1.25, 1.0),
+    "with_moments": lambda height: with_moments(height, 0.5, 3.0),
+    "roughness_parameters": roughness_parameters,
+    "spectrum": spectrum,
+}
+
+
+@pytest.mark.parametrize("function", FUNCTIONS)
+@pytest.mark.parametrize(
+    ("height", "error", "words"),
+    [
+        (np.zeros((0, 4)), ValueError, r"height of shape \(0, 4\)"),
+        (np.zeros((0, 0)), ValueError, r"height of shape \(0, 0\)"),
+        (np.arange(4.0), ValueError, r"height of shape \(4,\)"),
+        (np.eye(4) > 0, TypeError, "height = .*: real numbers are needed"),
+        (np.eye(4) * 1j, TypeError, "height = .*: real numbers are needed"),
+        ([["a", "b"]], TypeError, "height = .*: real numbers are needed"),
+        ([[1.0, 2.0], [3.0]], TypeError, "height = .*: real numbers are needed"),
+        ([[10**400, 0], [1, 2]], TypeError, "height = .*: real numbers are needed"),
+        (None, TypeError, "height = None: real numbers are needed"),
+        (np.full((4, 4), np.inf), ValueError, "height = inf: finite heights"),
+        (np.diag([1.0, np.nan]), ValueError, "height = nan: finite heights"),
+        (np.eye(4) * 1e200, ValueError, r"height = 1e\+200: finite heights, at most 1e\+75"),
+        (np.ma.masked_equal(np.eye(4), 1), ValueError, "height: an array without masked elements"),
+    ],
+)
+def test_heights_that_are_not_an_array_of_finite_numbers_are_refused(function, height, error, words):
+    with pytest.raises(error, match=words) as caught:
+        FUNCTIONS[function](height)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("function", ["johnson", "with_moments", "roughness_parameters"])
+@pytest.mark.parametrize(
+    "height", [np.ones((4, 4)), np.full((5, 7), 0.1), np.zeros((1, 1)), 1e-200 * np.eye(4)]
+)
+def test_flat_surfaces_are_refused(function, height):
+    with pytest.raises(
+        ValueError, match="heights that differ by at least 1e-75 are needed, this surface is flat"
+    ):
+        FUNCTIONS[function](height)
+
+
+def test_integers_and_single_precision_are_accepted():
+    height = np.arange(12).reshape(3, 4) % 5
+    double = roughness_parameters(height.astype(float))
+    assert roughness_parameters(height) == roughness_parameters(height.astype(np.float32)) == double
+
+
+@pytest.mark.parametrize(
+    ("skewness", "kurtosis", "words"),
+    [
+        (0, 1.0001, r"kurtosis = 1\.0001: no Johnson curve .* from about 1\.2 to 1e\+06"),
+        (0, 1.05, r"kurtosis = 1\.05: no Johnson curve"),
+        (0, 0.5, r"kurtosis = 0\.5: a number from 1 to 1e\+06"),
+        (0, 1e9, "kurtosis = 1000000000.0: a number from 1 to"),
+        (0, float("nan"), "kurtosis = nan"),
+        (float("inf"), 3, "skewness = inf: a number from -1000 to 1000"),
+        (10**400, 3, "skewness = 1000"),
+    ],
+)
+def test_moments_out_of_reach_are_refused(skewness, kurtosis, words):
+    with pytest.raises(ValueError, match=words):
+        with_moments(normal_heights(), skewness, kurtosis)
+
+
+def test_a_peak_that_a_johnson_curve_cannot_hold_is_refused():
+    """One node of 1024² is 1024 standard deviations high, and the sinh of the curve overflows."""
+    height = np.zeros((1024, 1024))
+    height[3, 4] = 1.0
+    with pytest.raises(ValueError, match="height: a surface without extreme peaks"):
+        with_moments(height, 0, 1e4)
+
+
+def test_the_moments_of_a_gaussian_leave_the_surface_as_it_is():
+    height = self_affine((64, 64), seed=1, **BAND)
+    np.testing.assert_allclose(with_moments(height, 0, 3), height, atol=1e-16)
+
+
+@pytest.mark.parametrize(("skewness", "kurtosis"), [(0, 1.2), (1, 2.3), (2, 5.6)])
+def test_the_smallest_kurtosis_of_a_fit_is_reached(skewness, kurtosis):
+    """Bound: the quadrature of the fit, and the tails of the quantiles."""
+    found = roughness_parameters(with_moments(normal_heights(), skewness, kurtosis))
+    assert found.skewness == pytest.approx(skewness, abs=2e-3)
+    assert found.kurtosis == pytest.approx(kurtosis, rel=2e-3)

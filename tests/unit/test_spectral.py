@@ -1,4 +1,4 @@
-"""The DFT convention, held against sums written out."""
+"""The Fourier convention, tested against explicit sums, and refused arguments."""
 
 import numpy as np
 import pytest
@@ -17,7 +17,7 @@ def explicit_coefficients(values, grid):
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize(("dtype", "bound"), [("float64", 1e-14), ("float32", 1e-6)])
-def test_forward_is_the_written_sum_and_inverse_undoes_it(shape, dtype, bound):
+def test_forward_is_the_explicit_sum_and_inverse_undoes_it(shape, dtype, bound):
     grid = Grid(shape, (2.0, 3.0))
     values = np.random.default_rng(1).normal(size=shape)
     fourier = Fourier(grid, dtype)
@@ -104,13 +104,46 @@ def test_good_size_is_even_and_large_enough():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"), [(((0, 4),), "shape"), (((4, 4, 4),), "shape"), (((4, 4), -1.0), "length")]
+    ("arguments", "words"),
+    [
+        (((0, 4),), r"shape = \(0, 4\): a pair"),
+        (((4, 4, 4),), "shape"),
+        (((4.5, 4),), "shape"),
+        (((np.nan, 4),), "shape = .*nan"),
+        (((np.inf, 4),), "shape = .*inf"),
+        (((10**400, 4),), "shape"),
+        (((4, 4), -1.0), "length = -1.0"),
+        (((4, 4), np.nan), "length = nan"),
+        (((4, 4), 5e-324), "length = 5e-324: a number > 0, from 1e-75"),
+        (((4, 4), (1.0, 1e308)), r"length = 1e\+308"),
+        (((4, 4), (1.0, 2.0, 3.0)), "length = .*: one number or a pair"),
+    ],
 )
 def test_a_wrong_grid_is_named(arguments, words):
     with pytest.raises(ValueError, match=words):
         Grid(*arguments)
 
 
-def test_a_wrong_precision_is_named():
-    with pytest.raises(ValueError, match="float64 or float32"):
-        Fourier(Grid((4, 4)), "int32")
+@pytest.mark.parametrize(
+    "arguments",
+    [(4,), (None,), ("44",), ((True, 4),), ((4, 4), "1"), ((4, 4), None), ((4, 4), True), ((4, 4), 10**400)],
+)
+def test_a_grid_of_what_is_not_a_number_is_refused(arguments):
+    with pytest.raises(TypeError, match=r"(shape|length) = .* needed$"):
+        Grid(*arguments)
+
+
+@pytest.mark.parametrize("dtype", ["int32", "float16", "quadruple"])
+def test_a_wrong_precision_is_named(dtype):
+    with pytest.raises(ValueError, match=f"dtype = '{dtype}': float64 or float32 is needed"):
+        Fourier(Grid((4, 4)), dtype)
+
+
+def test_an_array_of_another_grid_is_refused():
+    fourier = Fourier(Grid((4, 6)))
+    with pytest.raises(ValueError, match=r"values of shape \(6, 4\)"):
+        fourier.forward(np.ones((6, 4)))
+    with pytest.raises(ValueError, match=r"coefficients of shape \(4, 6\)"):
+        fourier.inverse(np.ones((4, 6), complex))
+    with pytest.raises(ValueError, match="target of length"):
+        resample(np.ones((4, 4), complex), fourier.grid, Grid((4, 6), 2.0))

@@ -28,7 +28,7 @@ def run(seed, layer=LAYER):
     return SeedResults(seed, surface, contact, compute_stress(contact, layer, BODY))
 
 
-def test_a_tall_layer_is_taken_for_a_half_space_and_a_thin_one_is_not():
+def test_a_half_space_replaces_a_tall_layer_but_not_a_thin_one():
     tall, record = solid(LAYER)
     assert tall.height is None
     assert record["solid"] == "half-space"
@@ -39,7 +39,7 @@ def test_a_tall_layer_is_taken_for_a_half_space_and_a_thin_one_is_not():
     assert thin.effective_modulus == pytest.approx(1)
 
 
-def test_the_curve_holds_every_area_asked_for_in_order():
+def test_the_load_area_curve_holds_every_area_fraction_in_rising_order():
     contact = solve_contact(make_surface(SURFACE, 1), LAYER, CONTACT | {"path_area_fractions": [0.15, 0.05]})
     np.testing.assert_allclose(contact.path_area_fraction, [0.05, 0.1, 0.15], atol=1 / 64**2)
     assert np.all(np.diff(contact.path_mean_pressure) > 0)
@@ -78,7 +78,7 @@ def test_two_seeds_have_bands_and_one_has_none():
     assert all(name in two.attrs for name in SOLID_ATTRIBUTES)
 
 
-def test_every_stage_speaks_the_vocabulary(tmp_path):
+def test_the_variables_of_every_stage_can_be_written_and_read(tmp_path):
     results = run(1)
     stages = {name: getattr(results, name) for name in ("surface", "contact", "stress")}
     stages["statistics"] = surface_statistics([results], **STATISTICS)

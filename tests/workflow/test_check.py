@@ -26,10 +26,10 @@ def test_the_quick_study_has_the_numbers_of_the_reference(quick):
 
 def test_one_percent_in_a_kernel_is_caught(tmp_path):
     folder = copy_project(tmp_path)
-    layer = folder / "src/asperity/elasticity/layer.py"
+    kernels = folder / "src/asperity/elasticity/kernels.py"
     was, now = "(1.0 + d) * a, (1.0 - d) * a, d * a,", "(1.0 + d) * a, 1.01 * (1.0 - d) * a, d * a,"
-    assert was in layer.read_text()
-    layer.write_text(layer.read_text().replace(was, now))
+    assert was in kernels.read_text()
+    kernels.write_text(kernels.read_text().replace(was, now))
     found = run(folder, *CHECK, "--surfaces", "cutoff_64")
     assert found.returncode == 1
     lines = found.stderr.splitlines()

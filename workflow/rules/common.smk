@@ -77,9 +77,9 @@ def last_words(job):
 
 def announce_run(jobs):
     """Say before the run what it will take."""
-    from asperity.accuracy.plan import announce  # not in the process of every job
+    from asperity.accuracy.resources import announce  # not in the process of every job
 
-    ahead = [(job.rule.name, NEEDS[job.rule.name](job.wildcards)) for job in jobs if job.rule.name in NEEDS]
+    ahead = [(job.rule.name, COSTS[job.rule.name](job.wildcards)) for job in jobs if job.rule.name in COSTS]
     if ahead:
         at_once = workflow.cores if workflow.local_exec else workflow.nodes
         print(announce(ahead, at_once), file=sys.stderr, flush=True)

@@ -1,70 +1,97 @@
+# Resources of every rule, from the cost model of the library: they depend on the configuration only.
 import math
 import os
+from dataclasses import replace
 
-from asperity.accuracy.resources import COMPILER_MEMORY, WORKFLOW_MEMORY, need
+from asperity.accuracy.resources import COMPILER_MEMORY, WORKFLOW_MEMORY, job_cost
+from asperity.config.presets import PRESETS
+
+ACCURACY = replace(
+    PRESETS["paper"],
+    contact_tolerance=config["contact"]["tolerance"],
+    precision=config["contact"]["precision"],
+    depth_tolerance=config["stress"]["tolerance"],
+    depth_spacing=config["stress"]["depth_spacing"],
+)
 
 
 def nodes(*names):
-    """Nodes of the grids of surfaces; of a measured map of unknown size, no more than its file has bytes."""
+    """Nodes of the grids of surfaces; for a measured map of unknown size, the bytes of its file, which are more."""
     surfaces = [{**SURFACES, **MEASURED}[name] for name in names]
     return sum(s["points"] ** 2 if "points" in s else os.path.getsize(s["file"]) for s in surfaces)
 
 
-def loads(wildcards):
-    """Loads at which a contact is solved."""
+def surface_cost(wildcards):
+    """Cost of a random or measured surface."""
+    job = "measured surface" if wildcards.surface in MEASURED else "surface"
+    return job_cost(job, nodes(wildcards.surface))
+
+
+def contact_cost(wildcards):
+    """Cost of a contact, with the number of its loads."""
     settings = contact_settings(wildcards)
-    return len({*settings["path_area_fractions"], settings["area_fraction"]})
+    loads = len({*settings["path_area_fractions"], settings["area_fraction"]})
+    return job_cost("contact", nodes(wildcards.surface), loads, ACCURACY, settings["area_fraction"])
 
 
-def figure_need(name):
-    """Of a figure: it holds a field of each surface, five of each contact, and little of other stages."""
-    figure = FIGURES[name]
+def stress_cost(wildcards):
+    """Cost of the stress, with the number of its Poisson's ratios."""
+    return job_cost("stress", nodes(wildcards.surface), len(config["stress"]["poisson"]), ACCURACY)
+
+
+def figure_cost(wildcards):
+    """Cost of a figure, which holds one field of every surface and five of every contact that it shows."""
+    figure = FIGURES[wildcards.figure]
     if figure.cost == "figure of elements":
-        return need(figure.cost, math.prod(config["validation"]["elements"]["elements"]))
-    surfaces = [surface for study in figure.studies for surface in config["studies"][study]]
+        return job_cost(figure.cost, math.prod(config["validation"]["elements"]["elements"]))
+    names = [name for study in figure.studies for name in config["studies"][study]]
     fields = ("surface" in figure.stages) + 5 * ("contact" in figure.stages)
-    return need(figure.cost, nodes(*surfaces) * fields)
+    return job_cost(figure.cost, nodes(*names) * fields)
 
 
-# What the job of each rule needs. Other rules have next to nothing to do.
-NEEDS = {
-    "compiled": lambda wildcards: need("compiled"),
-    "surface": lambda wildcards: need(
-        "map" if wildcards.surface in MEASURED else "surface", nodes(wildcards.surface)
-    ),
-    "contact": lambda wildcards: need("contact", nodes(wildcards.surface), loads(wildcards)),
-    "stress": lambda wildcards: need("stress", nodes(wildcards.surface), len(config["stress"]["poisson"])),
-    "statistics": lambda wildcards: need(
-        "statistics", nodes(wildcards.surface), len(seeds_of(wildcards.surface))
-    ),
-    "verification": lambda wildcards: need(
-        "verification", nodes(wildcards.surface), len(seeds_of(wildcards.surface))
-    ),
-    "figure": lambda wildcards: figure_need(wildcards.figure),
-    "validation": lambda wildcards: need("validation"),
-    "calculix": lambda wildcards: need("calculix"),
-    "validation_table": lambda wildcards: need("validation table"),
-    "claims": lambda wildcards: need("claims"),
-    "tradeoff": lambda wildcards: need("tradeoff", max(config["tradeoff"][wildcards.extent]["sizes"]) ** 2),
-    "tradeoff_figures": lambda wildcards: need("tradeoff figures"),
+def seeds_cost(job):
+    """Cost of a job that reads the results of all seeds of a surface."""
+    return lambda wildcards: job_cost(job, nodes(wildcards.surface), len(seeds_of(wildcards.surface)))
+
+
+def tradeoff_cost(wildcards):
+    """Cost of the measurement of speed and accuracy, with its largest grid."""
+    return job_cost("tradeoff", max(config["tradeoff"][wildcards.extent]["sizes"]) ** 2)
+
+
+# Rule -> cost of its job. Rules that are not listed take next to no time and memory.
+COSTS = {
+    "compiled": lambda wildcards: job_cost("compiled"),
+    "surface": surface_cost,
+    "contact": contact_cost,
+    "stress": stress_cost,
+    "statistics": seeds_cost("statistics"),
+    "verification": seeds_cost("verification"),
+    "figure": figure_cost,
+    "validation": lambda wildcards: job_cost("validation"),
+    "calculix": lambda wildcards: job_cost("calculix"),
+    "validation_table": lambda wildcards: job_cost("validation table"),
+    "claims": lambda wildcards: job_cost("claims"),
+    "tradeoff": tradeoff_cost,
+    "tradeoff_figures": lambda wildcards: job_cost("tradeoff figures"),
 }
 
 
 def memory(rule):
-    """The resource mem_mb of a rule: of its job, and on a cluster also of the workflow that runs it there."""
+    """Resource mem_mb of a rule; on a cluster with the workflow and the compiler, which run beside the job."""
 
     def megabytes(wildcards):
         beside = 0 if workflow.local_exec else WORKFLOW_MEMORY + COMPILER_MEMORY
-        return math.ceil(NEEDS[rule](wildcards).memory + beside)
+        return math.ceil((COSTS[rule](wildcards).memory + beside) / 1e6)
 
     return megabytes
 
 
 def disk(rule):
-    """The resource disk_mb of a rule: what it writes."""
-    return lambda wildcards: math.ceil(NEEDS[rule](wildcards).disk)
+    """Resource disk_mb of a rule: the files it writes."""
+    return lambda wildcards: math.ceil(COSTS[rule](wildcards).disk / 1e6)
 
 
 def minutes(rule):
-    """The resource runtime of a rule: four times what its job took here, and ten minutes to start."""
-    return lambda wildcards: math.ceil(10 + 4 * NEEDS[rule](wildcards).seconds / 60)
+    """Resource runtime of a rule: four times its time on the machine of the measurement, and ten minutes to start."""
+    return lambda wildcards: math.ceil(10 + 4 * COSTS[rule](wildcards).seconds / 60)

@@ -1,4 +1,4 @@
-# The measurement from which plans are made: reduced in rule all, in full by its own name.
+# Measurement of speed and accuracy, from which plans are made: reduced in rule all; in full by `make tradeoff`.
 rule tradeoff:
     input:
         compiled=COMPILED,

@@ -1,4 +1,4 @@
-"""Rule surface: a rough surface, made or measured, and its measures."""
+"""Rule surface: a random or measured rough surface."""
 
 from asperity.pipeline.surface import make_surface, read_surface
 from asperity.results import dataset

@@ -1,9 +1,11 @@
-"""Rule tradeoff: errors and costs of every knob, and the tables that plans are made from."""
+"""Rule tradeoff: errors and costs of every parameter of accuracy, and the tables that plans are made from."""
 
 from pathlib import Path
 
+from asperity.accuracy.measured import as_json
 from asperity.accuracy.measurement import measure
-from asperity.accuracy.model import as_json, describe_errors, describe_presets, fit
+from asperity.accuracy.reduction import reduce_runs
+from asperity.accuracy.tables import describe_errors, describe_presets
 from asperity.results import dataset
 from asperity.runtime.progress import Progress, record
 
@@ -13,10 +15,10 @@ with record(snakemake.log[0]), Progress("tradeoff") as progress:
     dataset.write(
         runs,
         snakemake.output.runs,
-        title="The trade between speed and accuracy",
+        title="Speed and accuracy",
         settings={"tradeoff": settings},
     )
-    measured = fit(runs)
+    measured = reduce_runs(runs)
     Path(snakemake.output.measured).write_text(as_json(measured), encoding="utf-8")
     text = f"{describe_presets(measured)}\n\n{describe_errors(measured)}\n"
     Path(snakemake.output.table).write_text(text, encoding="utf-8")

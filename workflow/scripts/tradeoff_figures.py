@@ -1,6 +1,6 @@
-"""Rule tradeoff_figures: error against time, errors by source, cost against size."""
+"""Rule tradeoff_figures: error against time, errors by source, cost against grid size."""
 
-from asperity.accuracy.model import fit
+from asperity.accuracy.reduction import reduce_runs
 from asperity.paper.figures import tradeoff
 from asperity.paper.figures.style import save, style
 from asperity.results import dataset
@@ -8,5 +8,5 @@ from asperity.runtime.progress import record
 
 with record(snakemake.log[0]), style(snakemake.input.style):
     runs = dataset.read(snakemake.input.runs)
-    for name, figure in tradeoff.draw(runs, fit(runs)).items():
+    for name, figure in tradeoff.draw(runs, reduce_runs(runs)).items():
         save(figure, *(path for path in snakemake.output if name in path))

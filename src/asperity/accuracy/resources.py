@@ -1,105 +1,255 @@
-"""What the jobs of a study need: memory and processor time, by the size of the grid.
+"""Cost of every job of the study: memory, processor time and files written.
 
-Fitted to the study of the paper, on grids of 512² to 4096²; `workflow/cost.py --declared` holds the
-memory against a run. `python -m asperity.accuracy.resources POINTS …` prints the needs of any grids.
+This is the only cost model. The rules of the workflow declare it as their resources, the study announces it
+before it starts, and `asperity plan` chooses settings by it. Memory and files are linear in the nodes of the
+grid; so is the time, except that of surface, contact and stress, which follows laws fitted to `make tradeoff`
+(`asperity.accuracy.reduction`) and depends on the settings of accuracy. All numbers hold on the machine of
+that measurement; `time_factor` compares this machine with it.
+
+`python -m asperity.accuracy.resources POINTS ...` prints the costs of the stages on square grids.
 """
 
 from __future__ import annotations
 
+import math
 import sys
-from collections.abc import Iterable
-from typing import NamedTuple
+import time
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
+from typing import Any, NamedTuple
 
-WORKFLOW_MEMORY = 320.0
-"""What Snakemake takes beside a job on a node of a cluster, in MB: the instance that holds the
-allocation, and the one that runs the job."""
+import numpy as np
 
-COMPILER_MEMORY = 150.0
-"""What compiling takes beside a job, in MB, on a node whose processor is not that for which it was done."""
+from asperity.accuracy.measured import MeasuredTradeoff, load
+from asperity.accuracy.tables import markdown, minutes
+from asperity.config.presets import PRESETS, AccuracySettings
+from asperity.spectral import Fourier, Grid
 
+PAPER = PRESETS["paper"]
 
-class Need(NamedTuple):
-    """Largest memory (MB), processor time (s) and files written (MB) of one job."""
+WORKFLOW_MEMORY = 320e6
+"""Memory (bytes) of Snakemake beside a job on a node of a cluster: the instance that holds the allocation,
+and the one that runs the job."""
 
-    memory: float
-    seconds: float
-    disk: float
+COMPILER_MEMORY = 150e6
+"""Memory (bytes) of compiling beside a job, on a node whose processor differs from the one compiled for."""
 
-
-class _Line(NamedTuple):
-    """Memory (MB) and time (s) of a job without a grid; bytes and microseconds for each node of one."""
-
-    memory: float
-    bytes: float
-    seconds: float
-    microseconds: float
-
-
-_LINES = {
-    "compiled": _Line(295, 0, 14, 0),
-    "surface": _Line(144, 31, 2, 0.8),
-    "map": _Line(250, 31, 5, 0.8),
-    "contact": _Line(260, 85, 3, 1.3),
-    "contact path": _Line(260, 130, 3, 1.3),
-    "stress": _Line(270, 139, 4, 2.5),
-    "statistics": _Line(205, 53, 3, 0.5),
-    "verification": _Line(300, 262, 4, 2),
-    "figure": _Line(200, 8, 5, 0.1),
-    "figure of elements": _Line(235, 306e3, 6, 0),
-    "figure of extremes": _Line(320, 0, 6, 0),
-    "tradeoff figures": _Line(300, 0, 8, 0),
-    "claims": _Line(380, 0, 10, 0),
-    "validation": _Line(300, 0, 25, 0),
-    "validation table": _Line(240, 0, 5, 0),
-    "calculix": _Line(500, 0, 320, 0),
-    "tradeoff": _Line(330, 300, 8, 95),
+TIME_LAWS: dict[str, tuple[str, ...]] = {
+    "surface": (),
+    "contact": ("contact_digits", "single_precision", "area", "loads"),
+    "stress": ("depth_digits", "spacing", "ratios"),
 }
-_AGAIN = {
-    "contact": _Line(0, 0, 0.5, 0.75),
-    "stress": _Line(0, 22, 0, 0.5),
-    "statistics": _Line(0, 48, 2, 0.3),
-    "verification": _Line(0, 8, 0.1, 0.3),
-}
-"""What every further load, Poisson's ratio or seed adds."""
+"""Stages whose time follows a measured law → the factors whose powers are in it, besides the grid."""
 
-_WRITTEN = {"surface": 7, "map": 7, "contact": 15, "stress": 2}
-"""Bytes in files for each node; the other stages write less than a megabyte."""
-
-_BESIDE = {"calculix": 3}
-"""Megabytes in files of another program."""
+CALCULATION_STAGES = tuple(TIME_LAWS)
+"""Stages from the spectrum of a surface to the stress and its peaks."""
 
 
-def need(stage: str, nodes: int = 0, times: int = 1) -> Need:
-    """What one job needs.
+class Cost(NamedTuple):
+    """Cost of one job.
 
     Parameters
     ----------
-    stage : str
-        A stage of the study, or ``map`` for a measured surface.
+    memory : float
+        Peak memory in bytes.
+    fixed_seconds : float
+        Processor time that does not depend on the input: start of Python, imports, drawing.
+    calculation_seconds : float
+        Processor time of the calculation, which grows with the input.
+    disk : float
+        Bytes of the files written.
+    """
+
+    memory: float
+    fixed_seconds: float
+    calculation_seconds: float
+    disk: float
+
+    @property
+    def seconds(self) -> float:
+        """Processor time of the whole job."""
+        return self.fixed_seconds + self.calculation_seconds
+
+
+class _Line(NamedTuple):
+    """Cost as a straight line over the nodes of the grid: MB and seconds, bytes and microseconds per node."""
+
+    memory: float
+    memory_per_node: float = 0.0
+    seconds: float = 0.0
+    time_per_node: float = 0.0
+    disk: float = 1.0
+    disk_per_node: float = 0.0
+
+
+# Fitted to logs of the paper's study, on grids of 512² to 4096² (docs/scaling.md). The seconds of surface,
+# contact and stress are those of the imports; their calculation follows the time laws.
+_LINES = {
+    "compiled": _Line(295, seconds=14),
+    "surface": _Line(144, 31, seconds=2, disk_per_node=7),
+    "measured surface": _Line(250, 31, seconds=5, time_per_node=0.8, disk_per_node=7),
+    "contact": _Line(260, 85, seconds=2, disk_per_node=15),
+    "load-area curve": _Line(260, 130, seconds=2, disk_per_node=15),
+    "stress": _Line(270, 139, seconds=2, disk_per_node=2),
+    "statistics": _Line(205, 53, seconds=3, time_per_node=0.5),
+    "verification": _Line(300, 262, seconds=4, time_per_node=2),
+    "figure": _Line(200, 8, seconds=5, time_per_node=0.1),
+    "figure of elements": _Line(235, 306e3, seconds=6),
+    "figure of extremes": _Line(320, seconds=6),
+    "tradeoff": _Line(330, 300, seconds=8, time_per_node=95),
+    "tradeoff figures": _Line(300, seconds=8),
+    "claims": _Line(380, seconds=10),
+    "validation": _Line(300, seconds=25),
+    "validation table": _Line(240, seconds=5),
+    "calculix": _Line(500, seconds=320, disk=4),
+}
+
+# Memory and time added for every further Poisson's ratio of a stress, and every further seed of the others.
+_FURTHER = {
+    "stress": _Line(0, 22),
+    "statistics": _Line(0, 20, seconds=2, time_per_node=0.3),
+    "verification": _Line(0, 8, seconds=0.1, time_per_node=0.3),
+}
+
+
+def job_cost(
+    job: str,
+    nodes: int = 0,
+    repetitions: int = 1,
+    accuracy: AccuracySettings = PAPER,
+    area_fraction: float = 0.1,
+) -> Cost:
+    """Cost of one job on the machine of the measurement.
+
+    Parameters
+    ----------
+    job : str
+        A stage of the study, ``measured surface``, or another job of the table in this module.
     nodes : int
-        Nodes of the grid of its surface, of all fields that a figure holds, or elements of a mesh.
-    times : int
+        Nodes of the grid; of a figure, those of all fields that it holds, or finite elements.
+    repetitions : int
         Loads of a contact, Poisson's ratios of a stress, seeds of statistics and of a verification.
+    accuracy : AccuracySettings
+        Tolerances, precision and depth spacing of contact and stress; the grid is that of `nodes`.
+    area_fraction : float
+        Of the contact.
 
     Raises
     ------
     KeyError
-        If there is no such stage.
+        If there is no such job.
     """
-    line = _LINES["contact path" if stage == "contact" and times > 1 else stage]
-    again = _AGAIN.get(stage, _Line(0, 0, 0, 0))
-    millions = nodes / 1e6
-    return Need(
-        line.memory + line.bytes * millions + (times - 1) * (again.memory + again.bytes * millions),
-        line.seconds
-        + line.microseconds * millions
-        + (times - 1) * (again.seconds + again.microseconds * millions),
-        1 + _BESIDE.get(stage, 0) + _WRITTEN.get(stage, 0) * millions,
+    line = _LINES["load-area curve" if job == "contact" and repetitions > 1 else job]
+    more, further = repetitions - 1, _FURTHER.get(job, _Line(0))
+    if job in TIME_LAWS:
+        settings = asdict(accuracy) | {
+            "area_fraction": area_fraction,
+            "loads": repetitions,
+            "ratios": repetitions,
+        }
+        calculation = float(law_seconds(load().time_laws[job], nodes, settings))
+    else:
+        per_node = line.time_per_node + more * further.time_per_node
+        calculation = 1e-6 * nodes * per_node + more * further.seconds
+    return Cost(
+        memory=1e6 * line.memory + nodes * (line.memory_per_node + more * further.memory_per_node),
+        fixed_seconds=line.seconds,
+        calculation_seconds=calculation,
+        disk=1e6 * line.disk + nodes * line.disk_per_node,
     )
 
 
-def table(points: Iterable[int], ratios: int = 4) -> str:
-    """Gigabytes and processor minutes of the stages on square grids, for a reader.
+def law_seconds(law: Mapping[str, float], nodes: Any, settings: Mapping[str, Any]) -> Any:
+    """Processor time of a stage by its measured law, or array of times.
+
+    ``(exp(log_constant) + exp(log_per_node) n log2(√n)) × Π factor^power`` for n nodes, with the factors of
+    `TIME_LAWS`, which are one at the settings of the paper.
+
+    Parameters
+    ----------
+    law : mapping
+        ``log_constant``, ``log_per_node``, and the power of every factor.
+    nodes : int or array
+        Nodes of the square grid.
+    settings : mapping
+        Settings of accuracy, ``area_fraction``, ``loads`` and ``ratios``: numbers or arrays.
+    """
+    nodes = np.maximum(nodes, 1)
+    seconds = np.exp(law["log_constant"]) + np.exp(law["log_per_node"]) * nodes * np.log2(nodes) / 2
+    for name, power in law.items():
+        if name not in ("log_constant", "log_per_node"):
+            seconds = seconds * _factor(name, settings) ** power
+    return seconds
+
+
+def _factor(name: str, settings: Mapping[str, Any]) -> Any:
+    """Setting that a time is a power of, relative to the paper's."""
+    match name:
+        case "contact_digits":
+            return np.log10(settings["contact_tolerance"]) / math.log10(PAPER.contact_tolerance)
+        case "single_precision":
+            return np.where(settings["precision"] == "float32", math.e, 1.0)
+        case "area":
+            return settings["area_fraction"] / 0.1
+        case "depth_digits":
+            tolerance = np.maximum(settings["depth_tolerance"], 1e-12)
+            return np.log10(tolerance / 10) / math.log10(PAPER.depth_tolerance / 10)
+        case "spacing":
+            return settings["depth_spacing"] / PAPER.depth_spacing
+        case _:  # loads, ratios
+            return settings[name]
+
+
+def transform_seconds(points: int, repetitions: int = 3) -> float:
+    """Processor time now of a pair of Fourier transforms of a square grid, the least of some repetitions."""
+    fourier = Fourier(Grid((points, points)))
+    values, coefficients = np.ones((points, points)), np.empty(fourier.grid.half_shape, complex)
+    times = []
+    for _ in range(repetitions):
+        start = time.process_time()
+        fourier.inverse(fourier.forward(values, coefficients), values, overwrite=True)
+        times.append(time.process_time() - start)
+    return min(times)
+
+
+def time_factor(measured: MeasuredTradeoff | None = None) -> float:
+    """Time of a Fourier transform on this machine now, divided by that on the machine of the measurement."""
+    points, seconds = (measured or load()).transform
+    return transform_seconds(points, repetitions=7) / seconds
+
+
+def announce(jobs: Sequence[tuple[str, Cost]], cores: int, factor: float | None = None) -> str:
+    """Number of jobs, minutes and memory of a run of the study, in a few lines.
+
+    Parameters
+    ----------
+    jobs : sequence of (rule, Cost)
+        All jobs of the run.
+    cores : int
+    factor : float, optional
+        Time on this machine over that on the machine of the measurement; by default `time_factor`.
+    """
+    factor = time_factor() if factor is None else factor
+    by_rule: dict[str, list[Cost]] = {}
+    for rule, cost in jobs:
+        by_rule.setdefault(rule, []).append(cost)
+    costs = [cost for _, cost in jobs]
+    total = factor * sum(cost.seconds for cost in costs)
+    longest = factor * max(cost.seconds for cost in costs)
+    lines = [
+        f"plan: {len(costs)} jobs, about {minutes(total)} of one processor, "
+        f"{minutes(max(total / cores, longest))} on {cores} {'core' if cores == 1 else 'cores'}, "
+        f"at most {max(cost.memory for cost in costs) / 2**30:.1f} GiB in one job"
+    ]
+    for rule, group in sorted(by_rule.items(), key=lambda item: -sum(cost.seconds for cost in item[1])):
+        time_of_rule = minutes(factor * sum(cost.seconds for cost in group))
+        memory = max(cost.memory for cost in group) / 2**30
+        lines.append(f"plan:   {rule:18}{len(group):5} jobs {time_of_rule:>9} {memory:6.1f} GiB")
+    return "\n".join(lines)
+
+
+def stage_table(points: Iterable[int], ratios: int = 4) -> str:
+    """Markdown table of memory (GB) and processor minutes of the stages on square grids.
 
     Parameters
     ----------
@@ -109,13 +259,13 @@ def table(points: Iterable[int], ratios: int = 4) -> str:
         Poisson's ratios of the stress.
     """
     stages = {"surface": 1, "contact": 1, "stress": ratios, "statistics": 1, "verification": 1}
-    lines = [f"| points | {' | '.join(stages)} |", "|---" * (len(stages) + 1) + "|"]
+    rows = [["points", *stages]]
     for edge in points:
-        needs = [need(stage, edge**2, times) for stage, times in stages.items()]
-        cells = [f"{each.memory / 1000:.1f} GB, {each.seconds / 60:.1f} min" for each in needs]
-        lines.append(f"| {edge}² | {' | '.join(cells)} |")
-    return "\n".join(lines)
+        costs = [job_cost(stage, edge**2, repetitions) for stage, repetitions in stages.items()]
+        cells = [f"{cost.memory / 1e9:.1f} GB, {cost.seconds / 60:.1f} min" for cost in costs]
+        rows.append([f"{edge}²", *cells])
+    return markdown(rows)
 
 
 if __name__ == "__main__":
-    print(table(map(int, sys.argv[1:])))
+    print(stage_table(map(int, sys.argv[1:])))

@@ -1,1 +1,5 @@
-"""The command line of asperity."""
+"""The command line ``asperity solve | stress | peaks | plot | plan``: single calculations without the study.
+
+`main` runs a command and turns errors into one line. `parser` describes the commands, with `arguments` made
+from the schema of the settings. The module of each command in `commands` is imported when it runs.
+"""

@@ -1,42 +1,39 @@
-"""The command line, for one-off use without the study: ``asperity solve | stress | peaks | plot | plan``.
-
-Nothing is imported here that may be missing: the commands themselves are in `asperity.cli.commands`.
-"""
+"""Entry point of the command line: runs one command, and answers every error with one line."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Sequence
+from importlib import import_module
 
-from asperity.errors import PreflightError, fail
+from asperity.errors import ConvergenceError, DatasetError, PreflightError, fail
 from asperity.runtime.preflight import BASE_PACKAGES, PACKAGES, REMEDY, require_packages
+
+INTERRUPTED = 130
+"""Exit status after Ctrl-C, as shells give it: 128 and the number of the signal."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; 0 if it did what it says, 1 with one line on stderr if it could not.
+    """Run one command and return the exit status.
 
-    Usage errors end the process with 2, as argparse does.
+    Returns
+    -------
+    status : int
+        0 on success, 1 with one line on stderr otherwise, 130 if interrupted. Wrong usage ends the process
+        with 2 and one line, as argparse does.
     """
     try:
         require_packages(BASE_PACKAGES)
-    except PreflightError as error:
-        return fail(str(error))
-    from asperity.cli.commands import run
-    from asperity.errors import ConvergenceError, DatasetError
+        from asperity.cli.parser import make_parser
 
-    try:
-        run(arguments)
+        options = make_parser().parse_args(arguments)
+        import_module(f"asperity.cli.commands.{options.command}").run(options)
     except KeyboardInterrupt:
-        return fail("interrupted", 130)
+        return fail("interrupted", INTERRUPTED)
     except ModuleNotFoundError as error:
         package = PACKAGES.get((error.name or "").split(".")[0])
         return fail(f"not installed: {package}; {REMEDY}" if package else str(error))
     except (ValueError, TypeError, OSError, ImportError, MemoryError) as error:
         return fail(str(error) or type(error).__name__)
-    except (DatasetError, ConvergenceError) as error:
+    except (DatasetError, ConvergenceError, PreflightError) as error:
         return fail(str(error))
     return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,143 +1,150 @@
-"""The study's configuration: checked against its schema, and described from it.
-
-`python -m asperity.config.check SCHEMA` prints the description of every key,
-`python -m asperity.config.check SCHEMA CONFIG OVERLAY ...` checks a configuration with its overlays.
-"""
+"""Check of a configuration against the schema, and of its settings against each other."""
 
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Iterator, Mapping
-from pathlib import Path
+from functools import cache
 from typing import Any
 
+import jsonschema
+from jsonschema import ValidationError
+
+from asperity.config.defaults import complete
+from asperity.config.reader import is_file
+from asperity.config.schema import Entry, accepted, number, schema, setting
 from asperity.errors import ConfigError, shown
-from asperity.runtime.preflight import PACKAGES, REMEDY
 
-try:
-    import jsonschema
-    import yaml
-except ModuleNotFoundError as error:
-    if __name__ == "__main__" and error.name in PACKAGES:
-        sys.exit(f"config: not installed: {PACKAGES[error.name]}; {REMEDY}")
-    raise
+_LONGEST_KEY = 40
+"""Characters of a key that are shown as they are; longer keys are shortened like values."""
 
-from asperity.config.presets import complete
-from asperity.config.reader import load, merged
+_ROUNDING = 1e-9
+"""Two nodes on the shortest wavelength may be missed by this much, as 1/3 in decimal digits misses them."""
 
-_WORDS = {
-    "number": "a number",
-    "integer": "a whole number",
-    "string": "text",
-    "array": "a list",
-    "object": "a group of keys",
-}
+_STANDARD = jsonschema.Draft202012Validator
+_FORMATS = jsonschema.FormatChecker(formats=())
 
 
-_MOST_POINTS = 32768
+def check(config: Mapping[str, Any], needed: tuple[str, ...] | None = None) -> None:
+    """Raise `ConfigError` for the first setting that is not accepted.
 
-_VALIDATOR = jsonschema.validators.extend(
-    jsonschema.Draft202012Validator,
-    type_checker=jsonschema.Draft202012Validator.TYPE_CHECKER.redefine(
-        "integer", lambda _, value: isinstance(value, int) and not isinstance(value, bool)
-    ),
-)
-"""A whole number is one that is written as one: 2048.0 is not."""
+    Parameters
+    ----------
+    config : mapping
+        A configuration, with its overlays merged.
+    needed : tuple of names, optional
+        Keys that have to be given, of those without a default; by default all of them.
 
-
-def load_schema(path: str | Path) -> dict[str, Any]:
-    """The schema in the YAML file `path`."""
-    with open(path, encoding="utf-8") as file:
-        return yaml.safe_load(file)
+    Raises
+    ------
+    ConfigError
+        For an unknown key, a value outside its range, a missing key, or settings that contradict each other.
+        The message names the key, its value and what is accepted.
+    """
+    _check_plain(config)
+    _check_schema(config, needed)
+    whole = complete(config)
+    _check_points(whole)
+    _check_schema(whole, needed)
+    _check_surfaces(whole)
+    _check_studies(whole)
+    _check_solid(whole)
 
 
 def check_files(config: Mapping[str, Any]) -> None:
-    """Raise `ConfigError` for the first measured surface whose file is not there."""
-    for name, surface in config["measured"].items():
-        if not Path(surface["file"]).is_file():
+    """Raise `ConfigError` for the first measured surface whose file does not exist."""
+    for name, surface in config.get("measured", {}).items():
+        if not is_file(surface["file"]):
             raise ConfigError(f"measured.{name}.file = {shown(surface['file'])}: no such file")
 
 
-def check(config: Mapping[str, Any], schema: Mapping[str, Any]) -> None:
-    """Raise `ConfigError` for the first key that the schema or the physics does not accept."""
-    _check_plain("", config)
-    validator = _VALIDATOR(schema)
-    error = min(validator.iter_errors(config), key=lambda e: (len(e.path), str(e.path)), default=None)
-    if error is not None:
-        raise ConfigError(_one_line(error))
-    _check_grids(config)
-    config = complete(config)
-    _check_grids(config)
-    for name, surface in config["surfaces"].items():
-        _check_surface(f"surfaces.{name}", surface)
-    for section in ("surfaces", "measured"):
-        for name, surface in config[section].items():
-            _check_label(f"{section}.{name}.label", surface["label"])
-    for name in config["measured"]:
-        if name in config["surfaces"]:
-            raise ConfigError(f"measured.{name}: another name is needed, surfaces.{name} has it")
-    known = {**config["surfaces"], **config["measured"]}
-    for study, names in config["studies"].items():
-        for name in names:
-            if name not in known:
-                raise ConfigError(
-                    f"studies.{study} = {name!r}: the name of a surface is needed ({', '.join(known)})"
-                )
-    if config["contact"]["precision"] == "float32" and config["contact"]["tolerance"] < 1e-6:
-        raise ConfigError(
-            f"contact.tolerance = {config['contact']['tolerance']!r}: at least 1e-6 is needed in float32"
-        )
-    path = config["contact"]["path_area_fractions"]
-    if path != sorted(path):
-        raise ConfigError(f"contact.path_area_fractions = {path!r}: rising numbers are needed")
-    if config["layer"]["poisson"] not in config["stress"]["poisson"]:
-        raise ConfigError(
-            f"stress.poisson = {config['stress']['poisson']!r}: "
-            f"layer.poisson = {config['layer']['poisson']!r} must be one of them"
-        )
+def needed_instead(value: Any, entry: Entry) -> str:
+    """Values that a setting needs in place of this one, in words; empty if the schema accepts the value."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return accepted(entry)
+    error = next(_validator(None)(entry, format_checker=_FORMATS).iter_errors(value), None)
+    return "" if error is None else _needed(error)
 
 
-def _check_grids(config: Mapping[str, Any]) -> None:
-    for section in ("surfaces", "measured"):
-        for name, surface in config[section].items():
-            short, points = surface.get("wavelength_short", 1.0), surface.get("points", 0)
-            key, least = f"{section}.{name}", 2 / _MOST_POINTS
-            if short < least:
-                raise ConfigError(f"{key}.wavelength_short = {short!r}: a number ≥ {least:g} is needed")
-            if points > _MOST_POINTS:
-                raise ConfigError(
-                    f"{key}.points: {points} are too many for a grid of at most {_MOST_POINTS}; "
-                    f"a longer wavelength_short or another accuracy is needed"
-                )
+@_FORMATS.checks("label", raises=ValueError)
+def _is_label(text: object) -> bool:
+    """True for a label that a figure can show; a `ValueError` says what is needed instead."""
+    if isinstance(text, str) and not text.isprintable():
+        raise ValueError("text that can be printed")
+    if isinstance(text, str) and text.count("$") % 2:
+        raise ValueError("mathematics between two dollar signs")
+    return True
 
 
-def _check_label(key: str, label: str) -> None:
-    if not label.isprintable():
-        raise ConfigError(f"{key} = {shown(label)}: text that can be printed is needed")
-    if label.count("$") % 2:
-        raise ConfigError(f"{key} = {shown(label)}: mathematics between two dollar signs is needed")
+def _check_plain(value: Any, key: str = "") -> None:
+    """Raise `ConfigError` for a key that is no text or a number that is not finite.
 
-
-def _check_plain(key: str, value: Any) -> None:
-    """What a schema cannot say: keys are text, numbers are finite."""
+    A JSON Schema cannot express either.
+    """
     if isinstance(value, Mapping):
         for name, entry in value.items():
             if not isinstance(name, str):
                 raise ConfigError(f"{key}{shown(name)}: a key that is text is needed")
-            _check_plain(f"{key}{name}.", entry)
+            _check_plain(entry, f"{key}{name}.")
     elif isinstance(value, list):
         for entry in value:
-            _check_plain(key, entry)
+            _check_plain(entry, key)
     elif isinstance(value, float) and not math.isfinite(value):
         raise ConfigError(f"{key.rstrip('.')} = {value!r}: a finite number is needed")
+
+
+def _check_schema(config: Mapping[str, Any], needed: tuple[str, ...] | None) -> None:
+    """Raise `ConfigError` for the error nearest to the top of the configuration."""
+    errors = _validator(needed)(schema(), format_checker=_FORMATS).iter_errors(config)
+    error = min(errors, key=lambda error: (len(error.path), str(error.path)), default=None)
+    if error is not None:
+        raise ConfigError(_one_line(error))
+
+
+@cache
+def _validator(needed: tuple[str, ...] | None) -> Any:
+    """Class of validators that demand all required keys, or only those in `needed`.
+
+    A whole number is one that is written as one: 2048.0 is not accepted.
+    """
+
+    def require(_: Any, keys: list[str], instance: Any, entry: Entry) -> Iterator[ValidationError]:
+        for key in keys:
+            if isinstance(instance, Mapping) and key not in instance and (needed is None or key in needed):
+                yield ValidationError(key)
+
+    def is_whole(_: Any, value: object) -> bool:
+        return isinstance(value, int) and not isinstance(value, bool)
+
+    types = _STANDARD.TYPE_CHECKER.redefine("integer", is_whole)
+    return jsonschema.validators.extend(_STANDARD, {"required": require}, type_checker=types)
+
+
+def _check_points(config: Mapping[str, Any]) -> None:
+    """Raise `ConfigError` for a surface whose preset makes its grid too large."""
+    most = setting("surfaces.NAME.points")["maximum"]
+    for section in ("surfaces", "measured"):
+        for name, surface in config[section].items():
+            if surface.get("points", 0) > most:
+                raise ConfigError(
+                    f"{section}.{name}.points: {surface['points']} are too many for a grid of at most "
+                    f"{most}; a longer wavelength_short or another accuracy is needed"
+                )
+
+
+def _check_surfaces(config: Mapping[str, Any]) -> None:
+    for name, surface in config["surfaces"].items():
+        _check_surface(f"surfaces.{name}", surface)
+    for name in config["measured"]:
+        if name in config["surfaces"]:
+            raise ConfigError(f"measured.{name}: another name is needed, surfaces.{name} has it")
 
 
 def _check_surface(key: str, surface: Mapping[str, Any]) -> None:
     short, long = surface["wavelength_short"], surface["wavelength_long"]
     if short > long:
         raise ConfigError(f"{key}.wavelength_short = {short!r}: at most wavelength_long = {long!r} is needed")
-    if short * surface["points"] < 2 - 1e-9:
+    if short * surface["points"] < 2 - _ROUNDING:
         raise ConfigError(
             f"{key}.points = {surface['points']!r}: at least {round(2 / short)} are needed, "
             f"two on wavelength_short = {short!r}"
@@ -145,107 +152,71 @@ def _check_surface(key: str, surface: Mapping[str, Any]) -> None:
     if "moments" in surface:
         if "johnson" in surface:
             raise ConfigError(f"{key}.moments: only one of moments and johnson is accepted")
-        skewness, kurtosis = surface["moments"]["skewness"], surface["moments"]["kurtosis"]
-        if kurtosis <= 1 + skewness**2:
+        least = 1 + surface["moments"]["skewness"] ** 2
+        if (kurtosis := surface["moments"]["kurtosis"]) <= least:
             raise ConfigError(
-                f"{key}.moments.kurtosis = {kurtosis!r}: a number > {1 + skewness**2:g}, "
-                f"1 + skewness², is needed"
+                f"{key}.moments.kurtosis = {kurtosis!r}: a number > {number(least)}, 1 + skewness², is needed"
             )
 
 
-def _one_line(error: jsonschema.ValidationError) -> str:
-    key = ".".join(map(_part, error.absolute_path)) or "the configuration"
-    if error.validator == "additionalProperties":
-        known = error.schema["properties"]
-        unknown = next(name for name in error.instance if name not in known)
-        prefix = f"{key}." if error.absolute_path else ""
-        return f"{prefix}{_part(unknown)}: unknown key; known here are {', '.join(known)}"
+def _check_studies(config: Mapping[str, Any]) -> None:
+    known = [*config["surfaces"], *config["measured"]]
+    for study, names in config.get("studies", {}).items():
+        for name in names:
+            if name not in known:
+                raise ConfigError(
+                    f"studies.{study} = {shown(name)}: the name of a surface is needed ({', '.join(known)})"
+                )
+
+
+def _check_solid(config: Mapping[str, Any]) -> None:
+    path = config["contact"]["path_area_fractions"]
+    if path != sorted(path):
+        raise ConfigError(f"contact.path_area_fractions = {shown(path)}: rising numbers are needed")
+    ratios, own = config["stress"]["poisson"], config["layer"]["poisson"]
+    if own not in ratios:
+        raise ConfigError(f"stress.poisson = {shown(ratios)}: layer.poisson = {own!r} must be one of them")
+
+
+def _one_line(error: ValidationError) -> str:
+    """Message of an error: key, value and what is accepted."""
+    path = [_part(part) for part in error.absolute_path]
     if error.validator == "required":
-        missing = next(name for name in error.validator_value if name not in error.instance)
-        prefix = f"{key}." if error.absolute_path else ""
-        return f"{prefix}{missing}: missing; {accepted(error.schema['properties'][missing])} is needed"
-    if error.validator == "pattern" and "accepts" not in error.schema:
-        return (
-            f"{key}: {shown(error.instance)} as a name; at most 40 lower-case letters, digits and "
-            f"underscores are needed, a letter first"
-        )
-    text_for_number = error.schema.get("type") in ("number", "integer") and _is_number(error.instance)
-    hint = " (YAML reads this as text; an exponent needs a decimal point: 1.0e-6)" if text_for_number else ""
-    return f"{key} = {shown(error.instance)}: {accepted(error.schema)} is needed{hint}"
+        missing = error.message
+        needed = accepted(error.schema["properties"][missing])
+        return f"{'.'.join([*path, missing])}: missing; {needed} is needed"
+    if error.validator == "additionalProperties":
+        return _unknown_key(path, error.instance, error.schema)
+    if "propertyNames" in error.absolute_schema_path:
+        return f"{'.'.join([*path, shown(error.instance)])}: {accepted(error.schema)} is needed"
+    hint = ""
+    if error.schema.get("type") in ("number", "integer") and _is_number(error.instance):
+        hint = " (YAML reads this as text; an exponent needs a decimal point: 1.0e-6)"
+    return (
+        f"{'.'.join(path) or 'the configuration'} = {shown(error.instance)}: {_needed(error)} is needed{hint}"
+    )
+
+
+def _needed(error: ValidationError) -> str:
+    return str(error.cause) if error.validator == "format" else accepted(error.schema)
+
+
+def _unknown_key(path: list[str], given: Mapping[str, Any], entry: Entry) -> str:
+    unknown = next(name for name in given if name not in entry["properties"])
+    key = ".".join([*path, _part(unknown)])
+    if unknown in (renamed := entry.get("renamed", {})):
+        return f"{key}: is called {'.'.join([*path, renamed[unknown]])} now"
+    return f"{key}: unknown key; known here are {', '.join(entry['properties'])}"
 
 
 def _part(name: Any) -> str:
-    """A key as it is shown in a message."""
-    return str(name) if len(str(name)) <= 40 and str(name).isprintable() else shown(name)
+    """One part of a dotted key, as a message shows it."""
+    return str(name) if len(str(name)) <= _LONGEST_KEY and str(name).isprintable() else shown(name)
 
 
 def _is_number(text: Any) -> bool:
+    """True for text that Python, but not YAML, reads as a finite number."""
     try:
         return isinstance(text, str) and math.isfinite(float(text))
     except ValueError:
         return False
-
-
-def accepted(schema: Mapping[str, Any]) -> str:
-    """What a key accepts, in words."""
-    if "accepts" in schema:
-        return schema["accepts"]
-    if "enum" in schema:
-        return " or ".join(str(choice) for choice in schema["enum"])
-    words = _WORDS[schema["type"]]
-    if schema["type"] == "array":
-        count = _range(schema.get("minItems"), None, schema.get("maxItems"), None)
-        distinct = "distinct " if schema.get("uniqueItems") else ""
-        return f"a list of {count + ' ' if count else ''}{distinct}items, each {accepted(schema['items'])}"
-    if schema["type"] == "string":
-        limits = (
-            f"of {schema['minLength']} to {schema['maxLength']} characters" if "maxLength" in schema else ""
-        )
-    else:
-        ends = ("minimum", "exclusiveMinimum", "maximum", "exclusiveMaximum")
-        limits = _range(*(schema.get(end) for end in ends))
-    return f"{words} {limits}".strip()
-
-
-def _range(minimum: Any, above: Any, maximum: Any, below: Any) -> str:
-    low = f"≥ {minimum}" if minimum is not None else f"> {above}" if above is not None else ""
-    high = f"≤ {maximum}" if maximum is not None else f"< {below}" if below is not None else ""
-    return " and ".join(part for part in (low, high) if part)
-
-
-def describe(schema: Mapping[str, Any]) -> str:
-    """The keys as a Markdown table."""
-    rows = ["| key | accepts | unit | meaning |", "|---|---|---|---|"]
-    for key, entry in _keys("", schema):
-        rows.append(f"| `{key}` | {accepted(entry)} | {entry.get('unit', '')} | {entry['description']} |")
-    return "\n".join(rows)
-
-
-def _keys(prefix: str, schema: Mapping[str, Any]) -> Iterator[tuple[str, Mapping[str, Any]]]:
-    for name, entry in schema.get("properties", {}).items():
-        yield prefix + name, entry
-        yield from _keys(f"{prefix}{name}.", entry)
-    if isinstance(named := schema.get("additionalProperties"), Mapping):
-        yield from _keys(f"{prefix}NAME.", named)
-
-
-def main(arguments: list[str]) -> int:
-    """Describe the schema, or check a configuration; 1 and one line on stderr if it is not accepted."""
-    schema, *paths = arguments
-    if not paths:
-        print(describe(load_schema(schema)))
-        return 0
-    try:
-        config: dict[str, Any] = {}
-        for path in paths:
-            config = merged(config, load(path))
-        check(config, load_schema(schema))
-        check_files(config)
-    except ConfigError as error:
-        print(f"config: {error}", file=sys.stderr)
-        return 1
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -1,39 +1,36 @@
-"""Accuracy: one knob for every source of error, and presets that set all of them at once.
+"""Presets of accuracy, which set every source of error at once.
 
-A configuration names a preset, and may name any knob itself, which then counts. What each preset costs and
-how wrong it is was measured by `asperity.accuracy.measurement`; `asperity.accuracy.plan` reads that measurement.
+A configuration names a preset as ``accuracy``; a setting that it gives itself overrides the preset. Cost and
+errors of each preset are measured by `asperity.accuracy.measurement` and used by `asperity.accuracy.plan`.
 """
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from asperity.spectral import good_size
-
 
 @dataclass(frozen=True)
-class Knobs:
-    """Settings of every source of error.
+class AccuracySettings:
+    """Settings that decide about accuracy, one for every source of error.
 
     Parameters
     ----------
     points_per_wavelength : float
-        Grid spacings on the shortest wavelength of a surface: the discretisation.
+        Grid spacings per shortest wavelength of a surface: the discretisation.
     contact_tolerance : float
         Largest relative residual of a converged contact.
     precision : "float64" or "float32"
-        Of the fields of the contact solve.
+        Floating-point precision of the contact problem.
     depth_tolerance : float
-        Error allowed where a deep plane is computed on a coarser grid.
+        Largest error of a deep plane from computing it on a coarser grid.
     depth_spacing : float
-        Distance between the planes nearest to the surface, in grid spacings.
+        Distance between planes near the surface, in grid spacings.
     half_space_tolerance : float
-        Largest difference at which the half-space stands for the layer.
+        Largest difference at which the half-space replaces the layer.
     seeds : int
-        Random surfaces of each kind.
+        Number of random surfaces of each kind.
     """
 
     points_per_wavelength: float
@@ -45,70 +42,59 @@ class Knobs:
     seeds: int
 
     def points(self, wavelength_short: float) -> int:
-        """Nodes on the edge of a unit cell, an even number whose transform is fast."""
+        """Nodes on an edge of a unit cell, an even number whose Fourier transform is fast."""
+        from asperity.spectral import (
+            good_size,
+        )  # numerical libraries, which the help of a command does not wait for
+
         return good_size(round(self.points_per_wavelength / wavelength_short - 1e-6))
 
 
 PRESETS = {
-    "draft": Knobs(4.0, 1e-4, "float64", 1e-2, 0.5, 0.05, 1),
-    "paper": Knobs(8.0, 1e-6, "float64", 1e-4, 0.5, 0.05, 1),
-    "reference": Knobs(16.0, 1e-8, "float64", 1e-6, 0.25, 0.05, 8),
+    "draft": AccuracySettings(4.0, 1e-4, "float64", 1e-2, 0.5, 0.05, 1),
+    "paper": AccuracySettings(8.0, 1e-6, "float64", 1e-4, 0.5, 0.05, 1),
+    "reference": AccuracySettings(16.0, 1e-8, "float64", 1e-6, 0.25, 0.05, 8),
 }
 
-_KEYS = {
-    ("contact", "tolerance"): "contact_tolerance",
-    ("contact", "precision"): "precision",
-    ("stress", "tolerance"): "depth_tolerance",
-    ("stress", "depth_spacing"): "depth_spacing",
-    ("layer", "half_space_tolerance"): "half_space_tolerance",
+KEYS = {
+    "contact.tolerance": "contact_tolerance",
+    "contact.precision": "precision",
+    "stress.tolerance": "depth_tolerance",
+    "stress.depth_spacing": "depth_spacing",
+    "layer.half_space_tolerance": "half_space_tolerance",
 }
-"""Section and key of the configuration → knob."""
+"""Key of the configuration → attribute of `AccuracySettings`.
+
+The other two attributes set ``seeds`` and, surface by surface, ``points``.
+"""
 
 
-def complete(config: Mapping[str, Any]) -> dict[str, Any]:
-    """The configuration with the knobs of its preset wherever it names none itself.
-
-    Parameters
-    ----------
-    config : mapping
-        Its key ``accuracy`` names the preset.
-
-    Returns
-    -------
-    dict
-        A copy; completed again it stays as it is. A measured map without a shortest wavelength keeps its
-        own points.
-    """
-    knobs = PRESETS[config["accuracy"]]
-    whole = copy.deepcopy(dict(config))
-    whole.setdefault("seeds", list(range(1, knobs.seeds + 1)))
-    for (section, key), name in _KEYS.items():
-        whole[section].setdefault(key, getattr(knobs, name))
-    for surface in (*whole["surfaces"].values(), *whole["measured"].values()):
-        if "wavelength_short" in surface:
-            surface.setdefault("points", knobs.points(surface["wavelength_short"]))
-    return whole
-
-
-def knobs_of(config: Mapping[str, Any], name: str) -> Knobs:
-    """The knobs of a complete configuration, for an entry of ``surfaces``."""
+def accuracy_of(config: Mapping[str, Any], name: str) -> AccuracySettings:
+    """Settings of accuracy in a complete configuration, for one entry of ``surfaces``."""
     surface = config["surfaces"][name]
-    density = surface["points"] * surface["wavelength_short"]
-    chosen = {knob: config[section][key] for (section, key), knob in _KEYS.items()}
-    return Knobs(points_per_wavelength=density, seeds=len(config["seeds"]), **chosen)
+    return AccuracySettings(
+        points_per_wavelength=surface["points"] * surface["wavelength_short"],
+        seeds=len(config["seeds"]),
+        **{attribute: config[section][key] for section, key, attribute in _split_keys()},
+    )
 
 
-def overlay(knobs: Knobs, wavelengths: Mapping[str, float]) -> dict[str, Any]:
-    """The keys of a configuration that set these knobs.
+def overlay(settings: AccuracySettings, wavelengths: Mapping[str, float]) -> dict[str, Any]:
+    """Overlay of a configuration with these settings of accuracy.
 
     Parameters
     ----------
-    knobs : Knobs
+    settings : AccuracySettings
     wavelengths : mapping
         Name of a surface → its shortest wavelength.
     """
-    keys: dict[str, Any] = {"seeds": list(range(1, knobs.seeds + 1))}
-    keys["surfaces"] = {name: {"points": knobs.points(short)} for name, short in wavelengths.items()}
-    for (section, key), name in _KEYS.items():
-        keys.setdefault(section, {})[key] = getattr(knobs, name)
+    keys: dict[str, Any] = {"seeds": list(range(1, settings.seeds + 1))}
+    keys["surfaces"] = {name: {"points": settings.points(short)} for name, short in wavelengths.items()}
+    for section, key, attribute in _split_keys():
+        keys.setdefault(section, {})[key] = getattr(settings, attribute)
     return keys
+
+
+def _split_keys() -> list[tuple[str, str, str]]:
+    """Section, key and attribute of every entry of `KEYS`."""
+    return [(*key.split("."), attribute) for key, attribute in KEYS.items()]  # type: ignore[misc]

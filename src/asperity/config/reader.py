@@ -1,4 +1,8 @@
-"""Configurations and overlays as files: plain YAML, read without running anything that is in them."""
+"""Configurations and overlays in files: plain YAML, of which nothing is executed.
+
+Stricter than a usual YAML reader: no tags that make objects, no key given twice, limits on size, depth and
+content, so that a file from someone else does no harm.
+"""
 
 from __future__ import annotations
 
@@ -10,13 +14,18 @@ import yaml
 
 from asperity.errors import ConfigError, shown
 
-_LARGEST_FILE = 2**20
-_LARGEST_CONTENT = 100_000
-_DEEPEST = 32
+_MAX_FILE_SIZE = 2**20
+"""Bytes of a file; the configuration of the paper has four thousand."""
+
+_MAX_VALUES = 100_000
+"""Values in a file, each alias counted as all that it stands for; aliases of aliases grow without bound."""
+
+_MAX_DEPTH = 32
+"""Levels of nested keys and lists; a configuration has six."""
 
 
 class _Loader(yaml.SafeLoader):
-    """YAML without tags of its own, with every key of a mapping given once."""
+    """Reader of YAML that refuses a key given twice."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         keys = [key.value for key, _ in node.value if key.tag != "tag:yaml.org,2002:merge"]
@@ -28,32 +37,47 @@ class _Loader(yaml.SafeLoader):
         return super().construct_mapping(node, deep)
 
 
+def is_file(path: str | Path) -> bool:
+    """True if a path is the name of an existing file; False also for text that cannot be a file name."""
+    try:
+        return Path(path).is_file()
+    except (OSError, ValueError):  # longer than a name may be; with a null character
+        return False
+
+
 def load(path: str | Path) -> dict[str, Any]:
-    """The configuration or overlay in the YAML file `path`.
+    """Read a configuration or an overlay from a YAML file.
 
     Raises
     ------
     ConfigError
-        If the file is no such thing: missing, too large, not text, not YAML, or with a key given twice.
+        If the file is missing or too large, or its content is not accepted by `parse`.
     """
-    if not Path(path).is_file():
+    if not is_file(path):
         raise ConfigError(f"{path}: no such file")
-    if Path(path).stat().st_size > _LARGEST_FILE:
-        raise ConfigError(f"{path}: a configuration of at most {_LARGEST_FILE} bytes is needed")
     try:
-        content = Path(path).read_bytes()
+        with open(path, "rb") as file:
+            content = file.read(_MAX_FILE_SIZE + 1)
     except OSError as error:
-        raise ConfigError(f"{path}: {error}") from error
+        raise ConfigError(f"{path}: cannot be read ({error.strerror})") from error
+    if len(content) > _MAX_FILE_SIZE:
+        raise ConfigError(f"{path}: a configuration of at most {_MAX_FILE_SIZE} bytes is needed")
     return parse(content, str(path))
 
 
 def parse(content: str | bytes, name: str) -> dict[str, Any]:
-    """The configuration or overlay in a YAML text, which messages call `name`.
+    """Read a configuration or an overlay from a YAML text.
+
+    Parameters
+    ----------
+    content : str or bytes
+    name : str
+        Name of the text in messages.
 
     Raises
     ------
     ConfigError
-        If the text is no such thing: not YAML, with a key given twice, or beyond all measure.
+        If the text is not YAML in UTF-8, is no mapping, gives a key twice, or is too large or too deep.
     """
     try:
         loader = _Loader(content)
@@ -72,9 +96,11 @@ def parse(content: str | bytes, name: str) -> dict[str, Any]:
 
 
 def _size(node: yaml.Node, sizes: dict[int, int], depth: int) -> int:
-    """Number of values below a node, each alias counted as what it stands for."""
-    if depth > _DEEPEST:
-        raise ValueError(f"at most {_DEEPEST} levels are accepted, line {node.start_mark.line + 1} has more")
+    """Number of values in a node, each alias counted as all that it stands for."""
+    if depth > _MAX_DEPTH:
+        raise ValueError(
+            f"at most {_MAX_DEPTH} levels are accepted, line {node.start_mark.line + 1} has more"
+        )
     if id(node) not in sizes:
         children: list[yaml.Node] = []
         if isinstance(node, yaml.MappingNode):
@@ -82,15 +108,15 @@ def _size(node: yaml.Node, sizes: dict[int, int], depth: int) -> int:
         elif isinstance(node, yaml.SequenceNode):
             children = node.value
         sizes[id(node)] = 1 + sum(_size(child, sizes, depth + 1) for child in children)
-    if sizes[id(node)] > _LARGEST_CONTENT:
+    if sizes[id(node)] > _MAX_VALUES:
         raise ValueError(
-            f"at most {_LARGEST_CONTENT} values are accepted, line {node.start_mark.line + 1} has more"
+            f"at most {_MAX_VALUES} values are accepted, line {node.start_mark.line + 1} has more"
         )
     return sizes[id(node)]
 
 
 def merged(config: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, Any]:
-    """A configuration with an overlay on it, as Snakemake lays it."""
+    """Configuration with an overlay on top of it, merged key by key as Snakemake does."""
     both = dict(config)
     for key, value in overlay.items():
         below = both.get(key)

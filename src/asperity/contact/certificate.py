@@ -1,8 +1,8 @@
-"""How well a contact solution fulfils the conditions of contact, recomputed from the pressure alone.
+"""Certificate of a solution: violations of the conditions of contact, evaluated from the pressure alone.
 
-A solution has p ≥ 0, g = h + u − δ ≥ 0 and p g = 0 at every node, with the displacement u that the
-layer has under p. `verify_contact` evaluates u anew in double precision, so that nothing a solver kept can
-hide an error.
+A solution has p ≥ 0, g = h + u − δ ≥ 0 and p g = 0 at every node, where u is the displacement of the layer
+under p. `verify_contact` evaluates u anew in double precision, so that the certificate does not depend on any
+intermediate result of a solver.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from asperity.types import Array
 
 @dataclass(frozen=True)
 class Certificate:
-    """Violations of the conditions of contact, and the work spent.
+    """Violations of the conditions of contact, and the work spent on the solution.
 
-    Lengths are relative to the larger of the rms height of the surface and the largest pressure
-    × grid spacing / E*, the indentation of one node.
+    Lengths are relative to the rms height of the surface, or to the largest pressure × grid spacing / E*,
+    about the displacement of a single node, if that is larger.
 
     Attributes
     ----------
@@ -40,7 +40,8 @@ class Certificate:
     iterations : int
         Applications of the compliance, on all grids.
     pairs : float
-        Forward and inverse transforms in pairs of the finest grid, coarser grids counted by size.
+        Pairs of a forward and an inverse Fourier transform on the finest grid. Transforms on coarser grids
+        count in proportion to their numbers of nodes.
     seconds : float
         Wall time of the solution.
     """
@@ -56,7 +57,7 @@ class Certificate:
 
     @property
     def worst(self) -> float:
-        """The largest violation."""
+        """The largest violation, infinite if one is not a finite number."""
         violations = (
             self.penetration,
             self.contact_gap,
@@ -82,28 +83,27 @@ def verify_contact(
     *,
     approach: float | None = None,
     mean_pressure: float | None = None,
-    iterations: int = 0,
-    pairs: float = 0.0,
-    seconds: float = 0.0,
     threads: int = 1,
 ) -> Certificate:
-    """Measure how far a pressure is from solving a contact problem.
+    """Certificate of a pressure, computed from the surface and the solid alone.
 
     Parameters
     ----------
     height, pressure : (ny, nx) arrays
     layer : Layer
     length : float or (length_y, length_x)
+        Edges of the periodic cell.
     approach : float, optional
         The approach claimed; without it the mean of h + u over the contact.
     mean_pressure : float, optional
         The load imposed, if it was.
-    iterations, pairs, seconds
-        Work to be recorded.
+    threads : int
+        Threads of the Fourier transforms.
 
     Returns
     -------
     Certificate
+        Without iterations, pairs and seconds.
     """
     grid = Grid(np.shape(pressure), length)  # type: ignore[arg-type]
     fourier = Fourier(grid, threads=threads)
@@ -127,14 +127,13 @@ def verify_contact(
     imbalance = 0.0
     if mean_pressure is not None and mean_pressure != load:
         imbalance = abs(load - mean_pressure) / max(abs(mean_pressure), abs(load))
-    pushed, held = pressure[contact], np.abs(gap[contact])
+    contact_pressure, contact_gap = pressure[contact], np.abs(gap[contact])
     return Certificate(
         penetration=max(0.0, float(-gap.min())) / scale,
-        contact_gap=float(held.max(initial=0.0)) / scale,
+        contact_gap=float(contact_gap.max(initial=0.0)) / scale,
         tension=max(0.0, -least) / (largest or 1.0),
         load_imbalance=imbalance,
-        complementarity=float(pushed @ held) / (float(pushed.sum()) or 1.0) / scale,
-        iterations=iterations,
-        pairs=pairs,
-        seconds=seconds,
+        complementarity=float(contact_pressure @ contact_gap)
+        / (float(contact_pressure.sum()) or 1.0)
+        / scale,
     )

@@ -1,6 +1,7 @@
-"""Passes over the nodes of a grid, or over its contact nodes, each done at once for what needs it.
+"""Compiled loops of the active-set solver, over all nodes or over the contact nodes.
 
-Fields are flattened. `plain` holds the numbers of contact nodes; arrays of that size belong to them.
+Fields are flattened. `nodes` holds the indices of the contact nodes in the flattened field; arrays of that
+size belong to the contact nodes, one element each. Sums accumulate in double precision.
 """
 
 from __future__ import annotations
@@ -10,27 +11,29 @@ from typing import Any
 import numpy as np
 from numba import njit
 
+# The contact nodes and their forces
+
 
 @njit(cache=True, error_model="numpy")
-def select(pressure: Any) -> Any:
-    """Numbers of the nodes under pressure."""
+def contact_nodes(pressure: Any) -> Any:
+    """Indices of the nodes with positive pressure."""
     count = 0
     for i in range(pressure.size):
         if pressure[i] > 0:
             count += 1
-    # Unsigned, because the compiler guards every access by a signed number against one below zero.
-    plain = np.empty(count, np.uint64)
+    # Unsigned: with signed indices the compiler adds a check for negative ones to every access.
+    nodes = np.empty(count, np.uint64)
     count = 0
     for i in range(pressure.size):
         if pressure[i] > 0:
-            plain[count] = i
+            nodes[count] = i
             count += 1
-    return plain
+    return nodes
 
 
 @njit(cache=True, error_model="numpy")
-def norms(pressure: Any, gap: Any, approach: float) -> tuple[float, float, float]:
-    """Mean of the pressures, and sums of their squares and of those of penetrations of nodes without."""
+def pressure_sums(pressure: Any, gap: Any, approach: float) -> tuple[float, float, float]:
+    """Mean pressure, sum of squared pressures, and sum of squared penetrations of nodes without pressure."""
     total, squares, penetration = 0.0, 0.0, 0.0
     for i in range(pressure.size):
         if pressure[i] > 0:
@@ -42,41 +45,76 @@ def norms(pressure: Any, gap: Any, approach: float) -> tuple[float, float, float
 
 
 @njit(cache=True, error_model="numpy")
-def join(pressure: Any, gap: Any, displacement: Any, approach: float, unit: float, joining: float) -> None:
-    """Give pressure to nodes without it that are about to penetrate."""
-    for i in range(pressure.size):
-        if pressure[i] == 0:
-            overlap = (approach - gap[i]) / unit - displacement[i]
-            if overlap > 0:
-                pressure[i] = joining * overlap
+def residual(gap: Any, nodes: Any, approach: float, unit: float) -> Any:
+    """Overlap δ − (h + u) of the contact nodes, divided by `unit`."""
+    out = np.empty(nodes.size, np.float32)
+    for k in range(nodes.size):
+        out[k] = (approach - gap[nodes[k]]) / unit
+    return out
 
 
 @njit(cache=True, error_model="numpy")
-def weighted_mean(weight: Any, gap: Any, plain: Any, origin: float) -> float:
+def weighted_mean(weight: Any, gap: Any, nodes: Any, origin: float) -> float:
+    """Weighted mean of gap − origin over the contact nodes."""
     total, norm = 0.0, 0.0
-    for k in range(plain.size):
-        total += weight[k] * (gap[plain[k]] - origin)
+    for k in range(nodes.size):
+        total += weight[k] * (gap[nodes[k]] - origin)
         norm += weight[k]
     return total / norm
 
 
 @njit(cache=True, error_model="numpy")
-def residual(gap: Any, plain: Any, approach: float, unit: float) -> Any:
-    out = np.empty(plain.size, np.float32)
-    for k in range(plain.size):
-        out[k] = (approach - gap[plain[k]]) / unit
-    return out
+def add_penetrating_nodes(
+    pressure: Any, gap: Any, displacement: Any, approach: float, unit: float, stiffness: float
+) -> None:
+    """Give nodes without pressure that would penetrate a pressure of `stiffness` × penetration / `unit`.
+
+    `displacement`, in units of `unit`, is that of the correction about to be added to the pressure.
+    """
+    for i in range(pressure.size):
+        if pressure[i] == 0:
+            overlap = (approach - gap[i]) / unit - displacement[i]
+            if overlap > 0:
+                pressure[i] = stiffness * overlap
 
 
 @njit(cache=True, error_model="numpy")
-def add_clipped(pressure: Any, plain: Any, change: Any, reach: Any) -> None:
-    for k in range(plain.size):
-        pressure[plain[k]] = max(pressure[plain[k]] + reach * change[k], 0.0)
+def add_and_release(pressure: Any, nodes: Any, change: Any, fraction: Any) -> None:
+    """Add a fraction of a change to the contact nodes; nodes in tension are released, to zero pressure."""
+    for k in range(nodes.size):
+        pressure[nodes[k]] = max(pressure[nodes[k]] + fraction * change[k], 0.0)
+
+
+@njit(cache=True, error_model="numpy")
+def add(pressure: Any, nodes: Any, change: Any) -> None:
+    """Add a change to the contact nodes, of which some may come to be in tension."""
+    for k in range(nodes.size):
+        pressure[nodes[k]] += change[k]
+
+
+@njit(cache=True, error_model="numpy")
+def contact_changes(
+    pressure: Any, gap: Any, approach: float, unit: float, nodes: Any, rate: Any, response: Any
+) -> Any:
+    """Change of the approach, divided by `unit`, at which each node enters or leaves the contact.
+
+    `rate` and `response` are the changes of pressure and of displacement per change of the approach.
+    """
+    changes = np.empty(pressure.size, np.float32)
+    for i in range(pressure.size):
+        closing = 1 - response[i]
+        changes[i] = (gap[i] - approach) / (unit * closing) if closing > 0 else np.inf
+    for k in range(nodes.size):
+        changes[nodes[k]] = -pressure[nodes[k]] / rate[k] if rate[k] > 0 else -np.inf
+    return changes
+
+
+# Minimum of the energy
 
 
 @njit(cache=True, error_model="numpy")
 def line_search(pressure: Any, pressure_before: Any, gap: Any, gap_before: Any, approach: float) -> float:
-    """Fraction of a step at which the energy is least."""
+    """Fraction, between 0 and 1, of a step of the pressure at which the energy is least."""
     slope, curvature = 0.0, 0.0
     for i in range(pressure.size):
         change = pressure[i] - pressure_before[i]
@@ -86,8 +124,15 @@ def line_search(pressure: Any, pressure_before: Any, gap: Any, gap_before: Any, 
 
 
 @njit(cache=True, error_model="numpy")
-def best_scale(pressure: Any, displacement: Any, height: Any, approach: float) -> float:
-    """Factor on the pressure, and so on the displacement, at which the energy is least."""
+def interpolate(values: Any, before: Any, fraction: float) -> None:
+    """Replace values by those at a fraction of the way from `before`."""
+    for i in range(values.size):
+        values[i] = before[i] + fraction * (values[i] - before[i])
+
+
+@njit(cache=True, error_model="numpy")
+def energy_scale(pressure: Any, displacement: Any, height: Any, approach: float) -> float:
+    """Factor of a pressure, and so of its displacement, at which the energy is least at an approach."""
     work, energy = 0.0, 0.0
     for i in range(pressure.size):
         work += pressure[i] * (approach - height[i])
@@ -96,47 +141,20 @@ def best_scale(pressure: Any, displacement: Any, height: Any, approach: float) -
 
 
 @njit(cache=True, error_model="numpy")
-def scale(pressure: Any, displacement: Any, height: Any, factor: float) -> None:
-    """Multiply a pressure and its displacement, to which the height is added."""
+def scale_to_gap(pressure: Any, displacement: Any, height: Any, factor: float) -> None:
+    """Multiply a pressure and its displacement by a factor, and add the height to the displacement."""
     for i in range(pressure.size):
         pressure[i] *= factor
         displacement[i] = factor * displacement[i] + height[i]
 
 
-@njit(cache=True, error_model="numpy")
-def events(
-    pressure: Any, gap: Any, approach: float, unit: float, plain: Any, rate: Any, response: Any
-) -> Any:
-    """Change of the approach at which each node enters or leaves the contact."""
-    changes = np.empty(pressure.size, np.float32)
-    for i in range(pressure.size):
-        closing = 1 - response[i]
-        changes[i] = (gap[i] - approach) / (unit * closing) if closing > 0 else np.inf
-    for k in range(plain.size):
-        changes[plain[k]] = -pressure[plain[k]] / rate[k] if rate[k] > 0 else -np.inf
-    return changes
-
-
-@njit(cache=True, error_model="numpy")
-def add(pressure: Any, plain: Any, change: Any) -> None:
-    for k in range(plain.size):
-        pressure[plain[k]] += change[k]
-
-
-@njit(cache=True, error_model="numpy")
-def accumulate(displacement: Any, response: Any, length: Any) -> None:
-    for i in range(displacement.size):
-        displacement[i] += length * response[i]
-
-
-@njit(cache=True, error_model="numpy")
-def blend(values: Any, before: Any, fraction: float) -> None:
-    for i in range(values.size):
-        values[i] = before[i] + fraction * (values[i] - before[i])
+# Vector operations of the conjugate gradients; `shift` × `weight` is subtracted from the preconditioned
+# residual z, so that at a given load the corrections sum to zero
 
 
 @njit(cache=True, error_model="numpy")
 def dot(a: Any, b: Any) -> float:
+    """Σ a b."""
     total = 0.0
     for k in range(a.size):
         total += a[k] * b[k]
@@ -145,6 +163,7 @@ def dot(a: Any, b: Any) -> float:
 
 @njit(cache=True, error_model="numpy")
 def sum_and_dot(a: Any, b: Any) -> tuple[float, float]:
+    """Σ a and Σ a b."""
     total, product = 0.0, 0.0
     for k in range(a.size):
         total += a[k]
@@ -153,44 +172,57 @@ def sum_and_dot(a: Any, b: Any) -> tuple[float, float]:
 
 
 @njit(cache=True, error_model="numpy")
-def projected_square(a: Any, weight: Any, shift: float) -> float:
+def dot_on_contact(a: Any, field: Any, nodes: Any) -> float:
+    """Σ a field over the contact nodes."""
     total = 0.0
-    for k in range(a.size):
-        total += (a[k] - shift * weight[k]) ** 2
+    for k in range(nodes.size):
+        total += a[k] * field[nodes[k]]
     return total
 
 
 @njit(cache=True, error_model="numpy")
-def projected_dot(a: Any, weight: Any, shift: Any, field: Any, plain: Any) -> float:
+def projected_square(z: Any, weight: Any, shift: float) -> float:
+    """Σ (z − shift × weight)²."""
     total = 0.0
-    for k in range(plain.size):
-        total += (a[k] - shift * weight[k]) * field[plain[k]]
+    for k in range(z.size):
+        total += (z[k] - shift * weight[k]) ** 2
     return total
 
 
 @njit(cache=True, error_model="numpy")
-def dot_gathered(a: Any, field: Any, plain: Any) -> float:
+def projected_dot(z: Any, weight: Any, shift: Any, field: Any, nodes: Any) -> float:
+    """Σ (z − shift × weight) field over the contact nodes."""
     total = 0.0
-    for k in range(plain.size):
-        total += a[k] * field[plain[k]]
+    for k in range(nodes.size):
+        total += (z[k] - shift * weight[k]) * field[nodes[k]]
     return total
 
 
 @njit(cache=True, error_model="numpy")
-def advance(direction: Any, z: Any, weight: Any, shift: Any, ratio: Any) -> None:
+def next_direction(direction: Any, z: Any, weight: Any, shift: Any, ratio: Any) -> None:
+    """Direction d ← z − shift × weight + ratio × d."""
     for k in range(direction.size):
         direction[k] = z[k] - shift * weight[k] + ratio * direction[k]
 
 
 @njit(cache=True, error_model="numpy")
-def step(x: Any, residual: Any, direction: Any, response: Any, plain: Any, length: Any) -> None:
-    for k in range(plain.size):
+def take_step(x: Any, residual: Any, direction: Any, response: Any, nodes: Any, length: Any) -> None:
+    """Solution x ← x + length × d, and residual r ← r − length × G d on the contact nodes."""
+    for k in range(nodes.size):
         x[k] += length * direction[k]
-        residual[k] -= length * response[plain[k]]
+        residual[k] -= length * response[nodes[k]]
+
+
+@njit(cache=True, error_model="numpy")
+def add_scaled(field: Any, change: Any, factor: Any) -> None:
+    """Add a factor × change to a field."""
+    for i in range(field.size):
+        field[i] += factor * change[i]
 
 
 @njit(cache=True, error_model="numpy")
 def standard_deviation(values: Any) -> float:
+    """Standard deviation, without an array of its own."""
     mean, squares = 0.0, 0.0
     for i in range(values.size):
         mean += values[i]

@@ -1,34 +1,35 @@
-"""The contact problem on one grid: the surface, the layer's compliance, and what is imposed."""
+"""The contact problem on one grid, the imposed quantity, and the iterate of a solver."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity.elasticity.layer import Layer
-from asperity.spectral import REAL_TYPES, Fourier, Grid, Work, resample
-from asperity.types import Array, Progress
+from asperity.spectral import Fourier, Grid, resample
+from asperity.types import Array
 
 CONTROLS = ("area_fraction", "mean_pressure", "approach")
 
 
 @dataclass(frozen=True)
 class Control:
-    """What is imposed: the name, one of `CONTROLS`, and its value."""
+    """The imposed quantity: its name, one of `CONTROLS`, and its value."""
 
     kind: str
     value: float
 
     @property
     def fixes_load(self) -> bool:
-        """Whether the mean pressure is given at every moment of the solution."""
+        """True if every iterate has a given mean pressure.
+
+        Area control changes that mean pressure between iterations, see `asperity.contact.area_control`.
+        """
         return self.kind != "approach"
 
     def lifts_off(self, height: Array) -> bool:
-        """Whether the solid is not touched, or only just."""
+        """True if the indenter presses on no node of the solid."""
         if self.kind == "approach":
             return self.value <= float(height.min())
         return self.value == 0
@@ -36,19 +37,22 @@ class Control:
 
 @dataclass
 class State:
-    """A pressure on its way to the solution.
+    """The current iterate of a solver.
 
     Attributes
     ----------
     pressure : (ny, nx) array
+        Non-negative.
     gap : (ny, nx) array
-        h + u, without the approach, at the last evaluation.
+        h + u at the last evaluation, without the approach.
     approach : float
+        Imposed, or that of the last evaluation.
     load : float
-        Mean pressure imposed, NaN if the approach is.
+        Mean pressure of the iterate, NaN under an imposed approach.
     error : float
         Estimated error of the pressure, relative to its norm.
     iterations : int
+        Applications of the compliance so far, on all grids.
     """
 
     pressure: Array
@@ -66,45 +70,55 @@ class Problem:
     ----------
     height : (ny, nx) array
     layer : Layer
-    grid : Grid
-    dtype : "float64" or "float32"
-    threads : int
-    work : Work
-        Where transforms are counted.
+    fourier : Fourier
+        The grid, the precision of the fields, the number of threads, and the count of transforms.
     """
 
-    def __init__(self, height: Array, layer: Layer, grid: Grid, dtype: str, threads: int, work: Work) -> None:
-        self.grid = grid
+    def __init__(self, height: Array, layer: Layer, fourier: Fourier) -> None:
+        self.grid = fourier.grid
         self.layer = layer
-        self.fourier = Fourier(grid, dtype, threads, work)
-        self.height = np.ascontiguousarray(height, dtype=self.fourier.real)
-        self.compliance = layer.grid_surface_compliance(grid, self.fourier.real)
+        self.fourier = fourier
+        self.height = np.ascontiguousarray(height, dtype=fourier.real)
+        self.compliance = layer.grid_surface_compliance(self.grid, fourier.real)
         self.modulus = layer.effective_modulus
-        self._coefficients = np.empty(grid.half_shape, self.fourier.complex)
+        self._coefficients = np.empty(self.grid.half_shape, fourier.complex)
+
+    @property
+    def nodal_compliance(self) -> float:
+        """Unit of displacement per pressure: spacing / E*.
+
+        On a half-space a node that alone is under pressure is displaced by 1.12 of it.
+        """
+        return min(self.grid.spacing) / self.modulus
 
     def displacement(self, pressure: Array, out: Array | None = None) -> Array:
-        """Downward displacement u[y, x] of the surface under `pressure`: one pair of transforms."""
+        """Downward displacement u[y, x] of the surface under `pressure`, by one pair of transforms.
+
+        The convolution with the periodic Green's function is a product in Fourier space (Stanley & Kato 1997,
+        10.1115/1.2833523; Campañá & Müser 2006, 10.1103/PhysRevB.74.075420).
+        """
         self.fourier.forward(pressure, self._coefficients)
         self._coefficients *= self.compliance
         return self.fourier.inverse(self._coefficients, out, overwrite=True)
 
-    def coarser(self, fewest: int) -> Problem | None:
-        """The same problem on half the nodes of each axis, its surface truncated in Fourier space."""
-        ny, nx = (n if n < 2 * fewest else (n + 1) // 2 for n in self.grid.shape)
-        shape = (ny, nx)
-        if shape == self.grid.shape:
+    def coarser(self, min_points: int) -> Problem | None:
+        """The same problem on half the nodes of each axis, its surface truncated in Fourier space.
+
+        An axis is halved only down to `min_points` nodes; None if no axis can be halved.
+        """
+        ny, nx = (n if n < 2 * min_points else (n + 1) // 2 for n in self.grid.shape)
+        if (ny, nx) == self.grid.shape:
             return None
-        grid = Grid(shape, self.grid.length)
-        fourier = Fourier(grid, self.fourier.real, self.fourier.threads, self.fourier.work)
-        coefficients = resample(self.fourier.forward(self.height), self.grid, grid)
-        height = fourier.inverse(coefficients, overwrite=True)
-        return Problem(height, self.layer, grid, str(self.fourier.real), fourier.threads, self.fourier.work)
+        grid, outer = Grid((ny, nx), self.grid.length), self.fourier
+        fourier = Fourier(grid, outer.real, outer.threads, outer.work)
+        coefficients = resample(outer.forward(self.height), self.grid, grid)
+        return Problem(fourier.inverse(coefficients, overwrite=True), self.layer, fourier)
 
     def refine(self, pressure: Array, finer: Problem, approach: float) -> Array:
-        """A pressure of this grid on a finer one.
+        """Start for a finer grid: the interpolated pressure less the interpolated gap / nodal compliance.
 
-        The Fourier interpolant rings where the contact ends. There the gap decides: it is held against the
-        pressure as the indentation of a node.
+        The Fourier interpolant of the pressure oscillates about zero outside the contact. The gap is
+        positive there, and subtracting it before negative values are set to zero keeps those nodes free.
         """
         coefficients = self.fourier.forward(pressure)
         out = finer.fourier.inverse(resample(coefficients, self.grid, finer.grid), overwrite=True)
@@ -115,92 +129,3 @@ class Problem:
         gap *= gap.dtype.type(finer.modulus / min(finer.grid.spacing))
         out -= gap
         return np.maximum(out, 0, out=out)
-
-
-class Reporter:
-    """Turns errors on their way down to the tolerance into progress, on a logarithmic scale."""
-
-    def __init__(self, progress: Progress | None, tolerance: float) -> None:
-        self.progress = progress
-        self.tolerance = tolerance
-        self.first = 0.0
-        self.least = math.inf
-
-    def __call__(self, error: float) -> None:
-        """Report the error."""
-        if self.progress is None or not 0 < error < math.inf:
-            return
-        self.first = max(self.first, error, 2 * self.tolerance)
-        self.least = max(min(self.least, error), self.tolerance)
-        total = math.log(self.first / self.tolerance)
-        self.progress(math.log(self.first / self.least), total)
-
-
-def checked_height(height: ArrayLike) -> Array:
-    """The surface as a real array [y, x] without holes."""
-    values = np.asarray(height)
-    if values.ndim != 2 or values.size == 0:
-        raise ValueError(f"height has the shape {values.shape}: a two-dimensional array [y, x] is needed")
-    if values.dtype.kind not in "fiu":
-        raise TypeError(f"height has the type {values.dtype}: real numbers are needed")
-    values = values.astype(float, copy=False)
-    bad = int(np.count_nonzero(~np.isfinite(values)))
-    if bad:
-        raise ValueError(f"height: {bad} of {values.size} nodes are not finite numbers; all must be")
-    return values
-
-
-def checked_control(height: Array, layer: Layer, **imposed: float | None) -> Control:
-    """The one quantity imposed, with its range."""
-    given = {kind: value for kind, value in imposed.items() if value is not None}
-    if len(given) != 1:
-        raise ValueError(
-            f"exactly one of {', '.join(CONTROLS)} is needed, got {', '.join(given) if given else 'none'}"
-        )
-    kind, raw = given.popitem()
-    value = _real(kind, raw)
-    if kind == "area_fraction" and not 0 < value <= 1:
-        raise ValueError(f"area_fraction = {raw!r}: a number > 0 and ≤ 1 is needed")
-    if kind == "mean_pressure" and value < 0:
-        raise ValueError(f"mean_pressure = {raw!r}: a number ≥ 0 is needed")
-    if kind == "approach" and layer.uniform_compliance() == 0 and value >= height.mean():
-        raise ValueError(
-            f"approach = {raw!r}: less than the mean height {height.mean():.6g} is needed, because this "
-            "solid has no uniform displacement"
-        )
-    return Control(kind, value)
-
-
-def checked_initial(pressure: ArrayLike, grid: Grid) -> Array:
-    """A pressure to start from: finite, of the shape of the surface."""
-    values = np.asarray(pressure, dtype=float)
-    if values.shape != grid.shape:
-        raise ValueError(f"initial has the shape {values.shape}: that of height, {grid.shape}, is needed")
-    if not np.all(np.isfinite(values)):
-        raise ValueError("initial: finite pressures are needed")
-    return values
-
-
-def checked_settings(dtype: object, rtol: object, threads: object) -> tuple[str, float, int]:
-    """Precision, tolerance and number of threads within their ranges."""
-    real = np.dtype(dtype)  # type: ignore[call-overload]
-    if real not in REAL_TYPES:
-        raise ValueError(f"dtype = {dtype!r}: float64 or float32 is needed")
-    tolerance = _real("rtol", rtol)
-    if not 0 < tolerance < 1:
-        raise ValueError(f"rtol = {rtol!r}: a number between 0 and 1 is needed")
-    if not isinstance(threads, (int, np.integer)) or threads < 1:
-        raise ValueError(f"threads = {threads!r}: a whole number ≥ 1 is needed")
-    return str(real), tolerance, int(threads)
-
-
-def _real(name: str, value: object) -> float:
-    if isinstance(value, (bool, str)) or np.ndim(value) != 0:  # type: ignore[arg-type]
-        raise TypeError(f"{name} = {value!r}: a real number is needed")
-    try:
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError) as error:
-        raise TypeError(f"{name} = {value!r}: a real number is needed") from error
-    if not np.isfinite(number):
-        raise ValueError(f"{name} = {value!r}: a finite number is needed")
-    return number

@@ -1,1 +1,1 @@
-"""The elastic solid: layer and half-space, compliance and stress per pressure mode."""
+"""The elastic solid: a layer or a half-space, its compliance, stress and displacement per pressure mode."""

@@ -1,4 +1,4 @@
-"""Stage two: the solid pressed against a rough surface, and its load-area curve."""
+"""Stage contact: the solid pressed against a rough surface, and its load-area curve."""
 
 from __future__ import annotations
 
@@ -14,6 +14,9 @@ from asperity.pipeline.solid import solid
 from asperity.results.dataset import grid_of
 from asperity.types import Progress
 
+SMALLEST_SINGLE_TOLERANCE = 1e-6
+"""Smallest tolerance of a contact that is solved in single precision."""
+
 
 def solve_contact(
     surface: xr.Dataset,
@@ -21,7 +24,7 @@ def solve_contact(
     contact_settings: Mapping[str, Any],
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Press the solid to the area fractions of the configuration.
+    """Contact at the area fractions of the configuration.
 
     Parameters
     ----------
@@ -30,23 +33,26 @@ def solve_contact(
     layer_settings, contact_settings : mapping
         Sections ``layer`` and ``contact`` of the configuration.
     progress : callable, optional
+        Called as ``progress(done, total)``.
 
     Returns
     -------
     dataset
-        Pressure, displacement and gap at the area fraction asked for, the load-area curve, and in
-        the attributes what the solid was taken for and the certificate of the solution.
+        Pressure, displacement and gap at the area fraction ``contact.area_fraction``, and the load-area
+        curve. The attributes hold the description of the solid (`asperity.pipeline.solid.SOLID_ATTRIBUTES`)
+        and the certificate of the solution.
 
     Raises
     ------
     ValueError
-        If single precision cannot hold the tolerance.
+        If the tolerance is too small for single precision.
     ConvergenceError
-        If a load does not converge.
+        If the contact at an area fraction does not converge.
     """
-    if contact_settings["precision"] == "float32" and contact_settings["tolerance"] < 1e-6:
-        raise ValueError(f"tolerance = {contact_settings['tolerance']!r}: at least 1e-6 is needed in float32")
-    layer, attributes = solid(layer_settings)
+    tolerance = contact_settings["tolerance"]
+    if contact_settings["precision"] == "float32" and tolerance < SMALLEST_SINGLE_TOLERANCE:
+        raise ValueError(f"tolerance = {tolerance!r}: at least 1e-6 is needed in float32")
+    layer, record = solid(layer_settings)
     chosen = contact_settings["area_fraction"]
     fractions = sorted({*contact_settings["path_area_fractions"], chosen})
     path = solve_path(
@@ -55,7 +61,7 @@ def solve_contact(
         grid_of(surface).length,
         area_fractions=fractions,
         method=contact_settings["method"],
-        rtol=contact_settings["tolerance"],
+        rtol=tolerance,
         dtype=contact_settings["precision"],
         progress=progress,
     )
@@ -86,4 +92,4 @@ def solve_contact(
         for name, value in asdict(contact.certificate).items()
         if name != "seconds"
     }
-    return dataset.assign_attrs(attributes | certificate)
+    return dataset.assign_attrs(record | certificate)

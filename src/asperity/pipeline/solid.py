@@ -1,4 +1,4 @@
-"""The solid of a study, as simple as its scene allows."""
+"""The elastic solid of a study: the layer of the configuration, or the half-space in its place."""
 
 from __future__ import annotations
 
@@ -7,25 +7,33 @@ from typing import Any
 
 import numpy as np
 
+from asperity.elasticity.half_space import simplest_solid
 from asperity.elasticity.layer import Layer
 
 SOLID_ATTRIBUTES = ("solid", "solid_reason", "solid_bound", "uniform_mode", "poisson_contact")
+"""Global attributes of result files that describe the solid."""
+
+_SMALLEST_WAVENUMBER = 2 * np.pi
+"""Wavenumber of the longest wave on the unit cell, which reaches deepest."""
 
 
 def solid(settings: Mapping[str, Any]) -> tuple[Layer, dict[str, Any]]:
-    """The layer of the configuration, or the half-space if the two cannot be told apart.
+    """The solid of a study and its description for the result files.
 
     Parameters
     ----------
     settings : mapping
-        Section ``layer`` of the configuration. Young's modulus is chosen so that E* is one.
+        Section ``layer`` of the configuration: height, bottom, poisson, lateral, half_space_tolerance.
+        Lengths are in units of the cell edge.
 
     Returns
     -------
     layer : Layer
+        The layer of the settings, or the half-space if both differ by at most half_space_tolerance
+        (`asperity.elasticity.half_space`). Young's modulus is 1 − ν², so that E* is one.
     record : dict
-        Global attributes for the files: what was used, and the bound that justified it. The longest
-        wave of a unit cell, q = 2π, is the one that reaches deepest.
+        The `SOLID_ATTRIBUTES`: the solid used, the reason and the bound of the difference, the condition of
+        the uniform mode, and Poisson's ratio.
     """
     poisson = settings["poisson"]
     layer = Layer(
@@ -35,7 +43,13 @@ def solid(settings: Mapping[str, Any]) -> tuple[Layer, dict[str, Any]]:
         bottom=settings["bottom"],
         lateral=settings["lateral"],
     )
-    choice = layer.effective(q_min=2 * np.pi, tolerance=settings["half_space_tolerance"])
-    used = "half-space" if choice.layer.height is None else f"layer, {choice.layer.bottom} bottom"
-    values = (used, choice.reason, choice.bound, f"laterally {settings['lateral']}", poisson)
-    return choice.layer, dict(zip(SOLID_ATTRIBUTES, values, strict=True))
+    chosen = simplest_solid(layer, _SMALLEST_WAVENUMBER, settings["half_space_tolerance"])
+    name = "half-space" if chosen.layer.height is None else f"layer, {chosen.layer.bottom} bottom"
+    record = {
+        "solid": name,
+        "solid_reason": chosen.reason,
+        "solid_bound": chosen.bound,
+        "uniform_mode": f"laterally {settings['lateral']}",
+        "poisson_contact": poisson,
+    }
+    return chosen.layer, record

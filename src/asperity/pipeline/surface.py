@@ -1,4 +1,4 @@
-"""Stage one: a rough surface, made or measured, and its measures."""
+"""Stage surface: a random or measured rough surface, its roughness parameters and its spectrum."""
 
 from __future__ import annotations
 
@@ -25,21 +25,21 @@ _PERIOD_KEYS = ("detrend", "periodic", "undefined", "wavelength_short", "points"
 
 
 def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
-    """The surface of one entry of the configuration and one seed.
+    """The random surface of one entry of the configuration and one seed.
 
     Parameters
     ----------
     parameters : mapping
-        An entry of ``surfaces``: hurst, wavelength_long, wavelength_short, rms_height, points, and
-        optionally johnson or moments.
+        Entry of section ``surfaces`` of the configuration: hurst, wavelength_long, wavelength_short,
+        rms_height, points, and optionally johnson or moments. Lengths are in units of the cell edge.
     seed : int
 
     Returns
     -------
     dataset
-        Height, moments, and the spectrum beside the one asked for, which is that of the Gaussian
-        surface. Where a transform follows: the spectrum before it; else the standard errors of
-        skewness and kurtosis.
+        Heights, roughness parameters, spectrum, and the expected spectrum of the Gaussian surface. For a
+        Gaussian surface also the standard errors of skewness and kurtosis, for a transformed one the spectrum
+        before the transform.
     """
     grid = Grid((parameters["points"], parameters["points"]))
     band = {name: parameters[name] for name in ("hurst", "wavelength_long", "wavelength_short", "rms_height")}
@@ -48,7 +48,7 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
         height = johnson(height, **parameters["johnson"])
     elif "moments" in parameters:
         height = with_moments(height, **parameters["moments"])
-    dataset = _measured_dataset(height, grid)
+    dataset = _surface_dataset(height, grid)
     dataset["spectrum_target"] = ("wavenumber", target_spectrum(grid, **band)[1])
     if height is gaussian:
         dataset["skewness_error"], dataset["kurtosis_error"] = moment_errors(grid, **band)
@@ -58,25 +58,25 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
 
 
 def read_surface(parameters: Mapping[str, Any]) -> xr.Dataset:
-    """The surface of one entry of the configuration's section ``measured``.
+    """The measured surface of one entry of the configuration.
 
     Parameters
     ----------
     parameters : mapping
-        file, detrend, and optionally physical_size, height_factor, periodic, undefined,
-        wavelength_short, points.
+        Entry of section ``measured`` of the configuration: file, detrend, and optionally physical_size,
+        height_factor, periodic, undefined, wavelength_short, points.
 
     Returns
     -------
     dataset
-        Height, moments and spectrum; the attributes say what was kept: the shortest wavelength, and how
-        rough the seam of the period is.
+        Heights, roughness parameters and spectrum. The attributes are the shortest wavelength kept and the
+        `edge_step` of the period.
     """
     surface = read_map(
         parameters["file"], **{name: parameters[name] for name in _MAP_KEYS if name in parameters}
     )
     kept = make_periodic(surface, **{name: parameters[name] for name in _PERIOD_KEYS if name in parameters})
-    return _measured_dataset(kept.height, kept.grid).assign_attrs(
+    return _surface_dataset(kept.height, kept.grid).assign_attrs(
         wavelength_short=kept.wavelength_short, edge_step=edge_step(kept.height)
     )
 
@@ -86,8 +86,9 @@ def moment_errors(
 ) -> tuple[float, float]:
     """Standard errors of the skewness and the kurtosis of one sample of a Gaussian surface.
 
-    √(6 ⟨ρ³⟩) and √(24 ⟨ρ⁴⟩), ρ the surface's autocorrelation, averaged over the cell: the variances of the
-    means of the third and fourth Hermite polynomial of a Gaussian field, exact to first order.
+    They are √(6 ⟨ρ³⟩) and √(24 ⟨ρ⁴⟩), with the autocorrelation ρ of the surface averaged over the cell: the
+    standard deviations of the means of the third and fourth Hermite polynomial of a Gaussian field, exact to
+    first order. Parameters are those of `asperity.surface.roughness.target_spectrum`.
     """
     wavenumber, power = target_spectrum(grid, hurst, wavelength_long, wavelength_short, rms_height)
     width = wavenumber[0]
@@ -99,18 +100,18 @@ def moment_errors(
     return float(np.sqrt(6 * abs(np.mean(correlation**3)))), float(np.sqrt(24 * np.mean(correlation**4)))
 
 
-def _measured_dataset(height: Array, grid: Grid) -> xr.Dataset:
-    """A surface with its moments and its spectrum."""
-    measured = roughness_parameters(height, grid.length)
+def _surface_dataset(height: Array, grid: Grid) -> xr.Dataset:
+    """The heights with their roughness parameters and their spectrum."""
+    roughness = roughness_parameters(height, grid.length)
     wavenumber, power = spectrum(height, grid.length)
     y, x = grid.coordinates()
     return xr.Dataset(
         {
             "height": (("y", "x"), height),
-            "rms_height": measured.rms_height,
-            "rms_gradient": measured.rms_gradient,
-            "skewness": measured.skewness,
-            "kurtosis": measured.kurtosis,
+            "rms_height": roughness.rms_height,
+            "rms_gradient": roughness.rms_gradient,
+            "skewness": roughness.skewness,
+            "kurtosis": roughness.kurtosis,
             "spectrum": ("wavenumber", power),
         },
         coords={"y": y, "x": x, "wavenumber": wavenumber},

@@ -240,8 +240,8 @@ VOCABULARY: dict[str, Variable] = {
     "beyond_reason": Variable("1", "why there is no solution"),
     # the trade between speed and accuracy
     "output": Variable("1", "what an error is of"),
-    "run_knob": Variable("1", "source of error that the run shows; empty for a reference"),
-    "run_setting": Variable("1", "setting of it"),
+    "run_parameter": Variable("1", "parameter of accuracy that is varied; empty for a reference"),
+    "run_setting": Variable("1", "setting of the varied parameter"),
     "run_seed": Variable("1", "seed of the surface"),
     "run_hurst": Variable("1", "Hurst exponent"),
     "run_wavelength_long": Variable(_LENGTH, "longest wavelength of the surface"),

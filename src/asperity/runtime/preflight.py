@@ -34,7 +34,18 @@ PACKAGES = {
 }
 """What the jobs of the study import, and the package that has it."""
 
-BASE_PACKAGES = ("ducc0", "lazy_loader", "netCDF4", "numba", "numpy", "scipy", "tqdm", "xarray")
+BASE_PACKAGES = (
+    "ducc0",
+    "jsonschema",
+    "lazy_loader",
+    "netCDF4",
+    "numba",
+    "numpy",
+    "scipy",
+    "tqdm",
+    "xarray",
+    "yaml",
+)
 """What the library imports wherever it is used."""
 
 REMEDY = "all that is needed: pip install --requirement requirements.lock"

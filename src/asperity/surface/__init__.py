@@ -1,1 +1,1 @@
-"""Rough surfaces: random, with prescribed moments, and measured."""
+"""Rough surfaces: random ones, measured ones, and their roughness parameters."""

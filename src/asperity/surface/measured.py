@@ -1,10 +1,10 @@
-"""Measured height maps, made fit for a periodic solve in a stated way.
+"""Measured height maps, and their preparation for a periodic contact problem.
 
-A map is read by SurfaceTopography, which knows the formats of the instruments, their units and pixel
-sizes. It shows its peaks upward and is pressed face down: the height of the indenter's lower face,
-measured upward, is **minus the map**; x and y stay as in the map. Lengths and heights are then in units
-of the longer edge of the cell. The steps, in this order: fill undefined points, detrend, make
-periodic, remove short waves, resample.
+Maps are read by the package SurfaceTopography, which knows the file formats of the instruments, their units
+and pixel sizes. A map shows its peaks upward and is pressed face down: the height of the indenter's lower
+face, measured upward, is **minus the map**, while x and y stay as in the map. `make_periodic` fills undefined
+points, removes a trend, makes the map periodic, removes short waves and resamples, in this order. Lengths and
+heights are afterwards in units of the longer edge of the cell.
 """
 
 from __future__ import annotations
@@ -17,37 +17,43 @@ from typing import Any
 
 import numpy as np
 
+from asperity.arguments import choice, whole_number
 from asperity.spectral import Fourier, Grid, good_size, resample
 from asperity.types import Array
 
 DETRENDS = ("none", "tilt", "curvature")
+"""Trends that `make_periodic` can remove."""
+
 PERIODICITIES = ("declared", "mirrored", "windowed")
+"""Ways in which `make_periodic` makes a map periodic."""
 
 TAPER = 0.1
-"""Part of each edge over which a windowed map falls to its mean plane, at either end."""
+"""Fraction of an edge, at each of its ends, over which a windowed map falls to its mean plane."""
 
-FEWEST = 2
-"""Least number of points along an edge of a map."""
+FEWEST_POINTS = 2
+"""Smallest number of points along an edge of a map."""
 
-STEEPEST = 1e6
-"""Largest height of a map over its longer edge; more is a wrong unit or a wrong number."""
+LARGEST_HEIGHT = 1e6
+"""Largest height of a map in units of its longer edge; a larger one is a wrong unit or a damaged file."""
 
+# Largest variation, relative to the heights, of a map that is flat but for rounding.
 _ROUNDING = 1e-13
+
 _EDGES_UNKNOWN = "the file does not say its edges; set physical_size"
 
 
 @dataclass(frozen=True)
 class HeightMap:
-    """A rectangular map as measured.
+    """A rectangular height map as measured.
 
     Parameters
     ----------
     height : (ny, nx) array
-        Peaks upward; NaN where there are no data.
+        Heights, peaks upward; NaN where there are no data.
     length : (length_y, length_x)
-        Edges in the unit of the heights.
+        Edges of the map, in the unit of the heights.
     periodic : bool
-        Whether its file says that it is one period.
+        True if the file states that the map is one period.
     """
 
     height: Array
@@ -57,16 +63,16 @@ class HeightMap:
 
 @dataclass(frozen=True)
 class PeriodicSurface:
-    """A lower face of an indenter fit for a periodic solve.
+    """The lower face of an indenter as one period of a periodic surface.
 
     Parameters
     ----------
     height : (ny, nx) array
-        Measured upward, mean zero, in units of the longer edge of the cell.
+        Heights measured upward, with mean zero, in units of the longer edge of the cell.
     grid : Grid
-        Its longer edge is one.
+        Grid of the heights; the longer edge of its cell is one.
     wavelength_short : float
-        Shortest wavelength that was kept, in the same unit.
+        Shortest wavelength that was kept, in units of the longer edge.
     """
 
     height: Array
@@ -79,26 +85,28 @@ def read_map(
     physical_size: tuple[float, float] | None = None,
     height_factor: float | None = None,
 ) -> HeightMap:
-    """Read a height map in any format that SurfaceTopography knows.
+    """Read a height map in any file format that SurfaceTopography knows.
 
     Parameters
     ----------
     path : path
     physical_size : (length_y, length_x), optional
-        Edges in the unit of the heights, if the file does not say.
+        Edges of the map, in the unit of the heights; only for files that do not contain them.
     height_factor : float, optional
-        From the numbers in the file to heights, if the file does not say.
+        Factor from the numbers in the file to heights; only for files that do not contain it.
 
     Returns
     -------
     HeightMap
+        Edges are converted to the unit of the heights.
 
     Raises
     ------
     ImportError
         If SurfaceTopography is not installed.
     ValueError
-        If the file is no map, does not say how large it is, or says what an argument says too.
+        If the file is not a rectangular height map, if it does not contain its edges, or if it contains what
+        an argument gives.
     """
     try:
         from SurfaceTopography import read_topography
@@ -128,21 +136,24 @@ def read_map(
             raise ValueError(f"{os.fspath(path)}: {_EDGES_UNKNOWN}") from error
         raise ValueError(f"{os.fspath(path)}: not a height map that can be read ({reason})") from error
     if found.dim != 2 or not found.is_uniform:
-        raise ValueError(f"{os.fspath(path)}: a line scan or scattered points, a rectangular map is needed")
+        raise ValueError(
+            f"{os.fspath(path)}: a rectangular map is needed, not a line scan or scattered points"
+        )
     sizes = found.physical_sizes
     if sizes is None or any(size is None for size in sizes):
         raise ValueError(f"{os.fspath(path)}: {_EDGES_UNKNOWN}")
     if not all(math.isfinite(size) and size > 0 for size in sizes):
-        raise ValueError(f"{os.fspath(path)}: edges {sizes[1]:g} and {sizes[0]:g}, numbers > 0 are needed")
-    if min(found.nb_grid_pts) < FEWEST:
+        raise ValueError(f"{os.fspath(path)}: edges > 0 are needed, not {sizes[1]:g} and {sizes[0]:g}")
+    if min(found.nb_grid_pts) < FEWEST_POINTS:
         raise ValueError(
-            f"{os.fspath(path)}: {found.nb_grid_pts[1]} x {found.nb_grid_pts[0]} points, "
-            f"at least {FEWEST} x {FEWEST} are needed"
+            f"{os.fspath(path)}: at least {FEWEST_POINTS} x {FEWEST_POINTS} points are needed, "
+            f"not {found.nb_grid_pts[1]} x {found.nb_grid_pts[0]}"
         )
     height: Array = np.ma.filled(np.ma.asarray(found.heights(), dtype=float), np.nan).T
-    if np.nanmax(np.abs(height), initial=0.0, where=np.isfinite(height)) > STEEPEST * max(sizes):
+    if np.nanmax(np.abs(height), initial=0.0, where=np.isfinite(height)) > LARGEST_HEIGHT * max(sizes):
         raise ValueError(
-            f"{os.fspath(path)}: heights above {STEEPEST:g} times its edges; set height_factor or correct it"
+            f"{os.fspath(path)}: heights up to {LARGEST_HEIGHT:g} times the longer edge are accepted; "
+            "set height_factor or correct the file"
         )
     return HeightMap(height, (float(sizes[1]), float(sizes[0])), bool(found.is_periodic))
 
@@ -155,23 +166,25 @@ def make_periodic(
     wavelength_short: float | None = None,
     points: int | None = None,
 ) -> PeriodicSurface:
-    """A measured map as the periodic lower face of an indenter.
+    """The periodic lower face of an indenter made from a measured map.
 
     Parameters
     ----------
     surface : HeightMap
     detrend : "none", "tilt" or "curvature"
-        What is taken off by least squares: the mean, the mean plane, or a polynomial of degree two.
+        Trend that is removed by least squares: the mean, the mean plane, or a polynomial of degree two.
     periodic : "declared", "mirrored" or "windowed", optional
-        Declared: the map is one period as it is. Mirrored: the map and its mirror images at two edges,
-        a cell of twice the edges. Windowed: the outer `TAPER` of each edge falls to the mean plane
-        (Tukey's window). By default only a map that its file calls periodic is accepted.
+        Declared: the map is taken as one period. Mirrored: the map and its mirror images at two edges form a
+        cell of twice the edges. Windowed: the map is multiplied with a Tukey window (F. J. Harris, Proc. IEEE
+        66 (1978) 51, doi 10.1109/PROC.1978.10837), which falls to zero over the fraction `TAPER` at each end
+        of an edge. By default only a map that its file states to be periodic is accepted.
     undefined : "harmonic", optional
-        Fill points without data by a harmonic function; by default a map that has some is refused.
+        Points without data are filled by a harmonic function; by default a map with such points is refused.
     wavelength_short : float, optional
-        Waves shorter than this are removed; in units of the longer edge of the cell.
+        Waves shorter than this are removed; in units of the longer edge of the cell, from two nodes to 1.
     points : int, optional
-        Nodes on the longer edge, by Fourier interpolation; by default as measured.
+        Number of nodes on the longer edge, at least 2; the map is interpolated by Fourier series. By default
+        the number of the map.
 
     Returns
     -------
@@ -180,11 +193,12 @@ def make_periodic(
     Raises
     ------
     ValueError
-        If an argument is out of range, or the map is not accepted as it is: the message says what to
-        set.
+        If an argument is out of range, if the map is flat, or if it needs an argument that is not given; the
+        message says which.
     """
-    if detrend not in DETRENDS:
-        raise ValueError(f"detrend = {detrend!r}: {', '.join(DETRENDS)} is needed")
+    choice("detrend", detrend, DETRENDS)
+    if periodic is not None:
+        choice("periodic", periodic, PERIODICITIES)
     if periodic is None and not surface.periodic:
         raise ValueError(
             "periodic: the file does not say that the map is one period; "
@@ -203,17 +217,15 @@ def make_periodic(
 
         window_y, window_x = (tukey(n, 2 * TAPER, sym=False) for n in height.shape)
         height = height * window_y[:, None] * window_x[None, :]
-    elif periodic not in (None, "declared"):
-        raise ValueError(f"periodic = {periodic!r}: {', '.join(PERIODICITIES)} is needed")
     edge = max(length)
     grid = Grid(height.shape, (length[0] / edge, length[1] / edge))
     return _band_limited((np.mean(height) - height) / edge, grid, wavelength_short, points)
 
 
 def edge_step(height: Array) -> float:
-    """How rough the seam of a period is: rms step across its edges over rms step between all neighbours.
+    """Rms height step across the edges of a period, relative to the rms step between all neighbouring nodes.
 
-    About one for a periodic map, zero for a mirrored one, larger where the edges do not meet.
+    It is about one for a periodic map, zero for a mirrored one, and larger if opposite edges do not match.
     """
     across = np.concatenate([height[0] - height[-1], height[:, 0] - height[:, -1]])
     along_y, along_x = np.diff(height, axis=0), np.diff(height, axis=1)
@@ -222,7 +234,7 @@ def edge_step(height: Array) -> float:
 
 
 def _filled(surface: HeightMap, undefined: str | None) -> Array:
-    """The heights with a value everywhere."""
+    """The heights with values at all points."""
     missing = ~np.isfinite(surface.height)
     if not missing.any():
         return surface.height
@@ -240,7 +252,7 @@ def _filled(surface: HeightMap, undefined: str | None) -> Array:
 
 
 def _detrended(height: Array, detrend: str) -> Array:
-    """The heights less a least-squares polynomial; its terms are orthogonal on a full grid."""
+    """The heights minus their least-squares polynomial, whose terms are orthogonal on a full grid."""
     linear_y, linear_x = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in height.shape)
     square_y, square_x = (np.square(linear) - np.mean(np.square(linear)) for linear in (linear_y, linear_x))
     one_y, one_x = np.ones_like(linear_y), np.ones_like(linear_x)
@@ -260,7 +272,7 @@ def _detrended(height: Array, detrend: str) -> Array:
 def _band_limited(
     height: Array, grid: Grid, wavelength_short: float | None, points: int | None
 ) -> PeriodicSurface:
-    """The surface without short waves, on the grid asked for."""
+    """The surface without short waves, with `points` nodes on the longer edge."""
     target = grid if points is None else _with_points(grid, points)
     shortest = 2 * max(*grid.spacing, *target.spacing)
     filtered = wavelength_short is not None
@@ -276,16 +288,17 @@ def _band_limited(
     coefficients[0, 0] = 0.0
     smooth = Fourier(target).inverse(resample(coefficients, grid, target), overwrite=True)
     if np.ptp(smooth) <= _ROUNDING * np.ptp(height):
-        raise ValueError("wavelength_short: nothing of the map is left without its shorter waves")
+        raise ValueError(
+            "wavelength_short: a smaller one is needed, the map has no waves of this length or longer"
+        )
     return PeriodicSurface(smooth, target, wavelength_short)
 
 
 def _with_points(grid: Grid, points: int) -> Grid:
-    """A grid of the same cell with so many nodes on its longer edge, and as dense on the other."""
-    if int(points) != points or points < 2:
-        raise ValueError(f"points = {points!r}: a whole number ≥ 2 is needed")
+    """A grid of the same cell with `points` nodes on its longer edge and about square pixels."""
+    points = whole_number("points", points, "a whole number ≥ 2", lambda n: n >= 2)
     shape = tuple(
-        int(points) if edge == max(grid.length) else good_size(round(points * edge / max(grid.length)))
+        points if edge == max(grid.length) else good_size(round(points * edge / max(grid.length)))
         for edge in grid.length
     )
     return Grid((shape[0], shape[1]), grid.length)

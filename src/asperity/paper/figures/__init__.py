@@ -128,6 +128,11 @@ def modules() -> list[str]:
     return sorted(path.stem for path in _FOLDER.glob("*.py") if "STAGES" in _constants(path.stem))
 
 
+def numbers() -> list[int]:
+    """Numbers of the figures of the paper, rising."""
+    return sorted(int(number) for number in (describe(module).number for module in modules()) if number)
+
+
 def draw(module: str, results: Mapping[str, Any]) -> Any:
     """Draw the figure of a module.
 

@@ -1,0 +1,114 @@
+"""Arguments of the command line made from the schema of the settings, and their values by section."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from functools import partial
+from typing import Any, NoReturn
+
+from asperity.config.check import needed_instead
+from asperity.config.defaults import default
+from asperity.config.schema import Entry, accepted, setting
+from asperity.errors import fail, shown
+
+_KINDS = {"number": float, "integer": int, "string": str}
+_PLACEHOLDERS = {"number": "NUMBER", "integer": "INTEGER", "string": "TEXT"}
+
+POSITIVE: Entry = {"type": "number", "exclusiveMinimum": 0}
+"""Accepted values of arguments that are no settings: times, errors, memory."""
+
+
+class Parser(argparse.ArgumentParser):
+    """Parser that takes options by their whole names and reports an error in one line."""
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(**options, allow_abbrev=False)
+
+    def error(self, message: str) -> NoReturn:
+        """End the process with status 2."""
+        sys.exit(fail(f"{message} (see {self.prog} --help)", 2))
+
+
+class _StoreList(argparse.Action):
+    """Store a list of values that the schema accepts as a whole: their number, and that they are distinct."""
+
+    def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
+        if needed := needed_instead(values, setting(self.dest)):
+            raise argparse.ArgumentError(self, f"{shown(values)}: {needed} is needed")
+        setattr(namespace, self.dest, values)
+
+
+def add_setting(
+    parser: argparse._ActionsContainer, flag: str, key: str, *, left_out: str | None = None, **options: Any
+) -> None:
+    """Add an argument for a setting: type, range, choices, default and help come from the schema.
+
+    Parameters
+    ----------
+    parser : argument parser or group
+    flag : str
+        Such as ``--area-fraction``.
+    key : str
+        Dotted key of the setting; the value is found under it by `section`.
+    left_out : str, optional
+        What holds without the argument, if that is not the default of the setting: there is none then.
+    **options
+        Passed to `argparse`, in place of what the schema says.
+    """
+    entry = setting(key)
+    items = entry.get("items", entry)
+    value = None if left_out else default(key)
+    if entry.get("type") == "array":
+        fixed = entry.get("minItems") if entry.get("minItems") == entry.get("maxItems") else None
+        options = {"nargs": fixed or "+", "action": _StoreList} | options
+    without = left_out or entry.get("left_out") if value is None else str(value)
+    made: dict[str, Any] = {
+        "dest": key,
+        "type": partial(converted, items),
+        "metavar": _placeholder(items),
+        "default": value,
+        "help": _help(entry, without),
+    }
+    parser.add_argument(flag, **made | options)
+
+
+def section(options: argparse.Namespace, name: str) -> dict[str, Any]:
+    """Values of the arguments that are settings of one section, without those that have no value."""
+    prefix = f"{name}."
+    values = {
+        key.removeprefix(prefix): value for key, value in vars(options).items() if key.startswith(prefix)
+    }
+    return {key: value for key, value in values.items() if value is not None}
+
+
+def converted(entry: Entry, text: str) -> Any:
+    """Value of an argument, from its text.
+
+    Raises
+    ------
+    argparse.ArgumentTypeError
+        If the schema does not accept it.
+    """
+    try:
+        value = _KINDS[entry.get("type", "string")](text)
+    except ValueError:
+        value = None
+    if needed := needed_instead(value, entry):
+        raise argparse.ArgumentTypeError(f"{shown(text)}: {needed} is needed")
+    return value
+
+
+def _placeholder(entry: Entry) -> str:
+    return f"{{{','.join(entry['enum'])}}}" if "enum" in entry else _PLACEHOLDERS[entry["type"]]
+
+
+def _help(entry: Entry, without: str | None) -> str:
+    """Help of an argument. Text from the schema is escaped: argparse formats it with %."""
+    facts = [] if "enum" in entry else [accepted(entry.get("items", entry))]
+    if "unit" in entry:
+        facts.append(f"unit: {entry['unit']}")
+    if without:
+        facts.append(f"default: {without}")
+    text = entry["description"].rstrip(".") + (f" ({'; '.join(facts)})" if facts else "")
+    return text.replace("`", "").replace("%", "%%")

@@ -1,0 +1,25 @@
+"""``asperity plan``: cost and error of a calculation before it is made, and settings that reach a target."""
+
+from __future__ import annotations
+
+import argparse
+
+from asperity.accuracy.plan import PEAKS, Target, assess, propose, report
+from asperity.accuracy.scenes import read, scenes
+from asperity.cli.arguments import section
+
+_GIB = 2**30
+
+
+def run(options: argparse.Namespace) -> None:
+    """Print cost and error of the settings that are given, or of the settings proposed for a target."""
+    config = read(options.config, section(options, "contact").get("area_fraction"))
+    surfaces, accuracy = scenes(config)
+    outputs = options.output or PEAKS
+    memory = None if options.memory is None else options.memory * _GIB
+    if options.error is None and options.seconds is None and memory is None:
+        found = assess(list(surfaces.values()), accuracy, options.one_surface)
+    else:
+        target = Target(outputs, options.error, options.seconds, memory, options.one_surface)
+        found = propose(list(surfaces.values()), target)
+    print(report(found, surfaces, outputs, options.one_surface))

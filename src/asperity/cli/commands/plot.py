@@ -1,0 +1,74 @@
+"""``asperity plot``: a figure of the paper from result files."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Mapping
+from typing import Any
+
+import xarray as xr
+
+from asperity.cli.arguments import section
+from asperity.cli.files import check_out, stage_of
+from asperity.paper.figures import describe, draw
+from asperity.paper.figures.style import save, style
+from asperity.results import dataset
+
+_MAKERS = {"contact": "asperity solve", "stress": "asperity stress", "statistics": "asperity peaks"}
+_OF_ONE_RATIO = (8, 9, 10, 11, 13, 17, 18)
+"""Figures that show one Poisson's ratio."""
+
+
+def run(options: argparse.Namespace) -> None:
+    """Draw the figure and write it to all files."""
+    check_out(options.out, options.results)
+    figure = f"figure {options.figure}"
+    description = describe(f"fig{options.figure:02d}")
+    stages = description.stages
+    if "validation" in stages:
+        raise ValueError(f"{figure} is drawn from the validation of the study only")
+    given = _by_stage(options.results)
+    for stage in stages:
+        if stage not in given:
+            maker = f" (of {_MAKERS[stage]})" if stage in _MAKERS else ""
+            raise ValueError(f"{figure}: a {stage} file{maker} is needed, none is given")
+        if list(given[stage]) != list(given[stages[0]]):
+            raise ValueError(f"{figure}: the same surfaces are needed from each stage")
+    shown: dict[str, Any] = {stage: given[stage] for stage in stages}
+    if options.figure in _OF_ONE_RATIO:
+        for name, data in shown["statistics"].items():
+            data.attrs["poisson_contact"] = _ratio(figure, name, data, section(options, "layer"))
+    if description.compares_studies:
+        shown = {stage: {"given": results} for stage, results in shown.items()}
+    with style():
+        save(draw(description.module, shown), *options.out)
+
+
+def _by_stage(paths: list[str]) -> dict[str, dict[str, xr.Dataset]]:
+    """Results by stage and name of the surface; a name that is given twice is numbered."""
+    given: dict[str, dict[str, xr.Dataset]] = {}
+    for path in paths:
+        data = dataset.read(path)
+        stage = stage_of(data)
+        if stage is None:
+            raise ValueError(f"{path}: no result of surface, contact, stress or statistics")
+        results = given.setdefault(stage, {})
+        name = dataset.settings_of(data)["name"]
+        numbered = (f"{name} {number}" for number in range(2, len(results) + 3))
+        results[next(free for free in (name, *numbered) if free not in results)] = data
+    return given
+
+
+def _ratio(figure: str, name: str, data: xr.Dataset, chosen: Mapping[str, float]) -> float:
+    """Poisson's ratio that a figure shows of one result: the one chosen, or that of the contact.
+
+    A contact with a half-space may have been analysed at other ratios than its own.
+    """
+    ratio = chosen.get("poisson", data.attrs["poisson_contact"])
+    analysed = data["poisson"].values.tolist()
+    if ratio not in analysed:
+        raise ValueError(
+            f"{figure}: Poisson's ratio {ratio:g} is not in the statistics of {name}; "
+            f"set --poisson to one of {', '.join(f'{nu:g}' for nu in analysed)}"
+        )
+    return ratio

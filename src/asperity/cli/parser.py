@@ -1,0 +1,149 @@
+"""The commands of ``asperity`` and their arguments."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from functools import partial
+
+import asperity
+from asperity.cli.arguments import POSITIVE, Parser, add_setting, converted
+from asperity.paper.figures import numbers
+
+
+def make_parser() -> Parser:
+    """Parser of the command line; its result names the command as ``command``."""
+    parser = Parser(
+        prog="asperity",
+        description="Stress inside an elastic solid pressed against a rough surface. Lengths are in units of "
+        "the longer edge of the periodic cell, stresses in units of the effective modulus E/(1 - poisson^2).",
+        epilog="The steps of a calculation: solve, stress, peaks, plot. Its cost and error beforehand: plan.",
+    )
+    parser.add_argument("--version", action="version", version=f"asperity {asperity.__version__}")
+    commands = parser.add_subparsers(title="commands", required=True, dest="command", metavar="COMMAND")
+    for name, (add_arguments, description) in _COMMANDS.items():
+        summary = description.split(".")[0]
+        command = commands.add_parser(name, help=summary[0].lower() + summary[1:], description=description)
+        add_arguments(command)
+    return parser
+
+
+def _add_solve(parser: Parser) -> None:
+    parser.add_argument("surface", help="surface file of the study, or height map of an instrument")
+    _add_out(parser)
+    add = partial(add_setting, parser)
+    add("--area-fraction", "contact.area_fraction")
+    add("--path", "contact.path_area_fractions")
+    add("--poisson", "layer.poisson")
+    add("--layer-height", "layer.height")
+    add("--bottom", "layer.bottom")
+    add("--lateral", "layer.lateral")
+    add("--half-space-tolerance", "layer.half_space_tolerance")
+    add("--method", "contact.method")
+    add("--tolerance", "contact.tolerance")
+    add("--precision", "contact.precision")
+    maps = parser.add_argument_group(
+        "height maps",
+        "A map shows its peaks upward and is pressed face down. Not accepted for surface files.",
+    )
+    add = partial(add_setting, maps)
+    add("--label", "measured.NAME.label", left_out="name of the file")
+    add("--periodic", "measured.NAME.periodic")
+    add("--detrend", "measured.NAME.detrend")
+    add("--undefined", "measured.NAME.undefined")
+    add("--wavelength-short", "measured.NAME.wavelength_short")
+    add("--points", "measured.NAME.points", left_out="those of the map")
+    add("--physical-size", "measured.NAME.physical_size", metavar=("Y", "X"))
+    add("--height-factor", "measured.NAME.height_factor")
+
+
+def _add_stress(parser: Parser) -> None:
+    parser.add_argument("contact", help="result of asperity solve")
+    _add_out(parser)
+    add_setting(parser, "--poisson", "stress.poisson")
+    add_setting(parser, "--tolerance", "stress.tolerance")
+    add_setting(parser, "--depth-spacing", "stress.depth_spacing")
+
+
+def _add_peaks(parser: Parser) -> None:
+    parser.add_argument("stress", nargs="+", help="results of asperity stress, one per seed of a surface")
+    parser.add_argument(
+        "--contact",
+        nargs="+",
+        required=True,
+        metavar="FILE.nc",
+        help="results of asperity solve, in the same order",
+    )
+    _add_out(parser)
+    add_setting(parser, "--bins", "statistics.bins")
+    add_setting(parser, "--resamples", "statistics.resamples")
+    add_setting(parser, "--confidence", "statistics.confidence")
+
+
+def _add_plot(parser: Parser) -> None:
+    parser.add_argument("figure", type=_figure_number, help="number of a figure of the paper, such as 9")
+    parser.add_argument("results", nargs="+", help="result files of all stages that the figure shows")
+    parser.add_argument(
+        "--out", nargs="+", required=True, metavar="FILE", help="images to write, such as fig.png fig.pdf"
+    )
+    add_setting(parser, "--poisson", "layer.poisson", left_out="that of the contact")
+
+
+def _add_plan(parser: Parser) -> None:
+    parser.add_argument(
+        "config",
+        nargs="+",
+        metavar="CONFIG_OR_SPECTRUM",
+        help="configuration and overlays, or a spectrum: files, or YAML text such as "
+        "'{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.004}'",
+    )
+    add = partial(parser.add_argument, type=partial(converted, POSITIVE), metavar="NUMBER")
+    add(
+        "--error",
+        help="largest relative error of the outputs; the cheapest settings that reach it are proposed",
+    )
+    add("--seconds", help="processor time for all surfaces and seeds, on one thread")
+    add("--memory", metavar="GIB", help="memory of one process")
+    add_setting(parser, "--area-fraction", "contact.area_fraction", left_out="that of the configuration")
+    parser.add_argument(
+        "--output",
+        nargs="+",
+        metavar="NAME",
+        help="outputs whose error counts, such as von_mises_p99 or peak_depth (default: peaks)",
+    )
+    parser.add_argument(
+        "--one-surface",
+        action="store_true",
+        help="errors of this one surface, not of the mean over its kind, so that one seed is enough",
+    )
+
+
+_COMMANDS: dict[str, tuple[Callable[[Parser], None], str]] = {
+    "solve": (
+        _add_solve,
+        "Press the solid against a surface. The result holds pressure, displacement and gap.",
+    ),
+    "stress": (_add_stress, "Find the peaks, the depth profile and the decay of the stress under a contact."),
+    "peaks": (_add_peaks, "Make the distributions of the peaks of a surface, and print percentiles."),
+    "plot": (
+        _add_plot,
+        "Draw a figure of the paper. It needs the results of every stage that the figure shows.",
+    ),
+    "plan": (
+        _add_plan,
+        "Predict cost and error of a calculation. With a target, propose settings that reach it.",
+    ),
+}
+
+
+def _add_out(parser: Parser) -> None:
+    parser.add_argument("--out", required=True, metavar="FILE.nc", help="result file to write")
+
+
+def _figure_number(text: str) -> int:
+    """Number of a figure that can be drawn, from text such as ``9`` or ``fig09``."""
+    known = numbers()
+    number = text.lower().removeprefix("fig").removesuffix(".py")
+    if not (number.isdecimal() and int(number) in known):
+        raise argparse.ArgumentTypeError(f"{text[:60]!r}: one of {', '.join(map(str, known))} is needed")
+    return int(number)

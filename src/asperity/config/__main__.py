@@ -1,0 +1,62 @@
+"""``python -m asperity.config``: check a configuration, or describe the settings.
+
+``check FILE …`` checks a configuration with its overlays merged; status 1 and one line on stderr if it is not
+accepted.
+``describe`` prints tables of all settings; ``describe README`` writes them into that file.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from asperity.errors import ConfigError, PreflightError, one_line
+from asperity.runtime.preflight import require_packages
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; 0 on success, 1 with one line on stderr otherwise."""
+    parser = argparse.ArgumentParser(prog="python -m asperity.config", allow_abbrev=False)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND")
+    checking = commands.add_parser("check", help="check a configuration, with its overlays merged")
+    checking.add_argument("files", nargs="+", metavar="FILE", help="configuration, then overlays, in YAML")
+    checking.set_defaults(run=_check)
+    describing = commands.add_parser("describe", help="tables of all settings, in Markdown")
+    describing.add_argument("readme", nargs="?", help="file to write them into; otherwise they are printed")
+    describing.set_defaults(run=_describe)
+    options = parser.parse_args(arguments)
+    try:
+        require_packages(("jsonschema", "yaml"))
+        options.run(options)
+    except (ConfigError, PreflightError, OSError) as error:
+        print(f"config: {one_line(str(error))}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _check(options: argparse.Namespace) -> None:
+    from asperity.config.check import check, check_files
+    from asperity.config.reader import load, merged
+
+    config: dict[str, Any] = {}
+    for path in options.files:
+        config = merged(config, load(path))
+    check(config)
+    check_files(config)
+
+
+def _describe(options: argparse.Namespace) -> None:
+    from asperity.config.describe import describe, with_settings
+
+    if options.readme is None:
+        print(describe(), end="")
+    else:
+        readme = Path(options.readme)
+        readme.write_text(with_settings(readme.read_text(encoding="utf-8")), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,72 @@
+"""Solution for a sequence of loads, each started from the solution before."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from asperity.contact.solution import Contact
+from asperity.contact.solver import solve
+from asperity.elasticity.layer import Layer
+from asperity.types import Progress
+
+
+def solve_path(
+    height: ArrayLike,
+    layer: Layer,
+    length: float | tuple[float, float] = 1.0,
+    *,
+    area_fractions: Sequence[float] | None = None,
+    mean_pressures: Sequence[float] | None = None,
+    approaches: Sequence[float] | None = None,
+    progress: Progress | None = None,
+    **settings: Any,
+) -> Iterator[Contact]:
+    """Solve for one load after the other, each started from the solution before.
+
+    Parameters
+    ----------
+    height, layer, length
+        As for `solve`.
+    area_fractions, mean_pressures, approaches : sequence of float
+        Exactly one of them.
+    progress : callable, optional
+        Called as progress(done, total), where a load counts as one.
+    **settings
+        Passed to `solve`.
+
+    Yields
+    ------
+    Contact
+    """
+    paths = {"area_fraction": area_fractions, "mean_pressure": mean_pressures, "approach": approaches}
+    given = {kind: list(values) for kind, values in paths.items() if values is not None}
+    if len(given) != 1:
+        raise ValueError(
+            "exactly one of area_fractions, mean_pressures, approaches is needed, "
+            f"got {', '.join(given) if given else 'none'}"
+        )
+    ((kind, values),) = given.items()
+    return _solve_each(partial(solve, height, layer, length, **settings), kind, values, progress)
+
+
+def _solve_each(
+    solve_one: Callable[..., Contact], kind: str, values: Sequence[float], progress: Progress | None
+) -> Iterator[Contact]:
+    """Solve for each value of the imposed quantity, starting from the last solution that is in contact."""
+    previous: Contact | None = None
+    for index, value in enumerate(values):
+        of_load = None if progress is None else partial(_report, progress, index, len(values))
+        contact = solve_one(**{kind: value}, initial=previous, progress=of_load)
+        previous = contact if contact.area_fraction > 0 else None
+        if progress is not None:
+            progress(index + 1, len(values))
+        yield contact
+
+
+def _report(progress: Progress, index: int, count: int, done: float, total: float) -> None:
+    """Report the progress of one load as progress of the path."""
+    progress(index + done / total, count)

@@ -1,0 +1,141 @@
+"""Solution of one contact problem: checks the arguments, chooses the method, and certifies the result."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
+
+from asperity.contact import gfmd, nested_grids
+from asperity.contact.arguments import checked_control, checked_height, checked_initial, checked_settings
+from asperity.contact.certificate import verify_contact
+from asperity.contact.problem import Control, Problem, State
+from asperity.contact.solution import Contact
+from asperity.elasticity.layer import Layer
+from asperity.spectral import Fourier, Grid
+from asperity.types import Progress
+
+METHODS = {"active_set": nested_grids.solve, "gfmd": gfmd.solve}
+
+
+def solve(
+    height: ArrayLike,
+    layer: Layer,
+    length: float | tuple[float, float] = 1.0,
+    *,
+    area_fraction: float | None = None,
+    mean_pressure: float | None = None,
+    approach: float | None = None,
+    method: str = "active_set",
+    rtol: float = 1e-6,
+    dtype: DTypeLike = "float64",
+    threads: int = 1,
+    progress: Progress | None = None,
+    initial: Contact | ArrayLike | None = None,
+) -> Contact:
+    """Press a rigid rough surface against an elastic solid.
+
+    Exactly one of `area_fraction`, `mean_pressure` and `approach` is given.
+
+    Parameters
+    ----------
+    height : (ny, nx) array
+        Lower face of the indenter, measured upward, in the unit of `length`.
+    layer : Layer
+    length : float or (length_y, length_x)
+        Edges of the periodic cell.
+    area_fraction : float
+        Contact nodes over all nodes, met to 1e-4 of itself, or to the nearest number of nodes that the
+        surface allows.
+    mean_pressure : float
+        Load over the area of the cell, in the unit of Young's modulus.
+    approach : float
+        Position of the indenter, in the unit of `length`.
+    method : "active_set" | "gfmd"
+        The fast solver, or the damped dynamics of the paper; both converge to the same solution.
+    rtol : float
+        Error of the pressure relative to its norm, as estimated by the solver.
+    dtype : "float64" or "float32"
+        Precision of the fields.
+    threads : int
+        Threads of the Fourier transforms; the solution does not depend on it.
+    progress : callable, optional
+        Called as progress(done, total).
+    initial : Contact or (ny, nx) array, optional
+        A pressure to start from.
+
+    Returns
+    -------
+    Contact
+
+    Raises
+    ------
+    ConvergenceError
+        If the tolerance is not reached.
+    ValueError, TypeError
+        If an argument is out of range.
+
+    Notes
+    -----
+    The methods are described in `asperity.contact.active_set` and `asperity.contact.gfmd`.
+    """
+    values = checked_height(height)
+    grid = Grid(values.shape, length)  # type: ignore[arg-type]
+    if not isinstance(layer, Layer):
+        raise TypeError(f"layer = {layer!r}: a Layer is needed")
+    if method not in METHODS:
+        raise ValueError(f"method = {method!r}: one of {', '.join(METHODS)} is needed")
+    precision, tolerance, workers = checked_settings(dtype, rtol, threads)
+    control = checked_control(
+        values, layer, area_fraction=area_fraction, mean_pressure=mean_pressure, approach=approach
+    )
+    start = initial.pressure if isinstance(initial, Contact) else initial
+    pressure = None if start is None else checked_initial(start, grid)
+    begin = time.perf_counter()
+    problem = Problem(values, layer, Fourier(grid, precision, workers))
+    if control.lifts_off(values):
+        position = control.value if control.kind == "approach" else float(values.min())
+        state = State(np.zeros_like(problem.height), problem.height, position, 0.0, 0.0)
+    else:
+        state = METHODS[method](problem, control, tolerance, progress, pressure)
+    return _certified(problem, control, state, method, tolerance, time.perf_counter() - begin)
+
+
+def _certified(
+    problem: Problem, control: Control, state: State, method: str, rtol: float, seconds: float
+) -> Contact:
+    """Evaluate the fields that follow from the pressure of a state, and certify it."""
+    grid, layer, pressure = problem.grid, problem.layer, state.pressure
+    pairs = problem.fourier.work.pairs(grid)
+    displacement = problem.displacement(pressure)
+    gap = problem.height + displacement
+    contact = pressure > 0
+    approach = state.approach
+    if control.kind != "approach" and contact.any():
+        approach = float(gap[contact].mean(dtype=float))
+    certificate = verify_contact(
+        problem.height,
+        pressure,
+        layer,
+        grid.length,
+        approach=approach,
+        mean_pressure=state.load if control.kind == "mean_pressure" else None,
+        threads=problem.fourier.threads,
+    )
+    gap -= gap.dtype.type(approach)
+    return Contact(
+        height=problem.height,
+        pressure=pressure,
+        displacement=displacement,
+        gap=gap,
+        grid=grid,
+        layer=layer,
+        area_fraction=float(contact.mean()),
+        mean_pressure=float(pressure.mean(dtype=float)),
+        approach=approach,
+        certificate=replace(certificate, iterations=state.iterations, pairs=pairs, seconds=seconds),
+        method=method,
+        rtol=rtol,
+    )

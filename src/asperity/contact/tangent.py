@@ -1,0 +1,86 @@
+"""Tangent of the contact: its change per change of the approach, and the load it predicts for a contact area.
+
+On a fixed set of contact nodes pressure and gap are linear in the approach. From the tangent follows the
+approach at which each node leaves the contact, because its pressure becomes zero, or enters it, because its
+gap closes, and so the number of contact nodes as a function of the load.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from asperity.contact import kernels
+from asperity.contact.area_control import AreaControl
+from asperity.contact.problem import State
+from asperity.types import Array
+
+# The load changes by at most this fraction of itself along a tangent. Half and twice the value take the same
+# number of transforms.
+MAX_LOAD_CHANGE = 0.5
+
+# Contact nodes are counted down to the load that is this fraction below the present one, just above lift-off.
+MAX_LOAD_DECREASE = 0.999
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """Change of the contact per change of the approach, all displacements in units of `unit`.
+
+    Attributes
+    ----------
+    contact_nodes : (count,) array of unsigned integers
+    pressure : (count,) array
+        Change of the pressure of the contact nodes.
+    displacement : (size,) array
+        Change of the displacement of every node.
+    load : float
+        Change of the mean pressure.
+    unit : float
+        `Problem.nodal_compliance`.
+    """
+
+    contact_nodes: Array
+    pressure: Array
+    displacement: Array
+    load: float
+    unit: float
+
+    def change_to_area(self, state: State, area: AreaControl, converged: bool) -> float | None:
+        """Change of the approach that gives the number of contact nodes asked for, or the nearest number.
+
+        None if the pressure has converged and no other load within reach gives a better number.
+        """
+        longest = MAX_LOAD_CHANGE * state.load / self.load
+        least = -MAX_LOAD_DECREASE * state.load / self.load
+        # The number of contact nodes is first + k between edges[k] and edges[k + 1].
+        first, edges = self._edges(state, least, longest)
+        # Only numbers of nodes that last while the load changes can be asked for, unless there is none.
+        lasting = np.flatnonzero(np.diff(edges) >= area.load_resolution * state.load / self.load)
+        lasting = lasting if lasting.size else np.arange(edges.size - 1)
+        best = lasting[np.argmin(np.abs(lasting + (first - area.target)))]
+        in_reach = best < edges.size - 2 or best + first > area.target
+        if converged and in_reach and edges[best] < 0 < edges[best + 1]:
+            return None
+        change = 0.5 * (edges[best] + edges[best + 1])
+        if best == 0 and edges[1] >= 0 and first > area.target:
+            change = 0.0
+        elif best == edges.size - 2:
+            change = longest
+        return float(max(change, -longest))
+
+    def _edges(self, state: State, least: float, longest: float) -> tuple[int, Array]:
+        """Number of contact nodes at the change `least`, and the changes up to `longest` where it grows."""
+        changes = kernels.contact_changes(
+            state.pressure.reshape(-1),
+            state.gap.reshape(-1),
+            state.approach,
+            self.unit,
+            self.contact_nodes,
+            self.pressure,
+            self.displacement,
+        )
+        first = int(np.count_nonzero(changes <= least))
+        within = np.sort(changes[(changes > least) & (changes < longest)])
+        return first, np.concatenate(([least], within, [longest]))

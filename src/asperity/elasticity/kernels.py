@@ -1,0 +1,389 @@
+"""Numba kernels of the elastic layer and the half-space: fields of one pressure mode, and compliances.
+
+All are in closed form; the equations stand in ``docs/method.md``. In the names and comments
+
+    h = q height,   d = q depth,   t = h − d   (scaled height of the layer, depth, and distance to the bottom)
+    m = 1 − 2ν,     m1 = 2 − 2ν,   k = 3 − 4ν.
+
+Z, L, T, V and W are the five kernels of `asperity.elasticity.layer`: stresses per unit pressure, and
+displacements in units of (1 + ν)/(E q) per unit pressure.
+
+Floating point
+--------------
+The closed forms are quotients of hyperbolic functions of h, t and d. For h ≥ 1 numerators are evaluated in
+units of e^(2h − d)/4 and denominators in units of e^(2h)/4, so that only decaying exponentials are left and
+nothing overflows. In these units ``shch`` is sinh h cosh t, ``chsh`` is cosh h sinh t, ``cd`` is cosh d and
+``sd`` is sinh d; ``e2h`` is e^(−2h) and ``c2h`` is 1 − e^(−2h). For h < 1 differences of hyperbolic functions
+cancel and are replaced by series. Both forms agree to rounding at h = 1.
+
+References
+----------
+Half-space: Eq. 10 of the paper. Bonded layer, surface compliance: G. Carbone and L. Mangialardi, J. Mech.
+Phys. Solids 56 (2008) 684. Free layer: Eq. A.3 of the paper with its misprints corrected. The scaled forms
+and the series are new here; `asperity.reference.state_space` is the independent solution they are tested
+against.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+
+HALF_SPACE, BONDED, FRICTIONLESS, FREE = range(4)
+"""Kinds of solid."""
+
+Values = tuple[float, float, float, float, float]
+"""The kernels Z, L, T, V, W of one mode at one depth."""
+
+# Of the fast-math options only contraction to fused multiply-adds: infinities and NaN keep their meaning.
+_compiled = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
+# Inlined into the calling loop, which LLVM can then vectorise.
+_inlined = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"}, forceinline=True)
+
+
+@_compiled
+def _decay(x: float) -> tuple[float, float]:
+    """e^(−x) and 1 − e^(−x) for x ≥ 0, both to full relative precision, from one exponential."""
+    if x < 0.5:
+        rest = -np.expm1(-x)
+        return 1.0 - rest, rest
+    decayed = np.exp(-x)
+    return decayed, 1.0 - decayed
+
+
+# Coefficients 1/(2k + 1)! and 1/(2k)!, k = 9 to 1: sinh x and cosh x to double precision for x ≤ 1.
+_SINH_SERIES = tuple(1.0 / math.factorial(2 * k + 1) for k in range(9, 0, -1))
+_COSH_SERIES = tuple(1.0 / math.factorial(2 * k) for k in range(9, 0, -1))
+# Coefficients 1/(2k + 1)!, k = 1 to 12: sinh x / x to double precision for x ≤ 2.
+_SINHC_SERIES = tuple(1.0 / math.factorial(2 * k + 1) for k in range(1, 13))
+
+
+@_inlined
+def _sinh_rest(square: float) -> float:
+    """(sinh x / x − 1)/x² as a function of x², for x ≤ 1."""
+    total = 0.0
+    for coefficient in _SINH_SERIES:
+        total = total * square + coefficient
+    return total
+
+
+@_inlined
+def _cosh_rest(square: float) -> float:
+    """(cosh x − 1)/x² as a function of x², for x ≤ 1.
+
+    The difference `_cosh_rest` − `_sinh_rest` is (x cosh x − sinh x)/x³.
+    """
+    total = 0.0
+    for coefficient in _COSH_SERIES:
+        total = total * square + coefficient
+    return total
+
+
+@_inlined
+def _double_sinh_rest(square: float) -> float:
+    """(sinh 2x / (2x) − 1)/x² as a function of x², for x ≤ 1."""
+    sinh, cosh = _sinh_rest(square), _cosh_rest(square)
+    return sinh + cosh + square * sinh * cosh
+
+
+@_inlined
+def _sinhc_difference(square_a: float, square_b: float) -> float:
+    """(sinh a / a − sinh b / b)/(a² − b²) as a function of a² and b², for b ≤ a ≤ 2."""
+    power, power_b, total = 0.0, 1.0, 0.0
+    for coefficient in _SINHC_SERIES:
+        power = square_a * power + power_b
+        power_b *= square_b
+        total += power * coefficient
+    return total
+
+
+@_compiled
+def half_space_kernels(d: float, poisson: float) -> Values:
+    """Z, L, T, V and W of the half-space."""
+    a = np.exp(-d)
+    m = 1.0 - 2.0 * poisson
+    return (1.0 + d) * a, (1.0 - d) * a, d * a, (m - d) * a, (1.0 + m + d) * a
+
+
+@_compiled
+def frictionless_kernels(h: float, t: float, d: float, poisson: float) -> Values:
+    """Z, L, T, V and W of a layer on a rigid frictionless support."""
+    if h < 1.0:
+        return _thin_frictionless_kernels(h, t, d, poisson)
+    m = 1.0 - 2.0 * poisson
+    e2t, c2t = _decay(2.0 * t)
+    e2h, c2h = _decay(2.0 * h)
+    _, c2d = _decay(2.0 * d)
+    scale = np.exp(-d) / (c2h * (1.0 + e2h) + 4.0 * h * e2h)
+    shch = c2h * (1.0 + e2t)
+    far = d * (1.0 + e2h) * (1.0 + e2t) + 2.0 * t * (e2t + e2h)
+    shear = scale * (d * (1.0 + e2h) * c2t - 2.0 * t * e2t * c2d)
+    return (
+        scale * (shch + far),
+        scale * (shch - far),
+        shear,
+        scale * (m * shch - far),
+        shear + scale * (1.0 + m) * c2h * c2t,
+    )
+
+
+@_inlined
+def _thin_frictionless_kernels(h: float, t: float, d: float, poisson: float) -> Values:
+    """`frictionless_kernels` for h < 1, by series."""
+    s = h + t
+    hh, tt, dd, quarter = h * h, t * t, d * d, 0.25 * s * s
+    sinh_h, cosh_h = h + h * hh * _sinh_rest(hh), 1.0 + hh * _cosh_rest(hh)
+    sinh_t, cosh_t = t + t * tt * _sinh_rest(tt), 1.0 + tt * _cosh_rest(tt)
+    above_d = dd * _cosh_rest(dd)
+    half_s = 0.5 * s * (1.0 + quarter * _sinh_rest(quarter))
+    scale = 1.0 / (sinh_h * cosh_h + h)
+    normal = scale * (sinh_h * cosh_t + d * cosh_h * cosh_t + t * (1.0 + above_d))
+    shear = scale * 2.0 * h * t * s * d * _sinhc_difference(4.0 * quarter, dd)
+    # sinh s − s + sinh d − d − s (cosh d − 1) − d (cosh s − 1)
+    excess = s * quarter * _double_sinh_rest(quarter) + d * dd * _sinh_rest(dd)
+    longitudinal = scale * (0.5 * (excess - s * above_d) - d * half_s * half_s)
+    along = (1.0 - poisson) * longitudinal - poisson * normal
+    downward = shear + scale * 2.0 * (1.0 - poisson) * sinh_h * sinh_t
+    return normal, longitudinal, shear, along, downward
+
+
+@_compiled
+def bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values:
+    """Z, L, T, V and W of a layer bonded to a rigid support."""
+    if h < 1.0:
+        return _thin_bonded_kernels(h, t, d, poisson)
+    m = 1.0 - 2.0 * poisson
+    m1 = 1.0 + m
+    k = m1 + m
+    e2t, c2t = _decay(2.0 * t)
+    e2h, c2h = _decay(2.0 * h)
+    _, c2d = _decay(2.0 * d)
+    scale = np.exp(-d) / (k * c2h * c2h + 4.0 * e2h * (h * h + m1 * m1))
+    chch, shsh = (1.0 + e2h) * (1.0 + e2t), c2h * c2t
+    shch, chsh = c2h * (1.0 + e2t), (1.0 + e2h) * c2t
+    cd, sd = 2.0 * (e2t + e2h), 2.0 * e2t * c2d
+    normal = scale * ((h * t + m * m) * cd + k * chch + d * (m1 * shch + m * chsh) + t * sd)
+    shear = scale * (d * (m1 * chch + m * shsh) - (h * t + m * m1) * sd)
+    along = scale * (k * (m * shsh - d * chsh) + t * (m * sd - h * cd))
+    longitudinal = (along + poisson * normal) / (1.0 - poisson)
+    if t >= 1.0:
+        downward = scale * (k * (m1 * chsh + d * shsh) - t * (m1 * cd + h * sd))
+    else:
+        tt = t * t
+        bend = 2.0 * np.exp(-t) * t * tt * (_cosh_rest(tt) - _sinh_rest(tt))
+        downward = scale * (
+            m * (2.0 * m1 * chsh + (h + d) * shsh) + h * t * chsh - bend * (m1 * (1.0 + e2h) + h * c2h)
+        )
+    return normal, longitudinal, shear, along, downward
+
+
+@_inlined
+def _thin_bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values:
+    """`bonded_kernels` for h < 1, by series."""
+    m = 1.0 - 2.0 * poisson
+    m1 = 1.0 + m
+    k = m1 + m
+    hh, tt, dd = h * h, t * t, d * d
+    rest_h, rest_t, rest_d = _sinh_rest(hh), _sinh_rest(tt), _sinh_rest(dd)
+    above_h, above_t, above_d = _cosh_rest(hh), _cosh_rest(tt), _cosh_rest(dd)
+    sinh_h, cosh_h = h + h * hh * rest_h, 1.0 + hh * above_h
+    sinh_t, cosh_t = t + t * tt * rest_t, 1.0 + tt * above_t
+    sinhc_d, cosh_d = 1.0 + dd * rest_d, 1.0 + dd * above_d
+    scale = 1.0 / (hh + m1 * m1 + k * sinh_h * sinh_h)
+    normal = scale * (
+        (h * t + m * m) * cosh_d
+        + k * cosh_h * cosh_t
+        + d * (m1 * sinh_h * cosh_t + m * cosh_h * sinh_t + t * sinhc_d)
+    )
+    half = 0.5 * (h + t)
+    half *= 1.0 + half * half * _sinh_rest(half * half)
+    squares = 2.0 * poisson + half * half + 0.5 * dd * above_d - m * dd * rest_d
+    shear = scale * d * (m1 * squares + m * sinh_h * sinh_t - h * t * sinhc_d)
+    half_sum, half_t = 0.25 * (h + d) * (h + d), 0.25 * tt
+    # (cosh h − cosh d)/t
+    drop = 0.5 * (h + d) * (1.0 + half_sum * _sinh_rest(half_sum)) * (1.0 + half_t * _sinh_rest(half_t))
+    along = scale * (
+        -2.0 * poisson * (k * sinh_h * sinh_t + t * d * sinhc_d)
+        - k * h * hh * (above_h - rest_h) * sinh_t
+        - t * d * dd * (above_d - rest_d)
+        + t * (2.0 * m * cosh_h * sinh_t + tt * (cosh_h * rest_t * t + drop))
+    )
+    longitudinal = (along + poisson * normal) / (1.0 - poisson)
+    downward = scale * (
+        sinh_t * (m * (2.0 * m1 * cosh_h + (h + d) * sinh_h) + h * t * cosh_h)
+        - t * tt * (above_t - rest_t) * (m1 * cosh_h + h * sinh_h)
+    )
+    return normal, longitudinal, shear, along, downward
+
+
+# Modes that are evaluated together. A block with q height < 1 throughout takes a loop without branches.
+_BLOCK_MODES = 256
+
+# Largest q depth at which kernels are evaluated. Beyond, they are below 1e-300 and are set to 0, because
+# subnormal numbers are slow.
+_DEEPEST = 700.0
+
+# Beyond this q (height − depth) the kernels of a layer differ from those of the half-space by less than
+# 1e-30, and beyond this q height the surface compliance does: the half-space is used.
+_BOTTOM_OUT_OF_REACH = 40.0
+
+
+@_compiled
+def fill_kernels(kind: int, q: Any, depth: Any, height: float, poisson: float, out: Any) -> None:
+    """Write the kernels of all modes to the rows of `out`, for one depth of all modes or one of each mode."""
+    can_be_thin = kind != HALF_SPACE and depth.size == 1
+    for first in range(0, q.size, _BLOCK_MODES):
+        last = min(first + _BLOCK_MODES, q.size)
+        block = q[first:last]
+        if can_be_thin and block.min() > 0.0 and float(block.max()) * height < 1.0:
+            # One array for each kernel, not rows of one array: only then the loop is vectorised.
+            rows = (
+                out[0, first:last],
+                out[1, first:last],
+                out[2, first:last],
+                out[3, first:last],
+                out[4, first:last],
+            )
+            _fill_thin(kind, block, depth[0], height, poisson, rows)
+        else:
+            _fill_any(kind, q, depth, height, poisson, out, first, last)
+
+
+@_compiled
+def _fill_thin(kind: int, q: Any, depth: float, height: float, poisson: float, rows: Any) -> None:
+    """Write the kernels of modes with 0 < q height < 1 at one depth."""
+    normal, longitudinal, shear, along, downward = rows
+    if kind == BONDED:
+        for n in range(q.size):
+            k = float(q[n])
+            values = _thin_bonded_kernels(k * height, k * (height - depth), k * depth, poisson)
+            normal[n], longitudinal[n], shear[n], along[n], downward[n] = values
+    else:
+        for n in range(q.size):
+            k = float(q[n])
+            values = _thin_frictionless_kernels(k * height, k * (height - depth), k * depth, poisson)
+            normal[n], longitudinal[n], shear[n], along[n], downward[n] = values
+
+
+@_compiled
+def _fill_any(
+    kind: int, q: Any, depth: Any, height: float, poisson: float, out: Any, first: int, last: int
+) -> None:
+    """Write the kernels of the modes `first` to `last` − 1, whatever their q height."""
+    many = depth.size > 1
+    for n in range(first, last):
+        wavenumber = float(q[n])
+        below = depth[n if many else 0]
+        d = wavenumber * below
+        t = wavenumber * (height - below)
+        if wavenumber == 0.0:
+            values = (1.0, 0.0, 0.0, 0.0, 0.0)
+        elif d > _DEEPEST:
+            values = (0.0, 0.0, 0.0, 0.0, 0.0)
+        elif kind == HALF_SPACE or t > _BOTTOM_OUT_OF_REACH:
+            values = half_space_kernels(d, poisson)
+        elif kind == BONDED:
+            values = bonded_kernels(wavenumber * height, t, d, poisson)
+        else:
+            values = frictionless_kernels(wavenumber * height, t, d, poisson)
+        out[0, n], out[1, n], out[2, n], out[3, n], out[4, n] = values
+
+
+@_compiled
+def fill_surface_compliance(
+    kind: int, q: Any, height: float, poisson: float, unit: float, uniform: float, out: Any
+) -> None:
+    """Write the surface compliance of all modes: `unit` is 2/E*, `uniform` the compliance at q = 0."""
+    m = 1.0 - 2.0 * poisson
+    m1 = 1.0 + m
+    k = 3.0 - 4.0 * poisson
+    for n in range(q.size):
+        wavenumber = float(q[n])
+        h = wavenumber * height
+        if wavenumber == 0.0:
+            out[n] = uniform
+            continue
+        if kind == HALF_SPACE or h > _BOTTOM_OUT_OF_REACH:
+            out[n] = unit / wavenumber
+            continue
+        e2h, c2h = _decay(2.0 * h)
+        if kind == FRICTIONLESS:
+            slope = c2h / (2.0 * h)
+            out[n] = unit * height * 2.0 * slope * slope / (slope * (1.0 + e2h) + 2.0 * e2h)
+        elif h >= 1.0:
+            bending = c2h * (1.0 + e2h)
+            if kind == BONDED:
+                ratio = (k * bending - 4.0 * h * e2h) / (k * c2h * c2h + 4.0 * e2h * (h * h + m1 * m1))
+            else:
+                ratio = (bending + 4.0 * h * e2h) / (c2h * c2h - 4.0 * h * h * e2h)
+            out[n] = unit / wavenumber * ratio
+        else:
+            beyond = h * h * _double_sinh_rest(h * h)
+            if kind == BONDED:
+                divisor = h * h + m1 * m1 + k * np.sinh(h) ** 2
+                out[n] = unit * height * (2.0 * m + (1.0 + 2.0 * m) * beyond) / divisor
+            else:
+                rest = _sinh_rest(h * h)
+                bending = h * h * h * rest * (2.0 + h * h * rest)
+                out[n] = unit / wavenumber * (2.0 + beyond) / bending
+
+
+@_compiled
+def fill_face_compliance(q: Any, height: float, half_space: bool, poisson: float, out: Any) -> None:
+    """Write the elements of the compliance of a free layer, in units of (1 + ν)/E.
+
+    The eight rows of `out` are the elements ll, tt, zz and lz, each first for displacement and traction at
+    the same face and then for those at opposite faces.
+    """
+    m = 1.0 - 2.0 * poisson
+    m1 = 1.0 + m
+    for n in range(q.size):
+        wavenumber = q[n]
+        h = wavenumber * height
+        if wavenumber == 0.0:
+            out[:, n] = 0.0
+            continue
+        if half_space:
+            out[:, n] = 0.0
+            out[0, n] = out[4, n] = m1 / wavenumber
+            out[2, n] = 2.0 / wavenumber
+            out[6, n] = -m / wavenumber
+            continue
+        if h >= 1.0:
+            # In units of e^(2h)/4.
+            e2h, c2h = _decay(2.0 * h)
+            eh = np.exp(-h)
+            determinant = c2h * c2h - 4.0 * (h * eh) ** 2
+            tension = c2h * (1.0 + e2h) - 4.0 * h * e2h
+            bending = c2h * (1.0 + e2h) + 4.0 * h * e2h
+            far_tension = 2.0 * eh * (h * (1.0 + e2h) - c2h)
+            far_bending = 2.0 * eh * (h * (1.0 + e2h) + c2h)
+            mixed = m * c2h * c2h + 4.0 * (h * eh) ** 2
+            far_mixed = 2.0 * h * eh * c2h
+            coth, cosech = (1.0 + e2h) / c2h, 2.0 * eh / c2h
+        else:
+            # All divided by h², except coth and cosech.
+            square = h * h
+            rest, above = _sinh_rest(square), _cosh_rest(square)
+            rest_2h = _double_sinh_rest(square)
+            sinhc, cosh = 1.0 + square * rest, 1.0 + square * above
+            determinant = square * rest * (1.0 + sinhc)
+            tension = h * rest_2h
+            bending = (2.0 + square * rest_2h) / h
+            far_tension = h * (above - rest)
+            far_bending = (sinhc + cosh) / h
+            mixed = m * sinhc * sinhc + 1.0
+            far_mixed = sinhc
+            coth, cosech = cosh / (h * sinhc), 1.0 / (h * sinhc)
+        unit = 1.0 / wavenumber
+        out[0, n] = unit * m1 * tension / determinant
+        out[1, n] = -unit * m1 * far_tension / determinant
+        out[2, n] = unit * 2.0 * coth
+        out[3, n] = unit * 2.0 * cosech
+        out[4, n] = unit * m1 * bending / determinant
+        out[5, n] = unit * m1 * far_bending / determinant
+        out[6, n] = -unit * mixed / determinant
+        out[7, n] = -unit * m1 * far_mixed / determinant
