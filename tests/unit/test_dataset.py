@@ -36,8 +36,8 @@ def test_a_file_explains_itself_and_comes_back_equal(surface, tmp_path):
     assert found.attrs["decision"] == "half-space"
     assert found.attrs["settings_digest"] == dataset.digest(SETTINGS)
     for name, variable in found.variables.items():
-        assert variable.attrs["units"] == dataset.VOCABULARY[name].units
-        assert variable.attrs["long_name"] == dataset.VOCABULARY[name].long_name
+        assert variable.attrs["units"] == dataset.VARIABLES[name].units
+        assert variable.attrs["long_name"] == dataset.VARIABLES[name].long_name
 
 
 def test_the_digest_is_of_the_values_not_of_their_order():
@@ -139,7 +139,7 @@ def test_every_flipped_byte_is_seen_or_changes_nothing(surface, tmp_path):
 def test_a_file_is_checked_some_rows_at_a_time(surface, tmp_path, monkeypatch):
     path = tmp_path / "file.nc"
     dataset.write(surface, path, "A surface", SETTINGS)
-    monkeypatch.setattr(dataset, "_BLOCK", 1000)
+    monkeypatch.setattr(dataset, "MAX_BLOCK", 1000)
     dataset.verify(path)
     assert dataset.read(path).attrs[dataset.FINGERPRINT] == dataset.fingerprint(dataset.read(path))
 

@@ -117,7 +117,7 @@ def stress(options: argparse.Namespace) -> None:
 
 def peaks(options: argparse.Namespace) -> None:
     """Distributions of the peaks of one surface, over its seeds."""
-    from asperity.stress.statistics import selection
+    from asperity.stress.selection import selection_for
 
     if len(options.contact) != len(options.stress):
         raise ValueError(
@@ -142,7 +142,7 @@ def peaks(options: argparse.Namespace) -> None:
     print("                                                  peaks as the figures count them)")
     for quantity in result["quantity"].values:
         for nu in result["poisson"].values:
-            chosen = result.sel(quantity=quantity, poisson=nu, selection=selection(quantity))
+            chosen = result.sel(quantity=quantity, poisson=nu, selection=selection_for(quantity))
             shown = "  ".join(
                 f"{float(chosen['peak_percentile'].sel(percent=percent)):.3f}"
                 for percent in (50.0, 90.0, 99.0)
