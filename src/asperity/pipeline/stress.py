@@ -15,7 +15,7 @@ from asperity.stress.pressed import PressedSolid
 from asperity.types import Progress
 
 GROWTH_PER_SPACING = 0.25
-"""`growth` over `spacing` of `depth_grid`: the one setting ``depth_spacing`` sets the distance of all planes."""
+"""`growth` over `spacing` of `depth_grid`: the setting ``depth_spacing`` scales all distances of planes."""
 
 
 def compute_stress(
@@ -37,8 +37,8 @@ def compute_stress(
     Returns
     -------
     dataset
-        As of `asperity.stress.analysis.analyse_stress`. The planes of a half-space reach down to the height of
-        the layer that it stands for. A layer has only the Poisson's ratio of its contact.
+        As of `analyse_stress`. The planes of a half-space reach down to the height of the layer that it
+        stands for. A layer has only the Poisson's ratio of its contact.
 
     Raises
     ------
@@ -65,7 +65,7 @@ def compute_stress(
 
 
 def _check_half_space(layer_settings: Mapping[str, Any], ratios: Sequence[float]) -> None:
-    """Raise `ValueError` at the first Poisson's ratio for which the half-space does not stand for the layer."""
+    """Raise `ValueError` if the half-space does not stand for the layer at one of the Poisson's ratios."""
     for poisson in ratios:
         layer, record = solid({**layer_settings, "poisson": poisson})
         if layer.height is not None:

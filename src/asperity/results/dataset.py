@@ -1,9 +1,9 @@
 """Reading and writing of result files.
 
 A file is NetCDF-4 with CF attributes; names, units and descriptions of its variables are those of
-`asperity.results.variables`. It is written atomically and carries a fingerprint of all that is in it and the
-settings from which it can be made again. It holds no wall-clock time: the same configuration on the same machine
-gives the same numbers.
+`asperity.results.variables`. It is written atomically, and carries a fingerprint of all that is in it and the
+settings from which it can be made again. It holds no wall-clock time: the same configuration gives the same
+numbers on the same machine.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import xarray as xr
 
 import asperity
 from asperity.errors import DatasetError
-from asperity.results.variables import STAGES, VARIABLES
+from asperity.results.variables import STAGES, UNITS, VARIABLES
 from asperity.spectral import Grid
 
 CONVENTIONS = "CF-1.11"
@@ -84,6 +84,7 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
         "title": title,
         **({"summary": STAGES[stage].summary} if stage else {}),
         "source": f"asperity {asperity.__version__}",
+        "comment": UNITS,
         "references": PAPER,
         "settings": json.dumps(settings, sort_keys=True),
         "settings_digest": digest(settings),

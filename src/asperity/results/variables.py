@@ -57,6 +57,12 @@ STAGES = {
 }
 
 
+UNITS = (
+    "Units: cell_length is the longer edge of the periodic cell, effective_modulus is E/(1 - nu^2), "
+    "scaled_stress is effective_modulus times the rms gradient of the deformed surface over the true contact."
+)
+"""What the names of the units mean, for the files."""
+
 _LENGTH = "cell_length"
 _STRESS = "effective_modulus"
 _STRESS_SQUARED = "effective_modulus^2"
@@ -143,7 +149,7 @@ VARIABLES: dict[str, Variable] = {
     ),
     "peak_value": Variable(
         _STRESS,
-        "stress at the peak, tension positive",
+        "stress at the peak, tension positive; contact pressure, compression positive",
         "a peak is a maximum of the magnitude; the sign is kept",
     ),
     "peak_depth": Variable(_LENGTH, "depth of the peak below the surface"),

@@ -1,9 +1,9 @@
 """Analysis of the stress in the whole solid in one stream of planes: peaks, depth profile, covariances.
 
-A plane is computed, reduced and discarded: its fields are searched for peaks, its von Mises stress gives one
-point of the depth profile and its covariance with the reference plane of Eq. 22, the plane of the largest von
-Mises stress. That plane is known only when the stream has ended. The one with the largest value so far is kept,
-and the few planes above the reference are computed again at the end.
+A plane is computed, reduced and discarded: its fields are searched for peaks, and its von Mises stress gives
+one point of the depth profile and the covariance of Eq. 22 with the reference plane, that of the largest von
+Mises stress. The reference plane is known only when the stream has ended. The plane with the largest value so
+far is kept, and the few planes above the final reference are computed again.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ from numpy.typing import ArrayLike
 from asperity.spectral import Work
 from asperity.stress.arguments import (
     FIELDS,
+    checked_contact,
     checked_depths,
     checked_floor,
     checked_names,
-    checked_pressure,
+    checked_nodes,
     checked_ratios,
     checked_threads,
     checked_tolerance,
@@ -33,7 +34,7 @@ from asperity.stress.depths import depth_grid
 from asperity.stress.kernels import moments
 from asperity.stress.peaks import PeakFinder, Peaks, plane_peaks
 from asperity.stress.planes import LinearPlane, linear_planes
-from asperity.stress.pressed import ContactLike
+from asperity.stress.pressed import ContactLike, PressedSolid
 from asperity.stress.selection import peak_dataset
 from asperity.stress.statistics import autocorrelation
 from asperity.types import Array, Progress
@@ -91,11 +92,11 @@ def analyse_stress(
     ValueError, TypeError
         If an argument is out of range.
     """
-    checked_pressure(contact)
+    pressure, _ = checked_contact(contact)
     if depths is None:
         depths = depth_grid(contact.grid, contact.layer.height)
     settings = _Settings(
-        depths=checked_depths(depths, contact.layer),
+        depths=checked_depths(depths, contact),
         ratios=checked_ratios(poisson, contact.layer),
         quantities=checked_names("quantities", quantities, QUANTITIES),
         tolerance=checked_tolerance(tolerance),
@@ -105,9 +106,8 @@ def analyse_stress(
     )
     if settings.depths[0] != 0:
         raise ValueError(f"depths[0] = {settings.depths[0]:g}: 0, the surface, is needed")
-    if min(contact.grid.shape) < 3:
-        raise ValueError(f"grid.shape = {contact.grid.shape}: at least three nodes on each axis are needed")
-    stream = _Stream(contact, settings)
+    checked_nodes(contact.grid)
+    stream = _Stream(PressedSolid(pressure, contact.grid, contact.layer), settings)
     stream.run(progress)
     return _dataset(stream)
 

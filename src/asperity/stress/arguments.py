@@ -5,7 +5,7 @@ A message names the argument, its value and what is accepted.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.errors import one_line, shown
-from asperity.spectral import Grid
+from asperity.spectral import REAL_TYPES, Grid
 from asperity.stress.pressed import ContactLike
 from asperity.types import Array
 
@@ -21,7 +21,7 @@ FIELDS = (*COMPONENTS, "von_mises")
 """Names of the fields of the stress."""
 
 MAX_PLANES = 10_000
-"""Most planes of one stream. `depth_grid` makes about sixty; planes half a spacing apart at 4096² are 8192."""
+"""Most planes of one stream. `depth_grid` makes about sixty; 8192 are half a spacing apart at 4096²."""
 
 MAX_RATIOS = 1000
 """Most Poisson's ratios of one stream: steps of 0.0015 over the whole range from −1 to 0.5."""
@@ -31,6 +31,12 @@ SAME_RATIO = 1e-9
 
 MAX_THREADS = 1024
 """Most threads: more than any machine has cores, few enough to be started."""
+
+MAX_DEPTH = 1e30
+"""Largest depth over the longer edge of the cell. No mode is left from 120 on; nothing overflows until here."""
+
+EDGE_RANGE = (1e-60, 1e60)
+"""Edges of the cell that are accepted: squares of wavenumbers stay within double precision."""
 
 PRESSURE_RANGE = (1e-60, 1e60)
 """Largest |pressure| over E* that is accepted: third powers of stresses stay within double precision."""
@@ -42,7 +48,7 @@ def checked_number(name: str, value: Any, accepted: str, holds: Callable[[float]
         raise TypeError(f"{name} = {_told(value)}: {accepted} is needed")
     try:
         number = float(value)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise TypeError(f"{name} = {_told(value)}: {accepted} is needed") from error
     if not (np.isfinite(number) and holds(number)):
         raise ValueError(f"{name} = {_told(value)}: {accepted} is needed")
@@ -68,25 +74,20 @@ def checked_threads(threads: Any) -> int:
     return int(threads)
 
 
-def checked_pressure(contact: ContactLike) -> tuple[Array, float]:
-    """The pressure of a contact as an array, and its largest magnitude over E*."""
+def checked_contact(contact: ContactLike) -> tuple[Array, float]:
+    """The pressure of a contact as an array of real numbers, and its largest magnitude over E*."""
     pressure, grid, layer = (getattr(contact, name, None) for name in ("pressure", "grid", "layer"))
     if pressure is None or not isinstance(grid, Grid) or not isinstance(layer, Layer):
         raise TypeError(
             f"contact = {_told(contact)}: an object with pressure, grid and layer is needed, "
             "such as a Contact or a PressedSolid"
         )
-    pressure = np.asarray(pressure)
-    if pressure.dtype.kind not in "fiu":
-        raise TypeError(f"pressure has the type {pressure.dtype}: real numbers are needed")
-    if pressure.shape != grid.shape:
-        raise ValueError(
-            f"pressure has the shape {pressure.shape}: that of its grid, {grid.shape}, is needed"
-        )
-    bad = int(np.count_nonzero(~np.isfinite(pressure)))
-    if bad:
-        raise ValueError(f"pressure: {bad} of {pressure.size} nodes are not finite numbers; all must be")
-    highest = max(abs(float(pressure.max())), abs(float(pressure.min())))
+    low, high = EDGE_RANGE
+    for edge in grid.length:
+        if not low <= edge <= high:
+            raise ValueError(f"grid.length = {edge:g}: an edge from {low:g} to {high:g} is needed")
+    field = checked_field("pressure", pressure, grid)
+    highest = max(abs(float(field.max())), abs(float(field.min())))
     scaled = highest / layer.effective_modulus
     low, high = PRESSURE_RANGE
     if highest and not low <= scaled <= high:
@@ -94,19 +95,43 @@ def checked_pressure(contact: ContactLike) -> tuple[Array, float]:
             f"pressure: its largest magnitude is {highest:g}, or {scaled:g} E*; "
             f"0 or a value from {low:g} E* to {high:g} E* is needed"
         )
-    return pressure, scaled
+    return field, scaled
 
 
-def checked_depths(depths: ArrayLike, layer: Layer) -> Array:
-    """Rising depths within the layer as an array, a single depth as an array of one."""
+def checked_field(name: str, field: Any, grid: Grid) -> Array:
+    """The field of a grid as an array of finite real numbers in single or double precision."""
+    array = np.asarray(field)
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"{name} has the type {array.dtype}: real numbers are needed")
+    if array.shape != grid.shape:
+        raise ValueError(f"{name} has the shape {array.shape}: that of its grid, {grid.shape}, is needed")
+    if array.dtype not in REAL_TYPES:
+        array = array.astype(float)
+    bad = int(np.count_nonzero(~np.isfinite(array)))
+    if bad:
+        raise ValueError(f"{name}: {bad} of {array.size} nodes are not finite numbers; all must be")
+    return array
+
+
+def checked_nodes(grid: Grid) -> None:
+    """Raise `ValueError` if the grid is too small for a node to have neighbours on all sides."""
+    if min(grid.shape) < 3:
+        raise ValueError(f"grid.shape = {grid.shape}: at least three nodes on each axis are needed")
+
+
+def checked_depths(depths: ArrayLike, contact: ContactLike) -> Array:
+    """Rising depths within the solid as an array, a single depth as an array of one."""
+    layer, edge = contact.layer, max(contact.grid.length)
     array = _real_array("depths", depths)
     if array.ndim != 1 or not array.size:
         raise ValueError(f"depths has the shape {array.shape}: one depth or a list of depths is needed")
     if array.size > MAX_PLANES:
         raise ValueError(f"depths has {array.size} values: from 1 to {MAX_PLANES} are needed")
-    outside = np.flatnonzero(~(np.isfinite(array) & (array >= 0)))
+    outside = np.flatnonzero(~((array >= 0) & (array <= MAX_DEPTH * edge)))
     if outside.size:
-        raise ValueError(f"depths[{outside[0]}] = {array[outside[0]]:g}: a finite depth ≥ 0 is needed")
+        raise ValueError(
+            f"depths[{outside[0]}] = {array[outside[0]]:g}: a depth from 0 to {MAX_DEPTH * edge:g} is needed"
+        )
     falling = np.flatnonzero(np.diff(array) <= 0)
     if falling.size:
         here = falling[0] + 1
@@ -117,7 +142,8 @@ def checked_depths(depths: ArrayLike, layer: Layer) -> Array:
         return array
     if array[-1] > layer.height * (1 + 1e-12):
         raise ValueError(
-            f"depths[{array.size - 1}] = {array[-1]:g}: at most the height of the layer, {layer.height:g}, is needed"
+            f"depths[{array.size - 1}] = {array[-1]:g}: at most {layer.height:g}, the height of the layer, "
+            "is needed"
         )
     return np.minimum(array, layer.height)
 
@@ -138,10 +164,10 @@ def checked_ratios(poisson: float | Sequence[float] | None, layer: Layer) -> lis
         if ratios.count(nu) > 1:
             raise ValueError(f"poisson = {nu!r}: given {ratios.count(nu)} times, every ratio is needed once")
     if layer.height is not None and ratios != [layer.poisson]:
-        other = next((nu for nu in ratios if nu != layer.poisson))
+        other = next(nu for nu in ratios if nu != layer.poisson)
         raise ValueError(
-            f"poisson = {other!r}: in a layer of finite height that of its contact, {layer.poisson!r}, is needed, "
-            "because the pressure depends on it"
+            f"poisson = {other!r}: {layer.poisson!r}, that of the contact, is needed in a layer of finite "
+            "height, because the pressure depends on it"
         )
     return ratios
 
@@ -170,7 +196,7 @@ def checked_name(argument: str, name: Any, known: Sequence[str]) -> str:
 
 def checked_names(argument: str, names: Sequence[str], known: Sequence[str]) -> tuple[str, ...]:
     """Names of which each is known and given once, at least one."""
-    listed = () if isinstance(names, str) else tuple(names)
+    listed = tuple(names) if isinstance(names, Iterable) and not isinstance(names, str) else ()
     if not listed:
         raise ValueError(f"{argument} = {_told(names)}: a list of names from {', '.join(known)} is needed")
     for name in listed:
@@ -186,9 +212,12 @@ def checked_names(argument: str, names: Sequence[str], known: Sequence[str]) -> 
 def _real_array(name: str, values: Any) -> Array:
     """The values as an array of floats, a single one as an array of one."""
     try:
-        return np.atleast_1d(np.asarray(values, dtype=float))
-    except (TypeError, ValueError) as error:
+        array = np.atleast_1d(np.asarray(values))
+    except ValueError as error:  # lists of unequal length
         raise TypeError(f"{name} = {_told(values)}: real numbers are needed") from error
+    if array.size and array.dtype.kind not in "fiu":
+        raise TypeError(f"{name} = {_told(values)}: real numbers are needed")
+    return array.astype(float)
 
 
 def _told(value: Any) -> str:

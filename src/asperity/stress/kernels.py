@@ -16,7 +16,7 @@ _XX, _YY, _ZZ, _YZ, _XZ, _XY = (COMPONENTS.index(name) for name in ("xx", "yy", 
 
 
 class Components(NamedTuple):
-    """Fields A of the six stress components in one plane: arrays of one length, in the order of `COMPONENTS`."""
+    """Fields A of the six stress components in one plane, arrays of one length; ordered as `COMPONENTS`."""
 
     xx: Any
     yy: Any

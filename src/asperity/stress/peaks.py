@@ -25,7 +25,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asperity.spectral import Grid
-from asperity.stress.arguments import checked_floor, checked_name, checked_ratio
+from asperity.stress.arguments import checked_field, checked_floor, checked_name, checked_nodes, checked_ratio
 from asperity.stress.kernels import find_maxima, gather, interpolate
 from asperity.stress.planes import Gather, StressPlane
 from asperity.stress.refinement import refine_in_plane, refine_in_solid
@@ -103,7 +103,8 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0) -> Peaks:
     ValueError
         If the field does not have the shape of the grid or is not finite, or `floor` is negative.
     """
-    field = _finite(_checked_field(field, grid))
+    checked_nodes(grid)
+    field = checked_field("field", field, grid)
     nodes = _plane_maxima(field, checked_floor(floor))
     values = _neighbourhood(field, *nodes)
     refined, y, x = refine_in_plane(_upright(values, values))
@@ -140,9 +141,10 @@ def find_peaks(
     finder = PeakFinder()
     floor = checked_floor(floor)
     for plane in planes:
-        field = plane.fields[checked_name("name", name, list(plane.fields))]
-        ratio = checked_ratio(poisson, plane.poisson)
-        finder.add(plane.depth, plane.grid, _finite(field[plane.poisson.index(ratio)]), floor)
+        fields = plane.fields[checked_name("name", name, list(plane.fields))]
+        ratio = plane.poisson.index(checked_ratio(poisson, plane.poisson))
+        checked_nodes(plane.grid)
+        finder.add(plane.depth, plane.grid, checked_field("field", fields[ratio], plane.grid), floor)
     return finder.peaks()
 
 
@@ -172,7 +174,15 @@ class _Candidates:
 
 @dataclass(frozen=True)
 class _AdjacentPlane:
-    """A plane as its neighbours see it: `sample` makes the field from what it gathers of the plane's arrays."""
+    """A plane as its neighbours see it.
+
+    Parameters
+    ----------
+    depth : float
+    grid : Grid
+    sample : callable
+        Returns values of the field, made from what the function it is given gathers of the plane's arrays.
+    """
 
     depth: float
     grid: Grid
@@ -213,14 +223,15 @@ class PeakFinder:
         ----------
         depth : float
         grid : Grid
+            With at least three nodes on each axis.
         field : (ny, nx) array
+            Of finite numbers in single or double precision; this is not checked.
         floor : float
             Maxima of a magnitude at or below it are left out.
         sample : callable, optional
             Returns values of the field, made from what the function it is given gathers of arrays like
             `field`. It is kept until the next plane, and `field` is not; by default the field itself is kept.
         """
-        field = _checked_field(field, grid)
         plane = _AdjacentPlane(float(depth), grid, sample or (lambda take: take(field)))
         nodes = _plane_maxima(field, floor)
         here = _neighbourhood(field, *nodes)
@@ -291,22 +302,6 @@ def _refined(
         here[:, 1, 1],
         np.full(y.size, depths is not None),
     )
-
-
-def _checked_field(field: Array, grid: Grid) -> Array:
-    field = np.asarray(field)
-    if field.shape != grid.shape:
-        raise ValueError(f"field has shape {field.shape}: that of its grid, {grid.shape}, is needed")
-    if min(grid.shape) < 3:
-        raise ValueError(f"grid.shape = {grid.shape}: at least three nodes on each axis are needed")
-    return field
-
-
-def _finite(field: Array) -> Array:
-    bad = int(np.count_nonzero(~np.isfinite(field)))
-    if bad:
-        raise ValueError(f"field: {bad} of {field.size} nodes are not finite numbers; all must be")
-    return field
 
 
 def _upright(values: Array, centre: Array) -> Array:

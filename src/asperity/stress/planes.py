@@ -32,9 +32,9 @@ from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.spectral import Fourier, Grid, Work, resample
 from asperity.stress.arguments import (
     FIELDS,
+    checked_contact,
     checked_depths,
     checked_names,
-    checked_pressure,
     checked_ratios,
     checked_threads,
     checked_tolerance,
@@ -99,8 +99,8 @@ class LinearPlane:
     constant : dict
         Component → field A[y, x], in units of E*.
     slope : dict
-        Component → field B[y, x]. Empty if ν is fixed; A is the stress itself then. With all components there,
-        B_yy is left out: it follows from A_xx + A_yy + A_zz = B_xx + B_yy but for the uniform mode.
+        Component → field B[y, x]. Empty if ν is fixed; A is the stress itself then. If all components are
+        there, B_yy is left out: it follows from A_xx + A_yy + A_zz = B_xx + B_yy but for the uniform mode.
     mean_pressure : float
         In units of E*.
     lateral : mapping of float to float
@@ -230,14 +230,14 @@ def linear_planes(
     work: Work | None = None,
 ) -> Iterator[LinearPlane]:
     """Stream the parts A and B of the stress, one plane at a time; arguments as for `stress_planes`."""
-    pressure, largest = checked_pressure(contact)
+    pressure, largest = checked_contact(contact)
     tolerance = checked_tolerance(tolerance)
     low, high = SINGLE_PRECISION_PRESSURES
     single = tolerance >= SINGLE_PRECISION_TOLERANCE and low <= largest <= high
     stream = _PlaneStream(
         grid=contact.grid,
         layer=contact.layer,
-        depths=checked_depths(depths, contact.layer),
+        depths=checked_depths(depths, contact),
         ratios=checked_ratios(poisson, contact.layer),
         components=_components_for(checked_names("fields", fields, FIELDS)),
         tolerance=tolerance,

@@ -10,7 +10,7 @@ import numpy as np
 from asperity.types import Array
 
 MIN_DETERMINANT = 1e-12
-"""Smallest determinant of the second derivatives over the product of those along the axes: below it is rounding."""
+"""A smaller determinant of the second derivatives, over the product of those along the axes, is rounding."""
 
 
 def refine_in_plane(values: Array) -> tuple[Array, Array, Array]:

@@ -80,7 +80,7 @@ def peaks(
     if selection in ("at_contact", "under_contact"):
         chosen &= stress["peak_under_contact"].values
     columns = [name for name in stress.data_vars if stress[name].dims == ("peak",)]
-    found = stress[columns].isel(peak=np.flatnonzero(chosen)).drop_vars(_LABELS)
+    found = stress[columns].isel(peak=np.flatnonzero(chosen)).drop_vars(_LABELS).drop_attrs(deep=False)
     coordinates = {"quantity": quantity, "poisson": ratio}
     return found.assign_coords({name: ((), value, stress[name].attrs) for name, value in coordinates.items()})
 
