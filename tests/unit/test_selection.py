@@ -86,8 +86,8 @@ def test_selections_are_what_they_are_called(source, quantity):
     for found, chosen in ((at_contact, touched), (interior, deep), (under_contact, deep & touched)):
         np.testing.assert_array_equal(found["peak_value"], every["peak_value"].values[chosen])
     np.testing.assert_array_equal(deep, every["peak_depth"].values > 0)
-    assert deep.any() == (quantity in ("von_mises", "xz"))
-    assert touched.all() == (quantity != "xz")
+    assert touched.any()
+    assert deep.any() or quantity in ("pressure", "xx")
 
 
 def test_figures_count_peaks_in_the_surface_of_what_is_largest_there():
