@@ -2,8 +2,8 @@
 
     python benchmarks/economies.py [--points 512]
 
-Eight nodes on the shortest wavelength, a tenth of the cell in contact, four Poisson's ratios. Each time is the
-shortest of some repetitions, on one thread.
+Eight nodes on the shortest wavelength, a tenth of the cell in contact, four Poisson's ratios. Each time is
+the shortest of some repetitions, on one thread.
 """
 
 import argparse

@@ -2,8 +2,8 @@
 
     python benchmarks/stress.py [--points 2048] [--hurst 0.8] [--threads 2] [--picture stress.png]
 
-The contact is solved first. A plane is eight real transforms of the contact's grid. If tamaas is installed, its
-`boussinesq_gradient` and `hooke` compute the same planes for comparison.
+The contact is solved first. A plane is eight real transforms of the contact's grid. If tamaas is installed,
+its `boussinesq_gradient` and `hooke` compute the same planes for comparison.
 """
 
 import argparse
