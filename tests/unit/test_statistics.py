@@ -5,6 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+import asperity as asp
 from asperity.spectral import Fourier, Grid
 from asperity.stress.statistics import (
     PERCENTS,
@@ -12,7 +13,6 @@ from asperity.stress.statistics import (
     joint_counts,
     pool_peaks,
     probability_density,
-    select_peaks,
 )
 
 ROUNDING = 1e-12
@@ -115,17 +115,16 @@ def stress(seed=0, peaks=4000, scale=1.0):
     quantity = draw.integers(0, 2, peaks)
     poisson = np.where(quantity == 0, draw.integers(0, 2, peaks), -1)
     value = scale * draw.exponential(1.0, peaks) * (1 + ratios[np.maximum(poisson, 0)])
+    names = np.array(["von_mises", "xz"])
     value[quantity == 1] *= draw.choice([-1, 1], np.sum(quantity == 1))
     planes = np.array([0.0, 0.1, 0.3, 1.0])
     profile = scale * (1 + 0.1 * draw.standard_normal((2, 4)))
     return xr.Dataset(
         {
-            "peak_quantity": ("peak", quantity.astype(np.int16)),
-            "peak_poisson": ("peak", poisson.astype(np.int16)),
             "peak_value": ("peak", value),
             "peak_depth": ("peak", draw.random(peaks)),
-            "peak_interior": ("peak", draw.integers(0, 2, peaks).astype(np.int8)),
-            "peak_under_contact": ("peak", draw.integers(0, 2, peaks).astype(np.int8)),
+            "peak_interior": ("peak", draw.integers(0, 2, peaks).astype(bool)),
+            "peak_under_contact": ("peak", draw.integers(0, 2, peaks).astype(bool)),
             "plane_depth": ("plane", planes),
             "mean_von_mises": (("poisson", "plane"), profile),
             "largest_von_mises": (("poisson", "plane"), 5 * profile),
@@ -133,33 +132,14 @@ def stress(seed=0, peaks=4000, scale=1.0):
             "covariance_plane": (("poisson", "lag"), scale * profile[:, :3]),
             "reference_depth": ("poisson", planes[[1, 2]]),
         },
-        coords={"quantity": ["von_mises", "xz"], "poisson": ratios, "lag": [0.0, 0.1, 0.2]},
+        coords={
+            "quantity": names,
+            "poisson": ratios,
+            "lag": [0.0, 0.1, 0.2],
+            "peak_quantity": ("peak", names[quantity]),
+            "peak_poisson": ("peak", np.where(poisson < 0, np.nan, ratios[poisson])),
+        },
     )
-
-
-def test_selected_peaks_are_those_asked_for():
-    data = stress()
-    everything = select_peaks(data, "von_mises", 0.5)
-    assert everything.sizes["peak"] == np.sum((data["peak_quantity"] == 0) & (data["peak_poisson"] == 1))
-    inside = select_peaks(data, "von_mises", 0.5, "interior")
-    below = select_peaks(data, "von_mises", 0.5, "under_contact")
-    assert (inside["peak_interior"] == 1).all()
-    assert ((below["peak_interior"] == 1) & (below["peak_under_contact"] == 1)).all()
-    assert 0 < below.sizes["peak"] < inside.sizes["peak"] < everything.sizes["peak"]
-    xr.testing.assert_identical(select_peaks(data, "xz", 0.0), select_peaks(data, "xz", 0.5))
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("zz",), "quantity"),
-        (("xz", 0.3), "poisson"),
-        (("xz", 0.0, "inside"), "selection"),
-    ],
-)
-def test_selecting_names_what_is_there(arguments, message):
-    with pytest.raises(ValueError, match=f"^{message}"):
-        select_peaks(stress(), *arguments)
 
 
 def test_ensemble_pools_the_seeds_and_normalises_each_by_its_gradient():
@@ -169,7 +149,7 @@ def test_ensemble_pools_the_seeds_and_normalises_each_by_its_gradient():
         for poisson in (0.0, 0.5):
             values = np.concatenate(
                 [
-                    select_peaks(b, quantity, poisson, "interior")["peak_value"].values / g
+                    asp.peaks(b, quantity, poisson, "interior")["peak_value"].values / g
                     for b, g in zip(stresses, (0.5, 1.0, 2.0), strict=True)
                 ]
             )
@@ -224,7 +204,7 @@ def test_one_seed_has_an_estimate_and_no_band():
 
 def test_a_selection_without_peaks_has_no_percentiles():
     data = stress()
-    data["peak_interior"][:] = 0
+    data["peak_interior"][:] = False
     result = pool_peaks([data, data], [1.0, 1.0], bins=10, resamples=20)
     assert np.isnan(result["peak_percentile"].sel(selection="interior")).all()
     assert (result["peak_density"].sel(selection="interior") == 0).all()

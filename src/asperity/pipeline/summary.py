@@ -19,8 +19,8 @@ import xarray as xr
 from scipy import ndimage
 
 from asperity.errors import DatasetError
-from asperity.results.dataset import FINGERPRINT, digest, settings_of, whole
-from asperity.stress.statistics import select_peaks, selection
+from asperity.results.dataset import FINGERPRINT, atomic_write, digest, settings_of
+from asperity.stress.selection import peaks, selection_for
 from asperity.types import Array
 
 LEVELS = np.concatenate([np.linspace(0, 0.99, 100), np.linspace(0.991, 1, 10)])
@@ -83,14 +83,14 @@ def summarise(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset) -> S
     quantiles: dict[str, Array] = {}
     for ratio in stress["poisson"].values:
         for quantity in QUANTITIES:
-            peaks = select_peaks(stress, quantity, ratio, selection(quantity))
+            found = peaks(stress, quantity, ratio, selection_for(quantity))
             name = f"{quantity}@{ratio:g}"
-            magnitude = np.abs(peaks["peak_value"].values) / gradient
+            magnitude = np.abs(found["peak_value"].values) / gradient
             quantiles[name] = np.quantile(magnitude, LEVELS)
-            found = _of_peaks(magnitude, peaks["peak_depth"].values)
+            measured = _of_peaks(magnitude, found["peak_depth"].values)
             if quantity == "von_mises":
-                found["depth_patch_correlation"] = _depth_follows_size(peaks, patches, radii, spacing)
-            values |= {f"{quantity}.{short}@{ratio:g}": value for short, value in found.items()}
+                measured["depth_patch_correlation"] = _depth_follows_size(found, patches, radii, spacing)
+            values |= {f"{quantity}.{short}@{ratio:g}": value for short, value in measured.items()}
         values |= {
             f"{short}@{ratio:g}": v for short, v in _of_planes(stress.sel(poisson=ratio), gradient).items()
         }
@@ -135,7 +135,7 @@ def write(summary: Summary, path: str | os.PathLike[str]) -> None:
     """Write a summary as JSON, whole or not at all, with a fingerprint of what it holds."""
     tree = asdict(summary) | {"quantiles": {name: list(q) for name, q in summary.quantiles.items()}}
     tree[FINGERPRINT] = digest(tree)
-    with whole(path) as unfinished:
+    with atomic_write(path) as unfinished:
         unfinished.write_text(json.dumps(tree, indent=1, sort_keys=True) + "\n", encoding="utf-8")
 
 

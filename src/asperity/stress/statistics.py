@@ -18,11 +18,8 @@ import numpy as np
 import xarray as xr
 
 from asperity.spectral import Fourier, Grid, resample
+from asperity.stress.selection import SELECTIONS, peaks
 from asperity.types import Array
-
-SELECTIONS = ("all", "at_contact", "interior", "under_contact")
-IN_THE_SURFACE = ("pressure", "xx", "yy", "zz")
-"""Quantities whose magnitude is largest in the surface plane."""
 
 PERCENTS = (50.0, 90.0, 99.0, 99.9)
 
@@ -106,51 +103,6 @@ def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tup
     return width * np.arange(rings), total / count
 
 
-def select_peaks(
-    stress: xr.Dataset, quantity: str, poisson: float | None = None, selection: str = "all"
-) -> xr.Dataset:
-    """The peaks of one quantity in the result of one analysis.
-
-    Parameters
-    ----------
-    stress : dataset
-        Result of `asperity.stress.analysis.analyse_stress`.
-    quantity : str
-    poisson : float, optional
-        By default the first; of no consequence for a quantity that does not depend on it.
-    selection : str
-        "all"; "at_contact": the surface above the peak, or at it, is in contact; "interior": not in the
-        surface plane; "under_contact": both.
-
-    Returns
-    -------
-    dataset
-        The variables along `peak` alone.
-    """
-    names = [str(name) for name in stress["quantity"].values]
-    if quantity not in names:
-        raise ValueError(f"quantity = {quantity!r}: one of {', '.join(names)} is needed")
-    if selection not in SELECTIONS:
-        raise ValueError(f"selection = {selection!r}: one of {', '.join(SELECTIONS)} is needed")
-    ratios = stress["poisson"].values
-    index = 0 if poisson is None else int(np.argmin(np.abs(ratios - poisson)))
-    if poisson is not None and abs(ratios[index] - poisson) > 1e-9:
-        raise ValueError(f"poisson = {poisson!r}: one of {ratios.tolist()} is needed")
-    number = stress["peak_poisson"].values
-    kept = (stress["peak_quantity"].values == names.index(quantity)) & ((number == index) | (number < 0))
-    if selection in ("interior", "under_contact"):
-        kept &= stress["peak_interior"].values == 1
-    if selection in ("at_contact", "under_contact"):
-        kept &= stress["peak_under_contact"].values == 1
-    columns = [name for name in stress.data_vars if stress[name].dims == ("peak",)]
-    return stress[columns].isel(peak=np.flatnonzero(kept))
-
-
-def selection(quantity: str) -> str:
-    """Which peaks figures and claims count: under a contact, and in it if they are largest in the surface."""
-    return "at_contact" if quantity in IN_THE_SURFACE else "under_contact"
-
-
 def pool_peaks(
     stresses: Sequence[xr.Dataset],
     gradients: Sequence[float],
@@ -201,22 +153,22 @@ def pool_peaks(
     density, percentiles = np.zeros((3, *shape, bins)), np.full((3, *shape, len(PERCENTS)), np.nan)
     for q, quantity in enumerate(quantities):
         every = [
-            stress["peak_value"].values[stress["peak_quantity"].values == q] / gradient
+            np.concatenate([peaks(stress, quantity, nu)["peak_value"].values for nu in ratios]) / gradient
             for stress, gradient in zip(stresses, scale, strict=True)
         ]
         edges[q] = _edges(np.concatenate(every), bins, None)
         for s, selection in enumerate(SELECTIONS):
             for p, poisson in enumerate(ratios):
-                chosen = [select_peaks(stress, quantity, poisson, selection) for stress in stresses]
+                chosen = [peaks(stress, quantity, poisson, selection) for stress in stresses]
                 values = [
-                    peaks["peak_value"].values / gradient
-                    for peaks, gradient in zip(chosen, scale, strict=True)
+                    found["peak_value"].values / gradient
+                    for found, gradient in zip(chosen, scale, strict=True)
                 ]
                 own = np.stack([np.histogram(v, edges[q])[0] for v in values])
                 counts[:, s, q, p] = own
                 joint[s, q, p] = sum(
-                    joint_counts(v, peaks["peak_depth"].values, edges[q], depth_edges)
-                    for v, peaks in zip(values, chosen, strict=True)
+                    joint_counts(v, found["peak_depth"].values, edges[q], depth_edges)
+                    for v, found in zip(values, chosen, strict=True)
                 )
                 density[:, s, q, p] = _with_band(_pooled_density, own, weights, confidence, edges[q])
                 percentiles[:, s, q, p] = _percentiles(values, weights, confidence)

@@ -16,7 +16,8 @@ import numpy as np
 import xarray as xr
 
 from asperity.paper.figures.style import label, wavelength_short
-from asperity.stress.statistics import PERCENTS, selection
+from asperity.stress.selection import selection_for
+from asperity.stress.statistics import PERCENTS
 from asperity.types import Array
 
 Results = Mapping[str, xr.Dataset]
@@ -192,7 +193,7 @@ def ratios_peaks(statistics: Results) -> list[str]:
         for nu in data["poisson"].values
     ]
     low, high = float(data["poisson"].min()), float(data["poisson"].max())
-    percentiles = data["peak_percentile"].sel(quantity="von_mises", selection=selection("von_mises"))
+    percentiles = data["peak_percentile"].sel(quantity="von_mises", selection=selection_for("von_mises"))
     factor = percentiles.sel(poisson=low) / percentiles.sel(poisson=high)
     values = ", ".join(
         f"{float(value):.2f} at the {p:g}th percentile" for p, value in zip(PERCENTS, factor, strict=True)
@@ -304,7 +305,7 @@ def _named(data: xr.Dataset) -> str:
 
 def _peaks(data: xr.Dataset, quantity: str, poisson: float) -> str:
     """How many peaks, and percentiles of their magnitude over E* ḡ_r, with bands if there are any."""
-    chosen = data.sel(quantity=quantity, poisson=poisson, selection=selection(quantity))
+    chosen = data.sel(quantity=quantity, poisson=poisson, selection=selection_for(quantity))
     parts = []
     for percent in (50.0, 99.0):
         one = chosen.sel(percent=percent)
@@ -317,7 +318,7 @@ def _peaks(data: xr.Dataset, quantity: str, poisson: float) -> str:
 
 def _depth(data: xr.Dataset, poisson: float, unit: float, symbol: str) -> str:
     """Median depth of the von Mises peaks: of all, and of the largest tenth."""
-    chosen = data.sel(quantity="von_mises", poisson=poisson, selection=selection("von_mises"))
+    chosen = data.sel(quantity="von_mises", poisson=poisson, selection=selection_for("von_mises"))
     counts, edges = chosen["joint_counts"].values, chosen["depth_edge"].values
     large = np.cumsum(counts.sum(axis=1)[::-1])[::-1] <= 0.1 * counts.sum()
     every, largest = (
@@ -357,7 +358,7 @@ def _gradients(data: xr.Dataset) -> str:
     chosen = data.sel(
         quantity="von_mises",
         poisson=data.attrs["poisson_contact"],
-        selection=selection("von_mises"),
+        selection=selection_for("von_mises"),
         percent=50.0,
     )
     return (

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from asperity.paper.figures.style import COLUMN, PAGE, panels, wavelength_short
-from asperity.stress.statistics import selection
+from asperity.stress.selection import selection_for
 from asperity.types import Array
 
 Cases = Mapping[str, tuple[xr.Dataset, float]]
@@ -38,7 +38,7 @@ def density(axis: Axes, data: xr.Dataset, quantity: str, poisson: float, sign: i
 
     `sign` −1 shows compression to the right.
     """
-    chosen = data.sel(quantity=quantity, poisson=poisson, selection=selection(quantity))
+    chosen = data.sel(quantity=quantity, poisson=poisson, selection=selection_for(quantity))
     edges = chosen["bin_edge"].values
     curves = [chosen[f"peak_density{end}"].values for end in ("", "_low", "_high")]
     if quantity in OF_EITHER_SIGN:
@@ -74,7 +74,7 @@ def depth_distributions(cases: Cases, unit: float | None = None, symbol: str = r
     figure, axes = panels(columns=len(cases), height=66, width=PAGE if len(cases) > 1 else COLUMN)
     shares = []
     for data, poisson in cases.values():
-        chosen = data.sel(quantity="von_mises", poisson=poisson, selection=selection("von_mises"))
+        chosen = data.sel(quantity="von_mises", poisson=poisson, selection=selection_for("von_mises"))
         value = chosen["bin_edge"].values
         depth = chosen["depth_edge"].values / (unit or wavelength_short(data))
         counts = chosen["joint_counts"].values
