@@ -1,6 +1,6 @@
-"""The two loads everything else is a sum of: one harmonic of pressure, and a point force.
+"""Half-space under one harmonic of pressure and under a point force normal to its surface.
 
-Both on an elastic half-space without friction. Stress components in the order xx, yy, zz, yz, xz, xy.
+All other pressures are sums of these two. Stress components are in the order xx, yy, zz, yz, xz, xy.
 """
 
 from __future__ import annotations
@@ -8,14 +8,27 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.reference.hertz import require_positive
+from asperity.reference.arguments import require_positive
 from asperity.types import Array
 
 
 def single_mode_stress(x: ArrayLike, depth: ArrayLike, wavenumber: float, poisson: float) -> Array:
-    """Stress under the pressure ``cos qx`` of unit amplitude, (..., 6).
+    """Stress under the pressure ``cos qx`` of unit amplitude, in plane strain along y.
 
-    Plane strain along y (K. L. Johnson, Contact Mechanics, 1985, section 13.2).
+    Source: K. L. Johnson, Contact Mechanics, Cambridge University Press, 1985, section 13.2. The mean
+    pressure is zero, and there is no uniform stress.
+
+    Parameters
+    ----------
+    x, depth : array_like
+        Positions; they broadcast.
+    wavenumber : float
+        q > 0.
+    poisson : float
+
+    Returns
+    -------
+    (..., 6) array
     """
     require_positive(wavenumber=wavenumber)
     phase, y = np.broadcast_arrays(wavenumber * np.asarray(x, float), wavenumber * np.asarray(depth, float))
@@ -27,7 +40,10 @@ def single_mode_stress(x: ArrayLike, depth: ArrayLike, wavenumber: float, poisso
 def single_mode_displacement(
     x: ArrayLike, depth: ArrayLike, wavenumber: float, young: float, poisson: float
 ) -> Array:
-    """Displacement (x, y, z), z up, under the pressure ``cos qx`` of unit amplitude, (..., 3)."""
+    """Displacement (x, y, z), z up, under the pressure ``cos qx`` of unit amplitude, (..., 3).
+
+    Arguments as for `single_mode_stress`; `young` is in the unit of the pressure.
+    """
     require_positive(wavenumber=wavenumber, young=young)
     phase, y = np.broadcast_arrays(wavenumber * np.asarray(x, float), wavenumber * np.asarray(depth, float))
     scale = (1 + poisson) / (young * wavenumber) * np.exp(-y)
@@ -37,10 +53,20 @@ def single_mode_displacement(
 
 
 def point_force_stress(y: ArrayLike, x: ArrayLike, depth: ArrayLike, poisson: float) -> Array:
-    """Stress under a unit force pressing on the surface at the origin, (..., 6).
+    """Stress under a unit force pressing on the surface at the origin: Boussinesq's solution.
 
-    Boussinesq's solution (K. L. Johnson, Contact Mechanics, 1985, eq. 3.19), arranged so that nothing
-    cancels on the axis. Infinite at the origin.
+    Source: K. L. Johnson, Contact Mechanics, Cambridge University Press, 1985, eq. 3.19; rearranged so that
+    no two large terms cancel near the axis. The stress is infinite at the origin.
+
+    Parameters
+    ----------
+    y, x, depth : array_like
+        Positions relative to the force; they broadcast.
+    poisson : float
+
+    Returns
+    -------
+    (..., 6) array
     """
     y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
     distance = np.sqrt(x**2 + y**2 + depth**2)
@@ -59,9 +85,10 @@ def point_force_stress(y: ArrayLike, x: ArrayLike, depth: ArrayLike, poisson: fl
 def point_force_displacement(
     y: ArrayLike, x: ArrayLike, depth: ArrayLike, young: float, poisson: float
 ) -> Array:
-    """Displacement (x, y, z), z up, under a unit force pressing at the origin, (..., 3).
+    """Displacement (x, y, z), z up, under a unit force pressing on the surface at the origin, (..., 3).
 
-    Zero far away; K. L. Johnson, Contact Mechanics, 1985, eq. 3.18.
+    It vanishes far away (K. L. Johnson, Contact Mechanics, 1985, eq. 3.18). Arguments as for
+    `point_force_stress`.
     """
     require_positive(young=young)
     y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
