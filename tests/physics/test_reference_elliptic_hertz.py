@@ -136,7 +136,7 @@ def test_nearly_circular_contact_joins_the_circle_without_loss_of_digits() -> No
 
 
 def test_slender_contact_tends_to_the_line_contact_of_two_cylinders() -> None:
-    """In plane strain, with the pressure of the line's middle: σ_xx = −p0 ((1 + 2 z²/b²)/√(1 + z²/b²) − 2 z/b)."""
+    """In plane strain, with the largest pressure: σ_xx = −p0 ((1 + 2 z²/b²)/√(1 + z²/b²) − 2 z/b)."""
     slender, nu = EllipticHertz(1e4, 1.0, 0.7), 0.3
     z = np.array([0.1, 0.78, 2.0])
     root = np.sqrt(1 + z**2)

@@ -98,3 +98,43 @@ def point_force_displacement(
     outward = scale * (n_z - (1 - 2 * poisson) / (1 + n_z)) / distance
     up = -scale * (2 * (1 - poisson) + n_z**2)
     return np.stack([outward * x, outward * y, up], axis=-1)
+
+
+def tangential_point_force_stress(y: ArrayLike, x: ArrayLike, depth: ArrayLike, poisson: float) -> Array:
+    """Stress under a unit force along x on the surface at the origin: Cerruti's solution, (..., 6).
+
+    Source: K. L. Johnson, Contact Mechanics, Cambridge University Press, 1985, eq. 3.76. Arguments as for
+    `point_force_stress`.
+    """
+    y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
+    distance = np.sqrt(x**2 + y**2 + depth**2)
+    n_x, n_y, n_z = x / distance, y / distance, depth / distance
+    weight = (1 - 2 * poisson) / (2 * np.pi * distance**2)
+    cubic = 3 / (2 * np.pi * distance**2)
+    single = 1 / (1 + n_z) ** 2
+    double = (3 + n_z) / (1 + n_z) ** 3
+    xx = -cubic * n_x**3 + weight * n_x * (1 - 3 * single + n_x**2 * double)
+    yy = -cubic * n_x * n_y**2 + weight * n_x * (1 - single + n_y**2 * double)
+    xy = -cubic * n_x**2 * n_y + weight * n_y * (-single + n_x**2 * double)
+    zz = -cubic * n_x * n_z**2
+    return np.stack([xx, yy, zz, cubic * n_x * n_y * n_z, cubic * n_x**2 * n_z, xy], axis=-1)
+
+
+def tangential_point_force_displacement(
+    y: ArrayLike, x: ArrayLike, depth: ArrayLike, young: float, poisson: float
+) -> Array:
+    """Displacement (x, y, z), z up, under a unit force along x on the surface at the origin, (..., 3).
+
+    It vanishes far away (K. L. Johnson, Contact Mechanics, 1985, eq. 3.75). Arguments as for
+    `point_force_stress`.
+    """
+    require_positive(young=young)
+    y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
+    distance = np.sqrt(x**2 + y**2 + depth**2)
+    n_x, n_y, n_z = x / distance, y / distance, depth / distance
+    scale = (1 + poisson) / (2 * np.pi * young * distance)
+    blunt = (1 - 2 * poisson) / (1 + n_z)
+    along = scale * (1 + n_x**2 + blunt * (1 - n_x**2 / (1 + n_z)))
+    across = scale * n_x * n_y * (1 - blunt / (1 + n_z))
+    down = scale * n_x * (n_z + blunt)
+    return np.stack([along, across, -down], axis=-1)
