@@ -5,10 +5,14 @@ types are imported.
 
 | module | solution |
 |---|---|
-| `elementary` | half-space under one harmonic of pressure, and under a point force |
+| `elementary` | half-space under one harmonic of pressure, and under a normal or tangential point force |
 | `hertz` | sphere on a half-space: surface, axis and interior |
+| `elliptic_hertz` | ellipse of contact on a half-space: surface, and stress on the axis |
+| `sliding_sphere` | sphere that slides on a half-space: stress everywhere |
 | `periodic_hertz` | square array of spheres on a half-space |
 | `westergaard` | one-dimensional wave on a half-space: surface and interior |
+| `bisinusoid` | bisinusoidal wave on a half-space: asymptotes of small and nearly complete contact |
+| `bonded_layer` | flat punch and paraboloid on a bonded layer, by a Fredholm equation |
 | `state_space` | one Fourier mode of a layer, to any number of digits |
 | `printed` | the paper's equations of the layer, as printed and corrected |
 | `pivoting` | contact on a small periodic grid by principal pivoting, without iterating on pressures |

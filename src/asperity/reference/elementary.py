@@ -1,6 +1,6 @@
-"""Half-space under one harmonic of pressure and under a point force normal to its surface.
+"""Half-space under one harmonic of pressure and under a point force, normal or tangential to its surface.
 
-All other pressures are sums of these two. Stress components are in the order xx, yy, zz, yz, xz, xy.
+All other loads are sums of these. Stress components are in the order xx, yy, zz, yz, xz, xy.
 """
 
 from __future__ import annotations
