@@ -14,7 +14,7 @@ from asperity.elasticity.layer import Layer
 from asperity.paper.claims.verdicts import Claim, Evidence, Fixed, Measure, MissingEvidenceError, Region
 from asperity.pipeline.summary import LEVELS, Summary
 from asperity.types import Array
-from asperity.validation.comparisons import differences
+from asperity.validation.finite_elements import largest_differences
 
 ALIKE = 0.05
 """Ratios within this of one, and distributions within this Kolmogorov distance, count as the same."""
@@ -102,7 +102,7 @@ def _elements(fields: Sequence[str], where: Sequence[str]) -> Measure:
     """Largest difference to the finite elements; uncertain by the change over the last two meshes."""
 
     def measure(evidence: Evidence) -> Fixed:
-        found = [differences(evidence.dataset("elements"))]
+        found = [largest_differences(evidence.dataset("elements"))]
         meshes = evidence.dataset("mesh_convergence")
         found += [meshes.isel(mesh=-1), meshes.isel(mesh=-2)]
         value, fine, coarse = (
@@ -115,7 +115,7 @@ def _elements(fields: Sequence[str], where: Sequence[str]) -> Measure:
 
 
 def _edge_over_away(evidence: Evidence) -> Fixed:
-    found = differences(evidence.dataset("elements"))
+    found = largest_differences(evidence.dataset("elements"))
     return Fixed(float(found.difference_edge.max() / found.difference_away.max()))
 
 

@@ -95,9 +95,9 @@ def hertz(validation: Results) -> list[str]:
 
 def elements(names: tuple[str, ...], validation: Results) -> list[str]:
     """Differences of fields to the finite elements."""
-    from asperity.validation.comparisons import differences
+    from asperity.validation.finite_elements import largest_differences
 
-    found = differences(validation["elements"])
+    found = largest_differences(validation["elements"])
     return _bullets(
         f"{name}: at most {100 * float(found['difference_away'].sel(field=name)):.3f} % of its largest "
         f"magnitude away from the edge of contact, "

@@ -24,7 +24,7 @@ def draw_fields(dataset: xr.Dataset, fields: Sequence[tuple[str, str, str, str]]
     Parameters
     ----------
     dataset : Dataset
-        Of `asperity.validation.comparisons.compare_elements`.
+        Of `asperity.validation.finite_elements.compare_elements`.
     fields : sequence of (name, label, unit, colour map)
         The unit is that of the figure: ``"length"`` for displacements over the approach, ``"stress"`` for
         stresses over the largest pressure.

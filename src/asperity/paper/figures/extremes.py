@@ -56,7 +56,7 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
     Parameters
     ----------
     validation : mapping of datasets
-        ``extremes``, of `asperity.validation.extremes.compute`.
+        ``extremes``, of `asperity.validation.extremes.outcome_matrix`.
 
     Notes
     -----

@@ -22,7 +22,7 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
     Parameters
     ----------
     validation : mapping of datasets
-        ``elements``, of `asperity.validation.comparisons.compare_elements`.
+        ``elements``, of `asperity.validation.finite_elements.compare_elements`.
     """
     data = validation["elements"]
     approach, curvature = data.attrs["approach"], data.attrs["curvature_radius"]

@@ -16,7 +16,7 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
     Parameters
     ----------
     validation : mapping of datasets
-        ``elements``, of `asperity.validation.comparisons.compare_elements`. Triangles mark the edge of contact.
+        ``elements``, of `asperity.validation.finite_elements.compare_elements`. Triangles mark the edge of contact.
     """
     return draw_fields(
         validation["elements"],

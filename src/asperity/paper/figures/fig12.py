@@ -17,7 +17,7 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
     Parameters
     ----------
     validation : mapping of datasets
-        ``punch``, of `asperity.validation.comparisons.punch`.
+        ``punch``, of `asperity.validation.closed_forms.punch`.
     """
     data = validation["punch"]
     ratios = data.poisson.values

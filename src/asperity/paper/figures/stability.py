@@ -35,7 +35,7 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
     Parameters
     ----------
     validation : mapping of datasets
-        ``stability``, of `asperity.validation.rounding.compute`.
+        ``stability``, of `asperity.validation.rounding.rounding_errors`.
 
     Notes
     -----
