@@ -65,8 +65,10 @@ class Tangent:
             return None
         change = 0.5 * (edges[best] + edges[best + 1])
         if best == 0 and edges[1] >= 0 and first > area.target:
+            # No lower load has fewer contact nodes.
             change = 0.0
         elif best == edges.size - 2:
+            # The number asked for needs a load beyond reach.
             change = longest
         return float(max(change, -longest))
 
