@@ -123,9 +123,7 @@ def mass(points=64, steps=4000):
     for power in (0.0, 0.25, 0.5, 1.0):
         inertia = np.maximum(stiffness, stiffness[0, 1]) ** power
         area, off = at_rest(height, load, stiffness, inertia, steps)
-        print(
-            f"s = {power:4.2f}: area fraction {area:.4f}, largest traction outside the contact {off:.1e}"
-        )
+        print(f"s = {power:4.2f}: area fraction {area:.4f}, largest traction outside the contact {off:.1e}")
 
 
 def at_rest(height, load, stiffness, inertia, steps):
