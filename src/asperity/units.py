@@ -1,8 +1,8 @@
 """Units of the interfaces: text with a unit to a number in SI, and a number in SI to text.
 
 The library itself converts nothing: its arguments are in any one consistent system of units. The command
-line, the configuration and the reports take and show units through this module. `pint` does the conversion; it
-is imported at the first use.
+line, the configuration and the reports take and show units through this module. `pint` does the conversion,
+and is imported at the first use.
 """
 
 from __future__ import annotations

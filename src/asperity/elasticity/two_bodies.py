@@ -1,9 +1,9 @@
 """Two elastic bodies pressed against each other, as one solid for the contact.
 
 Without friction both bodies carry the same pressure, and the gap closes by the sum of their surface
-displacements (K. L. Johnson, Contact Mechanics, 1985, chapter 4): their compliances add up, and for half-spaces
-1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂. The stress in each body follows from the common pressure with the layer of
-that body.
+displacements (K. L. Johnson, Contact Mechanics, 1985, chapter 4). Their compliances add up, and for
+half-spaces 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂. The stress in each body follows from the common pressure with
+the layer of that body.
 """
 
 from __future__ import annotations
