@@ -25,7 +25,6 @@ RESULTS = "results/tiny"
 TARGETS = (
     f"{RESULTS}/figures/fig09.png",
     f"{RESULTS}/verification/hurst_08.csv",
-    f"{RESULTS}/summary/hurst_08/seed1.json",
 )
 STUDY = ("snakemake", "--cores", "2", *TINY, "--", *TARGETS)
 COMPARED = (".nc", ".json", ".csv", ".png", ".pdf", ".rst")

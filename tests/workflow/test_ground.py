@@ -17,7 +17,6 @@ from project import environment, hide
 
 CONTACT = f"{RESULTS}/contact/hurst_08/seed1.nc"
 STATISTICS = f"{RESULTS}/statistics/hurst_08.nc"
-SUMMARY = f"{RESULTS}/summary/hurst_08/seed1.json"
 AGAIN = (*STUDY[: STUDY.index("--")], "--forcerun", "statistics", *STUDY[STUDY.index("--") :])
 
 
@@ -86,20 +85,6 @@ def test_a_damaged_result_is_named_before_anything_is_made_of_it(folder, damage)
     damage(folder / CONTACT)
     line = refused(folder)
     assert line.startswith(f"study: {CONTACT}: ")
-    assert line.endswith("; delete it and run again")
-
-
-def change(path):
-    text = path.read_text()
-    name, value = re.search(r'("contact.mean_pressure": )(\S+),', text).groups()
-    path.write_text(text.replace(name + value, f"{name}{1.01 * float(value)!r}"))
-
-
-@pytest.mark.parametrize("damage", [truncate, empty, change])
-def test_a_damaged_summary_is_named_before_anything_is_claimed_from_it(folder, damage):
-    damage(folder / SUMMARY)
-    line = refused(folder, *STUDY[: STUDY.index("--")], "--", f"{RESULTS}/claims.csv")
-    assert line.startswith(f"study: {SUMMARY}: ")
     assert line.endswith("; delete it and run again")
 
 

@@ -54,7 +54,7 @@ def contact_settings(wildcards):
 def earlier_results(jobs):
     """Result files of earlier runs that these jobs read."""
     made = {file for job in jobs for file in job.output}
-    read = {file for job in jobs for file in job.input if file.endswith((".nc", ".json"))}
+    read = {file for job in jobs for file in job.input if file.endswith(".nc")}
     return sorted(file for file in read - made if os.path.exists(file))
 
 

@@ -142,15 +142,11 @@ def require_space(folder: str | os.PathLike[str], need: float) -> None:
 
 
 def require_undamaged(paths: Iterable[str | os.PathLike[str]]) -> None:
-    """Raise `PreflightError` for the first result file that is not as it was written: datasets, summaries."""
-    from asperity.pipeline import summary
+    """Raise `PreflightError` for the first result file that is not as it was written."""
     from asperity.results import dataset
 
     for path in paths:
         try:
-            if Path(path).suffix == ".json":
-                summary.read(path)
-            else:
-                dataset.verify(path)
+            dataset.verify(path)
         except DatasetError as error:
             raise PreflightError(str(error)) from error
