@@ -1,34 +1,30 @@
-"""What each economy of the calculation saves, measured by turning it off.
+"""Processor time that each economy of the calculation saves, measured by turning it off.
 
     python benchmarks/economies.py [--points 512]
 
-Eight nodes on the shortest wavelength, a tenth of the cell in contact, four Poisson's ratios; processor time
-on one thread, the least of some repetitions.
+Eight nodes on the shortest wavelength, a tenth of the cell in contact, four Poisson's ratios. Each time is
+the shortest of some repetitions, on one thread.
 """
 
 import argparse
 import tempfile
 import time
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from asperity.contact import solve
-from asperity.elasticity.layer import COMPONENTS, Layer
+import asperity as asp
+from asperity.elasticity.layer import COMPONENTS
 from asperity.pipeline.solid import solid
 from asperity.results import dataset
-from asperity.stress.analysis import analyse_stress
-from asperity.stress.planes import depth_grid, stress_planes
-from asperity.surface.roughness import self_affine
 
 RATIOS = (0.0, 0.25, 0.33, 0.5)
 SLAB = {"height": 1.0, "bottom": "bonded", "poisson": 0.33, "lateral": "confined"}
 
 
 def spent(call, repetitions):
-    """Least processor time of a call."""
+    """Shortest processor time of a call."""
     times = []
     for _ in range(repetitions):
         start = time.process_time()
@@ -38,7 +34,7 @@ def spent(call, repetitions):
 
 
 def press(height, layer):
-    return solve(height, layer, area_fraction=0.1)
+    return asp.solve(height, layer, area_fraction=0.1)
 
 
 def layer_of(half_space_tolerance, poisson=0.33):
@@ -46,66 +42,66 @@ def layer_of(half_space_tolerance, poisson=0.33):
 
 
 def half_space(height):
-    """The slab as a half-space, and as the layer it is, for one Poisson's ratio."""
+    """The slab as a half-space, and as the layer that it is, for one Poisson's ratio."""
 
-    def whole(tolerance):
+    def analyse(tolerance):
         contact = press(height, layer_of(tolerance))
-        analyse_stress(contact, depth_grid(contact.grid, 1.0), tolerance=1e-4)
+        asp.analyse_stress(contact, asp.depth_grid(contact.grid, 1.0), tolerance=1e-4)
 
-    return lambda: whole(0.05), lambda: whole(0.0)
+    return lambda: analyse(0.05), lambda: analyse(0.0)
 
 
 def every_ratio(height):
-    """One contact and one stream of planes for all Poisson's ratios, and each by itself."""
+    """One contact and one stream of planes for all Poisson's ratios, and one of each for every ratio."""
 
     def together():
         contact = press(height, layer_of(0.05))
-        analyse_stress(contact, depth_grid(contact.grid, 1.0), RATIOS, tolerance=1e-4)
+        asp.analyse_stress(contact, asp.depth_grid(contact.grid, 1.0), RATIOS, tolerance=1e-4)
 
     def apart():
         for poisson in RATIOS:
-            contact = press(height, replace(Layer(1.0, poisson), young=1 - poisson**2))
-            analyse_stress(contact, depth_grid(contact.grid, 1.0), tolerance=1e-4)
+            contact = press(height, asp.Layer(1 - poisson**2, poisson))
+            asp.analyse_stress(contact, asp.depth_grid(contact.grid, 1.0), tolerance=1e-4)
 
     return together, apart
 
 
 def coarse_planes(height):
-    """Deep planes on grids no finer than they need, and all on the grid of the contact."""
+    """Deep planes on coarse grids, and all planes on the grid of the contact."""
     contact = press(height, layer_of(0.05))
-    depths = depth_grid(contact.grid, 1.0)
+    depths = asp.depth_grid(contact.grid, 1.0)
     return (
-        lambda: analyse_stress(contact, depths, RATIOS, tolerance=1e-4),
-        lambda: analyse_stress(contact, depths, RATIOS, tolerance=0),
+        lambda: asp.analyse_stress(contact, depths, RATIOS, tolerance=1e-4),
+        lambda: asp.analyse_stress(contact, depths, RATIOS, tolerance=0),
     )
 
 
 def on_demand(height):
-    """One component where one is asked for, and all six."""
+    """One component of the stress, and all six."""
     contact = press(height, layer_of(0.05))
-    depths = depth_grid(contact.grid, 1.0)
+    depths = asp.depth_grid(contact.grid, 1.0)
 
-    def planes(components):
-        for _ in stress_planes(contact, depths, components=components, tolerance=1e-4):
+    def planes(fields):
+        for _ in asp.stress_planes(contact, depths, fields=fields, tolerance=1e-4):
             pass
 
     return lambda: planes(("zz",)), lambda: planes(COMPONENTS)
 
 
-def nothing_unread(height, folder):
-    """The result that is written, and the stress of every plane beside it; seconds and bytes."""
+def no_field_written(height, folder):
+    """The result alone, and the stress field of every plane in a second file; the paths of both files."""
     contact = press(height, layer_of(0.05))
-    depths = depth_grid(contact.grid, 1.0)
+    depths = asp.depth_grid(contact.grid, 1.0)
     paths = folder / "kept.nc", folder / "field.nc"
 
     def kept():
-        data = analyse_stress(contact, depths, tolerance=1e-4)
+        data = asp.analyse_stress(contact, depths, tolerance=1e-4)
         dataset.write(data, paths[0], title="economies", settings={})
 
     def everything():
         kept()
         field = np.empty((depths.size, len(COMPONENTS), *contact.grid.shape))
-        for number, plane in enumerate(stress_planes(contact, depths, None, COMPONENTS, tolerance=0)):
+        for number, plane in enumerate(asp.stress_planes(contact, depths, None, COMPONENTS, tolerance=0)):
             field[number] = np.stack([plane.fields[name][0] for name in COMPONENTS])
         encoding = {"stress": {"zlib": True, "complevel": 1, "shuffle": True}}
         xr.Dataset({"stress": (("plane", "component", "y", "x"), field)}).to_netcdf(
@@ -123,7 +119,7 @@ def main():
     parser.add_argument("--repetitions", type=int, default=2)
     chosen = parser.parse_args()
     points = chosen.points
-    height = self_affine((points, points), 0.8, 1 / 8, 8 / points, 1e-3, seed=1)
+    height = asp.self_affine((points, points), 0.8, 1 / 8, 8 / points, 1e-3, seed=1)
     economies = {
         "half-space where the layer cannot be told apart": half_space(height),
         "one contact and one stream for four Poisson's ratios": every_ratio(height),
@@ -137,7 +133,7 @@ def main():
         short, long = (spent(call, chosen.repetitions) for call in calls)
         print(f"| {name} | {short:.2f} | {long:.2f} | {100 * (1 - short / long):.0f} % |")
     with tempfile.TemporaryDirectory() as folder:
-        kept, everything, paths = nothing_unread(height, Path(folder))
+        kept, everything, paths = no_field_written(height, Path(folder))
         short, long = spent(kept, 1), spent(everything, 1)
         one, both = paths[0].stat().st_size, sum(path.stat().st_size for path in paths)
         name = "no stress field written"

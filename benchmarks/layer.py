@@ -14,7 +14,8 @@ import numpy as np
 import asperity as asp
 from asperity.elasticity.layer import Layer
 from asperity.spectral import Fourier, Grid
-from asperity.stress.planes import depth_grid, stress_planes
+from asperity.stress.depths import depth_grid
+from asperity.stress.planes import stress_planes
 from asperity.validation.rounding import PRECISIONS, layer_errors
 
 HEIGHTS = [1e-8, 1e-6, 1e-4, 1e-2, 0.1, 0.5, 0.99, 1.0, 1.01, 2.0, 5.0, 10.0, 39.0, 41.0, 300.0, 1e3, 1e5]

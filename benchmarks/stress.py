@@ -1,9 +1,9 @@
-"""What the stress of the whole solid costs: a table, a picture, one command.
+"""Cost and accuracy of the stress in the whole solid: tables and a picture.
 
     python benchmarks/stress.py [--points 2048] [--hurst 0.8] [--threads 2] [--picture stress.png]
 
-The contact is solved first. A plane is eight real transforms of the contact's grid. Where tamaas can
-be imported, its `boussinesq_gradient` and `hooke` compute the same planes for comparison.
+The contact is solved first. A plane is eight real transforms of the contact's grid. If tamaas is installed,
+its `boussinesq_gradient` and `hooke` compute the same planes for comparison.
 """
 
 import argparse
@@ -15,63 +15,64 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 import asperity as asp
-from asperity.elasticity.layer import COMPONENTS, Layer
-from asperity.spectral import Fourier, Grid, Work
-from asperity.stress.analysis import analyse_stress
-from asperity.stress.peaks import find_peaks
-from asperity.stress.planes import depth_grid, linear_planes, stress_planes
-from asperity.stress.statistics import select_peaks
+from asperity.elasticity.layer import COMPONENTS
+from asperity.spectral import Fourier, Work, resample
+from asperity.stress.planes import linear_planes
 
 QUANTITIES = ("pressure", "von_mises", "xx", "zz", "xz")
 RATIOS = [0.0, 0.1, 0.25, 0.33, 0.5]
 
 
-class Pressed:
-    """What the analysis needs from a contact, and no more."""
+LAYER = asp.Layer(young=1.0, poisson=0.33)
 
-    def __init__(self, pressure, layer):
-        self.pressure, self.layer, self.grid = pressure, layer, Grid(pressure.shape)
+
+def under(pressure, layer=LAYER):
+    """A solid under a pressure on a unit cell."""
+    return asp.PressedSolid(pressure, asp.Grid(pressure.shape), layer)
 
 
 def press(points, hurst, short=8):
-    """The study's contact: λ_s = `short` spacings, λ_l = L/8, contact area a tenth."""
-    layer = Layer(young=1.0, poisson=0.33)
+    """Contact of the study: λ_s = `short` spacings, λ_l = L/8, contact area a tenth."""
     height = asp.self_affine((points, points), hurst, 1 / 8, short / points, 1e-3, seed=1)
-    return Pressed(asp.solve(height, layer, area_fraction=0.1, rtol=1e-5).pressure, layer)
+    return under(asp.solve(height, LAYER, area_fraction=0.1, rtol=1e-5).pressure)
 
 
 def timed(call):
+    """Result, wall time and processor time of a call."""
     wall, processor = time.perf_counter(), time.process_time()
     result = call()
     return result, time.perf_counter() - wall, time.process_time() - processor
 
 
 def in_full(contact, ratios, threads):
-    """Processor and wall time of a plane of the same analysis on the full grid, from three planes."""
+    """Processor and wall time of one plane of the analysis on the full grid, from three planes."""
     depths = np.array([0.0, 0.5, 1.0]) / contact.grid.shape[0]
     _, wall, processor = timed(
-        lambda: analyse_stress(contact, depths, ratios, QUANTITIES, tolerance=0, threads=threads)
+        lambda: asp.analyse_stress(contact, depths, ratios, QUANTITIES, tolerance=0, threads=threads)
     )
     return processor / depths.size, wall / depths.size
 
 
 def whole_slab(contact, threads, tolerance):
-    analyse_stress(press_small(), poisson=RATIOS, quantities=QUANTITIES, tolerance=tolerance, threads=threads)
+    """Table of the cost of the whole analysis, against the same planes on the full grid."""
+    asp.analyse_stress(
+        press_small(), poisson=RATIOS, quantities=QUANTITIES, tolerance=tolerance, threads=threads
+    )
     work = Work()
     data, wall, processor = timed(
-        lambda: analyse_stress(
+        lambda: asp.analyse_stress(
             contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=tolerance, threads=threads, work=work
         )
     )
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
     even = np.arange(contact.grid.shape[0] + 1) / contact.grid.shape[0]
     _, even_wall, even_processor = timed(
-        lambda: analyse_stress(contact, even, RATIOS, QUANTITIES, tolerance=tolerance, threads=threads)
+        lambda: asp.analyse_stress(contact, even, RATIOS, QUANTITIES, tolerance=tolerance, threads=threads)
     )
     every, every_wall = in_full(contact, RATIOS, threads)
     single, _ = in_full(contact, RATIOS[:1], threads)
     points, planes = contact.grid.shape[0], data.sizes["plane"]
-    found = {name: select_peaks(data, name, 0.33, "under_contact").sizes["peak"] for name in QUANTITIES[1:]}
+    found = {name: asp.peaks(data, name, 0.33, "under_contact").sizes["peak"] for name in QUANTITIES[1:]}
     rows = [
         (
             "planes; the finest and the coarsest grid",
@@ -95,22 +96,20 @@ def whole_slab(contact, threads, tolerance):
 
 
 def press_small():
-    """A contact small enough to compile with."""
-    grid = Grid((64, 64))
-    y, x = grid.coordinates()
-    pressure = np.maximum(np.sin(40 * y)[:, None] * np.sin(40 * x)[None, :] - 0.5, 0)
-    return Pressed(pressure, Layer(young=1.0, poisson=0.33))
+    """A small contact, to compile everything with before the clock starts."""
+    y, x = asp.Grid((64, 64)).coordinates()
+    return under(np.maximum(np.sin(40 * y)[:, None] * np.sin(40 * x)[None, :] - 0.5, 0))
 
 
 def against_depth(contact, tolerance):
-    """Error of the coarse planes against full ones, their bound, and their cost, at depths that double."""
+    """Error of coarse planes against full ones, its bound, and the cost, at a series of depths."""
     depths = np.array([0.0, *np.geomspace(1.0, 0.9 * contact.grid.shape[0], 12)]) / contact.grid.shape[0]
     rows = []
     coarse = linear_planes(contact, depths, tolerance=tolerance)
     full = linear_planes(contact, depths, tolerance=0)
     for near, far in zip(coarse, full, strict=True):
         modes = Fourier(near.grid).forward(near.constant["zz"])
-        lifted = asp.spectral.resample(modes, near.grid, far.grid)
+        lifted = resample(modes, near.grid, far.grid)
         error = np.abs(Fourier(far.grid).inverse(lifted) - far.constant["zz"]).max()
         if near.grid == far.grid:
             error = 0.0
@@ -124,7 +123,7 @@ def against_depth(contact, tolerance):
 
 
 def against_tamaas(contact, depths, threads):
-    """The same tensor from tamaas's two-plane volume models, its error and its processor time."""
+    """Stress tensor from two-plane volume models of tamaas: difference and processor time."""
     try:
         import tamaas
     except ImportError:
@@ -137,7 +136,7 @@ def against_tamaas(contact, depths, threads):
     modes = Fourier(grid).forward(contact.pressure)
     modes[2 * np.abs(grid.ky) == grid.shape[0]] = 0
     modes[:, 2 * grid.kx == grid.shape[1]] = 0
-    smooth = Pressed(Fourier(grid).inverse(modes), layer)
+    smooth = under(Fourier(grid).inverse(modes), layer)
     theirs_time = ours_time = worst = 0.0
     for depth in depths:
         model = tamaas.ModelFactory.createModel(
@@ -158,7 +157,7 @@ def against_tamaas(contact, depths, threads):
         theirs_time += spent
 
         def ours(depth=depth):
-            return list(stress_planes(smooth, [0.0, depth], None, COMPONENTS, 0, threads))
+            return list(asp.stress_planes(smooth, [0.0, depth], None, COMPONENTS, 0, threads))
 
         planes, _, spent = timed(ours)
         ours_time += spent
@@ -185,9 +184,8 @@ def convergence(hurst, wavelengths=32):
     found = []
     for nodes in (8, 16, 32):
         contact = press(wavelengths * nodes, hurst, nodes)
-        peaks = find_peaks(
-            stress_planes(contact, depth_grid(contact.grid, 0.25), 0.33, tolerance=1e-4), "von_mises"
-        )
+        depths = asp.depth_grid(contact.grid, 0.25)
+        peaks = asp.find_peaks(asp.stress_planes(contact, depths, 0.33, tolerance=1e-4), "von_mises")
         kept = peaks.interior & peaks.under_contact(contact.pressure, contact.grid)
         place = np.stack([peaks.y, peaks.x], axis=1)[kept] % 1.0
         found.append((place, peaks.value[kept]))
@@ -203,10 +201,10 @@ def convergence(hurst, wavelengths=32):
 
 
 def spacing_study(contact):
-    """What halving the distance between planes changes."""
+    """Percentiles of the von Mises peaks at three distances between planes."""
     for spacing in (1.0, 0.5, 0.25):
-        depths = depth_grid(contact.grid, 0.05, spacing, 0.25 * spacing)
-        peaks = find_peaks(stress_planes(contact, depths, 0.33, tolerance=1e-4), "von_mises")
+        depths = asp.depth_grid(contact.grid, 0.05, spacing, 0.25 * spacing)
+        peaks = asp.find_peaks(asp.stress_planes(contact, depths, 0.33, tolerance=1e-4), "von_mises")
         kept = peaks.interior & peaks.under_contact(contact.pressure, contact.grid)
         for label, values in (("refined", peaks.value), ("at nodes", peaks.node_value)):
             shares = np.percentile(values[kept], [50, 90, 99])
@@ -249,10 +247,7 @@ def main():
     parser.add_argument("--picture", default="stress.png")
     parser.add_argument("--quick", action="store_true", help="leave out the convergence studies")
     chosen = parser.parse_args()
-    if chosen.pressure:
-        contact = Pressed(np.load(chosen.pressure), Layer(young=1.0, poisson=0.33))
-    else:
-        contact = press(chosen.points, chosen.hurst)
+    contact = under(np.load(chosen.pressure)) if chosen.pressure else press(chosen.points, chosen.hurst)
     points = contact.grid.shape[0]
     print(f"Whole slab at {points}², H = {chosen.hurst}, five ν, tolerance {chosen.tolerance}")
     print(f"  quantities: {', '.join(QUANTITIES)}")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from asperity.elasticity.layer import Layer
-from asperity.validation.rounding import FORMULAS, PRECISIONS, compute, layer_errors
+from asperity.validation.rounding import FORMULAS, PRECISIONS, layer_errors, rounding_errors
 
 # Bounds of rounding errors, relative to the largest component at the same depth and to 1 + q depth.
 ROUNDING = {"float64": 4e-15, "float32": 2e-6}
@@ -56,7 +56,7 @@ def test_bonded_bottom_does_not_move_and_frictionless_bottom_does_not_sink():
 
 
 def test_stability_dataset_tells_the_formulas_apart():
-    data = compute(poisson=(0.33, 0.5), smallest=1e-4, largest=1e3, per_decade=1)
+    data = rounding_errors(poisson=(0.33, 0.5), smallest=1e-4, largest=1e3, per_decade=1)
     error = data["error"]
     assert error.shape == (2, len(FORMULAS), len(PRECISIONS), 2, 8)
     for precision in PRECISIONS:
@@ -72,7 +72,7 @@ def test_stability_dataset_tells_the_formulas_apart():
 
 def test_stability_figure_shows_every_formula():
     stability = pytest.importorskip("asperity.paper.figures.stability")
-    dataset = compute(poisson=(0.33, 0.5), smallest=0.1, largest=1e3, per_decade=1)
+    dataset = rounding_errors(poisson=(0.33, 0.5), smallest=0.1, largest=1e3, per_decade=1)
     figure = stability.draw({"stability": dataset})
     assert len(figure.axes) == 4
     shown = [{line.get_color() for line in axis.get_lines()} for axis in figure.axes]

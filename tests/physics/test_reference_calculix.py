@@ -1,4 +1,4 @@
-"""Decks for CalculiX; the program itself is optional."""
+"""CalculiX: its input deck and, where the program is installed, its results."""
 
 import re
 
@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from asperity.reference import calculix
-from asperity.reference.finite_element import Slab, graded, press
+from asperity.reference.finite_element import Slab, press
+from asperity.reference.line_elements import graded
 
 PLANE, COLUMN = graded(0.5, 4, 2.0), 1 - graded(1.0, 4, 4.0)[::-1]
 MODEL = {"young": 1 - 0.33**2, "poisson": 0.33, "curvature_radius": 10.0, "approach": 0.002}

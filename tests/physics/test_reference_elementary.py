@@ -1,4 +1,4 @@
-"""A harmonic of pressure, a point force, and Westergaard's wave."""
+"""Stress and displacement of harmonics and point forces, and Westergaard's wave."""
 
 import numpy as np
 import pytest
@@ -11,6 +11,8 @@ from asperity.reference.elementary import (
     point_force_stress,
     single_mode_displacement,
     single_mode_stress,
+    tangential_point_force_displacement,
+    tangential_point_force_stress,
 )
 from asperity.reference.westergaard import Westergaard
 
@@ -40,6 +42,12 @@ def test_stress_and_displacement_obey_hooke(poisson):
     found = hooke(lambda r: point_force_displacement(r[1], r[0], -r[2], YOUNG, poisson), point, poisson)
     np.testing.assert_allclose(found, point_force_stress(-0.3, 0.4, 0.6, poisson), atol=1e-6)
 
+    def dragged(r):
+        return tangential_point_force_displacement(r[1], r[0], -r[2], YOUNG, poisson)
+
+    found = hooke(dragged, point, poisson)
+    np.testing.assert_allclose(found, tangential_point_force_stress(-0.3, 0.4, 0.6, poisson), atol=1e-6)
+
 
 def test_point_force_is_carried_by_every_plane():
     def ring(r):
@@ -47,6 +55,24 @@ def test_point_force_is_carried_by_every_plane():
 
     # Quadrature.
     assert scipy.integrate.quad(ring, 0, np.inf)[0] == pytest.approx(-1.0, rel=1e-8)
+
+
+def test_tangential_point_force_is_carried_by_every_plane():
+    """The mean of σ_xz over a circle, times 2πr, in all rings of a plane."""
+    angle = 2 * np.pi * np.arange(8) / 8
+
+    def ring(r):
+        stress = tangential_point_force_stress(r * np.sin(angle), r * np.cos(angle), 0.2, 0.3)
+        return 2 * np.pi * r * stress[:, [2, 3, 4]].mean(axis=0)
+
+    total = [scipy.integrate.quad(lambda r, n=n: ring(r)[n], 0, np.inf)[0] for n in range(3)]
+    # Quadrature.
+    np.testing.assert_allclose(total, [0.0, 0.0, 1.0], atol=1e-8)
+
+
+def test_tangential_point_force_leaves_the_surface_free():
+    stress = tangential_point_force_stress(0.3, [-0.4, 0.1], 0.0, 0.2)
+    assert np.all(stress[:, 2:5] == 0)
 
 
 def test_point_force_surface_displacement():

@@ -1,26 +1,19 @@
 """Stress in the solid against closed forms and against laws it was not built from."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 from scipy.special import spherical_jn
 
+import asperity as asp
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.reference.elementary import single_mode_stress
 from asperity.reference.hertz import Hertz
 from asperity.spectral import Fourier, Grid, mean_square
 from asperity.stress.analysis import analyse_stress
+from asperity.stress.depths import depth_grid
 from asperity.stress.peaks import find_peaks
-from asperity.stress.planes import depth_grid, stress_planes
-from asperity.stress.statistics import select_peaks
-
-
-@dataclass(frozen=True)
-class Pressed:
-    pressure: np.ndarray
-    grid: Grid
-    layer: Layer
+from asperity.stress.planes import stress_planes
+from asperity.stress.pressed import PressedSolid
 
 
 def hertz(radius, points, centre=(0.0, 0.0), layer=None):
@@ -32,7 +25,7 @@ def hertz(radius, points, centre=(0.0, 0.0), layer=None):
     shift = np.exp(-1j * (grid.odd_qy[:, None] * centre[0] + grid.odd_qx[None, :] * centre[1]))
     pressure = Fourier(grid).inverse(2 * np.pi * radius**2 * shape * shift)
     layer = layer or Layer(young=1.0, poisson=0.33)
-    return Pressed(pressure * layer.effective_modulus, grid, layer)
+    return PressedSolid(pressure * layer.effective_modulus, grid, layer)
 
 
 @pytest.mark.parametrize(
@@ -78,7 +71,7 @@ def test_single_mode(wave, shape):
     _, x = grid.coordinates()
     q = 2 * np.pi * wave / 1.3
     pressure = np.broadcast_to(1.0 + np.cos(q * x), shape)
-    contact = Pressed(pressure, grid, Layer(young=1 - 0.4**2, poisson=0.4))
+    contact = PressedSolid(pressure, grid, Layer(young=1 - 0.4**2, poisson=0.4))
     for plane in stress_planes(contact, [0.0, 0.03, 0.4], [0.4, 0.1], COMPONENTS, tolerance=0):
         for number, nu in enumerate((0.4, 0.1)):
             uniform = np.array([-nu / (1 - nu), -nu / (1 - nu), -1, 0, 0, 0])
@@ -95,14 +88,14 @@ def spots(points=128, layer=None):
     draw = np.random.default_rng(4)
     for cy, cx, radius in zip(*draw.uniform(0.2, 0.8, (2, 15)), draw.uniform(0.02, 0.08, 15), strict=True):
         pressure += np.maximum(1 - ((y[:, None] - cy) ** 2 + (x[None, :] - cx) ** 2) / radius**2, 0)
-    return Pressed(0.1 * pressure, grid, layer or Layer(young=1.0, poisson=0.3))
+    return PressedSolid(0.1 * pressure, grid, layer or Layer(young=1.0, poisson=0.3))
 
 
 def test_variance_of_the_normal_stress_by_parseval_at_every_depth():
     contact = spots()
     modes = Fourier(contact.grid).forward(contact.pressure / contact.layer.effective_modulus)
     modes[0, 0] = 0.0
-    for plane in stress_planes(contact, depth_grid(contact.grid), components=("zz",), tolerance=1e-9):
+    for plane in stress_planes(contact, depth_grid(contact.grid), fields=("zz",), tolerance=1e-9):
         decay = contact.grid.wavenumber() * plane.depth
         expected = mean_square(modes, contact.grid, ((1 + decay) * np.exp(-decay)) ** 2)
         assert plane.fields["zz"][0].var() == pytest.approx(expected, rel=1e-7)
@@ -114,7 +107,7 @@ def test_equilibrium_by_independent_derivatives(layer):
     contact = spots(96, layer)
     depths = 0.06 + 0.002 * np.arange(-8, 9)
     weight = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
-    planes = list(stress_planes(contact, depths, components=COMPONENTS, tolerance=0))
+    planes = list(stress_planes(contact, depths, fields=COMPONENTS, tolerance=0))
     here = {name: field[0] for name, field in planes[8].fields.items()}
 
     def residual(stride):
@@ -150,9 +143,9 @@ def test_peaks_converge_with_the_grid():
         for (cy, cx), radius in zip(centres, radii, strict=True):
             inside = 1 - ((y[:, None] - cy) ** 2 + (x[None, :] - cx) ** 2) / radius**2
             pressure += np.sqrt(np.maximum(inside, 0.0)) / (1 - nu**2)
-        contact = Pressed(pressure, grid, Layer(1.0, nu))
+        contact = PressedSolid(pressure, grid, Layer(1.0, nu))
         data = analyse_stress(contact, depth_grid(grid, 0.06), quantities=("von_mises",), tolerance=1e-4)
-        peaks = select_peaks(data, "von_mises", selection="interior")
+        peaks = asp.peaks(data, "von_mises", selection="interior")
         apart = np.hypot(*(peaks[f"peak_{c}"].values[:, None] - centres[:, k] for k, c in enumerate("yx")))
         return np.array([peaks["peak_value"].values[apart[:, n] < radii[n]].max() for n in range(6)])
 

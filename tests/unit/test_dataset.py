@@ -1,7 +1,8 @@
-"""Result files: whole, described, and never taken for what they are not."""
+"""Result files are complete, described and checked."""
 
 import contextlib
 import errno
+import zipfile
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import xarray as xr
 
 from asperity.errors import DatasetError
 from asperity.results import dataset
+from asperity.results.variables import STAGES, VARIABLES
 
 
 @pytest.fixture
@@ -36,8 +38,29 @@ def test_a_file_explains_itself_and_comes_back_equal(surface, tmp_path):
     assert found.attrs["decision"] == "half-space"
     assert found.attrs["settings_digest"] == dataset.digest(SETTINGS)
     for name, variable in found.variables.items():
-        assert variable.attrs["units"] == dataset.VOCABULARY[name].units
-        assert variable.attrs["long_name"] == dataset.VOCABULARY[name].long_name
+        assert variable.attrs["units"] == VARIABLES[name].units
+        assert variable.attrs["long_name"] == VARIABLES[name].long_name
+
+
+@pytest.mark.parametrize("stage", STAGES)
+def test_the_file_of_a_stage_says_what_the_stage_makes(tmp_path, stage):
+    data = xr.Dataset({STAGES[stage].variable: 1.0})
+    assert dataset.stage_of(data) == stage
+    dataset.write(data, tmp_path / "file.nc", "Title", SETTINGS)
+    found = dataset.read(tmp_path / "file.nc")
+    assert found.attrs["summary"] == STAGES[stage].summary
+    assert "effective_modulus is E/(1 - nu^2)" in found.attrs["comment"]
+
+
+def test_text_and_truth_values_come_back_without_units(tmp_path):
+    names, flags = np.array(["xx", "von_mises", "", "σ"]), np.array([True, False, True, True])
+    data = xr.Dataset({"peak_interior": ("peak", flags)}, coords={"peak_quantity": ("peak", names)})
+    dataset.write(data, tmp_path / "file.nc", "Title", SETTINGS)
+    found = dataset.read(tmp_path / "file.nc")
+    assert found["peak_interior"].dtype == bool
+    assert found["peak_quantity"].values.tolist() == names.tolist()
+    assert all("units" not in variable.attrs for variable in found.variables.values())
+    dataset.verify(tmp_path / "file.nc")
 
 
 def test_the_digest_is_of_the_values_not_of_their_order():
@@ -64,7 +87,7 @@ def test_nothing_is_left_of_a_write_that_fails(surface, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_name_outside_the_vocabulary_is_refused(surface, tmp_path):
+def test_a_variable_without_a_description_is_refused(surface, tmp_path):
     with pytest.raises(KeyError, match="heigth"):
         dataset.write(surface.rename(height="heigth"), tmp_path / "file.nc", "Typing error", SETTINGS)
 
@@ -114,14 +137,44 @@ def damage_settings(path):
 DAMAGES = [damage_end, damage_empty, damage_byte, damage_units, damage_value, damage_scalar, damage_settings]
 
 
+UNREADABLE = (damage_end, damage_empty)
+
+
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_a_damaged_file_is_named_with_a_remedy(surface, tmp_path, damage):
     path = tmp_path / "file.nc"
     dataset.write(surface, path, "A surface", SETTINGS)
     damage(path)
-    for look in (dataset.read, dataset.verify):
-        with pytest.raises(DatasetError, match=r"file\.nc: .*delete it and run again"):
-            look(path)
+    with pytest.raises(DatasetError, match=r"file\.nc: .*; delete it and run again$"):
+        dataset.verify(path)
+    with pytest.raises(DatasetError, match=r"file\.nc: ") as error:
+        dataset.read(path)
+    # A file that cannot be opened may be anything.
+    assert ("delete it" in str(error.value)) == (damage not in UNREADABLE)
+
+
+def raw_text(path):
+    path.write_text("1.0 2.0\n3.0 4.0\n")
+
+
+def raw_archive(path):
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("main.xml", "<p:ISO5436_2/>")
+
+
+def raw_netcdf(path):
+    xr.Dataset({"topography": (("y", "x"), np.eye(3))}, attrs={"instrument": "profiler"}).to_netcdf(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "make"), [("map.asc", raw_text), ("steel.x3p", raw_archive), ("steel.nc", raw_netcdf)]
+)
+def test_nobody_is_told_to_delete_data_of_their_own(tmp_path, name, make):
+    path = tmp_path / name
+    make(path)
+    with pytest.raises(DatasetError, match=f"{name}: .*not a result of asperity") as error:
+        dataset.read(path)
+    assert "delete it" not in str(error.value)
 
 
 def test_every_flipped_byte_is_seen_or_changes_nothing(surface, tmp_path):
@@ -139,7 +192,7 @@ def test_every_flipped_byte_is_seen_or_changes_nothing(surface, tmp_path):
 def test_a_file_is_checked_some_rows_at_a_time(surface, tmp_path, monkeypatch):
     path = tmp_path / "file.nc"
     dataset.write(surface, path, "A surface", SETTINGS)
-    monkeypatch.setattr(dataset, "_BLOCK", 1000)
+    monkeypatch.setattr(dataset, "MAX_BLOCK", 1000)
     dataset.verify(path)
     assert dataset.read(path).attrs[dataset.FINGERPRINT] == dataset.fingerprint(dataset.read(path))
 

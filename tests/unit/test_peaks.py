@@ -33,7 +33,7 @@ def field_of(grid, z, centre, depth, width, height):
 def planes_of(shapes, depths, *what):
     for shape, z in zip(shapes, depths, strict=True):
         grid = Grid(shape)
-        yield StressPlane(z, grid, {"f": field_of(grid, z, *what)[None]}, 0.0)
+        yield StressPlane(z, grid, (0.3,), {"f": field_of(grid, z, *what)[None]}, 0.0)
 
 
 def by_brute_force(values):
@@ -202,12 +202,58 @@ def test_joining_nothing_gives_no_peaks():
     assert PeakFinder().peaks().size == 0
 
 
+def test_only_a_first_plane_at_the_surface_has_peaks():
+    what = bumps(9)
+    depths = np.linspace(0.0, 1.0, 30)
+    planes = list(planes_of([(48, 48)] * depths.size, depths, *what))
+    every, below = find_peaks(planes, "f", floor=0.1), find_peaks(planes[4:], "f", floor=0.1)
+    deeper = every.depth > depths[4] + 0.5 * depths[1]
+    assert 0 < below.size < every.size
+    np.testing.assert_array_equal(np.sort(below.value), np.sort(every.value[deeper]))
+    assert below.interior.all()
+
+
+def planes(changes=None):
+    grid = Grid((8, 8))
+    field = np.random.default_rng(1).random((2, 8, 8)) if changes is None else changes
+    return [StressPlane(depth, grid, (0.1, 0.3), {"f": field}, 0.0) for depth in (0.0, 0.1, 0.2)]
+
+
+def test_peaks_of_a_stream_are_those_of_the_poissons_ratio_asked_for():
+    finder = PeakFinder()
+    for plane in planes():
+        finder.add(plane.depth, plane.grid, plane.fields["f"][1])
+    np.testing.assert_array_equal(find_peaks(planes(), "f", poisson=0.3).value, finder.peaks().value)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((planes(), "f"), r"poisson: one of 0\.1, 0\.3 is needed"),
+        ((planes(), "f", 0.2), r"poisson = 0\.2: one of 0\.1, 0\.3 is needed"),
+        ((planes(), "f", 1), r"poisson = 1: one of 0\.1, 0\.3 is needed"),
+        ((planes(), "von_mises", 0.1), "name = 'von_mises': one of f is needed"),
+        ((planes(), "f", 0.1, -1.0), r"floor = -1\.0: a finite number ≥ 0"),
+        ((planes(), "f", 0.1, np.nan), "floor = nan: a finite number ≥ 0"),
+        ((planes(np.full((2, 8, 8), np.nan)), "f", 0.1), "field: 64 of 64 nodes are not finite"),
+        ((planes(np.ones((2, 8, 9))), "f", 0.1), r"field has the shape \(8, 9\): that of its grid, \(8, 8\)"),
+    ],
+)
+def test_a_search_in_a_stream_names_what_is_there(arguments, message):
+    with pytest.raises(ValueError, match=f"^{message}"):
+        find_peaks(*arguments)
+
+
 def test_bad_input_is_refused():
     finder = PeakFinder()
     finder.add(0.1, Grid((8, 8)), np.zeros((8, 8)))
-    with pytest.raises(ValueError, match="depth"):
+    with pytest.raises(ValueError, match=r"^depth = 0\.1: planes rising in depth are needed"):
         finder.add(0.1, Grid((8, 8)), np.zeros((8, 8)))
-    with pytest.raises(ValueError, match="field has shape"):
+    with pytest.raises(ValueError, match=r"^field has the shape \(8, 9\)"):
         plane_peaks(np.zeros((8, 9)), Grid((8, 8)))
-    with pytest.raises(ValueError, match="three nodes"):
+    with pytest.raises(ValueError, match=r"^grid\.shape = \(2, 9\): at least three nodes"):
         plane_peaks(np.zeros((2, 9)), Grid((2, 9)))
+    with pytest.raises(ValueError, match=r"^field: 1 of 64 nodes are not finite"):
+        plane_peaks(np.diag([np.inf, *np.zeros(7)]), Grid((8, 8)))
+    with pytest.raises(ValueError, match=r"^floor = nan"):
+        plane_peaks(np.zeros((8, 8)), Grid((8, 8)), floor=np.nan)

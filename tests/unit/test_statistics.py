@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from scipy.stats import spearmanr
 
+import asperity as asp
 from asperity.spectral import Fourier, Grid
 from asperity.stress.patches import contact_patches, depth_patch_correlation
 from asperity.stress.pooling import PERCENTS, pool_peaks
@@ -15,7 +16,6 @@ from asperity.stress.statistics import (
     half_length,
     joint_counts,
     probability_density,
-    select_peaks,
 )
 
 ROUNDING = 1e-12
@@ -154,17 +154,16 @@ def stress(seed=0, peaks=4000, scale=1.0):
     quantity = draw.integers(0, 2, peaks)
     poisson = np.where(quantity == 0, draw.integers(0, 2, peaks), -1)
     value = scale * draw.exponential(1.0, peaks) * (1 + ratios[np.maximum(poisson, 0)])
+    names = np.array(["von_mises", "xz"])
     value[quantity == 1] *= draw.choice([-1, 1], np.sum(quantity == 1))
     planes = np.array([0.0, 0.1, 0.3, 1.0])
     profile = scale * (1 + 0.1 * draw.standard_normal((2, 4)))
     return xr.Dataset(
         {
-            "peak_quantity": ("peak", quantity.astype(np.int16)),
-            "peak_poisson": ("peak", poisson.astype(np.int16)),
             "peak_value": ("peak", value),
             "peak_depth": ("peak", draw.random(peaks)),
-            "peak_interior": ("peak", draw.integers(0, 2, peaks).astype(np.int8)),
-            "peak_under_contact": ("peak", draw.integers(0, 2, peaks).astype(np.int8)),
+            "peak_interior": ("peak", draw.integers(0, 2, peaks).astype(bool)),
+            "peak_under_contact": ("peak", draw.integers(0, 2, peaks).astype(bool)),
             "plane_depth": ("plane", planes),
             "mean_von_mises": (("poisson", "plane"), profile),
             "largest_von_mises": (("poisson", "plane"), 5 * profile),
@@ -172,33 +171,14 @@ def stress(seed=0, peaks=4000, scale=1.0):
             "covariance_plane": (("poisson", "lag"), scale * profile[:, :3]),
             "reference_depth": ("poisson", planes[[1, 2]]),
         },
-        coords={"quantity": ["von_mises", "xz"], "poisson": ratios, "lag": [0.0, 0.1, 0.2]},
+        coords={
+            "quantity": names,
+            "poisson": ratios,
+            "lag": [0.0, 0.1, 0.2],
+            "peak_quantity": ("peak", names[quantity]),
+            "peak_poisson": ("peak", np.where(poisson < 0, np.nan, ratios[poisson])),
+        },
     )
-
-
-def test_selected_peaks_are_those_asked_for():
-    data = stress()
-    everything = select_peaks(data, "von_mises", 0.5)
-    assert everything.sizes["peak"] == np.sum((data["peak_quantity"] == 0) & (data["peak_poisson"] == 1))
-    inside = select_peaks(data, "von_mises", 0.5, "interior")
-    below = select_peaks(data, "von_mises", 0.5, "under_contact")
-    assert (inside["peak_interior"] == 1).all()
-    assert ((below["peak_interior"] == 1) & (below["peak_under_contact"] == 1)).all()
-    assert 0 < below.sizes["peak"] < inside.sizes["peak"] < everything.sizes["peak"]
-    xr.testing.assert_identical(select_peaks(data, "xz", 0.0), select_peaks(data, "xz", 0.5))
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("zz",), "quantity"),
-        (("xz", 0.3), "poisson"),
-        (("xz", 0.0, "inside"), "selection"),
-    ],
-)
-def test_selecting_names_what_is_there(arguments, message):
-    with pytest.raises(ValueError, match=f"^{message}"):
-        select_peaks(stress(), *arguments)
 
 
 def test_ensemble_pools_the_seeds_and_normalises_each_by_its_gradient():
@@ -208,7 +188,7 @@ def test_ensemble_pools_the_seeds_and_normalises_each_by_its_gradient():
         for poisson in (0.0, 0.5):
             values = np.concatenate(
                 [
-                    select_peaks(b, quantity, poisson, "interior")["peak_value"].values / g
+                    asp.peaks(b, quantity, poisson, "interior")["peak_value"].values / g
                     for b, g in zip(stresses, (0.5, 1.0, 2.0), strict=True)
                 ]
             )
@@ -231,7 +211,7 @@ def test_ensemble_pools_the_seeds_and_normalises_each_by_its_gradient():
 def test_median_depths_are_those_of_all_and_of_the_highest_peaks():
     """Depths spread evenly: to 0.1 for nine tenths of the peaks, from 0.65 to 1 for the highest tenth."""
     data = stress(peaks=20_000)
-    values = select_peaks(data, "von_mises", 0.5)["peak_value"].values
+    values = asp.peaks(data, "von_mises", 0.5)["peak_value"].values
     share = np.random.default_rng(4).random(data.sizes["peak"])
     high = data["peak_value"].values > np.quantile(values, 0.9)
     data["peak_depth"] = ("peak", np.where(high, 0.65 + 0.35 * share, 0.1 * share))
@@ -276,7 +256,7 @@ def test_one_seed_has_an_estimate_and_no_band():
 
 def test_a_selection_without_peaks_has_no_percentiles():
     data = stress()
-    data["peak_interior"][:] = 0
+    data["peak_interior"][:] = False
     result = pool_peaks([data, data], [1.0, 1.0], bins=10, resamples=20)
     assert np.isnan(result["peak_percentile"].sel(selection="interior")).all()
     assert np.isnan(result["median_depth"].sel(selection="interior")).all()

@@ -1,5 +1,3 @@
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,18 +5,15 @@ from hypothesis import strategies as st
 
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.spectral import Fourier, Grid, Work, resample
-from asperity.stress.planes import FIELDS, Truncation, depth_grid, linear_planes, stress_planes
+from asperity.stress.arguments import FIELDS, MAX_PLANES, MAX_RATIOS, MAX_THREADS
+from asperity.stress.depths import depth_grid
+from asperity.stress.planes import linear_planes, stress_planes
+from asperity.stress.pressed import PressedSolid
+from asperity.stress.truncation import Truncation
 
 HALF_SPACE = Layer(young=1.0, poisson=0.3)
 BONDED = Layer(young=1.0, poisson=0.4, height=0.3)
 FRICTIONLESS = Layer(young=1.0, poisson=0.2, height=0.3, bottom="frictionless")
-
-
-@dataclass(frozen=True)
-class Pressed:
-    pressure: np.ndarray
-    grid: Grid
-    layer: Layer
 
 
 def pressed(shape=(64, 64), layer=HALF_SPACE, length=1.0, seed=1, spots=12):
@@ -32,7 +27,7 @@ def pressed(shape=(64, 64), layer=HALF_SPACE, length=1.0, seed=1, spots=12):
         dy = (y - centre[0] + grid.length[0] / 2) % grid.length[0] - grid.length[0] / 2
         dx = (x - centre[1] + grid.length[1] / 2) % grid.length[1] - grid.length[1] / 2
         pressure += np.sqrt(np.maximum(1 - (dy[:, None] ** 2 + dx[None, :] ** 2) / radius**2, 0))
-    return Pressed(0.1 * pressure, grid, layer)
+    return PressedSolid(0.1 * pressure, grid, layer)
 
 
 @pytest.mark.parametrize("layer", [HALF_SPACE, BONDED, FRICTIONLESS])
@@ -41,7 +36,7 @@ def test_components_are_those_of_the_layer_mode_by_mode(layer, shape):
     contact = pressed(shape, layer, (0.7, 1.1))
     grid, fourier = contact.grid, Fourier(contact.grid)
     modes = fourier.forward(contact.pressure / layer.effective_modulus)
-    for plane in stress_planes(contact, [0.0, 0.01, 0.2], components=COMPONENTS, tolerance=0):
+    for plane in stress_planes(contact, [0.0, 0.01, 0.2], fields=COMPONENTS, tolerance=0):
         stress = layer.stress(grid.qx[None, :], grid.qy[:, None], plane.depth) * modes[..., None]
         stress[..., [4, 5]] *= (2 * grid.kx != grid.shape[1])[:, None]
         stress[..., [3, 5]] *= (2 * grid.ky != grid.shape[0])[:, None, None]
@@ -117,8 +112,8 @@ def test_single_precision_only_where_the_tolerance_is_above_its_rounding(layer):
     contact = pressed(layer=layer)
     depths = [0.0, 0.01, 0.2]
     for single, double in zip(
-        stress_planes(contact, depths, components=FIELDS, tolerance=1e-4),
-        stress_planes(contact, depths, components=FIELDS, tolerance=1e-5),
+        stress_planes(contact, depths, fields=FIELDS, tolerance=1e-4),
+        stress_planes(contact, depths, fields=FIELDS, tolerance=1e-5),
         strict=True,
     ):
         scale = double.fields["zz"].std()
@@ -135,7 +130,7 @@ def test_grid_never_becomes_finer_with_depth_nor_coarser_with_accuracy():
     contact = pressed((256, 256))
     depths = depth_grid(contact.grid)
     sizes = [
-        [plane.grid.size for plane in stress_planes(contact, depths, components=("zz",), tolerance=t)]
+        [plane.grid.size for plane in stress_planes(contact, depths, fields=("zz",), tolerance=t)]
         for t in (1e-2, 1e-4, 1e-8)
     ]
     assert all(np.all(np.diff(s) <= 0) for s in sizes)
@@ -157,7 +152,7 @@ def test_oblong_cell_keeps_the_bound_on_both_axes():
 
 
 @pytest.mark.parametrize(
-    ("components", "poisson", "transforms"),
+    ("fields", "poisson", "transforms"),
     [
         (("zz",), [0.3], 1),
         (("zz", "xz"), [0.0, 0.5], 2),
@@ -167,10 +162,10 @@ def test_oblong_cell_keeps_the_bound_on_both_axes():
         (("von_mises", "xx"), [0.0, 0.1, 0.2, 0.3, 0.4, 0.5], 8),
     ],
 )
-def test_no_more_transforms_than_the_fields_need(components, poisson, transforms):
+def test_no_more_transforms_than_the_fields_need(fields, poisson, transforms):
     work = Work()
     contact = pressed()
-    list(stress_planes(contact, [0.0, 0.001], poisson, components, tolerance=0, work=work))
+    list(stress_planes(contact, [0.0, 0.001], poisson, fields, tolerance=0, work=work))
     assert work.transforms(contact.grid) == 2 * transforms + 1  # the one is that of the pressure
 
 
@@ -187,7 +182,7 @@ def test_same_bits_on_any_number_of_threads():
 def test_progress_grows_to_its_total_and_a_stream_may_be_left():
     calls = []
     planes = stress_planes(
-        pressed(), [0.0, 0.1, 0.2], components=("zz",), progress=lambda *done: calls.append(done)
+        pressed(), [0.0, 0.1, 0.2], fields=("zz",), progress=lambda *done: calls.append(done)
     )
     for _ in planes:
         pass
@@ -208,30 +203,99 @@ def test_stress_is_in_units_of_the_effective_modulus():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"depths": [0.1, 0.1]}, "depths"),
-        ({"depths": [-0.1]}, "depths"),
-        ({"depths": [np.nan]}, "depths"),
-        ({"depths": [[0.0, 0.1]]}, "depths"),
-        ({"poisson": 0.6}, "poisson"),
-        ({"poisson": []}, "poisson"),
-        ({"components": ("von mises",)}, "components"),
-        ({"components": "xx"}, "components"),
-        ({"components": ()}, "components"),
-        ({"tolerance": -1e-3}, "tolerance"),
-        ({"tolerance": 1.0}, "tolerance"),
-        ({"threads": 0}, "threads"),
+        ({"depths": [0.1, 0.1]}, r"depths\[1\] = 0.1: more than depths\[0\] = 0.1 is needed"),
+        ({"depths": [-0.1]}, r"depths\[0\] = -0.1: a depth from 0 to 1e\+30 is needed"),
+        ({"depths": [0.0, np.nan]}, r"depths\[1\] = nan: a depth from 0"),
+        ({"depths": [0.0, 1e308]}, r"depths\[1\] = 1e\+308: a depth from 0"),
+        ({"depths": [[0.0, 0.1]]}, r"depths has the shape \(1, 2\): one depth or a list"),
+        ({"depths": []}, r"depths has the shape \(0,\)"),
+        ({"depths": np.linspace(0, 1, 10**6)}, rf"depths has 1000000 values: from 1 to {MAX_PLANES}"),
+        ({"depths": ["0.1"]}, r"depths = \['0.1'\]: real numbers"),
+        ({"depths": [0.0, [0.1]]}, r"depths = \[0.0, \[0.1\]\]: real numbers"),
+        ({"poisson": 0.6}, r"poisson = 0.6: a number > -1 and ≤ 0.5"),
+        ({"poisson": np.nan}, "poisson = nan: a number"),
+        ({"poisson": "0.3"}, "poisson = '0.3': real numbers"),
+        ({"poisson": []}, r"poisson has the shape \(0,\)"),
+        ({"poisson": [0.1, 0.1]}, "poisson = 0.1: given 2 times"),
+        ({"poisson": np.linspace(0, 0.5, 10**6)}, rf".*one number or a list of 1 to {MAX_RATIOS}"),
+        ({"fields": ("von mises",)}, "fields = 'von mises': names from xx, yy"),
+        ({"fields": "xx"}, "fields = 'xx': a list of names"),
+        ({"fields": ()}, r"fields = \(\): a list of names"),
+        ({"fields": None}, "fields = None: a list of names"),
+        ({"fields": ("xx", "xx")}, "fields = 'xx': given 2 times"),
+        ({"tolerance": -1e-3}, "tolerance = -0.001: a number from 0 to below 1"),
+        ({"tolerance": 1.0}, "tolerance = 1.0: a number"),
+        ({"tolerance": "1e-3"}, "tolerance = '1e-3': a number"),
+        ({"threads": 0}, rf"threads = 0: a whole number from 1 to {MAX_THREADS}"),
+        ({"threads": 10**9}, r"threads = 1000000000: a whole number from 1"),
+        ({"threads": 1.5}, "threads = 1.5: a whole number"),
     ],
 )
-def test_bad_input_names_the_argument(changes, message):
-    with pytest.raises(ValueError, match=f"^{message}"):
-        next(stress_planes(**({"contact": pressed(), "depths": [0.0]} | changes)))
+def test_bad_input_names_argument_value_and_range(changes, message):
+    with pytest.raises((ValueError, TypeError), match=f"^{message}") as error:
+        stress_planes(**({"contact": pressed(), "depths": [0.0]} | changes))
+    assert len(str(error.value).splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("pressure", "message"),
+    [
+        (
+            np.full((8, 8), 1e200),
+            r"pressure: its largest magnitude is 1e\+200, or 9.1e\+199 E\*; 0 or a value",
+        ),
+        (np.full((8, 8), 1e-200), "pressure: its largest magnitude is 1e-200"),
+        (np.diag([np.nan, np.inf, *range(6)]), "pressure: 2 of 64 nodes are not finite numbers"),
+        (np.ones((8, 9)), r"pressure has the shape \(8, 9\): that of its grid, \(8, 8\)"),
+        (np.ones((8, 8), complex), "pressure has the type complex128: real numbers"),
+    ],
+)
+def test_a_pressure_without_a_finite_stress_is_refused(pressure, message):
+    with pytest.raises((ValueError, TypeError), match=f"^{message}"):
+        stress_planes(PressedSolid(pressure, Grid((8, 8)), HALF_SPACE), [0.0])
+
+
+@pytest.mark.parametrize("length", [1e-300, 1e300])
+def test_a_cell_whose_wavenumbers_overflow_is_refused(length):
+    with pytest.raises(ValueError, match=rf"^grid\.length = {length:g}: an edge from".replace("+", r"\+")):
+        stress_planes(PressedSolid(np.ones((8, 8)), Grid((8, 8), length), HALF_SPACE), [0.0])
+
+
+def test_something_else_than_a_contact_is_refused():
+    with pytest.raises(TypeError, match=r"^contact = array.*: an object with pressure, grid and layer"):
+        stress_planes(np.ones((8, 8)), [0.0])
+
+
+@pytest.mark.parametrize("scale", [1e-58, 1e-12, 1e12, 1e59])
+def test_stress_is_proportional_to_the_pressure_up_to_the_ends_of_its_range(scale):
+    """Single precision would overflow, or round the small stresses to zero."""
+    one, other = pressed(), pressed()
+    other = PressedSolid(scale * other.pressure, other.grid, other.layer)
+    for plane, scaled in zip(
+        stress_planes(one, [0.0, 0.02], fields=FIELDS, tolerance=1e-5),
+        stress_planes(other, [0.0, 0.02], fields=FIELDS, tolerance=1e-3),
+        strict=True,
+    ):
+        assert scaled.fields["zz"].dtype == np.float64
+        if plane.grid == scaled.grid:
+            largest = np.abs(plane.fields["zz"]).max()
+            for name in FIELDS:
+                np.testing.assert_allclose(
+                    scaled.fields[name] / scale, plane.fields[name], rtol=0, atol=1e-13 * largest
+                )
+
+
+def test_no_pressure_has_no_stress():
+    contact = PressedSolid(np.zeros((32, 32)), Grid((32, 32)), HALF_SPACE)
+    for plane in stress_planes(contact, [0.0, 0.1], fields=FIELDS):
+        assert all(not field.any() for field in plane.fields.values())
 
 
 def test_layer_allows_only_what_its_contact_allows():
-    with pytest.raises(ValueError, match=r"poisson = 0\.3"):
-        next(stress_planes(pressed(layer=BONDED), [0.0], poisson=0.3))
-    with pytest.raises(ValueError, match="depths"):
-        next(stress_planes(pressed(layer=BONDED), [0.0, 0.31]))
+    with pytest.raises(ValueError, match=r"^poisson = 0\.3: 0\.4, that of the contact, is needed"):
+        stress_planes(pressed(layer=BONDED), [0.0], poisson=0.3)
+    with pytest.raises(ValueError, match=r"^depths\[1\] = 0\.31: at most 0\.3, the height of the layer"):
+        stress_planes(pressed(layer=BONDED), [0.0, 0.31])
 
 
 @settings(max_examples=50, deadline=None)
@@ -253,7 +317,12 @@ def test_depth_grid_covers_the_solid_with_the_spacing_promised(points, height, s
 
 
 @pytest.mark.parametrize("name", ["spacing", "growth", "height"])
-@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf, "1"])
 def test_depth_grid_refuses_what_is_not_positive(name, value):
-    with pytest.raises(ValueError, match=f"^{name}"):
+    with pytest.raises((ValueError, TypeError), match=f"^{name} = {value!r}: a positive finite"):
         depth_grid(Grid((8, 8)), **{name: value})
+
+
+def test_depth_grid_refuses_to_make_more_planes_than_are_accepted():
+    with pytest.raises(ValueError, match=r"^spacing = 1e-05, growth = 1e-05: larger values are needed"):
+        depth_grid(Grid((8, 8)), spacing=1e-5, growth=1e-5)

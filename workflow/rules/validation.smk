@@ -24,7 +24,7 @@ rule validation:
         "../scripts/validation.py"
 
 
-# A second finite-element code, where it is installed; not asked for by rule all.
+# Comparison with a second finite-element program, which must be installed; rule all does not request it.
 rule calculix:
     input:
         compiled=COMPILED,
@@ -49,6 +49,7 @@ rule calculix:
 rule validation_table:
     input:
         expand(f"{RESULTS}/validation/{{validation}}.nc", validation=VALIDATIONS),
+        # Part of the table if it was made before.
         calculix=lambda wildcards: [path for path in rules.calculix.output if os.path.exists(path)],
         code=code("validation_table"),
     output:
@@ -56,7 +57,7 @@ rule validation_table:
             f"{RESULTS}/validation/table.md",
             caption="../report/validation.rst",
             category="Validation",
-            labels={"table": "what is compared with what"},
+            labels={"table": "comparisons, errors and bounds"},
         ),
     log:
         f"{RESULTS}/log/validation/table.log",

@@ -1,28 +1,14 @@
-"""Rule validation: the solver against closed forms, finite elements and floating point."""
+"""Rule validation: one comparison of the library with closed forms, finite elements or high precision."""
 
 from asperity.results import dataset
 from asperity.runtime.progress import Progress, record
-from asperity.validation import comparisons as validation
-from asperity.validation import extremes
-from asperity.validation import rounding as stability
+from asperity.validation.comparisons import COMPARISONS, title
 
-COMPARISONS = {
-    "load_area": validation.load_area,
-    "slab_load_area": validation.slab_load_area,
-    "grid_convergence": validation.grid_convergence,
-    "elements": validation.compare_elements,
-    "mesh_convergence": validation.mesh_convergence,
-    "punch": validation.punch,
-    "stability": stability.compute,
-    "extremes": extremes.compute,
-}
-
-name = snakemake.wildcards.validation
+name, settings = snakemake.wildcards.validation, snakemake.params.settings
 with record(snakemake.log[0]), Progress(f"validation {name}") as progress:
-    settings = snakemake.params.settings
     dataset.write(
         COMPARISONS[name](**settings, progress=progress),
         snakemake.output[0],
-        title=f"Validation: {COMPARISONS[name].__doc__.splitlines()[0]}",
+        title=title(name),
         settings={"validation": {name: settings}},
     )

@@ -1,11 +1,11 @@
-"""Rule validation_table: what is compared with what, by how much they differ, and the bound."""
+"""Rule validation_table: the table of all comparisons with their errors and bounds."""
 
 from pathlib import Path
 
 from asperity.results import dataset
 from asperity.runtime.progress import record
-from asperity.validation import comparisons as validation
+from asperity.validation.table import markdown, table_rows
 
 with record(snakemake.log[0]):
-    results = {name: dataset.read(path) for name, path in snakemake.params.results.items()}
-    Path(snakemake.output[0]).write_text(validation.markdown(validation.table(results)), encoding="utf-8")
+    datasets = {name: dataset.read(path) for name, path in snakemake.params.results.items()}
+    Path(snakemake.output[0]).write_text(markdown(table_rows(datasets)), encoding="utf-8")

@@ -93,20 +93,26 @@ def add(pressure: Any, nodes: Any, change: Any) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def contact_changes(
-    pressure: Any, gap: Any, approach: float, unit: float, nodes: Any, rate: Any, response: Any
-) -> Any:
-    """Change of the approach, divided by `unit`, at which each node enters or leaves the contact.
+def closing_changes(gap: Any, approach: float, unit: float, response: Any) -> Any:
+    """Change of the approach, divided by `unit`, at which the gap of each node closes.
 
-    `rate` and `response` are the changes of pressure and of displacement per change of the approach.
+    `response` is the change of the displacement, divided by `unit`, per such change of the approach.
     """
-    changes = np.empty(pressure.size, np.float32)
-    for i in range(pressure.size):
+    changes = np.empty(gap.size, np.float32)
+    for i in range(gap.size):
         closing = 1 - response[i]
         changes[i] = (gap[i] - approach) / (unit * closing) if closing > 0 else np.inf
+    return changes
+
+
+@njit(cache=True, error_model="numpy")
+def set_release_changes(changes: Any, pressure: Any, nodes: Any, rate: Any) -> None:
+    """Replace the changes of the contact nodes by those at which their pressure becomes zero.
+
+    `rate` is the change of the pressure per change of the approach.
+    """
     for k in range(nodes.size):
         changes[nodes[k]] = -pressure[nodes[k]] / rate[k] if rate[k] > 0 else -np.inf
-    return changes
 
 
 # Minimum of the energy

@@ -65,22 +65,18 @@ class Tangent:
             return None
         change = 0.5 * (edges[best] + edges[best + 1])
         if best == 0 and edges[1] >= 0 and first > area.target:
+            # No lower load has fewer contact nodes.
             change = 0.0
         elif best == edges.size - 2:
+            # The number asked for needs a load beyond reach.
             change = longest
         return float(max(change, -longest))
 
     def _edges(self, state: State, least: float, longest: float) -> tuple[int, Array]:
         """Number of contact nodes at the change `least`, and the changes up to `longest` where it grows."""
-        changes = kernels.contact_changes(
-            state.pressure.reshape(-1),
-            state.gap.reshape(-1),
-            state.approach,
-            self.unit,
-            self.contact_nodes,
-            self.pressure,
-            self.displacement,
-        )
+        gap, pressure = state.gap.reshape(-1), state.pressure.reshape(-1)
+        changes = kernels.closing_changes(gap, state.approach, self.unit, self.displacement)
+        kernels.set_release_changes(changes, pressure, self.contact_nodes, self.pressure)
         first = int(np.count_nonzero(changes <= least))
         within = np.sort(changes[(changes > least) & (changes < longest)])
         return first, np.concatenate(([least], within, [longest]))

@@ -21,7 +21,8 @@ from asperity.results import dataset
 from asperity.spectral import Grid
 from asperity.stress.patches import contact_patches, depth_patch_correlation
 from asperity.stress.pooling import HIGHEST_SHARE, pool_peaks
-from asperity.stress.statistics import bin_edges, decay_lengths, normalised, select_peaks, selection
+from asperity.stress.selection import peaks, selection_for
+from asperity.stress.statistics import bin_edges, decay_lengths, normalised
 from asperity.types import Array
 
 LEVELS = np.concatenate([np.arange(100) / 100, np.arange(991, 1001) / 1000])
@@ -174,16 +175,16 @@ def _of_peaks(stress: xr.Dataset, gradient: float, under: _UnderPatches) -> dict
     quantile = np.full((*shape, LEVELS.size), np.nan)
     correlation = np.full(len(ratios), np.nan)
     for q, p in np.ndindex(shape):
-        peaks = select_peaks(stress, quantities[q], float(ratios[p]), selection(quantities[q]))
-        count[q, p] = peaks.sizes["peak"]
+        found = peaks(stress, quantities[q], float(ratios[p]), selection_for(quantities[q]))
+        count[q, p] = found.sizes["peak"]
         if not count[q, p]:
             continue
-        magnitude, depths = np.abs(peaks["peak_value"].values) / gradient, peaks["peak_depth"].values
+        magnitude, depths = np.abs(found["peak_value"].values) / gradient, found["peak_depth"].values
         mean[q, p], deviation[q, p], depth[q, p] = magnitude.mean(), magnitude.std(), depths.mean()
         quantile[q, p] = np.quantile(magnitude, LEVELS)
         depth_highest[q, p] = depths[magnitude >= np.quantile(magnitude, 1 - HIGHEST_SHARE)].mean()
         if quantities[q] == "von_mises":
-            correlation[p] = under.correlation(peaks)
+            correlation[p] = under.correlation(found)
     kinds = ("quantity", "poisson")
     return {
         "seed_peak_count": (kinds, count),

@@ -1,32 +1,21 @@
-"""Stage three: the stress inside the solid, its peaks and its decay."""
+"""Stage stress: the stress inside the solid under a contact, its peaks and its decay."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import xarray as xr
 
-from asperity.elasticity.layer import Layer
 from asperity.pipeline.solid import SOLID_ATTRIBUTES, solid
 from asperity.results.dataset import grid_of
-from asperity.spectral import Grid
 from asperity.stress.analysis import analyse_stress
-from asperity.stress.planes import depth_grid
-from asperity.types import Array, Progress
+from asperity.stress.depths import depth_grid
+from asperity.stress.pressed import PressedSolid
+from asperity.types import Progress
 
-GROWTH = 0.25
-"""Distance of deep planes over their depth, relative to the spacing of the upper ones: one knob for both."""
-
-
-@dataclass(frozen=True)
-class _Pressed:
-    """What the analysis of the stress needs from a contact."""
-
-    pressure: Array
-    grid: Grid
-    layer: Layer
+GROWTH_PER_SPACING = 0.25
+"""`growth` over `spacing` of `depth_grid`: the setting ``depth_spacing`` scales all distances of planes."""
 
 
 def compute_stress(
@@ -41,15 +30,15 @@ def compute_stress(
     ----------
     contact : dataset
         Result of stage contact.
-    layer_settings, body_settings : mapping
+    layer_settings, stress_settings : mapping
         Sections ``layer`` and ``stress`` of the configuration.
     progress : callable, optional
 
     Returns
     -------
     dataset
-        As of `asperity.stress.analysis.analyse_stress`. A half-space is followed to the height of the layer that it
-        stands for; a layer has only the Poisson's ratio of its contact.
+        As of `analyse_stress`. The planes of a half-space reach down to the height of the layer that it
+        stands for. A layer has only the Poisson's ratio of its contact.
 
     Raises
     ------
@@ -63,11 +52,10 @@ def compute_stress(
         poisson = stress_settings["poisson"]
         _check_half_space(layer_settings, poisson)
     spacing = stress_settings["depth_spacing"]
-    depths = depth_grid(grid, layer_settings["height"], spacing, GROWTH * spacing)
     dataset = analyse_stress(
-        _Pressed(contact["pressure"].values.astype(float), grid, layer),
-        depths=depths,
-        poisson=poisson,
+        PressedSolid(contact["pressure"].values.astype(float), grid, layer),
+        depth_grid(grid, layer_settings["height"], spacing, GROWTH_PER_SPACING * spacing),
+        poisson,
         tolerance=stress_settings["tolerance"],
         progress=progress,
     )
@@ -77,6 +65,7 @@ def compute_stress(
 
 
 def _check_half_space(layer_settings: Mapping[str, Any], ratios: Sequence[float]) -> None:
+    """Raise `ValueError` if the half-space does not stand for the layer at one of the Poisson's ratios."""
     for poisson in ratios:
         layer, record = solid({**layer_settings, "poisson": poisson})
         if layer.height is not None:

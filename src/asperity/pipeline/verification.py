@@ -22,7 +22,7 @@ from asperity.pipeline.statistics import SeedResults
 from asperity.results.dataset import grid_of, settings_of
 from asperity.spectral import Fourier, Grid, gradient, mean_square
 from asperity.stress.planes import stress_planes
-from asperity.stress.statistics import select_peaks
+from asperity.stress.selection import peaks
 from asperity.types import Array, Progress
 
 ROUNDING = 1e-10
@@ -237,9 +237,9 @@ def _of_peaks(stress: xr.Dataset, grid: Grid) -> list[Check]:
         outside += int(np.sum((place < 0) | (place > limit)))
     excess = 0.0
     for nu in stress["poisson"].values:
-        peaks = select_peaks(stress, "von_mises", nu)
+        found = peaks(stress, "von_mises", nu)
         largest = float(stress["largest_von_mises"].sel(poisson=nu).max())
-        excess = max(excess, float(peaks["peak_value"].max()) / largest - 1)
+        excess = max(excess, float(found["peak_value"].max()) / largest - 1)
     return [
         Check("peaks outside the solid", outside, 0),
         Check("largest von Mises peak over the largest node", excess, REFINEMENT),
@@ -257,7 +257,7 @@ def verify_statistics(statistics: xr.Dataset, stresses: Sequence[xr.Dataset]) ->
     found = statistics["peak_counts"].sel(selection="all", poisson=statistics["poisson"][0]).sum("bin").values
     expected = [
         [
-            select_peaks(stress, str(name), float(statistics["poisson"][0])).sizes["peak"]
+            peaks(stress, str(name), float(statistics["poisson"][0])).sizes["peak"]
             for name in statistics["quantity"].values
         ]
         for stress in stresses

@@ -1,6 +1,27 @@
-"""Solutions that share nothing with the solver: closed forms and independent numerical models.
+"""Closed forms and independent numerical solutions that the library is compared with.
 
-Conventions are those of `asperity.spectral` and `asperity.elasticity.layer`: z up, depth downwards from the
-surface, tension positive, contact pressure and downward displacement positive, stresses per unit of
-whatever the modulus is given in.
+Nothing here uses the kernels, layers or solvers of the library; only the shared types are imported.
+
+| module | solution |
+|---|---|
+| `elementary` | half-space under one harmonic of pressure, and under a normal or tangential point force |
+| `hertz` | sphere on a half-space: surface, axis and interior |
+| `elliptic_hertz` | ellipse of contact on a half-space: surface, and stress on the axis |
+| `sliding_sphere` | sphere that slides on a half-space: stress everywhere |
+| `periodic_hertz` | square array of spheres on a half-space |
+| `westergaard` | one-dimensional wave on a half-space: surface and interior |
+| `bisinusoid` | bisinusoidal wave on a half-space: asymptotes of small and nearly complete contact |
+| `bonded_layer` | flat punch and paraboloid on a bonded layer, by a Fredholm equation |
+| `state_space` | one Fourier mode of a layer, to any number of digits |
+| `printed` | the paper's equations of the layer, as printed and corrected |
+| `pivoting` | contact on a small periodic grid by principal pivoting, without iterating on pressures |
+| `finite_element` | paraboloid on a bonded slab by 27-node hexahedra |
+| `line_elements` | one-dimensional factors of those hexahedra |
+| `calculix` | the same slab by CalculiX |
+| `equivalent_stress` | von Mises stress and largest shear stress of six components |
+
+Conventions: z up, ``depth ≥ 0`` downward from the surface, tension positive, contact pressure and approach
+positive. Displacement vectors are (x, y, z) with z up; the displacement of a surface under pressure, a
+scalar, is positive downward. Stress components are in the order xx, yy, zz, yz, xz, xy along the last axis.
+Lengths and stresses are in any consistent units: stresses come in the unit of the modulus that is given.
 """

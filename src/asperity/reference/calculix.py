@@ -1,9 +1,9 @@
-"""The paraboloid on the slab once more, by CalculiX: another code, other elements, other contact.
+"""Paraboloid pressed into a bonded elastic slab by CalculiX, an independent finite-element program.
 
-The same quarter cell as `asperity.reference.finite_element`, in 20-node bricks with reduced integration and
-surface-to-surface penalty contact against a meshed indenter whose nodes are all moved down together, close
-to what the paper's Abaqus model was. CalculiX (G. Dhondt, www.calculix.de) is a program of its own, optional
-here; decks are written, run and read back by this module.
+The model is the quarter cell of `asperity.reference.finite_element` in 20-node bricks with reduced
+integration, with surface-to-surface penalty contact against a meshed indenter whose nodes all move down
+together; it is close to the paper's Abaqus model. CalculiX (G. Dhondt, www.calculix.de) is an optional
+program; this module writes its input deck, runs it and reads its results.
 """
 
 from __future__ import annotations
@@ -18,13 +18,15 @@ from pathlib import Path
 
 import numpy as np
 
-from asperity.reference.finite_element import Line
+from asperity.reference.line_elements import Line
 from asperity.types import Array
 
 PROGRAM = "ccx"
+"""Name of the executable, looked for on the path."""
+
 INSTALL = "CalculiX is not installed: put `ccx` on the path (Debian, Ubuntu: apt install calculix-ccx)"
 
-# Local positions of the nodes of a 20-node brick in steps of half an element, in CalculiX's order.
+# Positions of the nodes of a 20-node brick along x, y and z in half elements, in CalculiX's order.
 _BRICK = [(0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)]
 _BRICK += [(1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2)]
 _BRICK += [(0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)]
@@ -32,18 +34,19 @@ _BRICK += [(0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)]
 
 @dataclass(frozen=True)
 class Result:
-    """What CalculiX found on the vertical plane x = y.
+    """Solution of CalculiX on the vertical plane x = y.
 
     Attributes
     ----------
     load : float
         Force on the whole indenter, four quarters.
     x, z : (nx,), (nz,) arrays
-        Integration points; the distance from the indenter's axis is √2 x.
+        Integration points; the distance from the axis of the indenter is √2 x.
     displacement : (nz, nx, 3) array
     stress : (nz, nx, 6) array
         In the order xx, yy, zz, yz, xz, xy.
     version : str
+        Version of CalculiX.
     """
 
     load: float
@@ -55,7 +58,7 @@ class Result:
 
 
 def available() -> bool:
-    """Whether the program is on the path."""
+    """True if the program is on the path."""
     return shutil.which(PROGRAM) is not None
 
 
@@ -70,25 +73,26 @@ def press(
     penalty: float,
     threads: int = 1,
 ) -> Result:
-    """Press a paraboloid ``r²/(2R)`` into the slab.
+    """Contact of a paraboloid ``r²/(2R)`` with the slab at an approach.
 
     Parameters
     ----------
     folder : path
-        Where the deck and the program's files are kept; made if missing.
+        Folder of the input deck and the files of the program; created if missing.
     plane, column : arrays
-        Edges of the elements along x and y, and along z.
+        Ends of the elements along x and y, and along z.
     young, poisson, curvature_radius, approach : float
     penalty : float
         Contact pressure per length of penetration.
     threads : int
+        Threads of CalculiX.
 
     Raises
     ------
     FileNotFoundError
-        If the program is not installed; the message says how to.
+        If the program is not installed; the message says how to install it.
     RuntimeError
-        If it fails; the message names its log.
+        If the program fails; the message names its log.
     """
     program = shutil.which(PROGRAM)
     if program is None:
@@ -120,7 +124,7 @@ def write_deck(
     approach: float,
     penalty: float,
 ) -> str:
-    """Input deck of the whole model."""
+    """Input deck of the model; arguments as for `press`."""
     side, height = 2 * len(plane) - 1, 2 * len(column) - 1
     thickness = 0.1 * column[-1]
     lines = ["*NODE, NSET=SLAB", *_nodes(plane, column, 0, None)]
@@ -175,7 +179,7 @@ def write_deck(
 
 
 def read_result(text: str, plane: Array, column: Array, version: str = "?") -> Result:
-    """Parse the program's table of results."""
+    """Solution read from the program's table of results, ``slab.dat``."""
     tables = re.split(r"\n(?=\s*(?:total force|displacements|stresses))", text)
 
     def last(title: str) -> Array:
@@ -194,7 +198,7 @@ def read_result(text: str, plane: Array, column: Array, version: str = "?") -> R
     displacement = np.empty((len(z), len(x), 3))
     elements = _diagonal(plane, column)
     gauss = np.array([-1.0, 1.0]) / np.sqrt(3.0)
-    # Integration points run along x first, then y, then z; on the diagonal x and y agree.
+    # Integration points are numbered along x first, then y, then z; those on the diagonal have equal x and y.
     places = {1: (0, 0), 4: (0, 1), 5: (1, 0), 8: (1, 1)}
     order = [0, 1, 2, 5, 4, 3]  # printed xx, yy, zz, xy, xz, yz
     for row in last("stresses"):
@@ -211,7 +215,7 @@ def read_result(text: str, plane: Array, column: Array, version: str = "?") -> R
 
 
 def _serendipity(xi: float, eta: float, zeta: float) -> Array:
-    """Shape functions of the 20-node brick."""
+    """Shape functions of the 20-node brick at a local point −1 … 1, (20,)."""
     point = np.array([xi, eta, zeta])
     local = np.array(_BRICK) - 1.0
     linear = np.prod(1 + local * point, axis=1)
@@ -221,7 +225,7 @@ def _serendipity(xi: float, eta: float, zeta: float) -> Array:
 
 
 def _grid(height: int, side: int) -> Iterator[tuple[int, int, int]]:
-    """Places of the nodes of 20-node bricks on a grid of half elements."""
+    """Indices z, y, x of the nodes of 20-node bricks on a grid of half elements."""
     for z in range(height):
         for y in range(side):
             for x in range(side):
@@ -230,13 +234,15 @@ def _grid(height: int, side: int) -> Iterator[tuple[int, int, int]]:
 
 
 def _number(z: int, y: int, x: int, side: int, offset: int) -> int:
+    """Number of a node in the deck."""
     return offset + (z * side + y) * side + x + 1
 
 
 def _nodes(plane: Array, column: Array, offset: int, curvature_radius: float | None) -> Iterator[str]:
+    """Lines of the deck with the positions of the nodes of the slab, or of the indenter of that curvature."""
     across, up = Line(plane).nodes, Line(column).nodes
     for z, y, x in _grid(len(up), len(across)):
-        # The lowest layer of the indenter is its face.
+        # The lower face of the indenter is curved, its upper face is flat.
         rise = (
             0.0
             if curvature_radius is None or z == len(up) - 1
@@ -247,6 +253,7 @@ def _nodes(plane: Array, column: Array, offset: int, curvature_radius: float | N
 
 
 def _elements(across: int, up: int, offset: int, first: int) -> Iterator[str]:
+    """Lines of the deck with the nodes of each element."""
     side = 2 * across + 1
     number = first
     for layer in range(up):
@@ -261,7 +268,7 @@ def _elements(across: int, up: int, offset: int, first: int) -> Iterator[str]:
 
 
 def _diagonal(plane: Array, column: Array) -> dict[int, tuple[int, int]]:
-    """Elements on the plane x = y, with their place along z and along x."""
+    """Numbers of the elements on the plane x = y, with their indices along z and along x."""
     across = len(plane) - 1
     return {
         (layer * across + step) * across + step + 1: (layer, step)

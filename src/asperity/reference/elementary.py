@@ -1,6 +1,6 @@
-"""The two loads everything else is a sum of: one harmonic of pressure, and a point force.
+"""Half-space under one harmonic of pressure and under a point force, normal or tangential to its surface.
 
-Both on an elastic half-space without friction. Stress components in the order xx, yy, zz, yz, xz, xy.
+All other loads are sums of these. Stress components are in the order xx, yy, zz, yz, xz, xy.
 """
 
 from __future__ import annotations
@@ -8,14 +8,27 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.reference.hertz import require_positive
+from asperity.reference.arguments import require_positive
 from asperity.types import Array
 
 
 def single_mode_stress(x: ArrayLike, depth: ArrayLike, wavenumber: float, poisson: float) -> Array:
-    """Stress under the pressure ``cos qx`` of unit amplitude, (..., 6).
+    """Stress under the pressure ``cos qx`` of unit amplitude, in plane strain along y.
 
-    Plane strain along y (K. L. Johnson, Contact Mechanics, 1985, section 13.2).
+    Source: K. L. Johnson, Contact Mechanics, Cambridge University Press, 1985, section 13.2. The mean
+    pressure is zero, and there is no uniform stress.
+
+    Parameters
+    ----------
+    x, depth : array_like
+        Positions; they broadcast.
+    wavenumber : float
+        q > 0.
+    poisson : float
+
+    Returns
+    -------
+    (..., 6) array
     """
     require_positive(wavenumber=wavenumber)
     phase, y = np.broadcast_arrays(wavenumber * np.asarray(x, float), wavenumber * np.asarray(depth, float))
@@ -27,7 +40,10 @@ def single_mode_stress(x: ArrayLike, depth: ArrayLike, wavenumber: float, poisso
 def single_mode_displacement(
     x: ArrayLike, depth: ArrayLike, wavenumber: float, young: float, poisson: float
 ) -> Array:
-    """Displacement (x, y, z), z up, under the pressure ``cos qx`` of unit amplitude, (..., 3)."""
+    """Displacement (x, y, z), z up, under the pressure ``cos qx`` of unit amplitude, (..., 3).
+
+    Arguments as for `single_mode_stress`; `young` is in the unit of the pressure.
+    """
     require_positive(wavenumber=wavenumber, young=young)
     phase, y = np.broadcast_arrays(wavenumber * np.asarray(x, float), wavenumber * np.asarray(depth, float))
     scale = (1 + poisson) / (young * wavenumber) * np.exp(-y)
@@ -37,10 +53,20 @@ def single_mode_displacement(
 
 
 def point_force_stress(y: ArrayLike, x: ArrayLike, depth: ArrayLike, poisson: float) -> Array:
-    """Stress under a unit force pressing on the surface at the origin, (..., 6).
+    """Stress under a unit force pressing on the surface at the origin: Boussinesq's solution.
 
-    Boussinesq's solution (K. L. Johnson, Contact Mechanics, 1985, eq. 3.19), arranged so that nothing
-    cancels on the axis. Infinite at the origin.
+    Source: K. L. Johnson, Contact Mechanics, Cambridge University Press, 1985, eq. 3.19; rearranged so that
+    no two large terms cancel near the axis. The stress is infinite at the origin.
+
+    Parameters
+    ----------
+    y, x, depth : array_like
+        Positions relative to the force; they broadcast.
+    poisson : float
+
+    Returns
+    -------
+    (..., 6) array
     """
     y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
     distance = np.sqrt(x**2 + y**2 + depth**2)
@@ -59,9 +85,10 @@ def point_force_stress(y: ArrayLike, x: ArrayLike, depth: ArrayLike, poisson: fl
 def point_force_displacement(
     y: ArrayLike, x: ArrayLike, depth: ArrayLike, young: float, poisson: float
 ) -> Array:
-    """Displacement (x, y, z), z up, under a unit force pressing at the origin, (..., 3).
+    """Displacement (x, y, z), z up, under a unit force pressing on the surface at the origin, (..., 3).
 
-    Zero far away; K. L. Johnson, Contact Mechanics, 1985, eq. 3.18.
+    It vanishes far away (K. L. Johnson, Contact Mechanics, 1985, eq. 3.18). Arguments as for
+    `point_force_stress`.
     """
     require_positive(young=young)
     y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
@@ -71,3 +98,43 @@ def point_force_displacement(
     outward = scale * (n_z - (1 - 2 * poisson) / (1 + n_z)) / distance
     up = -scale * (2 * (1 - poisson) + n_z**2)
     return np.stack([outward * x, outward * y, up], axis=-1)
+
+
+def tangential_point_force_stress(y: ArrayLike, x: ArrayLike, depth: ArrayLike, poisson: float) -> Array:
+    """Stress under a unit force along x on the surface at the origin: Cerruti's solution, (..., 6).
+
+    Source: K. L. Johnson, Contact Mechanics, Cambridge University Press, 1985, eq. 3.76. Arguments as for
+    `point_force_stress`.
+    """
+    y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
+    distance = np.sqrt(x**2 + y**2 + depth**2)
+    n_x, n_y, n_z = x / distance, y / distance, depth / distance
+    weight = (1 - 2 * poisson) / (2 * np.pi * distance**2)
+    cubic = 3 / (2 * np.pi * distance**2)
+    single = 1 / (1 + n_z) ** 2
+    double = (3 + n_z) / (1 + n_z) ** 3
+    xx = -cubic * n_x**3 + weight * n_x * (1 - 3 * single + n_x**2 * double)
+    yy = -cubic * n_x * n_y**2 + weight * n_x * (1 - single + n_y**2 * double)
+    xy = -cubic * n_x**2 * n_y + weight * n_y * (-single + n_x**2 * double)
+    zz = -cubic * n_x * n_z**2
+    return np.stack([xx, yy, zz, cubic * n_x * n_y * n_z, cubic * n_x**2 * n_z, xy], axis=-1)
+
+
+def tangential_point_force_displacement(
+    y: ArrayLike, x: ArrayLike, depth: ArrayLike, young: float, poisson: float
+) -> Array:
+    """Displacement (x, y, z), z up, under a unit force along x on the surface at the origin, (..., 3).
+
+    It vanishes far away (K. L. Johnson, Contact Mechanics, 1985, eq. 3.75). Arguments as for
+    `point_force_stress`.
+    """
+    require_positive(young=young)
+    y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
+    distance = np.sqrt(x**2 + y**2 + depth**2)
+    n_x, n_y, n_z = x / distance, y / distance, depth / distance
+    scale = (1 + poisson) / (2 * np.pi * young * distance)
+    blunt = (1 - 2 * poisson) / (1 + n_z)
+    along = scale * (1 + n_x**2 + blunt * (1 - n_x**2 / (1 + n_z)))
+    across = scale * n_x * n_y * (1 - blunt / (1 + n_z))
+    down = scale * n_x * (n_z + blunt)
+    return np.stack([along, across, -down], axis=-1)

@@ -1,23 +1,26 @@
-"""A paraboloid pressed into an elastic slab, by finite elements with a contact of their own.
+"""Paraboloid pressed without friction into a bonded elastic slab, by finite elements.
 
-Nothing is shared with the spectral method: displacement-based 27-node hexahedra, fully integrated, and
-nodal contact by an active set. A quarter of the cell between its mirror planes is the periodic cell exactly;
-the slab is bonded to the ground at the bottom and free of friction at the top.
+Nothing is shared with the spectral method: the elements are fully integrated 27-node hexahedra in
+displacements, and contact is nodal, found by an active set. The model is the quarter of a periodic cell
+between its mirror planes, which represents the periodic cell exactly. The slab is bonded to a rigid base at
+the bottom.
 
-The mesh is a tensor product of three graded lines, whose quadratic matrices scikit-fem assembles; the
-hexahedral stiffness is their Kronecker product to rounding (`tests/physics/test_reference_finite_element.py`
-compares it with scikit-fem's own three-dimensional assembly) and is applied factor by factor, never stored.
-The three diagonal blocks of that stiffness are inverted exactly by diagonalising the lines, and precondition
-conjugate gradients (R. E. Lynch, J. R. Rice, D. H. Thomas, Numer. Math. 6 (1964) 185,
-DOI 10.1007/BF01386067): a number of iterations independent of the mesh, and no factorisation.
-Nodes in contact are held by projecting the preconditioner.
+The mesh is a tensor product of three graded lines, whose quadratic matrices scikit-fem assembles. The
+stiffness of the hexahedra is a sum of Kronecker products of these matrices, to rounding
+(`tests/physics/test_reference_finite_element.py` compares it with scikit-fem's own three-dimensional
+assembly), and is applied factor by factor, never stored. Its three diagonal blocks are inverted exactly by
+diagonalising the lines (R. E. Lynch, J. R. Rice, D. H. Thomas, Numer. Math. 6 (1964) 185,
+DOI 10.1007/BF01386067) and precondition conjugate gradients: the number of iterations does not grow with the
+mesh, and no matrix is factorised. The displacement of contact nodes is prescribed by projecting the
+preconditioner.
 
-Arrays are ordered (z, y, x), z up from the bottom; the axis of the indenter is at x = y = 0.
+Arrays are ordered (z, y, x), with z up from the bottom; the axis of the indenter is at x = y = 0. Lengths
+are in any unit, stresses in that of Young's modulus.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -25,105 +28,33 @@ from typing import Any
 import numpy as np
 import scipy.linalg
 import scipy.sparse as sp
-from skfem import Basis, BilinearForm, ElementLineP2, MeshLine
 
-from asperity.reference.hertz import require_positive
-from asperity.types import Array
+from asperity.reference.arguments import require_positive
+from asperity.reference.line_elements import Line
+from asperity.types import Array, Progress
 
-# Points of an element, along each axis, where the stress of quadratic elements is most accurate.
-_GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)
+MAX_ITERATIONS = 500
+"""Limit on the conjugate-gradient iterations of one solve, which takes about 16 on graded meshes."""
 
-
-def graded(length: float, elements: int, ratio: float) -> Array:
-    """Edges of elements over 0 … `length`, in geometric progression; the last over the first is `ratio`."""
-    sizes = ratio ** (np.arange(elements) / max(elements - 1, 1))
-    return length * np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum()
-
-
-@BilinearForm
-def _mass(u, v, _):
-    return u * v
-
-
-@BilinearForm
-def _stiffness(u, v, _):
-    return u.grad[0] * v.grad[0]
-
-
-@BilinearForm
-def _convection(u, v, _):
-    return u.grad[0] * v
-
-
-@dataclass(frozen=True, eq=False)
-class Line:
-    """Quadratic elements on a line.
-
-    Parameters
-    ----------
-    edges : (elements + 1,) array
-        Ends of the elements, rising.
-    fixed : tuple of int
-        End nodes (0, −1) where a field with this line's conditions vanishes.
-    """
-
-    edges: Array
-    fixed: tuple[int, ...] = ()
-
-    @cached_property
-    def nodes(self) -> Array:
-        """Positions of the 2 elements + 1 nodes."""
-        middle = 0.5 * (self.edges[1:] + self.edges[:-1])
-        return np.sort(np.concatenate([self.edges, middle]))
-
-    @cached_property
-    def matrices(self) -> tuple[sp.csr_array, sp.csr_array, sp.csr_array]:
-        """Mass ∫φφ, stiffness ∫φ′φ′ and convection ∫φφ′ (rows are test functions), nodes in order."""
-        basis = Basis(MeshLine(self.edges), ElementLineP2(), intorder=4)
-        order = np.argsort(basis.doflocs[0])
-        mass, stiffness, convection = (
-            sp.csr_array(form.assemble(basis).tocsr()[order][:, order])
-            for form in (_mass, _stiffness, _convection)
-        )
-        return mass, stiffness, convection
-
-    @cached_property
-    def modes(self) -> tuple[Array, Array]:
-        """Eigenvalues of stiffness against mass, and the modes as columns, zero at the fixed ends."""
-        free = np.delete(np.arange(len(self.nodes)), self.fixed)
-        mass, stiffness, _ = (matrix.toarray()[np.ix_(free, free)] for matrix in self.matrices)
-        values, vectors = scipy.linalg.eigh(stiffness, mass)
-        modes = np.zeros((len(self.nodes), len(free)))
-        modes[free] = vectors
-        return values, modes
-
-    def at_gauss_points(self, order: int) -> tuple[Array, sp.csr_array]:
-        """Two points an element, and the matrix giving there a field (0) or its slope (1) from the nodes."""
-        xi = _GAUSS
-        shape = np.array([xi * (xi - 1) / 2, 1 - xi**2, xi * (xi + 1) / 2])
-        slope = np.array([xi - 0.5, -2 * xi, xi + 0.5])
-        half = 0.5 * np.diff(self.edges)
-        points = (0.5 * (self.edges[1:] + self.edges[:-1]))[:, None] + half[:, None] * xi
-        local = shape.T[None] + 0 * half[:, None, None] if order == 0 else slope.T / half[:, None, None]
-        element = np.arange(len(half))
-        rows = np.broadcast_to((2 * element[:, None] + [0, 1])[:, :, None], local.shape)
-        columns = np.broadcast_to((2 * element[:, None] + [0, 1, 2])[:, None, :], local.shape)
-        size = (points.size, len(self.nodes))
-        return points.ravel(), sp.coo_array(
-            (local.ravel(), (rows.ravel(), columns.ravel())), shape=size
-        ).tocsr()
+MAX_ACTIVE_SETS = 40
+"""Limit on the active sets of one contact, which takes two to four."""
 
 
 class Slab:
-    """Stiffness of the quarter cell, its preconditioner, and its stress.
+    """Elastic slab between the mirror planes of a quarter cell: stiffness, equilibrium and stress.
 
     Parameters
     ----------
     plane : (elements + 1,) array
-        Edges of the elements along x and along y, from the axis to half a period.
+        Ends of the elements along x and along y, from the axis to half a period.
     column : (elements + 1,) array
-        Edges along z, from the bonded bottom to the surface.
+        Ends of the elements along z, from the bonded bottom to the surface.
     young, poisson : float
+
+    Raises
+    ------
+    ValueError
+        If Young's modulus is not positive, or unless −1 < poisson < 1/2.
     """
 
     def __init__(self, plane: Array, column: Array, young: float, poisson: float) -> None:
@@ -138,7 +69,7 @@ class Slab:
         side = len(self.free.nodes)
         self.shape = (len(self.column.nodes), side, side)
         self._terms = list(self._make_terms())
-        # Lines of each displacement component in the order z, y, x.
+        # For each displacement component its lines along z, y and x, which carry its boundary conditions.
         self._lines = [
             (self.column, self.free, self.walled),
             (self.column, self.walled, self.free),
@@ -158,7 +89,7 @@ class Slab:
         self._held[1, :, [0, -1], :] = True
 
     def _make_terms(self) -> Iterator[tuple[int, int, Any, Any]]:
-        """Blocks of the stiffness: test and trial component, factor in the plane, factor along z."""
+        """Terms of the stiffness: test and trial component, factor in the plane (y, x), factor along z."""
         lame, mu = self.lame, self.shear_modulus
         mass, stiff, conv = self.free.matrices
         mass_z, stiff_z, conv_z = self.column.matrices
@@ -180,7 +111,7 @@ class Slab:
             yield 2, component, mu * slope.T.tocsr(), conv_z
 
     def force(self, displacement: Array) -> Array:
-        """Nodal forces of a displacement, (3, nz, ny, nx) both; held components included."""
+        """Nodal forces of a displacement, both (3, nz, ny, nx), reactions of supports included."""
         nz = self.shape[0]
         out = np.zeros((3, nz, self.shape[1] * self.shape[2]))
         flat = displacement.reshape(out.shape)
@@ -189,7 +120,7 @@ class Slab:
         return out.reshape(displacement.shape)
 
     def precondition(self, force: Array) -> Array:
-        """Displacement by the diagonal blocks of the stiffness alone, zero where held."""
+        """Displacement under nodal forces by the diagonal blocks of the stiffness alone, zero at supports."""
         out = np.empty_like(force)
         for component, lines in enumerate(self._lines):
             z, y, x = (line.modes[1] for line in lines)
@@ -199,35 +130,40 @@ class Slab:
 
     @cached_property
     def _surface(self) -> tuple[Array, Array]:
-        """Modes in the plane of u_z, and what one of unit force there moves the surface by."""
+        """Eigenvectors of u_z in the plane, and the surface displacement under a unit force of each mode."""
         z, y, _ = self._lines[2]
         return y.modes[1], np.einsum("k,kyx->yx", z.modes[1][-1] ** 2, self._inverse[2])
 
     def surface_compliance(self, nodes: Array) -> Array:
-        """Displacement u_z at surface nodes by forces there, in the preconditioner."""
+        """Displacement u_z of surface nodes under forces at them by the preconditioner, (nodes, nodes)."""
         modes, response = self._surface
         y, x = np.divmod(nodes, self.shape[2])
         shape = (modes[y][:, :, None] * modes[x][:, None, :]).reshape(len(nodes), -1)
         return (shape * response.ravel()) @ shape.T
 
-    def spread(self, nodes: Array, force: Array) -> Array:
-        """Displacement by forces along z at surface nodes, in the preconditioner."""
+    def precondition_surface_force(self, nodes: Array, force: Array) -> Array:
+        """Displacement under forces along z at surface nodes by the preconditioner, (3, nz, ny, nx)."""
         load = np.zeros((3, *self.shape))
         load[2, -1].reshape(-1)[nodes] = force
         return self.precondition(load)
 
     def nodal_area(self) -> Array:
-        """Area that each node of the surface stands for, (ny, nx)."""
+        """Integral of the shape function of each surface node, (ny, nx)."""
         weight = np.asarray(self.free.matrices[0].sum(axis=1)).ravel()
         return np.outer(weight, weight)
 
     def on_diagonal(self, displacement: Array) -> tuple[Array, Array, Array, Array]:
-        """Displacement and stress on the vertical plane x = y, at the elements' Gauss points.
+        """Displacement and stress on the vertical plane x = y, at the Gauss points of the elements.
+
+        Parameters
+        ----------
+        displacement : (3, nz, ny, nx) array
+            At the nodes.
 
         Returns
         -------
         x, z : (nx,), (nz,) arrays
-            Positions along each axis; the distance from the indenter's axis is √2 x.
+            Positions along the axes; the distance from the axis of the indenter is √2 x.
         displacement : (nz, nx, 3) array
         stress : (nz, nx, 6) array
             In the order xx, yy, zz, yz, xz, xy.
@@ -251,44 +187,48 @@ class Slab:
         shear = [mu * (strain[i, j] + strain[j, i]) for i, j in ((1, 2), (0, 2), (0, 1))]
         return x, z, moved, np.stack([*normal, *shear], axis=-1)
 
-    def solve_held(
-        self, start: Array, nodes: Array, value: Array, tolerance: float, limit: int = 500
+    def equilibrium(
+        self,
+        start: Array,
+        nodes: Array,
+        value: Array,
+        tolerance: float,
+        max_iterations: int = MAX_ITERATIONS,
     ) -> tuple[Array, Array, int]:
-        """Equilibrium with u_z given at some surface nodes, by preconditioned conjugate gradients.
+        """Equilibrium with u_z prescribed at some surface nodes, by preconditioned conjugate gradients.
 
         Parameters
         ----------
         start : (3, nz, ny, nx) array
-            First guess, zero where held.
+            First guess of the displacement, zero at supports.
         nodes, value : (n,) arrays
-            Flat index of surface nodes, and their u_z.
+            Flat indices of surface nodes, and their u_z.
         tolerance : float
-            Largest error of the energy norm, estimated by the preconditioner, relative to the solution's.
-        limit : int
-            Most iterations.
+            Allowed error of the energy norm, as estimated by the preconditioner, relative to the solution's.
+        max_iterations : int
 
         Returns
         -------
         displacement, force : (3, nz, ny, nx) arrays
-            The force is zero but where something is held.
+            The force is zero except at supports and at the nodes with prescribed u_z.
         iterations : int
 
         Raises
         ------
         RuntimeError
-            If the limit is reached.
+            If the tolerance is not reached within `max_iterations`.
         """
         factor = scipy.linalg.cho_factor(self.surface_compliance(nodes))
 
         def project(step: Array) -> Array:
             there = step[2, -1].reshape(-1)[nodes]
-            return step - self.spread(nodes, scipy.linalg.cho_solve(factor, there))
+            return step - self.precondition_surface_force(nodes, scipy.linalg.cho_solve(factor, there))
 
         miss = value - start[2, -1].reshape(-1)[nodes]
-        displacement = start + self.spread(nodes, scipy.linalg.cho_solve(factor, miss))
+        displacement = start + self.precondition_surface_force(nodes, scipy.linalg.cho_solve(factor, miss))
         force = self.force(displacement)
         direction, product = np.zeros_like(force), 1.0
-        for iteration in range(limit):
+        for iteration in range(max_iterations):
             residual = -np.where(self._held, 0.0, force)
             residual[2, -1].reshape(-1)[nodes] = 0.0
             step = project(self.precondition(residual))
@@ -300,12 +240,12 @@ class Slab:
             length = product / float(np.vdot(direction, response))
             displacement += length * direction
             force += length * response
-        raise RuntimeError(f"finite elements: residual above {tolerance:g} after {limit} iterations")
+        raise RuntimeError(f"finite elements: residual above {tolerance:g} after {max_iterations} iterations")
 
 
 @dataclass(frozen=True)
 class SlabContact:
-    """A paraboloid in contact with the slab.
+    """Contact of a paraboloid with the slab.
 
     Attributes
     ----------
@@ -318,7 +258,7 @@ class SlabContact:
     contact : (ny, nx) bool array
         Nodes in contact.
     iterations, active_sets : int
-        Conjugate-gradient iterations in all, and active sets tried.
+        Number of conjugate-gradient iterations in total, and of active sets.
     """
 
     slab: Slab
@@ -331,7 +271,7 @@ class SlabContact:
 
     @property
     def contact_radius(self) -> float:
-        """Radius of the circle with the area of contact, each node counting by its area."""
+        """Radius of the circle with the contact area, the sum of the nodal areas in contact."""
         return float(np.sqrt(4 * self.slab.nodal_area()[self.contact].sum() / np.pi))
 
 
@@ -340,18 +280,19 @@ def press(
     curvature_radius: float,
     approach: float,
     tolerance: float = 1e-8,
-    progress: Callable[[float, float], None] | None = None,
+    progress: Progress | None = None,
 ) -> SlabContact:
-    """Press a paraboloid ``r²/(2R)`` into the slab down to an approach.
+    """Contact of a paraboloid ``r²/(2R)`` with the slab at an approach.
 
     Parameters
     ----------
     slab : Slab
     curvature_radius : float
+        R.
     approach : float
         Downward displacement of the indenter from first touch.
     tolerance : float
-        Of each linear solve, in the energy norm.
+        Tolerance of each linear solve, in the energy norm.
     progress : callable, optional
         Called as progress(done, total) after each active set.
 
@@ -363,19 +304,19 @@ def press(
     require_positive(curvature_radius=curvature_radius, approach=approach)
     nodes = slab.free.nodes
     depth = (approach - (nodes[:, None] ** 2 + nodes**2) / (2 * curvature_radius)).ravel()
-    # Half of the approach is taken up by the displacement at the edge, as without a slab.
+    # First guess: the edge of contact is displaced by half of the approach, as in Hertz contact.
     contact = depth > 0.5 * approach
     displacement = np.zeros((3, *slab.shape))
-    iterations, limit = 0, 40
-    for active_set in range(1, limit + 1):
+    iterations = 0
+    for active_set in range(1, MAX_ACTIVE_SETS + 1):
         held = np.flatnonzero(contact)
-        displacement, force, done = slab.solve_held(displacement, held, -depth[held], tolerance)
+        displacement, force, done = slab.equilibrium(displacement, held, -depth[held], tolerance)
         iterations += done
         push = -force[2, -1].ravel()
         penetration = depth + displacement[2, -1].ravel()
         settled = np.where(contact, push > 0, penetration > 0)
         if progress:
-            progress(active_set, limit)
+            progress(active_set, MAX_ACTIVE_SETS)
         if np.array_equal(settled, contact):
             push = np.where(contact, push, 0.0).reshape(slab.shape[1:])
             return SlabContact(
@@ -388,11 +329,11 @@ def press(
                 active_sets=active_set,
             )
         contact = settled
-    raise RuntimeError(f"finite elements: contact not settled after {limit} active sets")
+    raise RuntimeError(f"finite elements: contact not settled after {MAX_ACTIVE_SETS} active sets")
 
 
 def _transform(values: Array, z: Array, y: Array, x: Array) -> Array:
-    """Apply a matrix along each axis."""
+    """Product of a (z, y, x) array with one matrix along each axis."""
     values = values @ x.T
     values = y @ values
     return (z @ values.reshape(len(values), -1)).reshape(len(z), *values.shape[1:])

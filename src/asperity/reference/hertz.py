@@ -1,12 +1,13 @@
-"""Hertz: a smooth rigid sphere pressed without friction into an elastic half-space.
+"""Hertz contact: a smooth rigid sphere pressed without friction into an elastic half-space.
 
-The pressure ``p0 √(1 − r²/a²)`` on a circle of radius a, its displacement of the surface, and the stress
-everywhere below it (M. T. Huber, Ann. Phys. 319 (1904) 153, DOI 10.1002/andp.19043190612; surface: K. L.
-Johnson, Contact Mechanics, 1985, eqs. 3.37–3.42).
+The pressure ``p0 √(1 − r²/a²)`` on a circle of radius a, the displacement of the surface under it, and the
+stress everywhere below (H. Hertz, J. reine angew. Math. 92 (1882) 156, DOI 10.1515/crll.1882.92.156; stress:
+M. T. Huber, Ann. Phys. 319 (1904) 153, DOI 10.1002/andp.19043190612; surface: K. L. Johnson, Contact
+Mechanics, Cambridge University Press, 1985, eqs. 3.37–3.42).
 
-Huber's stress is written here in the oblate spheroidal coordinates of the contact circle,
-``r² = (a² + u)(1 − c²)``, ``depth = c √u`` with ``u ≥ 0`` and ``0 ≤ c ≤ 1``: no term then cancels, neither
-on the axis nor at the surface nor far away.
+Huber's stress is written here in the oblate spheroidal coordinates u, c of the contact circle, ``r² = (a² +
+u)(1 − c²)``, ``depth = c √u`` with ``u ≥ 0`` and ``0 ≤ c ≤ 1``. In this form no two large terms cancel on
+the axis, at the surface or far away.
 """
 
 from __future__ import annotations
@@ -17,11 +18,18 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from asperity.reference.arguments import require_positive
 from asperity.types import Array
 
 
 class AxisymmetricStress(NamedTuple):
-    """Cylindrical stress components, tension positive, z up; all other components vanish."""
+    """Cylindrical stress components, tension positive, z up; the two others are zero by symmetry.
+
+    Attributes
+    ----------
+    radial, hoop, axial, shear : arrays
+        σ_rr, σ_θθ, σ_zz and σ_rz, all of one shape.
+    """
 
     radial: Array
     hoop: Array
@@ -68,14 +76,14 @@ class Hertz:
 
     @classmethod
     def from_load(cls, load: float, curvature_radius: float, effective_modulus: float = 1.0) -> Self:
-        """The contact that carries a force, ``a³ = 3 F R / (4 E*)``."""
+        """Contact under a force F, ``a³ = 3 F R / (4 E*)``."""
         require_positive(load=load, curvature_radius=curvature_radius, effective_modulus=effective_modulus)
         contact_radius = np.cbrt(0.75 * load * curvature_radius / effective_modulus)
         return cls(float(contact_radius), curvature_radius, effective_modulus)
 
     @classmethod
     def from_approach(cls, approach: float, curvature_radius: float, effective_modulus: float = 1.0) -> Self:
-        """The contact at an approach, ``a² = R δ``."""
+        """Contact at an approach δ, ``a² = R δ``."""
         require_positive(
             approach=approach, curvature_radius=curvature_radius, effective_modulus=effective_modulus
         )
@@ -83,36 +91,36 @@ class Hertz:
 
     @property
     def largest_pressure(self) -> float:
-        """Pressure p0 on the axis."""
+        """Pressure p0 on the axis, ``2 E* a / (π R)``."""
         return 2 / np.pi * self.effective_modulus * self.contact_radius / self.curvature_radius
 
     @property
     def mean_contact_pressure(self) -> float:
-        """Load over the area of contact, the paper's P_0: two thirds of the largest pressure."""
+        """Load over contact area, two thirds of the largest pressure; P_0 in the paper."""
         return 2 / 3 * self.largest_pressure
 
     @property
     def load(self) -> float:
-        """Force."""
+        """Force on the indenter, ``4 E* a³ / (3 R)``."""
         return 4 / 3 * self.effective_modulus * self.contact_radius**3 / self.curvature_radius
 
     @property
     def approach(self) -> float:
-        """Displacement of the indenter from first touch."""
+        """Displacement of the indenter from first touch, ``a² / R``."""
         return self.contact_radius**2 / self.curvature_radius
 
     def pressure(self, r: ArrayLike) -> Array:
-        """Contact pressure at a distance `r` from the axis, zero outside the contact."""
+        """Contact pressure at distances `r` from the axis, in the shape of `r`; zero outside the contact."""
         inside = 1 - (np.asarray(r, float) / self.contact_radius) ** 2
         return self.largest_pressure * np.sqrt(np.maximum(inside, 0.0))
 
     def displacement(self, r: ArrayLike) -> Array:
-        """Downward displacement of the surface at a distance `r` from the axis (Eq. 11 without replicas)."""
+        """Downward displacement of the surface at distances `r` from the axis (Eq. 11 without replicas)."""
         scale = self.largest_pressure * self.contact_radius / (2 * self.effective_modulus)
         return scale * unit_displacement(np.asarray(r, float) / self.contact_radius)
 
     def stress(self, r: ArrayLike, depth: ArrayLike, poisson: float) -> AxisymmetricStress:
-        """Stress below the surface.
+        """Stress below the surface in cylindrical components.
 
         Parameters
         ----------
@@ -123,8 +131,13 @@ class Hertz:
         Returns
         -------
         AxisymmetricStress
-            In the unit of the effective modulus. At the edge of contact on the surface, where the hoop
-            and radial stress jump in slope only, the limit.
+            Four arrays of the broadcast shape, in the unit of the effective modulus. On the surface at the
+            edge of contact, where radial and hoop stress have a kink, their limit.
+
+        Raises
+        ------
+        ValueError
+            If a distance or a depth is negative.
         """
         nu = poisson
         rho, zeta = np.broadcast_arrays(
@@ -170,10 +183,11 @@ class Hertz:
 
 
 def unit_displacement(rho: ArrayLike) -> Array:
-    """Shape of the displaced surface, ``(2 − ρ²) asin(1/ρ) + √(ρ² − 1)`` outside, π/2 (2 − ρ²) inside.
+    """Dimensionless displacement of the surface at ρ = r/a, in the shape of `rho`.
 
-    The bracket of Eqs. 11 and 12 over a². It behaves as 4/(3ρ) far away, where the printed form loses
-    ρ² ε of it; a series is used from ρ = 4 on.
+    π/2 (2 − ρ²) inside the contact, ``(2 − ρ²) asin(1/ρ) + √(ρ² − 1)`` outside: the bracket of Eqs. 11 and
+    12 over a². Far away it behaves as 4/(3ρ), of which the printed form loses ρ² ε to rounding; from ρ = 4
+    on a series is used.
     """
     rho = np.asarray(rho, float)
     inverse = 1 / np.maximum(rho, 1.0)
@@ -195,11 +209,5 @@ def _far_coefficients(terms: int) -> list[float]:
     return [2 * arcsine[n] - arcsine[n + 1] + root[n + 1] for n in range(terms)]
 
 
+# The first term left out is 4⁻²⁸ of the sum at ρ = 4, below rounding.
 _FAR = _far_coefficients(14)
-
-
-def require_positive(**values: float) -> None:
-    """Raise `ValueError` naming the first argument that is not positive and finite."""
-    for name, value in values.items():
-        if not (np.isfinite(value) and value > 0):
-            raise ValueError(f"{name} = {value!r}: a positive finite number is needed")

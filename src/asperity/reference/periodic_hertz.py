@@ -1,14 +1,14 @@
-"""Hertz, repeated: the paper's square array of spherical indenters on a half-space (Eqs. 11–16).
+"""Periodic Hertz contact: the paper's square array of spherical indenters on a half-space (Eqs. 11–16).
 
-Every contact carries Hertz's distribution of pressure on a circle of radius a; the neighbours'
-displacements are summed over the lattice, and the load is the one that fits the paraboloid at the centre
-and at the edge of contact, r = (a, 0). That is an approximation, the true contact being no circle: the
-radius is good to 0.2 % for a ≤ 0.3 periods and to 1.2 % at 0.45 (`docs/validation.md`).
+Every contact carries Hertz's pressure distribution on a circle of radius a. The displacements by all
+neighbours are summed over the lattice, and the load is chosen so that the surface fits the paraboloid at the
+centre and at the edge of contact, r = (a, 0). This is an approximation because the true contact is not a
+circle: the radius is good to 0.2 % for a ≤ 0.3 periods and to 1.2 % at 0.45 (`docs/validation.md`).
 
-As printed the sum diverges, every neighbour adding ``4a³/(3r)``. Only differences of displacement
-converge, over windows symmetric in both indices, and ``k ≠ 0, l ≠ 0`` must be read ``(k, l) ≠ (0, 0)``.
-Here the sum runs over |k|, |l| ≤ n, and what lies outside is the integral of its leading term; the
-remainder falls as n⁻³ and is removed by one extrapolation from n and 2n.
+The printed sum diverges, since every neighbour adds ``4a³/(3r)``. Differences of displacement converge, if
+summed over windows symmetric in both indices; ``k ≠ 0, l ≠ 0`` in print must be read ``(k, l) ≠ (0, 0)``.
+Here the sum runs over |k|, |l| ≤ n, neighbours outside this window enter by the integral of their
+leading term, and the remainder, which falls as n⁻³, is removed by extrapolating from n and 2n.
 """
 
 from __future__ import annotations
@@ -18,9 +18,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.reference.hertz import Hertz, require_positive, unit_displacement
+from asperity.reference.arguments import require_positive
+from asperity.reference.hertz import Hertz, unit_displacement
 from asperity.types import Array
 
+# Neighbours on each side in the coarser of the two sums; the result is then good to 10⁻⁹.
 _WINDOW = 16
 
 
@@ -59,19 +61,19 @@ class PeriodicHertz:
 
     @property
     def single(self) -> Hertz:
-        """The contact of the same radius without neighbours."""
+        """Hertz contact of the same radius without neighbours."""
         return Hertz(self.contact_radius, self.curvature_radius, self.effective_modulus)
 
     @property
     def enhancement(self) -> float:
-        """Pressure over that of a single contact of the same radius, about ``1 + 1.917 (a/L)³``."""
+        """Pressure divided by that of a single contact of the same radius, about ``1 + 1.917 (a/L)³``."""
         neighbours = replica_difference(self.contact_radius, 0.0, self.contact_radius, self.period)
         # π(2a² − 0) − π(2a² − a²) = πa² without neighbours; the sums of Eq. 16 carry a factor 2.
         return float(1 / (1 - 2 / np.pi * neighbours))
 
     @property
     def mean_contact_pressure(self) -> float:
-        """Load over the area of contact: P_0 of Eq. 15."""
+        """Load over contact area, P_0 of Eq. 15."""
         return self.enhancement * self.single.mean_contact_pressure
 
     @property
@@ -86,20 +88,23 @@ class PeriodicHertz:
 
     @property
     def mean_pressure(self) -> float:
-        """Load over the area of the cell, what presses on the simulated surface."""
+        """Load over the area of the cell."""
         return self.load / self.period**2
 
     @property
     def area_fraction(self) -> float:
-        """Area of contact over the area of the cell."""
+        """Contact area over the area of the cell."""
         return np.pi * (self.contact_radius / self.period) ** 2
 
     def pressure(self, r: ArrayLike) -> Array:
-        """Contact pressure at a distance `r` from the nearest axis."""
+        """Contact pressure at distances `r` from the nearest axis, in the shape of `r`."""
         return self.enhancement * self.single.pressure(r)
 
     def displacement(self, y: ArrayLike, x: ArrayLike) -> Array:
-        """Downward displacement of the surface against that on the axis, |x|, |y| ≤ half a period."""
+        """Downward displacement of the surface at (y, x), less that on the axis.
+
+        The positions are relative to an axis, at most half a period from it along x and y; they broadcast.
+        """
         a = self.contact_radius
         scale = 0.5 * self.largest_pressure * a / self.effective_modulus
         own = unit_displacement(np.hypot(y, x) / a) - unit_displacement(0.0)
@@ -107,18 +112,26 @@ class PeriodicHertz:
 
 
 def replica_difference(contact_radius: float, y: ArrayLike, x: ArrayLike, period: float) -> Array:
-    """Displacement by all neighbours at (y, x) against the origin, ``u_pt/a²`` of Eq. 12 as a difference."""
+    """Displacement by all neighbours at (y, x) less that at the origin: ``u_pt/a²`` of Eq. 12.
+
+    Parameters
+    ----------
+    contact_radius, period : float
+        Lengths in the unit of the positions.
+    y, x : array_like
+        Positions relative to an axis; they broadcast, and the result has their shape.
+    """
     coarse, fine = (
         _windowed_difference(contact_radius / period, y, x, period, window)
         for window in (_WINDOW, 2 * _WINDOW)
     )
-    # The windows are (2n + 1) periods wide; what is left falls with the third power of that.
+    # The windows are 2n + 1 periods wide, and the remainder falls with the third power of the width.
     ratio = ((4 * _WINDOW + 1) / (2 * _WINDOW + 1)) ** 3
     return fine + (fine - coarse) / (ratio - 1)
 
 
 def _windowed_difference(radius: float, y: ArrayLike, x: ArrayLike, period: float, window: int) -> Array:
-    """Neighbours inside a window one by one, those outside through their mean curvature."""
+    """Sum over the neighbours inside a window, plus the mean curvature caused by those outside."""
     y, x = np.asarray(y, float) / period, np.asarray(x, float) / period
     index = np.arange(-window, window + 1)
     total = np.zeros(np.broadcast_shapes(y.shape, x.shape))
@@ -127,7 +140,7 @@ def _windowed_difference(radius: float, y: ArrayLike, x: ArrayLike, period: floa
         here = unit_displacement(np.hypot(y[..., None] - row, x[..., None] - columns) / radius)
         origin = unit_displacement(np.hypot(row, columns) / radius)
         total += np.sum(here - origin, axis=-1)
-    # Outside: 4a/(3r) a neighbour, of Laplacian 4a/(3r³), whose integral beyond a square of half-width w
-    # is 4√2/w; on a square lattice a quarter of r² times the Laplacian is the mean change.
+    # A neighbour outside adds 4a/(3r), whose Laplacian is 4a/(3r³). The integral of 1/r³ outside a square of
+    # half-width w is 4√2/w, and by the symmetry of the lattice the change at r is r²/4 times the Laplacian.
     beyond = 4 / 3 * radius * 4 * np.sqrt(2) / (window + 0.5)
     return total + 0.25 * (x**2 + y**2) * beyond

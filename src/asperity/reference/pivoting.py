@@ -1,10 +1,11 @@
-"""Contact by principal pivoting on the dense compliance: no iteration on pressures, for small grids.
+"""Contact pressure by principal pivoting on the dense compliance, for small periodic grids.
 
-Every node is either in contact, its gap zero, or out of it, its pressure zero. For a choice of the nodes
-in contact the pressures solve one dense linear system. All nodes that break the other half of the
-conditions (tension in contact, overlap out of it) change sides at once while their number falls, and
-else only the last of them, which cannot cycle (J. J. Júdice, F. M. Pires, Computers & Operations Research
-21 (1994) 587, doi 10.1016/0305-0548(94)90106-6).
+Every node is either in contact, where its gap is zero, or out of contact, where its pressure is zero. For a
+given choice of contact nodes the pressures solve one dense linear system. All nodes that violate the other
+half of the conditions (tension in contact, overlap out of contact) change sides together as long as their
+number falls; otherwise only the last of them does, a rule that cannot cycle (J. J. Júdice, F. M. Pires,
+Computers & Operations Research 21 (1994) 587, DOI 10.1016/0305-0548(94)90106-6). Unlike the solvers it does
+not iterate on pressures, and it has no tolerance but rounding.
 """
 
 from __future__ import annotations
@@ -12,39 +13,43 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
-from asperity.elasticity.layer import Layer
 from asperity.types import Array
 
-# Violations below this fraction of the largest term are rounding.
+# Violations below this fraction of the largest term count as rounding.
 ROUNDING = 1e-13
 
-# Exchanges of all nodes without fewer violations before they change sides one by one, and in total.
+# Exchanges of all violating nodes that may fail to lower their number before nodes change sides one by one.
 PATIENCE = 10
-MOST_PIVOTS = 1000
+
+# Limit on the exchanges in total.
+MAX_PIVOTS = 1000
 
 
 class PivotingError(RuntimeError):
-    """No choice of contact nodes was found that fulfils all conditions, or its system is singular."""
+    """No choice of contact nodes was found that fulfils all conditions, or its linear system is singular."""
 
 
 def pivot(
     height: Array,
-    layer: Layer,
+    compliance: Array,
     *,
     mean_pressure: float | None = None,
     approach: float | None = None,
     guess: Array | None = None,
 ) -> Array:
-    """Contact pressure on a square unit cell, under a mean pressure or at an approach.
+    """Contact pressure of a periodic surface under a mean pressure or at an approach.
 
     Parameters
     ----------
     height : (ny, nx) array
-    layer : Layer
+        Lower face of the rigid indenter, measured upward.
+    compliance : (ny, nx // 2 + 1) array
+        Downward surface displacement per unit pressure of every stored mode, in the order of
+        `asperity.spectral.Grid.wavenumber`.
     mean_pressure, approach : float
-        One of them.
+        One of them. At the approach δ the gap is height + displacement − δ.
     guess : (ny, nx) bool array, optional
-        Nodes first taken for those in contact; by default the lowest.
+        First choice of contact nodes; by default the lowest node.
 
     Returns
     -------
@@ -61,39 +66,35 @@ def pivot(
     if mean_pressure == 0 or (level is not None and level <= 0):
         return np.zeros(height.shape)
     load = None if mean_pressure is None else mean_pressure * surface.size
-    spectrum = _spectrum(layer, height.shape)
+    spectrum = compliance.copy()
     if load is not None:
-        # A uniform compliance shifts the approach alone, and makes the system definite.
+        # At a given load a uniform compliance changes only the approach, and it makes the system definite.
         spectrum[0, 0] += np.abs(spectrum).max()
     contact = surface == 0 if guess is None else np.ravel(guess).copy()
     fewest, patience = surface.size + 1, PATIENCE
-    for _ in range(MOST_PIVOTS):
+    for _ in range(MAX_PIVOTS):
         if not contact.any():
             contact[np.argmin(surface)] = True
-        pressure, gap, rounding = _settle(surface.reshape(height.shape), spectrum, contact, load, level)
+        pressure, gap, rounding = _pressure_and_gap(
+            surface.reshape(height.shape), spectrum, contact, load, level
+        )
         tension = contact & (pressure < -ROUNDING * np.abs(pressure).max())
         wrong = np.flatnonzero(tension | (~contact & (gap < -rounding)))
         if wrong.size == 0:
             return np.maximum(pressure, 0).reshape(height.shape)
         fewest, patience = (wrong.size, PATIENCE) if wrong.size < fewest else (fewest, patience - 1)
         contact[wrong if patience > 0 else wrong[-1]] ^= True
-    raise PivotingError(f"{wrong.size} of {surface.size} nodes still wrong after {MOST_PIVOTS} pivots")
+    raise PivotingError(f"{wrong.size} of {surface.size} nodes still wrong after {MAX_PIVOTS} pivots")
 
 
-def _spectrum(layer: Layer, shape: tuple[int, int]) -> Array:
-    """Compliance of every mode, (ny, nx)."""
-    qy, qx = (2 * np.pi * np.fft.fftfreq(n, 1 / n) for n in shape)
-    return layer.surface_compliance(np.hypot(qy[:, None], qx[None, :]))
-
-
-def _settle(
+def _pressure_and_gap(
     surface: Array, spectrum: Array, contact: Array, load: float | None, level: float | None
 ) -> tuple[Array, Array, float]:
-    """Pressure and gap for a choice of contact nodes, and what rounding may make of the gap."""
+    """Pressure and gap for a choice of contact nodes, flat arrays, and the rounding error of the gap."""
     inside = np.flatnonzero(contact)
     row, column = np.unravel_index(inside, surface.shape)
-    # A node's displacement by the pressure on another depends on their distance alone.
-    kernel = np.fft.ifft2(spectrum).real
+    # The displacement of one node by the pressure on another depends on their distance alone.
+    kernel = np.fft.irfft2(spectrum, surface.shape)
     matrix = kernel[row[:, None] - row, column[:, None] - column]
     sides = np.stack([-surface.ravel()[inside], np.ones(inside.size)], axis=1)
     try:
@@ -105,6 +106,7 @@ def _settle(
     assert level is not None
     pressure = np.zeros(surface.size)
     pressure[inside] = own + level * uniform
-    displacement = np.fft.ifft2(spectrum * np.fft.fft2(pressure.reshape(surface.shape))).real
+    modes = spectrum * np.fft.rfft2(pressure.reshape(surface.shape))
+    displacement = np.fft.irfft2(modes, surface.shape)
     gap = (surface + displacement - level).ravel()
     return pressure, gap, ROUNDING * max(float(np.abs(displacement).max()), abs(level))

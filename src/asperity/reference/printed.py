@@ -1,11 +1,12 @@
-"""The paper's equations of the elastic layer, as printed and as they hold.
+"""The paper's equations of the elastic layer, as printed and corrected.
 
-Only for showing what does not hold (`docs/method.md`) and what floating point makes of the rest
-(`asperity.validation.rounding`); the library itself computes with `asperity.elasticity.layer`. Every function takes
-``corrected``: False gives the printed text literally, True the nearest form that holds.
+They serve to show which printed equations do not hold (`docs/method.md`) and how rounding affects the
+corrected ones (`asperity.validation.rounding`); the library itself computes with
+`asperity.elasticity.layer`. Most functions take ``corrected``: False gives the printed text literally, True
+the nearest form that holds.
 
-``lib`` is the arithmetic: ``mpmath.mp`` for any number of digits, ``numpy`` for floating point, in the
-precision of the arguments. Equation numbers are those of the paper; z is measured upward from the bottom.
+``lib`` is the arithmetic: ``mpmath.mp`` for any number of digits, ``numpy`` for floating point in the
+precision of the arguments. Equation numbers are those of the paper. z is measured upward from the bottom.
 """
 
 from __future__ import annotations
@@ -14,10 +15,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 ELEMENTS = ("11", "12", "13", "22", "23", "33", "14", "15", "16", "25", "26", "36")
+"""Indices of the elements of Eq. A.3."""
 
 
 def elastic_constants(young: Any, poisson: Any) -> tuple[Any, Any, Any]:
-    """C11, C12 and C44 of an isotropic solid; infinite at ν = 1/2."""
+    """C11, C12 and C44 of an isotropic solid; C11 and C12 are infinite at ν = 1/2."""
     factor = young / ((1 + poisson) * (1 - 2 * poisson))
     return factor * (1 - poisson), factor * poisson, young / (2 * (1 + poisson))
 
@@ -44,7 +46,10 @@ def equilibrium_in_space(
 
 
 def equilibrium_of_mode(displacement: Sequence[Sequence[Any]], qx: Any, qy: Any, s: Any) -> list[Any]:
-    """Left-hand sides of the three lines of Eq. 4, s = C44/C11; they hold as printed."""
+    """Left-hand sides of the three lines of Eq. 4, with s = C44/C11; they hold as printed.
+
+    `displacement` as in `equilibrium_in_space`.
+    """
     (ux, uy, uz), (ux1, uy1, uz1), (ux2, uy2, uz2) = displacement
     x, y = 1j * qx, 1j * qy
     return [
@@ -55,9 +60,9 @@ def equilibrium_of_mode(displacement: Sequence[Sequence[Any]], qx: Any, qy: Any,
 
 
 def basis(lib: Any, qx: Any, qy: Any, z: Any, s: Any, corrected: bool = True) -> tuple[Any, Any]:
-    """Matrix f of Eqs. 5 and 6, and its derivative along z, as 3 rows of 6.
+    """Matrix f of Eqs. 5 and 6, and its derivative along z, each as 3 rows of 6.
 
-    As printed f34 is missing, and read as 0; it equals f26.
+    The element f34 is not printed and counts as 0; it must equal f26.
     """
     q = lib.sqrt(qx * qx + qy * qy)
     sinh, cosh = lib.sinh(z * q), lib.cosh(z * q)
@@ -66,7 +71,7 @@ def basis(lib: Any, qx: Any, qy: Any, z: Any, s: Any, corrected: bool = True) ->
     sinh_slope, cosh_slope = sinh + cosh_z, q * cosh + z * q * q * sinh
 
     def diagonal(along: Any, across: Any) -> tuple[Any, Any, Any, Any]:
-        """f11 and f12 and their derivatives, or f23 and f24."""
+        """f11, f12 and their derivatives, or with x and y exchanged f23, f24 and theirs."""
         even = 2 * s / (s + 1) * cosh - r * along**2 * sinh_z / q
         even_slope = 2 * s / (s + 1) * q * sinh - r * along**2 * sinh_slope / q
         odd = (along**2 * ((s + 1) * sinh - (s - 1) * cosh_z) + 2 * across**2 * sinh) / ((s + 1) * q**3)
@@ -98,9 +103,9 @@ def basis(lib: Any, qx: Any, qy: Any, z: Any, s: Any, corrected: bool = True) ->
 def stress_rows(
     values: Any, slopes: Any, qx: Any, qy: Any, young: Any, poisson: Any, corrected: bool = True
 ) -> list[list[Any]]:
-    """σ_zz, σ_yz and σ_zx of the six columns of `basis`, by Eq. 7, as 3 rows of 6.
+    """σ_zz, σ_yz and σ_zx of the six columns of `basis` by Eq. 7, as 3 rows of 6.
 
-    As printed the rows of σ_yz and σ_zx are exchanged.
+    In print the rows of σ_yz and σ_zx are exchanged.
     """
     c11, c12, c44 = elastic_constants(young, poisson)
     x, y = 1j * qx, 1j * qy
@@ -117,7 +122,7 @@ def stress_rows(
 
 
 def half_space_compliance(lib: Any, qx: Any, qy: Any, young: Any, poisson: Any) -> list[Any]:
-    """G_xz, G_yz and G_zz of Eq. 10, displacement per traction t_z; they hold as printed."""
+    """G_xz, G_yz and G_zz of Eq. 10, displacements per traction t_z; they hold as printed."""
     square = qx * qx + qy * qy
     shear = 1j * (poisson + 1) * (2 * poisson - 1) / (young * square)
     return [shear * qx, shear * qy, -2 * (poisson**2 - 1) / (young * lib.sqrt(square))]
@@ -126,10 +131,10 @@ def half_space_compliance(lib: Any, qx: Any, qy: Any, young: Any, poisson: Any) 
 def compliance_elements(
     lib: Any, qx: Any, qy: Any, height: Any, young: Any, poisson: Any, corrected: bool = True
 ) -> dict[str, Any]:
-    """The twelve elements of Eq. A.3.
+    """The twelve elements of Eq. A.3, by the names of `ELEMENTS`.
 
-    As printed G11, G12 and G22 have (1 + e^2h)³ for (−1 + e^2h)³, G11 besides q_r³ for q_y² q_r in its
-    first bracket, and the brackets of G33, G36, G16 and G26 stand under the root.
+    In print G11, G12 and G22 have (1 + e^2h)³ instead of (−1 + e^2h)³, the first bracket of G11 has q_r³
+    instead of q_y² q_r, and the brackets of G33, G36, G16 and G26 stand under the root.
     """
     q = lib.sqrt(qx * qx + qy * qy)
     h = q * height
@@ -142,7 +147,7 @@ def compliance_elements(
     first = qy * qy if corrected else q * q
 
     def rooted(bracket: Any) -> Any:
-        """Denominator q [bracket], printed with the bracket under the root."""
+        """Denominator q [bracket]; in print the bracket stands under the root."""
         return q * bracket if corrected else lib.sqrt(q * q * bracket)
 
     elements = {
@@ -207,9 +212,10 @@ def compliance_elements(
 
 
 def compliance(elements: Mapping[str, Any], corrected: bool = True) -> list[list[Any]]:
-    """The 6 × 6 compliance of Eq. A.2 from its elements, as rows; t = σ·n with outward n on both faces.
+    """Rows of the 6 × 6 compliance of Eq. A.2 from its elements.
 
-    As printed the entries (5, 4), (6, 4) and (6, 5) are G15, i G16 and i G26 for G12, i G13 and i G23.
+    Tractions are t = σ·n with the outward normal n on both faces. In print the entries (5, 4), (6, 4) and
+    (6, 5) are G15, i G16 and i G26 instead of G12, i G13 and i G23.
     """
     g = elements
     lower = (g["12"], 1j * g["13"], 1j * g["23"]) if corrected else (g["15"], 1j * g["16"], 1j * g["26"])
@@ -224,9 +230,10 @@ def compliance(elements: Mapping[str, Any], corrected: bool = True) -> list[list
 
 
 def gaussian_variable(lib: Any, first: Any, second: Any, corrected: bool = True) -> Any:
-    """Eq. 21: one complex number, or as printed what its two lines give for the same symbol.
+    """Gaussian random variable of Eq. 21: one complex number, or as printed two real ones.
 
-    `first` and `second` are the independent random numbers, uniform in (0, 1]; 0 is not in the logarithm.
+    Both printed lines define the same symbol; they are read as its real and imaginary part. `first` and
+    `second` are independent random numbers, uniform in (0, 1]: the logarithm excludes 0.
     """
     radius = lib.sqrt(-2 * lib.log(first))
     real, imaginary = radius * lib.cos(2 * lib.pi * second), radius * lib.sin(2 * lib.pi * second)
@@ -234,10 +241,10 @@ def gaussian_variable(lib: Any, first: Any, second: Any, corrected: bool = True)
 
 
 def critical_damping(lib: Any, time_step: Any, stiffness: Any, corrected: bool = True) -> Any:
-    """Critical damping of a mode of unit mass, Eq. 18: (2/Δt) √(κ − κ) as printed, which is zero.
+    """Critical damping of a mode of unit mass, Eq. 18: (2/Δt) √(κ − κ²/4), printed as (2/Δt) √(κ − κ), zero.
 
-    `stiffness` is that of the mode, E/(2 L_c (1 + ν)) in the paper; κ = stiffness Δt² and the scheme with
-    centred damping is critical at (2/Δt) √(κ − κ²/4).
+    `stiffness` is that of the mode, E/(2 L_c (1 + ν)) in the paper, and κ = stiffness Δt². The corrected
+    form is critical for the scheme that the paper describes, with centred damping.
     """
     kappa = stiffness * time_step**2
     return 2 / time_step * lib.sqrt(kappa - (kappa**2 / 4 if corrected else kappa))

@@ -1,16 +1,16 @@
-"""The elastic layer to any number of digits, from the equations alone.
+"""One Fourier mode of an elastic layer to any number of digits, from equilibrium and Hooke's law alone.
 
-Equilibrium and Hooke's law of one Fourier mode are a first-order system in z,
+Equilibrium and Hooke's law of a mode exp(i (qx x + qy y)) are a first-order system in z,
 
     y' = A y,    y = (u_x, u_y, u_z, σ_xz, σ_yz, σ_zz),
 
-whose matrix is finite for every −1 < ν ≤ 1/2. Its eigenvalues are +q and −q, three times each, and
-(A² − q²)² = 0. The solution is therefore a part that decays downward from the top and one that decays
-upward from the bottom, each an exponential times a linear function of z, and six boundary conditions fix
-them. Nothing here is shared with `asperity.elasticity.layer`: no kernel, no compliance, no closed form.
+whose matrix is finite for every −1 < ν ≤ 1/2. Its eigenvalues are +q and −q, three times each, and (A² −
+q²)² = 0. The general solution is therefore a part that decays downward from the top and a part that decays
+upward from the bottom, each an exponential times a linear function of z; six boundary conditions determine
+both. Nothing is shared with `asperity.elasticity.layer`: no kernel, no compliance and no closed form.
 
-Conventions are those of `asperity.elasticity.layer`. Numbers are `mpmath` numbers; `digits` is the working precision,
-of which about four times the logarithm of q · height is lost in a thin layer.
+Conventions are those of the package. Numbers are `mpmath` numbers; `digits` is the working precision, of
+which a thin layer loses about four times the decimal logarithm of 1/(q · height).
 """
 
 from __future__ import annotations
@@ -25,16 +25,18 @@ _TRACTIONS = (3, 4, 5)
 
 @dataclass
 class StateSpace:
-    """One Fourier mode of a layer or half-space.
+    """One Fourier mode of a layer or half-space under a unit pressure mode.
 
     Parameters
     ----------
     qx, qy : float
-        Wavevector, not zero.
+        Components of the wavevector, not both zero.
     young, poisson : float
+        Stresses are in the unit of `young`.
     height : float, optional
-        Without it the half-space.
+        Height of the layer; None for the half-space.
     bottom : "bonded" | "frictionless" | "free"
+        No displacement; no normal displacement and no shear; no traction. Ignored for the half-space.
     digits : int
         Decimal digits of the arithmetic.
     """
@@ -67,12 +69,12 @@ class StateSpace:
         plane = self.young / (1 - nu**2)
         x, y = 1j * self.qx, 1j * self.qy
         matrix = mp.zeros(6)
-        # Hooke: the derivatives of the displacements
+        # Hooke's law gives the derivatives of the displacements.
         matrix[0, 2], matrix[0, 3] = -x, 1 / shear
         matrix[1, 2], matrix[1, 4] = -y, 1 / shear
         matrix[2, 0], matrix[2, 1] = -ratio * x, -ratio * y
         matrix[2, 5] = (1 + nu) * (1 - 2 * nu) / (self.young * (1 - nu))
-        # Equilibrium: σ_xz' = −∂x σ_xx − ∂y σ_xy and so on, σ_xx and σ_yy by Hooke's law
+        # Equilibrium, σ_xz' = −∂x σ_xx − ∂y σ_xy and so on, with σ_xx, σ_yy and σ_xy by Hooke's law.
         matrix[3, 0] = -(x * x * plane + y * y * shear)
         matrix[3, 1] = -(x * y * (plane * nu + shear))
         matrix[3, 5] = -ratio * x
@@ -89,23 +91,23 @@ class StateSpace:
         up = self.system + eigenvalue * one
         down = self.system - eigenvalue * one
         projector = up * up * (one / (4 * eigenvalue**2) - down / (4 * eigenvalue**3))
-        # The projection has rank three; in every direction of q these seeds stay independent.
+        # The projection has rank three. The projections of these three states are independent for every q.
         along = mp.matrix([self.qx, self.qy]) / self.q
-        seeds = mp.zeros(6, 3)
-        seeds[0, 0], seeds[1, 0] = along[0], along[1]
-        seeds[0, 1], seeds[1, 1] = -along[1], along[0]
-        seeds[2, 2] = 1
-        return projector * seeds
+        states = mp.zeros(6, 3)
+        states[0, 0], states[1, 0] = along[0], along[1]
+        states[0, 1], states[1, 1] = -along[1], along[0]
+        states[2, 2] = 1
+        return projector * states
 
     def _propagate(self, sign: int, distance: Any) -> Any:
-        """States of the basis, (6, 3), at a distance z from where they are the basis itself."""
+        """States of the basis, (6, 3), at a distance along z from the face where they equal the basis."""
         eigenvalue = sign * self.q
         basis = self._bases[sign]
         linear = basis + distance * (self.system * basis - eigenvalue * basis)
         return mp.exp(eigenvalue * distance) * linear
 
     def _states(self, depth: Any) -> Any:
-        """Columns of the general solution at a depth: decaying downward, and upward from the bottom."""
+        """General solution at a depth as columns: three that decay downward, three that decay upward."""
         depth = mp.mpf(depth)
         downward = self._propagate(1, -depth)
         if self.height is None:
@@ -116,7 +118,20 @@ class StateSpace:
         return states
 
     def solve(self, top: Any, lower: Any = (0, 0, 0)) -> Any:
-        """Amplitudes for tractions σ_xz, σ_yz, σ_zz at the top and values of what the bottom prescribes."""
+        """Amplitudes of the general solution under boundary conditions.
+
+        Parameters
+        ----------
+        top : three numbers
+            σ_xz, σ_yz, σ_zz at the top.
+        lower : three numbers
+            Values of what the bottom prescribes: u_x, u_y, u_z if bonded; σ_xz, σ_yz, u_z if frictionless;
+            σ_xz, σ_yz, σ_zz if free.
+
+        Returns
+        -------
+        (6,) or, for the half-space, (3,) matrix
+        """
         with mp.workdps(self.digits):
             rows, values = self._rows(self._states(0), _TRACTIONS), list(top)
             if self.height is not None:
@@ -129,27 +144,28 @@ class StateSpace:
 
     @staticmethod
     def _rows(states: Any, numbers: tuple[int, ...]) -> Any:
+        """Components `numbers` of states in columns."""
         chosen = mp.zeros(len(numbers), states.cols)
         for row, number in enumerate(numbers):
             chosen[row, :] = states[number, :]
         return chosen
 
     def state(self, depth: Any, amplitudes: Any = None) -> Any:
-        """State y at a depth; by default under a unit pressure mode."""
+        """State y = (u_x, u_y, u_z, σ_xz, σ_yz, σ_zz) at a depth; by default under a unit pressure mode."""
         with mp.workdps(self.digits):
             return self._states(depth) * (self._amplitudes if amplitudes is None else amplitudes)
 
     def displacement(self, depth: Any) -> list[Any]:
-        """u_x, u_y, u_z of a unit pressure mode."""
+        """u_x, u_y, u_z at a depth under a unit pressure mode."""
         return list(self.state(depth)[0:3])
 
     def stress(self, depth: Any) -> list[Any]:
-        """σ_xx, σ_yy, σ_zz, σ_yz, σ_xz, σ_xy of a unit pressure mode."""
+        """σ_xx, σ_yy, σ_zz, σ_yz, σ_xz, σ_xy at a depth under a unit pressure mode."""
         with mp.workdps(self.digits):
             return self.stress_of(self.state(depth))
 
     def stress_of(self, state: Any) -> list[Any]:
-        """All six components of a state, by Hooke's law."""
+        """σ_xx, σ_yy, σ_zz, σ_yz, σ_xz, σ_xy of a state, by Hooke's law."""
         nu = self.poisson
         plane = self.young / (1 - nu**2)
         ux, uy, _, xz, yz, zz = state
@@ -166,7 +182,15 @@ class StateSpace:
         ]
 
     def compliance(self) -> Any:
-        """Displacements of both faces of a free layer per traction t = σ·n, outward n, on both, (6, 6)."""
+        """Compliance of a free layer, (6, 6): displacements of both faces per traction on both faces.
+
+        Order: top x, y, z, bottom x, y, z. Tractions are t = σ·n with the outward normal n.
+
+        Raises
+        ------
+        ValueError
+            If the bottom is not free.
+        """
         if self.height is None or self.bottom != "free":
             raise ValueError(f"bottom = {self.bottom!r}: the compliance of two faces needs a free layer")
         with mp.workdps(self.digits):

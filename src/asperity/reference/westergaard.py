@@ -1,16 +1,16 @@
-"""Westergaard: a rigid one-dimensional wave pressed without friction into an elastic half-space.
+"""Westergaard contact: a rigid one-dimensional wave pressed without friction into an elastic half-space.
 
-The indenter's lower face is ``A (1 − cos kx)``, ``k = 2π/λ``; plane strain. Contact is partial below the
-mean pressure ``p* = π E* A / λ`` and complete from there on (H. M. Westergaard, J. Appl. Mech. 6 (1939)
-A49, DOI 10.1115/1.4008919; K. L. Johnson, Contact Mechanics, 1985, section 13.2).
+The indenter's lower face is ``A (1 − cos kx)`` with ``k = 2π/λ``; plane strain. Contact is partial below the
+mean pressure ``p* = π E* A / λ`` and complete from there on (H. M. Westergaard, J. Appl. Mech. 6 (1939) A49,
+DOI 10.1115/1.4008919; K. L. Johnson, Contact Mechanics, Cambridge University Press, 1985, section 13.2).
 
-With ``ε = exp(ik(x + i depth))`` and the half-angle of contact α = ka, the stress comes from one function,
+With ``ε = exp(ik(x + i depth))`` and the half-angle of contact α = ka, the stress follows from one function,
 analytic in |ε| < 1,
 
     Z = −2 p̄ (1 + ε) / (1 − ε + √(1 − ε e^{iα}) √(1 − ε e^{−iα})),
 
-by ``σ_zz = Re Z + depth Im Z'``, ``σ_xx = Re Z − depth Im Z'``, ``σ_xz = depth Re Z'``, the uniform part of
-σ_xx excepted; the slope of the surface is ``2 Im Z / E*``.
+as ``σ_zz = Re Z + depth Im Z'``, ``σ_xx = Re Z − depth Im Z'``, ``σ_xz = depth Re Z'``, except for the
+uniform part of σ_xx; the slope of the surface is ``2 Im Z / E*``.
 """
 
 from __future__ import annotations
@@ -20,23 +20,24 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.reference.hertz import require_positive
+from asperity.reference.arguments import require_positive
 from asperity.types import Array
 
 
 @dataclass(frozen=True)
 class Westergaard:
-    """Contact with a one-dimensional wave along x.
+    """Contact of a half-space with a one-dimensional wave along x.
 
     Parameters
     ----------
     mean_pressure : float
-        Load over nominal area.
+        Load over nominal area, p̄.
     amplitude : float
-        Half of the height from valley to peak.
+        Half of the height from valley to peak, A.
     wavelength : float
+        λ, in the unit of the amplitude.
     effective_modulus : float
-        E* = E / (1 − ν²); pressures are in its unit.
+        E* = E / (1 − ν²) of the half-space; stresses are in its unit.
 
     Raises
     ------
@@ -54,24 +55,24 @@ class Westergaard:
 
     @property
     def complete_pressure(self) -> float:
-        """Mean pressure p* from which on the contact is complete."""
+        """Smallest mean pressure of complete contact, p*."""
         return np.pi * self.effective_modulus * self.amplitude / self.wavelength
 
     @property
     def area_fraction(self) -> float:
-        """Contact length over wavelength, ``2/π asin √(p̄/p*)``."""
+        """Contact width over wavelength, ``2/π asin √(p̄/p*)``."""
         return 2 / np.pi * float(np.arcsin(self._sine))
 
     @property
     def contact_half_width(self) -> float:
-        """Half of the width of a strip of contact."""
+        """Half of the width of one strip of contact."""
         return 0.5 * self.area_fraction * self.wavelength
 
     @property
     def approach(self) -> float:
-        """Approach from first touch, against the mean displacement of the half-space's surface.
+        """Displacement of the wave from first touch, relative to the mean displacement of the surface.
 
-        ``A s² (1 − ln s²)`` with s² = p̄/p*; complete contact: ``A``.
+        ``A s² (1 − ln s²)`` with s² = p̄/p*, and ``A`` in complete contact.
         """
         square = self._sine**2
         return float(self.amplitude * square * (1 - np.log(square)))
@@ -82,7 +83,7 @@ class Westergaard:
         return self.amplitude - self.approach
 
     def height(self, x: ArrayLike) -> Array:
-        """Lower face of the indenter, lowest (zero) at x = 0."""
+        """Height of the indenter's lower face, zero at its lowest point x = 0."""
         return 2 * self.amplitude * np.sin(np.pi * np.asarray(x, float) / self.wavelength) ** 2
 
     def pressure(self, x: ArrayLike) -> Array:
@@ -105,7 +106,7 @@ class Westergaard:
         return self.approach - self.height(x) + self.gap(x)
 
     def stress(self, x: ArrayLike, depth: ArrayLike, poisson: float, lateral: str = "confined") -> Array:
-        """Stress in the solid, plane strain along y.
+        """Stress in the half-space, in plane strain along y.
 
         Parameters
         ----------
@@ -113,12 +114,17 @@ class Westergaard:
             Positions; they broadcast.
         poisson : float
         lateral : "confined" or "free"
-            Whether the uniform mode carries ``σ_xx = σ_yy = −ν/(1 − ν) p̄`` or none.
+            The uniform mode has ``σ_xx = σ_yy = −ν/(1 − ν) p̄`` or zero.
 
         Returns
         -------
         (..., 6) array
             In the order xx, yy, zz, yz, xz, xy.
+
+        Raises
+        ------
+        ValueError
+            If `lateral` is neither.
         """
         x, depth = np.broadcast_arrays(np.asarray(x, float), np.asarray(depth, float))
         k = 2 * np.pi / self.wavelength
@@ -131,12 +137,12 @@ class Westergaard:
             root = np.sqrt(1 - wave * turn) * np.sqrt(1 - wave / turn)
             below = 1 - wave + root
             z = -2 * self.mean_pressure * (1 + wave) / below
-            # At the surface depth · Z' vanishes, though Z' is infinite at the edges of contact.
+            # Z' is infinite at the edges of contact, but depth · Z' is zero on the whole surface.
             steep = np.divide(wave - turn.real, root, out=np.zeros_like(wave), where=depth > 0)
             slope = -2 * self.mean_pressure * (below - (1 + wave) * (steep - 1)) / below**2
         bend = depth * (1j * k * wave * slope)
         xx, zz, xz = z.real - bend.imag, z.real + bend.imag, bend.real
-        # The uniform mode enters Z hydrostatically; what it carries along x and y is a choice.
+        # Z contains the uniform mode as −p̄ in σ_xx too, which is replaced by the chosen lateral stress.
         confined = {"confined": poisson / (1 - poisson), "free": 0.0}
         if lateral not in confined:
             raise ValueError(f"lateral = {lateral!r}: 'confined' or 'free' is needed")

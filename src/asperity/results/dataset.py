@@ -1,9 +1,9 @@
-"""How result files are written and read.
+"""Reading and writing of result files.
 
-The names, units and descriptions of their variables are those of `asperity.results.variables`. A file is NetCDF-4
-with CF attributes, written whole or not at all, and carries a fingerprint of all that is in it; global
-attributes rebuild it. No wall-clock time is inside: the same configuration on the same machine gives the
-same numbers.
+A file is NetCDF-4 with CF attributes; names, units and descriptions of its variables are those of
+`asperity.results.variables`. It is written atomically, and carries a fingerprint of all that is in it and the
+settings from which it can be made again. It holds no wall-clock time: the same configuration gives the same
+numbers on the same machine.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import xarray as xr
 
 import asperity
 from asperity.errors import DatasetError
-from asperity.results.variables import VOCABULARY
+from asperity.results.variables import STAGES, UNITS, VARIABLES
 from asperity.spectral import Grid
 
 CONVENTIONS = "CF-1.11"
@@ -33,102 +33,120 @@ PAPER = (
     "On sub-surface stress caused by contact roughness in compressible elastic solids"
 )
 
-
 FINGERPRINT = "content_digest"
 """Attribute that holds the fingerprint of a file's content."""
 
+MAX_BLOCK = 2**26
+"""Bytes of a variable that are read at once to compute a fingerprint."""
+
+MIN_FREE_SPACE = 2**20
+"""A disk with fewer free bytes is called full: the NetCDF library does not say so itself."""
+
 _REMEDY = "delete it and run again"
-_BLOCK = 2**26
-_SPARE = 2**20
 
 
 def digest(settings: Any) -> str:
-    """Short fingerprint of a configuration, independent of the order of its keys."""
+    """Short fingerprint of a tree of plain values, independent of the order of its keys."""
     return hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]
 
 
 def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, settings: Mapping[str, Any]) -> None:
-    """Write a result file, whole or not at all.
+    """Write a result file atomically.
 
     Parameters
     ----------
     dataset : xarray.Dataset
-        Variables of the vocabulary; their units and long names are attached here. Its own global
-        attributes (what was decided or reached on the way) are kept.
+        With variables of `VARIABLES`; their units and descriptions are added here. Its own global attributes
+        are kept.
     path : path
     title : str
-        What the file holds, for a stranger.
+        Says in one line what the file holds.
     settings : mapping
-        All that rebuilds the file, as a tree of plain values; stored as JSON, with its fingerprint.
+        Settings from which the file can be made again, a tree of plain values; stored as JSON, with its
+        fingerprint.
 
     Raises
     ------
     KeyError
-        If a variable is not in the vocabulary.
+        If a variable is not in `VARIABLES`.
     DatasetError
-        If the file cannot be written; what was there before is still there.
+        If the file cannot be written; an earlier file of the same name is still there then.
     """
     path = Path(path)
     described = dataset.copy()
     for name in described.variables:
-        variable = VOCABULARY.get(str(name))
-        if variable is None:
-            raise KeyError(f"variable {name!r} of {path.name} is not in asperity.results.dataset.VOCABULARY")
-        described[name].attrs.update(variable._asdict())
+        if name not in VARIABLES:
+            raise KeyError(f"variable {name!r} of {path.name} is not in asperity.results.variables.VARIABLES")
+        described[name].attrs.update(_attributes(str(name), described[name].dtype))
+    stage = stage_of(dataset)
     described.attrs = {
         "Conventions": CONVENTIONS,
         "title": title,
+        **({"summary": STAGES[stage].summary} if stage else {}),
         "source": f"asperity {asperity.__version__}",
+        "comment": UNITS,
         "references": PAPER,
         "settings": json.dumps(settings, sort_keys=True),
         "settings_digest": digest(settings),
         **dataset.attrs,
     }
-    encoding = {
-        str(name): {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
-        for name, variable in described.variables.items()
-        if variable.ndim and variable.dtype.kind in "fiu"
-    }
     described.attrs[FINGERPRINT] = fingerprint(described)
-    with whole(path) as unfinished:
+    encoding = {
+        str(name): _encoding(described[name].dtype) for name, v in described.variables.items() if v.ndim
+    }
+    with atomic_write(path) as unfinished:
         described.to_netcdf(unfinished, format="NETCDF4", engine="netcdf4", encoding=encoding)
 
 
-@contextmanager
-def whole(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A file to write that takes its name when the block ends well, and is removed when it does not.
+def _attributes(name: str, dtype: np.dtype[Any]) -> dict[str, str]:
+    """CF attributes of a variable; only numbers have units."""
+    attributes = VARIABLES[name]._asdict()
+    if dtype.kind not in "fiu":
+        del attributes["units"]
+    return {key: value for key, value in attributes.items() if value}
 
-    What a killed process left of the same file is removed too.
+
+def _encoding(dtype: np.dtype[Any]) -> dict[str, Any]:
+    """Storage of an array: compressed, with checksums; texts as characters of a fixed width."""
+    packed = {"zlib": True, "complevel": 1, "shuffle": True, "fletcher32": True}
+    return packed if dtype.kind in "fiub" else packed | {"dtype": "S1"}
+
+
+@contextmanager
+def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """A temporary file beside `path`: renamed to it when the block succeeds, deleted when it fails.
+
+    Temporary files of the same name that killed processes have left are deleted too.
 
     Raises
     ------
     DatasetError
-        If it cannot be written; the message names the file and the remedy.
+        If the file cannot be written; the message names the file and the remedy.
     """
     path = Path(path)
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        _sweep(path)
+        _delete_abandoned(path)
         yield unfinished
         os.replace(unfinished, path)
     except (OSError, RuntimeError) as error:
-        raise DatasetError(f"{path}: cannot be written ({_reason(error, path)} and run again") from error
+        raise DatasetError(f"{path}: cannot be written ({_cause_and_remedy(error, path)}") from error
     finally:
         with suppress(OSError):
             unfinished.unlink()
 
 
-def _sweep(path: Path) -> None:
-    """Remove unfinished files of `path` whose processes are gone."""
+def _delete_abandoned(path: Path) -> None:
+    """Delete temporary files of `path` whose processes have ended."""
     pattern = re.compile(rf"\.{re.escape(path.name)}\.(\d+)\.unfinished")
     for left in path.parent.iterdir():
         found = pattern.fullmatch(left.name)
-        if found and not _alive(int(found[1])):
+        if found and not _is_running(int(found[1])):
             left.unlink(missing_ok=True)
 
 
-def _alive(process: int) -> bool:
+def _is_running(process: int) -> bool:
     try:
         os.kill(process, 0)
     except ProcessLookupError:
@@ -138,33 +156,38 @@ def _alive(process: int) -> bool:
     return True
 
 
-def _reason(error: Exception, path: Path) -> str:
-    """Why a file cannot be written, and what helps; the NetCDF library does not say that a disk is full."""
+def _cause_and_remedy(error: Exception, path: Path) -> str:
+    """End of the message that a file cannot be written."""
     existing = next(folder for folder in path.absolute().parents if folder.is_dir())
-    if getattr(error, "errno", None) == errno.ENOSPC or shutil.disk_usage(existing).free < _SPARE:
-        return "the disk is full); free some space"
-    return f"{getattr(error, 'strerror', None) or error}); make its folder writable"
+    if getattr(error, "errno", None) == errno.ENOSPC or shutil.disk_usage(existing).free < MIN_FREE_SPACE:
+        return "the disk is full); free some space and run again"
+    return f"{getattr(error, 'strerror', None) or error}); make its folder writable and run again"
 
 
 def settings_of(dataset: xr.Dataset) -> dict[str, Any]:
-    """The settings a file was made from, to hand on to what is made from it."""
+    """The settings from which a result was made."""
     return json.loads(dataset.attrs["settings"])
 
 
+def stage_of(dataset: xr.Dataset) -> str | None:
+    """The stage of which a dataset is a result: surface, contact, stress, statistics, or None."""
+    return next((name for name, stage in STAGES.items() if stage.variable in dataset), None)
+
+
 def grid_of(dataset: xr.Dataset) -> Grid:
-    """The grid of a result with coordinates y and x; its longer edge is one."""
+    """The grid of a result with coordinates y and x."""
     shape = dataset.sizes["y"], dataset.sizes["x"]
     steps = [float(dataset[axis][1]) if dataset.sizes[axis] > 1 else 1.0 for axis in ("y", "x")]
     return Grid(shape, (shape[0] * steps[0], shape[1] * steps[1]))
 
 
 def read(path: str | os.PathLike[str]) -> xr.Dataset:
-    """Read a result file whole, checking it against the vocabulary and its fingerprint.
+    """Read a result file into memory, after checking its names, units and fingerprint.
 
     Raises
     ------
     DatasetError
-        If the file is missing, damaged, changed by hand, or not one of this vocabulary.
+        If the file is missing, damaged, changed since it was written, or not a result of asperity.
     """
     with _opened(path) as opened:
         dataset = opened.load()
@@ -173,74 +196,92 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
 
 
 def verify(path: str | os.PathLike[str]) -> None:
-    """Check a result file as `read` does, in little memory.
+    """Check a file of the project's own results as `read` does, in little memory.
 
     Raises
     ------
     DatasetError
-        As of `read`.
+        As by `read`; the message says that a damaged file may be deleted.
     """
-    with _opened(path) as opened:
-        _check(opened, path)
+    try:
+        with _opened(path) as opened:
+            _check(opened, path)
+    except DatasetError as error:
+        message = str(error)
+        if not Path(path).is_file() or message.endswith(_REMEDY):
+            raise
+        raise DatasetError(f"{message}; {_REMEDY}") from error
 
 
 @contextmanager
 def _opened(path: str | os.PathLike[str]) -> Iterator[xr.Dataset]:
-    """A result file, its values not read yet; what fails in the block is told as damage."""
+    """A result file whose values are not read yet; errors in the block become a `DatasetError`.
+
+    The message advises to delete the file only if it is known to be a result: it may be anything else, such
+    as a measured map of the user.
+    """
     if not Path(path).is_file():
         raise DatasetError(f"{path}: no such file")
+    ours = False
     try:
         with xr.open_dataset(path, engine="netcdf4", cache=False) as opened:
+            ours = FINGERPRINT in opened.attrs
             yield opened
     except DatasetError:
         raise
     except (OSError, RuntimeError, ValueError, KeyError, AttributeError) as error:
-        raise DatasetError(f"{path}: damaged or not NetCDF-4 ({error}); {_REMEDY}") from error
+        if ours:
+            raise DatasetError(f"{path}: damaged ({error}); {_REMEDY}") from error
+        raise DatasetError(f"{path}: damaged, or not a result of asperity ({error})") from error
 
 
 def _check(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Raise `DatasetError` if names, units or fingerprint are not those of a result."""
+    if FINGERPRINT not in dataset.attrs:
+        raise DatasetError(f"{path}: not a result of asperity, it has no attribute {FINGERPRINT}")
     for name, variable in dataset.variables.items():
-        expected = VOCABULARY.get(str(name))
-        if expected is None:
+        if name not in VARIABLES:
             raise DatasetError(f"{path}: unknown variable {name!r}; {_REMEDY}")
-        if (units := variable.attrs.get("units")) != expected.units:
-            raise DatasetError(f"{path}: {name} is in {units!r}, {expected.units!r} expected; {_REMEDY}")
-    if dataset.attrs.get(FINGERPRINT) != fingerprint(dataset):
+        expected = _attributes(str(name), variable.dtype).get("units")
+        if (units := variable.attrs.get("units")) != expected:
+            raise DatasetError(f"{path}: {name} is in {units!r}, {expected!r} expected; {_REMEDY}")
+    if dataset.attrs[FINGERPRINT] != fingerprint(dataset):
         raise DatasetError(f"{path}: changed since it was written, or by another version; {_REMEDY}")
 
 
 def fingerprint(dataset: xr.Dataset) -> str:
-    """Fingerprint of all names, attributes and values of a dataset, its fingerprint excepted."""
+    """Fingerprint of all names, attributes and values of a dataset, except the fingerprint itself."""
     found = hashlib.blake2b(digest_size=16)
     attributes = {name: value for name, value in dataset.attrs.items() if name != FINGERPRINT}
-    found.update(_plain(attributes))
+    found.update(_attribute_bytes(attributes))
     for name in sorted(dataset.variables, key=str):
         variable = dataset.variables[name]
-        found.update(_plain({"name": name, "dims": variable.dims, "shape": variable.shape}))
-        found.update(_plain(variable.attrs))
+        found.update(_attribute_bytes({"name": name, "dims": variable.dims, "shape": variable.shape}))
+        found.update(_attribute_bytes(variable.attrs))
         for block in _blocks(variable):
-            found.update(_bytes(block))
+            found.update(_value_bytes(block))
     return found.hexdigest()
 
 
-def _plain(attributes: Mapping[Any, Any]) -> bytes:
-    """Attributes as text; a list of one is what NetCDF gives back as its item."""
+def _attribute_bytes(attributes: Mapping[Any, Any]) -> bytes:
+    """Attributes as JSON; NetCDF gives a list of one back as its item."""
     values = {str(name): np.atleast_1d(np.asarray(value)).tolist() for name, value in attributes.items()}
     return json.dumps(values, sort_keys=True).encode()
 
 
 def _blocks(variable: xr.Variable) -> Iterator[Any]:
     """The values, some rows at a time."""
-    if not variable.ndim or variable.nbytes <= _BLOCK:
+    if not variable.ndim or variable.nbytes <= MAX_BLOCK:
         yield variable.values
         return
-    rows = max(1, _BLOCK * variable.shape[0] // variable.nbytes)
+    rows = max(1, MAX_BLOCK * variable.shape[0] // variable.nbytes)
     for begin in range(0, variable.shape[0], rows):
         yield variable[begin : begin + rows].values
 
 
-def _bytes(values: Any) -> Any:
+def _value_bytes(values: Any) -> Any:
+    """Values as bytes; those of the blocks of a text variable join to those of the whole."""
     values = np.asarray(values)
     if values.dtype.kind in "fiub":
         return np.ascontiguousarray(values).data
-    return json.dumps(values.astype(str).tolist()).encode()
+    return "".join(f"{text}\0" for text in values.ravel()).encode()

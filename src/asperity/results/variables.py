@@ -1,8 +1,8 @@
-"""The vocabulary of the result files: one name, one unit, one description, in whatever file it stands.
+"""Names, units and descriptions of the variables of the result files, and what the files of a stage hold.
 
-Lengths are in units of the edge of the cell, stresses in units of the effective modulus E* = E/(1 − ν²),
-both written as such. A scaled stress is divided by E* and by the rms gradient of the deformed surface over
-the true contact, the paper's E* ḡ_r.
+Lengths are in units of the edge of the cell, stresses in units of the effective modulus E* = E/(1 − ν²). A
+scaled stress is divided by E* and by the rms gradient of the deformed surface over the true contact, the
+paper's E* ḡ_r. Numbers without a dimension have the unit 1; texts and truth values have none.
 """
 
 from __future__ import annotations
@@ -11,11 +11,57 @@ from typing import NamedTuple
 
 
 class Variable(NamedTuple):
-    """What a name means."""
+    """Unit and description of a variable: the CF attributes ``units``, ``long_name`` and ``comment``."""
 
     units: str
     long_name: str
+    comment: str = ""
 
+
+class Stage(NamedTuple):
+    """A variable that only the files of a stage have, and what these files hold."""
+
+    variable: str
+    summary: str
+
+
+STAGES = {
+    "surface": Stage(
+        "spectrum",
+        "Heights of one rough surface on a periodic cell, their moments and their radially averaged power "
+        "spectral density. The height is that of the rigid indenter's lower face, measured upward: the "
+        "lowest points touch first.",
+    ),
+    "contact": Stage(
+        "pressure",
+        "Frictionless contact of an elastic solid with the rigid rough surface: contact pressure, "
+        "displacement of the solid's surface and gap at one load; true contact area, load and gradient "
+        "along the load path. Attributes: solid... is the solid that was computed and why, certificate_... "
+        "how well the conditions of contact hold.",
+    ),
+    "stress": Stage(
+        "peak_value",
+        "Stress inside the solid under the contact, tension positive. Along peak: local maxima of the "
+        "magnitude of each quantity in the whole solid, for each Poisson's ratio; asperity.peaks(dataset, "
+        "quantity, poisson, selection) selects them by name. Along plane: mean and largest von Mises stress "
+        "over depth, and covariance with the plane of the largest (Eq. 22). Along lag: covariance in that "
+        "plane.",
+    ),
+    "statistics": Stage(
+        "peak_density",
+        "Distributions of the stress peaks of one surface over all its seeds, with confidence bands from a "
+        "bootstrap over seeds (..._low, ..._high), NaN for a single seed. Along bin and depth_bin: densities "
+        "and counts of peaks. Along percent: percentiles. Along plane and lag: depth profiles and "
+        "covariances (Eq. 22), means over seeds.",
+    ),
+}
+
+
+UNITS = (
+    "Units: cell_length is the longer edge of the periodic cell, effective_modulus is E/(1 - nu^2), "
+    "scaled_stress is effective_modulus times the rms gradient of the deformed surface over the true contact."
+)
+"""What the names of the units mean, for the files."""
 
 _LENGTH = "cell_length"
 _STRESS = "effective_modulus"
@@ -53,7 +99,7 @@ def _punch(name: str, units: str, long_name: str) -> dict[str, Variable]:
     return {f"{name}_{case}": Variable(units, f"{long_name}, {words}") for case, words in cases.items()}
 
 
-VOCABULARY: dict[str, Variable] = {
+VARIABLES: dict[str, Variable] = {
     # coordinates and the grid
     "x": Variable(_LENGTH, "position along x"),
     "y": Variable(_LENGTH, "position along y"),
@@ -66,14 +112,16 @@ VOCABULARY: dict[str, Variable] = {
     "skewness": Variable("1", "skewness of the heights; positive: blunt contacts"),
     "kurtosis": Variable("1", "kurtosis of the heights, 3 for a Gaussian"),
     "spectrum": Variable("cell_length^4", "radially averaged power spectral density of the heights"),
-    "spectrum_target": Variable("cell_length^4", "power spectral density asked for, on the same rings"),
+    "spectrum_target": Variable(
+        "cell_length^4", "power spectral density from which the surface was generated, on the same rings"
+    ),
     "spectrum_before": Variable(
-        "cell_length^4", "spectrum of the sample before its heights were transformed"
+        "cell_length^4", "spectrum of the Gaussian sample before its heights were transformed"
     ),
     "skewness_error": Variable("1", "standard error of the skewness of one Gaussian sample"),
     "kurtosis_error": Variable("1", "standard error of the kurtosis of one Gaussian sample"),
     # contact
-    "pressure": Variable(_STRESS, "contact pressure"),
+    "pressure": Variable(_STRESS, "contact pressure, compression positive"),
     "gap": Variable(_LENGTH, "gap between solid and indenter"),
     "displacement": Variable(_LENGTH, "downward displacement of the solid's surface"),
     "area_fraction": Variable("1", "true contact area over nominal area"),
@@ -86,28 +134,42 @@ VOCABULARY: dict[str, Variable] = {
         "1", "rms gradient of the deformed surface over the true contact, along the load path"
     ),
     # stress
-    "quantity": Variable("1", "what a peak is a peak of"),
+    "quantity": Variable(
+        "1",
+        "quantity whose peaks were sought",
+        "pressure: contact pressure; von_mises: von Mises stress; xx, yy, zz, yz, xz, xy: stress components",
+    ),
     "poisson": Variable("1", "Poisson's ratio"),
-    "lag": Variable(_LENGTH, "distance in the plane"),
-    "peak_quantity": Variable("1", "index of the peak's quantity"),
-    "peak_poisson": Variable("1", "index of the peak's Poisson's ratio, -1: the same for every one"),
-    "peak_value": Variable(_STRESS, "stress at the peak, of signed components a maximum of the magnitude"),
+    "lag": Variable(_LENGTH, "distance between two points of the plane"),
+    "peak_quantity": Variable("1", "quantity of the peak, one of the names in quantity"),
+    "peak_poisson": Variable(
+        "1",
+        "Poisson's ratio of the peak, one of the values in poisson",
+        "NaN: the same peak for every Poisson's ratio; asperity.peaks finds it under each of them",
+    ),
+    "peak_value": Variable(
+        _STRESS,
+        "stress at the peak, tension positive; contact pressure, compression positive",
+        "a peak is a maximum of the magnitude; the sign is kept",
+    ),
     "peak_depth": Variable(_LENGTH, "depth of the peak below the surface"),
     "peak_y": Variable(_LENGTH, "position of the peak along y"),
     "peak_x": Variable(_LENGTH, "position of the peak along x"),
-    "peak_interior": Variable("1", "1 if the peak is below the surface plane, 0 if in it"),
-    "peak_under_contact": Variable("1", "1 if the surface above the peak is in contact"),
+    "peak_interior": Variable("1", "true for a peak below the surface, false for one in it"),
+    "peak_under_contact": Variable("1", "true if the surface node nearest above the peak carries pressure"),
     "plane_depth": Variable(_LENGTH, "depth of the plane"),
-    "plane_points": Variable("1", "nodes on the longer edge of the plane's grid"),
+    "plane_points": Variable("1", "number of nodes on the longer edge of the plane's grid"),
     "mean_von_mises": Variable(_STRESS, "mean von Mises stress of the plane"),
-    "largest_von_mises": Variable(_STRESS, "largest von Mises stress of the plane"),
+    "largest_von_mises": Variable(_STRESS, "largest von Mises stress of the plane, at a node"),
     "covariance_depth": Variable(
-        _STRESS_SQUARED, "covariance of the von Mises stress with the reference plane"
+        _STRESS_SQUARED, "covariance of the von Mises stress with that of the reference plane (Eq. 22)"
     ),
     "covariance_plane": Variable(
-        _STRESS_SQUARED, "covariance of the von Mises stress in the reference plane"
+        _STRESS_SQUARED, "covariance of the von Mises stress in the reference plane over distance (Eq. 22)"
     ),
-    "reference_depth": Variable(_LENGTH, "depth of the plane with the largest von Mises stress"),
+    "reference_depth": Variable(
+        _LENGTH, "depth of the reference plane, that of the largest von Mises stress"
+    ),
     # statistics; scaled: divided by the effective modulus and the rms gradient of the true contact
     "selection": Variable("1", "which peaks are counted"),
     "percent": Variable("1", "percentage of the peaks that are smaller"),

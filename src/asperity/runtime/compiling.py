@@ -12,7 +12,7 @@ import sys
 from dataclasses import replace
 from importlib.metadata import version
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numba.core.registry import CPUDispatcher, cpu_target
@@ -22,8 +22,9 @@ from asperity.contact import METHODS, solve
 from asperity.elasticity.layer import Layer
 from asperity.spectral import Grid
 from asperity.stress.analysis import analyse_stress
+from asperity.stress.depths import depth_grid
+from asperity.stress.pressed import PressedSolid
 from asperity.surface.roughness import self_affine
-from asperity.types import Array
 from asperity.validation.extremes import Scene, attempt
 
 PACKAGES = ("numba", "llvmlite", "numpy")
@@ -44,14 +45,6 @@ RARE = (Scene(imposed=("approach", 0.5)), Scene(scaled_height=1e-6, points=64))
 """Contacts that take steps which others do not: at a given approach, and to be damped on a thin layer."""
 
 
-class _Pressed(NamedTuple):
-    """A solid under a pressure."""
-
-    pressure: Array
-    grid: Grid
-    layer: Layer
-
-
 def compile_contact() -> None:
     """Call every function of the contact with all types that a study gives it, on small scenes."""
     height = self_affine((32, 32), 0.8, 0.5, 0.125, 1e-3, seed=1)
@@ -66,10 +59,9 @@ def compile_stress() -> None:
     height = self_affine((32, 32), 0.8, 0.5, 0.125, 1e-3, seed=1)
     grid = Grid(height.shape)
     for layer, tolerance in product(LAYERS, DEPTH_TOLERANCES):
-        contact = _Pressed(np.maximum(-height, 0.0), grid, layer)
-        analyse_stress(
-            contact, poisson=None if layer.height else (0.0, 0.5), tolerance=tolerance, spacing=2.0
-        )
+        contact = PressedSolid(np.maximum(-height, 0.0), grid, layer)
+        depths = depth_grid(grid, layer.height, spacing=2.0)
+        analyse_stress(contact, depths, None if layer.height else (0.0, 0.5), tolerance=tolerance)
     wavenumbers = np.array([1.0, 2.0])
     layer.compliance(wavenumbers, 0.0)
     layer.stress(wavenumbers[:, None], 0.0, np.zeros((2, 2)))

@@ -1,45 +1,64 @@
-"""The stress in the solid analysed in one stream of planes: peaks, depth profile, covariances.
+"""Analysis of the stress in the whole solid in one stream of planes: peaks, depth profile, covariances.
 
-A plane is computed, looked at and forgotten. The plane of the largest von Mises stress, to which the
-covariance of Eq. 22 refers, is known only when it has passed: it is kept as the stream goes on, and
-the few planes above it are computed again at the end.
+A plane is computed, reduced and discarded: its fields are searched for peaks, and its von Mises stress gives
+one point of the depth profile and the covariance of Eq. 22 with the reference plane, that of the largest von
+Mises stress. The reference plane is known only when the stream has ended. The plane with the largest value so
+far is kept, and the few planes above the final reference are computed again.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 import xarray as xr
-from numba import njit
 from numpy.typing import ArrayLike
 
-from asperity.spectral import Fourier, Grid, Work, resample
+from asperity.spectral import Work
+from asperity.stress.arguments import (
+    FIELDS,
+    checked_contact,
+    checked_depths,
+    checked_floor,
+    checked_names,
+    checked_nodes,
+    checked_ratios,
+    checked_threads,
+    checked_tolerance,
+)
+from asperity.stress.covariance import ReferencePlane
+from asperity.stress.depths import depth_grid
+from asperity.stress.kernels import moments
 from asperity.stress.peaks import PeakFinder, Peaks, plane_peaks
-from asperity.stress.planes import FIELDS, Contact, LinearPlane, depth_grid, linear_planes
+from asperity.stress.planes import LinearPlane, linear_planes
+from asperity.stress.pressed import ContactLike, PressedSolid
+from asperity.stress.selection import peak_dataset
 from asperity.stress.statistics import autocorrelation
-from asperity.types import Array
+from asperity.types import Array, Progress
 
-EVERY_POISSON = -1
 QUANTITIES = ("pressure", *FIELDS)
+"""Quantities whose peaks can be sought."""
 
-_INDEPENDENT_OF_POISSON = ("zz", "yz", "xz")
+INDEPENDENT_OF_POISSON = ("zz", "yz", "xz")
+"""Fields that are the same for every Poisson's ratio in a half-space."""
+
+ROUNDING = 1e-12
+"""Maxima below this share of the root mean square of σ_zz of their plane are rounding."""
 
 
 def analyse_stress(
-    contact: Contact,
+    contact: ContactLike,
     depths: ArrayLike | None = None,
     poisson: float | Sequence[float] | None = None,
     quantities: Sequence[str] = ("pressure", "von_mises", "xx", "zz", "xz"),
+    *,
     tolerance: float = 1e-6,
-    spacing: float = 0.5,
-    growth: float = 0.125,
     floor: float = 0.01,
     threads: int = 1,
-    progress: Callable[[float, float], None] | None = None,
+    progress: Progress | None = None,
     work: Work | None = None,
 ) -> xr.Dataset:
     """Peaks, depth profile and covariances of the stress under a contact.
@@ -47,12 +66,13 @@ def analyse_stress(
     Parameters
     ----------
     contact : object with ``pressure``, ``grid`` and ``layer``
+        A `Contact`, or a `PressedSolid` with any finite pressure.
     depths : (planes,) array, optional
-        By default those of `depth_grid` with `spacing` and `growth`, down to the bottom of the layer.
+        Rising from 0, the surface; by default those of `depth_grid`, down to the bottom of the layer.
     poisson, tolerance, threads, work
-        As in `stress_planes`.
+        As for `stress_planes`.
     quantities : names
-        Fields whose peaks are sought: any of ``xx, yy, zz, yz, xz, xy, von_mises``, above their 26
+        Quantities whose peaks are sought: any of ``xx, yy, zz, yz, xz, xy, von_mises``, above their 26
         neighbours in the solid, and ``pressure``, above its 8 neighbours in the surface.
     floor : float
         Peaks below `floor` times the root mean square of σ_zz of their plane are left out: most of them
@@ -63,178 +83,205 @@ def analyse_stress(
     Returns
     -------
     dataset
-        Stresses in units of E*. Along `peak`, one entry for each peak of each quantity and Poisson's
-        ratio (−1: the same for every one). Along `plane`, the mean and largest von Mises stress, and the
+        Stresses in units of E*. Along `peak`, one entry for each peak of each quantity and Poisson's ratio:
+        `asperity.peaks` selects from them. Along `plane`, the mean and largest von Mises stress, and the
         covariance with the plane of the largest. Along `lag`, the covariance in that plane.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is out of range.
     """
-    layer, grid = contact.layer, contact.grid
+    pressure, _ = checked_contact(contact)
     if depths is None:
-        depths = depth_grid(grid, layer.height, spacing, growth)
-    depths = np.atleast_1d(np.asarray(depths, dtype=float))
-    ratios = [layer.poisson] if poisson is None else [float(nu) for nu in np.atleast_1d(np.asarray(poisson))]
-    unknown = [name for name in quantities if name not in QUANTITIES]
-    if unknown:
-        raise ValueError(f"quantities = {unknown[0]!r}: names from {', '.join(QUANTITIES)} are needed")
-    if not (np.isfinite(floor) and floor >= 0):
-        raise ValueError(f"floor = {floor!r}: a finite number of at least 0 is needed")
-    work = Work() if work is None else work
-    free = _INDEPENDENT_OF_POISSON if layer.height is None else ()
-    finders = {
-        (number, index): PeakFinder()
-        for number, name in enumerate(quantities)
-        if name != "pressure"
-        for index in ((EVERY_POISSON,) if name in free else range(len(ratios)))
-    }
-    references = [_Reference(depths.size, threads, work) for _ in ratios]
-    points = np.zeros(depths.size, np.int64)
-    mean, largest = np.zeros((2, len(ratios), depths.size))
-
-    def stream(several: Array) -> Iterator[LinearPlane]:
-        return linear_planes(contact, several, ratios, ("von_mises",), tolerance, threads, work)
-
-    def look_at(plane: LinearPlane, number: int, lowest: float, index: int) -> None:
-        """All that is asked of one Poisson's ratio in one plane; −1 for what does not depend on it."""
-        nu = ratios[max(index, 0)]
-        asked = {name: finders.get((quantity, index)) for quantity, name in enumerate(quantities)}
-        field: Array | None = None
-        if index >= 0:
-            field = plane.field("von_mises", nu)
-            largest[index, number] = field.max()
-            mean[index, number] = references[index].add(number, plane.grid, field, largest[index, number])
-            search(plane, asked.pop("von_mises", None), "von_mises", nu, field, lowest)
-            if references[index].field is field:
-                field = None
-        for name, finder in asked.items():
-            if finder is not None:
-                field = plane.field(name, nu, field)
-                search(plane, finder, name, nu, field, lowest)
-
-    def search(
-        plane: LinearPlane, finder: PeakFinder | None, name: str, nu: float, field: Array, lowest: float
-    ) -> None:
-        if finder is not None:
-            finder.add(plane.depth, plane.grid, field, lowest, partial(plane.look, name, nu))
-
-    with ThreadPoolExecutor(threads) as pool:
-        for number, plane in enumerate(stream(depths)):
-            points[number] = max(plane.grid.shape)
-            square = _moments(plane.constant["zz"], plane.constant["zz"])[2]
-            lowest = max(plane.bound, floor * np.sqrt(square), 1e-12 * np.sqrt(square))
-            for reference in references:
-                reference.show_on(plane.grid)
-            list(pool.map(partial(look_at, plane, number, lowest), range(EVERY_POISSON, len(ratios))))
-            if progress is not None:
-                progress(plane.done, 1.0)
-    found = {key: finder.peaks() for key, finder in finders.items()}
-    finders.clear()
-    repeated = max(reference.number for reference in references)
-    for number, plane in enumerate(stream(depths[:repeated]) if repeated else ()):
-        for nu, reference in zip(ratios, references, strict=True):
-            if number < reference.number:
-                reference.show_on(plane.grid)
-                reference.compare(number, plane.grid, plane.field("von_mises", nu))
-    if "pressure" in quantities:
-        key = quantities.index("pressure"), EVERY_POISSON
-        found[key] = plane_peaks(contact.pressure / layer.effective_modulus, grid)
-    return _dataset(contact, depths, ratios, quantities, found, references, points, mean, largest)
-
-
-class _Reference:
-    """The plane of the largest von Mises stress so far, and the covariance of other planes with it."""
-
-    def __init__(self, planes: int, threads: int, work: Work) -> None:
-        self.number, self.largest = -1, -np.inf
-        self.covariance = np.full(planes, np.nan)
-        self.grid: Grid | None = None
-        self.field: Array | None = None
-        self._threads, self._work = threads, work
-        self._modes: tuple[Grid, Array] | None = None
-        self._shown: tuple[Grid, Array] | None = None
-
-    def add(self, number: int, grid: Grid, field: Array, largest: float) -> float:
-        """The next plane downward; it becomes the reference if its largest value is the largest."""
-        if largest > self.largest:
-            self.number, self.largest, self.grid, self.field = number, largest, grid, field
-            self._modes = self._shown = None
-        return self.compare(number, grid, field)
-
-    def compare(self, number: int, grid: Grid, field: Array) -> float:
-        """Covariance of a plane with the reference, and its mean."""
-        own = self.field if self._shown is None or self._shown[0] != grid else self._shown[1]
-        assert own is not None
-        mean_own, mean, product = _moments(own, field)
-        self.covariance[number] = product - mean_own * mean
-        return mean
-
-    def show_on(self, grid: Grid) -> None:
-        """Make ready the reference on the modes of another grid."""
-        if self.grid is None or self.field is None or grid == self.grid:
-            self._shown = None
-        elif self._shown is None or self._shown[0] != grid:
-            if self._modes is None or np.any(np.array(grid.shape) > self._modes[0].shape):
-                fourier = Fourier(self.grid, threads=self._threads, work=self._work)
-                self._modes = self.grid, fourier.forward(self.field)
-            # Grids become coarser: what this one does not hold is not needed again.
-            self._modes = grid, resample(self._modes[1], self._modes[0], grid)
-            self._shown = grid, Fourier(grid, threads=self._threads, work=self._work).inverse(self._modes[1])
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def _moments(one: Any, two: Any) -> tuple[float, float, float]:
-    """Means of two fields and of their product, summed row by row."""
-    mean_one = mean_two = product = 0.0
-    for j in range(one.shape[0]):
-        row_one = row_two = row_product = 0.0
-        for i in range(one.shape[1]):
-            row_one += one[j, i]
-            row_two += two[j, i]
-            row_product += one[j, i] * two[j, i]
-        mean_one += row_one
-        mean_two += row_two
-        product += row_product
-    return mean_one / one.size, mean_two / one.size, product / one.size
-
-
-def _dataset(
-    contact: Contact,
-    depths: Array,
-    ratios: list[float],
-    quantities: Sequence[str],
-    found: dict[tuple[int, int], Peaks],
-    references: list[_Reference],
-    points: Array,
-    mean: Array,
-    largest: Array,
-) -> xr.Dataset:
-    sizes = [peaks.size for peaks in found.values()]
-
-    def column(name: str) -> Array:
-        return np.concatenate([getattr(peaks, name) for peaks in found.values()])
-
-    under = [peaks.under_contact(contact.pressure, contact.grid) for peaks in found.values()]
-    planes = []
-    for reference in references:
-        assert reference.grid is not None
-        assert reference.field is not None
-        lag, covariance = autocorrelation(reference.field, reference.grid, contact.grid)
-        planes.append(covariance)
-    return xr.Dataset(
-        {
-            "peak_quantity": ("peak", np.repeat([q for q, _ in found], sizes).astype(np.int16)),
-            "peak_poisson": ("peak", np.repeat([nu for _, nu in found], sizes).astype(np.int16)),
-            "peak_value": ("peak", column("value")),
-            "peak_depth": ("peak", column("depth")),
-            "peak_y": ("peak", column("y")),
-            "peak_x": ("peak", column("x")),
-            "peak_interior": ("peak", column("interior").astype(np.int8)),
-            "peak_under_contact": ("peak", np.concatenate(under).astype(np.int8)),
-            "plane_depth": ("plane", depths),
-            "plane_points": ("plane", points),
-            "mean_von_mises": (("poisson", "plane"), mean),
-            "largest_von_mises": (("poisson", "plane"), largest),
-            "covariance_depth": (("poisson", "plane"), np.stack([r.covariance for r in references])),
-            "covariance_plane": (("poisson", "lag"), np.stack(planes)),
-            "reference_depth": ("poisson", depths[[r.number for r in references]]),
-        },
-        coords={"quantity": list(quantities), "poisson": ratios, "lag": lag},
+        depths = depth_grid(contact.grid, contact.layer.height)
+    settings = _Settings(
+        depths=checked_depths(depths, contact),
+        ratios=checked_ratios(poisson, contact.layer),
+        quantities=checked_names("quantities", quantities, QUANTITIES),
+        tolerance=checked_tolerance(tolerance),
+        floor=checked_floor(floor),
+        threads=checked_threads(threads),
+        work=Work() if work is None else work,
     )
+    if settings.depths[0] != 0:
+        raise ValueError(f"depths[0] = {settings.depths[0]:g}: 0, the surface, is needed")
+    checked_nodes(contact.grid)
+    analysis = _StressAnalysis(PressedSolid(pressure, contact.grid, contact.layer), settings)
+    analysis.run(progress)
+    return _dataset(analysis)
+
+
+@dataclass(frozen=True)
+class _Settings:
+    """Checked arguments of `analyse_stress`."""
+
+    depths: Array
+    ratios: list[float]
+    quantities: tuple[str, ...]
+    tolerance: float
+    floor: float
+    threads: int
+    work: Work
+
+
+class _PeakSearch:
+    """Search for the peaks of fields that are the same for every Poisson's ratio.
+
+    Parameters
+    ----------
+    names : sequence of str
+        Fields in which peaks are sought.
+    poisson : float
+        Poisson's ratio with which the fields are computed.
+    """
+
+    def __init__(self, names: Iterable[str], poisson: float) -> None:
+        self.poisson = poisson
+        self.finders = {name: PeakFinder() for name in names}
+
+    def add(self, number: int, plane: LinearPlane, floor: float) -> None:
+        """Add the next plane downward; maxima of a magnitude at or below `floor` are left out."""
+        self._search_others(plane, floor, None)
+
+    def _search_others(self, plane: LinearPlane, floor: float, room: Array | None) -> None:
+        """Search all fields but the von Mises stress, each computed in `room`."""
+        for name in self.finders:
+            if name != "von_mises":
+                room = plane.field(name, self.poisson, room)
+                self._search(plane, name, room, floor)
+
+    def _search(self, plane: LinearPlane, name: str, field: Array, floor: float) -> None:
+        sample = partial(plane.sample, name, self.poisson)
+        self.finders[name].add(plane.depth, plane.grid, field, floor, sample)
+
+
+class _RatioAnalysis(_PeakSearch):
+    """Analysis for one Poisson's ratio: peaks, and profile and covariance of the von Mises stress.
+
+    Attributes
+    ----------
+    mean, largest : (planes,) arrays
+        Mean and largest von Mises stress of each plane.
+    reference : ReferencePlane
+    """
+
+    def __init__(self, names: Iterable[str], poisson: float, settings: _Settings) -> None:
+        super().__init__(names, poisson)
+        planes = settings.depths.size
+        self.mean, self.largest = np.zeros(planes), np.zeros(planes)
+        self.reference = ReferencePlane(planes, settings.threads, settings.work)
+
+    def add(self, number: int, plane: LinearPlane, floor: float) -> None:
+        field = plane.field("von_mises", self.poisson)
+        self.largest[number] = field.max()
+        self.mean[number] = self.reference.add(number, plane.grid, field, self.largest[number])
+        if "von_mises" in self.finders:
+            self._search(plane, "von_mises", field, floor)
+        kept = self.reference.field is field
+        self._search_others(plane, floor, None if kept else field)
+
+    def add_again(self, number: int, plane: LinearPlane) -> None:
+        """Add a plane above the reference for its covariance."""
+        if number < self.reference.number:
+            self.reference.resample_to(plane.grid)
+            self.reference.compare(number, plane.grid, plane.field("von_mises", self.poisson))
+
+
+class _StressAnalysis:
+    """Analysis of the stress under one contact, plane by plane.
+
+    Attributes
+    ----------
+    independent : _PeakSearch
+        For the fields that do not depend on Poisson's ratio.
+    dependent : list of _RatioAnalysis
+        One for each Poisson's ratio.
+    points : (planes,) array
+        Nodes on the longer edge of each plane's grid.
+    peaks : dict
+        Quantity and Poisson's ratio (NaN: the same for every one) → its peaks, when all planes have passed.
+    """
+
+    def __init__(self, contact: ContactLike, settings: _Settings) -> None:
+        self.contact, self.settings = contact, settings
+        alike = INDEPENDENT_OF_POISSON if contact.layer.height is None else ()
+        fields = [name for name in settings.quantities if name != "pressure"]
+        own = [name for name in fields if name not in alike]
+        self.independent = _PeakSearch([name for name in fields if name in alike], settings.ratios[0])
+        self.dependent = [_RatioAnalysis(own, nu, settings) for nu in settings.ratios]
+        self.points = np.zeros(settings.depths.size, np.int64)
+        self.peaks: dict[tuple[str, float], Peaks] = {}
+
+    def run(self, progress: Progress | None) -> None:
+        """Let all planes pass, and those above the reference planes once more."""
+        with ThreadPoolExecutor(self.settings.threads) as pool:
+            for number, plane in enumerate(self._planes(self.settings.depths)):
+                self._add(number, plane, pool)
+                if progress is not None:
+                    progress(plane.done, 1.0)
+        self._collect_peaks()
+        above = max(ratio.reference.number for ratio in self.dependent)
+        for number, plane in enumerate(self._planes(self.settings.depths[:above]) if above else ()):
+            for ratio in self.dependent:
+                ratio.add_again(number, plane)
+
+    def _planes(self, depths: Array) -> Iterator[LinearPlane]:
+        settings = self.settings
+        return linear_planes(
+            self.contact,
+            depths,
+            settings.ratios,
+            ("von_mises",),
+            settings.tolerance,
+            settings.threads,
+            settings.work,
+        )
+
+    def _add(self, number: int, plane: LinearPlane, pool: ThreadPoolExecutor) -> None:
+        self.points[number] = max(plane.grid.shape)
+        normal = plane.constant["zz"]
+        scale = np.sqrt(moments(normal, normal)[2])
+        floor = max(plane.bound, self.settings.floor * scale, ROUNDING * scale)
+        for ratio in self.dependent:
+            ratio.reference.resample_to(plane.grid)
+        searches = [self.independent, *self.dependent]
+        list(pool.map(lambda search: search.add(number, plane, floor), searches))
+
+    def _collect_peaks(self) -> None:
+        """Take the peaks from the searches, which release the last plane."""
+        for name in self.settings.quantities:
+            if name in self.independent.finders:
+                self.peaks[name, np.nan] = self.independent.finders.pop(name).peaks()
+            elif name != "pressure":
+                for ratio in self.dependent:
+                    self.peaks[name, ratio.poisson] = ratio.finders.pop(name).peaks()
+        if "pressure" in self.settings.quantities:
+            pressure = self.contact.pressure / self.contact.layer.effective_modulus
+            self.peaks["pressure", np.nan] = plane_peaks(pressure, self.contact.grid)
+
+
+def _dataset(analysis: _StressAnalysis) -> xr.Dataset:
+    """The dataset of a finished analysis."""
+    settings, contact, ratios = analysis.settings, analysis.contact, analysis.dependent
+    references = [ratio.reference for ratio in ratios]
+    in_plane = []
+    for reference in references:
+        lag, covariance = autocorrelation(reference.field, reference.grid, contact.grid)
+        in_plane.append(covariance)
+    profiles = ("poisson", "plane")
+    variables = {
+        "plane_points": ("plane", analysis.points),
+        "mean_von_mises": (profiles, np.stack([ratio.mean for ratio in ratios])),
+        "largest_von_mises": (profiles, np.stack([ratio.largest for ratio in ratios])),
+        "covariance_depth": (profiles, np.stack([reference.covariance for reference in references])),
+        "covariance_plane": (("poisson", "lag"), np.stack(in_plane)),
+        "reference_depth": ("poisson", settings.depths[[reference.number for reference in references]]),
+    }
+    coordinates = {
+        "quantity": list(settings.quantities),
+        "poisson": settings.ratios,
+        "plane_depth": ("plane", settings.depths),
+        "lag": lag,
+    }
+    return peak_dataset(analysis.peaks, contact).assign(variables).assign_coords(coordinates)

@@ -17,13 +17,12 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
+from asperity.stress.selection import SELECTIONS, peaks
 from asperity.stress.statistics import (
-    SELECTIONS,
     bin_edges,
     decay_lengths,
     joint_counts,
     normalised,
-    select_peaks,
 )
 from asperity.types import Array
 
@@ -168,12 +167,12 @@ def _pooled_peaks(
     density, percentiles = np.zeros((3, *shape, bins)), np.full((3, *shape, len(PERCENTS)), np.nan)
     median_depth = np.full((2, *shape), np.nan)
     for s, q, p in np.ndindex(shape):
-        chosen = [select_peaks(stress, quantities[q], float(ratios[p]), SELECTIONS[s]) for stress in stresses]
-        values = [peaks["peak_value"].values / g for peaks, g in zip(chosen, scale, strict=True)]
+        chosen = [peaks(stress, quantities[q], float(ratios[p]), SELECTIONS[s]) for stress in stresses]
+        values = [found["peak_value"].values / g for found, g in zip(chosen, scale, strict=True)]
         own = np.stack([np.histogram(v, edges[q])[0] for v in values])
         counts[:, s, q, p] = own
-        for peaks, v in zip(chosen, values, strict=True):
-            joint[s, q, p] += joint_counts(v, peaks["peak_depth"].values, edges[q], depth_edges)
+        for found, v in zip(chosen, values, strict=True):
+            joint[s, q, p] += joint_counts(v, found["peak_depth"].values, edges[q], depth_edges)
         median_depth[:, s, q, p] = _median_depths(joint[s, q, p], depth_edges)
         density[:, s, q, p] = bootstrap.banded(partial(_pooled_density, edges=edges[q]), own)
         percentiles[:, s, q, p] = _percentiles(values, bootstrap)
@@ -192,7 +191,7 @@ def _pooled_peaks(
 def _quantity_edges(stresses: Sequence[xr.Dataset], scale: Array, quantity: str, bins: int) -> Array:
     """Edges of the bins of one quantity, common to all seeds, selections and Poisson's ratios."""
     values = [
-        select_peaks(stress, quantity, ratio)["peak_value"].values / gradient
+        peaks(stress, quantity, ratio)["peak_value"].values / gradient
         for stress, gradient in zip(stresses, scale, strict=True)
         for ratio in stress["poisson"].values
     ]

@@ -1,4 +1,4 @@
-"""Densities, joint counts and autocorrelations of one field or one set of values, and selections of peaks.
+"""Densities, joint counts and autocorrelations of one field or one set of values.
 
 `asperity.stress.pooling` merges the analyses of several seeds with these functions.
 """
@@ -8,15 +8,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from asperity.spectral import Fourier, Grid, resample
 from asperity.types import Array
-
-SELECTIONS = ("all", "at_contact", "interior", "under_contact")
-IN_THE_SURFACE = ("pressure", "xx", "yy", "zz")
-"""Quantities whose magnitude is largest in the surface plane."""
-
 
 NARROWEST_BIN = 1e-300
 """Smallest width of a bin whose density is still finite."""
@@ -147,48 +141,3 @@ def decay_lengths(
         half_length(depth[below] - reference, along_depth[below] / variance),
         half_length(lag, in_plane / variance),
     )
-
-
-def select_peaks(
-    stress: xr.Dataset, quantity: str, poisson: float | None = None, selection: str = "all"
-) -> xr.Dataset:
-    """The peaks of one quantity in the result of one analysis.
-
-    Parameters
-    ----------
-    stress : dataset
-        Result of `asperity.stress.analysis.analyse_stress`.
-    quantity : str
-    poisson : float, optional
-        By default the first; of no consequence for a quantity that does not depend on it.
-    selection : str
-        "all"; "at_contact": the surface above the peak, or at it, is in contact; "interior": not in the
-        surface plane; "under_contact": both.
-
-    Returns
-    -------
-    dataset
-        The variables along `peak` alone.
-    """
-    names = [str(name) for name in stress["quantity"].values]
-    if quantity not in names:
-        raise ValueError(f"quantity = {quantity!r}: one of {', '.join(names)} is needed")
-    if selection not in SELECTIONS:
-        raise ValueError(f"selection = {selection!r}: one of {', '.join(SELECTIONS)} is needed")
-    ratios = stress["poisson"].values
-    index = 0 if poisson is None else int(np.argmin(np.abs(ratios - poisson)))
-    if poisson is not None and abs(ratios[index] - poisson) > 1e-9:
-        raise ValueError(f"poisson = {poisson!r}: one of {ratios.tolist()} is needed")
-    number = stress["peak_poisson"].values
-    kept = (stress["peak_quantity"].values == names.index(quantity)) & ((number == index) | (number < 0))
-    if selection in ("interior", "under_contact"):
-        kept &= stress["peak_interior"].values == 1
-    if selection in ("at_contact", "under_contact"):
-        kept &= stress["peak_under_contact"].values == 1
-    columns = [name for name in stress.data_vars if stress[name].dims == ("peak",)]
-    return stress[columns].isel(peak=np.flatnonzero(kept))
-
-
-def selection(quantity: str) -> str:
-    """Which peaks figures and claims count: under a contact, and in it if they are largest in the surface."""
-    return "at_contact" if quantity in IN_THE_SURFACE else "under_contact"

@@ -1,1 +1,1 @@
-"""Comparison of the library with closed forms, finite elements and exact arithmetic."""
+"""Comparisons of the library with closed forms, finite elements, high precision and direct solutions."""

@@ -1,23 +1,17 @@
-"""Contacts at the ends of every range, and of every two at once: solved, refused by name, or wrong.
+"""Contacts at the ends of every range of settings, and at the ends of every two ranges at once.
 
-A *scene* is a small rough contact with twelve settings, each an axis with a few levels from one end of what
-is accepted to the other. Every level is tried alone and with every level of every other axis. Floating-point
-overflow, division by zero and invalid operations raise, and warnings are errors. A solution counts only if
-
-* its certificate, recomputed in double precision from the pressure, holds to `ALLOWED` times the tolerance
-  or to what an error of the pressure of that size may do to the gap, and
-* its pressure is not farther than that from the solution, relative to its norm: that of
-  `asperity.reference.pivoting` with up to `DIRECT_NODES` nodes in contact, else by a bound in the norm of
-  the elastic energy. The compliance of some nodes has a smaller inverse than the same part of the inverse
-  of the whole compliance, so that what the gap misses, met by the whole layer's stiffness, bounds the energy
-  of the error.
+A scene is a small rough contact with twelve settings. Each setting has a few levels, from one end of the
+accepted range to the other, and every level is tried alone and with every level of every other setting.
+Floating-point overflow, division by zero and invalid operations raise, and warnings are errors. A scene is
+solved, refused with a message that names the setting, or ends with `ConvergenceError`; anything else is a
+defect. A solution counts only if `asperity.validation.solution_check` confirms it.
 """
 
 from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 from itertools import combinations
@@ -26,23 +20,16 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from asperity.contact import Contact, solve, verify_contact
+from asperity.contact import solve
 from asperity.elasticity.layer import Layer
 from asperity.errors import ConvergenceError
-from asperity.reference.pivoting import PivotingError, pivot
+from asperity.spectral import Grid
 from asperity.surface.roughness import johnson, roughness_parameters, self_affine
-from asperity.types import Array
-
-Progress = Callable[[float, float], None]
+from asperity.types import Array, Progress
+from asperity.validation.solution_check import ALLOWED, DIRECT_NODES, check_solution, mode_compliance
 
 TOLERANCES = {"float64": 1e-6, "float32": 1e-4}
-"""Asked of the solver."""
-
-ALLOWED = 10.0
-"""Violation of the conditions and error of the pressure that pass, in units of the tolerance."""
-
-DIRECT_NODES = 700
-"""Nodes in contact up to which a solution is held against the direct one."""
+"""Tolerance of the solver in each precision."""
 
 OUTCOMES = (
     "no cell",
@@ -54,41 +41,46 @@ OUTCOMES = (
     "warned",
     "failed",
 )
+"""Outcomes of a scene, by number; "no cell" stands for two levels of the same setting."""
+
 NO_CELL, CHECKED, CERTIFIED, NOT_CONVERGED, REFUSED, WRONG, WARNED, FAILED = range(len(OUTCOMES))
 ACCEPTABLE = (NO_CELL, CHECKED, CERTIFIED, NOT_CONVERGED, REFUSED)
-"""A certified solution or a named error; the others are defects."""
-
-Imposed = tuple[str, float]
+"""Certified solutions and named errors; all other outcomes are defects."""
 
 
 @dataclass(frozen=True)
 class Scene:
-    """Settings of a contact; the defaults are the scene that one or two levels change.
+    """Settings of a rough contact. The defaults are the base scene, of which one or two settings are changed.
 
     Attributes
     ----------
     poisson : float
     scaled_height : float
-        2π height / L, the smallest q height of the cell; infinite for the half-space.
+        2π height / L, the smallest q · height of the cell; infinite for the half-space.
     bottom : str
     imposed : tuple
-        ``("load", part)`` of the mean pressure that closes the last gap, ``("area", fraction)``, or
-        ``("approach", part)`` of the way from the lowest to the mean height.
-    rms_gradient, hurst, wavelength_long : float
+        ``("load", part)`` of the mean pressure that closes the last gap, ``("area", fraction)`` of the
+        nodes, or ``("approach", part)`` of the way from the lowest to the mean height.
+    rms_gradient : float
+    hurst : float
+        Hurst exponent H.
+    wavelength_long : float
+        Longest wavelength over the edge of the cell.
     nodes_short : float
-        Shortest wavelength in grid spacings.
+        Shortest wavelength over the grid spacing.
     johnson : tuple, optional
-        γ and δ of Eq. 23.
-    precision : str
+        γ and δ of Eq. 23; None for Gaussian heights.
+    precision : "float64" or "float32"
     points : int
         Nodes on an edge.
     method : str
+        Solver.
     """
 
     poisson: float = 0.33
     scaled_height: float = math.inf
     bottom: str = "bonded"
-    imposed: Imposed = ("load", 0.03)
+    imposed: tuple[str, float] = ("load", 0.03)
     rms_gradient: float = 0.1
     hurst: float = 0.8
     wavelength_long: float = 0.5
@@ -128,7 +120,7 @@ LEVELS: dict[str, tuple[Any, ...]] = {
     "points": (24, 25, 64, 128, 512),
     "method": ("active_set", "gfmd"),
 }
-"""Levels of each axis, the default among them."""
+"""Levels of each setting, the default among them."""
 
 BEYOND: dict[str, tuple[Any, ...]] = {
     "poisson": (-1.0, 0.51, math.nan),
@@ -144,11 +136,21 @@ BEYOND: dict[str, tuple[Any, ...]] = {
     "points": (0,),
     "method": ("magic",),
 }
-"""Values just outside, each to be refused by name."""
+"""Values just out of range; each must be refused with a message that names the setting."""
 
 
-class Result(NamedTuple):
-    """What became of a scene: violation and error of the pressure in units of the tolerance."""
+class SceneResult(NamedTuple):
+    """Outcome of a scene.
+
+    Attributes
+    ----------
+    outcome : int
+        Index into `OUTCOMES`.
+    violation, error : float
+        Violation of the conditions of contact and error of the pressure, in units of the tolerance.
+    reason : str
+        Why there is no solution, or none that was compared with the direct one.
+    """
 
     outcome: int
     violation: float = math.nan
@@ -159,15 +161,15 @@ class Result(NamedTuple):
 _RECORD = np.dtype([("outcome", np.int8), ("violation", float), ("error", float), ("reason", object)])
 
 
-def compute(levels: str = "all", largest: int = 512, progress: Progress | None = None) -> xr.Dataset:
-    """Stability matrix: the outcome of every level alone and of every two of different axes.
+def outcome_matrix(levels: str = "all", largest: int = 512, progress: Progress | None = None) -> xr.Dataset:
+    """Outcome of contacts with every level of every setting, alone and with every level of another setting.
 
     Parameters
     ----------
     levels : "all" | "ends"
-        All levels, or of each axis the default, the first and the last.
+        All levels, or of each setting the default, the first and the last.
     largest : int
-        Nodes on an edge of the largest grid; larger levels are left out.
+        Nodes on an edge of the largest grid; levels of larger grids are left out.
     progress : callable, optional
         Called as progress(done, total).
 
@@ -175,8 +177,8 @@ def compute(levels: str = "all", largest: int = 512, progress: Progress | None =
     -------
     Dataset
         ``outcome``, ``scaled_violation`` and ``scaled_pressure_error`` over (level, other_level), symmetric,
-        a level alone on the diagonal; ``reason`` where there is no solution, or none but a certified one
-        that was not checked; outcome and reason also over ``beyond``, of values out of range.
+        with single levels on the diagonal; ``reason`` as in `SceneResult`; outcome and reason of values out
+        of range along ``beyond``.
     """
     chosen = list(chosen_levels(levels, largest))
     cells = [(n, n) for n in range(len(chosen))]
@@ -184,12 +186,12 @@ def compute(levels: str = "all", largest: int = 512, progress: Progress | None =
     beyond = [(name, value) for name, values in BEYOND.items() for value in values]
     scenes = [replace(Scene(), **dict([chosen[i], chosen[j]])) for i, j in cells]
     scenes += [replace(Scene(), **{name: value}) for name, value in beyond]
-    results: list[Result] = []
+    results: list[SceneResult] = []
     for scene in scenes:
         results.append(attempt(scene))
         if progress is not None:
             progress(len(results), len(scenes))
-    matrix = np.full((len(chosen), len(chosen)), np.array(tuple(Result(NO_CELL)), _RECORD))
+    matrix = np.full((len(chosen), len(chosen)), np.array(tuple(SceneResult(NO_CELL)), _RECORD))
     for (i, j), result in zip(cells, results, strict=False):
         matrix[i, j] = matrix[j, i] = tuple(result)
     return _dataset(matrix, chosen, results[len(cells) :], beyond)
@@ -198,9 +200,10 @@ def compute(levels: str = "all", largest: int = 512, progress: Progress | None =
 def _dataset(
     matrix: Array,
     chosen: list[tuple[str, Any]],
-    outside: list[Result],
+    outside: list[SceneResult],
     beyond: list[tuple[str, Any]],
 ) -> xr.Dataset:
+    """Dataset of `outcome_matrix` from the results of the chosen levels and of the values out of range."""
     both, out = ("level", "other_level"), "beyond"
     flags = {
         "flag_values": np.arange(len(OUTCOMES), dtype=np.int8),
@@ -231,7 +234,7 @@ def _dataset(
 
 
 def chosen_levels(levels: str, largest: int) -> Iterator[tuple[str, Any]]:
-    """Axis and value of every level."""
+    """Setting and value of every level that is tried."""
     if levels not in ("all", "ends"):
         raise ValueError(f"levels = {levels!r}: all or ends is needed")
     for name, values in LEVELS.items():
@@ -243,7 +246,7 @@ def chosen_levels(levels: str, largest: int) -> Iterator[tuple[str, Any]]:
 
 
 def label(value: Any) -> str:
-    """A level as text."""
+    """Text of a level."""
     if isinstance(value, tuple):
         return " ".join(map(label, value))
     if value is None:
@@ -252,80 +255,32 @@ def label(value: Any) -> str:
 
 
 @cache
-def attempt(scene: Scene) -> Result:
-    """Solve a scene with floating-point errors raised, and judge the solution."""
+def attempt(scene: Scene) -> SceneResult:
+    """Outcome of solving a scene while floating-point errors raise and warnings are errors."""
     with np.errstate(over="raise", divide="raise", invalid="raise"), warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
-            unit = surface(scene)
-            layer = Layer(1.0, scene.poisson, _height(scene), scene.bottom)
-            imposed = control(scene, unit, layer)
+            unit = unit_surface(scene)
+            layer = Layer(1.0, scene.poisson, _layer_height(scene), scene.bottom)
+            imposed = imposed_quantity(scene, unit, layer)
             rtol = TOLERANCES.get(scene.precision, TOLERANCES["float64"])
             height = scene.rms_gradient * unit
             contact = solve(height, layer, **imposed, method=scene.method, dtype=scene.precision, rtol=rtol)
         except ConvergenceError as error:
-            return Result(NOT_CONVERGED, reason=str(error))
+            return SceneResult(NOT_CONVERGED, reason=str(error))
         except (ValueError, TypeError) as error:
-            return Result(REFUSED, reason=str(error))
+            return SceneResult(REFUSED, reason=str(error))
         except (Warning, FloatingPointError) as error:
-            return Result(WARNED, reason=_named(error))
-        except Exception as error:  # whatever else is a defect to be shown
-            return Result(FAILED, reason=_named(error))
-        return judge(scene, contact, imposed)
+            return SceneResult(WARNED, reason=_message(error))
+        except Exception as error:  # any other exception is a defect, to be shown in the matrix
+            return SceneResult(FAILED, reason=_message(error))
+        check = check_solution(contact, imposed, TOLERANCES[scene.precision])
+    outcome = (CHECKED if check.direct else CERTIFIED) if check.holds else WRONG
+    return SceneResult(outcome, check.violation, check.error, check.reason)
 
 
-def judge(scene: Scene, contact: Contact, imposed: dict[str, Any]) -> Result:
-    """Whether a solution is one: by its certificate, and by the direct solution or a bound."""
-    tolerance = TOLERANCES[scene.precision]
-    given = {kind: amount for kind, amount in imposed.items() if kind != "area_fraction"}
-    certificate = verify_contact(
-        contact.height, contact.pressure, contact.layer, **({"approach": contact.approach} | given)
-    )
-    violation = certificate.worst / tolerance / max(1.0, _reach(contact))
-    if not violation <= ALLOWED:
-        return Result(WRONG, violation, reason=str(certificate))
-    outcome, error, reason = CERTIFIED, energy_error(contact, **given) / tolerance, ""
-    touching = contact.pressure > 0
-    if np.count_nonzero(touching) <= DIRECT_NODES:
-        known = given or {"mean_pressure": contact.mean_pressure}
-        try:
-            true = pivot(contact.height, contact.layer, guess=touching, **known)
-        except PivotingError as failure:
-            reason = str(failure)
-        else:
-            scale = float(true.max()) or 1.0
-            size, difference = (float(np.linalg.norm(p / scale)) for p in (true, contact.pressure - true))
-            outcome, error = CHECKED, difference / (size or 1.0) / tolerance
-    if not error <= ALLOWED:
-        outcome, reason = WRONG, f"pressure off by {error:.3g} times the tolerance"
-    return Result(outcome, violation, error, reason)
-
-
-def energy_error(
-    contact: Contact, *, approach: float | None = None, mean_pressure: float | None = None
-) -> float:
-    """Bound of the error of a pressure in the norm of the elastic energy, relative to its own.
-
-    A uniform pressure without energy counts as much as what varies does for its size.
-    """
-    compliance = _compliance(contact.layer, contact.grid.shape)
-    if mean_pressure is not None:
-        # What is uniform shifts the approach alone.
-        compliance[0, 0] = 0
-    stiffness = np.divide(1, compliance, out=np.zeros_like(compliance), where=compliance > 0)
-    spectrum = np.fft.fft2(contact.pressure.astype(float))
-    gap = contact.height + np.fft.ifft2(compliance * spectrum).real
-    touching = contact.pressure > 0
-    gap -= np.mean(gap[touching]) if approach is None and touching.any() else (approach or gap.min())
-    missed = np.fft.fft2(np.where(touching, gap, np.minimum(gap, 0)))
-    power, energy = np.abs(spectrum) ** 2, float(np.sum(stiffness * np.abs(missed) ** 2))
-    own = float(np.sum(compliance * power))
-    counted = float(np.sum(power[compliance > 0]) / np.sum(power)) if own else 0.0
-    return math.sqrt(energy / own * counted) if own else 0.0
-
-
-def surface(scene: Scene) -> Array:
-    """The indenter of a scene, with an rms gradient of one."""
+def unit_surface(scene: Scene) -> Array:
+    """Height of the indenter of a scene, scaled to an rms gradient of one, (points, points)."""
     shape = (scene.points, scene.points)
     short = scene.nodes_short / max(scene.points, 1)
     height = self_affine(shape, scene.hurst, scene.wavelength_long, short, rms_height=1.0, seed=1)
@@ -334,44 +289,33 @@ def surface(scene: Scene) -> Array:
     return height / roughness_parameters(height).rms_gradient
 
 
-def control(scene: Scene, height: Array, layer: Layer) -> dict[str, Any]:
-    """What is imposed, as `solve` takes it."""
+def imposed_quantity(scene: Scene, unit_height: Array, layer: Layer) -> dict[str, Any]:
+    """Imposed area fraction, approach or mean pressure, as a keyword of `asperity.solve`."""
     kind, amount = scene.imposed
     if kind == "area":
         return {"area_fraction": amount}
     if kind == "approach":
-        lowest = float(height.min())
-        return {"approach": scene.rms_gradient * (lowest + amount * (float(height.mean()) - lowest))}
-    return {"mean_pressure": scene.rms_gradient * amount * closing_pressure(height, layer)}
+        lowest = float(unit_height.min())
+        return {"approach": scene.rms_gradient * (lowest + amount * (float(unit_height.mean()) - lowest))}
+    return {"mean_pressure": scene.rms_gradient * amount * closing_pressure(unit_height, layer)}
 
 
 def closing_pressure(height: Array, layer: Layer) -> float:
-    """Mean pressure at which the last gap closes: the tension that would hold the surface to the indenter."""
-    compliance = _compliance(layer, height.shape)
-    compliance[0, 0] = np.inf
-    return float(np.fft.ifft2(np.fft.fft2(height) / compliance).real.max())
+    """Mean pressure at which the last gap closes.
 
-
-def _reach(contact: Contact) -> float:
-    """How far the largest error that the tolerance allows the pressure may move the surface.
-
-    In units of the tolerance and of the rms height; far beyond full contact that is much.
+    It is the largest tension needed to hold the surface to the indenter everywhere at zero mean pressure.
     """
-    compliance = _compliance(contact.layer, contact.grid.shape)
-    compliance[0, 0] = 0
-    norm = float(np.sqrt(np.mean(np.square(contact.pressure, dtype=float))))
-    return norm * float(compliance.max()) / float(np.std(contact.height, dtype=float))
+    grid = Grid(height.shape)
+    compliance = mode_compliance(layer, grid)
+    compliance[0, 0] = np.inf
+    return float(np.fft.irfft2(np.fft.rfft2(height) / compliance, grid.shape).max())
 
 
-def _compliance(layer: Layer, shape: tuple[int, ...]) -> Array:
-    """Compliance of every mode of a square unit cell, (ny, nx)."""
-    qy, qx = (2 * np.pi * np.fft.fftfreq(n, 1 / n) for n in shape)
-    return layer.surface_compliance(np.hypot(qy[:, None], qx[None, :]))
-
-
-def _height(scene: Scene) -> float | None:
+def _layer_height(scene: Scene) -> float | None:
+    """Height of the layer in cell edges, None for the half-space."""
     return None if math.isinf(scene.scaled_height) else scene.scaled_height / (2 * math.pi)
 
 
-def _named(error: BaseException) -> str:
+def _message(error: BaseException) -> str:
+    """Type and message of an exception in one line."""
     return f"{type(error).__name__}: {' '.join(str(error).split())}"

@@ -1,14 +1,16 @@
-"""What floating point makes of the elastic layer: the printed formulas, a direct solve, and ours.
+"""Rounding errors of the elastic layer: the printed formulas, a direct solution, and the library.
 
-Every error is against `asperity.reference.state_space`, for the very numbers the formulas were given.
+The reference is `asperity.reference.state_space` in high precision, for exactly the rounded numbers that the
+formulas were given.
 
-Two quantities are followed over q · height:
+Two quantities are compared over q · height:
 
-* ``compliance``: the 6 × 6 compliance of both faces (Eqs. A.1–A.3). The error is the largest of its
-  entries', relative to √(G_ii G_jj).
-* ``bonded_stress``: the stress under a pressure mode on a bonded layer, at five depths. The error is relative
-  to the largest component at that depth, per 1 + q depth, because the rounding of q depth itself is amplified
-  so.
+* ``compliance``: the 6 × 6 compliance of both faces (Eqs. A.1–A.3). The error is the largest of its entries,
+  each relative to √(G_ii G_jj).
+* ``bonded_stress``: the stress under a pressure mode on a bonded layer at five depths. The error is relative
+to the
+  largest component at that depth and divided by 1 + q · depth, because the rounding of q · depth alone is
+  amplified by this factor.
 
 Three formulas compute them: ``printed`` is Eq. A.3 with its misprints corrected (compliance only),
 ``direct`` sets up Eqs. 5–7 and solves the six linear equations, ``layer`` is `asperity.Layer`.
@@ -16,7 +18,7 @@ Three formulas compute them: ``printed`` is Eq. A.3 with its misprints corrected
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import mpmath as mp
@@ -27,38 +29,46 @@ from numpy.typing import DTypeLike
 from asperity.elasticity.layer import Layer
 from asperity.reference import printed
 from asperity.reference.state_space import StateSpace
-from asperity.types import Array
+from asperity.types import Array, Progress
 
 FORMULAS = ("printed", "direct", "layer")
 PRECISIONS = ("float64", "float32")
 QUANTITIES = ("compliance", "bonded_stress")
 
-# Unit direction of the wavevector, height and Young's modulus: the results depend on q · height alone.
+# The results depend on q · height alone; direction of the wavevector, height and Young's modulus are
+# arbitrary.
 _DIRECTION = (0.6, 0.8)
 _HEIGHT = 1.0
 _YOUNG = 1.0
 
 _DEPTH_FRACTIONS = np.array([0.0, 0.125, 0.5, 0.875, 1.0])
-# Deeper in units of 1/q, single precision has nothing left.
+
+# Limit on q · depth of `rounding_errors`: deeper, single precision has no digits left.
 _DEEPEST = 40.0
+
+# Limits on q · depth of `layer_errors`: deeper, e^(−q depth) leaves the normal range of the precision.
+_DEEPEST_NORMAL = {"float32": 70.0, "float64": 600.0}
+
+# Depth of the half-space that `layer_errors` follows, in units of 1/q.
+_HALF_SPACE_DEPTH = 20.0
+
+# Decimal digits of the reference.
 _DIGITS = 80
 
-Progress = Callable[[float, float], None]
 
-
-def compute(
+def rounding_errors(
     poisson: Sequence[float] = (0.0, 0.33, 0.49, 0.4999, 0.5),
     smallest: float = 1e-8,
     largest: float = 1e5,
     per_decade: int = 6,
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Errors of all formulas in both precisions.
+    """Rounding errors of the formulas of the layer in both precisions, against high precision.
 
     Parameters
     ----------
     poisson : sequence
-        Poisson's ratios; each is rounded to single precision, so that both precisions have the same solid.
+        Poisson's ratios, rounded to single precision so that both precisions have the same solid.
     smallest, largest : float
         Range of q · height.
     per_decade : int
@@ -69,8 +79,8 @@ def compute(
     Returns
     -------
     Dataset
-        ``error`` over (quantity, formula, precision, poisson, scaled_wavenumber); NaN where a formula gave
-        no finite number, and for the printed formulas, which have no ``bonded_stress``.
+        ``error`` over (quantity, formula, precision, poisson, scaled_wavenumber); NaN where a formula gives
+        no finite number, and for the stress by the printed formulas, which have none.
     """
     steps = round(per_decade * np.log10(largest / smallest)) + 1
     nominal = np.geomspace(smallest, largest, steps)
@@ -123,28 +133,30 @@ def layer_errors(
     fractions: Sequence[float] = (0.0, 1e-7, 1e-3, 0.1, 0.3, 0.5, 0.7, 0.9, 0.999, 1.0),
     digits: int = _DIGITS,
 ) -> dict[str, float]:
-    """Largest errors of `asperity.Layer` for one mode with q ≈ 1.
+    """Largest rounding errors of `asperity.Layer` for one mode with q ≈ 1.
 
     Parameters
     ----------
     height : float or None
-        Also q · height, and rounded to `dtype`; None for the half-space, whose depths are `fractions` × 20.
+        Height of the layer, which is also q · height, rounded to `dtype`; None for the half-space, which is
+        followed to a depth of 20.
     bottom : str
     poisson : float
     dtype : "float64" or "float32"
-        Of the wavevector, the depths and the results.
+        Type of the wavevector, the depths and the results.
     fractions : sequence
         Depths over the height.
     digits : int
-        Of the independent solve.
+        Decimal digits of the reference.
 
     Returns
     -------
     errors : dict
-        ``compliance`` (surface) relative; ``stress`` relative to its largest component at the same depth,
-        per 1 + q depth; ``displacement`` likewise, or relative to e^(−q depth) of its largest component at
-        the top where that is larger: next to a support everything that moves may vanish together. For a free
-        bottom instead of both ``face_compliance``, relative to √(G_ii G_jj).
+        ``compliance`` of the surface, relative; ``stress``, relative to its largest component at the same
+        depth and divided by 1 + q · depth; ``displacement`` likewise, but relative to e^(−q depth) of its
+        largest component at the top where that is larger, because next to a support all components may
+        vanish together. For a free bottom ``face_compliance`` relative to √(G_ii G_jj) instead of the last
+        two.
     """
     kind = np.dtype(dtype)
     qx, qy = (np.full(1, component, kind) for component in _DIRECTION)
@@ -153,41 +165,49 @@ def layer_errors(
     layer = Layer(1.3, poisson, height, bottom)
     mode = StateSpace(float(qx[0]), float(qy[0]), layer.young, poisson, height, bottom, digits)
     q = float(mode.q)
-    # The compliance of the wavenumber that is given, rounded as it is.
+    # The compliance takes the wavenumber, rounded to the precision, instead of its components.
     rounded = np.array([q], kind)
-    alone = StateSpace(float(rounded[0]), 0, layer.young, poisson, height, bottom, digits)
-    exact = -alone.displacement(0)[2].real
+    along_x = StateSpace(float(rounded[0]), 0, layer.young, poisson, height, bottom, digits)
+    exact = -along_x.displacement(0)[2].real
     errors = {"compliance": float(abs(layer.surface_compliance(rounded)[0].item() / exact - 1))}
     if bottom == "free" and height is not None:
         errors["face_compliance"] = float(_compliance_error(layer.compliance(qx, qy), [mode.compliance()])[0])
         return errors
-    reach = 20.0 if height is None else height
-    # Deeper, the numbers leave the normal range of the precision.
-    deepest = 600.0 if kind == np.float64 else 70.0
+    reach = _HALF_SPACE_DEPTH if height is None else height
     top = max(abs(component) for component in mode.displacement(0))
     errors |= {"stress": 0.0, "displacement": 0.0}
     for fraction in fractions:
         depth = np.array([fraction * reach], kind)
-        below = float(depth[0])
-        if q * below > deepest:
-            continue
-        stress, displacement = mode.stress(below), mode.displacement(below)
-        sizes = {
-            "stress": max(abs(component) for component in stress),
-            "displacement": max(*(abs(component) for component in displacement), top * mp.exp(-q * below)),
-        }
-        pairs = {
-            "stress": (layer.stress(qx, qy, depth)[0], stress),
-            "displacement": (layer.displacement(qx, qy, depth)[0], displacement),
-        }
-        for name, (values, true) in pairs.items():
-            largest = max(abs(complex(v) - t) for v, t in zip(values, true, strict=True))
-            errors[name] = max(errors[name], float(largest / sizes[name]) / (1 + q * below))
+        if q * float(depth[0]) <= _DEEPEST_NORMAL[kind.name]:
+            for name, error in _mode_errors(layer, mode, qx, qy, depth, top).items():
+                errors[name] = max(errors[name], error)
+    return errors
+
+
+def _mode_errors(
+    layer: Layer, mode: StateSpace, qx: Array, qy: Array, depth: Array, top: Any
+) -> dict[str, float]:
+    """Errors of stress and displacement at one depth, as in `layer_errors`; `top` is the scale at the top."""
+    below = float(depth[0])
+    decay = float(mode.q) * below
+    stress, displacement = mode.stress(below), mode.displacement(below)
+    sizes = {
+        "stress": max(abs(component) for component in stress),
+        "displacement": max(*(abs(component) for component in displacement), top * mp.exp(-decay)),
+    }
+    pairs = {
+        "stress": (layer.stress(qx, qy, depth)[0], stress),
+        "displacement": (layer.displacement(qx, qy, depth)[0], displacement),
+    }
+    errors = {}
+    for name, (values, exact) in pairs.items():
+        largest = max(abs(complex(v) - e) for v, e in zip(values, exact, strict=True))
+        errors[name] = float(largest / sizes[name]) / (1 + decay)
     return errors
 
 
 def _reference(qx: Array, qy: Array, nu: float, depths: Array) -> tuple[list[Any], list[list[Any]]]:
-    """Compliances and stresses of every mode by the independent solve."""
+    """Compliances and stresses of every mode in high precision."""
     compliance, stress = [], []
     for x, y, levels in zip(qx, qy, depths, strict=True):
         mode = (x, y, _YOUNG, nu, _HEIGHT)
@@ -198,7 +218,7 @@ def _reference(qx: Array, qy: Array, nu: float, depths: Array) -> tuple[list[Any
 
 
 def _compliance_error(values: Array, true: Sequence[Any]) -> Array:
-    """Largest error of the entries, relative to √(G_ii G_jj), for every mode."""
+    """Largest error of the entries of every mode, each relative to √(G_ii G_jj), (modes,)."""
     out = np.full(len(true), np.nan)
     for n, (matrix, exact) in enumerate(zip(values, true, strict=True)):
         if not np.all(np.isfinite(matrix)):
@@ -213,7 +233,10 @@ def _compliance_error(values: Array, true: Sequence[Any]) -> Array:
 
 
 def _stress_error(values: Array, true: Sequence[Sequence[Any]], decay: Array) -> Array:
-    """Largest error of a component at any depth over the largest there, per 1 + q depth, for every mode."""
+    """Largest error over all depths of every mode, (modes,).
+
+    The error at a depth is relative to the largest component there and divided by 1 + q · depth, `decay`.
+    """
     out = np.full(len(true), np.nan)
     for n, (levels, exact_levels, d) in enumerate(zip(values, true, decay, strict=True)):
         if not np.all(np.isfinite(levels)):
@@ -228,24 +251,24 @@ def _stress_error(values: Array, true: Sequence[Sequence[Any]], decay: Array) ->
 
 
 def _printed_compliance(qx: Array, qy: Array, nu: Any) -> Array:
-    """Eq. A.2 and A.3, misprints corrected, (modes, 6, 6)."""
+    """Compliance of both faces by Eqs. A.2 and A.3, misprints corrected, (modes, 6, 6)."""
     kind = qx.dtype.type
     elements = printed.compliance_elements(np, qx, qy, kind(_HEIGHT), kind(_YOUNG), nu)
     return _stack(printed.compliance(elements), qx)
 
 
 def _direct(qx: Array, qy: Array, nu: Any, z: Array) -> tuple[Array, Array, Array]:
-    """Displacements, their slopes and tractions of the six columns of Eq. 6, each (modes, 3, 6)."""
+    """Displacements, their derivatives along z and tractions of the columns of Eq. 6, each (modes, 3, 6)."""
     kind = qx.dtype.type
     values, slopes = printed.basis(np, qx, qy, z, (1 - 2 * nu) / (2 * (1 - nu)))
     rows = printed.stress_rows(values, slopes, qx, qy, kind(_YOUNG), nu)
-    # Tractions in the order x, y, z
+    # Tractions in the order x, y, z.
     ordered = [rows[2], rows[1], rows[0]]
     return _stack(values, qx), _stack(slopes, qx), _stack(ordered, qx)
 
 
 def _direct_compliance(qx: Array, qy: Array, nu: Any) -> Array:
-    """Compliance of both faces by solving Eqs. 5–7, (modes, 6, 6)."""
+    """Compliance of both faces by a numerical solution of Eqs. 5–7, (modes, 6, 6)."""
     top, _, top_traction = _direct(qx, qy, nu, np.full_like(qx, _HEIGHT))
     bottom, _, bottom_traction = _direct(qx, qy, nu, np.zeros_like(qx))
     tractions = np.concatenate([top_traction, -bottom_traction], axis=1)
@@ -254,7 +277,7 @@ def _direct_compliance(qx: Array, qy: Array, nu: Any) -> Array:
 
 
 def _direct_stress(qx: Array, qy: Array, nu: Any, depths: Array) -> Array:
-    """Stress under a unit pressure mode on a bonded layer by solving Eqs. 5–7, (modes, depths, 6)."""
+    """Stress under a unit pressure on a bonded layer, likewise, (modes, depths, 6)."""
     c11, c12, c44 = printed.elastic_constants(qx.dtype.type(_YOUNG), nu)
     bottom, _, _ = _direct(qx, qy, nu, np.zeros_like(qx))
     _, _, traction = _direct(qx, qy, nu, np.full_like(qx, _HEIGHT))
@@ -275,14 +298,14 @@ def _direct_stress(qx: Array, qy: Array, nu: Any, depths: Array) -> Array:
 
 
 def _stack(rows: Sequence[Sequence[Any]], like: Array) -> Array:
-    """Rows of arrays as (modes, rows, columns), complex in the precision of `like`."""
+    """Array (modes, rows, columns) from rows of (modes,) arrays, complex in the precision of `like`."""
     kind = np.result_type(like.dtype, np.complex64)
     entries = [[np.broadcast_to(entry, like.shape) for entry in row] for row in rows]
     return np.ascontiguousarray(np.moveaxis(np.array(entries), -1, 0).astype(kind))
 
 
 def _solve(systems: Array, sides: Array) -> Array:
-    """Solutions of each system; NaN where it is singular to rounding."""
+    """Solution of every linear system; NaN where it is singular to rounding."""
     out = np.full(sides.shape, np.nan, systems.dtype)
     for n, (system, side) in enumerate(zip(systems, sides, strict=True)):
         if np.all(np.isfinite(system)):

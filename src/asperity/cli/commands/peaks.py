@@ -11,7 +11,7 @@ from asperity.cli.files import check_out, read_result, write_result
 from asperity.pipeline.statistics import SeedResults, surface_statistics
 from asperity.results import dataset
 from asperity.runtime.progress import Progress
-from asperity.stress.statistics import selection
+from asperity.stress.selection import selection_for
 from asperity.surface.roughness import roughness_parameters
 
 _PERCENTS = (50.0, 90.0, 99.0)
@@ -62,7 +62,7 @@ def _percentiles(result: xr.Dataset) -> str:
     ]
     for quantity in result["quantity"].values:
         for nu in result["poisson"].values:
-            chosen = result.sel(quantity=quantity, poisson=nu, selection=selection(quantity))
+            chosen = result.sel(quantity=quantity, poisson=nu, selection=selection_for(quantity))
             counted = int(chosen["peak_counts"].sum())
             values = chosen["peak_percentile"].sel(percent=list(_PERCENTS)).values
             lines.append(

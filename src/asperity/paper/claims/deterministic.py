@@ -8,7 +8,7 @@ import numpy as np
 
 from asperity.elasticity.layer import Layer
 from asperity.paper.claims.evidence import Evidence, Fixed, Measure, MissingEvidenceError
-from asperity.validation.comparisons import differences
+from asperity.validation.finite_elements import largest_differences
 
 RESOLVED = 10
 """Smallest radius of a circle of contact that counts as resolved, in grid spacings."""
@@ -95,7 +95,11 @@ def element_difference(fields: Sequence[str], where: Sequence[str]) -> Measure:
 
     def measure(evidence: Evidence) -> Fixed:
         meshes = evidence.dataset("mesh_convergence")
-        found = [differences(evidence.dataset("elements")), meshes.isel(mesh=-1), meshes.isel(mesh=-2)]
+        found = [
+            largest_differences(evidence.dataset("elements")),
+            meshes.isel(mesh=-1),
+            meshes.isel(mesh=-2),
+        ]
         value, fine, coarse = (
             max(float(one[f"difference_{part}"].sel(field=name)) for name in fields for part in where)
             for one in found
@@ -107,5 +111,5 @@ def element_difference(fields: Sequence[str], where: Sequence[str]) -> Measure:
 
 def edge_over_away(evidence: Evidence) -> Fixed:
     """Largest difference to the finite elements near the edge of contact over the largest farther away."""
-    found = differences(evidence.dataset("elements"))
+    found = largest_differences(evidence.dataset("elements"))
     return Fixed(float(found.difference_edge.max() / found.difference_away.max()))

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import xarray as xr
 
 from asperity.paper.figures.style import label, wavelength_short
-from asperity.stress.statistics import selection
+from asperity.stress.selection import selection_for
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class Case:
 
     def peaks(self, quantity: str) -> xr.Dataset:
         """Statistics of the peaks of a quantity, of those peaks that figures and claims count."""
-        return self.profiles.sel(quantity=quantity, selection=selection(quantity))
+        return self.profiles.sel(quantity=quantity, selection=selection_for(quantity))
 
 
 def of_surfaces(statistics: Mapping[str, xr.Dataset]) -> list[Case]:

@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator
 from asperity.paper.figures.captions import bullets
 from asperity.paper.figures.style import panels
 from asperity.types import Array
-from asperity.validation.comparisons import differences
+from asperity.validation.finite_elements import largest_differences
 
 SMALLEST, LARGEST = 1e-3, 10.0
 """Limits between which differences are drawn, in percent of the field's largest magnitude."""
@@ -64,7 +64,7 @@ def draw_fields(dataset: xr.Dataset, fields: Sequence[tuple[str, str, str, str]]
 
 def describe_differences(dataset: xr.Dataset, fields: Sequence[str]) -> str:
     """Largest differences of fields to the finite elements, as a list in reStructuredText."""
-    found = differences(dataset)
+    found = largest_differences(dataset)
     return bullets(
         f"{name}: at most {100 * float(found['difference_away'].sel(field=name)):.3f} % of its largest "
         f"magnitude away from the edge of contact, "

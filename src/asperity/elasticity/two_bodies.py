@@ -1,0 +1,67 @@
+"""Two elastic bodies pressed against each other, as one solid for the contact.
+
+Without friction both bodies carry the same pressure, and the gap closes by the sum of their surface
+displacements (K. L. Johnson, Contact Mechanics, 1985, chapter 4). Their compliances add up, and for
+half-spaces 1/E* = (1 − ν₁²)/E₁ + (1 − ν₂²)/E₂. The stress in each body follows from the common pressure with
+the layer of that body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
+
+from asperity.elasticity.layer import Layer
+from asperity.spectral import Grid
+from asperity.types import Array
+
+
+@dataclass(frozen=True)
+class TwoBodies:
+    """Two isotropic linear elastic bodies, each a layer or a half-space.
+
+    Parameters
+    ----------
+    lower, upper : Layer
+        The solid below the interface and the one above it. Swapping them changes no contact pressure.
+
+    Raises
+    ------
+    TypeError
+        If one of them is not a `Layer`.
+    """
+
+    lower: Layer
+    upper: Layer
+
+    def __post_init__(self) -> None:
+        for name, layer in (("lower", self.lower), ("upper", self.upper)):
+            if not isinstance(layer, Layer):
+                raise TypeError(f"{name} = {layer!r}: a Layer is needed")
+
+    @property
+    def effective_modulus(self) -> float:
+        """E* of the pair, in the unit of Young's modulus: 1/E* = Σ (1 − νᵢ²)/Eᵢ."""
+        return 1 / (1 / self.lower.effective_modulus + 1 / self.upper.effective_modulus)
+
+    @property
+    def height(self) -> float | None:
+        """Height of the lower of the layers; None if both bodies are half-spaces."""
+        heights = [layer.height for layer in (self.lower, self.upper) if layer.height is not None]
+        return min(heights, default=None)
+
+    def surface_compliance(self, q: ArrayLike) -> Array:
+        """Sum of the compliances of both surfaces, length per pressure, of the shape of q; see `Layer`."""
+        return self.lower.surface_compliance(q) + self.upper.surface_compliance(q)
+
+    def uniform_compliance(self) -> float:
+        """Approach of the bodies per unit mean pressure; 0 by rule if a body has no uniform displacement."""
+        return self.lower.uniform_compliance() + self.upper.uniform_compliance()
+
+    def grid_surface_compliance(self, grid: Grid, dtype: DTypeLike = "float64") -> Array:
+        """`surface_compliance` of every stored mode of a grid, (ny, nx // 2 + 1)."""
+        return np.asarray(
+            self.lower.grid_surface_compliance(grid, dtype) + self.upper.grid_surface_compliance(grid, dtype)
+        )

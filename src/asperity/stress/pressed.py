@@ -1,0 +1,43 @@
+"""A solid under a contact pressure: all that the stress inside it depends on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+from asperity.elasticity.layer import Layer
+from asperity.spectral import Grid
+from asperity.types import Array
+
+
+class ContactLike(Protocol):
+    """What the stress in a solid needs from a contact: a `Contact` and a `PressedSolid` have it."""
+
+    @property
+    def pressure(self) -> Array:
+        """Contact pressure [y, x], compression positive, in the unit of Young's modulus."""
+
+    @property
+    def grid(self) -> Grid:
+        """Grid of the pressure."""
+
+    @property
+    def layer(self) -> Layer:
+        """The solid."""
+
+
+@dataclass(frozen=True, eq=False)
+class PressedSolid:
+    """A solid under any given pressure, for which no contact has to be solved.
+
+    Parameters
+    ----------
+    pressure : (ny, nx) array
+        Compression positive, in the unit of Young's modulus.
+    grid : Grid
+    layer : Layer
+    """
+
+    pressure: Array
+    grid: Grid
+    layer: Layer

@@ -1,0 +1,135 @@
+"""Selection of peaks by name from the dataset of a stress analysis: the only place that knows its layout.
+
+The peaks of all quantities and Poisson's ratios stand one after the other along the dimension `peak`.
+``peak_quantity`` is the name of the quantity, ``peak_poisson`` the Poisson's ratio of each peak. The ratio is
+NaN where the quantity is the same for every one; `peaks` finds such peaks under any of the analysed ratios.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+
+from asperity.errors import one_line, shown
+from asperity.stress.arguments import checked_name, checked_ratio
+from asperity.stress.peaks import Peaks
+from asperity.stress.pressed import ContactLike
+from asperity.types import Array
+
+SELECTIONS = ("all", "at_contact", "interior", "under_contact")
+"""Names of the selections of `peaks`."""
+
+LARGEST_AT_SURFACE = ("pressure", "xx", "yy", "zz")
+"""Quantities whose magnitude is largest in the surface."""
+
+_LABELS = ("peak_quantity", "peak_poisson")
+
+
+def peaks(
+    stress: xr.Dataset, quantity: str, poisson: float | None = None, selection: str = "all"
+) -> xr.Dataset:
+    """Select the peaks of one quantity from the result of a stress analysis.
+
+    Parameters
+    ----------
+    stress : dataset
+        Result of `analyse_stress`, or a result file of stage stress.
+    quantity : str
+        One of the analysed quantities, ``stress["quantity"]``.
+    poisson : float, optional
+        One of the analysed Poisson's ratios, ``stress["poisson"]``. It may be left out if there is only one,
+        or for a quantity that is the same for every one: the pressure, and in a half-space σ_zz, σ_yz and
+        σ_xz.
+    selection : str
+        ``"all"``;
+        ``"at_contact"``: the surface node nearest above the peak, or at it, carries pressure;
+        ``"interior"``: the peak is below the surface;
+        ``"under_contact"``: both.
+
+    Returns
+    -------
+    dataset
+        Variables along `peak` alone: ``peak_value``, ``peak_depth``, ``peak_y``, ``peak_x``,
+        ``peak_interior``, ``peak_under_contact``; with the coordinates ``quantity`` and ``poisson``.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not among those that the dataset has.
+
+    Examples
+    --------
+    The von Mises peaks below the contacts for ν = 0.33, as a table of pandas:
+
+    >>> asp.peaks(stress, "von_mises", poisson=0.33, selection="under_contact").to_dataframe()
+    """
+    names, own_ratios = _labels(stress)
+    checked_name("quantity", quantity, [str(name) for name in stress["quantity"].values])
+    checked_name("selection", selection, SELECTIONS)
+    chosen = names == quantity
+    ratios = [float(nu) for nu in stress["poisson"].values]
+    if poisson is None and np.isnan(own_ratios[chosen]).all():
+        ratio = np.nan
+    else:
+        ratio = checked_ratio(poisson, ratios)
+    chosen &= (own_ratios == ratio) | np.isnan(own_ratios)
+    if selection in ("interior", "under_contact"):
+        chosen &= stress["peak_interior"].values
+    if selection in ("at_contact", "under_contact"):
+        chosen &= stress["peak_under_contact"].values
+    columns = [name for name in stress.data_vars if stress[name].dims == ("peak",)]
+    found = stress[columns].isel(peak=np.flatnonzero(chosen)).drop_vars(_LABELS).drop_attrs(deep=False)
+    coordinates = {"quantity": quantity, "poisson": ratio}
+    return found.assign_coords({name: ((), value, stress[name].attrs) for name, value in coordinates.items()})
+
+
+def selection_for(quantity: str) -> str:
+    """The selection of `peaks` that figures and claims count for a quantity.
+
+    They count peaks under a contact, and those in the surface only of quantities that are largest there.
+    """
+    return "at_contact" if quantity in LARGEST_AT_SURFACE else "under_contact"
+
+
+def peak_dataset(found: Mapping[tuple[str, float], Peaks], contact: ContactLike) -> xr.Dataset:
+    """Peaks in the layout from which `peaks` selects.
+
+    Parameters
+    ----------
+    found : mapping
+        Quantity and Poisson's ratio (NaN: the same for every one) → its peaks.
+    contact : object with ``pressure`` and ``grid``
+        Decides whether a peak is under contact.
+    """
+    every = Peaks.join(found.values())
+    sizes = [peaks.size for peaks in found.values()]
+    columns = {
+        "value": every.value,
+        "depth": every.depth,
+        "y": every.y,
+        "x": every.x,
+        "interior": every.interior,
+        "under_contact": every.under_contact(contact.pressure, contact.grid),
+    }
+    labels = {
+        "peak_quantity": np.repeat([quantity for quantity, _ in found], sizes),
+        "peak_poisson": np.repeat([ratio for _, ratio in found], sizes),
+    }
+    return xr.Dataset(
+        {f"peak_{name}": ("peak", values) for name, values in columns.items()},
+        coords={name: ("peak", values) for name, values in labels.items()},
+    )
+
+
+def _labels(stress: xr.Dataset) -> tuple[Array, Array]:
+    """Quantity and Poisson's ratio of every peak."""
+    if not (isinstance(stress, xr.Dataset) and {*_LABELS, "quantity", "poisson"} <= set(stress.variables)):
+        raise TypeError(
+            f"stress = {one_line(shown(stress))}: the result of a stress analysis, a dataset, is needed"
+        )
+    names, ratios = (stress[name].values for name in _LABELS)
+    if names.dtype.kind not in "OTU":
+        raise ValueError("stress: made by another version, with numbers in place of names; analyse it again")
+    return names, ratios

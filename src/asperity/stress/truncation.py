@@ -1,0 +1,112 @@
+"""The coarsest grid that holds the stress at a depth, and the error bound that proves it.
+
+Bound
+-----
+A pressure mode of amplitude |p̂| and wavenumber q has, at depth d, no stress component and no von Mises stress
+larger than √3 (1 + q d) e^(−q d) |p̂| (twice that in a layer of finite height): every kernel is of the form
+(α + β q d) e^(−q d), and the von Mises stress is a seminorm. The sum over the modes that a grid drops bounds
+the error at every node. The grid chosen is the coarsest whose bound is below the tolerance times the root
+mean square of σ_zz in that plane, which Parseval's theorem gives beforehand and which is at most the largest
+|σ_zz| there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from asperity.elasticity.layer import Layer
+from asperity.spectral import Grid, good_size
+from asperity.types import Array
+
+MIN_NODES = 16
+"""Fewest nodes on an edge of a coarse grid: below it a plane costs no less."""
+
+
+class Truncation:
+    """Chooses the coarsest sufficient grid for every depth under one pressure.
+
+    Parameters
+    ----------
+    pressure : (ny, nx // 2 + 1) complex array
+        Coefficients of the contact pressure.
+    grid : Grid
+        Their grid.
+    layer : Layer
+    tolerance : float
+        Largest error relative to the root mean square of σ_zz in the plane; 0 keeps the grid.
+
+    Attributes
+    ----------
+    grids : list of Grid
+        Grids to choose from, finest first.
+    """
+
+    def __init__(self, pressure: Array, grid: Grid, layer: Layer, tolerance: float) -> None:
+        self.grids = coarser_grids(grid)
+        self.tolerance = tolerance
+        self._layer = layer
+        self._envelope = np.sqrt(3.0) * (1.0 if layer.height is None else 2.0)
+        width = 2 * np.pi / max(grid.length)
+        ring = (grid.wavenumber() / width).astype(np.int64)
+        rings = int(ring.max()) + 1
+        self._wavenumber = width * np.arange(rings)
+        amplitude = np.abs(pressure) * grid.multiplicity
+        self._power = np.bincount(ring.ravel(), (amplitude * np.abs(pressure)).ravel(), rings)
+        self._mean_square = float(np.abs(pressure[0, 0]) ** 2)
+        self._power[0] = 0.0
+        last = _coarsest_grid_of_modes(grid, self.grids)
+        flat = (last * rings + ring).ravel()
+        amount = np.bincount(flat, amplitude.ravel(), len(self.grids) * rings).reshape(-1, rings)
+        self._dropped = np.cumsum(amount, axis=0) - amount
+
+    def scale(self, depth: float) -> float:
+        """Root mean square of σ_zz at `depth`, from the spectrum, or a little less.
+
+        The modes of a ring of wavenumbers are taken to decay as at its outer edge.
+        """
+        outer = self._wavenumber + self._wavenumber[1] if self._wavenumber.size > 1 else self._wavenumber + 1
+        normal = np.asarray(self._layer.kernels(outer, depth).normal)
+        return float(np.sqrt(self._mean_square + np.sum(self._power * normal**2)))
+
+    def bounds(self, depth: float) -> Array:
+        """Largest error of any stress at `depth` on each of the grids, (grids,)."""
+        decay = self._wavenumber * depth
+        return self._envelope * (self._dropped @ ((1 + decay) * np.exp(-decay)))
+
+    def choose(self, depth: float) -> tuple[Grid, float]:
+        """The coarsest sufficient grid at `depth`, and its bound."""
+        if self.tolerance == 0:
+            return self.grids[0], 0.0
+        bounds = self.bounds(depth)
+        sufficient = np.flatnonzero(bounds <= self.tolerance * self.scale(depth))
+        return self.grids[sufficient[-1]], float(bounds[sufficient[-1]])
+
+
+def coarser_grids(grid: Grid) -> list[Grid]:
+    """The grid and coarser ones of the same cell: 7/8, 6/8, 5/8, 4/8 of its nodes, and so on by halves.
+
+    Every number of nodes is one whose transform is fast, and at least `MIN_NODES` or that of the grid.
+    """
+    grids = [grid]
+    halving = 1.0
+    while True:
+        for eighths in (7, 6, 5, 4):
+            fraction = halving * eighths / 8
+            shape = tuple(min(n, max(good_size(int(np.ceil(n * fraction))), MIN_NODES)) for n in grid.shape)
+            if shape != grids[-1].shape:
+                grids.append(Grid((shape[0], shape[1]), grid.length))
+        halving /= 2
+        if min(grid.shape) * halving < MIN_NODES:
+            return grids
+
+
+def _coarsest_grid_of_modes(grid: Grid, grids: Sequence[Grid]) -> Array:
+    """Index of the last (coarsest) of the grids that keeps each stored mode, (ny, nx // 2 + 1)."""
+    last = np.zeros(grid.half_shape, np.int64)
+    for number, coarse in enumerate(grids[1:], start=1):
+        rows = 2 * np.abs(grid.ky) < coarse.shape[0]
+        columns = 2 * grid.kx < coarse.shape[1]
+        last[np.ix_(rows, columns)] = number
+    return last

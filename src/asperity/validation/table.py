@@ -1,0 +1,147 @@
+"""Validation table: what is compared with what, the error, its source and the bound that the tests guard."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from asperity.validation.convergence import convergence_order
+from asperity.validation.finite_elements import FIELDS, largest_differences
+
+BOUNDS = {
+    "load_area": 0.01,
+    "wave_pressure_rate": 0.8,
+    "wave_approach": 5e-4,
+    "slab_load": 5e-4,
+    "elements_load": 5e-4,
+    "elements_away": 3e-3,
+    "elements_edge": 0.1,
+    "calculix_load": 5e-3,
+    "calculix_away": 0.02,
+    "punch_peak": 0.01,
+    "punch_depth": 0.01,
+}
+"""Upper bounds of the errors, and a lower bound of the convergence order ``wave_pressure_rate``.
+
+Bound *b* is guarded by the test ``test_b`` of ``tests/physics/test_validation.py``."""
+
+
+class Row(NamedTuple):
+    """One line of the validation table."""
+
+    quantity: str
+    against: str
+    grid: str
+    source: str
+    error: float
+    bound: float
+    test: str
+
+    @property
+    def holds(self) -> bool:
+        """True if the error is at most its bound, or a convergence order at least its bound."""
+        return self.error >= self.bound if self.source == "rate" else self.error <= self.bound
+
+
+def table_rows(datasets: Mapping[str, xr.Dataset]) -> list[Row]:
+    """Rows of the validation table.
+
+    Parameters
+    ----------
+    datasets : mapping
+        Results of the comparisons ``load_area``, ``grid_convergence``, ``elements`` and ``punch``, and of
+        ``calculix`` if it was run; others are ignored.
+    """
+    return [
+        _load_area_row(datasets["load_area"]),
+        *_grid_convergence_rows(datasets["grid_convergence"]),
+        *_element_rows("elements", datasets["elements"]),
+        *(_element_rows("calculix", datasets["calculix"]) if "calculix" in datasets else ()),
+        *_punch_rows(datasets["punch"]),
+    ]
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """The table in Markdown, for `docs/validation.md` and the report."""
+    head = "| quantity | against | grid; mesh | error is of | error | bound | guarded by |"
+    lines = [head, "|---|---|---|---|---|---|---|"]
+    for row in rows:
+        value = f"order {row.error:.2f}" if row.source == "rate" else f"{100 * row.error:.2g} %"
+        limit = f"≥ {row.bound:g}" if row.source == "rate" else f"{100 * row.bound:g} %"
+        verdict = limit if row.holds else f"{limit}, **exceeded**"
+        cells = [row.quantity, row.against, row.grid, row.source, value, verdict, f"`{row.test}`"]
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines) + "\n"
+
+
+def _row(quantity: str, against: str, grid: str, source: str, error: xr.DataArray | float, bound: str) -> Row:
+    """Row with the magnitude of an error and the bound of that name."""
+    magnitude = float(np.abs(error))
+    return Row(quantity, against, grid, source, magnitude, BOUNDS[bound], f"test_validation.py::test_{bound}")
+
+
+def _load_area_row(found: xr.Dataset) -> Row:
+    """Row of the contact radius against the periodic Hertz contact."""
+    error = np.abs(found.solved_contact_radius / found.hertz_contact_radius - 1).max()
+    return _row(
+        "contact radius at given load",
+        "periodic Hertz, Eq. 15",
+        f"{found.attrs['grid_points']}²",
+        "grid, Hertz's shape",
+        error,
+        "load_area",
+    )
+
+
+def _grid_convergence_rows(found: xr.Dataset) -> Iterator[Row]:
+    """Rows of the wave and of the slab on the finest grid."""
+    finest = found.isel(grid_points=-1)
+    points = f"{int(finest.grid_points)}"
+    order = convergence_order(found.grid_points, found.wave_pressure_error)
+    yield _row("pressure, L2", "Westergaard", "all grids", "rate", order, "wave_pressure_rate")
+    yield _row("approach", "Westergaard", points, "grid", finest.wave_approach_error, "wave_approach")
+    yield _row(
+        "load at given approach, slab",
+        "twice the grid",
+        f"{points}²",
+        "grid",
+        finest.slab_load_error,
+        "slab_load",
+    )
+
+
+def _element_rows(name: str, found: xr.Dataset) -> Iterator[Row]:
+    """Rows of the comparison with a finite-element code, ``elements`` or ``calculix``."""
+    differences = largest_differences(found)
+    mesh = f"{found.attrs['grid_points']}²; {found.attrs['elements']}"
+    code = found.attrs["code"]
+    yield _row(
+        "load at given approach, slab", code, mesh, "mesh, grid", differences.difference_load, f"{name}_load"
+    )
+    for field in FIELDS:
+        error = differences.difference_away.sel(field=field)
+        yield _row(f"{_symbol(field)} away from the edge", code, mesh, "mesh, grid", error, f"{name}_away")
+    if f"{name}_edge" in BOUNDS:
+        for field in FIELDS:
+            error = differences.difference_edge.sel(field=field)
+            yield _row(f"{_symbol(field)} at the edge", code, mesh, "edge", error, f"{name}_edge")
+
+
+def _punch_rows(found: xr.Dataset) -> Iterator[Row]:
+    """Rows of the largest von Mises stress under the paraboloid, and of its depth."""
+    grid, source = f"{found.attrs['grid_points']}²", "periodic cell, grid"
+    for nu in found.poisson.values:
+        one = found.sel(poisson=nu)
+        error = one.peak_von_mises_array / one.peak_von_mises_closed_form - 1
+        yield _row(f"largest von Mises stress, ν = {nu:g}", "Hertz, Huber", grid, source, error, "punch_peak")
+        error = one.peak_depth_array / one.peak_depth_closed_form - 1
+        yield _row(f"its depth, ν = {nu:g}", "Hertz, Huber", grid, source, error, "punch_depth")
+
+
+def _symbol(field: str) -> str:
+    """Symbol of a field, σ_zz for ``stress_zz``."""
+    quantity, component = field.split("_")
+    return {"displacement": "u", "stress": "σ"}[quantity] + "_" + component

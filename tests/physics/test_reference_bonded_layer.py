@@ -1,0 +1,179 @@
+"""Contact with a bonded layer against its boundary conditions, its limits and finer quadrature."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import mpmath as mp
+import numpy as np
+import pytest
+import scipy.special
+
+from asperity.reference.bonded_layer import BondedLayer, LayerContact
+from asperity.reference.hertz import Hertz
+from asperity.reference.state_space import StateSpace
+
+RATIOS = [-0.5, 0.0, 0.3, 0.5]
+
+
+@cache
+def compliance_ratio(poisson: float, scaled: float) -> float:
+    """Surface compliance over that of the half-space, by the state-space solution of a mode."""
+    mode = StateSpace(scaled, 0, 1 - poisson**2, poisson, 1, digits=30)
+    return float(-mode.displacement(0)[2].real * scaled / 2)
+
+
+@pytest.mark.parametrize("poisson", RATIOS)
+def test_compliance_is_that_of_the_state_space_solution(poisson: float) -> None:
+    layer = BondedLayer(0.7, poisson)
+    for scaled in (1e-3, 0.2, 1.0, 3.0, 20.0):
+        # Rounding, relative to the half-space.
+        assert layer.compliance_ratio(scaled) == pytest.approx(compliance_ratio(poisson, scaled), abs=1e-15)
+    assert np.all(np.isfinite(layer.compliance_ratio([1e-8, 1e3])))
+
+
+def half_space_displacement(contact: LayerContact, r: float) -> float:
+    """Displacement of a half-space, ``4/(π E*) ∫ p(s) s K(m)/(r + s) ds`` with m = 4rs/(r + s)²."""
+    total = 0.0
+    # The logarithmic singularity at s = r and the square root at the edge are at ends of the intervals.
+    for low, high in ((0.0, r), (r, contact.contact_radius)):
+        node, weight = np.polynomial.legendre.leggauss(40)
+        # s = low + (high − low) v³ (10 − 15 v + 6 v²), flat at both ends.
+        v, step = 0.5 * (node + 1), 0.5 * weight
+        s = low + (high - low) * v**3 * (10 - 15 * v + 6 * v**2)
+        step = step * (high - low) * 30 * v**2 * (1 - v) ** 2
+        remainder = ((r - s) / (r + s)) ** 2
+        total += np.sum(step * contact.pressure(s) * s * scipy.special.ellipkm1(remainder) / (r + s))
+    return 4 / (np.pi * contact.effective_modulus) * total
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("ratio", [0.5, 2.0])
+def test_surface_inside_the_contact_follows_the_paraboloid(ratio: float, poisson: float) -> None:
+    """The layer is displaced less than the half-space, by ``2/E* ∫ (1 − K) P J0 dξ``."""
+    height = 0.8
+    contact = BondedLayer(height, poisson, effective_modulus=1.7).paraboloid(ratio * height, 50.0)
+    radius = contact.contact_radius
+    node, weight = np.polynomial.legendre.leggauss(60)
+    scaled, weight = 10 * (node + 1), 10 * weight
+    missing = np.array([1 - compliance_ratio(poisson, u) for u in scaled]) / height
+    s = 0.5 * radius * (np.polynomial.legendre.leggauss(48)[0] + 1)
+    s_weight = 0.5 * radius * np.polynomial.legendre.leggauss(48)[1]
+    for r in (0.2 * radius, 0.7 * radius):
+        wavenumber = scaled / height
+        transform = np.cos(np.outer(wavenumber, s)) @ (s_weight * contact.density(s))
+        correction = 2 / 1.7 * np.sum(weight * missing * transform * scipy.special.j0(wavenumber * r))
+        found = half_space_displacement(contact, r) - correction
+        # Quadrature over the pressure.
+        assert found == pytest.approx(contact.approach - r**2 / 100, rel=1e-7)
+
+
+@pytest.mark.parametrize("poisson", RATIOS)
+def test_a_thick_layer_is_a_half_space(poisson: float) -> None:
+    layer = BondedLayer(1e4, poisson, effective_modulus=1.7)
+    contact, hertz = layer.paraboloid(0.3, 2.0), Hertz(0.3, 2.0, 1.7)
+    assert contact.load == pytest.approx(hertz.load, rel=1e-10)
+    assert contact.approach == pytest.approx(hertz.approach, rel=1e-4)
+    r = np.array([0.0, 0.1, 0.29, 0.3, 0.4])
+    np.testing.assert_allclose(contact.pressure(r), hertz.pressure(r), atol=1e-10)
+    punch = layer.flat_punch(0.3, 0.01)
+    assert punch.load == pytest.approx(2 * 1.7 * 0.3 * 0.01, rel=1e-4)
+    boussinesq = 1.7 * 0.01 / (np.pi * np.sqrt(0.09 - r[:3] ** 2))
+    np.testing.assert_allclose(punch.pressure(r[:3]), boussinesq, rtol=1e-4)
+    assert punch.pressure(0.4) == 0
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.5])
+def test_first_effect_of_the_height_on_a_flat_punch(poisson: float) -> None:
+    """M is ∫ (1 − K) du / h for small a/h, which adds 2/π a/h ∫ (1 − K) du to the load."""
+    kappa = 3 - 4 * mp.mpf(poisson)
+
+    def missing(u):
+        above = kappa * mp.sinh(u) * mp.cosh(u) - u
+        return 1 - above / (kappa * mp.sinh(u) ** 2 + 4 * (1 - mp.mpf(poisson)) ** 2 + u**2)
+
+    slope = 2 / np.pi * float(mp.quad(missing, [0, 1, 3, 10, 40]))
+    small = 1e-4
+    load = BondedLayer(1.0, poisson).flat_punch(small, 1.0).load
+    assert (load / (2 * small) - 1) / small == pytest.approx(slope, rel=1e-3)
+
+
+def test_a_thin_compressible_layer_is_a_foundation_of_springs() -> None:
+    """p = M (δ − r²/2R)/h with the confined modulus M, from which a² = 2Rδ and the load is π M R δ²/h."""
+    nu, height, radius = 0.3, 0.5, 40.0
+    confined = (1 - nu) ** 2 / (1 - 2 * nu)
+    errors = []
+    for ratio in (5.0, 10.0):
+        contact = BondedLayer(height, nu).paraboloid(ratio * height, radius)
+        approach = contact.contact_radius**2 / (2 * radius)
+        load = np.pi * confined * radius * contact.approach**2 / height
+        errors.append((contact.approach / approach - 1, contact.load / load - 1))
+    assert abs(errors[1][0]) < 0.03
+    assert abs(errors[1][1]) < 0.005
+    assert abs(errors[1][0]) < 0.55 * abs(errors[0][0])
+
+
+def test_a_thin_incompressible_layer_is_squeezed_sideways() -> None:
+    """−h³/(3G) Δp = δ − r²/2R with p = p' = 0 at the edge: δ = a²/(4R), load π G a⁶/(32 R h³).
+
+    The layer bulges at the edge as if the contact were a little wider: the sixth root of the load is linear
+    in h/a.
+    """
+    radius, modulus = 40.0, 0.25
+    roots, approaches = [], []
+    for ratio in (10.0, 20.0):
+        contact = BondedLayer(1.0, 0.5).paraboloid(ratio, radius)
+        roots.append((contact.load / (np.pi * modulus * ratio**6 / (32 * radius))) ** (1 / 6))
+        approaches.append(np.sqrt(contact.approach / (ratio**2 / (4 * radius))))
+    assert 1 < roots[1] < roots[0]
+    assert 2 * roots[1] - roots[0] == pytest.approx(1, abs=0.005)
+    assert 2 * approaches[1] - approaches[0] == pytest.approx(1, abs=0.02)
+
+
+@pytest.mark.parametrize("poisson", RATIOS)
+def test_load_and_approach_converge_with_the_order(poisson: float) -> None:
+    for ratio, order, tolerance in ((0.5, 16, 1e-13), (5.0, 32, 1e-12), (10.0, 64, 1e-12)):
+        coarse, fine = (
+            BondedLayer(1.0, poisson, order=n).paraboloid(ratio, 10.0) for n in (order, order + 32)
+        )
+        assert coarse.load == pytest.approx(fine.load, rel=tolerance)
+        assert coarse.approach == pytest.approx(fine.approach, rel=tolerance)
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.5])
+def test_pressure_carries_the_load_and_ends_at_the_edge(poisson: float) -> None:
+    contact = BondedLayer(0.6, poisson).paraboloid(1.5, 50.0)
+    node, weight = np.polynomial.legendre.leggauss(60)
+    # r = a sin t, where a square root at the edge is smooth.
+    t, weight = np.pi / 4 * (node + 1), np.pi / 4 * weight
+    pressure = contact.pressure(1.5 * np.sin(t))
+    load = 2 * np.pi * 1.5**2 * np.sum(weight * pressure * np.sin(t) * np.cos(t))
+    assert load == pytest.approx(contact.load, rel=1e-12)
+    assert np.all(pressure > 0)
+    assert np.all(np.diff(pressure) < 0)
+    assert np.all(contact.pressure([1.5, 1.6]) == 0)
+    # Of the size of φ on the axis.
+    assert abs(float(contact.density(1.5))) < 1e-13 * float(contact.density(0.0))
+
+
+def test_flat_punch_carries_its_load() -> None:
+    contact = BondedLayer(0.6, 0.3).flat_punch(1.5, 0.01)
+    node, weight = np.polynomial.legendre.leggauss(60)
+    t, weight = np.pi / 4 * (node + 1), np.pi / 4 * weight
+    pressure = contact.pressure(1.5 * np.sin(t))
+    load = 2 * np.pi * 1.5**2 * np.sum(weight * pressure * np.sin(t) * np.cos(t))
+    assert load == pytest.approx(contact.load, rel=1e-12)
+
+
+def test_a_thinner_layer_carries_more() -> None:
+    loads = [BondedLayer(height, 0.3).paraboloid(0.3, 2.0).load for height in (3.0, 1.0, 0.3, 0.1)]
+    assert np.all(np.diff(loads) > 0)
+    assert loads[0] > Hertz(0.3, 2.0).load
+
+
+@pytest.mark.parametrize("changes", [{"height": 0.0}, {"poisson": 0.51}, {"poisson": -1.0}, {"order": 0}])
+def test_bad_values_are_named(changes: dict) -> None:
+    with pytest.raises(ValueError, match=next(iter(changes))):
+        BondedLayer(**{"height": 1.0, "poisson": 0.3, **changes})
+    with pytest.raises(ValueError, match="contact_radius"):
+        BondedLayer(1.0, 0.3).paraboloid(-1.0, 1.0)

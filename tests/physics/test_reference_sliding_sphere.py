@@ -1,0 +1,169 @@
+"""Stress under a sliding sphere against sums of point forces, equilibrium and polynomials at the surface."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from asperity.reference.elementary import tangential_point_force_stress
+from asperity.reference.hertz import Hertz
+from asperity.reference.sliding_sphere import SlidingSphere
+
+CONTACT = Hertz(contact_radius=0.3, curvature_radius=2.0, effective_modulus=1.7)
+SLIDING = SlidingSphere(CONTACT, friction=0.4)
+TRACTION = 0.4 * CONTACT.largest_pressure
+RADIUS = CONTACT.contact_radius
+
+
+def integrated_stress(y: float, x: float, depth: float, poisson: float) -> np.ndarray:
+    """Point forces summed over r = a sin t, where the traction is μ p0 cos t."""
+    node, weight = np.polynomial.legendre.leggauss(80)
+    t, weight = np.pi / 4 * (node + 1), np.pi / 4 * weight
+    angle = 2 * np.pi * np.arange(160) / 160
+    there_x, there_y = (
+        RADIUS * np.sin(t)[:, None] * np.cos(angle),
+        RADIUS * np.sin(t)[:, None] * np.sin(angle),
+    )
+    area = (RADIUS**2 * np.sin(t) * np.cos(t) * weight)[:, None] * 2 * np.pi / 160
+    force = SLIDING.traction(there_y, there_x) * area
+    stress = tangential_point_force_stress(y - there_y, x - there_x, depth, poisson)
+    return np.sum(force[..., None] * stress, axis=(0, 1))
+
+
+@pytest.mark.parametrize("poisson", [-0.3, 0.0, 0.3, 0.5])
+def test_stress_is_the_sum_of_point_forces(poisson: float) -> None:
+    for y, x, depth in (
+        (0.0, 0.0, 0.1),
+        (0.1, 0.17, 0.07),
+        (-0.29, 0.1, 0.08),
+        (0.2, -0.5, 0.05),
+        (1.0, 2.0, 0.5),
+    ):
+        found = SLIDING.traction_stress(y, x, depth, poisson)
+        # Quadrature.
+        expected = integrated_stress(y, x, depth, poisson)
+        np.testing.assert_allclose(found, expected, atol=1e-9 * TRACTION)
+
+
+def test_stress_outside_the_contact_is_that_of_point_forces_at_the_surface_too() -> None:
+    for y, x in ((0.5, 0.1), (0.3, -0.4)):
+        expected = integrated_stress(y, x, 0.0, 0.3)
+        found = SLIDING.traction_stress(y, x, 0.0, 0.3)
+        np.testing.assert_allclose(found, expected, atol=1e-9 * TRACTION)
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
+def test_surface_inside_the_contact(poisson: float) -> None:
+    """Polynomials that follow from φ0 = π² q0 (2a² − r²)/(4a) and Δφ2 = −φ0 in the plane.
+
+    φ0,x = −π² q0 x/(2a), and φ2 = −π² q0/(4a) (a² r²/2 − r⁴/16), of which φ2,xxx = 3π² q0 x/(8a),
+    φ2,xyy = π² q0 x/(8a) and φ2,xxy = π² q0 y/(8a).
+    """
+    radius = RADIUS * np.array([0.0, 0.3, 0.9, 0.999999])[:, None]
+    angle = np.linspace(0, 2 * np.pi, 12)
+    y, x = radius * np.sin(angle), radius * np.cos(angle)
+    found = SLIDING.traction_stress(y, x, 0.0, poisson)
+    scale = -np.pi * TRACTION / (8 * RADIUS)
+    nu, traction = poisson, SLIDING.traction(y, x)
+    none = np.zeros_like(x)
+    expected = [(4 + nu) * x, 3 * nu * x, none, none, traction / scale, (2 - nu) * y]
+    np.testing.assert_allclose(found, scale * np.stack(expected, axis=-1), atol=1e-13 * TRACTION)
+
+
+def test_tension_behind_the_sphere() -> None:
+    """At the trailing edge π (4 + ν) q0/8, with (1 − 2ν) p0/3 of the pressure."""
+    nu = 0.25
+    found = SLIDING.stress(0.0, -RADIUS, 0.0, nu)
+    expected = np.pi * (4 + nu) / 8 * TRACTION + (1 - 2 * nu) / 3 * CONTACT.largest_pressure
+    assert float(found[0]) == pytest.approx(expected, rel=1e-13)
+    np.testing.assert_allclose(found[2:], 0.0, atol=1e-15)
+
+
+def test_surface_carries_the_traction_alone() -> None:
+    y, x = np.meshgrid(np.linspace(-0.5, 0.5, 11), np.linspace(-0.5, 0.5, 11))
+    stress = SLIDING.traction_stress(y, x, 0.0, 0.3)
+    np.testing.assert_allclose(stress[..., 4], SLIDING.traction(y, x), atol=1e-15)
+    assert np.all(stress[..., 2:4] == 0)
+    stress = SLIDING.stress(y, x, 0.0, 0.3)
+    np.testing.assert_allclose(stress[..., 2], -CONTACT.pressure(np.hypot(y, x)), atol=1e-15)
+
+
+def test_stress_is_continuous_at_the_surface() -> None:
+    y, x = np.array([0.1, 0.0, 0.3, 0.6]), np.array([0.2, -0.3, 0.1, 0.5])
+    surface = SLIDING.traction_stress(y, x, 0.0, 0.3)
+    # The edge of contact, where the stress changes as a square root of the distance, is the second point.
+    np.testing.assert_allclose(SLIDING.traction_stress(y, x, 1e-12, 0.3), surface, atol=1e-5 * TRACTION)
+    np.testing.assert_array_equal(SLIDING.traction_stress(y, x, -0.0, 0.3), surface)
+
+
+@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
+def test_stress_is_in_equilibrium(poisson: float) -> None:
+    generator = np.random.default_rng(5)
+    points = np.concatenate(
+        [generator.uniform(-0.6, 0.6, (40, 2)), generator.uniform(-0.6, -0.05, (40, 1))], axis=1
+    )
+    step = 1e-4
+
+    def difference(axis: int) -> np.ndarray:
+        shift = step * np.eye(3)[axis]
+        above, below = (
+            SLIDING.traction_stress(r[:, 1], r[:, 0], -r[:, 2], poisson)
+            for r in (points + shift, points - shift)
+        )
+        return (above - below) / (2 * step)
+
+    dx, dy, dz = map(difference, range(3))
+    force = [
+        dx[:, 0] + dy[:, 5] + dz[:, 4],
+        dx[:, 5] + dy[:, 1] + dz[:, 3],
+        dx[:, 4] + dy[:, 3] + dz[:, 2],
+    ]
+    # Second differences: step² over the cube of the distance to the edge of contact.
+    assert np.abs(force).max() < 20 * step**2 * TRACTION / 0.05**3
+
+
+def test_stress_is_compatible() -> None:
+    """Beltrami–Michell without body forces: (1 + ν) Δσ_ij + ∂_i ∂_j tr σ = 0, for σ_xx and σ_xy."""
+    nu, step = 0.3, 2e-3
+    point = np.array([0.13, -0.2, -0.15])
+
+    def stress(offset: np.ndarray) -> np.ndarray:
+        x, y, z = point + step * offset
+        return SLIDING.traction_stress(y, x, -z, nu)
+
+    unit = np.eye(3)
+    second = [(stress(e) - 2 * stress(0 * e) + stress(-e)) / step**2 for e in unit]
+    mixed = sum(a * b * stress(a * unit[0] + b * unit[1]) for a in (1, -1) for b in (1, -1)) / (4 * step**2)
+    laplacian = sum(second)
+    scale = np.abs(second).max()
+    assert abs((1 + nu) * laplacian[0] + second[0][:3].sum()) < 1e-3 * scale
+    assert abs((1 + nu) * laplacian[5] + mixed[:3].sum()) < 1e-3 * scale
+
+
+def test_symmetry_of_the_components() -> None:
+    """σ_xx, σ_yy, σ_zz and σ_yz are odd along x, σ_xz and σ_xy even; σ_yz and σ_xy are odd along y."""
+    here = SLIDING.traction_stress(0.2, 0.35, 0.1, 0.3)
+    along_x = np.array([-1, -1, -1, -1, 1, 1])
+    along_y = np.array([1, 1, 1, -1, 1, -1])
+    np.testing.assert_allclose(SLIDING.traction_stress(0.2, -0.35, 0.1, 0.3), along_x * here, rtol=1e-14)
+    np.testing.assert_allclose(SLIDING.traction_stress(-0.2, 0.35, 0.1, 0.3), along_y * here, rtol=1e-14)
+
+
+def test_far_stress_is_that_of_a_point_force() -> None:
+    y, x, depth = 60 * np.array([0.3, 0.5, 0.7])
+    expected = 0.4 * CONTACT.load * tangential_point_force_stress(y, x, depth, 0.3)
+    # The next multipole, (a / distance)².
+    np.testing.assert_allclose(SLIDING.traction_stress(y, x, depth, 0.3), expected, rtol=1e-4)
+
+
+def test_reversed_friction_reverses_the_traction_stress_alone() -> None:
+    back = SlidingSphere(CONTACT, -0.4)
+    forth, none = SLIDING.stress(0.1, 0.2, 0.1, 0.3), CONTACT.stress_cartesian(0.1, 0.2, 0.1, 0.3)
+    np.testing.assert_allclose(back.stress(0.1, 0.2, 0.1, 0.3) + forth, 2 * none, rtol=1e-14, atol=1e-15)
+
+
+def test_bad_values_are_named() -> None:
+    with pytest.raises(ValueError, match="friction = nan"):
+        SlidingSphere(CONTACT, np.nan)
+    with pytest.raises(ValueError, match="depth"):
+        SLIDING.stress(0.0, 0.0, -0.1, 0.3)

@@ -1,0 +1,71 @@
+"""Units of the interfaces: text to SI and back."""
+
+import pytest
+
+from asperity.units import scaled_unit, shown_si, to_si
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "expected"),
+    [
+        ("210 GPa", "pressure", 210e9),
+        ("210e9Pa", "pressure", 210e9),
+        ("50 N/mm^2", "pressure", 50e6),
+        ("1 um", "length", 1e-6),
+        ("1 µm", "length", 1e-6),
+        ("-.5 mm", "length", -5e-4),
+        ("12 kN", "force", 12e3),
+    ],
+)
+def test_a_number_with_a_unit_becomes_si(text, dimension, expected):
+    assert to_si(text, dimension) == pytest.approx(expected, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("value", "dimension"),
+    [
+        ("50", "pressure"),
+        (50.0, "pressure"),
+        (True, "pressure"),
+        (None, "pressure"),
+        ("50 m", "pressure"),
+        ("inf m", "length"),
+        ("1e999 m", "length"),
+        ("5 %s {", "length"),
+        ("9**9**9 m", "length"),
+        ("__import__('os')", "length"),
+        ("", "force"),
+        ("x" * 1000, "length"),
+    ],
+)
+def test_anything_else_is_refused_in_one_line_that_lists_units(value, dimension):
+    with pytest.raises(ValueError, match=rf"^--name = .*: a number with a unit of {dimension} \(") as error:
+        to_si(value, dimension, name="--name")
+    assert len(str(error.value)) < 220
+    assert "\n" not in str(error.value)
+
+
+def test_a_quantity_of_pint_is_accepted():
+    pint = pytest.importorskip("pint")
+    assert to_si(pint.UnitRegistry().Quantity(2, "um"), "length") == pytest.approx(2e-6)
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "expected"),
+    [
+        (2.1e11, "Pa", "210 GPa"),
+        (999.99999e6, "Pa", "1 GPa"),
+        (3.2e-7, "m", "320 nm"),
+        (-512e-6, "m", "-512 µm"),
+        (1.2e-9, "m^2", "1200 µm²"),
+        (2.62144e-7, "m^2", "0.2621 mm²"),
+        (0.0, "Pa", "0 Pa"),
+        (0.123456, "1", "0.1235"),
+    ],
+)
+def test_numbers_are_shown_with_a_sensible_prefix(value, unit, expected):
+    assert shown_si(value, unit) == expected
+
+
+def test_one_prefix_serves_all_values_of_a_picture():
+    assert scaled_unit([0.0, 2e6, 5e8, float("nan")], "Pa") == (1e6, "MPa")
