@@ -12,5 +12,6 @@ with record(snakemake.log[0]), Progress(f"verification {surface}") as progress:
     results = map(SeedResults.read, files.surface, files.contact, files.stress)
     checks = verify(surface, results, dataset.read(files.statistics), progress)
     checks.to_csv(snakemake.output.table, index=False)
-    shown = {"": checks.drop(columns="surface")}
-    Path(snakemake.output.page).write_text(markup.page(f"Verification of {surface}", shown), encoding="utf-8")
+    rows = markup.rows_of(checks.drop(columns="surface"))
+    page = markup.page(f"Verification of {surface}", {"": rows})
+    Path(snakemake.output.page).write_text(page, encoding="utf-8")
