@@ -7,11 +7,12 @@ try:
     from asperity.config.reader import load
     from asperity.runtime.preflight import require_packages
     from asperity.config.presets import complete
+    from asperity.runtime.snakemake_internals import overlays
 
     require_packages()
 except ImportError as error:
     sys.exit(
-        f"study: not installed: {error.name}; all that is needed: pip install --requirement requirements.lock"
+        f"study: not installed: {error.name}; install everything with: pip install --requirement requirements.lock"
     )
 except PreflightError as error:
     sys.exit(f"study: {error}")
@@ -24,7 +25,7 @@ report: "workflow/report/overview.rst"
 
 
 try:
-    for overlay in workflow.overwrite_configfiles:
+    for overlay in overlays(workflow):
         load(overlay)
     check(config, load_schema(workflow.source_path("src/asperity/config/schema.yaml")))
     check_files(config)
@@ -44,7 +45,7 @@ wildcard_constraints:
 
 include: "workflow/rules/common.smk"
 include: "workflow/rules/resources.smk"
-include: "workflow/rules/compiled.smk"
+include: "workflow/rules/machine_code.smk"
 include: "workflow/rules/surface.smk"
 include: "workflow/rules/contact.smk"
 include: "workflow/rules/stress.smk"
@@ -55,8 +56,8 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/verification.smk"
 include: "workflow/rules/members.smk"
 include: "workflow/rules/claims.smk"
-include: "workflow/rules/faults.smk"
 include: "workflow/rules/tradeoff.smk"
+include: "workflow/rules/handlers.smk"
 
 
 rule all:

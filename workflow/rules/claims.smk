@@ -36,7 +36,7 @@ rule claims:
         ),
         validation=claim_datasets,
         style="src/asperity/paper/figures/style.mplstyle",
-        compiled=COMPILED,
+        machine_code=MACHINE_CODE,
         code=code("claims"),
     output:
         table=report(

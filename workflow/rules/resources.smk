@@ -2,6 +2,7 @@ import math
 import os
 
 from asperity.accuracy.resources import COMPILER_MEMORY, WORKFLOW_MEMORY, need
+from asperity.runtime.snakemake_internals import runs_locally
 
 
 def nodes(*names):
@@ -32,7 +33,7 @@ def figure_need(figure):
 
 # What the job of each rule needs. Other rules have next to nothing to do.
 NEEDS = {
-    "compiled": lambda wildcards: need("compiled"),
+    "machine_code": lambda wildcards: need("machine code"),
     "surface": lambda wildcards: need(
         "map" if wildcards.surface in MEASURED else "surface", nodes(wildcards.surface)
     ),
@@ -55,7 +56,7 @@ def memory(rule):
     """The resource mem_mb of a rule: of its job, and on a cluster also of the workflow that runs it there."""
 
     def megabytes(wildcards):
-        beside = 0 if workflow.local_exec else WORKFLOW_MEMORY + COMPILER_MEMORY
+        beside = 0 if runs_locally(workflow) else WORKFLOW_MEMORY + COMPILER_MEMORY
         return math.ceil(NEEDS[rule](wildcards).memory + beside)
 
     return megabytes

@@ -1,7 +1,7 @@
 # The measurement from which plans are made: reduced in rule all, in full by its own name.
 rule tradeoff:
     input:
-        compiled=COMPILED,
+        machine_code=MACHINE_CODE,
         code=code("tradeoff"),
     output:
         runs=f"{RESULTS}/tradeoff/{{extent}}/runs.nc",

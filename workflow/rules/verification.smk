@@ -4,7 +4,7 @@ rule verification:
         contact=expand(f"{RESULTS}/contact/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
         stress=expand(f"{RESULTS}/stress/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
         statistics=f"{RESULTS}/statistics/{{surface}}.nc",
-        compiled=COMPILED,
+        machine_code=MACHINE_CODE,
         code=code("verification"),
     output:
         report(

@@ -1,10 +1,11 @@
 """Rule calculix: the diagonal plane of the slab by CalculiX, beside the spectral solver."""
 
 from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 from asperity.validation import comparisons as validation
 
-with record(snakemake.log[0]), Progress("validation calculix"):
+with log_to(snakemake.log[0]), ProgressBar("validation calculix"):
     found = validation.compare_calculix(snakemake.params.folder)
     dataset.write(
         found,

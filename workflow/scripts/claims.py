@@ -9,7 +9,8 @@ from asperity.paper.figures.claims import draw
 from asperity.paper.figures.style import save, style
 from asperity.pipeline.summary import read
 from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 
 
 def members(files):
@@ -17,7 +18,7 @@ def members(files):
     return {role: [read(file) for file in each] for role, each in files.items()}
 
 
-with record(snakemake.log[0]), Progress("claims"), style(snakemake.input.style):
+with log_to(snakemake.log[0]), ProgressBar("claims"), style(snakemake.input.style):
     params = snakemake.params
     validation = {Path(file).stem: dataset.read(file) for file in snakemake.input.validation}
     evidence = Evidence(members(params.members), validation)

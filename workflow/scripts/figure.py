@@ -6,7 +6,7 @@ from pathlib import Path
 from asperity.paper.figures.captions import caption
 from asperity.paper.figures.style import save, style
 from asperity.results import dataset
-from asperity.runtime.progress import record
+from asperity.runtime.logs import log_to
 
 
 def read(files):
@@ -16,7 +16,7 @@ def read(files):
     return {name: read(branch) for name, branch in files.items()}
 
 
-with record(snakemake.log[0]), style(snakemake.input.style):
+with log_to(snakemake.log[0]), style(snakemake.input.style):
     stages = {stage: read(files) for stage, files in snakemake.params.stages.items()}
     name = snakemake.wildcards.figure.split("_")[0]
     figure = import_module(f"asperity.paper.figures.{name}").draw(**stages)

@@ -2,9 +2,10 @@
 
 from asperity.pipeline.statistics import summarise
 from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 
-with record(snakemake.log[0]), Progress(f"statistics {snakemake.wildcards.surface}"):
+with log_to(snakemake.log[0]), ProgressBar(f"statistics {snakemake.wildcards.surface}"):
     stages = {
         "surfaces": [dataset.read(path) for path in snakemake.input.surfaces],
         "contacts": [dataset.read(path).drop_dims(["y", "x"]) for path in snakemake.input.contacts],

@@ -1,7 +1,8 @@
 """Rule validation: the solver against closed forms, finite elements and floating point."""
 
 from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 from asperity.validation import comparisons as validation
 from asperity.validation import extremes
 from asperity.validation import rounding as stability
@@ -18,7 +19,7 @@ COMPARISONS = {
 }
 
 name = snakemake.wildcards.validation
-with record(snakemake.log[0]), Progress(f"validation {name}") as progress:
+with log_to(snakemake.log[0]), ProgressBar(f"validation {name}") as progress:
     settings = snakemake.params.settings
     dataset.write(
         COMPARISONS[name](**settings, progress=progress),

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from asperity.results import dataset
-from asperity.runtime.progress import record
+from asperity.runtime.logs import log_to
 from asperity.validation import comparisons as validation
 
-with record(snakemake.log[0]):
+with log_to(snakemake.log[0]):
     results = {name: dataset.read(path) for name, path in snakemake.params.results.items()}
     Path(snakemake.output[0]).write_text(validation.markdown(validation.table(results)), encoding="utf-8")

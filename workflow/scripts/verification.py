@@ -4,11 +4,12 @@ import csv
 
 from asperity.pipeline.verification import require, verify_member, verify_statistics
 from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 
 STAGES = ("surface", "contact", "stress")
 
-with record(snakemake.log[0]), Progress(f"verification {snakemake.wildcards.surface}") as progress:
+with log_to(snakemake.log[0]), ProgressBar(f"verification {snakemake.wildcards.surface}") as progress:
     found, stresses = [], []
     for number, seed in enumerate(snakemake.params.seeds):
         stages = [dataset.read(snakemake.input[stage][number]) for stage in STAGES]

@@ -36,7 +36,7 @@ class _Line(NamedTuple):
 
 
 _LINES = {
-    "compiled": _Line(295, 0, 14, 0),
+    "machine code": _Line(295, 0, 14, 0),
     "surface": _Line(144, 31, 2, 0.8),
     "map": _Line(250, 31, 5, 0.8),
     "contact": _Line(260, 85, 3, 1.3),

@@ -25,7 +25,7 @@ from asperity.pipeline.statistics import summarise
 from asperity.pipeline.stress import compute_stress
 from asperity.pipeline.surface import read_surface
 from asperity.results import dataset
-from asperity.runtime.progress import Progress
+from asperity.runtime.progress import ProgressBar
 from asperity.surface.measured import DETRENDS, PERIODICITIES
 from asperity.surface.roughness import roughness_parameters
 
@@ -75,7 +75,7 @@ def solve(options: argparse.Namespace) -> None:
         "tolerance": options.tolerance,
         "precision": options.precision,
     }
-    with Progress(f"contact {settings['name']}") as progress:
+    with ProgressBar(f"contact {settings['name']}") as progress:
         result = solve_contact(surface, layer, contact, progress=progress)
     _write(result, options.out, "Contact with rough surface", settings | {"layer": layer, "contact": contact})
     print(
@@ -103,7 +103,7 @@ def stress(options: argparse.Namespace) -> None:
         "tolerance": options.tolerance,
         "depth_spacing": options.depth_spacing,
     }
-    with Progress(f"stress {settings['name']}") as progress:
+    with ProgressBar(f"stress {settings['name']}") as progress:
         result = compute_stress(contact, settings["layer"], section, progress=progress)
     _write(result, options.out, "Stress under rough surface", settings | {"stress": section})
     below = result["largest_von_mises"]
@@ -135,7 +135,7 @@ def peaks(options: argparse.Namespace) -> None:
         "statistics": section,
         "seed": [dataset.settings_of(one).get("seed") for one in stresses],
     }
-    with Progress(f"peaks {settings['name']}"):
+    with ProgressBar(f"peaks {settings['name']}"):
         result = summarise([_pressed_surface(one) for one in contacts], contacts, stresses, **section)
     _write(result, options.out, "Statistics of rough surface", settings)
     print("quantity    poisson   peaks   50 %   90 %   99 %  (magnitudes over E* times rms gradient,")
