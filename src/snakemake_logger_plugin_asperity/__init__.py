@@ -99,9 +99,7 @@ class LogHandler(LogHandlerBase):
                 self._fail([told], told["rule_msg"])
         elif event == LogEvent.GROUP_ERROR:
             self._fail(told["job_error_info"], None, told["aux_logs"])
-        elif event is None and self._is_shown(record):
-            self._print(self.format(record))
-        elif event == LogEvent.ERROR and not any(words in self.format(record) for words in REPEATED):
+        elif event in (None, LogEvent.ERROR) and self._is_shown(record):
             self._print(self.format(record))
 
     def _is_shown(self, record: LogRecord) -> bool:
