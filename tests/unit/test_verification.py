@@ -123,7 +123,9 @@ def test_numbers_of_a_seed_are_those_of_its_results(chain):
 
 def test_a_seed_without_peaks_has_counts_of_zero_and_no_numbers(chain):
     surface, contact, stress = chain
-    found = seed_statistics(surface, contact, stress.assign(peak_under_contact=0 * stress.peak_under_contact))
+    found = seed_statistics(
+        surface, contact, stress.assign(peak_under_contact=~(stress.peak_under_contact | True))
+    )
     assert int(found["seed_peak_count"].sum()) == 0
     assert bool(found["seed_mean_depth"].isnull().all())
     assert bool(found["seed_depth_patch_correlation"].isnull().all())

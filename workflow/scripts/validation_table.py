@@ -3,10 +3,10 @@
 from pathlib import Path
 
 from asperity.results import dataset, markup
-from asperity.runtime.progress import record
+from asperity.runtime.logs import log_to
 from asperity.validation.table import markdown, table_rows, text_rows
 
-with record(snakemake.log[0]):
+with log_to(snakemake.log[0]):
     datasets = {name: dataset.read(path) for name, path in snakemake.params.results.items()}
     rows = table_rows(datasets)
     Path(snakemake.output.table).write_text(markdown(rows), encoding="utf-8")
