@@ -1,4 +1,4 @@
-"""Terminal output of the study: one line of progress and what went wrong, instead of Snakemake's own messages.
+"""Terminal output of the study: a line of progress and what went wrong, not all of Snakemake's messages.
 
 A logger plugin of Snakemake, which finds it by the name of this package; `profiles/default` selects it.
 With ``--verbose`` and in a dry run all messages are shown in Snakemake's own form. The complete messages of

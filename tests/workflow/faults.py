@@ -1,7 +1,7 @@
 """A small study killed at random times and run again: python tests/workflow/faults.py --kills 50
 
-Prints a table with a row for every kill, and saves it as results/faults.md. Ends with exit status 1 if a run did
-not finish, if a finished job was repeated, or if a result differs from that of an undisturbed run.
+Prints a table with a row for every kill, and saves it as results/faults.md. Ends with exit status 1 if a run
+did not finish, if a finished job was repeated, or if a result differs from that of an undisturbed run.
 """
 
 import argparse
@@ -55,7 +55,7 @@ class Run(NamedTuple):
 
 
 def run_study(folder, kill_when=None, cores=2):
-    """Run the study in a process group of its own, and kill the group as soon as `kill_when(seconds)` is true."""
+    """Run the study in a process group of its own, which is killed as soon as `kill_when(seconds)` is true."""
     log = folder / "study.log"
     began = time.monotonic()
     killed = False
@@ -81,7 +81,7 @@ def run_study(folder, kill_when=None, cores=2):
 
 
 def recorded(folder, kind):
-    """Outputs in Snakemake's own records (of Snakemake 9): kind "metadata" if finished, "incomplete" if not."""
+    """Outputs in the records of Snakemake 9: kind "metadata" if finished, "incomplete" if not."""
     records = folder / ".snakemake" / kind
     names = (
         path.relative_to(records).as_posix().replace("/@", "").lstrip("@") for path in records.rglob("*")

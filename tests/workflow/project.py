@@ -48,7 +48,7 @@ def snakemake(folder, *arguments, cores=2):
 
 
 def copy_project(folder, *, compiled=True):
-    """Copy everything that a run needs; with compiled code, which stays valid because copies keep their times."""
+    """Copy everything that a run needs, with compiled code: it stays valid as copies keep their times."""
     left_out = shutil.ignore_patterns(*(() if compiled else ("__pycache__",)))
     for part in PARTS:
         if (ROOT / part).is_dir():

@@ -1,4 +1,4 @@
-"""Failures: damaged files, full and read-only disks, missing packages, too little memory, two studies at once.
+"""Failures: damaged files, full disks, missing packages, too little memory, two studies at once.
 
 Each ends in one line that names what is wrong and what helps, and leaves earlier results as they were.
 """

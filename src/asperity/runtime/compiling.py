@@ -1,9 +1,9 @@
 """Compilation of the numba functions of the package before the jobs of a study need them.
 
-Numba compiles a function when it is first called with arguments of some types, and keeps the machine code in a
-file beside the module, where other processes find it. All functions together take some twenty seconds, and
-150 MB of memory that the calculation itself does not need. Compiling them once, before other jobs start, keeps
-these jobs from compiling the same functions side by side.
+Numba compiles a function when it is first called with arguments of some types, and keeps the machine code in
+a file beside the module, where other processes find it. All functions together take some twenty seconds, and
+150 MB of memory that the calculation itself does not need. Compiling them once, before other jobs start,
+keeps these jobs from compiling the same functions side by side.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class _Pressed(NamedTuple):
 
 
 def compile_contact() -> None:
-    """Call every compiled function of the contact solvers with all types that a study uses, on small scenes."""
+    """Call every compiled function of the contact solvers with all types that a study uses."""
     height = self_affine((32, 32), 0.8, 0.5, 0.125, 1e-3, seed=1)
     for precision, method, layer in product(PRECISIONS, METHODS, LAYERS):
         solve(height, layer, area_fraction=0.1, method=method, rtol=1e-4, dtype=precision)
@@ -96,7 +96,7 @@ def describe(part: str) -> str:
     _, processor, _ = cpu_target.target_context.codegen().magic_tuple()
     packages = ", ".join([f"asperity {__version__}", *(f"{name} {version(name)}" for name in PACKAGES)])
     return (
-        f"The functions of the {part} are compiled; their machine code lies beside the modules of the library.\n"
+        f"The functions of the {part} are compiled; their machine code lies beside the modules.\n"
         f"{packages}, Python {platform.python_version()},\n"
         f"for {processor} ({platform.machine()}).\n"
     )

@@ -136,7 +136,8 @@ def require_undamaged(
     paths : iterable of paths
         Result files.
     readers : mapping
-        Suffix of a file → function that raises `DatasetError` if the file is damaged. Other files are not read.
+        Suffix of a file → function that raises `DatasetError` if the file is damaged. Files with other
+        suffixes are not read.
     """
     for path in map(Path, paths):
         try:

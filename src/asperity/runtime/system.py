@@ -41,7 +41,7 @@ def lock(descriptor: int) -> None:
 
 
 def available_memory() -> float:
-    """Memory that this process may use, in MB: that of the machine, or of its control group if that is less."""
+    """Memory that this process may use, in MB: that of the machine or of its control group, if less."""
     limits = [path.read_text().strip() for path in map(Path, _GROUP_LIMITS) if path.is_file()]
     try:
         machine = float(os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
