@@ -10,6 +10,7 @@ https://snakemake.github.io/snakemake-plugin-catalog describes logger plugins.
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from logging import WARNING, LogRecord
 from typing import Any
 
@@ -31,6 +32,9 @@ PREPARATION = ("Assuming unrestricted shared filesystem usage", "Building DAG of
 
 SHOWN = ("study:", "plan:", "Nothing to be done")
 """Beginnings of ordinary messages that are shown: those of the study, and one of Snakemake."""
+
+ADVICE = "For further error details"
+"""Beginning of what Snakemake adds to the reason for which a job failed on a cluster."""
 
 REPEATED = (
     "CalledProcessError",
@@ -96,9 +100,9 @@ class LogHandler(LogHandlerBase):
             self._advance(told["done"], told["total"])
         elif event == LogEvent.JOB_ERROR:
             if not told["indent"]:  # jobs of a group are told with their group
-                self._fail([told], told["rule_msg"])
+                self._fail([told], (told["rule_msg"] or "").partition(ADVICE)[0].strip())
         elif event == LogEvent.GROUP_ERROR:
-            self._fail(told["job_error_info"], None, told["aux_logs"])
+            self._fail(told["job_error_info"], logs=told["aux_logs"])
         elif event in (None, LogEvent.ERROR) and self._is_shown(record):
             self._print(self.format(record))
 
@@ -134,13 +138,13 @@ class LogHandler(LogHandlerBase):
         if self._bar is not None:
             self._bar.set_postfix_str("; ".join(self._active.values()))
 
-    def _fail(self, jobs: list[dict[str, Any]], reported: str | None, logs: list[str] | None = None) -> None:
+    def _fail(self, jobs: list[dict[str, Any]], reported: str = "", logs: Sequence[str] = ()) -> None:
         """Print why a job failed, or a group of jobs that ran one after another."""
         found = [error_in(job["log"], job["output"][0]) for job in jobs if job["output"]]
         lines = [line for line in found if line is not None]
         if not lines:
             first = jobs[0]
-            lines = [error_of([*first["log"], *(logs or [])], ", ".join(first["output"][:1]), reported)]
+            lines = [error_of([*first["log"], *logs], ", ".join(first["output"][:1]), reported)]
         self._failures += [f"study: {line}" for line in lines]
         self._print(*self._failures[-len(lines) :])
 

@@ -123,11 +123,11 @@ def test_a_failed_job_is_one_line_at_once_and_again_at_the_end(output, tmp_path)
 
 def test_a_failed_job_without_an_error_in_its_log_has_the_reason_of_the_cluster(output, tmp_path):
     output.run(10)
-    output.fail(tmp_path / "none.log", "SLURM status is: 'TIMEOUT'")
+    output.fail(tmp_path / "none.log", "SLURM status is: 'TIMEOUT'. For further error details see the log.")
     output.fail(tmp_path / "none.log")
     assert output.lines == [
-        "study: results/a.nc: SLURM status is: 'TIMEOUT'",
-        "study: results/a.nc: its job was stopped; the memory or the disk may have run out",
+        "study: results/a.nc: SLURM status is: 'TIMEOUT'.",
+        "study: results/a.nc: its job was stopped; memory, disk space or the time allowed may have run out",
     ]
 
 

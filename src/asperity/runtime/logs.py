@@ -17,7 +17,7 @@ logger = logging.getLogger("asperity")
 _ERROR = re.compile(r"^([\w.]*(?:Error|Exception|Warning|Interrupt)): (.+)$", re.MULTILINE)
 """Last line of a traceback: the name of the exception, and its message."""
 
-_STOPPED = "its job was stopped; the memory or the disk may have run out"
+_STOPPED = "its job was stopped; memory, disk space or the time allowed may have run out"
 
 
 @contextlib.contextmanager
@@ -73,7 +73,7 @@ def error_in(logs: Iterable[str | os.PathLike[str]], output: str) -> str | None:
     return None
 
 
-def error_of(logs: Iterable[str], output: str, reported: str | None = None) -> str:
+def error_of(logs: Iterable[str], output: str, reported: str = "") -> str:
     """Reason for which a job failed, in one line.
 
     Parameters
