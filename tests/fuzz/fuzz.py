@@ -27,7 +27,7 @@ from pathlib import Path
 import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis.errors import Flaky
-from properties import PROPERTIES, ROOT, Broken
+from properties import PROPERTIES, ROOT, PromiseError
 
 from asperity import errors
 
@@ -50,22 +50,22 @@ OWN = (
 )
 
 
-class Defect(AssertionError):
+class DefectError(AssertionError):
     """Base of the exceptions that stand for a defect each."""
 
 
-class TooSlow(Exception):
-    """An input that takes longer than `SECONDS`."""
+class SlowError(BaseException):
+    """An input that takes too long; not an `Exception`, which the package might take for a refusal."""
 
 
 def stop(*_):
     """Signal handler that ends an input that takes too long."""
-    raise TooSlow(f"longer than {SECONDS} s")
+    raise SlowError(f"longer than {SECONDS} s")
 
 
 @contextlib.contextmanager
 def limits(seconds, size):
-    """Raise `TooSlow` or `MemoryError` in a block that takes more time, or more memory than before."""
+    """Raise `SlowError` or `MemoryError` in a block that takes more time, or more memory than before."""
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     signal.signal(signal.SIGALRM, stop)
@@ -115,14 +115,14 @@ class Search:
                 seen[text] = self.attempt(case) if time.monotonic() < self.ends else None
             if (defect := seen[text]) is not None and defect not in self.known:
                 self.keep(defect, text)
-                raise self.kinds.setdefault(defect, type("Defect", (Defect,), {}))(defect)
+                raise self.kinds.setdefault(defect, type("DefectError", (DefectError,), {}))(defect)
 
         with warnings.catch_warnings(), open(os.devnull, "w") as nowhere:
             warnings.simplefilter("ignore")
             with contextlib.redirect_stdout(nowhere), contextlib.redirect_stderr(nowhere):
                 try:
                     probe()
-                except* (Defect, Flaky):
+                except* (DefectError, Flaky):
                     pass
 
     def keep(self, defect, text):
@@ -135,7 +135,7 @@ class Search:
         try:
             with limits(SECONDS, BYTES), np.errstate(all="ignore"):
                 outcome = self.function(case)
-        except Exception as error:
+        except (Exception, SlowError) as error:
             defect = defect_of(error)
             if defect is None:
                 self.outcomes[
@@ -157,7 +157,7 @@ def defect_of(error):
     ours = last.filename.startswith(PACKAGE)
     if isinstance(error, OWN) or (type(error) in (ValueError, TypeError) and ours and is_message(error)):
         return None
-    if isinstance(error, Broken):
+    if isinstance(error, PromiseError):
         return f"{error}"
     frames = [
         frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.startswith(PACKAGE)

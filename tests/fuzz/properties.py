@@ -1,7 +1,7 @@
 """Inputs of everything that a user calls, and what must hold whatever the input is.
 
 A property is a strategy that draws an input and a function that tries it. The function returns the outcome in
-a few words. It raises `Broken` if a promise is not kept; every other exception than the package's own is a
+a few words. It raises `PromiseError` if a promise is not kept; every other exception than the package's own is a
 defect as well, which the search notices itself.
 """
 
@@ -29,18 +29,18 @@ LONGEST_MESSAGE = 500
 """Characters of an error message."""
 
 
-class Broken(AssertionError):
+class PromiseError(AssertionError):
     """A promise that was not kept."""
 
 
 def require(holds, promise):
-    """Raise `Broken` unless a promise holds."""
+    """Raise `PromiseError` unless a promise holds."""
     if not holds:
-        raise Broken(promise)
+        raise PromiseError(promise)
 
 
 def require_finite(**values):
-    """Raise `Broken` for a result with numbers that are not finite."""
+    """Raise `PromiseError` for a result with numbers that are not finite."""
     for name, value in values.items():
         require(np.all(np.isfinite(value)), f"{name} is not finite")
 
@@ -358,7 +358,7 @@ def try_surface(case):
 
 
 def require_rms(height, rms):
-    """Raise `Broken` unless a surface is finite and has its rms height."""
+    """Raise `PromiseError` unless a surface is finite and has its rms height."""
     require_finite(height=height)
     # The square of a smaller height is not a normal number.
     require(rms < 1e-150 or math.isclose(float(np.std(height / rms)), 1, rel_tol=1e-9), "another rms height")
@@ -439,12 +439,13 @@ COMMANDS = (
     "plot 9 {statistics} --out {folder}/x.png",
     'plan {"hurst":0.8,"wavelength_long":0.125,"wavelength_short":0.01}',
 )
-WORDS = (
-    "solve stress peaks plot plan --contact --path --poisson --points --periodic --detrend --undefined --help"
-    " --version --out --area-fraction --tolerance --precision --layer-height --bottom --bins --confidence"
-    " --error --seconds --output mirrored declared windowed tilt none nan inf -1 0 0.1 0.33 0.5 1 3 9 16 24 --"
-    " - = % %s { float32 bonded von_mises {map} {contact} {stress} {statistics} {new} {missing} {folder}"
-).split()
+VOCABULARY = """
+    solve stress peaks plot plan --contact --path --poisson --points --periodic --detrend --undefined --help
+    --version --out --area-fraction --tolerance --precision --layer-height --bottom --bins --confidence --error
+    --seconds --output mirrored declared windowed tilt none nan inf -1 0 0.1 0.33 0.5 1 3 9 16 24 -- - = % %s {
+    float32 bonded von_mises {map} {contact} {stress} {statistics} {new} {missing} {folder}
+"""
+WORDS = VOCABULARY.split()
 edits = st.tuples(
     st.sampled_from(["insert", "replace", "delete"]),
     st.integers(0, 8),

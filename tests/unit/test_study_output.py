@@ -8,6 +8,7 @@ import pytest
 
 pytest.importorskip("snakemake_interface_logger_plugins")
 from snakemake_interface_logger_plugins.common import LogEvent
+
 from snakemake_logger_plugin_asperity import LogHandler
 
 

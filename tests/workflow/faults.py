@@ -55,7 +55,7 @@ class Run(NamedTuple):
 
 
 def run_study(folder, kill_when=None, cores=2):
-    """Run the study in a process group of its own, which is killed as soon as `kill_when(seconds)` is true."""
+    """Run the study in its own process group, which is killed as soon as `kill_when(seconds)` is true."""
     log = folder / "study.log"
     began = time.monotonic()
     killed = False
