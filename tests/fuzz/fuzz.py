@@ -34,6 +34,9 @@ from asperity import errors
 EXAMPLES = 40
 """Inputs that one round tries of each property."""
 
+LARGEST_SHARE = 0.2
+"""Part of the whole time that one round may take to find the smallest example of a defect."""
+
 SECONDS = 60
 """Time that one input may take."""
 
@@ -87,12 +90,12 @@ class Search:
         self.outcomes = Counter()
         self.defects = Counter()
         self.examples = {}
-        self.kinds = {}
+        self.kinds = {}  # a class of exception for each defect: hypothesis tells defects apart by it
         self.known = set()
         self.ends = 0.0
 
     def round(self, number, ends):
-        """Try some inputs, and shrink those that show defects which no earlier round has shown."""
+        """Try some inputs, and find the smallest that show defects which no earlier round has shown."""
         self.ends = ends
         self.known = set(self.defects)
         seen = {}
@@ -207,8 +210,8 @@ def main():
     with contextlib.suppress(KeyboardInterrupt):
         while time.monotonic() < ends:
             for search in searches:
-                # No property takes more than its share of what is left.
-                search.round(1000 * number + rounds, min(ends, time.monotonic() + 12 * chosen.minutes))
+                share = time.monotonic() + LARGEST_SHARE * 60 * chosen.minutes
+                search.round(1000 * number + rounds, min(ends, share))
             rounds += 1
     print(report(searches))
     sys.exit(any(search.defects for search in searches))
