@@ -1,8 +1,8 @@
 """Inputs of everything that a user calls, and what must hold whatever the input is.
 
 A property is a strategy that draws an input and a function that tries it. The function returns the outcome in
-a few words. It raises `PromiseError` if a promise is not kept; every other exception than the package's own is a
-defect as well, which the search notices itself.
+a few words. It raises `PromiseError` if a promise is not kept; every other exception than the package's own is
+a defect as well, which the search notices itself.
 """
 
 import contextlib
@@ -368,9 +368,13 @@ def require_rms(height, rms):
 
 
 def answer(arguments):
-    """Exit status of the command line, and what it printed on stderr."""
+    """Exit status of the command line in the temporary folder, and what it printed on stderr."""
     said = io.StringIO()
-    with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
+    with (
+        contextlib.chdir(Files.folder.name),
+        contextlib.redirect_stderr(said),
+        contextlib.redirect_stdout(io.StringIO()),
+    ):
         try:
             code = cli.main(arguments)
         except SystemExit as stopped:
@@ -441,15 +445,17 @@ COMMANDS = (
 )
 VOCABULARY = """
     solve stress peaks plot plan --contact --path --poisson --points --periodic --detrend --undefined --help
-    --version --out --area-fraction --tolerance --precision --layer-height --bottom --bins --confidence --error
-    --seconds --output mirrored declared windowed tilt none nan inf -1 0 0.1 0.33 0.5 1 3 9 16 24 -- - = % %s {
-    float32 bonded von_mises {map} {contact} {stress} {statistics} {new} {missing} {folder}
+    --version --out --area-fraction --tolerance --precision --layer-height --bottom --bins --confidence
+    --error --seconds --output mirrored declared windowed tilt none nan inf -1 0 0.1 0.33 0.5 1 3 9 16 24 --
+    - = % %s { float32 bonded von_mises {map} {contact} {stress} {statistics} {new} {missing} {folder}
 """
 WORDS = VOCABULARY.split()
+# A word may become the name of a file that is written: none may lead out of the temporary folder.
+inside = st.characters(exclude_characters="/\\~", exclude_categories=["Cs"])
 edits = st.tuples(
     st.sampled_from(["insert", "replace", "delete"]),
     st.integers(0, 8),
-    st.sampled_from(WORDS) | st.text(max_size=6),
+    st.sampled_from(WORDS) | st.text(inside, max_size=6),
 )
 commands = st.tuples(st.sampled_from(COMMANDS), st.lists(edits, max_size=4))
 
@@ -498,8 +504,7 @@ def try_config(case):
             tree[path[-1]] = value
     file = Path(Files.names()["folder"]) / "config.yaml"
     file.write_bytes(yaml.safe_dump(config, allow_unicode=True).encode("utf-8", "replace") + tail)
-    with contextlib.chdir(ROOT):
-        return require_answer(["plan", str(file)])
+    return require_answer(["plan", str(file)])
 
 
 @st.composite
