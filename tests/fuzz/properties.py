@@ -1,8 +1,8 @@
 """Inputs of everything that a user calls, and what must hold whatever the input is.
 
-A property is a strategy that draws an input and a function that tries it. The function returns the outcome in
-a few words. It raises `PromiseError` if a promise is not kept; every other exception than the package's own is
-a defect as well, which the search notices itself.
+A property is a strategy that draws an input, and a function that tries it and returns the outcome in a few
+words. It raises `PromiseError` if a promise is not kept. Every other exception than the package's own is a
+defect as well, which the search notices itself.
 """
 
 import contextlib
