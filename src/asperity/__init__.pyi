@@ -4,6 +4,7 @@ from .contact import solve as solve
 from .contact import solve_path as solve_path
 from .contact import verify_contact as verify_contact
 from .elasticity.layer import Layer as Layer
+from .elasticity.two_bodies import TwoBodies as TwoBodies
 from .results import read_result as read_result
 from .spectral import Grid as Grid
 from .stress.analysis import analyse_stress as analyse_stress

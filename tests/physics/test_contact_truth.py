@@ -86,6 +86,21 @@ def test_hertz_converges_with_first_order() -> None:
     assert errors[-1] < 0.02
 
 
+def test_hertz_of_two_materials() -> None:
+    """Grid error; the periodic images change the pressure by 1.9 (a/L)³, 2e-4."""
+    steel, bronze = Layer(210e9, 0.3), Layer(110e9, 0.34)
+    modulus = 1 / ((1 - 0.3**2) / 210e9 + (1 - 0.34**2) / 110e9)
+    length, radius = 2e-3, 10e-3
+    exact = Hertz(contact_radius=0.05 * length, curvature_radius=radius, effective_modulus=modulus)
+    y, x = (axis - length / 2 for axis in Grid((256, 256), length).coordinates())
+    r = np.hypot(y[:, None], x[None, :])
+    contact = solve(r**2 / (2 * radius), asp.TwoBodies(steel, bronze), length, force=exact.load, rtol=1e-8)
+    assert contact.force == pytest.approx(exact.load, rel=1e-7)
+    assert contact.max_pressure == pytest.approx(exact.largest_pressure, rel=1e-3)
+    error = np.linalg.norm(contact.pressure - exact.pressure(r)) / np.linalg.norm(exact.pressure(r))
+    assert error < 0.02
+
+
 def test_small_problem_agrees_with_projected_gauss_seidel() -> None:
     """Solver error; the dense projected Gauss-Seidel iterations are at rounding."""
     height = asp.self_affine((12, 12), 0.8, 0.5, 0.25, 1e-2, 5)

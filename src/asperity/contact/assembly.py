@@ -116,7 +116,7 @@ class Assembler:
     def _stiffness(self) -> Array | None:
         """Stiffness of the modes times the nodal compliance; None unless far above the half-space's."""
         problem = self._problem
-        if problem.layer.height is None:
+        if problem.solid.height is None:
             return None
         q, compliance = problem.grid.wavenumber(), problem.compliance
         waves = q > 0

@@ -73,7 +73,7 @@ class Preconditioner:
         self._cells = cells
         self._coarse = Fourier(cells, np.float32, outer.threads, outer.work)
         self._compliance = (
-            problem.layer.grid_surface_compliance(cells, np.dtype(float)) / problem.nodal_compliance
+            problem.solid.grid_surface_compliance(cells, np.dtype(float)) / problem.nodal_compliance
         )
         self._nodes = np.empty(0, np.uint64)
 

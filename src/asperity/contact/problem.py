@@ -6,16 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.two_bodies import Solid
 from asperity.spectral import Fourier, Grid, resample
 from asperity.types import Array
-
-CONTROLS = ("area_fraction", "mean_pressure", "approach")
 
 
 @dataclass(frozen=True)
 class Control:
-    """The imposed quantity: its name, one of `CONTROLS`, and its value."""
+    """The imposed quantity: "area_fraction", "mean_pressure" or "approach", and its value."""
 
     kind: str
     value: float
@@ -69,18 +67,18 @@ class Problem:
     Parameters
     ----------
     height : (ny, nx) array
-    layer : Layer
+    solid : Layer or TwoBodies
     fourier : Fourier
         The grid, the precision of the fields, the number of threads, and the count of transforms.
     """
 
-    def __init__(self, height: Array, layer: Layer, fourier: Fourier) -> None:
+    def __init__(self, height: Array, solid: Solid, fourier: Fourier) -> None:
         self.grid = fourier.grid
-        self.layer = layer
+        self.solid = solid
         self.fourier = fourier
         self.height = np.ascontiguousarray(height, dtype=fourier.real)
-        self.compliance = layer.grid_surface_compliance(self.grid, fourier.real)
-        self.modulus = layer.effective_modulus
+        self.compliance = solid.grid_surface_compliance(self.grid, fourier.real)
+        self.modulus = solid.effective_modulus
         self._coefficients = np.empty(self.grid.half_shape, fourier.complex)
 
     @property
@@ -112,7 +110,7 @@ class Problem:
         grid, outer = Grid((ny, nx), self.grid.length), self.fourier
         fourier = Fourier(grid, outer.real, outer.threads, outer.work)
         coefficients = resample(outer.forward(self.height), self.grid, grid)
-        return Problem(fourier.inverse(coefficients, overwrite=True), self.layer, fourier)
+        return Problem(fourier.inverse(coefficients, overwrite=True), self.solid, fourier)
 
     def refine(self, pressure: Array, finer: Problem, approach: float) -> Array:
         """Start for a finer grid: the interpolated pressure less the interpolated gap / nodal compliance.

@@ -9,11 +9,17 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from asperity.contact import gfmd, nested_grids
-from asperity.contact.arguments import checked_control, checked_height, checked_initial, checked_settings
+from asperity.contact.arguments import (
+    checked_control,
+    checked_height,
+    checked_initial,
+    checked_settings,
+    checked_solid,
+)
 from asperity.contact.certificate import verify_contact
 from asperity.contact.problem import Control, Problem, State
 from asperity.contact.solution import Contact
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.two_bodies import Solid
 from asperity.spectral import Fourier, Grid
 from asperity.types import Progress
 
@@ -22,11 +28,12 @@ METHODS = {"active_set": nested_grids.solve, "gfmd": gfmd.solve}
 
 def solve(
     height: ArrayLike,
-    layer: Layer,
+    solid: Solid,
     length: float | tuple[float, float] = 1.0,
     *,
     area_fraction: float | None = None,
     mean_pressure: float | None = None,
+    force: float | None = None,
     approach: float | None = None,
     method: str = "active_set",
     rtol: float = 1e-6,
@@ -35,15 +42,17 @@ def solve(
     progress: Progress | None = None,
     initial: Contact | ArrayLike | None = None,
 ) -> Contact:
-    """Press a rigid rough surface against an elastic solid.
+    """Press a rough surface against an elastic solid: a rigid one, or one of two elastic bodies.
 
-    Exactly one of `area_fraction`, `mean_pressure` and `approach` is given.
+    Exactly one of `area_fraction`, `mean_pressure`, `force` and `approach` is given.
 
     Parameters
     ----------
     height : (ny, nx) array
-        Lower face of the indenter, measured upward, in the unit of `length`.
-    layer : Layer
+        Lower face of the indenter, measured upward, in the unit of `length`; for two bodies the lower face of
+        the upper one less the upper face of the lower one.
+    solid : Layer or TwoBodies
+        One elastic solid under a rigid indenter, or two elastic bodies.
     length : float or (length_y, length_x)
         Edges of the periodic cell.
     area_fraction : float
@@ -51,6 +60,8 @@ def solve(
         surface allows.
     mean_pressure : float
         Load over the area of the cell, in the unit of Young's modulus.
+    force : float
+        Mean pressure times the area of the cell.
     approach : float
         Position of the indenter, in the unit of `length`.
     method : "active_set" | "gfmd"
@@ -83,18 +94,23 @@ def solve(
     """
     values = checked_height(height)
     grid = Grid(values.shape, length)  # type: ignore[arg-type]
-    if not isinstance(layer, Layer):
-        raise TypeError(f"layer = {layer!r}: a Layer is needed")
+    solid = checked_solid(solid)
     if method not in METHODS:
         raise ValueError(f"method = {method!r}: one of {', '.join(METHODS)} is needed")
     precision, tolerance, workers = checked_settings(dtype, rtol, threads)
     control = checked_control(
-        values, layer, area_fraction=area_fraction, mean_pressure=mean_pressure, approach=approach
+        values,
+        grid,
+        solid,
+        area_fraction=area_fraction,
+        mean_pressure=mean_pressure,
+        force=force,
+        approach=approach,
     )
     start = initial.pressure if isinstance(initial, Contact) else initial
     pressure = None if start is None else checked_initial(start, grid)
     begin = time.perf_counter()
-    problem = Problem(values, layer, Fourier(grid, precision, workers))
+    problem = Problem(values, solid, Fourier(grid, precision, workers))
     if control.lifts_off(values):
         position = control.value if control.kind == "approach" else float(values.min())
         state = State(np.zeros_like(problem.height), problem.height, position, 0.0, 0.0)
@@ -107,7 +123,7 @@ def _certified(
     problem: Problem, control: Control, state: State, method: str, rtol: float, seconds: float
 ) -> Contact:
     """Evaluate the fields that follow from the pressure of a state, and certify it."""
-    grid, layer, pressure = problem.grid, problem.layer, state.pressure
+    grid, pressure = problem.grid, state.pressure
     pairs = problem.fourier.work.pairs(grid)
     displacement = problem.displacement(pressure)
     gap = problem.height + displacement
@@ -118,7 +134,7 @@ def _certified(
     certificate = verify_contact(
         problem.height,
         pressure,
-        layer,
+        problem.solid,
         grid.length,
         approach=approach,
         mean_pressure=state.load if control.kind == "mean_pressure" else None,
@@ -131,7 +147,7 @@ def _certified(
         displacement=displacement,
         gap=gap,
         grid=grid,
-        layer=layer,
+        solid=problem.solid,
         area_fraction=float(contact.mean()),
         mean_pressure=float(pressure.mean(dtype=float)),
         approach=approach,
