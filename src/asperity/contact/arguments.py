@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.contact.problem import Control
+from asperity.contact.response import Response
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
 from asperity.errors import shown
@@ -34,7 +35,7 @@ def checked_solid(solid: object) -> Solid:
     return solid
 
 
-def checked_control(height: Array, grid: Grid, solid: Solid, **imposed: float | None) -> Control:
+def checked_control(height: Array, response: Response, **imposed: float | None) -> Control:
     """Return the one quantity that is imposed, within its range; a force as the mean pressure it causes."""
     given = {kind: value for kind, value in imposed.items() if value is not None}
     if len(given) != 1:
@@ -48,8 +49,8 @@ def checked_control(height: Array, grid: Grid, solid: Solid, **imposed: float | 
     if kind in ("mean_pressure", "force") and value < 0:
         raise ValueError(f"{kind} = {raw!r}: a number ≥ 0 is needed")
     if kind == "force":
-        return Control("mean_pressure", value / grid.area)
-    if kind == "approach" and solid.uniform_compliance() == 0 and value >= height.mean():
+        return Control("mean_pressure", value / response.grid.area)
+    if kind == "approach" and response.uniform_compliance == 0 and value >= height.mean():
         raise ValueError(
             f"approach = {raw!r}: less than the mean height {height.mean():.6g} is needed, because this "
             "solid has no uniform displacement"

@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.contact import kernels
+from asperity.contact.boundaries import response_on
 from asperity.elasticity.two_bodies import Solid
 from asperity.errors import ConvergenceError
-from asperity.spectral import Fourier, Grid
+from asperity.spectral import Grid
 from asperity.types import Array
 
 
@@ -83,6 +84,7 @@ def verify_contact(
     *,
     approach: float | None = None,
     mean_pressure: float | None = None,
+    boundary: str = "periodic",
     threads: int = 1,
 ) -> Certificate:
     """Certificate of a pressure, computed from the surface and the solid alone.
@@ -92,11 +94,13 @@ def verify_contact(
     height, pressure : (ny, nx) arrays
     solid : Layer or TwoBodies
     length : float or (length_y, length_x)
-        Edges of the periodic cell.
+        Edges of the map.
     approach : float, optional
         The approach claimed; without it the mean of h + u over the contact.
     mean_pressure : float, optional
         The load imposed, if it was.
+    boundary : "periodic" | "free"
+        As for `asperity.contact.solve`.
     threads : int
         Threads of the Fourier transforms.
 
@@ -106,12 +110,9 @@ def verify_contact(
         Without iterations, pairs and seconds.
     """
     grid = Grid(np.shape(pressure), length)  # type: ignore[arg-type]
-    fourier = Fourier(grid, threads=threads)
     pressure = np.asarray(pressure, dtype=float)
     height = np.asarray(height, dtype=float)
-    coefficients = fourier.forward(pressure)
-    coefficients *= solid.grid_surface_compliance(grid)
-    gap = fourier.inverse(coefficients, overwrite=True)
+    gap = response_on(boundary, solid, grid, "float64", threads).displacement(pressure)
     gap += height
     contact = pressure > 0
     if approach is None:

@@ -7,11 +7,12 @@ from functools import cached_property
 
 import numpy as np
 
+from asperity.contact.boundaries import response_on
 from asperity.contact.certificate import Certificate
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
 from asperity.errors import shown
-from asperity.spectral import Fourier, Grid, gradient
+from asperity.spectral import Grid
 from asperity.types import Array
 
 
@@ -30,11 +31,14 @@ class PressedBody:
     grid : Grid
     layer : Layer
         The body.
+    boundary : str
+        "periodic" if the pressure repeats, "free" if it stands alone.
     """
 
     pressure: Array
     grid: Grid
     layer: Layer
+    boundary: str = "periodic"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -48,12 +52,14 @@ class Contact:
         For two bodies, the displacement is the sum of those of both surfaces.
     grid : Grid
     solid : Layer or TwoBodies
+    boundary : "periodic" | "free"
+        Condition at the edge of the map.
     area_fraction : float
-        Number of nodes under pressure over the number of all nodes.
+        Number of nodes under pressure over the number of all nodes of the map.
     mean_pressure : float
-        Load over the area of the cell.
+        Load over the area of the map.
     approach : float
-        Position of the indenter.
+        Position of the indenter; it first touches at ``height.min()``. See `asperity.contact.solve`.
     certificate : Certificate
         Violations of the conditions of contact, evaluated anew from the pressure, and the work spent.
     method : str
@@ -66,6 +72,7 @@ class Contact:
     gap: Array
     grid: Grid
     solid: Solid
+    boundary: str
     area_fraction: float
     mean_pressure: float
     approach: float
@@ -92,7 +99,7 @@ class Contact:
 
     @property
     def force(self) -> float:
-        """Load: mean pressure times the area of the cell."""
+        """Load: mean pressure times the area of the map."""
         return self.mean_pressure * self.grid.area
 
     @property
@@ -124,17 +131,18 @@ class Contact:
             layers, accepted = {"lower": self.solid}, "'lower', because the indenter is rigid,"
         if body not in layers:
             raise ValueError(f"body = {shown(body)}: {accepted} is needed")
-        return PressedBody(self.pressure, self.grid, layers[body])
+        return PressedBody(self.pressure, self.grid, layers[body], self.boundary)
 
     @cached_property
     def gradient_rms_contact(self) -> float:
         """Root-mean-square gradient of the deformed surface over the nodes under pressure (the paper's ḡ_r).
 
-        By spectral differentiation; NaN without contact.
+        By spectral differentiation, with a free boundary from the closed form for the slope beside a loaded
+        rectangle; NaN without contact.
         """
         touching = self.pressure > 0
         if not touching.any():
             return float("nan")
-        fourier = Fourier(self.grid, self.displacement.dtype)
-        slope_y, slope_x = gradient(fourier.forward(self.displacement), fourier)
+        response = response_on(self.boundary, self.solid, self.grid, self.displacement.dtype)
+        slope_y, slope_x = response.gradient(self.pressure, self.displacement)
         return float(np.sqrt((slope_y[touching] ** 2 + slope_x[touching] ** 2).mean(dtype=float)))

@@ -16,11 +16,12 @@ from asperity.contact.arguments import (
     checked_settings,
     checked_solid,
 )
+from asperity.contact.boundaries import response_on
 from asperity.contact.certificate import verify_contact
 from asperity.contact.problem import Control, Problem, State
 from asperity.contact.solution import Contact
 from asperity.elasticity.two_bodies import Solid
-from asperity.spectral import Fourier, Grid
+from asperity.spectral import Grid
 from asperity.types import Progress
 
 METHODS = {"active_set": nested_grids.solve, "gfmd": gfmd.solve}
@@ -35,6 +36,7 @@ def solve(
     mean_pressure: float | None = None,
     force: float | None = None,
     approach: float | None = None,
+    boundary: str = "periodic",
     method: str = "active_set",
     rtol: float = 1e-6,
     dtype: DTypeLike = "float64",
@@ -54,16 +56,21 @@ def solve(
     solid : Layer or TwoBodies
         One elastic solid under a rigid indenter, or two elastic bodies.
     length : float or (length_y, length_x)
-        Edges of the periodic cell.
+        Edges of the map, number of nodes × spacing: those of the cell if it repeats.
     area_fraction : float
         Contact nodes over all nodes, met to 1e-4 of itself, or to the nearest number of nodes that the
         surface allows.
     mean_pressure : float
-        Load over the area of the cell, in the unit of Young's modulus.
+        Load over the area of the map, in the unit of Young's modulus.
     force : float
-        Mean pressure times the area of the cell.
+        Mean pressure times the area of the map.
     approach : float
-        Position of the indenter, in the unit of `length`.
+        Position of the indenter, in the unit of `length`. The indenter first touches at the approach
+        ``height.min()``. With a free boundary it is measured from the solid's surface far from the map, so
+        that ``approach - height.min()`` is the displacement of the indenter from first touch.
+    boundary : "periodic" | "free"
+        "periodic": the map repeats in both directions. "free": nothing surrounds the map, whose solid is a
+        half-space, or each of two bodies is one; each node is a rectangle under uniform pressure.
     method : "active_set" | "gfmd"
         The fast solver, or the damped dynamics of the paper; both converge to the same solution.
     rtol : float
@@ -98,10 +105,12 @@ def solve(
     if method not in METHODS:
         raise ValueError(f"method = {method!r}: one of {', '.join(METHODS)} is needed")
     precision, tolerance, workers = checked_settings(dtype, rtol, threads)
+    response = response_on(boundary, solid, grid, precision, workers)
+    if method == "gfmd" and boundary != "periodic":
+        raise ValueError(f"method = 'gfmd': active_set is needed for boundary = {boundary!r}")
     control = checked_control(
         values,
-        grid,
-        solid,
+        response,
         area_fraction=area_fraction,
         mean_pressure=mean_pressure,
         force=force,
@@ -110,7 +119,7 @@ def solve(
     start = initial.pressure if isinstance(initial, Contact) else initial
     pressure = None if start is None else checked_initial(start, grid)
     begin = time.perf_counter()
-    problem = Problem(values, solid, Fourier(grid, precision, workers))
+    problem = Problem(values, response)
     if control.lifts_off(values):
         position = control.value if control.kind == "approach" else float(values.min())
         state = State(np.zeros_like(problem.height), problem.height, position, 0.0, 0.0)
@@ -138,6 +147,7 @@ def _certified(
         grid.length,
         approach=approach,
         mean_pressure=state.load if control.kind == "mean_pressure" else None,
+        boundary=problem.response.boundary,
         threads=problem.fourier.threads,
     )
     gap -= gap.dtype.type(approach)
@@ -148,6 +158,7 @@ def _certified(
         gap=gap,
         grid=grid,
         solid=problem.solid,
+        boundary=problem.response.boundary,
         area_fraction=float(contact.mean()),
         mean_pressure=float(pressure.mean(dtype=float)),
         approach=approach,
