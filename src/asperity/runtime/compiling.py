@@ -50,6 +50,9 @@ def compile_contact() -> None:
     height = self_affine((32, 32), 0.8, 0.5, 0.125, 1e-3, seed=1)
     for precision, method, layer in product(PRECISIONS, METHODS, LAYERS):
         solve(height, layer, area_fraction=0.1, method=method, rtol=1e-4, dtype=precision)
+    for precision in PRECISIONS:
+        free = solve(height, LAYERS[0], area_fraction=0.1, boundary="free", rtol=1e-4, dtype=precision)
+        assert free.gradient_rms_contact > 0
     for precision, scene in product(PRECISIONS, RARE):
         attempt(replace(scene, precision=precision))
 
