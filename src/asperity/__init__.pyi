@@ -17,6 +17,8 @@ from .stress.pressed import PressedSolid as PressedSolid
 from .stress.selection import peaks as peaks
 from .stress.statistics import autocorrelation as autocorrelation
 from .stress.statistics import probability_density as probability_density
+from .surface.form import add_cylinder as add_cylinder
+from .surface.form import add_sphere as add_sphere
 from .surface.measured import make_periodic as make_periodic
 from .surface.measured import read_map as read_map
 from .surface.roughness import johnson as johnson
