@@ -13,7 +13,7 @@ rule claims:
             ),
         ),
         validation=[f"{RESULTS}/validation/{name}.nc" for name in DATASETS if name in config["validation"]],
-        style="src/asperity/paper/figures/style.mplstyle",
+        style="src/asperity/views/style.mplstyle",
         compiled=COMPILED,
         code=code("claims"),
     output:
