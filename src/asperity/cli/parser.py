@@ -21,8 +21,8 @@ def make_parser() -> Parser:
         prog="asperity",
         description="Stress inside an elastic solid pressed against a rough surface. Lengths are in units of "
         "the longer edge of the periodic cell, stresses in units of the effective modulus E/(1 - poisson^2).",
-        epilog="The steps of a calculation: surface, solve, stress, peaks, plot. Its cost and error beforehand: "
-        "plan. Pictures and tables of its results: view, export.",
+        epilog="The steps of a calculation: surface, solve, stress, peaks, plot. Its cost and error "
+        "beforehand: plan. Pictures and tables of its results: view, export.",
     )
     parser.add_argument("--version", action="version", version=f"asperity {asperity.__version__}")
     commands = parser.add_subparsers(title="commands", required=True, dest="command", metavar="COMMAND")

@@ -13,7 +13,7 @@ in memory as text.
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import BinaryIO
 
@@ -21,8 +21,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from asperity.errors import shown
 from asperity.results.dataset import atomic_write
+from asperity.results.window import Span, Window, window
 from asperity.spectral import Grid
 from asperity.stress.planes import stress_planes
 from asperity.stress.pressed import ContactLike, PressedSolid
@@ -117,42 +117,40 @@ class Box:
     ----------
     depths : (planes,) array
         Equidistant, rising.
-    rows, columns : slice
+    window : Window
         Nodes of the grid of the contact.
     """
 
     depths: Array
-    rows: slice
-    columns: slice
+    window: Window
 
-    def shape(self, grid: Grid) -> tuple[int, int, int]:
+    @property
+    def shape(self) -> tuple[int, int, int]:
         """Number of nodes along z, y and x."""
-        return (
-            self.depths.size,
-            len(range(*self.rows.indices(grid.shape[0]))),
-            len(range(*self.columns.indices(grid.shape[1]))),
-        )
+        return self.depths.size, self.window.y.size, self.window.x.size
 
 
 def make_box(
     grid: Grid,
-    depth: tuple[float, float],
-    y: tuple[float, float] | None = None,
-    x: tuple[float, float] | None = None,
+    depth: Span,
+    y: Span | None = None,
+    x: Span | None = None,
     spacing: float | None = None,
+    told: Callable[[float], str] = "{:.6g}".format,
 ) -> Box:
-    """Box between two depths, and between two positions along y and x.
+    """Box between two depths, and between two positions along y and x, all included.
 
     Parameters
     ----------
     grid : Grid
         Of the contact.
     depth : (first, last)
-        Both included.
     y, x : (first, last), optional
         By default the whole cell.
     spacing : float, optional
         Largest distance between planes, by default that between the nodes of the grid.
+    told : callable, optional
+        Text of a length in messages.
 
     Raises
     ------
@@ -162,33 +160,19 @@ def make_box(
     """
     top, bottom = depth
     spacing = min(grid.spacing) if spacing is None else spacing
+    given = f"depth = {told(top)} to {told(bottom)}"
     if not 0 <= top < bottom:
-        raise ValueError(f"depth = {top:g} to {bottom:g}: rising depths ≥ 0 are needed")
+        raise ValueError(f"{given}: rising depths ≥ 0 are needed")
     if not spacing > 0:
-        raise ValueError(f"spacing = {shown(spacing)}: a distance > 0 is needed")
+        raise ValueError(f"spacing = {told(spacing)}: a distance > 0 is needed")
     intervals = (bottom - top) / spacing
     if intervals > MOST_PLANES - 1:
         raise ValueError(
-            f"depth = {top:g} to {bottom:g}: at most {MOST_PLANES} planes are accepted, a spacing of "
-            f"{spacing:g} makes {intervals + 1:.0f}; a larger spacing is needed"
+            f"{given}, spacing = {told(spacing)}: a spacing of at least "
+            f"{told((bottom - top) / (MOST_PLANES - 1))} is needed, for at most {MOST_PLANES} planes"
         )
     depths = np.linspace(top, bottom, max(2, int(np.ceil(intervals - 1e-6)) + 1))
-    parts = []
-    for name, span, nodes, length in zip("yx", (y, x), grid.coordinates(), grid.length, strict=True):
-        low, high = (0.0, length) if span is None else span
-        if not 0 <= low < high <= length * (1 + 1e-9):
-            raise ValueError(
-                f"{name} = {low:g} to {high:g}: rising positions from 0 to {length:g} are needed"
-            )
-        slack = 1e-9 * length
-        part = slice(*map(int, np.searchsorted(nodes, [low - slack, high + slack])))
-        if part.stop - part.start < 2:
-            raise ValueError(
-                f"{name} = {low:g} to {high:g}: at least two nodes are needed, they are "
-                f"{length / len(nodes):g} apart"
-            )
-        parts.append(part)
-    return Box(depths, *parts)
+    return Box(depths, window(grid, y, x, told))
 
 
 def write_box(
@@ -221,11 +205,11 @@ def write_box(
     size : int
         Bytes of the file.
     """
-    shape = box.shape(contact.grid)
+    shape = box.shape
     plane_bytes = 4 * shape[1] * shape[2]
     field_bytes = plane_bytes * shape[0]
     names = [f"{name}_{units.stress_name}" for name in fields]
-    head = _description(box, contact.grid, names, units, field_bytes)
+    head = _description(box, names, units, field_bytes)
     with atomic_write(path) as unfinished, open(unfinished, "wb") as file:
         file.write(head)
         begins = [len(head) + number * (8 + field_bytes) for number in range(len(fields))]
@@ -237,7 +221,7 @@ def write_box(
             # z rises upward, so that the deepest plane comes first.
             place = 8 + (shape[0] - 1 - number) * plane_bytes
             for begin, name in zip(begins, fields, strict=True):
-                part = plane[name][box.rows, box.columns] / units.stress
+                part = box.window.of(plane[name]) / units.stress
                 _write_at(file, begin + place, part)
         file.seek(begins[-1] + 8 + field_bytes)
         file.write(b"\n</AppendedData></VTKFile>\n")
@@ -277,12 +261,11 @@ def _write_at(file: BinaryIO, place: int, values: Array) -> None:
     file.write(np.ascontiguousarray(values, "<f4").data)
 
 
-def _description(box: Box, grid: Grid, names: Sequence[str], units: ExportUnits, field_bytes: int) -> bytes:
+def _description(box: Box, names: Sequence[str], units: ExportUnits, field_bytes: int) -> bytes:
     """The XML of an image up to its data: nodes, and name and place of every field."""
     from uvw import ImageData
 
-    y, x = grid.coordinates()
-    positions = (x[box.columns], y[box.rows], -box.depths[::-1])
+    positions = (box.window.x, box.window.y, -box.depths[::-1])
     image = ImageData(
         None,
         ranges=[(float(nodes[0]) / units.length, float(nodes[-1]) / units.length) for nodes in positions],

@@ -11,14 +11,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.results.export import planes_on_grid
+from asperity.results.window import Span
 from asperity.stress.depths import depth_grid
 from asperity.stress.planes import stress_planes
 from asperity.types import Array, Progress
 from asperity.views.colours import SIGNED, STRESS, Limits, robust_limits
 from asperity.views.maps import Look, Map, draw_maps, largest_magnitude
-from asperity.views.measures import Measure, measure, told
+from asperity.views.measures import Measure, measure
 from asperity.views.panels import add_colour_bar, canvas, finish_title
-from asperity.views.source import Source, Span, sources, window
+from asperity.views.source import Source, sources
 
 SECTION_SHAPE = 0.25
 """Largest depth of a section over its length, where no depth is given."""
@@ -35,6 +36,9 @@ MOST_POINTS = 2048
 
 SEARCH_TOLERANCE = 1e-4
 """Largest relative error of the planes in which the depth of the largest stress is sought."""
+
+MOST_DEPTH = 100
+"""Largest depth of a plane over the longer edge of the cell; all waves have vanished far above it."""
 
 _POSITIVE = ("von_mises", "largest_shear")
 _NAMES = {
@@ -211,13 +215,18 @@ def _plane(
     x: Span | None,
     progress: Progress | None,
 ) -> Map:
-    part = window(source, y, x)
+    part = source.window(y, x)
     solid = source.pressed()
     where = "depth"
     if depth == "max":
         depth = depth_of_largest(source, field, poisson, progress)
         where = "depth of the largest"
     place = float(depth)
+    deepest = solid.layer.height or MOST_DEPTH * max(solid.grid.length)
+    if not 0 <= place <= deepest:
+        raise ValueError(
+            f"depth = {source.told(place)}: max or a depth from 0 to {source.told(deepest)} is needed"
+        )
     (plane,) = planes_on_grid(solid, np.array([place]), (field,), poisson)
     shown = measure(place, "length", source.system).text(place)
     title = ", ".join(line for line in (source.title, f"{where}: {shown}") if line)
@@ -238,7 +247,7 @@ def _section(
     axis = "yx".index(across)
     along = "xy"[axis]
     node = round(place / solid.grid.spacing[axis]) % solid.grid.shape[axis]
-    part = window(source, **{along: span})
+    part = source.window(**{along: span})
     line = (node, part.columns) if along == "x" else (part.rows, node)
     position = part.x if along == "x" else part.y
     depths = depth_grid(solid.grid, _bottom(source, depth, float(np.ptp(position))))
@@ -267,8 +276,7 @@ def _cut(source: Source, y: float | Span | None, x: float | Span | None) -> tupl
     place, edge = float(given[across]), source.grid.length[axis]  # type: ignore[arg-type]
     if not 0 <= place <= edge:
         raise ValueError(
-            f"{across} = {told(place, 'length', source.system)}: a position from 0 to "
-            f"{told(edge, 'length', source.system)} is needed"
+            f"{across} = {source.told(place)}: a position from 0 to {source.told(edge)} is needed"
         )
     return across, place, span  # type: ignore[return-value]
 
@@ -279,8 +287,8 @@ def _bottom(source: Source, depth: float | None, length: float) -> float:
     if depth is None:
         return min(SECTION_SHAPE * length, height or np.inf)
     if not 0 < depth <= (height or np.inf):
-        most = f" and at most {told(height, 'length', source.system)}" if height else ""
-        raise ValueError(f"depth = {told(depth, 'length', source.system)}: a depth > 0{most} is needed")
+        most = f" and at most {source.told(height)}" if height else ""
+        raise ValueError(f"depth = {source.told(depth)}: a depth > 0{most} is needed")
     return depth
 
 

@@ -9,11 +9,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from asperity.results.window import Span, Window
 from asperity.types import Array
 from asperity.views.colours import ON_WHITE, SEQUENTIAL, Limits, robust_limits
 from asperity.views.measures import Measure, measure
 from asperity.views.panels import add_colour_bar, canvas, finish_title
-from asperity.views.source import Source, Span, Window, sources, window
+from asperity.views.source import Source, sources
 
 PIXELS = 1024
 """Most pixels along an edge; a pixel of a finer grid stands for a block of nodes."""
@@ -197,7 +198,7 @@ def _plot(
 
 
 def _map(source: Source, name: str, y: Span | None, x: Span | None) -> Map:
-    part = window(source, y, x)
+    part = source.window(y, x)
     values = part.of(source.field(name))
     pressure = source.fields.get("pressure")
     if name == "pressure":

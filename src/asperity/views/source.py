@@ -6,21 +6,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from asperity.elasticity.layer import Layer
 from asperity.errors import shown
 from asperity.results.dataset import grid_of, settings_of
+from asperity.results.window import Span, Window, window
 from asperity.spectral import Grid
 from asperity.stress.pressed import PressedSolid
 from asperity.types import Array
 from asperity.units import to_si
 from asperity.views.measures import STUDY, told
 from asperity.views.style import label
-
-Span = tuple[float, float]
-"""First and last position of a part of an axis."""
 
 FIELDS = ("height", "pressure", "gap")
 
@@ -61,6 +58,14 @@ class Source:
             raise ValueError(f"{name}: the result has {known}")
         return self.fields[name]
 
+    def told(self, value: float) -> str:
+        """A length with its unit, for messages."""
+        return told(value, "length", self.system)
+
+    def window(self, y: Span | None = None, x: Span | None = None) -> Window:
+        """The part between two positions along each axis, by default all of it."""
+        return window(self.grid, y, x, self.told)
+
     def pressed(self) -> PressedSolid:
         """The solid under its contact pressure.
 
@@ -72,29 +77,6 @@ class Source:
         if self.layer is None or "pressure" not in self.fields:
             raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
         return PressedSolid(self.fields["pressure"].astype(float), self.grid, self.layer)
-
-
-@dataclass(frozen=True)
-class Window:
-    """Part of a cell that is drawn: nodes, and their positions.
-
-    Parameters
-    ----------
-    rows, columns : slice
-    y, x : arrays
-        Positions of the nodes.
-    spacing : (along y, along x)
-    """
-
-    rows: slice
-    columns: slice
-    y: Array
-    x: Array
-    spacing: tuple[float, float]
-
-    def of(self, field: Array) -> Array:
-        """The part of a field [y, x]."""
-        return field[self.rows, self.columns]
 
 
 def sources(results: Any, unit_system: str | None = None) -> list[Source]:
@@ -154,39 +136,6 @@ def title_of(data: xr.Dataset) -> str:
         return label(data)
     except (KeyError, TypeError):
         return str(settings_of(data).get("name", ""))
-
-
-def window(source: Source, y: Span | None = None, x: Span | None = None) -> Window:
-    """The part of a cell between two positions along each axis, by default all of it.
-
-    Raises
-    ------
-    ValueError
-        If the positions do not rise, lie outside the cell, or have fewer than two nodes between them.
-    """
-    parts, positions = [], []
-    axes = zip("yx", (y, x), source.grid.coordinates(), source.grid.length, strict=True)
-    for name, span, nodes, length in axes:
-        chosen = slice(0, len(nodes))
-        if span is not None:
-            slack = 1e-9 * length
-            low, high = span
-            if not 0 <= low < high <= length + slack:
-                raise ValueError(
-                    f"{name} = {told(low, 'length', source.system)} to "
-                    f"{told(high, 'length', source.system)}: rising positions from 0 to "
-                    f"{told(length, 'length', source.system)} are needed"
-                )
-            chosen = slice(*np.searchsorted(nodes, [low - slack, high + slack]))
-            if chosen.stop - chosen.start < 2:
-                raise ValueError(
-                    f"{name} = {told(low, 'length', source.system)} to "
-                    f"{told(high, 'length', source.system)}: at least two nodes are needed, they are "
-                    f"{told(float(nodes[1] - nodes[0]), 'length', source.system)} apart"
-                )
-        parts.append(chosen)
-        positions.append(nodes[chosen])
-    return Window(parts[0], parts[1], positions[0], positions[1], source.grid.spacing)
 
 
 def _source(result: Any, unit_system: str | None, title: str | None = None) -> Source:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -75,7 +76,8 @@ def _export_box(
     contact: xr.Dataset, names: list[str], depths: str, path: str, options: argparse.Namespace
 ) -> None:
     si = is_si(contact)
-    solid = sources(contact)[0].pressed()
+    source = sources(contact)[0]
+    solid = source.pressed()
     poisson = section(options, "layer").get("poisson")
     checked_ratios(poisson, solid.layer)
     box = make_box(
@@ -83,14 +85,20 @@ def _export_box(
         span("--field", depths, si),
         **{name: span(f"--{name}", text, si) for name in "yx" if (text := getattr(options, name))},
         spacing=length("--spacing", options.spacing, si) if options.spacing else None,
+        told=source.told,
     )
-    planes, rows, columns = shape = box.shape(solid.grid)
-    require_space(Path(path).absolute().parent, 4e-6 * len(names) * planes * rows * columns)
+    height = solid.layer.height
+    if height is not None and box.depths[-1] > height * (1 + 1e-9):
+        raise ValueError(
+            f"--field {shown(depths)}: depths to at most {source.told(height)}, the height of the layer, "
+            "are needed"
+        )
+    require_space(Path(path).absolute().parent, 4e-6 * len(names) * math.prod(box.shape))
     units = export_units(contact)
     with Progress("export") as progress:
         size = write_box(solid, path, box, names, poisson, units, progress)
     print(
         f"{path}: {', '.join(names)} in {units.stress_name.replace('_', ' ')} on "
-        f"{' × '.join(map(str, reversed(shape)))} nodes along x, y, z, in "
-        f"{units.length_name.replace('_', ' ').replace('um', 'µm')}, {size / 1e6:.3g} MB"
+        f"{' × '.join(map(str, reversed(box.shape)))} nodes along x, y, z, in "
+        f"{'µm' if si else 'cell lengths'}, {size / 1e6:.3g} MB"
     )

@@ -89,7 +89,8 @@ def _draw(
     poisson = section(options, "layer").get("poisson")
     if view in _MAPS:
         _refuse(view, field=options.field, poisson=poisson)
-        return _MAPS[view](results, **{name: span(name, text, si) for name, text in given.items()})
+        parts: dict[str, Any] = {name: span(name, text, si) for name, text in given.items()}
+        return _MAPS[view](results, **parts)
     field = options.field or "von_mises"
     known = QUANTITIES if view == "peaks" else FIELDS
     if field not in known:
