@@ -16,7 +16,7 @@ from asperity.errors import shown
 from asperity.results import dataset
 from asperity.results.export import export_units, make_box, write_box, write_peaks
 from asperity.runtime.preflight import require_space
-from asperity.runtime.progress import Progress
+from asperity.runtime.progress import ProgressBar
 from asperity.stress.arguments import FIELDS, checked_ratios
 from asperity.views.source import sources
 
@@ -95,7 +95,7 @@ def _export_box(
         )
     require_space(Path(path).absolute().parent, 4e-6 * len(names) * math.prod(box.shape))
     units = export_units(contact)
-    with Progress("export") as progress:
+    with ProgressBar("export") as progress:
         size = write_box(solid, path, box, names, poisson, units, progress)
     print(
         f"{path}: {', '.join(names)} in {units.stress_name.replace('_', ' ')} on "

@@ -16,7 +16,7 @@ from asperity.cli.parser import VIEWS
 from asperity.cli.places import is_si, length, places, span
 from asperity.errors import shown
 from asperity.results import dataset
-from asperity.runtime.progress import Progress
+from asperity.runtime.progress import ProgressBar
 from asperity.stress.analysis import QUANTITIES
 from asperity.stress.arguments import FIELDS
 from asperity.views.inside import plot_plane, plot_section
@@ -105,7 +105,7 @@ def _draw(
         for name, text in given.items():
             chosen[name] = span(name, text, si) if name != "depth" else _depth(text, si)
     plot = plot_section if view == "section" else plot_plane
-    with Progress(view) as progress:
+    with ProgressBar(view) as progress:
         return plot(results, **chosen, progress=progress)
 
 
