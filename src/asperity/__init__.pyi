@@ -26,5 +26,11 @@ from .surface.roughness import roughness_parameters as roughness_parameters
 from .surface.roughness import self_affine as self_affine
 from .surface.roughness import spectrum as spectrum
 from .surface.roughness import with_moments as with_moments
+from .views.inside import plot_plane as plot_plane
+from .views.inside import plot_section as plot_section
+from .views.maps import plot_gap as plot_gap
+from .views.maps import plot_height as plot_height
+from .views.maps import plot_pressure as plot_pressure
+from .views.peaks import plot_peaks as plot_peaks
 
 __version__: str

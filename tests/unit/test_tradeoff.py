@@ -13,8 +13,8 @@ from asperity.accuracy.resources import law_seconds
 from asperity.accuracy.tables import error_rows, preset_rows
 from asperity.config.presets import PRESETS
 from asperity.paper.figures import tradeoff as figures
-from asperity.paper.figures.style import style
 from asperity.results import dataset
+from asperity.views.style import style
 
 SETTINGS = {
     "hurst": [0.8],
