@@ -16,12 +16,18 @@ from .stress.selection import peaks as peaks
 from .stress.statistics import autocorrelation as autocorrelation
 from .stress.statistics import pool_peaks as pool_peaks
 from .stress.statistics import probability_density as probability_density
+from .surface.height_map import HeightMap as HeightMap
+from .surface.height_map import MapError as MapError
 from .surface.measured import make_periodic as make_periodic
-from .surface.measured import read_map as read_map
+from .surface.measured import prepare_map as prepare_map
+from .surface.reading import Reading as Reading
+from .surface.reading import read_map as read_map
 from .surface.roughness import johnson as johnson
 from .surface.roughness import roughness_parameters as roughness_parameters
 from .surface.roughness import self_affine as self_affine
 from .surface.roughness import spectrum as spectrum
 from .surface.roughness import with_moments as with_moments
+from .surface.treatment import Treatment as Treatment
+from .surface.treatment import treat_map as treat_map
 
 __version__: str

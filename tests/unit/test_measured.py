@@ -10,7 +10,10 @@ from hypothesis import strategies as st
 from asperity.pipeline.surface import make_surface, moment_errors, read_surface
 from asperity.results.dataset import grid_of
 from asperity.spectral import Fourier, Grid, mean_square
-from asperity.surface.measured import HeightMap, edge_step, make_periodic, read_map
+from asperity.surface.height_map import HeightMap
+from asperity.surface.levelling import edge_step
+from asperity.surface.measured import make_periodic
+from asperity.surface.reading import read_map
 
 PLAIN = {"detrend": "none", "periodic": "declared"}
 
