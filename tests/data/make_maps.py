@@ -1,11 +1,12 @@
 """Write one small height map in the file format of each family of instruments.
 
-All files hold the same surface: steel, ground along y, 40 x 48 pixels of 2 µm, in whole nanometres, with a tilt,
-spikes of an optical instrument, and points without data. The writers follow the public descriptions of the
-formats and use nothing of the packages that read them:
+All files hold the same surface: steel, ground along y, 40 x 48 pixels of 2 µm, in whole nanometres, with a
+tilt, spikes of an optical instrument, and points without data. The writers follow the public descriptions of
+the formats and use nothing of the packages that read them:
 
 - X3P: ISO 25178-72 (ZIP archive of ``main.xml``, 16-bit heights, validity bits and an MD5 sum),
-- GWY: Gwyddion user guide, "Gwyddion native data format" (serialised GwyContainer with a mask and two channels),
+- GWY: Gwyddion user guide, "Gwyddion native data format" (serialised GwyContainer with a mask and two
+  channels),
 - SDF: ISO 25178-71, ASCII (``steel.sdf``), and the older BCR-1.0 in its binary form (``steel_bcr.sdf``),
 - ASC: text matrix of Gwyddion with a header,
 - NC: classic NetCDF with the names of SurfaceTopography,

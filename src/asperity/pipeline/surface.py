@@ -86,7 +86,7 @@ def read_surface(parameters: Mapping[str, Any], option: OptionName = str) -> xr.
     said = {name: parameters[name] for name in _READING if name in parameters}
     settings = {name: parameters[name] for name in _TREATMENT if name in parameters}
     wavelength = settings.pop("wavelength_short", None)  # in units of the cell: checked by make_periodic
-    surface = checked_map(parameters["file"], Reading(**said), Treatment(**settings), option)
+    surface = checked_map(parameters["file"], Reading(**said), Treatment(**settings), option, for_cell=True)
     if wavelength is not None:
         settings["wavelength_short"] = wavelength
     kept = make_periodic(surface, **settings, option=option)

@@ -16,8 +16,8 @@ MEDIAN_POINTS = 5
 """Edge of the square of points in which the local median is taken."""
 
 LONGEST_SPIKE = 5
-"""Edge of the largest square of points that is a spike; a group that extends farther is a scratch, a step or a
-particle, and stays."""
+"""Edge of the largest square of points that is a spike; a group that extends farther is a scratch, a step or
+a particle, and stays."""
 
 _MAX_DESPIKE_ITERATIONS = 10
 
@@ -40,12 +40,13 @@ class Trend(NamedTuple):
 def find_spikes(height: Array, threshold: float) -> Array:
     """Points of a map that stand out of their surroundings.
 
-    A spike differs from the local median by more than `threshold` robust standard deviations of these
-    differences (1.4826 times their median absolute value), and belongs to a connected group of such points
-    that fits into a square of `LONGEST_SPIKE` points. Found spikes are replaced by the local median and the
-    search is repeated until it finds no more. The local median is the median of the medians of the rows of
-    `MEDIAN_POINTS` squared points (P. M. Narendra, IEEE Trans. Pattern Anal. Mach. Intell. 3 (1981) 20,
-    doi 10.1109/TPAMI.1981.4767047).
+    A spike differs from the local median by more than `threshold` robust standard deviations of the local
+    roughness (1.4826 times the median of the absolute difference between height and local mean), and belongs
+    to a connected group of such points that fits into a square of `LONGEST_SPIKE` points. Found spikes are
+    replaced by the local median and the search is repeated until it finds no more. Mean and median are those
+    of `MEDIAN_POINTS` squared points; the median is taken of the medians of their rows (P. M. Narendra, IEEE
+    Trans. Pattern Anal. Mach. Intell. 3 (1981) 20, doi 10.1109/TPAMI.1981.4767047). The difference from the
+    mean is Gaussian for a Gaussian surface; that from the median is not, and its spread is no measure.
 
     Parameters
     ----------
@@ -61,13 +62,12 @@ def find_spikes(height: Array, threshold: float) -> Array:
     smooth = subtract_trend(_nearest(height, missing), "tilt", (1.0, 1.0))[0]
     spikes = np.zeros(height.shape, dtype=bool)
     for _ in range(_MAX_DESPIKE_ITERATIONS):
-        median = _local_median(smooth)
-        difference = smooth - median
-        size = np.abs(difference[~missing & ~spikes])
+        median, mean = _local_median_and_mean(smooth)
+        size = np.abs(smooth - mean)[~missing]
         sigma = 1.4826 * float(np.median(size)) if size.size else 0.0
-        if sigma == 0 and size.size:  # more than half of the points equal their median: coarse quantisation
+        if sigma == 0 and size.size:  # more than half of the points equal their mean: coarse quantisation
             sigma = 1.2533 * float(np.mean(size))
-        found = _compact((np.abs(difference) > threshold * sigma) & ~missing) & ~spikes
+        found = _compact((np.abs(smooth - median) > threshold * sigma) & ~missing) & ~spikes
         if not found.any():
             break
         spikes |= found
@@ -75,15 +75,35 @@ def find_spikes(height: Array, threshold: float) -> Array:
     return spikes
 
 
-def _local_median(height: Array) -> Array:
-    """Median of the row medians of a square of points around each point; edges are continued."""
+def _local_median_and_mean(height: Array) -> tuple[Array, Array]:
+    """Median of the row medians, and mean, of a square of points around each point."""
+    median: Array = height
+    mean: Array = height
     for axis in (0, 1):
-        half = MEDIAN_POINTS // 2
-        widths = [(half, half) if axis == across else (0, 0) for across in (0, 1)]
-        padded = np.pad(height, widths, mode="reflect" if height.shape[axis] > half else "edge")
-        n = height.shape[axis]
-        height = _median_of_five(*(padded.take(range(i, i + n), axis) for i in range(MEDIAN_POINTS)))
-    return height
+        mean = np.mean(_neighbours(mean, axis), axis=0)
+        median = _median_of_five(*_neighbours(median, axis))
+    return median, mean
+
+
+def _neighbours(height: Array, axis: int) -> list[Array]:
+    """The heights shifted by −2 to 2 points along an axis.
+
+    Beyond an edge they go on as the point reflection at the edge, so that a slope has no bend there. The
+    height of the edge is the median of itself and of two extrapolations, so that a spike in it is none of the
+    reflection.
+    """
+    half = MEDIAN_POINTS // 2
+    n = height.shape[axis]
+    rows = np.moveaxis(height, axis, 0)
+    if n < MEDIAN_POINTS:
+        padded = np.pad(rows, ((half, half), (0, 0)), mode="edge")
+    else:
+        ends = []
+        for side in (rows, rows[::-1]):
+            edge = np.median([side[0], 2 * side[1] - side[2], 2 * side[2] - side[4]], axis=0)
+            ends.append(2 * edge - side[half:0:-1])
+        padded = np.concatenate([ends[0], rows, ends[1][::-1]])
+    return [np.moveaxis(padded[start : start + n], 0, axis) for start in range(MEDIAN_POINTS)]
 
 
 def _median_of_five(a: Array, b: Array, c: Array, d: Array, e: Array) -> Array:
@@ -131,8 +151,8 @@ def fill_harmonic(height: Array, missing: Array) -> Array:
 def subtract_trend(height: Array, detrend: str, length: tuple[float, float]) -> tuple[Array, Trend]:
     """The heights minus their least-squares polynomial, and that polynomial.
 
-    The polynomial is a constant, a plane (``tilt``) or of degree two (``curvature``). Its terms are orthogonal
-    on a full grid.
+    The polynomial is a constant, a plane (``tilt``) or of degree two (``curvature``). Its terms are
+    orthogonal on a full grid.
     """
     linear_y, linear_x = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in height.shape)
     square_y, square_x = (np.square(linear) - np.mean(np.square(linear)) for linear in (linear_y, linear_x))

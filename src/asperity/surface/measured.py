@@ -10,8 +10,15 @@ from __future__ import annotations
 import os
 
 from asperity.surface.height_map import HeightMap, MapError, OptionName
-from asperity.surface.reading import Reading, inspect_map
-from asperity.surface.treatment import TreatedMap, Treatment, treat_map, treatment_problems
+from asperity.surface.reading import Inspected, Reading, inspect_map, unit_missing
+from asperity.surface.treatment import (
+    PERIODICITIES,
+    WITHOUT_PERIOD,
+    TreatedMap,
+    Treatment,
+    treat_map,
+    treatment_problems,
+)
 
 
 def prepare_map(
@@ -37,7 +44,7 @@ def prepare_map(
         If the file cannot be used; the message names everything that is wrong or missing, also that its unit
         is not known.
     """
-    surface = checked_map(path, reading, treatment, option, unit_needed=True)
+    surface = checked_map(path, reading, treatment, option)
     return treat_map(surface, treatment, option)
 
 
@@ -46,11 +53,12 @@ def checked_map(
     reading: Reading | None = None,
     treatment: Treatment | None = None,
     option: OptionName = str,
-    unit_needed: bool = False,
+    for_cell: bool = False,
 ) -> HeightMap:
     """A map that was read and has all that its treatment needs; nothing is computed.
 
-    Parameters are those of `prepare_map`. With `unit_needed`, a map of unknown unit is refused.
+    Parameters are those of `prepare_map`. With `for_cell` the map is meant for `make_periodic`: it may be of
+    unknown unit, and has to become periodic.
 
     Raises
     ------
@@ -58,14 +66,22 @@ def checked_map(
         As for `prepare_map`.
     """
     found = inspect_map(path, reading, option)
-    problems = list(found.problems)
-    if unit_needed and found.map.unit is None and not any(p.startswith(option("unit")) for p in problems):
-        problems.append(f"{option('unit')}: the file does not say the unit of its heights; set it")
-    needed = treatment_problems(found.map, treatment or Treatment(), option)
-    problems += [problem for problem in needed if problem not in problems]
-    if problems:
+    if problems := missing_settings(found, treatment or Treatment(), option, for_cell):
         raise MapError(os.fspath(path), problems)
     return found.map
+
+
+def missing_settings(
+    found: Inspected, treatment: Treatment, option: OptionName = str, for_cell: bool = False
+) -> list[str]:
+    """Everything that a file lacks or contradicts for a treatment; parameters as for `checked_map`."""
+    problems = list(found.problems)
+    unit = option("unit")
+    if not for_cell and found.map.unit is None and not any(p.startswith(unit) for p in problems):
+        problems.append(unit_missing(unit))
+    periodicities = PERIODICITIES if for_cell else WITHOUT_PERIOD
+    needed = treatment_problems(found.map, treatment, option, periodicities)
+    return problems + [problem for problem in needed if problem not in problems]
 
 
 def make_periodic(
@@ -102,7 +118,7 @@ def make_periodic(
         As for `asperity.surface.treatment.treat_map`.
     """
     treatment = Treatment(detrend, periodic, undefined, despike, wavelength_short, points)
-    return treat_map(surface.scaled(1 / cell_edge(surface, periodic)), treatment, option)
+    return treat_map(surface.scaled(1 / cell_edge(surface, periodic)), treatment, option, PERIODICITIES)
 
 
 def cell_edge(surface: HeightMap, periodic: str | None) -> float:

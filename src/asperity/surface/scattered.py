@@ -20,8 +20,8 @@ MERGE_DISTANCE = 1e-6
 the rounding of single precision and of seven printed digits."""
 
 GRID_TOLERANCE = 0.05
-"""Largest distance of a point from its grid node, in units of the spacing; positions printed with three digits
-per pixel stay below 0.01."""
+"""Largest distance of a point from its grid node, in units of the spacing; positions printed with three
+digits per pixel stay below 0.01."""
 
 FEWEST_PRESENT = 0.05
 """Smallest share of grid nodes that must have a point; below it, the points are not a map but scattered."""

@@ -8,6 +8,7 @@ and the map is resampled. Lengths are in the unit of the map: metres, if its uni
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -34,8 +35,11 @@ from asperity.units import shown_si
 DETRENDS = ("none", "tilt", "curvature")
 """Trends that can be removed."""
 
-PERIODICITIES = ("declared", "mirrored", "windowed", "none")
-"""Ways in which a map is made periodic; ``none`` leaves it as it is, for a contact with a free boundary."""
+PERIODICITIES = ("declared", "mirrored", "windowed")
+"""Ways in which a map is made periodic."""
+
+WITHOUT_PERIOD = (*PERIODICITIES, "none")
+"""The same, and ``none``: the map is left as it is, for a contact with a free boundary."""
 
 DESPIKE = 8.0
 """Threshold that is proposed for spikes, in robust standard deviations from the local median. No point of
@@ -213,7 +217,12 @@ class TreatedMap:
     treatment: MapTreatment
 
 
-def treat_map(surface: HeightMap, treatment: Treatment | None = None, option: OptionName = str) -> TreatedMap:
+def treat_map(
+    surface: HeightMap,
+    treatment: Treatment | None = None,
+    option: OptionName = str,
+    periodicities: Sequence[str] = WITHOUT_PERIOD,
+) -> TreatedMap:
     """The lower face of an indenter made from a measured map.
 
     Parameters
@@ -222,6 +231,8 @@ def treat_map(surface: HeightMap, treatment: Treatment | None = None, option: Op
     treatment : Treatment, optional
     option : callable
         Gives the name of an argument in the interface of the user, for messages.
+    periodicities : sequence of str
+        Accepted values of ``periodic``.
 
     Raises
     ------
@@ -229,7 +240,7 @@ def treat_map(surface: HeightMap, treatment: Treatment | None = None, option: Op
         If a setting is out of range or missing, or if the map is flat; the message says all that is wrong.
     """
     treatment = treatment or Treatment()
-    if problems := treatment_problems(surface, treatment, option):
+    if problems := treatment_problems(surface, treatment, option, periodicities):
         raise MapError(surface.name, problems)
     missing = ~np.isfinite(surface.height)
     spikes = np.zeros_like(missing)
@@ -271,12 +282,17 @@ def treat_map(surface: HeightMap, treatment: Treatment | None = None, option: Op
     return TreatedMap(smooth, target, shortest, whole)
 
 
-def treatment_problems(surface: HeightMap, treatment: Treatment, option: OptionName = str) -> list[str]:
+def treatment_problems(
+    surface: HeightMap,
+    treatment: Treatment,
+    option: OptionName = str,
+    periodicities: Sequence[str] = WITHOUT_PERIOD,
+) -> list[str]:
     """Everything that a map and settings lack to be treated, before anything is computed."""
     problems: list[str] = []
     checks: list[tuple[Any, tuple[Any, ...]]] = [(choice, (option("detrend"), treatment.detrend, DETRENDS))]
     if treatment.periodic is not None:
-        checks.append((choice, (option("periodic"), treatment.periodic, PERIODICITIES)))
+        checks.append((choice, (option("periodic"), treatment.periodic, periodicities)))
     if treatment.despike is not None:
         name = option("despike")
         checks.append((number, (name, treatment.despike, "a number ≥ 3", lambda value: value >= 3)))
@@ -293,7 +309,8 @@ def treatment_problems(surface: HeightMap, treatment: Treatment, option: OptionN
     if treatment.periodic is None and not surface.periodic:
         problems.append(
             f"{option('periodic')}: the file does not say that the map is one period; "
-            f"set {option('periodic')} to mirrored, windowed, declared or, for a free boundary, none"
+            f"set {option('periodic')} to {', '.join(periodicities[:-1])} or {periodicities[-1]}"
+            f"{' (for a free boundary)' if 'none' in periodicities else ''}"
         )
     if treatment.undefined not in (None, "harmonic"):
         problems.append(f"{option('undefined')} = {shown(treatment.undefined)}: harmonic is needed")

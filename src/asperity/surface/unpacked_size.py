@@ -26,6 +26,9 @@ _MAX_NESTING = 3
 
 _CHUNK = 2**20
 
+_TAG = 8
+_MATLAB_COMPRESSED = 15
+
 _HDF5 = b"\x89HDF\r\n\x1a\n"
 _GZIP = b"\x1f\x8b"
 _OLE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
@@ -81,7 +84,7 @@ def unpacked_size(path: str | os.PathLike[str], limit: float = DEFAULT_LIMIT) ->
             elif start.startswith((b"II*\x00", b"MM\x00*", b"II+\x00", b"MM\x00+")):
                 declared = _tiff_size(path)
             elif start.startswith(b"MATLAB 5.0"):
-                declared = _matlab_size(path)
+                declared = _matlab_size(file)
             elif start.startswith(_OLE):
                 declared = _ole_size(path, most)
         except _DAMAGED:
@@ -190,12 +193,24 @@ def _tiff_size(path: str | os.PathLike[str]) -> int:
     return total
 
 
-def _matlab_size(path: str | os.PathLike[str]) -> int:
-    """Sizes of all arrays; only their headers are unpacked."""
-    from scipy.io import whosmat
-
-    itemsize = {"single": 4, "int32": 4, "uint32": 4, "int16": 2, "uint16": 2, "int8": 1, "uint8": 1}
-    return sum(math.prod(shape) * itemsize.get(kind, 8) for _, shape, kind in whosmat(str(path)))
+def _matlab_size(file: IO[bytes]) -> int:
+    """Sizes of all elements of a MATLAB 5 file; of a compressed one, only the tag in front is unpacked."""
+    file.seek(126)
+    order = "<" if file.read(2) == b"IM" else ">"
+    total = 0
+    while len(tag := file.read(_TAG)) == _TAG:
+        kind, size = struct.unpack(f"{order}II", tag)
+        if kind >> 16:  # a small element, whose data are in the tag
+            continue
+        end = file.tell() + size
+        if kind == _MATLAB_COMPRESSED:
+            inner = zlib.decompressobj().decompress(file.read(min(size, 64)), _TAG)
+            total += struct.unpack(f"{order}II", inner)[1]
+        else:
+            total += size
+            end += -size % _TAG
+        file.seek(end)
+    return total
 
 
 def _ole_size(path: str | os.PathLike[str], most: float) -> int:
