@@ -10,6 +10,7 @@ import pytest
 import xarray as xr
 
 from asperity.cli.arguments import flag
+from asperity.cli.main import main
 from asperity.contact import solve
 from asperity.elasticity.layer import Layer
 from asperity.surface.description import describe_map
@@ -231,6 +232,17 @@ def test_the_description_says_what_a_map_is_and_what_is_needed():
     bare = "\n".join(describe_map(DATA / "steel.npy").lines())
     assert "size:         not in the file" in bare
     assert "nan" not in bare
+
+
+def test_the_command_info_prints_the_description_or_one_line(capsys):
+    assert main(["info", str(DATA / "steel.gwy"), "--channel", "Detail"]) == 0
+    printed = capsys.readouterr().out
+    assert "12 x 16 (y, x)" in printed
+    assert "shown: Detail" in printed
+    assert main(["info", str(DATA / "steel.asc"), "--unit", "kg", "--physical-size", "1", "2"]) == 0
+    assert "--physical-size: the file itself says 80000 x 96000 nm" in capsys.readouterr().out
+    assert main(["info", str(DATA / "README.md")]) == 1
+    assert capsys.readouterr().err.count("\n") == 1
 
 
 def test_the_spectrum_of_a_self_affine_map_has_its_exponent():

@@ -64,7 +64,11 @@ class PointTable:
         ValueError
             If a line does not have three numbers.
         """
-        return np.loadtxt(io.StringIO(self.text), ndmin=2, usecols=(0, 1, 2))
+        try:
+            return np.loadtxt(io.StringIO(self.text), ndmin=2, usecols=(0, 1, 2))
+        except ValueError:  # words for missing heights
+            text = _MISSING.sub("nan", self.text)
+            return np.loadtxt(io.StringIO(text), ndmin=2, usecols=(0, 1, 2))
 
 
 def find_points(path: str | os.PathLike[str]) -> PointTable | None:
@@ -79,12 +83,12 @@ def find_points(path: str | os.PathLike[str]) -> PointTable | None:
         text = _decoded(start + file.read())
     if text is None:
         return None
-    lines = text.splitlines()[len(header) :]
+    begin = sum(map(len, text.splitlines(keepends=True)[: len(header)])) if header else 0
     units = [unit for line in header for unit in _UNIT.findall(line)]
     lateral, value = (_stated(pattern, header) for pattern in (_LATERAL_UNIT, _VALUE_UNIT))
     if lateral is None and value is None and len(units) == 3 and units[0] == units[1]:
         lateral, value = units[0], units[2]
-    return PointTable("\n".join(_fields(lines)), lateral, value)
+    return PointTable(_fields(text[begin:]), lateral, value)
 
 
 def grid_points(points: Array) -> tuple[Array, tuple[float, float]]:
@@ -115,7 +119,7 @@ def grid_points(points: Array) -> tuple[Array, tuple[float, float]]:
     if z.size < FEWEST_PRESENT * count_x * count_y:
         raise ValueError(f"{z.size} points are too few for a grid of {count_y} x {count_x} nodes")
     node = row * count_x + column
-    if np.unique(node).size < node.size:
+    if np.bincount(node).max() > 1:
         raise ValueError("two points have the same position")
     height = np.full(count_y * count_x, np.nan)
     height[node] = z
@@ -166,18 +170,15 @@ def _header(text: str) -> tuple[list[str], str | None]:
     return lines, None
 
 
-def _fields(lines: list[str]) -> list[str]:
-    """Lines with blanks between the fields, points between the digits, and ``nan`` for missing heights."""
-    text = "\n".join(lines)
-    if ";" in text:
-        text = text.replace(",", ".").replace(";", " ")
-    elif re.search(r"\d,\d*\s+[-+\d]", text[: 2**12]) and not re.search(
-        r"\d\s*,\s*[-+\d.]+\s*,", text[: 2**12]
-    ):
-        text = text.replace(",", ".")
-    else:
-        text = text.replace(",", " ")
-    return _MISSING.sub("nan", text).split("\n")
+def _fields(text: str) -> str:
+    """Text with blanks between the fields and points between the digits."""
+    start = text[: 2**12]
+    if ";" in start:
+        return text.replace(",", ".").replace(";", " ")
+    if "," not in start:
+        return text
+    decimal = re.search(r"\d,\d*\s+[-+\d]", start) and not re.search(r"\d\s*,\s*[-+\d.]+\s*,", start)
+    return text.replace(",", "." if decimal else " ")
 
 
 def _is_point(line: str) -> bool:
@@ -194,7 +195,7 @@ def _is_numeric(line: str) -> bool:
 
 
 def _split(line: str) -> list[str]:
-    return _fields([line])[0].split()
+    return _MISSING.sub("nan", _fields(line)).split()
 
 
 def _stated(pattern: re.Pattern[str], header: list[str]) -> str | None:
