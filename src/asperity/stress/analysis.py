@@ -83,9 +83,10 @@ def analyse_stress(
     Returns
     -------
     dataset
-        Stresses in units of E*. Along `peak`, one entry for each peak of each quantity and Poisson's ratio:
+        Stresses in the unit of the contact pressure. Along `peak`, one entry for each peak of each quantity and Poisson's ratio:
         `asperity.peaks` selects from them. Along `plane`, the mean and largest von Mises stress, and the
-        covariance with the plane of the largest. Along `lag`, the covariance in that plane.
+        covariance with the plane of the largest. Along `lag`, the covariance in that plane. The attribute
+        ``effective_modulus`` is E* in the same unit.
 
     Raises
     ------
@@ -257,8 +258,7 @@ class _Stream:
                 for analysis in self.analyses:
                     self.peaks[name, analysis.poisson] = analysis.finders.pop(name).peaks()
         if "pressure" in self.settings.quantities:
-            pressure = self.contact.pressure / self.contact.layer.effective_modulus
-            self.peaks["pressure", np.nan] = plane_peaks(pressure, self.contact.grid)
+            self.peaks["pressure", np.nan] = plane_peaks(self.contact.pressure, self.contact.grid)
 
 
 def _dataset(stream: _Stream) -> xr.Dataset:
@@ -291,4 +291,5 @@ def _dataset(stream: _Stream) -> xr.Dataset:
             plane_depth=("plane", settings.depths),
             lag=lag,
         )
+        .assign_attrs(effective_modulus=stream.contact.layer.effective_modulus)
     )

@@ -39,7 +39,7 @@ EDGE_RANGE = (1e-60, 1e60)
 """Edges of the cell that are accepted: squares of wavenumbers stay within double precision."""
 
 PRESSURE_RANGE = (1e-60, 1e60)
-"""Largest |pressure| over E* that is accepted: third powers of stresses stay within double precision."""
+"""Largest |pressure| that is accepted: third powers of stresses stay within double precision."""
 
 
 def checked_number(name: str, value: Any, accepted: str, holds: Callable[[float], bool]) -> float:
@@ -75,7 +75,7 @@ def checked_threads(threads: Any) -> int:
 
 
 def checked_contact(contact: ContactLike) -> tuple[Array, float]:
-    """The pressure of a contact as an array of real numbers, and its largest magnitude over E*."""
+    """The pressure of a contact as an array of real numbers, and its largest magnitude."""
     pressure, grid, layer = (getattr(contact, name, None) for name in ("pressure", "grid", "layer"))
     if pressure is None or not isinstance(grid, Grid) or not isinstance(layer, Layer):
         raise TypeError(
@@ -88,14 +88,12 @@ def checked_contact(contact: ContactLike) -> tuple[Array, float]:
             raise ValueError(f"grid.length = {edge:g}: an edge from {low:g} to {high:g} is needed")
     field = checked_field("pressure", pressure, grid)
     highest = max(abs(float(field.max())), abs(float(field.min())))
-    scaled = highest / layer.effective_modulus
     low, high = PRESSURE_RANGE
-    if highest and not low <= scaled <= high:
+    if highest and not low <= highest <= high:
         raise ValueError(
-            f"pressure: its largest magnitude is {highest:g}, or {scaled:g} E*; "
-            f"0 or a value from {low:g} E* to {high:g} E* is needed"
+            f"pressure: its largest magnitude is {highest:g}; 0 or a value from {low:g} to {high:g} is needed"
         )
-    return field, scaled
+    return field, highest
 
 
 def checked_field(name: str, field: Any, grid: Grid) -> Array:

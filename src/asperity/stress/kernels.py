@@ -66,7 +66,7 @@ def mode_stress(
     a, b : float
         The uniform mode is that of a A_zz; it is zero for all other components.
     pressure : (ny, nx // 2 + 1) complex array
-        Coefficients of the contact pressure over E*.
+        Coefficients of the contact pressure.
     kernels : PlaneKernels
     wavevectors : Wavevectors
     out : (ny, nx // 2 + 1) complex array

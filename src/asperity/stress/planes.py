@@ -4,13 +4,13 @@ At depth d a mode of the contact pressure with wavenumber q has decayed to (1 + 
 value, so a deep plane is smooth and a coarse grid holds it (`asperity.stress.truncation`). `stress_planes`
 streams named fields of the stress; `linear_planes` streams the parts from which they are made.
 
-Conventions: `depth` is measured downward from the surface, tension is positive, stresses are in units of
-E* = E/(1 − ν²). Components are named ``xx, yy, zz, yz, xz, xy``; ``von_mises`` is the equivalent stress.
+Conventions: `depth` is measured downward from the surface, tension is positive, stresses are in the unit of the
+contact pressure, which is that of Young's modulus. Components are named ``xx, yy, zz, yz, xz, xy``.
 
 Poisson's ratio
 ---------------
 In a half-space the stress is A + ν B with fields A and B that do not depend on ν (only the uniform mode adds
-a term in ν/(1 − ν)), and neither does the contact pressure over E*. At most eight inverse transforms a plane
+a term in ν/(1 − ν)), and neither does the contact pressure over E* = E/(1 − ν²). At most eight inverse transforms a plane
 therefore serve every Poisson's ratio. A layer of finite height has the ν of its contact only.
 
 Precision
@@ -56,8 +56,8 @@ SINGLE_PRECISION_TOLERANCE = 3e-5
 """Smallest tolerance for which single precision will do: its transforms round to a few 1e-7 of the root mean
 square."""
 
-SINGLE_PRECISION_PRESSURES = (1e-10, 1e10)
-"""Largest pressures over E* for which single precision will do: squares of stresses stay within it."""
+SINGLE_PRECISION_PRESSURES = (1e-10, 1e15)
+"""Largest pressures for which single precision will do: squares of stresses stay within it."""
 
 
 @dataclass(frozen=True)
@@ -72,9 +72,9 @@ class StressPlane:
     poisson : tuple of float
         Poisson's ratios, along the first axis of every field.
     fields : dict
-        Name → array (ratios, ny, nx) in units of E*.
+        Name → array (ratios, ny, nx) in the unit of the contact pressure.
     bound : float
-        Proven largest error of any field at any node from the modes that the grid drops, in units of E*.
+        Proven largest error of any field at any node from the modes that the grid drops, in the same unit.
     """
 
     depth: float
@@ -97,14 +97,14 @@ class LinearPlane:
     depth, grid, bound
         As in `StressPlane`.
     constant : dict
-        Component → field A[y, x], in units of E*.
+        Component → field A[y, x], in the unit of the contact pressure.
     slope : dict
         Component → field B[y, x]. Empty if ν is fixed; A is the stress itself then. If all components are
         there, B_yy is left out: it follows from A_xx + A_yy + A_zz = B_xx + B_yy but for the uniform mode.
     mean_pressure : float
-        In units of E*.
+        Of the cell.
     lateral : mapping of float to float
-        Poisson's ratio → uniform part of σ_xx and σ_yy, in units of E*.
+        Poisson's ratio → uniform part of σ_xx and σ_yy.
     done : float
         Share of the work of the whole stream that is done with this plane.
     """
@@ -278,7 +278,7 @@ class _PlaneStream:
     def planes(self, pressure: Array) -> Iterator[LinearPlane]:
         """The planes under a pressure, from the surface downward."""
         fourier = Fourier(self.grid, threads=self.threads, work=self.work)
-        modes = fourier.forward(pressure / self.layer.effective_modulus)
+        modes = fourier.forward(pressure)
         truncation = Truncation(modes, self.grid, self.layer, self.tolerance)
         plan = [truncation.choose(depth) for depth in self.depths]
         done = np.cumsum([grid.size for grid, _ in plan], dtype=float)
