@@ -42,7 +42,7 @@ COLUMNS = (
 def largest_error(scene, accuracy):
     """Largest error of the peaks, against the converged calculation at the same load."""
     reference = evaluate(scene, replace(CONVERGED, points_per_wavelength=24.0))
-    evaluation = evaluate(scene, accuracy, reference.summary["contact.mean_pressure"])
+    evaluation = evaluate(scene, accuracy, reference.mean_pressure)
     errors = output_errors(evaluation, reference)
     return max(abs(errors[name]) for name in PEAKS)
 

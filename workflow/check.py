@@ -1,7 +1,7 @@
-"""The numbers of the quick study against those kept in the repository: `make check`.
+"""Drift check: compares the numbers of the quick study with those kept in the repository (`make check`).
 
-Runs the quick study as far as its summaries into its own folder, compares every number with the reference,
-and ends with a table of what has drifted. With --update it rewrites the reference instead.
+Runs the quick study up to its statistics in a folder of its own, compares every number of every seed with the
+reference, and prints a table of those that have drifted. With --update it rewrites the reference instead.
 """
 
 import argparse
@@ -13,11 +13,54 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
+import xarray as xr
+
+from asperity.config.reader import load
+from asperity.results import dataset
+
+CONFIG = "config/quick.yaml"
 REFERENCE = Path("tests/reference/quick.json")
+
+OF_SEED = {
+    "surface.rms_gradient": "seed_rms_gradient",
+    "surface.skewness": "seed_skewness",
+    "surface.kurtosis": "seed_kurtosis",
+    "contact.area_fraction": "seed_area_fraction",
+    "contact.mean_pressure": "seed_mean_pressure",
+    "contact.gradient_rms_contact": "seed_gradient_rms_contact",
+    "contact.approach": "seed_approach",
+    "contact.proportionality": "seed_proportionality",
+    "contact.load_exponent": "seed_load_exponent",
+    "contact.proportionality_change": "seed_proportionality_change",
+    "contact.patches": "seed_patches",
+    "contact.patch_radius": "seed_patch_radius",
+}
+"""Name of a number in the reference → variable of stage statistics."""
+
+OF_POISSON = {
+    "profile.largest": "seed_largest_von_mises",
+    "profile.reference_depth": "seed_reference_depth",
+    "decay.depth": "seed_decay_length_depth",
+    "decay.plane": "seed_decay_length_plane",
+    "von_mises.depth_patch_correlation": "seed_depth_patch_correlation",
+}
+"""The same for variables along `poisson`."""
+
+OF_PEAKS = {
+    "count": "seed_peak_count",
+    "mean": "seed_peak_mean",
+    "deviation": "seed_peak_deviation",
+    "depth": "seed_mean_depth",
+    "depth_high": "seed_mean_depth_highest",
+}
+"""The same for variables along `quantity` and `poisson`."""
+
+PERCENTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "largest": 1.0}
+"""Name of a number in the reference → level of the quantiles of the peaks."""
 
 
 class Tolerance(NamedTuple):
-    """How far a kind of number may move, relative to its size, and why so far."""
+    """Largest relative change that is allowed to a kind of number, and the reason."""
 
     names: str
     relative: float
@@ -25,23 +68,23 @@ class Tolerance(NamedTuple):
 
 
 TOLERANCES = (
-    Tolerance(r"surface\.", 1e-10, "sums of a given sample, but for rounding"),
+    Tolerance(r"surface\.", 1e-10, "sums over a given sample, equal except for rounding"),
     Tolerance(
         r"contact\.(area_fraction|patch)|.*\.count|profile\.reference_depth",
         1e-3,
-        "decided node by node, room for one node in a thousand; either changes nothing",
+        "decided node by node, room for one node in a thousand; neither change moves any",
     ),
     Tolerance(
         r".*",
         1e-3,
-        "heights changed by 1e-13 change 2e-11, a tenth of the contact's tolerance 2e-4",
+        "heights changed by 1e-13 move them by 2e-11, a tenth of the contact's tolerance by 2e-4",
     ),
 )
-"""The changes named are the largest seen over five to seven surfaces of the quick study."""
+"""The first pattern that matches applies. The changes named are the largest of all surfaces."""
 
 
 class Drift(NamedTuple):
-    """A number that is not what it was."""
+    """A number that differs from the reference; None where it is missing."""
 
     name: str
     was: float | None
@@ -50,13 +93,13 @@ class Drift(NamedTuple):
 
 
 def tolerance_of(name: str) -> Tolerance:
-    """The first kind that a number's name, without surface and seed, belongs to."""
+    """Tolerance of a number, by its name without surface and seed."""
     short = name.rsplit("/", 1)[-1]
     return next(kind for kind in TOLERANCES if re.match(kind.names, short))
 
 
 def drifts(reference: dict[str, float], found: dict[str, float]) -> list[Drift]:
-    """All numbers that moved by more than their tolerance, went, or came."""
+    """Numbers that moved by more than their tolerance, are missing, or are new."""
     moved = []
     for name in sorted(reference.keys() | found.keys()):
         was, now = reference.get(name), found.get(name)
@@ -71,7 +114,7 @@ def _same(was: float, now: float, relative: float) -> bool:
 
 
 def table(moved: list[Drift]) -> str:
-    """The drifts for a reader, largest first."""
+    """Table of the drifts for a reader, largest first."""
 
     def size(drift: Drift) -> float:
         if drift.was is None or drift.now is None or drift.was == 0:
@@ -92,45 +135,63 @@ def table(moved: list[Drift]) -> str:
     return "\n".join([*rows, "", "Tolerances, relative:", *reasons])
 
 
-def collect(folder: Path, surfaces: list[str] | None = None) -> dict[str, float]:
-    """The numbers of all summaries below a folder of results, ``surface/seed1/name``."""
+def collect(folder: Path, surfaces: list[str]) -> dict[str, float]:
+    """Numbers of all seeds of surfaces, from the statistics in a results folder: ``surface/seed1/name``."""
     numbers = {}
-    for path in sorted(folder.glob("summary/*/seed*.json")):
-        if surfaces is None or path.parent.name in surfaces:
-            values = json.loads(path.read_text(encoding="utf-8"))["values"]
-            numbers |= {f"{path.parent.name}/{path.stem}/{name}": value for name, value in values.items()}
+    for surface in surfaces:
+        path = folder / "statistics" / f"{surface}.nc"
+        if path.exists():
+            statistics = dataset.read(path)
+            for seed in statistics["seed"].values:
+                found = numbers_of_seed(statistics.sel(seed=seed))
+                numbers |= {f"{surface}/seed{seed}/{name}": value for name, value in found.items()}
     return numbers
 
 
-def run(folder: str, cores: int, surfaces: list[str] | None) -> None:
-    """The quick study as far as its summaries."""
-    targets = [f"{folder}/summary/{s}/seed1.json" for s in surfaces] if surfaces else ["summaries"]
-    command = ["snakemake", "--cores", str(cores), "--configfile", "config/quick.yaml"]
-    found = subprocess.run(
-        [*command, "--config", f"results={folder}", "--", *targets], capture_output=True, text=True
-    )
+def numbers_of_seed(statistics: xr.Dataset) -> dict[str, float]:
+    """Numbers of one seed by their names in the reference; those along `poisson` end in ``@ratio``."""
+    numbers = {name: float(statistics[variable]) for name, variable in OF_SEED.items()}
+    for ratio in statistics["poisson"].values:
+        one = statistics.sel(poisson=ratio)
+        numbers |= {f"{name}@{ratio:g}": float(one[variable]) for name, variable in OF_POISSON.items()}
+        for quantity in statistics["quantity"].values:
+            peaks = one.sel(quantity=quantity)
+            values = {name: peaks[variable] for name, variable in OF_PEAKS.items()}
+            values |= {
+                name: peaks["seed_peak_quantile"].sel(level=level) for name, level in PERCENTILES.items()
+            }
+            numbers |= {f"{quantity}.{name}@{ratio:g}": float(value) for name, value in values.items()}
+    return numbers
+
+
+def run(folder: str, cores: int, surfaces: list[str]) -> None:
+    """Run the quick study up to the statistics of the surfaces."""
+    targets = [f"{folder}/statistics/{surface}.nc" for surface in surfaces]
+    command = ["snakemake", "--cores", str(cores), "--configfile", CONFIG, "--config", f"results={folder}"]
+    found = subprocess.run([*command, "--", *targets], capture_output=True, text=True)
     if found.returncode:
         sys.exit(found.stdout + found.stderr)
 
 
 def main() -> None:
-    """Compare, or update."""
+    """Compare with the reference, or rewrite it."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--results", default="results/check", help="folder of the results (%(default)s)")
     parser.add_argument("--no-run", action="store_true", help="compare what is there")
     parser.add_argument("--update", action="store_true", help="rewrite the reference")
-    parser.add_argument("--surfaces", nargs="+", help="only these surfaces")
+    parser.add_argument("--surfaces", nargs="+", help=f"only these surfaces of {CONFIG}")
     parser.add_argument("--cores", type=int, default=2)
     chosen = parser.parse_args()
     if chosen.update and chosen.surfaces:
         parser.error("--update rewrites the whole reference; leave out --surfaces")
+    surfaces = chosen.surfaces or list(load(CONFIG)["surfaces"])
     if not chosen.no_run:
-        run(chosen.results, chosen.cores, chosen.surfaces)
-    found = collect(Path(chosen.results), chosen.surfaces)
+        run(chosen.results, chosen.cores, surfaces)
+    found = collect(Path(chosen.results), surfaces)
     if not found:
-        sys.exit(f"{chosen.results}: no summaries; run without --no-run")
+        sys.exit(f"{chosen.results}: no statistics; run without --no-run")
     if chosen.update:
         REFERENCE.parent.mkdir(parents=True, exist_ok=True)
         REFERENCE.write_text(json.dumps(found, indent=0, sort_keys=True) + "\n", encoding="utf-8")
@@ -138,7 +199,7 @@ def main() -> None:
         return
     reference = json.loads(REFERENCE.read_text(encoding="utf-8"))
     if chosen.surfaces:
-        reference = {n: v for n, v in reference.items() if n.split("/")[0] in chosen.surfaces}
+        reference = {name: value for name, value in reference.items() if name.split("/")[0] in surfaces}
     moved = drifts(reference, found)
     if moved:
         sys.exit(f"{len(moved)} of {len(reference)} numbers drifted:\n{table(moved)}")

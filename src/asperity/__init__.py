@@ -7,7 +7,7 @@ from importlib.util import find_spec
 
 __version__ = "0.1.0"
 
-# Without it there are no public names, but the command line and the study can say that it is missing.
+# Without lazy_loader there are no public names; the command line and the study can still report that.
 if find_spec("lazy_loader"):
     import lazy_loader
 

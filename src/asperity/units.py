@@ -165,6 +165,6 @@ def _example(value: Any, dimension: Dimension) -> str:
 def _registry() -> Any:
     import pint
 
-    registry = pint.UnitRegistry(cache_folder=None)
+    registry: Any = pint.UnitRegistry(cache_folder=None)
     registry.formatter.default_format = "~"
     return registry

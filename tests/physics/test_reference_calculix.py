@@ -1,4 +1,4 @@
-"""Decks for CalculiX; the program itself is optional."""
+"""CalculiX: its input deck and, where the program is installed, its results."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""A harmonic of pressure, a point force, and Westergaard's wave."""
+"""Stress and displacement of harmonics and point forces, and Westergaard's wave."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Hertz, alone and repeated."""
+"""Hertz contact of one sphere and of a square array."""
 
 import numpy as np
 import pytest

@@ -117,7 +117,7 @@ def test_largest_peak_is_no_lower_than_its_plane(result):
         assert largest <= peaks["peak_value"].max() <= 1.05 * largest
 
 
-def test_stream_costs_what_the_issue_allows_and_no_more_for_five_ratios(contact):
+def test_five_ratios_cost_little_more_than_two(contact):
     one, five = Work(), Work()
     analyse_stress(contact, poisson=[0.1, 0.2], tolerance=1e-4, work=one)
     analyse_stress(contact, poisson=[0.0, 0.1, 0.2, 0.33, 0.5], tolerance=1e-4, work=five)

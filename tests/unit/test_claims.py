@@ -1,46 +1,54 @@
 import math
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
-from asperity.errors import DatasetError
-from asperity.paper.claims.statements import CLAIMS, LARGER, kolmogorov, of_poisson, ratio
+from asperity.paper.claims.continuum import continuum, extrapolate
+from asperity.paper.claims.evidence import Evidence, Fixed, MissingEvidenceError
+from asperity.paper.claims.overview import draw
+from asperity.paper.claims.readings import Reading, kolmogorov, percentile, ratio, ratio_of_poisson
+from asperity.paper.claims.report import continuum_table, frame, markdown, page, with_error
+from asperity.paper.claims.sources import resolutions, roles
+from asperity.paper.claims.statements import CLAIMS, LARGER
 from asperity.paper.claims.verdicts import (
     FAILS,
     HOLDS,
     NO_DATA,
     UNDECIDED,
     Claim,
-    Evidence,
-    Fixed,
-    MissingEvidenceError,
     Region,
-    continuum,
-    continuum_markdown,
     decide,
-    extrapolate,
     judge,
-    markdown,
-    resolutions,
-    roles,
-    rows,
     tally,
-    with_error,
 )
-from asperity.paper.figures.claims import draw
 from asperity.paper.figures.style import save, style
-from asperity.pipeline.summary import LEVELS, Summary, contact_patches, half_length, read, write
-
-SETTINGS = {"layer": {"poisson": 0.33}, "stress": {"poisson": [0.0, 0.33, 0.5]}}
+from asperity.pipeline.statistics import LEVELS
 
 
 def claim(values, region=LARGER):
-    return Claim("name", "5.2", "sentence", "quantity", region, lambda evidence: np.array(values))
+    found = xr.DataArray(values, dims="seed")
+    return Claim("name", "5.2", "sentence", "quantity", region, lambda evidence: found)
 
 
-def summary(**values):
-    return Summary(SETTINGS, {name.replace("__", "."): value for name, value in values.items()})
+def statistics(**variables):
+    """Statistics of one surface with these variables, each a list over seeds."""
+    seeds = len(next(iter(variables.values())))
+    return xr.Dataset(
+        {name: ("seed", values) for name, values in variables.items()},
+        coords={"seed": np.arange(1, seeds + 1)},
+        attrs={"poisson_contact": 0.33},
+    )
+
+
+def quantiles(*curves):
+    """Statistics of a surface whose peaks of σ_xx have these quantiles, a curve for each Poisson's ratio."""
+    return xr.Dataset(
+        {"seed_peak_quantile": (("seed", "quantity", "poisson", "level"), np.array(curves)[None, None])},
+        coords={"seed": [1], "quantity": ["xx"], "poisson": [0.33, 0.5][: len(curves)], "level": LEVELS},
+        attrs={"poisson_contact": 0.33},
+    )
 
 
 EMPTY = Evidence({})
@@ -89,7 +97,7 @@ def test_every_claim_without_evidence_stays_in_the_table_and_says_what_is_missin
     findings = decide(wanting, EMPTY)
     assert len(findings) == len(wanting) >= 20
     assert {f.verdict for f in findings} == {NO_DATA}
-    assert all(f.why.startswith("no ") for f in findings)
+    assert all(f.missing.startswith("no ") for f in findings)
     text = markdown(findings, [1], 8)
     assert text.count(f"**{NO_DATA}**") == len(wanting)
 
@@ -101,31 +109,29 @@ def test_identifiers_are_unique_and_sections_are_the_papers():
 
 
 def test_comparisons_are_paired_by_seed():
-    small = [
-        summary(x=2.0, contact__gradient_rms_contact=0.1),
-        summary(x=20.0, contact__gradient_rms_contact=0.2),
-    ]
-    large = [
-        summary(x=1.0, contact__gradient_rms_contact=0.2),
-        summary(x=10.0, contact__gradient_rms_contact=0.1),
-    ]
-    evidence = Evidence({"small": small, "large": large})
-    np.testing.assert_allclose(ratio("x", "small", "large")(evidence), [2, 2])
-    np.testing.assert_allclose(ratio("x", "small", "large", scaled=False)(evidence), [1, 4])
+    small = statistics(x=[2.0, 20.0], seed_gradient_rms_contact=[0.1, 0.2])
+    large = statistics(x=[1.0, 10.0], seed_gradient_rms_contact=[0.2, 0.1])
+    evidence = Evidence({"small": small, "large": large.isel(seed=[1, 0])})
+    np.testing.assert_allclose(ratio(Reading("x"), "small", "large")(evidence), [2, 2])
+    np.testing.assert_allclose(ratio(Reading("x", unscaled=True), "small", "large")(evidence), [1, 4])
 
 
 def test_the_ends_of_the_range_of_poissons_ratio_are_found():
-    values = {"x@0": 3.0, "x@0.33": 2.5, "x@0.5": 2.0}
-    evidence = Evidence({"compressibility": [Summary(SETTINGS, values)]})
-    np.testing.assert_allclose(of_poisson("x")(evidence), [1.5])
+    data = xr.Dataset({"x": (("seed", "poisson"), [[3.0, 2.5, 2.0]])}, {"poisson": [0.0, 0.33, 0.5]})
+    evidence = Evidence({"compressibility": data.assign_attrs(poisson_contact=0.33)})
+    np.testing.assert_allclose(ratio_of_poisson(Reading("x"))(evidence), [1.5])
+
+
+def test_a_percentile_is_read_at_the_ratio_of_the_contact():
+    found = percentile("xx").of(quantiles(LEVELS, 3 * LEVELS))
+    assert found.dims == ("seed",)
+    assert float(found.item()) == 0.99
 
 
 def test_kolmogorov_distance_of_shifted_uniform_distributions():
-    one = Summary(SETTINGS, {}, {"xx@0.33": LEVELS})
-    other = Summary(SETTINGS, {}, {"xx@0.33": LEVELS + 0.2})
-    evidence = Evidence({"one": [one], "other": [other]})
-    np.testing.assert_allclose(kolmogorov("xx@contact", "one", "other")(evidence), [0.2], rtol=1e-9)
-    np.testing.assert_allclose(kolmogorov("xx@contact", "one", "one")(evidence), [0.0], atol=1e-15)
+    evidence = Evidence({"one": quantiles(LEVELS), "other": quantiles(LEVELS + 0.2)})
+    np.testing.assert_allclose(kolmogorov("xx", "one", "other")(evidence), [0.2], rtol=1e-9)
+    np.testing.assert_allclose(kolmogorov("xx", "one", "one")(evidence), [0.0], atol=1e-15)
 
 
 def test_roles_follow_the_parameters_not_the_names():
@@ -184,53 +190,23 @@ def test_extrapolation_of_a_number_that_does_not_converge_has_a_wide_error():
 
 
 def test_the_shift_of_a_claim_is_the_limit_less_the_coarsest_value():
-    def resolved(nodes):
-        return Evidence({"large_hurst": [summary(x=1 + 1 / nodes)], "small_hurst": [summary(x=1.0)]})
+    def resolved(nodes, seeds=1):
+        return Evidence(
+            {
+                "large_hurst": statistics(x=[1 + 1 / nodes] * seeds),
+                "small_hurst": statistics(x=[1.0] * seeds),
+            }
+        )
 
-    one = Claim("n", "5.2", "s", "q", LARGER, ratio("x", "large_hurst", "small_hurst"))
-    finer = {nodes: resolved(nodes) for nodes in (8.0, 16.0, 32.0)}
+    one = Claim("n", "5.2", "s", "q", LARGER, ratio(Reading("x"), "large_hurst", "small_hurst"))
+    finer = {8.0: resolved(8.0, seeds=3), 16.0: resolved(16.0), 32.0: resolved(32.0)}
     (finding,) = decide([one], finer[8.0], finer)
     assert finding.shift == pytest.approx(-1 / 8)
     with pytest.raises(MissingEvidenceError):
         continuum(one.measure, {8.0: finer[8.0]})
-    table = continuum_markdown({"x": one.measure}, finer)
-    assert "| x | 1.125 | 1.062 | 1.031 | 1.000 ± 0.031 |" in table
-    assert continuum_markdown({"x": one.measure}, {}) == ""
-
-
-def test_patches_are_joined_across_the_edges_of_the_cell_and_across_corners():
-    contact = np.zeros((8, 8), bool)
-    contact[0, 0] = contact[7, 7] = contact[7, 0] = True  # one patch through three corners of the cell
-    contact[3, 3] = contact[4, 4] = True  # one over a corner of a square
-    number, radii = contact_patches(contact)
-    assert sorted(np.pi * radii**2) == pytest.approx([2, 3])
-    assert number[0, 0] == number[7, 7] == number[7, 0] > 0
-    assert number[3, 3] == number[4, 4] != number[0, 0]
-    assert contact_patches(np.zeros((4, 4), bool))[1].size == 0
-
-
-def test_half_length_is_between_the_nodes():
-    assert half_length(np.array([0.0, 1.0, 2.0]), np.array([1.0, 0.75, 0.25])) == pytest.approx(1.5)
-    assert math.isnan(half_length(np.array([0.0, 1.0]), np.array([1.0, 0.9])))
-
-
-def test_a_summary_survives_its_file(tmp_path):
-    one = Summary(SETTINGS, {"a": 1 / 3, "b": float("nan")}, {"q@0": np.array([0.1, 0.2])})
-    write(one, tmp_path / "one.json")
-    found = read(tmp_path / "one.json")
-    assert found.settings == one.settings
-    assert found["a"] == 1 / 3
-    assert math.isnan(found["b"])
-    np.testing.assert_array_equal(found.quantiles["q@0"], [0.1, 0.2])
-    assert [p.name for p in tmp_path.iterdir()] == ["one.json"]
-
-
-@pytest.mark.parametrize("content", ["", "[]", "{}", '{"values": {"a": 2.0}}'])
-def test_what_is_no_summary_as_it_was_written_is_named(tmp_path, content):
-    path = tmp_path / "one.json"
-    path.write_text(content)
-    with pytest.raises(DatasetError, match=r"one\.json: .*; delete it and run again"):
-        read(path)
+    (row,) = continuum_table({"x": one.measure}, finer).to_numpy().tolist()
+    assert row == ["x", "1.125", "1.062", "1.031", "1.000 ± 0.031"]
+    assert continuum_table({"x": one.measure}, {}).empty
 
 
 @pytest.mark.parametrize(
@@ -253,10 +229,12 @@ def test_tables_and_picture_hold_every_claim(tmp_path):
         judge(claim([0.01, 0.02], Region(0.0, 0.05)), EMPTY),
         *decide(CLAIMS[:2], EMPTY),
     ]
-    table = rows(findings, 8)
-    assert [row["verdict"] for row in table] == [HOLDS, HOLDS, UNDECIDED, NO_DATA, NO_DATA]
+    frame(findings, 8).to_csv(tmp_path / "claims.csv", index=False)
+    table = pd.read_csv(tmp_path / "claims.csv")
+    assert table["verdict"].tolist() == [HOLDS, HOLDS, UNDECIDED, NO_DATA, NO_DATA]
     assert sum(tally(findings).values()) == len(findings)
     assert "1.250 ± 0.029" in markdown(findings, [1, 2, 3], 8)
+    assert page(findings).count("<tr") == len(findings) + 2  # and the heads of two sections
     with style():
         figure = draw(findings)
         save(figure, tmp_path / "claims.png")

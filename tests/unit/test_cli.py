@@ -43,7 +43,7 @@ def test_the_results_are_files_of_the_study(files):
 def test_the_moments_of_the_surface_are_recovered_from_the_contact(files):
     surface, statistics = dataset.read(files["surface"]), dataset.read(files["statistics"])
     for name in ("skewness", "kurtosis", "rms_gradient"):
-        assert float(statistics[f"member_{name}"][0]) == pytest.approx(float(surface[name]), rel=1e-9)
+        assert float(statistics[f"seed_{name}"][0]) == pytest.approx(float(surface[name]), rel=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -170,7 +170,7 @@ def test_a_missing_package_is_one_line(tmp_path, name, command):
     )
     assert found.returncode == 1
     assert found.stderr == (
-        f"asperity: not installed: {PACKAGES[name]}; all that is needed: "
+        f"asperity: not installed: {PACKAGES[name]}; install everything with: "
         "pip install --requirement requirements.lock\n"
     )
     assert not found.stdout

@@ -11,7 +11,7 @@ from asperity.accuracy.resources import CALCULATION_STAGES, announce, job_cost, 
 from asperity.config.presets import PRESETS
 
 PAPER = PRESETS["paper"]
-STAGES = ["surface", "contact", "stress", "summary", "statistics", "verification"]
+STAGES = ["surface", "contact", "stress", "statistics", "verification"]
 
 
 @pytest.mark.parametrize("stage", STAGES)

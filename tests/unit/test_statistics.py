@@ -4,14 +4,17 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from scipy.stats import spearmanr
 
 import asperity as asp
 from asperity.spectral import Fourier, Grid
+from asperity.stress.patches import contact_patches, depth_patch_correlation
+from asperity.stress.pooling import PERCENTS, pool_peaks
 from asperity.stress.statistics import (
-    PERCENTS,
     autocorrelation,
+    decay_lengths,
+    half_length,
     joint_counts,
-    pool_peaks,
     probability_density,
 )
 
@@ -108,6 +111,42 @@ def _lift(modes, coarse, fine):
     return out
 
 
+def test_half_length_is_interpolated_between_nodes():
+    assert half_length(np.array([0.0, 1.0, 2.0]), np.array([1.0, 0.75, 0.25])) == pytest.approx(1.5)
+    assert np.isnan(half_length(np.array([0.0, 1.0]), np.array([1.0, 0.9])))
+
+
+def test_decay_lengths_count_from_the_reference_plane():
+    depth, lag = np.array([0.0, 0.1, 0.3, 0.5]), np.array([0.0, 0.2])
+    lengths = decay_lengths(depth, np.array([9.0, 2.0, 1.5, 0.5]), lag, np.array([2.0, 0.0]), reference=0.1)
+    assert lengths == pytest.approx((0.3, 0.1))
+
+
+def test_patches_are_joined_across_the_edges_of_the_cell_and_across_corners():
+    contact = np.zeros((8, 8), bool)
+    contact[0, 0] = contact[7, 7] = contact[7, 0] = True  # one patch through three corners of the cell
+    contact[3, 3] = contact[4, 4] = True  # one over a corner of a square
+    number, radii = contact_patches(contact)
+    assert sorted(np.pi * radii**2) == pytest.approx([2, 3])
+    assert number[0, 0] == number[7, 7] == number[7, 0] > 0
+    assert number[3, 3] == number[4, 4] != number[0, 0]
+    assert contact_patches(np.zeros((4, 4), bool))[1].size == 0
+
+
+def test_depth_patch_correlation_is_spearman_s_of_the_peaks_under_patches():
+    draw = np.random.default_rng(3)
+    patches = draw.integers(0, 5, (16, 16))
+    radii = np.array([1.0, 2.0, 2.0, 3.0])
+    row, column = draw.integers(0, 16, (2, 300))
+    above = patches[row, column]
+    depth = draw.random(300) + np.append(0.0, radii)[above]
+    touched = above > 0
+    expected = spearmanr(radii[above[touched] - 1], depth[touched]).statistic
+    found = depth_patch_correlation(depth, row, column, patches, radii)
+    assert found == pytest.approx(expected, rel=ROUNDING)
+    assert np.isnan(depth_patch_correlation(depth[:1], row[:1], column[:1], patches, radii))
+
+
 def stress(seed=0, peaks=4000, scale=1.0):
     """An analysis in shape, with values from a known distribution: 1 + ν times an exponential."""
     draw = np.random.default_rng(seed)
@@ -157,7 +196,7 @@ def test_ensemble_pools_the_seeds_and_normalises_each_by_its_gradient():
             edges = result["bin_edge"].sel(quantity=quantity).values
             counts = result["peak_counts"].sel(here)
             expected = probability_density(values, 50, (edges[0], edges[-1]))
-            np.testing.assert_array_equal(counts.sum("member"), expected.counts)
+            np.testing.assert_array_equal(counts.sum("seed"), expected.counts)
             np.testing.assert_allclose(result["peak_density"].sel(here), expected.density, rtol=1e-12)
             np.testing.assert_array_equal(result["joint_counts"].sel(here).sum("depth_bin"), expected.counts)
             np.testing.assert_allclose(
@@ -167,6 +206,19 @@ def test_ensemble_pools_the_seeds_and_normalises_each_by_its_gradient():
         result["scaled_covariance_depth"],
         np.mean([b["covariance_depth"] / g**2 for b, g in zip(stresses, (0.5, 1, 2), strict=True)], axis=0),
     )
+
+
+def test_median_depths_are_those_of_all_and_of_the_highest_peaks():
+    """Depths spread evenly: to 0.1 for nine tenths of the peaks, from 0.65 to 1 for the highest tenth."""
+    data = stress(peaks=20_000)
+    values = asp.peaks(data, "von_mises", 0.5)["peak_value"].values
+    share = np.random.default_rng(4).random(data.sizes["peak"])
+    high = data["peak_value"].values > np.quantile(values, 0.9)
+    data["peak_depth"] = ("peak", np.where(high, 0.65 + 0.35 * share, 0.1 * share))
+    result = pool_peaks([data], [1.0], bins=2000)
+    here = result.sel(selection="all", quantity="von_mises", poisson=0.5)
+    assert float(here["median_depth"]) == pytest.approx(0.1 * 0.5 / 0.9, abs=0.003)
+    assert float(here["median_depth_highest"]) == pytest.approx(0.825, abs=0.03)  # 500 peaks
 
 
 def test_bands_hold_the_estimate_and_narrow_with_the_seeds():
@@ -207,6 +259,7 @@ def test_a_selection_without_peaks_has_no_percentiles():
     data["peak_interior"][:] = False
     result = pool_peaks([data, data], [1.0, 1.0], bins=10, resamples=20)
     assert np.isnan(result["peak_percentile"].sel(selection="interior")).all()
+    assert np.isnan(result["median_depth"].sel(selection="interior")).all()
     assert (result["peak_density"].sel(selection="interior") == 0).all()
 
 

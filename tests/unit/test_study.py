@@ -6,7 +6,7 @@ from small_study import BODY, CONTACT, LAYER
 
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.solid import SOLID_ATTRIBUTES, solid
-from asperity.pipeline.statistics import summarise
+from asperity.pipeline.statistics import SeedResults, surface_statistics
 from asperity.pipeline.stress import compute_stress
 from asperity.pipeline.surface import make_surface
 from asperity.results import dataset
@@ -25,7 +25,7 @@ STATISTICS = {"bins": 10, "resamples": 50, "confidence": 0.9}
 def run(seed, layer=LAYER):
     surface = make_surface(SURFACE, seed)
     contact = solve_contact(surface, layer, CONTACT)
-    return surface, contact, compute_stress(contact, layer, BODY)
+    return SeedResults(seed, surface, contact, compute_stress(contact, layer, BODY))
 
 
 def test_a_half_space_replaces_a_tall_layer_but_not_a_thin_one():
@@ -49,9 +49,9 @@ def test_the_load_area_curve_holds_every_area_fraction_in_rising_order():
 
 
 def test_a_layer_is_analysed_for_the_poissons_ratio_of_its_contact_alone():
-    _, _, half_space = run(1)
+    half_space = run(1).stress
     assert half_space.poisson.values.tolist() == [0.0, 0.33]
-    _, _, layer = run(1, LAYER | {"height": 0.2})
+    layer = run(1, LAYER | {"height": 0.2}).stress
     assert layer.poisson.values.tolist() == [0.33]
     assert layer.plane_depth.values[-1] == pytest.approx(0.2)
 
@@ -66,22 +66,22 @@ def test_a_ratio_at_which_the_half_space_does_not_stand_for_the_layer_is_refused
 
 
 def test_two_seeds_have_bands_and_one_has_none():
-    stages = [run(seed) for seed in (1, 2)]
-    surfaces, contacts, stresses = map(list, zip(*stages, strict=True))
-    two = summarise(surfaces, contacts, stresses, **STATISTICS)
-    one = summarise(surfaces[:1], contacts[:1], stresses[:1], **STATISTICS)
+    results = [run(seed) for seed in (1, 2)]
+    two = surface_statistics(results, **STATISTICS)
+    one = surface_statistics(results[:1], **STATISTICS)
     assert np.isnan(one.scaled_covariance_depth_low.values).all()
     low, high = two.scaled_covariance_depth_low, two.scaled_covariance_depth_high
     assert bool((low <= high).all())
     assert bool((low < high).any())
-    assert two.sizes["member"] == 2
+    assert two["seed"].values.tolist() == [1, 2]
     assert float((two.height_density * np.diff(two.height_edge)).sum()) == pytest.approx(1)
     assert all(name in two.attrs for name in SOLID_ATTRIBUTES)
 
 
 def test_the_variables_of_every_stage_can_be_written_and_read(tmp_path):
-    surface, contact, stress = run(1)
-    statistics = summarise([surface], [contact], [stress], **STATISTICS)
-    for name, data in {"s": surface, "c": contact, "b": stress, "t": statistics}.items():
+    results = run(1)
+    stages = {name: getattr(results, name) for name in ("surface", "contact", "stress")}
+    stages["statistics"] = surface_statistics([results], **STATISTICS)
+    for name, data in stages.items():
         dataset.write(data, tmp_path / f"{name}.nc", name, {"seed": 1})
         assert set(dataset.read(tmp_path / f"{name}.nc").variables) == set(data.variables)

@@ -5,12 +5,17 @@ import pytest
 from small_study import BODY, CONTACT, LAYER
 
 from asperity.pipeline.contact import solve_contact
-from asperity.pipeline.statistics import summarise
+from asperity.pipeline.statistics import LEVELS, SeedResults, seed_statistics, surface_statistics
 from asperity.pipeline.stress import compute_stress
-from asperity.pipeline.summary import LEVELS, QUANTITIES
-from asperity.pipeline.summary import summarise as numbers
 from asperity.pipeline.surface import make_surface
-from asperity.pipeline.verification import Check, VerificationError, require, verify_member, verify_statistics
+from asperity.pipeline.verification import (
+    Check,
+    VerificationError,
+    require,
+    verify,
+    verify_seed,
+    verify_statistics,
+)
 
 SURFACE = {"hurst": 0.8, "wavelength_long": 0.5, "wavelength_short": 0.125, "rms_height": 1e-3, "points": 64}
 SETTINGS = {
@@ -37,7 +42,7 @@ def broken(checks):
 
 
 def test_sound_results_pass_every_check(chain):
-    checks = verify_member(*chain)
+    checks = verify_seed(*chain)
     assert len(checks) >= 15
     assert broken(checks) == set()
     require(checks, "small")
@@ -45,7 +50,7 @@ def test_sound_results_pass_every_check(chain):
 
 def test_a_pressure_one_percent_too_large_is_found(chain):
     surface, contact, stress = chain
-    found = broken(verify_member(surface, contact.assign(pressure=1.01 * contact.pressure), stress))
+    found = broken(verify_seed(surface, contact.assign(pressure=1.01 * contact.pressure), stress))
     assert found >= {
         "gap under contact over its length scale",
         "load balance",
@@ -56,35 +61,37 @@ def test_a_pressure_one_percent_too_large_is_found(chain):
 def test_a_load_area_curve_that_falls_is_found(chain):
     surface, contact, stress = chain
     area = contact.path_area_fraction.copy(data=contact.path_area_fraction.values[::-1])
-    found = broken(verify_member(surface, contact.assign(path_area_fraction=area), stress))
+    found = broken(verify_seed(surface, contact.assign(path_area_fraction=area), stress))
     assert found == {"falls of the area along the load path"}
 
 
 def test_a_stress_field_one_percent_too_large_is_found(chain):
     surface, contact, stress = chain
-    found = broken(
-        verify_member(surface, contact, stress.assign(mean_von_mises=1.01 * stress.mean_von_mises))
-    )
+    found = broken(verify_seed(surface, contact, stress.assign(mean_von_mises=1.01 * stress.mean_von_mises)))
     assert found == {"mean von Mises stress of a plane, computed again"}
 
 
 def test_peaks_outside_the_solid_or_above_their_plane_are_found(chain):
     surface, contact, stress = chain
-    assert broken(verify_member(surface, contact, stress.assign(peak_depth=-1 - stress.peak_depth))) == {
+    assert broken(verify_seed(surface, contact, stress.assign(peak_depth=-1 - stress.peak_depth))) == {
         "peaks outside the solid"
     }
-    assert broken(verify_member(surface, contact, stress.assign(peak_value=2 * stress.peak_value))) == {
+    assert broken(verify_seed(surface, contact, stress.assign(peak_value=2 * stress.peak_value))) == {
         "largest von Mises peak over the largest node"
     }
 
 
 def test_statistics_that_lose_peaks_or_do_not_integrate_to_one_are_found(chain):
     surface, contact, stress = chain
-    statistics = summarise([surface], [contact], [stress], bins=20, resamples=10, confidence=0.95)
+    results = SeedResults(1, surface, contact, stress)
+    statistics = surface_statistics([results], bins=20, resamples=10, confidence=0.95)
     assert broken(verify_statistics(statistics, [stress])) == set()
     assert broken(
         verify_statistics(statistics.assign(peak_density=0.99 * statistics.peak_density), [stress])
     ) == {"densities of the peaks against an integral of one"}
+    table = verify("small", [results], statistics)
+    assert set(table["of"]) == {"seed 1", "all seeds"}
+    assert (table["value"] <= table["bound"]).all()
     fewer = statistics.assign(peak_counts=(statistics.peak_counts * 0.5).astype(int))
     assert "peaks not counted" in broken(verify_statistics(fewer, [stress]))
 
@@ -94,23 +101,43 @@ def test_a_broken_law_is_told_in_one_line():
         require([Check("law", 2, 1), Check("fine", 0, 1), Check("other", float("nan"), 1)], "place")
 
 
-def test_a_summary_measures_what_the_results_hold(chain):
+def test_numbers_of_a_seed_are_those_of_its_results(chain):
     surface, contact, stress = chain
-    found = numbers(surface, contact, stress)
+    found = seed_statistics(surface, contact, stress)
     gradient = float(contact.gradient_rms_contact)
-    assert found["contact.proportionality"] == pytest.approx(
+    assert float(found["seed_kurtosis"]) == float(surface["kurtosis"])
+    assert float(found["seed_proportionality"]) == pytest.approx(
         float(contact.area_fraction) * gradient / float(contact.mean_pressure)
     )
-    assert found["contact.load_exponent"] == pytest.approx(1, abs=0.2)  # a few circles of contact
-    assert found["profile.largest@0.33"] == pytest.approx(
+    assert float(found["seed_load_exponent"]) == pytest.approx(1, abs=0.2)  # a few circles of contact
+    assert float(found["seed_largest_von_mises"].sel(poisson=0.33)) == pytest.approx(
         float(stress.largest_von_mises.sel(poisson=0.33).max()) / gradient
     )
-    for name, curve in found.quantiles.items():
-        quantity, _, ratio = name.partition("@")
-        assert quantity in QUANTITIES
-        assert np.all(np.diff(curve) >= 0)
-        assert curve[-1] == found[f"{quantity}.largest@{ratio}"]
-        assert found.exceeded(name, 0.5) == pytest.approx(found[f"{quantity}.p50@{ratio}"])
-        assert curve.size == LEVELS.size
-    assert found["decay.depth@0"] > 0
-    assert found["decay.plane@0"] > 0
+    quantile = found["seed_peak_quantile"]
+    assert quantile.sizes["level"] == LEVELS.size
+    assert bool((quantile.diff("level") >= 0).all())
+    assert bool((found["seed_peak_mean"] < quantile.sel(level=1.0)).all())
+    assert bool((found["seed_decay_length_depth"] > 0).all())
+    assert bool((found["seed_decay_length_plane"] > 0).all())
+
+
+def test_a_seed_without_peaks_has_counts_of_zero_and_no_numbers(chain):
+    surface, contact, stress = chain
+    found = seed_statistics(
+        surface, contact, stress.assign(peak_under_contact=~(stress.peak_under_contact | True))
+    )
+    assert int(found["seed_peak_count"].sum()) == 0
+    assert bool(found["seed_mean_depth"].isnull().all())
+    assert bool(found["seed_depth_patch_correlation"].isnull().all())
+
+
+def test_pooled_numbers_of_one_seed_are_its_own(chain):
+    found = surface_statistics([SeedResults(7, *chain)], bins=20, resamples=10, confidence=0.95)
+    assert found["seed"].values.tolist() == [7]
+    counted = found.sel(selection="under_contact", quantity="von_mises", seed=7)
+    np.testing.assert_allclose(
+        counted["peak_percentile"].sel(percent=[50, 90, 99]),
+        counted["seed_peak_quantile"].sel(level=[0.5, 0.9, 0.99]),
+    )
+    np.testing.assert_allclose(found["decay_length_depth"], counted["seed_decay_length_depth"])
+    assert int(found["height_counts"].sum()) == chain[0]["height"].size

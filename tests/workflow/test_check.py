@@ -1,17 +1,20 @@
-"""The drift check: quiet on the quick study, loud when the physics is changed by one percent."""
+"""The drift check: passes on the quick study, and fails when a kernel is changed by one percent."""
 
-import json
+import shutil
 
 import pytest
-from project import copy_project, run
+from project import ROOT, copy_project, run
+
+from asperity.results import dataset
 
 CHECK = ("python", "workflow/check.py")
+REFERENCE = "tests/reference/quick.json"
 ONE = ("--results", "results/quick", "--no-run")
 
 
 @pytest.fixture(scope="module")
 def quick(quick_study, tmp_path_factory):
-    """The summaries and the reference, to be tampered with."""
+    """The folder of the quick study."""
     return quick_study.folder
 
 
@@ -39,26 +42,32 @@ def test_one_percent_in_a_kernel_is_caught(tmp_path):
     assert "cutoff_64/seed1/contact.mean_pressure" not in moved
 
 
-def test_a_number_that_moved_went_or_came_is_drift_and_an_update_takes_it(quick, tmp_path):
+def test_a_number_that_moved_or_is_missing_or_new_is_drift_and_an_update_takes_it(quick, tmp_path):
     folder = copy_project(tmp_path)
-    summary = folder / "results/quick/summary/hurst_08/seed1.json"
-    summary.parent.mkdir(parents=True)
-    tree = json.loads((quick / summary.relative_to(folder)).read_text())
-    tree["values"]["contact.mean_pressure"] *= 1.01
-    tree["values"]["new"] = 1.0
-    del tree["values"]["surface.kurtosis"]
-    summary.write_text(json.dumps(tree))
+    place = "results/quick/statistics/hurst_08.nc"
+    statistics = dataset.read(quick / place)
+    statistics["seed_mean_pressure"] *= 1.01
+    ratios = statistics["poisson"].values
+    statistics = statistics.assign_coords(poisson=[*ratios[:-1], 0.49])
+    dataset.write(statistics, folder / place, title="tampered", settings=dataset.settings_of(statistics))
     found = run(folder, *CHECK, *ONE, "--surfaces", "hurst_08")
     assert found.returncode == 1
-    assert found.stderr.startswith("3 of ")
-    for name in ("contact.mean_pressure", "new", "surface.kurtosis"):
-        assert f"hurst_08/seed1/{name}" in found.stderr
+    moved = {line.split()[0]: line.split()[1:3] for line in found.stderr.splitlines() if "/seed1/" in line}
+    assert {name for name, values in moved.items() if "-" not in values} == {
+        "hurst_08/seed1/contact.mean_pressure"
+    }
+    assert moved["hurst_08/seed1/xx.p99@0.5"][1] == moved["hurst_08/seed1/xx.p99@0.49"][0] == "-"
+    others = [path for path in (quick / "results/quick/statistics").iterdir() if path.name != "hurst_08.nc"]
+    for path in others:
+        shutil.copy(path, folder / "results/quick/statistics")
     assert run(folder, *CHECK, *ONE, "--update").returncode == 0
     assert run(folder, *CHECK, *ONE).returncode == 0
+    assert "@0.49" in (folder / REFERENCE).read_text()
+    assert "@0.49" not in (ROOT / REFERENCE).read_text()
 
 
-def test_no_summaries_is_said_so(tmp_path):
+def test_missing_statistics_are_named(tmp_path):
     folder = copy_project(tmp_path)
     found = run(folder, *CHECK, *ONE)
     assert found.returncode == 1
-    assert "no summaries" in found.stderr
+    assert "no statistics" in found.stderr

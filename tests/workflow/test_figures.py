@@ -1,4 +1,4 @@
-"""Every figure of the paper is asked for by `rule all`, and drawn from datasets alone."""
+"""Every figure of the paper is a target of `rule all`, and drawn from datasets alone."""
 
 import ast
 import importlib
@@ -12,12 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from asperity.paper.figures import captions
-from asperity.paper.figures.shared import folded_density
+from asperity.paper.figures import describe, describe_all, modules
+from asperity.paper.figures.plots import folded_density
 
 ROOT = Path(__file__).parents[2]
 PAPER = [f"fig{number:02d}" for number in range(1, 19)]
-MODULES = sorted((ROOT / "src/asperity/paper/figures").glob("fig*.py"))
 
 
 @pytest.fixture(scope="module")
@@ -37,25 +36,47 @@ def jobs():
     return {name: inputs.split(", ") for inputs, _, name in found}
 
 
-def stages_of(inputs):
-    """The stages from which a figure has datasets."""
-    return {Path(file).parts[1] for file in inputs if file.endswith(".nc")}
-
-
 def test_rule_all_asks_for_every_figure_of_the_paper(jobs):
     missing = [figure for figure in PAPER if figure not in jobs]
-    assert not missing, f"not asked for by rule all: {', '.join(missing)}"
+    assert not missing, f"not targets of rule all: {', '.join(missing)}"
 
 
-def test_every_figure_has_the_datasets_it_is_drawn_from(jobs):
-    assert jobs
-    without = {}
+def test_a_figure_reads_the_results_that_its_module_names(jobs):
     for figure, inputs in jobs.items():
-        module = importlib.import_module(f"asperity.paper.figures.{figure.split('_')[0]}")
-        needed = set(inspect.signature(module.draw).parameters)
-        if needed - stages_of(inputs) or not needed:
-            without[figure] = sorted(needed - stages_of(inputs))
-    assert not without, f"drawn without their datasets: {without}"
+        description = describe(figure.split("_")[0])
+        results = [Path(file) for file in inputs if file.endswith(".nc")]
+        assert {path.parts[1] for path in results} == set(description.stages), figure
+        datasets = {path.stem for path in results if path.parts[1] == "validation"}
+        assert datasets == set(description.datasets), figure
+
+
+@pytest.mark.parametrize("name", modules())
+def test_drawing_and_caption_take_the_stages_that_the_module_names(name):
+    module = importlib.import_module(f"asperity.paper.figures.{name}")
+    for function in (module.draw, module.caption):
+        assert tuple(inspect.signature(function).parameters) == describe(name).stages
+
+
+def test_descriptions_are_read_without_the_libraries_for_plotting():
+    code = "import sys, asperity.paper.figures as f; f.modules(); print('matplotlib' in sys.modules)"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "False"
+
+
+def test_the_results_of_a_figure_are_a_tree_of_stages_studies_and_surfaces():
+    studies = {"hurst": ["a"], "moments": ["b", "c"], "measured": [], "skewness": ["a"], "kurtosis": ["c"]}
+    figures = describe_all(studies)
+
+    def tree(name):
+        return figures[name].results(studies, lambda stage, surface: f"{stage}/{surface}")
+
+    assert tree("fig08") == {"contact": {"a": "contact/a"}, "statistics": {"a": "statistics/a"}}
+    assert tree("fig10_moments") == {"statistics": {"b": "statistics/b", "c": "statistics/c"}}
+    assert tree("fig17") == {
+        "statistics": {"skewness": {"a": "statistics/a"}, "kurtosis": {"c": "statistics/c"}}
+    }
+    assert tree("fig12") == {"validation": {"punch": "validation/punch"}}
+    assert "fig10_measured" not in figures
 
 
 def test_every_figure_depends_on_its_module_and_the_style(jobs):
@@ -69,9 +90,9 @@ def test_the_supplement_shows_given_kurtosis_and_measured_surfaces(jobs):
     assert studies == {"moments", "measured"}
 
 
-@pytest.mark.parametrize("path", MODULES, ids=lambda path: path.stem)
-def test_a_figure_opens_no_file_of_its_own(path):
-    tree = ast.parse(path.read_text())
+@pytest.mark.parametrize("name", modules())
+def test_a_figure_opens_no_file_of_its_own(name):
+    tree = ast.parse((ROOT / f"src/asperity/paper/figures/{name}.py").read_text())
     called = {
         node.func.id if isinstance(node.func, ast.Name) else getattr(node.func, "attr", "")
         for node in ast.walk(tree)
@@ -95,7 +116,3 @@ def test_a_folded_density_is_the_density_of_the_magnitude():
     np.testing.assert_allclose(result[:10], 0.625, rtol=1e-12)
     np.testing.assert_allclose(result[10:], 0.375, rtol=1e-12)
     assert float(np.sum(result * np.diff(folded))) == pytest.approx(1)
-
-
-def test_every_figure_of_the_paper_has_a_caption_with_numbers():
-    assert set(captions.FIGURES) >= set(PAPER)

@@ -1,4 +1,4 @@
-"""The report: one page that needs no network, without an error in the browser, every picture shown."""
+"""The report: one page that needs no network, opens without errors, and shows every picture and table."""
 
 import base64
 import contextlib
@@ -111,9 +111,15 @@ def results_of(report):
 def test_every_picture_and_table_of_the_study_is_in_the_page(report):
     held = {path.rsplit("/", 1)[-1] for path in results_of(report)}
     figures = {path.name for path in (report.parent / "figures").glob("*.png")}
-    tables = {path.name for path in (report.parent / "verification").glob("*.csv")}
+    tables = {path.name for path in (report.parent / "verification").glob("*.html")}
     assert len(figures) > 15
-    assert held >= figures | tables | {"claims.png", "claims.csv"}
+    assert held >= figures | tables | {"claims.png", "claims.html"}
+
+
+def test_figures_of_the_paper_are_listed_in_their_order(report):
+    labels = [result["labels"] for result in results_of(report).values() if result["labels"]]
+    numbers = sorted(label["figure"] for label in labels if label.get("figure", "")[:1].isdigit())
+    assert numbers == sorted(numbers, key=int)
 
 
 def test_nothing_is_fetched_from_elsewhere(report):
@@ -157,7 +163,8 @@ def test_every_result_has_a_caption(report):
 
 
 def test_claims_in_the_page_are_those_of_the_study(report):
-    (table,) = (r for path, r in results_of(report).items() if path.endswith("claims.csv"))
+    (table,) = (r for path, r in results_of(report).items() if path.endswith("claims.html"))
+    assert table["mime_type"] == "text/html"  # shown as a page
     assert "Statements of the paper" in table["caption"]
     content = base64.b64decode(table["data_uri"].split(",", 1)[1])
-    assert content == (report.parent / "claims.csv").read_bytes()
+    assert content == (report.parent / "claims.html").read_bytes()

@@ -1,51 +1,30 @@
-rule summary:
-    input:
-        surface=f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
-        contact=f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
-        stress=f"{RESULTS}/stress/{{surface}}/seed{{seed}}.nc",
-        code=code("summary"),
-    output:
-        f"{RESULTS}/summary/{{surface}}/seed{{seed}}.json",
-    log:
-        f"{RESULTS}/log/summary/{{surface}}/seed{{seed}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/summary/{{surface}}/seed{{seed}}.tsv"
-    threads: 1
-    resources:
-        mem_mb=memory("summary"),
-        disk_mb=disk("summary"),
-        runtime=minutes("summary"),
-    script:
-        "../scripts/summary.py"
+from asperity.paper.claims.sources import DATASETS, resolutions, roles
 
-
-rule summaries:
-    input:
-        lambda wildcards: [file for files in claim_members().values() for file in files],
+ROLES = roles(config["studies"], SURFACES)
+RESOLUTIONS = resolutions(SURFACES)
 
 
 rule claims:
     input:
-        summaries=lambda wildcards: sorted(
-            {
-                file
-                for members in (claim_members(), *finer_members().values())
-                for files in members.values()
-                for file in files
-            }
+        statistics=expand(
+            f"{RESULTS}/statistics/{{surface}}.nc",
+            surface=sorted(
+                {name for by_role in (ROLES, *RESOLUTIONS.values()) for name in by_role.values()}
+            ),
         ),
-        validation=claim_datasets,
+        validation=[f"{RESULTS}/validation/{name}.nc" for name in DATASETS if name in config["validation"]],
         style="src/asperity/paper/figures/style.mplstyle",
-        compiled=COMPILED,
+        machine_code=MACHINE_CODE,
         code=code("claims"),
     output:
-        table=report(
-            f"{RESULTS}/claims.csv",
+        table=f"{RESULTS}/claims.csv",
+        text=f"{RESULTS}/claims.md",
+        page=report(
+            f"{RESULTS}/claims.html",
             caption="../report/claims.rst",
             category="Claims",
             labels={"claims": "table"},
         ),
-        text=f"{RESULTS}/claims.md",
         picture=[
             report(
                 f"{RESULTS}/claims.png",
@@ -65,8 +44,8 @@ rule claims:
         disk_mb=disk("claims"),
         runtime=minutes("claims"),
     params:
-        members=lambda wildcards: claim_members(),
-        finer=lambda wildcards: finer_members(),
+        roles=ROLES,
+        resolutions=RESOLUTIONS,
         seeds=config["seeds"],
         nodes=min(s["points"] * s["wavelength_short"] for s in SURFACES.values()),
     script:

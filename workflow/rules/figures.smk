@@ -1,21 +1,16 @@
 rule figure:
     input:
-        results=lambda wildcards: leaves(stage_results(wildcards.figure)),
+        results=lambda wildcards: leaves(figure_results(wildcards.figure)),
         style="src/asperity/paper/figures/style.mplstyle",
-        code=lambda wildcards: code("figure", f"asperity.paper.figures.{wildcards.figure.split('_')[0]}"),
+        code=lambda wildcards: code("figure", f"asperity.paper.figures.{FIGURES[wildcards.figure].module}"),
     output:
         png=report(
             f"{RESULTS}/figures/{{figure}}.png",
             caption="../report/figure.rst",
             category=lambda wildcards: (
-                "Figures of the paper" if wildcards.figure.removeprefix("fig").isdigit() else "Supplement"
+                "Figures of the paper" if FIGURES[wildcards.figure].in_paper else "Supplement"
             ),
-            labels=lambda wildcards: {
-                "figure": wildcards.figure.split("_")[0].removeprefix("fig").lstrip("0"),
-                "study": " and ".join(
-                    [studies] if isinstance(studies := FIGURES[wildcards.figure][0], str) else studies
-                ),
-            },
+            labels=figure_labels,
         ),
         pdf=f"{RESULTS}/figures/{{figure}}.pdf",
         caption=f"{RESULTS}/figures/{{figure}}.rst",
@@ -31,7 +26,8 @@ rule figure:
         disk_mb=disk("figure"),
         runtime=minutes("figure"),
     params:
-        stages=lambda wildcards: stage_results(wildcards.figure),
+        module=lambda wildcards: FIGURES[wildcards.figure].module,
+        results=lambda wildcards: figure_results(wildcards.figure),
         caption=lambda wildcards, output: Path(output.caption),  # read when the report is made
     script:
         "../scripts/figure.py"

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from asperity.accuracy.resources import COMPILER_MEMORY, WORKFLOW_MEMORY, job_cost
 from asperity.config.presets import PRESETS
+from asperity.runtime.snakemake_internals import runs_locally
 
 ACCURACY = replace(
     PRESETS["paper"],
@@ -41,17 +42,17 @@ def stress_cost(wildcards):
 
 def figure_cost(wildcards):
     """Cost of a figure, which holds one field of every surface and five of every contact that it shows."""
-    studies, stages = FIGURES[wildcards.figure]
-    if wildcards.figure in ("fig03", "fig04"):
-        return job_cost("figure of elements", math.prod(config["validation"]["elements"]["elements"]))
-    if wildcards.figure == "extremes":
-        return job_cost("figure of extremes")
-    if studies == "validation":
-        return job_cost("figure")
-    studies = [studies] if isinstance(studies, str) else studies
-    names = [name for study in studies for name in config["studies"][study]]
-    fields = ("surface" in stages) + 5 * ("contact" in stages)
-    return job_cost("figure", nodes(*names) * fields)
+    figure = FIGURES[wildcards.figure]
+    if figure.cost == "figure of elements":
+        return job_cost(figure.cost, math.prod(config["validation"]["elements"]["elements"]))
+    names = [name for study in figure.studies for name in config["studies"][study]]
+    fields = ("surface" in figure.stages) + 5 * ("contact" in figure.stages)
+    return job_cost(figure.cost, nodes(*names) * fields)
+
+
+def seeds_cost(job):
+    """Cost of a job that reads the results of all seeds of a surface."""
+    return lambda wildcards: job_cost(job, nodes(wildcards.surface), len(seeds_of(wildcards.surface)))
 
 
 def tradeoff_cost(wildcards):
@@ -61,15 +62,12 @@ def tradeoff_cost(wildcards):
 
 # Rule -> cost of its job. Rules that are not listed take next to no time and memory.
 COSTS = {
-    "compiled": lambda wildcards: job_cost("compiled"),
+    "machine_code": lambda wildcards: job_cost("machine code"),
     "surface": surface_cost,
     "contact": contact_cost,
     "stress": stress_cost,
-    "summary": lambda wildcards: job_cost("summary", nodes(wildcards.surface)),
-    "statistics": lambda wildcards: job_cost("statistics", nodes(wildcards.surface), len(config["seeds"])),
-    "verification": lambda wildcards: job_cost(
-        "verification", nodes(wildcards.surface), len(config["seeds"])
-    ),
+    "statistics": seeds_cost("statistics"),
+    "verification": seeds_cost("verification"),
     "figure": figure_cost,
     "validation": lambda wildcards: job_cost("validation"),
     "calculix": lambda wildcards: job_cost("calculix"),
@@ -84,7 +82,7 @@ def memory(rule):
     """Resource mem_mb of a rule; on a cluster with the workflow and the compiler, which run beside the job."""
 
     def megabytes(wildcards):
-        beside = 0 if workflow.local_exec else WORKFLOW_MEMORY + COMPILER_MEMORY
+        beside = 0 if runs_locally(workflow) else WORKFLOW_MEMORY + COMPILER_MEMORY
         return math.ceil((COSTS[rule](wildcards).memory + beside) / 1e6)
 
     return megabytes

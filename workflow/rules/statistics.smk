@@ -1,8 +1,8 @@
 rule statistics:
     input:
-        surfaces=expand(f"{RESULTS}/surface/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
-        contacts=expand(f"{RESULTS}/contact/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
-        stresses=expand(f"{RESULTS}/stress/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
+        surface=results_of_seeds("surface"),
+        contact=results_of_seeds("contact"),
+        stress=results_of_seeds("stress"),
         code=code("statistics"),
     output:
         f"{RESULTS}/statistics/{{surface}}.nc",

@@ -1,7 +1,7 @@
 # Measurement of speed and accuracy, from which plans are made: reduced in rule all; in full by `make tradeoff`.
 rule tradeoff:
     input:
-        compiled=COMPILED,
+        machine_code=MACHINE_CODE,
         code=code("tradeoff"),
     output:
         runs=f"{RESULTS}/tradeoff/{{extent}}/runs.nc",

@@ -3,7 +3,7 @@ VALIDATIONS = list(config["validation"])
 
 rule validation:
     input:
-        compiled=COMPILED,
+        machine_code=MACHINE_CODE,
         code=code("validation"),
     output:
         f"{RESULTS}/validation/{{validation}}.nc",
@@ -27,7 +27,7 @@ rule validation:
 # Comparison with a second finite-element program, which must be installed; rule all does not request it.
 rule calculix:
     input:
-        compiled=COMPILED,
+        machine_code=MACHINE_CODE,
         code=code("calculix"),
     output:
         f"{RESULTS}/validation/calculix.nc",

@@ -1,14 +1,15 @@
 rule verification:
     input:
-        surface=expand(f"{RESULTS}/surface/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
-        contact=expand(f"{RESULTS}/contact/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
-        stress=expand(f"{RESULTS}/stress/{{{{surface}}}}/seed{{seed}}.nc", seed=config["seeds"]),
+        surface=results_of_seeds("surface"),
+        contact=results_of_seeds("contact"),
+        stress=results_of_seeds("stress"),
         statistics=f"{RESULTS}/statistics/{{surface}}.nc",
-        compiled=COMPILED,
+        machine_code=MACHINE_CODE,
         code=code("verification"),
     output:
-        report(
-            f"{RESULTS}/verification/{{surface}}.csv",
+        table=f"{RESULTS}/verification/{{surface}}.csv",
+        page=report(
+            f"{RESULTS}/verification/{{surface}}.html",
             caption="../report/verification.rst",
             category="Verification",
             labels=lambda wildcards: {"surface": wildcards.surface},
@@ -22,15 +23,10 @@ rule verification:
         mem_mb=memory("verification"),
         disk_mb=disk("verification"),
         runtime=minutes("verification"),
-    params:
-        seeds=config["seeds"],
     script:
         "../scripts/verification.py"
 
 
 rule verified:
     input:
-        expand(
-            f"{RESULTS}/verification/{{surface}}.csv",
-            surface=sorted({name for names in config["studies"].values() for name in names}),
-        ),
+        expand(f"{RESULTS}/verification/{{surface}}.csv", surface=sorted(STUDIED)),

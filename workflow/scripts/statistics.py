@@ -1,20 +1,18 @@
-"""Rule statistics: distributions over all peaks and all seeds of a surface, with their uncertainty."""
+"""Rule statistics: all numbers of the peaks, profiles and decays of one surface, over its seeds."""
 
-from asperity.pipeline.statistics import summarise
+from asperity.pipeline.statistics import SeedResults, surface_statistics
 from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 
-with record(snakemake.log[0]), Progress(f"statistics {snakemake.wildcards.surface}"):
-    stages = {
-        "surfaces": [dataset.read(path) for path in snakemake.input.surfaces],
-        "contacts": [dataset.read(path).drop_dims(["y", "x"]) for path in snakemake.input.contacts],
-        "stresses": [dataset.read(path) for path in snakemake.input.stresses],
-    }
-    settings = dataset.settings_of(stages["stresses"][0]) | {"statistics": snakemake.params.statistics}
-    settings["seed"] = [dataset.settings_of(stress)["seed"] for stress in stages["stresses"]]
+surface, files, section = snakemake.wildcards.surface, snakemake.input, snakemake.params.statistics
+with log_to(snakemake.log[0]), ProgressBar(f"statistics {surface}"):
+    results = map(SeedResults.read, files.surface, files.contact, files.stress)
+    statistics = surface_statistics(results, **section)
+    settings = dataset.settings_of(dataset.read(files.stress[0])) | {"statistics": section}
     dataset.write(
-        summarise(**stages, **snakemake.params.statistics),
+        statistics,
         snakemake.output[0],
-        title=f"Statistics of rough surface {snakemake.wildcards.surface}",
-        settings=settings,
+        title=f"Statistics of rough surface {surface}",
+        settings=settings | {"seed": statistics["seed"].values.tolist()},
     )

@@ -7,9 +7,10 @@ from asperity.accuracy.measurement import measure
 from asperity.accuracy.reduction import reduce_runs
 from asperity.accuracy.tables import describe_errors, describe_presets
 from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 
-with record(snakemake.log[0]), Progress("tradeoff") as progress:
+with log_to(snakemake.log[0]), ProgressBar("tradeoff") as progress:
     settings = snakemake.params.settings
     runs = measure(**settings, progress=progress)
     dataset.write(

@@ -1,24 +1,17 @@
-"""Rule verification: the files of one surface held against the laws that they must obey."""
+"""Rule verification: the results of one surface against the laws that they must obey."""
 
-import csv
+from pathlib import Path
 
-from asperity.pipeline.verification import require, verify_member, verify_statistics
-from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.pipeline.statistics import SeedResults
+from asperity.pipeline.verification import verify
+from asperity.results import dataset, markup
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 
-STAGES = ("surface", "contact", "stress")
-
-with record(snakemake.log[0]), Progress(f"verification {snakemake.wildcards.surface}") as progress:
-    found, stresses = [], []
-    for number, seed in enumerate(snakemake.params.seeds):
-        stages = [dataset.read(snakemake.input[stage][number]) for stage in STAGES]
-        found += [(f"seed {seed}", check) for check in verify_member(*stages)]
-        stresses.append(stages[-1])
-        progress(number + 1, len(snakemake.params.seeds))
-    statistics = dataset.read(snakemake.input.statistics)
-    found += [("all seeds", check) for check in verify_statistics(statistics, stresses)]
-    require([check for _, check in found], snakemake.wildcards.surface)
-    with open(snakemake.output[0], "w", newline="", encoding="utf-8") as file:
-        table = csv.writer(file, lineterminator="\n")
-        table.writerow(["surface", "of", "check", "value", "bound"])
-        table.writerows([snakemake.wildcards.surface, part, *check] for part, check in found)
+surface, files = snakemake.wildcards.surface, snakemake.input
+with log_to(snakemake.log[0]), ProgressBar(f"verification {surface}") as progress:
+    results = map(SeedResults.read, files.surface, files.contact, files.stress)
+    checks = verify(surface, results, dataset.read(files.statistics), progress)
+    checks.to_csv(snakemake.output.table, index=False)
+    shown = {"": checks.drop(columns="surface")}
+    Path(snakemake.output.page).write_text(markup.page(f"Verification of {surface}", shown), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""One calculation from the surface to the summary: its outputs, its cost, and its errors against a reference.
+"""One calculation from surface to statistics: its outputs, its cost, and its errors against a reference.
 
 Cost is processor time on one thread, which other work on the machine disturbs least; the time of a Fourier
 transform at that moment is stored with it.
@@ -6,7 +6,6 @@ transform at that moment is stored with it.
 
 from __future__ import annotations
 
-import json
 import resource
 import sys
 import time
@@ -24,8 +23,8 @@ from asperity.config.presets import AccuracySettings
 from asperity.contact import solve
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.solid import solid
+from asperity.pipeline.statistics import LEVELS, seed_statistics
 from asperity.pipeline.stress import compute_stress
-from asperity.pipeline.summary import LEVELS, Summary, summarise
 from asperity.pipeline.surface import make_surface
 from asperity.types import Array
 
@@ -86,14 +85,15 @@ def scene_of(config: Mapping[str, Any], name: str) -> Scene:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Outputs and cost of one calculation from the surface to the summary.
+    """Outputs and cost of one calculation from the surface to its statistics.
 
     Parameters
     ----------
     scene : Scene
     accuracy : AccuracySettings
         Settings of accuracy it was made with.
-    summary : Summary
+    statistics : dataset
+        Of `asperity.pipeline.statistics.seed_statistics`, at the Poisson's ratio `POISSON`.
     area_fraction : float
         Contact area fraction at the mean pressure of a reference, or that of the calculation itself.
     costs : mapping
@@ -103,7 +103,7 @@ class Evaluation:
 
     scene: Scene
     accuracy: AccuracySettings
-    summary: Summary
+    statistics: xr.Dataset
     area_fraction: float
     costs: Mapping[str, float]
 
@@ -112,18 +112,26 @@ class Evaluation:
         """Processor time of surface, contact and stress."""
         return sum(self.costs[f"{stage}_seconds"] for stage in CALCULATION_STAGES)
 
+    @property
+    def mean_pressure(self) -> float:
+        """Load over nominal area."""
+        return float(self.statistics["seed_mean_pressure"])
+
     def values(self) -> dict[str, float]:
         """Value of every output; NaN for distributions."""
-        numbers = {name: self.summary[key.format(POISSON)] for name, key in NUMBERS.items()}
+        numbers = {
+            name: float(self.statistics[variable].sel(where)) for name, (variable, where) in NUMBERS.items()
+        }
         return {"area_fraction": self.area_fraction, **numbers, **dict.fromkeys(DISTRIBUTIONS, np.nan)}
 
     def quantiles(self) -> dict[str, Array]:
-        """Quantiles of every output that is a distribution, at `asperity.pipeline.summary.LEVELS`."""
-        return {name: self.summary.quantiles[key.format(POISSON)] for name, key in DISTRIBUTIONS.items()}
+        """Quantiles of every output that is a distribution, at `asperity.pipeline.statistics.LEVELS`."""
+        peaks = self.statistics["seed_peak_quantile"]
+        return {name: peaks.sel(quantity=quantity).values for name, quantity in DISTRIBUTIONS.items()}
 
 
 def evaluate(scene: Scene, accuracy: AccuracySettings, mean_pressure: float | None = None) -> Evaluation:
-    """Calculate surface, contact, stress and summary of a scene.
+    """Calculate surface, contact, stress and statistics of a scene.
 
     Parameters
     ----------
@@ -156,8 +164,8 @@ def evaluate(scene: Scene, accuracy: AccuracySettings, mean_pressure: float | No
     area = float(contact["area_fraction"])
     if mean_pressure is not None:
         area = _area_at(mean_pressure, surface, contact, settings)
-    stress.attrs["settings"] = json.dumps(settings)
-    return Evaluation(scene, accuracy, summarise(surface, contact, stress), area, costs)
+    statistics = seed_statistics(surface, contact, stress).sel(poisson=POISSON)
+    return Evaluation(scene, accuracy, statistics, area, costs)
 
 
 def stage_settings(scene: Scene, accuracy: AccuracySettings) -> dict[str, Any]:

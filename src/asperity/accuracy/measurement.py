@@ -167,7 +167,7 @@ def _varied_settings(scene: Scene, grids: Sequence[float]) -> Iterator[Run]:
 
 def _compared(reference: Evaluation, parameter: str, setting: object, accuracy: AccuracySettings) -> Run:
     """The scene of a reference evaluated at other settings, and its errors against the reference."""
-    mean_pressure = reference.summary["contact.mean_pressure"]
+    mean_pressure = reference.mean_pressure
     evaluation = evaluate(reference.scene, accuracy, mean_pressure)
     return Run(parameter, str(setting), evaluation, output_errors(evaluation, reference))
 
@@ -187,7 +187,7 @@ def _varied_seeds(scene: Scene) -> Iterator[Run]:
     means = {name: float(np.mean([value[name] for value in values])) for name in NUMBERS}
     # All have the same area, and their loads differ. The relative difference of the load at a given area is
     # nearly that of the area at a given load.
-    loads = [evaluation.summary["contact.mean_pressure"] for evaluation in evaluations]
+    loads = [evaluation.mean_pressure for evaluation in evaluations]
     quantiles = [evaluation.quantiles() for evaluation in evaluations]
     mean_quantiles = {name: np.mean([each[name] for each in quantiles], axis=0) for name in quantiles[0]}
     for number, evaluation in enumerate(evaluations):

@@ -85,13 +85,12 @@ class _Line(NamedTuple):
 # Fitted to logs of the paper's study, on grids of 512² to 4096² (docs/scaling.md). The seconds of surface,
 # contact and stress are those of the imports; their calculation follows the time laws.
 _LINES = {
-    "compiled": _Line(295, seconds=14),
+    "machine code": _Line(295, seconds=14),
     "surface": _Line(144, 31, seconds=2, disk_per_node=7),
     "measured surface": _Line(250, 31, seconds=5, time_per_node=0.8, disk_per_node=7),
     "contact": _Line(260, 85, seconds=2, disk_per_node=15),
     "load-area curve": _Line(260, 130, seconds=2, disk_per_node=15),
     "stress": _Line(270, 139, seconds=2, disk_per_node=2),
-    "summary": _Line(212, 50, seconds=3, time_per_node=0.4),
     "statistics": _Line(205, 53, seconds=3, time_per_node=0.5),
     "verification": _Line(300, 262, seconds=4, time_per_node=2),
     "figure": _Line(200, 8, seconds=5, time_per_node=0.1),
@@ -108,7 +107,7 @@ _LINES = {
 # Memory and time added for every further Poisson's ratio of a stress, and every further seed of the others.
 _FURTHER = {
     "stress": _Line(0, 22),
-    "statistics": _Line(0, 48, seconds=2, time_per_node=0.3),
+    "statistics": _Line(0, 20, seconds=2, time_per_node=0.3),
     "verification": _Line(0, 8, seconds=0.1, time_per_node=0.3),
 }
 

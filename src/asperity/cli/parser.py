@@ -5,10 +5,10 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from functools import partial
-from importlib.resources import files
 
 import asperity
 from asperity.cli.arguments import POSITIVE, Parser, add_setting, converted
+from asperity.paper.figures import numbers
 
 
 def make_parser() -> Parser:
@@ -142,11 +142,7 @@ def _add_out(parser: Parser) -> None:
 
 def _figure_number(text: str) -> int:
     """Number of a figure that can be drawn, from text such as ``9`` or ``fig09``."""
-    known = sorted(
-        int(entry.name[3:5])
-        for entry in files("asperity.paper.figures").iterdir()
-        if entry.name.startswith("fig") and entry.name.endswith(".py")
-    )
+    known = numbers()
     number = text.lower().removeprefix("fig").removesuffix(".py")
     if not (number.isdecimal() and int(number) in known):
         raise argparse.ArgumentTypeError(f"{text[:60]!r}: one of {', '.join(map(str, known))} is needed")

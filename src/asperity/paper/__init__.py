@@ -1,1 +1,1 @@
-"""The paper of the study: its figures and its claims."""
+"""The study of one paper: its figures and its claims."""

@@ -1,41 +1,48 @@
-"""The study's own files held against the laws they must obey: results tested as results.
+"""Verification of the study's results: the laws that they must obey, computed anew from the fields.
 
-`verify_member` looks at one surface and one seed, `verify_statistics` at what is made of all seeds. What a
-solver or a stage kept beside its numbers is not believed: violations are computed anew from the fields. Each
-check is a number and the bound that it must not exceed.
+`verify_seed` checks the results of one surface and one seed, `verify_statistics` those made from all seeds.
+Residuals that a solver or a stage stored beside its numbers are not used. Each check is a number and the
+bound that it must not exceed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from asperity.contact import verify_contact
 from asperity.elasticity.layer import Layer
 from asperity.pipeline.solid import solid
+from asperity.pipeline.statistics import SeedResults
 from asperity.results.dataset import grid_of, settings_of
 from asperity.spectral import Fourier, Grid, gradient, mean_square
 from asperity.stress.planes import stress_planes
 from asperity.stress.selection import peaks
-from asperity.types import Array
+from asperity.types import Array, Progress
 
 ROUNDING = 1e-10
-"""Bound of what is exact but for rounding."""
+"""Bound for laws that hold exactly except for rounding."""
 
+WORST_NODE = 100
+"""Factor by which a single node may exceed the solver's tolerance, which is a norm over all nodes."""
 
-_WORST_NODE = 100
-"""The solver's tolerance is of the whole pressure; a single node may be this much worse."""
+REFINEMENT = 0.25
+"""Part by which a peak refined between nodes may exceed the largest node, with eight nodes per wavelength."""
 
-_BETWEEN_NODES = 0.25
-"""A refined peak may exceed the largest node by this part: eight nodes on the shortest wavelength."""
+DEPTH_STEP = 1e-3
+"""Step of the derivative along depth, over the shortest wavelength."""
+
+EQUILIBRIUM = 1e-4
+"""Bound for the divergence of the stress: the error of the central difference along depth."""
 
 
 class Check(NamedTuple):
-    """A law, by how much a result breaks it, and how much is allowed.
+    """A law, the amount by which a result breaks it, and the amount that is allowed.
 
     Parameters
     ----------
@@ -49,12 +56,12 @@ class Check(NamedTuple):
 
     @property
     def holds(self) -> bool:
-        """Whether the value stays within its bound; not a number does not."""
+        """True if the value is within its bound; NaN is not."""
         return bool(self.value <= self.bound)
 
 
 class VerificationError(RuntimeError):
-    """Results that break a law; the message names the laws and by how much."""
+    """Results that break a law; the message names the laws and the amounts."""
 
 
 def require(checks: Sequence[Check], where: str) -> None:
@@ -64,27 +71,59 @@ def require(checks: Sequence[Check], where: str) -> None:
         raise VerificationError(f"{where}: {'; '.join(broken)}")
 
 
+def verify(
+    surface_name: str,
+    results: Iterable[SeedResults],
+    statistics: xr.Dataset,
+    progress: Progress | None = None,
+) -> pd.DataFrame:
+    """Check all results of one surface.
+
+    Parameters
+    ----------
+    surface_name : str
+    results : iterable of SeedResults
+        One seed after the other; the fields of a seed are not kept.
+    statistics : dataset
+        Result of stage statistics.
+    progress : callable, optional
+
+    Returns
+    -------
+    data frame
+        A row for each check: surface, part of the results, check, value and bound.
+
+    Raises
+    ------
+    VerificationError
+        If a check does not hold.
+    """
+    found: list[tuple[str, Check]] = []
+    stresses = []
+    for seed, *stages in results:
+        found += [(f"seed {seed}", check) for check in verify_seed(*stages)]
+        stresses.append(stages[-1])
+        if progress is not None:
+            progress(len(stresses), statistics.sizes["seed"])
+    found += [("all seeds", check) for check in verify_statistics(statistics, stresses)]
+    require([check for _, check in found], surface_name)
+    return pd.DataFrame(
+        {"surface": surface_name, "of": part, "check": check.name, "value": check.value, "bound": check.bound}
+        for part, check in found
+    )
+
+
 @dataclass(frozen=True)
 class _Pressed:
-    """What stress planes need from a contact."""
+    """A contact as `stress_planes` takes it."""
 
     pressure: Array
     grid: Grid
     layer: Layer
 
 
-def verify_member(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset) -> list[Check]:
-    """Checks of one surface and one seed.
-
-    Parameters
-    ----------
-    surface, contact, stress : datasets
-        Results of the stages of these names.
-
-    Returns
-    -------
-    list of Check
-    """
+def verify_seed(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset) -> list[Check]:
+    """Checks of the results of the stages surface, contact and stress for one surface and one seed."""
     layer, _ = solid(settings_of(contact)["layer"])
     return [
         *_of_contact(surface, contact, layer),
@@ -95,8 +134,8 @@ def verify_member(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset) 
 
 
 def _of_contact(surface: xr.Dataset, contact: xr.Dataset, layer: Layer) -> list[Check]:
-    """The conditions of contact, load balance and Parseval's theorem."""
-    tolerance = _WORST_NODE * settings_of(contact)["contact"]["tolerance"]
+    """Check the conditions of contact, the load balance and Parseval's theorem."""
+    tolerance = WORST_NODE * settings_of(contact)["contact"]["tolerance"]
     grid = grid_of(contact)
     pressure = contact["pressure"].values.astype(float)
     found = verify_contact(
@@ -123,7 +162,7 @@ def _of_contact(surface: xr.Dataset, contact: xr.Dataset, layer: Layer) -> list[
 
 
 def _of_path(contact: xr.Dataset) -> list[Check]:
-    """Area and load rise together."""
+    """Check that area and load rise along the load path."""
     steps = (np.diff(contact[f"path_{name}"].values) for name in ("area_fraction", "mean_pressure"))
     return [
         Check(f"falls of the {name} along the load path", float(np.sum(step <= 0)), 0)
@@ -132,7 +171,7 @@ def _of_path(contact: xr.Dataset) -> list[Check]:
 
 
 def _of_fields(contact: xr.Dataset, stress: xr.Dataset, layer: Layer) -> list[Check]:
-    """Equilibrium of the stress, and a plane of the analysis computed again without truncation."""
+    """Check equilibrium in one plane, and that plane of the analysis against one without truncation."""
     grid = grid_of(contact)
     pressed = _Pressed(contact["pressure"].values.astype(float), grid, layer)
     nu = float(contact.attrs["poisson_contact"])
@@ -140,7 +179,7 @@ def _of_fields(contact: xr.Dataset, stress: xr.Dataset, layer: Layer) -> list[Ch
     short = settings_of(contact)["surface"]["wavelength_short"]
     depths = stress["plane_depth"].values
     number = int(np.argmin(np.abs(depths - short / 2)))
-    step = 1e-3 * short
+    step = DEPTH_STEP * short
     triple = depths[number] + step * np.array([-1.0, 0.0, 1.0])
     names = ("xx", "zz", "xz", "yz", "xy", "von_mises")
     above, middle, below = stress_planes(pressed, triple, [nu], names, tolerance=0)
@@ -154,7 +193,7 @@ def _of_fields(contact: xr.Dataset, stress: xr.Dataset, layer: Layer) -> list[Ch
             Check(
                 f"equilibrium along {axis}",
                 _imbalance(axis, above.fields, middle.fields, below.fields, step, grid),
-                1e-4,
+                EQUILIBRIUM,
             )
             for axis in ("x", "z")
         ),
@@ -179,7 +218,7 @@ def _imbalance(
 ) -> float:
     """Root mean square of the divergence of the stress over that of its part along depth.
 
-    z points upward, against depth; the derivative along it is a central difference.
+    z points upward, opposite to depth; the derivative along z is a central difference.
     """
     along_x, along_y, along_z = {"x": ("xx", "xy", "xz"), "z": ("xz", "yz", "zz")}[axis]
     fourier = Fourier(grid)
@@ -190,7 +229,7 @@ def _imbalance(
 
 
 def _of_peaks(stress: xr.Dataset, grid: Grid) -> list[Check]:
-    """Peaks lie in the solid, and none exceeds the plane that it lies in by more than its refinement."""
+    """Check that peaks are finite, lie in the solid, and exceed the largest node only by their refinement."""
     outside = 0
     reach = {"depth": float(stress["plane_depth"].max()), "y": grid.length[0], "x": grid.length[1]}
     for name, limit in reach.items():
@@ -203,25 +242,13 @@ def _of_peaks(stress: xr.Dataset, grid: Grid) -> list[Check]:
         excess = max(excess, float(found["peak_value"].max()) / largest - 1)
     return [
         Check("peaks outside the solid", outside, 0),
-        Check("largest von Mises peak over the largest node", excess, _BETWEEN_NODES),
+        Check("largest von Mises peak over the largest node", excess, REFINEMENT),
         Check("peaks that are not finite", float(np.sum(~np.isfinite(stress["peak_value"].values))), 0),
     ]
 
 
 def verify_statistics(statistics: xr.Dataset, stresses: Sequence[xr.Dataset]) -> list[Check]:
-    """Checks of the statistics of one surface.
-
-    Parameters
-    ----------
-    statistics : dataset
-        Result of stage statistics.
-    stresses : sequence of datasets
-        Results of stage stress from which it was made.
-
-    Returns
-    -------
-    list of Check
-    """
+    """Checks of the statistics of one surface against the analyses of its seeds."""
     width = np.diff(statistics["bin_edge"].values, axis=1)[None, :, None, :]
     counted = statistics["peak_counts"].values.sum(axis=-1) > 0
     integral = np.sum(statistics["peak_density"].values * width, axis=-1)
@@ -244,7 +271,7 @@ def verify_statistics(statistics: xr.Dataset, stresses: Sequence[xr.Dataset]) ->
         Check("peaks not counted", float(np.abs(found - np.array(expected)).sum()), 0),
         Check(
             "peaks by value and depth against peaks by value",
-            float(np.abs(joint - statistics["peak_counts"].sum(("member", "bin")).values).sum()),
+            float(np.abs(joint - statistics["peak_counts"].sum(("seed", "bin")).values).sum()),
             0,
         ),
     ]

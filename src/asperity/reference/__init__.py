@@ -1,7 +1,6 @@
 """Closed forms and independent numerical solutions that the library is compared with.
 
-Nothing here uses the kernels, layers or solvers of the library; only `asperity.spectral.Grid` and the shared
-types are imported.
+Nothing here uses the kernels, layers or solvers of the library; only the shared types are imported.
 
 | module | solution |
 |---|---|

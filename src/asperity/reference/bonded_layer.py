@@ -47,7 +47,7 @@ LARGEST_WAVENUMBER = 25.0
 """Upper end of the integrals over u = ξh: 1 − K falls as 4u² e^(−2u) and is below rounding there."""
 
 WAVENUMBERS, WAVENUMBERS_PER_RATIO = 100, 30
-"""Gauss–Legendre nodes of these integrals, and further nodes per unit of a/h, with which cos(ξa) oscillates."""
+"""Gauss–Legendre nodes of these integrals, and further ones per unit of a/h, since cos(ξa) oscillates."""
 
 PRESSURE_NODES = 64
 """Gauss–Legendre nodes of the integral for the pressure."""

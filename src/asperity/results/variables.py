@@ -199,7 +199,6 @@ VARIABLES: dict[str, Variable] = {
     # statistics; scaled: divided by the effective modulus and the rms gradient of the true contact
     "selection": Variable("1", "which peaks are counted"),
     "percent": Variable("1", "percentage of the peaks that are smaller"),
-    "seed_gradient_rms_contact": Variable("1", "rms gradient of the deformed surface over the true contact"),
     "bin_edge": Variable(_SCALED, "edges of the bins of peak stress"),
     "depth_edge": Variable(_LENGTH, "edges of the bins of peak depth"),
     "peak_counts": Variable("1", "number of peaks in the bin, seed by seed"),
@@ -217,11 +216,41 @@ VARIABLES: dict[str, Variable] = {
     "height_edge": Variable("rms_height", "edges of the bins of height"),
     "height_counts": Variable("1", "number of nodes in the bin of height"),
     "height_density": Variable("1/rms_height", "probability density of the heights"),
-    "member_skewness": Variable("1", "skewness of the heights, seed by seed"),
-    "member_kurtosis": Variable("1", "kurtosis of the heights, seed by seed"),
-    "member_rms_gradient": Variable("1", "root-mean-square gradient, seed by seed"),
-    "member_mean_pressure": Variable(_STRESS, "load over nominal area, seed by seed"),
-    "member_area_fraction": Variable("1", "true contact area over nominal area, seed by seed"),
+    "median_depth": Variable(_LENGTH, "median depth of the peaks"),
+    "median_depth_highest": Variable(_LENGTH, "median depth of the highest tenth of the peaks"),
+    # statistics of each seed
+    "seed": Variable("1", "seed of the random surface"),
+    "level": Variable("1", "share of the peaks that are smaller"),
+    "seed_skewness": Variable("1", "skewness of the heights"),
+    "seed_kurtosis": Variable("1", "kurtosis of the heights"),
+    "seed_rms_gradient": Variable("1", "root-mean-square gradient of the whole surface"),
+    "seed_gradient_rms_contact": Variable("1", "rms gradient of the deformed surface over the true contact"),
+    "seed_gradient_rms_outside": Variable("1", "rms gradient of the surface outside the true contact"),
+    "seed_mean_pressure": Variable(_STRESS, "load over nominal area"),
+    "seed_area_fraction": Variable("1", "true contact area over nominal area"),
+    "seed_approach": Variable(_LENGTH, "approach of the indenter from first touch of its mean plane"),
+    "seed_proportionality": Variable(
+        "1", "area fraction times rms gradient of the true contact over the load, κ"
+    ),
+    "seed_load_exponent": Variable("1", "exponent of the area fraction as a power of the scaled load"),
+    "seed_proportionality_change": Variable("1", "κ at the largest load of that fit over κ at the smallest"),
+    "seed_patches": Variable("1", "number of connected patches of contact"),
+    "seed_patch_radius": Variable(_LENGTH, "area-weighted mean radius of the patches of contact"),
+    "seed_peak_count": Variable("1", "number of peaks"),
+    "seed_peak_mean": Variable(_SCALED, "mean magnitude of the peaks"),
+    "seed_peak_deviation": Variable(_SCALED, "standard deviation of the magnitude of the peaks"),
+    "seed_peak_quantile": Variable(_SCALED, "quantile of the magnitude of the peaks"),
+    "seed_mean_depth": Variable(_LENGTH, "mean depth of the peaks"),
+    "seed_mean_depth_highest": Variable(_LENGTH, "mean depth of the highest tenth of the peaks"),
+    "seed_depth_patch_correlation": Variable(
+        "1", "rank correlation between the depth of von Mises peaks and the radius of the patch above"
+    ),
+    "seed_largest_von_mises": Variable(_SCALED, "largest von Mises stress in the solid"),
+    "seed_reference_depth": Variable(_LENGTH, "depth of the plane with the largest von Mises stress"),
+    "seed_decay_length_depth": Variable(_LENGTH, "depth over which the covariance of Eq. 22 falls to half"),
+    "seed_decay_length_plane": Variable(
+        _LENGTH, "distance over which the covariance of Eq. 22 falls to half"
+    ),
     # validation
     "hertz_contact_radius": Variable(_LENGTH, "radius of contact of the closed form"),
     "hertz_area_fraction": Variable("1", "area fraction of the closed form"),

@@ -108,9 +108,9 @@ def analyse_stress(
     if settings.depths[0] != 0:
         raise ValueError(f"depths[0] = {settings.depths[0]:g}: 0, the surface, is needed")
     checked_nodes(contact.grid)
-    stream = _Stream(PressedSolid(pressure, contact.grid, contact.layer), settings)
-    stream.run(progress)
-    return _dataset(stream)
+    analysis = _StressAnalysis(PressedSolid(pressure, contact.grid, contact.layer), settings)
+    analysis.run(progress)
+    return _dataset(analysis)
 
 
 @dataclass(frozen=True)
@@ -189,14 +189,14 @@ class _RatioAnalysis(_PeakSearch):
             self.reference.compare(number, plane.grid, plane.field("von_mises", self.poisson))
 
 
-class _Stream:
-    """All that is made of the planes of one contact, one plane after the other.
+class _StressAnalysis:
+    """Analysis of the stress under one contact, plane by plane.
 
     Attributes
     ----------
     independent : _PeakSearch
         For the fields that do not depend on Poisson's ratio.
-    analyses : list of _RatioAnalysis
+    dependent : list of _RatioAnalysis
         One for each Poisson's ratio.
     points : (planes,) array
         Nodes on the longer edge of each plane's grid.
@@ -210,7 +210,7 @@ class _Stream:
         fields = [name for name in settings.quantities if name != "pressure"]
         own = [name for name in fields if name not in alike]
         self.independent = _PeakSearch([name for name in fields if name in alike], settings.ratios[0])
-        self.analyses = [_RatioAnalysis(own, nu, settings) for nu in settings.ratios]
+        self.dependent = [_RatioAnalysis(own, nu, settings) for nu in settings.ratios]
         self.points = np.zeros(settings.depths.size, np.int64)
         self.peaks: dict[tuple[str, float], Peaks] = {}
 
@@ -222,10 +222,10 @@ class _Stream:
                 if progress is not None:
                     progress(plane.done, 1.0)
         self._collect_peaks()
-        above = max(analysis.reference.number for analysis in self.analyses)
+        above = max(ratio.reference.number for ratio in self.dependent)
         for number, plane in enumerate(self._planes(self.settings.depths[:above]) if above else ()):
-            for analysis in self.analyses:
-                analysis.add_again(number, plane)
+            for ratio in self.dependent:
+                ratio.add_again(number, plane)
 
     def _planes(self, depths: Array) -> Iterator[LinearPlane]:
         settings = self.settings
@@ -244,9 +244,9 @@ class _Stream:
         normal = plane.constant["zz"]
         scale = np.sqrt(moments(normal, normal)[2])
         floor = max(plane.bound, self.settings.floor * scale, ROUNDING * scale)
-        for analysis in self.analyses:
-            analysis.reference.resample_to(plane.grid)
-        searches = [self.independent, *self.analyses]
+        for ratio in self.dependent:
+            ratio.reference.resample_to(plane.grid)
+        searches = [self.independent, *self.dependent]
         list(pool.map(lambda search: search.add(number, plane, floor), searches))
 
     def _collect_peaks(self) -> None:
@@ -255,41 +255,34 @@ class _Stream:
             if name in self.independent.finders:
                 self.peaks[name, np.nan] = self.independent.finders.pop(name).peaks()
             elif name != "pressure":
-                for analysis in self.analyses:
-                    self.peaks[name, analysis.poisson] = analysis.finders.pop(name).peaks()
+                for ratio in self.dependent:
+                    self.peaks[name, ratio.poisson] = ratio.finders.pop(name).peaks()
         if "pressure" in self.settings.quantities:
             self.peaks["pressure", np.nan] = plane_peaks(self.contact.pressure, self.contact.grid)
 
 
-def _dataset(stream: _Stream) -> xr.Dataset:
-    """The dataset of a finished stream."""
-    settings, analyses = stream.settings, stream.analyses
-    references = [analysis.reference for analysis in analyses]
+def _dataset(analysis: _StressAnalysis) -> xr.Dataset:
+    """The dataset of a finished analysis."""
+    settings, contact, ratios = analysis.settings, analysis.contact, analysis.dependent
+    references = [ratio.reference for ratio in ratios]
     in_plane = []
     for reference in references:
-        lag, covariance = autocorrelation(reference.field, reference.grid, stream.contact.grid)
+        lag, covariance = autocorrelation(reference.field, reference.grid, contact.grid)
         in_plane.append(covariance)
     profiles = ("poisson", "plane")
-    return (
-        peak_dataset(stream.peaks, stream.contact)
-        .assign(
-            {
-                "plane_points": ("plane", stream.points),
-                "mean_von_mises": (profiles, np.stack([analysis.mean for analysis in analyses])),
-                "largest_von_mises": (profiles, np.stack([analysis.largest for analysis in analyses])),
-                "covariance_depth": (profiles, np.stack([reference.covariance for reference in references])),
-                "covariance_plane": (("poisson", "lag"), np.stack(in_plane)),
-                "reference_depth": (
-                    "poisson",
-                    settings.depths[[reference.number for reference in references]],
-                ),
-            },
-        )
-        .assign_coords(
-            quantity=list(settings.quantities),
-            poisson=settings.ratios,
-            plane_depth=("plane", settings.depths),
-            lag=lag,
-        )
-        .assign_attrs(effective_modulus=stream.contact.layer.effective_modulus)
-    )
+    variables = {
+        "plane_points": ("plane", analysis.points),
+        "mean_von_mises": (profiles, np.stack([ratio.mean for ratio in ratios])),
+        "largest_von_mises": (profiles, np.stack([ratio.largest for ratio in ratios])),
+        "covariance_depth": (profiles, np.stack([reference.covariance for reference in references])),
+        "covariance_plane": (("poisson", "lag"), np.stack(in_plane)),
+        "reference_depth": ("poisson", settings.depths[[reference.number for reference in references]]),
+    }
+    coordinates = {
+        "quantity": list(settings.quantities),
+        "poisson": settings.ratios,
+        "plane_depth": ("plane", settings.depths),
+        "lag": lag,
+    }
+    found = peak_dataset(analysis.peaks, contact).assign(variables).assign_coords(coordinates)
+    return found.assign_attrs(effective_modulus=contact.layer.effective_modulus)

@@ -33,7 +33,7 @@ MAX_THREADS = 1024
 """Most threads: more than any machine has cores, few enough to be started."""
 
 MAX_DEPTH = 1e30
-"""Largest depth over the longer edge of the cell. No mode is left from 120 on; nothing overflows until here."""
+"""Largest depth over the longer edge of the cell. Modes vanish below a depth of 120; nothing overflows."""
 
 EDGE_RANGE = (1e-60, 1e60)
 """Edges of the cell that are accepted: squares of wavenumbers stay within double precision."""

@@ -68,8 +68,8 @@ class ReferencePlane:
 
     def compare(self, number: int, grid: Grid, field: Array) -> float:
         """Store the covariance of a plane with the reference; returns the mean of the field."""
-        resampled = self._resampled is not None and self._resampled[0] == grid
-        own = self._resampled[1] if resampled and self._resampled else self.field
+        resampled = self._resampled
+        own = self.field if resampled is None or resampled[0] != grid else resampled[1]
         mean_own, mean, product = moments(own, field)
         self.covariance[number] = product - mean_own * mean
         return mean

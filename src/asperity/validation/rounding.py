@@ -43,7 +43,7 @@ _YOUNG = 1.0
 
 _DEPTH_FRACTIONS = np.array([0.0, 0.125, 0.5, 0.875, 1.0])
 
-# Limit on q · depth of `rounding_errors`: deeper, single precision keeps no digits of the direct solution.
+# Limit on q · depth of `rounding_errors`: deeper, single precision has no digits left.
 _DEEPEST = 40.0
 
 # Limits on q · depth of `layer_errors`: deeper, e^(−q depth) leaves the normal range of the precision.

@@ -8,9 +8,9 @@ import xarray as xr
 
 from asperity.cli.arguments import section
 from asperity.cli.files import check_out, read_result, write_result
-from asperity.pipeline.statistics import summarise
+from asperity.pipeline.statistics import SeedResults, surface_statistics
 from asperity.results import dataset
-from asperity.runtime.progress import Progress
+from asperity.runtime.progress import ProgressBar
 from asperity.stress.selection import selection_for
 from asperity.surface.roughness import roughness_parameters
 
@@ -35,10 +35,11 @@ def run(options: argparse.Namespace) -> None:
     settings = dataset.settings_of(stresses[0])
     settings |= {
         "statistics": chosen,
-        "seed": [dataset.settings_of(stress).get("seed") for stress in stresses],
+        "seed": [dataset.settings_of(stress)["seed"] for stress in stresses],
     }
-    with Progress(f"peaks {settings['name']}"):
-        result = summarise([_surface(contact) for contact in contacts], contacts, stresses, **chosen)
+    results = map(SeedResults, settings["seed"], map(_surface, contacts), contacts, stresses)
+    with ProgressBar(f"peaks {settings['name']}"):
+        result = surface_statistics(results, **chosen)
     write_result(result, options.out, "Statistics of rough surface", settings)
     print(_percentiles(result))
 

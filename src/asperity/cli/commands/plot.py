@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import inspect
 from collections.abc import Mapping
-from importlib import import_module
 from typing import Any
 
 import xarray as xr
 
 from asperity.cli.arguments import section
 from asperity.cli.files import check_out, stage_of
+from asperity.paper.figures import describe, draw
 from asperity.paper.figures.style import save, style
 from asperity.results import dataset
 
 _MAKERS = {"contact": "asperity solve", "stress": "asperity stress", "statistics": "asperity peaks"}
-_WITH_STUDIES = (16, 17)
-"""Figures that compare several studies; all results given to them are one study."""
-
 _OF_ONE_RATIO = (8, 9, 10, 11, 13, 17, 18)
 """Figures that show one Poisson's ratio."""
 
@@ -27,8 +23,8 @@ def run(options: argparse.Namespace) -> None:
     """Draw the figure and write it to all files."""
     check_out(options.out, options.results)
     figure = f"figure {options.figure}"
-    module = import_module(f"asperity.paper.figures.fig{options.figure:02d}")
-    stages = list(inspect.signature(module.draw).parameters)
+    description = describe(f"fig{options.figure:02d}")
+    stages = description.stages
     if "validation" in stages:
         raise ValueError(f"{figure} is drawn from the validation of the study only")
     given = _by_stage(options.results)
@@ -42,10 +38,10 @@ def run(options: argparse.Namespace) -> None:
     if options.figure in _OF_ONE_RATIO:
         for name, data in shown["statistics"].items():
             data.attrs["poisson_contact"] = _ratio(figure, name, data, section(options, "layer"))
-    if options.figure in _WITH_STUDIES:
+    if description.compares_studies:
         shown = {stage: {"given": results} for stage, results in shown.items()}
     with style():
-        save(module.draw(**shown), *options.out)
+        save(draw(description.module, shown), *options.out)
 
 
 def _by_stage(paths: list[str]) -> dict[str, dict[str, xr.Dataset]]:

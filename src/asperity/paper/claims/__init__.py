@@ -1,1 +1,1 @@
-"""Claims of the paper: statements, evidence and verdicts."""
+"""Claims of the paper: their sources and evidence, the statements, the verdicts, and the report."""

@@ -20,9 +20,9 @@ Edge = tuple[Array, Array | float, Array]
 
 
 def scene(width: float, height: float) -> tuple[Figure, Axes3D]:
-    """A figure of `width` × `height` millimetres, and bare axes in three dimensions for all of it.
+    """A figure of `width` × `height` millimetres, filled by three-dimensional axes without frame.
 
-    What is added is drawn in that order, whatever lies in front.
+    Objects are drawn in the order in which they are added, whatever lies in front.
     """
     figure = Figure(figsize=(width * MILLIMETRE, height * MILLIMETRE))
     figure.set_layout_engine("none")
@@ -35,7 +35,7 @@ def scene(width: float, height: float) -> tuple[Figure, Axes3D]:
 
 
 def surface(axis: Axes3D, x: Array, y: Array, z: Array, colour: str | Array) -> None:
-    """A surface z over the coordinates x and y, in one colour or one for each node, lightly shaded."""
+    """Draw a surface z over the coordinates x and y, in one colour or one for each node, lightly shaded."""
     paint: dict[str, Any] = {"color": colour} if isinstance(colour, str) else {"facecolors": colour}
     columns, rows = np.meshgrid(x, y)
     axis.plot_surface(
@@ -44,7 +44,7 @@ def surface(axis: Axes3D, x: Array, y: Array, z: Array, colour: str | Array) -> 
 
 
 def walls(axis: Axes3D, front: Edge, right: Edge) -> None:
-    """The two faces of the block that are seen, down to z = 0 from the given edges (x, y, z)."""
+    """Draw the two faces of the block that are seen, from the given upper edges (x, y, z) down to z = 0."""
     for edge, shade in ((front, FRONT), (right, RIGHT)):
         x, y, z = np.broadcast_arrays(*edge)
         top = np.column_stack([x, y, z])
@@ -55,12 +55,12 @@ def walls(axis: Axes3D, front: Edge, right: Edge) -> None:
 
 
 def lines(axis: Axes3D, segments: Sequence[Array], **look: Any) -> None:
-    """Polylines of points (x, y, z)."""
+    """Draw polylines of points (x, y, z)."""
     axis.add_collection3d(Line3DCollection(segments, **look))
 
 
 def ground(axis: Axes3D, half: float = 0.5) -> None:
-    """The rigid ground the block is bonded to."""
+    """Draw the rigid ground to which the block is bonded."""
     reach, thick = half + 0.06, 0.05
     corners = np.array([[-reach, -reach], [reach, -reach], [reach, reach], [-reach, reach]])
     front = [(x, -reach, z) for x, z in ((-reach, 0), (reach, 0), (reach, -thick), (-reach, -thick))]

@@ -1,4 +1,4 @@
-"""Maps on the vertical diagonal plane of the cubic cell: a field, and how far finite elements are from it."""
+"""Maps on the vertical diagonal plane of the cubic cell: fields, and their differences to finite elements."""
 
 from __future__ import annotations
 
@@ -11,20 +11,22 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from asperity.paper.figures.captions import bullets
 from asperity.paper.figures.style import panels
 from asperity.types import Array
+from asperity.validation.finite_elements import largest_differences
 
 SMALLEST, LARGEST = 1e-3, 10.0
-"""Percent of the field's largest magnitude between which differences are drawn."""
+"""Limits between which differences are drawn, in percent of the field's largest magnitude."""
 
 
 def draw_fields(dataset: xr.Dataset, fields: Sequence[tuple[str, str, str, str]]) -> Figure:
-    """A row for each field: the spectral solution, and its difference to the finite elements.
+    """Draw a row for each field: the spectral solution, and its difference to the finite elements.
 
     Parameters
     ----------
     dataset : Dataset
-        Of `asperity.validation.finite_elements.compare_elements`.
+        ``elements`` of stage validation.
     fields : sequence of (name, label, unit, colour map)
         The unit is that of the figure: ``"length"`` for displacements over the approach, ``"stress"`` for
         stresses over the largest pressure.
@@ -37,7 +39,7 @@ def draw_fields(dataset: xr.Dataset, fields: Sequence[tuple[str, str, str, str]]
             dataset.attrs["approach"] if unit == "length" else float(np.abs(dataset.stress_zz_spectral).max())
         )
         shown = ours / scale
-        # A shear stress turns its sign on the other side of the axis.
+        # A shear stress changes sign across the axis.
         odd = name == "stress_xz"
         low, high = float(shown.min()), float(shown.max())
         if odd:
@@ -60,10 +62,21 @@ def draw_fields(dataset: xr.Dataset, fields: Sequence[tuple[str, str, str, str]]
     return figure
 
 
+def describe_differences(dataset: xr.Dataset, fields: Sequence[str]) -> str:
+    """Largest differences of fields to the finite elements, as a list in reStructuredText."""
+    found = largest_differences(dataset)
+    return bullets(
+        f"{name}: at most {100 * float(found['difference_away'].sel(field=name)):.3f} % of its largest "
+        f"magnitude away from the edge of contact, "
+        f"{100 * float(found['difference_edge'].sel(field=name)):.2f} % at it"
+        for name in fields
+    )
+
+
 def _mirrored(field: xr.DataArray, odd: bool) -> tuple[Array, Array, Array]:
     """Positions along the diagonal, height, and the field on both sides of the indenter's axis.
 
-    The outermost values are carried on to the faces of the cell, half a Gauss interval away.
+    The outermost values are extended to the faces of the cell, half a Gauss interval away.
     """
     values = np.pad(field.transpose("depth", "distance").values, ((1, 1), (0, 1)), mode="edge")
     distance = np.append(field.distance.values, np.sqrt(0.5))
@@ -73,7 +86,7 @@ def _mirrored(field: xr.DataArray, odd: bool) -> tuple[Array, Array, Array]:
 
 
 def _frame(axis: Axes, contact_radius: float) -> None:
-    """Axes of the plane, with the edge of contact marked above the surface."""
+    """Set the axes of the plane, and mark the edge of contact above the surface."""
     half = np.sqrt(0.5)
     axis.set(xlim=(-half, half), ylim=(0, 1), aspect="equal", xlabel="position along diagonal $/ L$")
     axis.set(ylabel="$z / L$", yticks=(0, 0.5, 1), xticks=(-0.5, 0, 0.5))

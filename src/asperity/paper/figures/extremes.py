@@ -1,4 +1,4 @@
-"""Extremes: what became of contacts at the ends of every range, and of every two at once."""
+"""Extremes: outcomes of contacts with one or two settings at the ends of their ranges."""
 
 from __future__ import annotations
 
@@ -11,8 +11,14 @@ from matplotlib.colors import ListedColormap, LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from asperity.paper.figures.captions import bullets
 from asperity.paper.figures.style import MILLIMETRE, PAGE
-from asperity.validation.extremes import NO_CELL, OUTCOMES
+from asperity.types import Array
+from asperity.validation.extremes import NO_CELL, OUTCOMES, REFUSED
+
+STAGES = ("validation",)
+DATASETS = ("extremes",)
+COST = "figure of extremes"
 
 _HEIGHT = 178 * MILLIMETRE
 
@@ -46,27 +52,20 @@ _AXES = {
     "points": r"$N$",
     "method": "method",
 }
-# Errors from a thousandth of the tolerance to what is still allowed.
-_LEAST = 1e-3
+_SMALLEST_ERROR = 1e-3
+"""Smallest error drawn, over the tolerance; the largest is the error that is still allowed."""
 
 
 def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
-    """Outcomes below the diagonal and in it, errors over the tolerance above it.
+    """Draw outcomes on and below the diagonal, and errors over the tolerance above it.
 
-    Parameters
-    ----------
-    validation : mapping of datasets
-        ``extremes``, of `asperity.validation.extremes.outcome_matrix`.
-
-    Notes
-    -----
-    The levels of the scene that others change are set in bold. q₀ = 2π/L.
+    The levels of the default scene are set in bold. q₀ = 2π/L.
     """
     data = validation["extremes"]
     figure = Figure(figsize=(PAGE, _HEIGHT))
     axis = figure.add_subplot()
     outcome = data["outcome"].values
-    lower = np.tril(np.ones(outcome.shape, bool)) & (outcome != NO_CELL)
+    lower = _lower(outcome)
     axis.pcolormesh(
         np.ma.masked_array(outcome, ~lower),
         cmap=ListedColormap(list(_COLOURS.values())),
@@ -77,9 +76,9 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
     error = data["scaled_pressure_error"].values
     seen = np.triu(np.isfinite(error), 1)
     image = axis.pcolormesh(
-        np.ma.masked_array(np.clip(error, _LEAST, None), ~seen),
+        np.ma.masked_array(np.clip(error, _SMALLEST_ERROR, None), ~seen),
         cmap="cividis",
-        norm=LogNorm(_LEAST, float(data.attrs["allowed"])),
+        norm=LogNorm(_SMALLEST_ERROR, float(data.attrs["allowed"])),
         rasterized=True,
     )
     _name_levels(axis, data)
@@ -95,8 +94,33 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
     return figure
 
 
+def caption(validation: Mapping[str, xr.Dataset]) -> str:
+    """Number of contacts with each outcome, and of values out of range that were refused."""
+    data = validation["extremes"]
+    outcome = data["outcome"].values
+    found = outcome[_lower(outcome)]
+    refused, beyond = data["beyond_outcome"].values == REFUSED, data.sizes["beyond"]
+    double, single = (data.attrs[f"tolerance_{precision}"] for precision in ("float64", "float32"))
+    text = (
+        "Each level alone (diagonal) and with each level of every other setting; the levels of the default "
+        "scene in bold. :math:`q_0 = 2\\pi/L`; loads are relative to the one that closes the last gap, "
+        "approaches to the distance between the lowest and the mean height. Solved to tolerances of "
+        f"{double:g} (double precision) and {single:g} (single)."
+    )
+    counts = [
+        f"{name}: {int(np.sum(found == number))}" for number, name in enumerate(OUTCOMES) if number != NO_CELL
+    ]
+    refusals = f"values out of range refused by name: {int(refused.sum())} of {beyond}"
+    return f"{text}\n\n{bullets([*counts, refusals])}"
+
+
+def _lower(outcome: Array) -> Array:
+    """True where the matrix has a contact on or below the diagonal."""
+    return np.tril(np.ones(outcome.shape, bool)) & (outcome != NO_CELL)
+
+
 def _name_levels(axis: Axes, data: xr.Dataset) -> None:
-    """Levels along both edges, and lines and names between the settings."""
+    """Write the levels along both edges, and the names of the settings, with lines between them."""
     count = data.sizes["level"]
     places = np.arange(count) + 0.5
     names = [str(value) for value in data["level_value"].values]
@@ -117,7 +141,7 @@ def _name_levels(axis: Axes, data: xr.Dataset) -> None:
 
 
 def _groups(data: xr.Dataset) -> Iterator[tuple[str, int, int]]:
-    """Settings in their order, with the first and the end of their levels."""
+    """Each setting, with the number of its first level and of the first one beyond it."""
     axes = [str(name) for name in data["level_axis"].values]
     for name in dict.fromkeys(axes):
         first = axes.index(name)

@@ -12,29 +12,53 @@ from mpl_toolkits.mplot3d import Axes3D
 from asperity.paper.figures import cell
 from asperity.types import Array
 
+STAGES = ("validation",)
+DATASETS = ("elements",)
+
 DEPTH = 0.14
 """Indentation as drawn, in cell lengths; the computed displacements are magnified to it."""
 
+INDENTER_RADIUS = 0.31
+"""Radius to which the indenter is drawn, in cell lengths."""
+
 
 def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
-    """The periodic cell of the slab, half of the indenter cut away.
-
-    Parameters
-    ----------
-    validation : mapping of datasets
-        ``elements``, of `asperity.validation.finite_elements.compare_elements`.
-    """
+    """Draw the periodic cell of the slab with the mesh on its walls, and half of the indenter above it."""
     data = validation["elements"]
-    approach, curvature = data.attrs["approach"], data.attrs["curvature_radius"]
-    magnify = DEPTH / approach
+    magnify = DEPTH / data.attrs["approach"]
     figure, axis = cell.scene(width=85, height=78)
     cell.ground(axis)
+    _draw_slab(axis, data, magnify)
 
+    radius = float(data.contact_radius)
+    turn = np.linspace(0, 2 * np.pi, 121)
+    edge = float(_indenter(np.array(radius), data, magnify))
+    circle = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.full(121, edge)])
+    cell.lines(axis, [circle], colors="#D55E00", linewidths=0.9)
+
+    _draw_indenter(axis, data, magnify)
+    _label(axis, radius, edge)
+    axis.set(xlim=(-0.5, 0.5), ylim=(-0.5, 0.5), zlim=(-0.12, 1.3))
+    axis.set_box_aspect((1, 1, 1.42), zoom=1.06)
+    return figure
+
+
+def caption(validation: Mapping[str, xr.Dataset]) -> str:
+    """Size of what is drawn."""
+    data = validation["elements"]
+    return (
+        f"A paraboloid of radius {data.attrs['curvature_radius']:g} L pressed by "
+        f"{data.attrs['approach']:.3g} L into a slab; "
+        f"contact radius {float(data['contact_radius']):.3f} L. Displacements are magnified."
+    )
+
+
+def _draw_slab(axis: Axes3D, data: xr.Dataset, magnify: float) -> None:
+    """Draw the deformed surface of the slab and the mesh on the two walls that are seen."""
     nodes = data.axis_node.values
     x = np.concatenate([-nodes[:0:-1], nodes])
     top = 1 + magnify * _mirror(_mirror(data.surface_displacement_elements.values).T).T
-
-    # The wall at half a period, seen from outside: its mesh moves in its own plane alone.
+    # The walls lie at half a period: by symmetry their nodes stay in the plane of the wall.
     across, _, up = data.rim_displacement_elements.transpose("component", "node_z", "axis_node").values
     along = x + magnify * _mirror(across, odd=True)
     height = data.node_z.values[:, None] + magnify * _mirror(up)
@@ -48,33 +72,29 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
         cell.lines(axis, mesh, colors="k", linewidths=0.15, alpha=0.6)
     cell.surface(axis, x, x, top, cell.SOLID)
 
-    radius = float(data.contact_radius)
-    turn = np.linspace(0, 2 * np.pi, 121)
-    edge = 1 + magnify * (radius**2 / (2 * curvature) - approach)
-    circle = np.column_stack([radius * np.cos(turn), radius * np.sin(turn), np.full(121, edge)])
-    cell.lines(axis, [circle], colors="#D55E00", linewidths=0.9)
 
-    # The back half of the indenter, up to where it meets the height drawn.
-    reach = np.linspace(0, 0.31, 40)
-    around = np.linspace(0.0, np.pi, 61)
-    r, phi = np.meshgrid(reach, around)
-    lift = 1 + magnify * (r**2 / (2 * curvature) - approach)
+def _draw_indenter(axis: Axes3D, data: xr.Dataset, magnify: float) -> None:
+    """Draw the back half of the indenter, and the outline of the section."""
+    reach = np.linspace(0, INDENTER_RADIUS, 40)
+    r, phi = np.meshgrid(reach, np.linspace(0.0, np.pi, 61))
+    lift = _indenter(r, data, magnify)
     axis.plot_surface(
         r * np.cos(phi), r * np.sin(phi), lift, color="#E69F00", alpha=0.75, linewidth=0, antialiased=False,
         rcount=61, ccount=40, rasterized=True,
     )  # fmt: skip
-    profile = 1 + magnify * (np.concatenate([-reach[::-1], reach]) ** 2 / (2 * curvature) - approach)
     section = np.concatenate([-reach[::-1], reach])
+    profile = _indenter(section, data, magnify)
     cell.lines(axis, [np.column_stack([section, 0 * section, profile])], colors="k", linewidths=0.6)
 
-    _label(axis, radius, edge)
-    axis.set(xlim=(-0.5, 0.5), ylim=(-0.5, 0.5), zlim=(-0.12, 1.3))
-    axis.set_box_aspect((1, 1, 1.42), zoom=1.06)
-    return figure
+
+def _indenter(radius: Array, data: xr.Dataset, magnify: float) -> Array:
+    """Height of the indenter's lower face at a distance from its axis, as drawn."""
+    curvature, approach = data.attrs["curvature_radius"], data.attrs["approach"]
+    return 1 + magnify * (radius**2 / (2 * curvature) - approach)
 
 
 def _mirror(values: Array, odd: bool = False) -> Array:
-    """Both sides of the axis, along the last dimension."""
+    """Values on both sides of the axis, along the last dimension."""
     other = values[..., :0:-1]
     return np.concatenate([-other if odd else other, values], axis=-1)
 
@@ -86,7 +106,7 @@ def _on(place: str, along: Array, height: Array) -> tuple[Array, Array, Array]:
 
 
 def _label(axis: Axes3D, radius: float, edge: float) -> None:
-    """Names of the lengths."""
+    """Name the lengths."""
     text = {"fontsize": 8, "ha": "center", "va": "center"}
     axis.text(0.0, -0.68, -0.1, "$L_x$", **text)
     axis.text(0.68, 0.0, -0.1, "$L_y$", **text)

@@ -7,30 +7,63 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator, ScalarFormatter
 
+from asperity.paper.figures.captions import bullets
 from asperity.paper.figures.style import panels
+
+STAGES = ("validation",)
+DATASETS = ("load_area", "slab_load_area", "grid_convergence")
 
 MARKERS = "os^Dv"
 
+ERRORS = {
+    "wave_pressure_error": "wave: pressure ($L^2$)",
+    "wave_approach_error": "wave: approach",
+    "slab_load_error": "slab: load",
+}
+"""Errors of the grid that are drawn, with their names."""
+
 
 def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
-    """Area against load (a), of slabs (b), their stiffness (c), and the error of the grid (d).
+    """Draw area against load of (a) a half-space and (b) slabs, (c) their stiffness, (d) errors of the grid.
 
-    Parameters
-    ----------
-    validation : mapping of datasets
-        ``load_area``, ``slab_load_area`` and ``grid_convergence``, of the functions of `asperity.validation.comparisons`
-        of these names. Lines in (a) and (b) are the closed form of a half-space (Eqs. 11–16).
+    Lines in (a) and (b) are the closed form of a half-space (Eqs. 11–16).
     """
-    figure, (ratios, slabs, stiffening, grids) = panels(rows=2, height=60)
-    data = validation["load_area"]
+    figure, (half_space, slabs, stiffening, grids) = panels(rows=2, height=60)
+    _draw_half_space(half_space, validation["load_area"])
+    _draw_slabs(slabs, stiffening, validation["slab_load_area"])
+    _draw_grid_errors(grids, validation["grid_convergence"])
+    return figure
+
+
+def caption(validation: Mapping[str, xr.Dataset]) -> str:
+    """Error of the contact radius against the closed form, and stiffening of slabs."""
+    data, slabs = validation["load_area"], validation["slab_load_area"]
+    error = np.abs(data["solved_contact_radius"] / data["hertz_contact_radius"] - 1)
+    return bullets(
+        [
+            f"contact radius at given load within {100 * float(error.max()):.2f} % of the closed form, "
+            f"for Poisson's ratios {', '.join(f'{nu:g}' for nu in data['poisson'].values)} on "
+            f"{data.attrs['grid_points']} nodes along an edge",
+            *(
+                f"a bonded slab of height {float(tall):g} L carries {float(load):.3f} times the load of a "
+                f"half-space at the deepest indentation"
+                for tall, load in zip(slabs["slab_height"], slabs["slab_stiffening"][:, -1], strict=True)
+            ),
+        ]
+    )
+
+
+def _draw_half_space(axis: Axes, data: xr.Dataset) -> None:
+    """Draw contact area against load for each Poisson's ratio."""
     scale = data.attrs["curvature_radius"]
     for marker, nu in zip(MARKERS, data.poisson.values, strict=False):
         one = data.sel(poisson=nu)
-        line = ratios.plot(scale * one.curve_mean_pressure_young, 100 * one.curve_area_fraction)[0]
-        ratios.plot(
+        line = axis.plot(scale * one.curve_mean_pressure_young, 100 * one.curve_area_fraction)[0]
+        axis.plot(
             scale * one.imposed_mean_pressure_young,
             100 * one.solved_area_fraction,
             ls="",
@@ -38,43 +71,36 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
             color=line.get_color(),
             label=rf"$\nu = {nu:g}$",
         )
-    ratios.set(xlabel=r"mean pressure $\bar{p} R / (E L)$", ylabel="contact area (% of cell)")
-    ratios.legend(title="line: closed form")
+    axis.set(xlabel=r"mean pressure $\bar{p} R / (E L)$", ylabel="contact area (% of cell)")
+    axis.set(xlim=(0, None), ylim=(0, None))
+    axis.legend(title="line: closed form")
 
-    data = validation["slab_load_area"]
+
+def _draw_slabs(area: Axes, stiffening: Axes, data: xr.Dataset) -> None:
+    """Draw contact area against load, and load against indentation, of slabs of several heights."""
     scale = data.attrs["curvature_radius"]
-    slabs.loglog(
+    area.loglog(
         scale * data.curve_mean_pressure, 100 * data.curve_area_fraction, "k", lw=0.8, label="closed form"
     )
     for marker, number in zip(MARKERS, range(data.sizes["slab"]), strict=False):
         one = data.isel(slab=number)
         tall = float(one.slab_height)
         look: dict[str, Any] = {"marker": marker, "label": f"$L_z = {tall:g} L$"}
-        area = 100 * np.pi * one.slab_contact_radius**2
-        slabs.loglog(scale * one.slab_mean_pressure, area, ls="", **look)
-        indentation = scale * one.slab_approach / tall
-        stiffening.plot(indentation, one.slab_stiffening, lw=0.8, **look)
-    slabs.set(xlabel=r"mean pressure $\bar{p} R / (E^* L)$", ylabel="contact area (% of cell)")
-    slabs.legend()
+        area.loglog(scale * one.slab_mean_pressure, 100 * np.pi * one.slab_contact_radius**2, ls="", **look)
+        stiffening.plot(scale * one.slab_approach / tall, one.slab_stiffening, lw=0.8, **look)
+    area.set(xlabel=r"mean pressure $\bar{p} R / (E^* L)$", ylabel="contact area (% of cell)")
+    area.legend()
     stiffening.axhline(1, color="k", lw=0.8)
     stiffening.set(xlabel=r"indentation $u_z^0 R / (L L_z)$", ylabel="load / Hertz at same indentation")
     stiffening.legend()
 
-    data = validation["grid_convergence"]
-    for marker, (name, text) in zip(
-        MARKERS,
-        {
-            "wave_pressure_error": "wave: pressure ($L^2$)",
-            "wave_approach_error": "wave: approach",
-            "slab_load_error": "slab: load",
-        }.items(),
-        strict=False,
-    ):
-        rate = -np.polyfit(np.log(data.grid_points), np.log(data[name]), 1)[0]
-        grids.loglog(data.grid_points, data[name], marker=marker, lw=0.8, label=f"{text}, order {rate:.1f}")
-    grids.set(xlabel="nodes on an edge", ylabel="relative error", xticks=data.grid_points.values)
-    grids.xaxis.set_major_formatter(ScalarFormatter())
-    grids.xaxis.set_minor_locator(NullLocator())
-    grids.legend()
-    ratios.set(xlim=(0, None), ylim=(0, None))
-    return figure
+
+def _draw_grid_errors(axis: Axes, data: xr.Dataset) -> None:
+    """Draw errors against the number of nodes, with their order of convergence."""
+    for marker, (name, text) in zip(MARKERS, ERRORS.items(), strict=False):
+        order = -np.polyfit(np.log(data.grid_points), np.log(data[name]), 1)[0]
+        axis.loglog(data.grid_points, data[name], marker=marker, lw=0.8, label=f"{text}, order {order:.1f}")
+    axis.set(xlabel="nodes on an edge", ylabel="relative error", xticks=data.grid_points.values)
+    axis.xaxis.set_major_formatter(ScalarFormatter())
+    axis.xaxis.set_minor_locator(NullLocator())
+    axis.legend()

@@ -7,16 +7,17 @@ from collections.abc import Mapping
 import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.diagonal import draw_fields
+from asperity.paper.figures.diagonal import describe_differences, draw_fields
+
+STAGES = ("validation",)
+DATASETS = ("elements",)
+COST = "figure of elements"
 
 
 def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
-    """u_z (a) and σ_zz (c) on the diagonal plane, and their differences to the finite elements (b, d).
+    """Draw u_z (a) and σ_zz (c) on the diagonal plane, and their differences to the finite elements (b, d).
 
-    Parameters
-    ----------
-    validation : mapping of datasets
-        ``elements``, of `asperity.validation.finite_elements.compare_elements`. Triangles mark the edge of contact.
+    Triangles mark the edge of contact.
     """
     return draw_fields(
         validation["elements"],
@@ -25,3 +26,8 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
             ("stress_zz", r"$\sigma_{zz} / p_0$", "stress", "viridis"),
         ],
     )
+
+
+def caption(validation: Mapping[str, xr.Dataset]) -> str:
+    """Largest differences to the finite elements."""
+    return describe_differences(validation["elements"], ["displacement_z", "stress_zz"])

@@ -12,48 +12,41 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from asperity.paper.figures import cell
+from asperity.paper.figures.captions import bullets, contact_area, surface_name
 from asperity.types import Array
 
+STAGES = ("surface", "contact")
+STUDIES = ("hurst",)
+SUPPLEMENT = ("measured",)
+
 NODES = 192
-"""Most nodes drawn along an edge."""
+"""Largest number of nodes drawn along an edge."""
 
 RELIEF = 0.02
 """Root-mean-square height as drawn, in cell lengths."""
 
 LIFT = 0.4
-"""How far the indenter is drawn above its place."""
+"""Distance by which the indenter is drawn above its place, in cell lengths."""
 
 
 def draw(surface: Mapping[str, xr.Dataset], contact: Mapping[str, xr.Dataset]) -> Figure:
-    """The deformed solid with its contacts in red, and the indenter lifted off it, coloured by height.
+    """Draw the deformed solid with its contacts in red, and above it the indenter, coloured by height.
 
-    Parameters
-    ----------
-    surface, contact : mapping of datasets
-        Results of the stages of these names; the last surface is drawn.
+    The last surface is drawn.
     """
     name = list(surface)[-1]
     rough, pressed = surface[name], contact[name]
-    x = rough.x.values
-    step = max(1, -(-len(x) // NODES))
-    height, displacement = rough.height.values, pressed.displacement.values
+    step = max(1, -(-rough.sizes["x"] // NODES))
+    x = rough.x.values[::step] - 0.5
     magnify = RELIEF / float(rough.rms_height)
-    x = x[::step] - 0.5
-    height = height[::step, ::step]
-    down = displacement[::step, ::step]
-    down = down - displacement.min()
-    touching = pressed.pressure.values
-    # A drawn node is in contact if any node it stands for is.
-    patches = np.pad(touching, ((0, -len(touching) % step), (0, -len(touching) % step)))
-    patches = patches.reshape(len(x), step, len(x), step).max(axis=(1, 3)) > 0
+    height = rough.height.values[::step, ::step]
+    down = pressed.displacement.values[::step, ::step] - pressed.displacement.values.min()
 
     figure, axis = cell.scene(width=110, height=105)
     cell.ground(axis)
     top = 1 - magnify * down
-    front, right = top[0], top[:, -1]
-    corner = np.full(len(x), x[-1])
-    cell.walls(axis, (x, -0.5, front), (corner, x, right))
-    cell.surface(axis, x, x, top, _painted(patches))
+    cell.walls(axis, (x, -0.5, top[0]), (np.full(len(x), x[-1]), x, top[:, -1]))
+    cell.surface(axis, x, x, top, _painted(_drawn_contacts(pressed.pressure.values, step)))
     norm = Normalize(*np.percentile(height / float(rough.rms_height), [0.1, 99.9]))
     colours = mpl.colormaps["viridis"](norm(height / float(rough.rms_height)))
     cell.surface(axis, x, x, 1 + LIFT + magnify * height, colours)
@@ -64,9 +57,22 @@ def draw(surface: Mapping[str, xr.Dataset], contact: Mapping[str, xr.Dataset]) -
     return figure
 
 
-def _painted(patches: Array) -> Array:
+def caption(surface: Mapping[str, xr.Dataset], contact: Mapping[str, xr.Dataset]) -> str:
+    """The drawn surface, its area of contact and its load."""
+    name = list(surface)[-1]
+    return f"Drawn: {surface_name(surface[name])}.\n\n{bullets(contact_area({name: contact[name]}))}"
+
+
+def _drawn_contacts(pressure: Array, step: int) -> Array:
+    """True where a drawn node is in contact: if any of the nodes that it stands for is."""
+    padded = np.pad(pressure, ((0, -len(pressure) % step), (0, -len(pressure) % step)))
+    drawn = len(padded) // step
+    return padded.reshape(drawn, step, drawn, step).max(axis=(1, 3)) > 0
+
+
+def _painted(contacts: Array) -> Array:
     """Colours of the solid's surface, contacts in red."""
-    colours = np.empty((*patches.shape, 4))
+    colours = np.empty((*contacts.shape, 4))
     colours[:] = mpl.colors.to_rgba(cell.SOLID)
-    colours[patches] = mpl.colors.to_rgba("#D55E00")
+    colours[contacts] = mpl.colors.to_rgba("#D55E00")
     return colours

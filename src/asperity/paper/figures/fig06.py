@@ -7,24 +7,19 @@ from collections.abc import Mapping
 import xarray as xr
 from matplotlib.figure import Figure
 
+from asperity.paper.figures.captions import bullets, height_moments
+from asperity.paper.figures.plots import height_densities
 from asperity.paper.figures.style import label, panels
+
+STAGES = ("surface", "statistics")
+STUDIES = ("hurst",)
+SUPPLEMENT = ("moments", "measured")
 
 
 def draw(surface: Mapping[str, xr.Dataset], statistics: Mapping[str, xr.Dataset]) -> Figure:
-    """Panel a: probability density of the heights over all seeds; panel b: the section y = L/2.
-
-    Parameters
-    ----------
-    surface, statistics : mapping of datasets
-        Results of the stages of these names, by surface.
-    """
+    """Draw (a) the probability density of the heights, all seeds, and (b) the section y = L/2 of one seed."""
     figure, (heights, section) = panels()
-    for name, data in statistics.items():
-        edges = data["height_edge"].values
-        heights.plot((edges[1:] + edges[:-1]) / 2, data["height_density"], label=label(surface[name]))
-    heights.set(
-        xlabel=r"$h / h_\mathrm{rms}$", ylabel="probability density", xlim=(-4.5, 4.5), ylim=(0, None)
-    )
+    height_densities(heights, [label(data) for data in statistics.values()], statistics.values())
     heights.legend()
     for data in surface.values():
         profile = data["height"].isel(y=data.sizes["y"] // 2) / data["rms_height"]
@@ -33,3 +28,8 @@ def draw(surface: Mapping[str, xr.Dataset], statistics: Mapping[str, xr.Dataset]
     section.legend(loc="upper right", ncols=len(surface))
     section.set_ylim(top=1.25 * section.get_ylim()[1])
     return figure
+
+
+def caption(surface: Mapping[str, xr.Dataset], statistics: Mapping[str, xr.Dataset]) -> str:
+    """Skewness and kurtosis of each surface."""
+    return bullets(height_moments(surface, statistics))

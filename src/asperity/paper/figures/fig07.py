@@ -1,4 +1,4 @@
-"""Figure 7: the contact pressure over the cell, one panel a surface."""
+"""Figure 7: the contact pressure over the cell, one panel for each surface."""
 
 from __future__ import annotations
 
@@ -8,19 +8,21 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
+from asperity.paper.figures.captions import bullets, contact_area
 from asperity.paper.figures.style import label, panels
 from asperity.results.dataset import grid_of
+from asperity.types import Array
 
-_PIXELS = 512
+STAGES = ("contact",)
+STUDIES = ("hurst",)
+SUPPLEMENT = ("measured",)
+
+PIXELS = 512
+"""Smallest number of pixels along an edge, where the grid has as many nodes."""
 
 
 def draw(contact: Mapping[str, xr.Dataset]) -> Figure:
-    """Pressure over E* times the rms gradient of the true contact; white where there is no contact.
-
-    Parameters
-    ----------
-    contact : mapping of datasets
-        Results of stage contact, one a panel.
+    """Draw the pressure over E* times the rms gradient of the true contact; white where there is no contact.
 
     Notes
     -----
@@ -49,9 +51,14 @@ def draw(contact: Mapping[str, xr.Dataset]) -> Figure:
     return figure
 
 
-def _coarse(pressure: np.ndarray) -> np.ndarray:
+def caption(contact: Mapping[str, xr.Dataset]) -> str:
+    """Area in contact and load of each surface."""
+    return bullets(contact_area(contact))
+
+
+def _coarse(pressure: Array) -> Array:
     """Largest value in each block of nodes that shares a pixel."""
-    block = max(1, pressure.shape[0] // _PIXELS)
+    block = max(1, pressure.shape[0] // PIXELS)
     rows, columns = (n // block * block for n in pressure.shape)
     blocks = pressure[:rows, :columns].reshape(rows // block, block, columns // block, block)
     return blocks.max(axis=(1, 3))

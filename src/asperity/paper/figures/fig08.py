@@ -6,20 +6,22 @@ from collections.abc import Mapping
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.special import erf
 
-from asperity.paper.figures.shared import density, name_density
+from asperity.paper.figures.captions import bullets, peak_percentiles, surface_name
+from asperity.paper.figures.cases import of_surfaces
+from asperity.paper.figures.plots import finish_densities, peak_density
 from asperity.paper.figures.style import label, panels
+
+STAGES = ("contact", "statistics")
+STUDIES = ("hurst",)
+SUPPLEMENT = ("measured",)
 
 
 def draw(contact: Mapping[str, xr.Dataset], statistics: Mapping[str, xr.Dataset]) -> Figure:
-    """Panel a: area fraction against load with two theories; panel b: density of the pressure peaks.
-
-    Parameters
-    ----------
-    contact, statistics : mapping of datasets
-        Results of the stages of these names, by surface.
+    """Draw (a) the area fraction against load, with two theories, and (b) the density of the pressure peaks.
 
     Notes
     -----
@@ -27,23 +29,40 @@ def draw(contact: Mapping[str, xr.Dataset], statistics: Mapping[str, xr.Dataset]
     doi 10.1016/0043-1648(75)90145-3. Both are evaluated with the gradient of the true contact.
     """
     figure, (curve, peaks) = panels()
+    _draw_load_area(curve, contact)
+    for case in of_surfaces(statistics):
+        peak_density(peaks, case, "pressure", label=case.title)
+    finish_densities(peaks, "t_3")
+    return figure
+
+
+def _draw_load_area(axis: Axes, contact: Mapping[str, xr.Dataset]) -> None:
     reach = 0.0
     for data, marker in zip(contact.values(), "osD^", strict=False):
         load = data["path_mean_pressure"] / data["path_gradient_rms_contact"]
-        curve.plot(load, 100 * data["path_area_fraction"], marker, mfc="none", label=label(data))
+        axis.plot(load, 100 * data["path_area_fraction"], marker, mfc="none", label=label(data))
         reach = max(reach, float(load.max()))
-    theory = np.linspace(0, reach, 200)
-    curve.plot(theory, 100 * erf(np.sqrt(2) * theory), "k-", lw=0.9, label="Persson")
-    curve.plot(theory, 100 * np.sqrt(2 * np.pi) * theory, "k--", lw=0.9, label="Bush, Gibson, Thomas")
-    curve.set(
+    loads = np.linspace(0, reach, 200)
+    axis.plot(loads, 100 * erf(np.sqrt(2) * loads), "k-", lw=0.9, label="Persson")
+    axis.plot(loads, 100 * np.sqrt(2 * np.pi) * loads, "k--", lw=0.9, label="Bush, Gibson, Thomas")
+    axis.set(
         xlabel=r"$P_0 / E^* \bar{g}_r$",
         ylabel="contact area fraction $a_r$ (%)",
         xlim=(0, None),
         ylim=(0, None),
     )
-    curve.legend()
-    for data in statistics.values():
-        density(peaks, data, "pressure", data.attrs["poisson_contact"], label=label(data))
-    name_density(peaks, "t_3")
-    peaks.legend()
-    return figure
+    axis.legend()
+
+
+def caption(contact: Mapping[str, xr.Dataset], statistics: Mapping[str, xr.Dataset]) -> str:
+    """Ratio of area and load along the curve, and percentiles of the pressure peaks."""
+    lines = []
+    for case, data in zip(of_surfaces(statistics), contact.values(), strict=True):
+        ratio = data["path_area_fraction"] * data["path_gradient_rms_contact"] / data["path_mean_pressure"]
+        lines.append(
+            f"{surface_name(data)}: area fraction over scaled load from {float(ratio[0]):.3f} to "
+            f"{float(ratio[-1]):.3f} "
+            f"(Persson 1.596, Bush, Gibson and Thomas 2.507, at small load); "
+            f"{peak_percentiles(case, 'pressure')}"
+        )
+    return bullets(lines)

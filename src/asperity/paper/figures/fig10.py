@@ -1,4 +1,4 @@
-"""Figure 10: how the von Mises peaks are distributed over value and depth, one panel a surface."""
+"""Figure 10: how the von Mises peaks are distributed over value and depth, one panel for each surface."""
 
 from __future__ import annotations
 
@@ -7,18 +7,20 @@ from collections.abc import Mapping
 import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.shared import depth_distributions
-from asperity.paper.figures.style import label
+from asperity.paper.figures.captions import bullets, peak_depths
+from asperity.paper.figures.cases import of_surfaces
+from asperity.paper.figures.plots import depth_distributions
+
+STAGES = ("statistics",)
+STUDIES = ("hurst",)
+SUPPLEMENT = ("moments", "measured")
 
 
 def draw(statistics: Mapping[str, xr.Dataset]) -> Figure:
-    """Number of peaks per unit of value and depth, on a logarithmic scale of colour.
+    """Draw the joint density of value and depth, on a logarithmic scale of colour."""
+    return depth_distributions(of_surfaces(statistics))
 
-    Parameters
-    ----------
-    statistics : mapping of datasets
-        Results of stage statistics, one a panel.
-    """
-    return depth_distributions(
-        {label(data): (data, data.attrs["poisson_contact"]) for data in statistics.values()}
-    )
+
+def caption(statistics: Mapping[str, xr.Dataset]) -> str:
+    """Median depths of the peaks of each surface."""
+    return bullets(peak_depths(of_surfaces(statistics)))

@@ -7,16 +7,20 @@ from collections.abc import Mapping
 import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.shared import decays
-from asperity.paper.figures.style import label
+from asperity.paper.figures.captions import bullets, decay_lengths
+from asperity.paper.figures.cases import of_surfaces
+from asperity.paper.figures.plots import decays
+
+STAGES = ("statistics",)
+STUDIES = ("hurst",)
+SUPPLEMENT = ("moments", "measured")
 
 
 def draw(statistics: Mapping[str, xr.Dataset]) -> Figure:
-    """Eq. 22, panel a along depth, panel b in the plane, each over the variance in that plane.
+    """Draw Eq. 22 (a) along depth and (b) in the plane, over the variance in that plane."""
+    return decays(of_surfaces(statistics))
 
-    Parameters
-    ----------
-    statistics : mapping of datasets
-        Results of stage statistics, by surface.
-    """
-    return decays({label(data): (data, data.attrs["poisson_contact"]) for data in statistics.values()})
+
+def caption(statistics: Mapping[str, xr.Dataset]) -> str:
+    """Lengths over which the covariance falls to half, for each surface."""
+    return bullets(decay_lengths(of_surfaces(statistics)))

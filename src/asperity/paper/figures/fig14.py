@@ -7,17 +7,19 @@ from collections.abc import Mapping
 import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.shared import depth_distributions
+from asperity.paper.figures.captions import bullets, peak_depths
+from asperity.paper.figures.cases import extreme_ratios
+from asperity.paper.figures.plots import depth_distributions
+
+STAGES = ("statistics",)
+STUDIES = ("compressibility",)
 
 
 def draw(statistics: Mapping[str, xr.Dataset]) -> Figure:
-    """Panel a: the largest Poisson's ratio of the study; panel b: the smallest.
+    """Draw the joint density of value and depth for (a) the largest and (b) the smallest Poisson's ratio."""
+    return depth_distributions(extreme_ratios(statistics))
 
-    Parameters
-    ----------
-    statistics : mapping of datasets
-        Result of stage statistics of one surface, at several Poisson's ratios.
-    """
-    (data,) = statistics.values()
-    ratios = sorted({float(data["poisson"].max()), float(data["poisson"].min())}, reverse=True)
-    return depth_distributions({rf"$\nu = {poisson:g}$": (data, poisson) for poisson in ratios})
+
+def caption(statistics: Mapping[str, xr.Dataset]) -> str:
+    """Median depths of the peaks for the extreme Poisson's ratios."""
+    return bullets(peak_depths(extreme_ratios(statistics)))

@@ -7,16 +7,19 @@ from collections.abc import Mapping
 import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.shared import decays
+from asperity.paper.figures.captions import bullets, decay_lengths
+from asperity.paper.figures.cases import of_ratios
+from asperity.paper.figures.plots import decays
+
+STAGES = ("statistics",)
+STUDIES = ("compressibility",)
 
 
 def draw(statistics: Mapping[str, xr.Dataset]) -> Figure:
-    """Eq. 22 for every Poisson's ratio, panel a along depth, panel b in the plane, over the variance there.
+    """Draw Eq. 22 for each Poisson's ratio, (a) along depth and (b) in the plane, over the variance there."""
+    return decays(of_ratios(statistics))
 
-    Parameters
-    ----------
-    statistics : mapping of datasets
-        Result of stage statistics of one surface, at several Poisson's ratios.
-    """
-    (data,) = statistics.values()
-    return decays({rf"$\nu = {poisson:g}$": (data, poisson) for poisson in data["poisson"].values})
+
+def caption(statistics: Mapping[str, xr.Dataset]) -> str:
+    """Lengths over which the covariance falls to half, for each Poisson's ratio."""
+    return bullets(decay_lengths(of_ratios(statistics)))

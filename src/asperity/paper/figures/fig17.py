@@ -7,22 +7,45 @@ from collections.abc import Mapping
 import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.shared import density, name_density
-from asperity.paper.figures.style import label, panels
+from asperity.paper.figures.captions import bullets, name, peak_percentiles
+from asperity.paper.figures.cases import Case, of_surfaces
+from asperity.paper.figures.plots import von_mises_densities
+from asperity.paper.figures.style import panels
+
+STAGES = ("statistics",)
+STUDIES = ("skewness", "kurtosis")
 
 
 def draw(statistics: Mapping[str, Mapping[str, xr.Dataset]]) -> Figure:
-    """Panel a: surfaces of different skewness; panel b: surfaces of different shortest wavelength.
+    """Draw the densities for surfaces of different (a) skewness and (b) shortest wavelength.
 
     Parameters
     ----------
     statistics : mapping of mappings of datasets
-        Results of stage statistics by surface, by study: ``skewness`` and ``kurtosis``.
+        Studies ``skewness`` and ``kurtosis``, by surface.
     """
     figure, axes = panels(columns=len(statistics))
     for axis, study in zip(axes, statistics.values(), strict=True):
-        for data in study.values():
-            density(axis, data, "von_mises", data.attrs["poisson_contact"], label=label(data))
-        name_density(axis, r"\sigma_\mathrm{VM}")
-        axis.legend()
+        von_mises_densities(axis, of_surfaces(study))
     return figure
+
+
+def caption(statistics: Mapping[str, Mapping[str, xr.Dataset]]) -> str:
+    """Percentiles over E* ḡ_r, and the gradients and medians that show what this scaling does."""
+    return bullets(
+        f"{name(case.title)}: {peak_percentiles(case, 'von_mises')}; {_gradients(case)}"
+        for study in ("skewness", "kurtosis")
+        for case in of_surfaces(statistics[study])
+    )
+
+
+def _gradients(case: Case) -> str:
+    """The rms gradient in contact and outside, and the median peak in units of E*."""
+    contact, outside = (
+        float(case.statistics[f"seed_gradient_rms_{where}"].mean()) for where in ("contact", "outside")
+    )
+    median = contact * float(case.peaks("von_mises")["peak_percentile"].sel(percent=50.0))
+    return (
+        f"rms gradient {contact:.4f} in contact, {outside:.4f} outside; "
+        f"median peak {1e3 * median:.2f} · 10⁻³ E\\*"
+    )

@@ -7,22 +7,24 @@ from collections.abc import Mapping
 import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.shared import depth_distributions
-from asperity.paper.figures.style import label, wavelength_short
+from asperity.paper.figures.captions import bullets, peak_depths
+from asperity.paper.figures.cases import shortest_waves
+from asperity.paper.figures.plots import depth_distributions
+
+STAGES = ("statistics",)
+STUDIES = ("kurtosis",)
 
 
 def draw(statistics: Mapping[str, xr.Dataset]) -> Figure:
-    """The two surfaces with the shortest waves, panel b the shorter; depth in one unit for both.
+    """Draw the joint densities of the two surfaces with the shortest waves, the shorter one in panel b.
 
-    Parameters
-    ----------
-    statistics : mapping of datasets
-        Results of stage statistics, by surface. The unit of depth, λ_sn, is the shortest wavelength of
-        the surface in panel a.
+    The unit of depth in both panels, λ_sn, is the shortest wavelength of the surface in panel a.
     """
-    chosen = sorted(statistics.values(), key=wavelength_short)[:2][::-1]
-    return depth_distributions(
-        {label(data): (data, data.attrs["poisson_contact"]) for data in chosen},
-        unit=wavelength_short(chosen[0]),
-        symbol=r"\lambda_{sn}",
-    )
+    cases = shortest_waves(statistics)
+    return depth_distributions(cases, unit=cases[0].wavelength_short, symbol=r"\lambda_{sn}")
+
+
+def caption(statistics: Mapping[str, xr.Dataset]) -> str:
+    """Median depths of the peaks in one unit of depth."""
+    cases = shortest_waves(statistics)
+    return bullets(peak_depths(cases, unit=cases[0].wavelength_short, symbol="λ_sn"))

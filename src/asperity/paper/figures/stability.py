@@ -1,4 +1,4 @@
-"""Stability: what floating point makes of the formulas of the layer, over q · height."""
+"""Stability: rounding errors of the formulas of the layer, over q · height."""
 
 from __future__ import annotations
 
@@ -13,8 +13,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from asperity.paper.figures.captions import bullets
 from asperity.paper.figures.style import panels
 from asperity.types import Array
+
+STAGES = ("validation",)
+DATASETS = ("stability",)
 
 _COLOURS = {"printed": "#D55E00", "direct": "#56B4E9", "layer": "#000000"}
 _NAMES = {
@@ -25,22 +29,14 @@ _NAMES = {
 _QUANTITIES = {"compliance": "compliance of both faces", "bonded_stress": "stress, bonded bottom"}
 _PRECISIONS = {"float64": "double precision", "float32": "single precision"}
 _LIMITS = (1e-17, 1e5)
-# Above this nothing of the number is right.
 _LOST = 1.0
+"""Relative error from which no digit is right; larger ones are drawn at it."""
 
 
 def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
-    """Largest error of each formula: the band over all Poisson's ratios, lines for two of them.
+    """Draw the largest error of each formula: a band for all Poisson's ratios, lines for two of them.
 
-    Parameters
-    ----------
-    validation : mapping of datasets
-        ``stability``, of `asperity.validation.rounding.rounding_errors`.
-
-    Notes
-    -----
-    Errors above one mean that no digit is right and are drawn at one. Marks above show where a formula
-    gives no finite number.
+    Marks above an error of one show where a formula gives no finite number.
     """
     dataset = validation["stability"]
     figure, axes = panels(columns=2, rows=2, height=58)
@@ -66,7 +62,17 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
     return figure
 
 
+def caption(validation: Mapping[str, xr.Dataset]) -> str:
+    """Largest error of this library's formulas in both precisions."""
+    error = validation["stability"]["error"].sel(formula="layer")
+    return bullets(
+        f"largest error of this library in {precision}: {float(error.sel(precision=precision).max()):.1e}"
+        for precision in map(str, error["precision"].values)
+    )
+
+
 def _panel(axis: Axes, error: xr.DataArray) -> None:
+    """Draw the errors of one quantity in one precision."""
     x = error["scaled_wavenumber"].values
     level = 10 * _LOST
     for name, colour in _COLOURS.items():
@@ -92,6 +98,6 @@ def _panel(axis: Axes, error: xr.DataArray) -> None:
 
 
 def _shown(ratios: Array) -> list[tuple[float, Any, Any]]:
-    """Two Poisson's ratios, the one nearest to 0.33 and the largest, with their lines and marks."""
+    """The Poisson's ratio nearest to 0.33 and the largest one, with their lines and marks."""
     chosen = (ratios[np.argmin(np.abs(ratios - 0.33))], ratios.max())
     return [(float(r), line, mark) for r, line, mark in zip(chosen, ("-", "--"), ("x", "+"), strict=True)]

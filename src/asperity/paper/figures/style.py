@@ -1,4 +1,4 @@
-"""What the figures share: sizes, panels, and how a picture is written the same in every run."""
+"""Style of the figures: sizes, panels, labels, and files that are the same bytes in every run."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _FORMATS = (".png", ".pdf", ".svg")
 
 @contextlib.contextmanager
 def style(path: str | os.PathLike[str] | None = None) -> Iterator[None]:
-    """Draw in the look of a style file, by default the package's own."""
+    """Draw with a style file of matplotlib, by default that of the package."""
     chosen = os.fspath(path) if path else str(files("asperity.paper.figures") / "style.mplstyle")
     with mpl.rc_context():
         mpl.rcdefaults()
@@ -35,7 +35,7 @@ def style(path: str | os.PathLike[str] | None = None) -> Iterator[None]:
 def panels(
     columns: int = 2, rows: int = 1, height: float = 62.0, width: float = PAGE
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with lettered panels, row by row; `height` of a row in millimetres."""
+    """A figure with lettered panels, row by row; `height` of a row in millimetres, `width` in inches."""
     figure = Figure(figsize=(width, rows * height * MILLIMETRE))
     axes = [figure.add_subplot(rows, columns, number + 1) for number in range(rows * columns)]
     for letter, axis in zip("abcdefgh", axes, strict=False):
@@ -44,27 +44,27 @@ def panels(
 
 
 def letter_panel(axis: Axes, letter: str) -> None:
-    """Put the panel's letter at its upper left."""
+    """Write the panel's letter at its upper left."""
     axis.set_title(f"({letter})", loc="left", fontweight="bold")
 
 
 def label(data: xr.Dataset) -> str:
-    """What the configuration calls the surface of a result file."""
+    """Label of the surface of a result, as in the configuration."""
     return settings_of(data)["surface"]["label"]
 
 
 def wavelength_short(data: xr.Dataset) -> float:
-    """Shortest wavelength of the surface of a result file, the natural unit of depth."""
+    """Shortest wavelength of the surface of a result, the unit of depths and distances."""
     return settings_of(data)["surface"]["wavelength_short"]
 
 
 def save(figure: Figure, *paths: str | os.PathLike[str]) -> None:
-    """Write the figure to each path, in the format of its suffix, byte for byte the same each time.
+    """Write the figure to each path, in the format of its suffix, without dates or versions.
 
     Raises
     ------
     ValueError
-        If a suffix is of no picture.
+        If a suffix is not that of a picture format.
     """
     for path in map(Path, paths):
         if path.suffix not in _FORMATS:

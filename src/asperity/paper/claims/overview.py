@@ -1,4 +1,4 @@
-"""Overview of the claims: every number with its interval, beside the region in which the paper wants it."""
+"""Overview picture of the claims: each number with its interval, and the region that the paper wants."""
 
 from __future__ import annotations
 
@@ -8,26 +8,25 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity.paper.claims.verdicts import FAILS, HOLDS, NO_DATA, UNDECIDED, VERDICTS, Finding
+from asperity.paper.claims.verdicts import FAILS, HOLDS, NO_DATA, UNDECIDED, Finding, tally
 from asperity.paper.figures.style import MILLIMETRE, PAGE
 
 _COLOUR = {HOLDS: "C0", FAILS: "C1", UNDECIDED: "0.45", NO_DATA: "0.75"}
 _MARKER = {HOLDS: "o", FAILS: "s", UNDECIDED: "D", NO_DATA: "x"}
 _ROW = 4.6
+"""Height of a row, in millimetres."""
+
 _LOW, _HIGH = 0.4, 2.5
+"""Ends of the axis, in units of the edge or the middle of the region."""
+
 _WIDE = 1.5
+"""Ratio of the edges of a region above which its lower edge is the unit, not its middle."""
 
 
 def draw(findings: Sequence[Finding]) -> Figure:
-    """A row for each claim, on a common axis: the number over the edge of its region, or over its middle.
+    """Draw a row for each claim on a common axis: the number over the edge of its region, or its middle.
 
-    Parameters
-    ----------
-    findings : sequence of Finding
-
-    Notes
-    -----
-    Numbers beyond the axis are drawn at its end as triangles; the numbers themselves stand at the right.
+    Numbers beyond the axis are drawn at its end as triangles; every number is written at the right.
     """
     count = len(findings)
     figure = Figure(figsize=(PAGE, (count * _ROW + 22) * MILLIMETRE))
@@ -43,8 +42,8 @@ def draw(findings: Sequence[Finding]) -> Figure:
     )
     axis.tick_params(axis="y", length=0)
     axis.set_xlabel("measured over the edge or the middle\nof the region predicted (shaded)")
-    for verdict in VERDICTS:
-        if number := sum(f.verdict == verdict for f in findings):
+    for verdict, number in tally(findings).items():
+        if number:
             axis.plot(
                 [], [], _MARKER[verdict], color=_COLOUR[verdict], ls="none", label=f"{verdict} ({number})"
             )
@@ -53,7 +52,7 @@ def draw(findings: Sequence[Finding]) -> Figure:
 
 
 def _draw_row(axis: Axes, row: int, finding: Finding) -> None:
-    """One claim: its region as a bar, its interval as a line, its number as text."""
+    """Draw one claim: its region as a bar, its interval as a line, its number as text."""
     low, high = finding.claim.region
     unit = _unit(low, high)
     left, right = np.clip([low / unit, high / unit], _LOW, _HIGH)
@@ -74,7 +73,7 @@ def _draw_row(axis: Axes, row: int, finding: Finding) -> None:
 
 
 def _unit(low: float, high: float) -> float:
-    """What the row is drawn in units of: the edge of its region, or the middle between two."""
+    """Unit of the number of a row: the edge of its region, or the geometric middle between two edges."""
     if low == 0:
         return 1.0 if np.isinf(high) else high
     return low if high > _WIDE * low else float(np.sqrt(low * high))

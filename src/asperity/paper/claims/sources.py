@@ -1,0 +1,81 @@
+"""The surfaces of a configuration and the validation datasets on which the claims are decided.
+
+The workflow asks for them in every job: this module imports nothing that takes time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+DATASETS = ("load_area", "slab_load_area", "grid_convergence", "elements", "mesh_convergence", "punch")
+"""Datasets of stage validation on which claims are decided."""
+
+
+def roles(studies: Mapping[str, Sequence[str]], surfaces: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
+    """Surfaces of the configuration by their role in the claims, found by their parameters.
+
+    Parameters
+    ----------
+    studies, surfaces : mappings
+        Sections of these names of the configuration.
+
+    Returns
+    -------
+    dict
+        Role → name of a surface. Roles that no surface has are left out.
+    """
+
+    def ranked(study: str, names: Sequence[str], key: Callable[[Mapping[str, Any]], float]) -> dict[str, str]:
+        """The surfaces of a study by rising key, if it has as many as there are roles."""
+        found = sorted((n for n in studies.get(study, ()) if n in surfaces), key=lambda n: key(surfaces[n]))
+        return dict(zip(names, found, strict=True)) if len(found) == len(names) else {}
+
+    cutoffs: tuple[str, ...] = ("long_cutoff", "middle_cutoff", "short_cutoff")
+    if len(studies.get("kurtosis", ())) == 2:
+        cutoffs = cutoffs[::2]
+    return {
+        **ranked("hurst", ("small_hurst", "large_hurst"), lambda s: s["hurst"]),
+        **ranked("compressibility", ("compressibility",), lambda s: 0.0),
+        **ranked("skewness", ("skew_negative", "gaussian", "skew_positive"), _gamma),
+        **ranked("kurtosis", cutoffs, lambda s: -s["wavelength_short"]),
+        **ranked("moments", ("kurtosis_low", "kurtosis_normal", "kurtosis_high"), _kurtosis),
+    }
+
+
+def _gamma(surface: Mapping[str, Any]) -> float:
+    return surface.get("johnson", {}).get("gamma", 0.0)
+
+
+def _kurtosis(surface: Mapping[str, Any]) -> float:
+    return surface.get("moments", {}).get("kurtosis", 3.0)
+
+
+def resolutions(surfaces: Mapping[str, Mapping[str, Any]]) -> dict[float, dict[str, str]]:
+    """Surfaces of the continuum study: those that differ in their nodes alone, for two Hurst exponents.
+
+    Parameters
+    ----------
+    surfaces : mapping
+        Section of this name of the configuration.
+
+    Returns
+    -------
+    dict
+        Nodes on the shortest wavelength, rising → role → name of a surface; empty without such surfaces.
+    """
+    families: dict[str, dict[float, str]] = {}
+    for name, surface in surfaces.items():
+        kind = {key: value for key, value in surface.items() if key not in ("points", "label")}
+        nodes = surface["points"] * surface["wavelength_short"]
+        families.setdefault(repr(sorted(kind.items())), {})[nodes] = name
+    several = sorted(
+        (f for f in families.values() if len(f) > 1), key=lambda f: surfaces[next(iter(f.values()))]["hurst"]
+    )
+    if len(several) < 2 or several[0].keys() != several[-1].keys():
+        return {}
+    small, large = several[0], several[-1]
+    return {
+        nodes: {"small_hurst": small[nodes], "large_hurst": large[nodes], "compressibility": large[nodes]}
+        for nodes in sorted(small)
+    }

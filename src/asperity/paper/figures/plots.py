@@ -1,0 +1,148 @@
+"""Plots that several figures share: densities of heights and peaks, joint densities over depth, decays."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+from asperity.paper.figures.cases import Case
+from asperity.paper.figures.style import COLUMN, PAGE, panels
+from asperity.types import Array
+
+SHEAR_STRESSES = ("xz", "yz", "xy")
+"""Quantities as often positive as negative, of which the magnitude is shown."""
+
+LARGEST_DISTANCE = 6.0
+"""Largest depth or distance drawn, in units of the shortest wavelength."""
+
+SMALLEST_SHARE = 1e-4
+"""Smallest joint density drawn, over the largest: the range of the colours."""
+
+SMALLEST_DENSITY = 2e-3
+"""Smallest density, over the largest, to which the axis of a density extends."""
+
+
+def height_densities(axis: Axes, titles: Iterable[str], statistics: Iterable[xr.Dataset]) -> None:
+    """Draw the probability density of the heights over their rms, all seeds, one curve for each title."""
+    for title, data in zip(titles, statistics, strict=True):
+        edges = data["height_edge"].values
+        axis.plot((edges[1:] + edges[:-1]) / 2, data["height_density"], label=title)
+    axis.set(xlabel=r"$h / h_\mathrm{rms}$", ylabel="probability density", xlim=(-4.5, 4.5), ylim=(0, None))
+
+
+def peak_density(axis: Axes, case: Case, quantity: str, compression: bool = False, **look: Any) -> None:
+    """Draw the probability density of the peaks of a quantity; of a shear stress that of the magnitude.
+
+    With `compression`, compressive stresses are drawn to the right.
+    """
+    peaks = case.peaks(quantity)
+    edges = peaks["bin_edge"].values
+    curves = [peaks[f"peak_density{end}"].values for end in ("", "_low", "_high")]
+    if quantity in SHEAR_STRESSES:
+        folded = np.linspace(0, np.abs(edges).max(), edges.size)
+        curves = [folded_density(curve, edges, folded) for curve in curves]
+        edges = folded
+    sign = -1 if compression else 1
+    _curve_with_band(axis, sign * (edges[1:] + edges[:-1]) / 2, *curves, **look)
+
+
+def folded_density(values: Array, edges: Array, folded_edges: Array) -> Array:
+    """Density of a magnitude, from the density of the signed quantity, constant in each bin."""
+    below = np.concatenate([[0.0], np.cumsum(values * np.diff(edges))])
+    share = np.interp(folded_edges, edges, below) - np.interp(-folded_edges, edges, below)
+    return np.diff(share) / np.diff(folded_edges)
+
+
+def finish_densities(axis: Axes, symbol: str) -> None:
+    """Label the axes of densities of scaled peaks, limit them to what can be seen, and add the legend."""
+    scaled = rf"{symbol}^\mathrm{{lmax}} / E^* \bar{{g}}_r"
+    lines = [(np.asarray(line.get_xdata()), np.asarray(line.get_ydata())) for line in axis.lines]
+    visible = SMALLEST_DENSITY * max(float(y.max()) for _, y in lines)
+    largest = max(float(x[y > visible].max(initial=0.0)) for x, y in lines)
+    axis.set(xlabel=f"${scaled}$", ylabel=rf"PDF$\,[{scaled}]$", xlim=(0, 1.02 * largest), ylim=(0, None))
+    axis.legend()
+
+
+def von_mises_densities(axis: Axes, cases: Sequence[Case]) -> None:
+    """Draw the probability density of the von Mises peaks, one curve for each case."""
+    for case in cases:
+        peak_density(axis, case, "von_mises", label=case.title)
+    finish_densities(axis, r"\sigma_\mathrm{VM}")
+
+
+def depth_distributions(
+    cases: Sequence[Case], unit: float | None = None, symbol: str = r"\lambda_s"
+) -> Figure:
+    """Joint probability density of the von Mises peaks over scaled value and depth, one panel for each case.
+
+    Parameters
+    ----------
+    cases : sequence of Case
+    unit, symbol : optional
+        Unit of depth of all panels and its symbol; by default the shortest wavelength of each surface.
+    """
+    figure, axes = panels(columns=len(cases), height=66, width=PAGE if len(cases) > 1 else COLUMN)
+    densities = [_joint_density(case, unit or case.wavelength_short) for case in cases]
+    highest = max(density.max() for _, _, density in densities)
+    lowest = min(density.min() for _, _, density in densities)
+    norm = LogNorm(max(highest * SMALLEST_SHARE, lowest), highest)
+    widest = max(value[1:][density.any(axis=1)].max() for value, _, density in densities)
+    deepest = max(depth[1:][density.any(axis=0)].max() for _, depth, density in densities)
+    for axis, case, (value, depth, density) in zip(axes, cases, densities, strict=True):
+        image = axis.pcolormesh(value, depth, density.T, norm=norm, cmap="viridis_r", rasterized=True)
+        axis.set(xlabel=r"$\sigma_\mathrm{VM}^\mathrm{lmax} / E^* \bar{g}_r$", ylabel=f"depth $/ {symbol}$")
+        axis.set(xlim=(0, widest), ylim=(min(deepest, LARGEST_DISTANCE), 0))
+        axis.set_title(case.title, loc="center")
+    figure.colorbar(image, ax=axes, label="joint probability density")
+    return figure
+
+
+def _joint_density(case: Case, unit: float) -> tuple[Array, Array, np.ma.MaskedArray]:
+    """Edges of value and of depth in a unit, and the density of the von Mises peaks, masked where zero."""
+    peaks = case.peaks("von_mises")
+    value, depth = peaks["bin_edge"].values, peaks["depth_edge"].values / unit
+    counts = peaks["joint_counts"].values
+    area = np.diff(value)[:, None] * np.diff(depth)[None, :]
+    return value, depth, np.ma.masked_equal(counts / max(counts.sum(), 1) / area, 0)
+
+
+def decays(cases: Sequence[Case]) -> Figure:
+    """Eq. 22 along depth (a) and in the plane of the largest peak (b), over the variance in that plane."""
+    figure, (along_depth, in_plane) = panels()
+    for case in cases:
+        profiles, unit = case.profiles, case.wavelength_short
+        factor = 1 / float(profiles["scaled_covariance_plane"][0])
+        for axis, distance, name in (
+            (along_depth, "plane_depth", "scaled_covariance_depth"),
+            (in_plane, "lag", "scaled_covariance_plane"),
+        ):
+            curves = [factor * profiles[f"{name}{end}"].values for end in ("", "_low", "_high")]
+            _curve_with_band(axis, profiles[distance] / unit, *curves, label=case.title)
+    for axis in (along_depth, in_plane):
+        axis.axhline(0, color="k", lw=0.4)
+        axis.legend()
+    along_depth.set(
+        xlabel=r"depth $/ \lambda_s$",
+        ylabel=r"$G_\mathrm{VM}(z) / G_\mathrm{VM}(z_\mathrm{peak})$",
+        xlim=(0, LARGEST_DISTANCE),
+    )
+    in_plane.set(
+        xlabel=r"distance $/ \lambda_s$",
+        ylabel=r"$G_\mathrm{VM}(r) / G_\mathrm{VM}(0)$",
+        xlim=(0, LARGEST_DISTANCE),
+    )
+    return figure
+
+
+def _curve_with_band(axis: Axes, x: ArrayLike, values: Array, low: Array, high: Array, **look: Any) -> None:
+    """Draw a curve, and its confidence band if it has one."""
+    line = axis.plot(x, values, **look)[0]
+    if np.isfinite(low).all():
+        axis.fill_between(np.asarray(x), low, high, color=line.get_color(), alpha=0.25, lw=0)

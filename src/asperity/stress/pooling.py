@@ -1,0 +1,290 @@
+"""Statistics of the peaks, profiles and decays of one surface, pooled over its seeds, with their uncertainty.
+
+Each seed is scaled before it is pooled: stresses are divided by E* ḡ, where ḡ is the rms gradient of the
+deformed surface over the true contact of that seed. Scaled variables are named ``scaled_…``. Counts are
+kept beside densities, so that other bins need no new analysis.
+
+Bands are percentile intervals of the bootstrap (Efron 1979, doi 10.1214/aos/1176344552) over seeds: whole
+seeds are drawn with replacement, because peaks of one surface are not independent. With one seed the band
+is NaN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+import xarray as xr
+
+from asperity.stress.selection import SELECTIONS, peaks
+from asperity.stress.statistics import (
+    bin_edges,
+    decay_lengths,
+    joint_counts,
+    normalised,
+)
+from asperity.types import Array
+
+PERCENTS = (50.0, 90.0, 99.0, 99.9)
+"""Percentiles of the magnitude of the pooled peaks."""
+
+HIGHEST_SHARE = 0.1
+"""Share of the peaks that counts as the highest ones."""
+
+_PERCENTILE_BINS = 8192
+"""Bins in which percentiles of a resample are found; their error is a ten-thousandth of the largest peak."""
+
+_PROFILES = (
+    ("covariance_depth", 2, ("poisson", "plane")),
+    ("covariance_plane", 2, ("poisson", "lag")),
+    ("mean_von_mises", 1, ("poisson", "plane")),
+    ("largest_von_mises", 1, ("poisson", "plane")),
+)
+"""Profiles of an analysis: name, power of the stress that they are of, and dimensions."""
+
+
+def pool_peaks(
+    stresses: Sequence[xr.Dataset],
+    gradients: Sequence[float],
+    bins: int = 100,
+    resamples: int = 1000,
+    confidence: float = 0.95,
+    seed: int = 0,
+) -> xr.Dataset:
+    """Statistics of one surface over its seeds.
+
+    Parameters
+    ----------
+    stresses : sequence of datasets
+        Results of `asperity.stress.analysis.analyse_stress` with the same planes, quantities and Poisson's
+        ratios.
+    gradients : sequence of float
+        ḡ of each seed.
+    bins : int
+    resamples : int
+        Number of bootstrap resamples.
+    confidence : float
+        Share of the resamples within a band.
+    seed : int
+        Seed of the bootstrap.
+
+    Returns
+    -------
+    dataset
+        Along `bin` and `depth_bin`: densities of the peaks of all seeds, and counts. Along `percent`:
+        percentiles. Along `plane` and `lag`: covariances of Eq. 22 and depth profiles, means over seeds,
+        with the lengths over which the covariances fall to half. ``…_low`` and ``…_high`` bound a band.
+
+    Raises
+    ------
+    ValueError
+        If the analyses do not fit together or a setting is out of range.
+    """
+    stresses, scale = _checked(stresses, gradients, resamples, confidence)
+    bootstrap = _Bootstrap(len(stresses), resamples, confidence, seed)
+    first = stresses[0]
+    depth_edges = _depth_edges(first["plane_depth"].values)
+    return xr.Dataset(
+        _pooled_peaks(stresses, scale, depth_edges, bins, bootstrap)
+        | _pooled_profiles(stresses, scale, bootstrap),
+        coords={
+            "selection": list(SELECTIONS),
+            "quantity": first["quantity"].values,
+            "poisson": first["poisson"].values,
+            "percent": list(PERCENTS),
+            "lag": first["lag"].values,
+            "depth_edge": depth_edges,
+        },
+        attrs={"bootstrap_resamples": resamples, "bootstrap_confidence": confidence},
+    )
+
+
+def _checked(
+    stresses: Sequence[xr.Dataset], gradients: Sequence[float], resamples: int, confidence: float
+) -> tuple[list[xr.Dataset], Array]:
+    stresses, scale = list(stresses), np.asarray(gradients, dtype=float)
+    if not stresses or scale.shape != (len(stresses),):
+        raise ValueError(
+            f"gradients = {gradients!r}: one for each of the {len(stresses)} stresses (at least one)"
+        )
+    if not (np.all(np.isfinite(scale)) and np.all(scale > 0)):
+        raise ValueError(f"gradients = {gradients!r}: positive finite numbers are needed")
+    if resamples < 1:
+        raise ValueError(f"resamples = {resamples!r}: at least 1 is needed")
+    if not 0 < confidence < 1:
+        raise ValueError(f"confidence = {confidence!r}: a number between 0 and 1 is needed")
+    for name in ("quantity", "poisson", "plane_depth", "lag"):
+        if any(not np.array_equal(stress[name].values, stresses[0][name].values) for stress in stresses):
+            raise ValueError(f"stresses: all must have the same {name}")
+    return stresses, scale
+
+
+class _Bootstrap:
+    """Resamples of the seeds, the same for every number, and the bands that they give.
+
+    Parameters
+    ----------
+    seeds, resamples : int
+    confidence : float
+    seed : int
+        Of the random numbers.
+    """
+
+    def __init__(self, seeds: int, resamples: int, confidence: float, seed: int) -> None:
+        self._tail = (1 - confidence) / 2
+        self._all = np.ones((1, seeds))
+        # Number of times that each seed is drawn, (resamples, seeds).
+        draws = np.random.default_rng(seed).multinomial(seeds, np.full(seeds, 1 / seeds), resamples)
+        self._draws = draws.astype(float) if seeds > 1 else np.zeros((0, 1))
+
+    def banded(self, estimate: Callable[[Array, Array], Array], values: Array) -> Array:
+        """An estimate over all seeds and the ends of its band, (3, ...).
+
+        Parameters
+        ----------
+        estimate : callable
+            (resamples, seeds) weights and the values → (resamples, ...) estimates.
+        values : (seeds, ...) array
+        """
+        centre = estimate(self._all, values)[0]
+        if not len(self._draws):
+            return np.stack([centre, np.full_like(centre, np.nan), np.full_like(centre, np.nan)])
+        drawn = estimate(self._draws, values)
+        return np.stack([centre, *np.quantile(drawn, [self._tail, 1 - self._tail], axis=0)])
+
+
+def _pooled_peaks(
+    stresses: Sequence[xr.Dataset], scale: Array, depth_edges: Array, bins: int, bootstrap: _Bootstrap
+) -> dict[str, tuple]:
+    """Counts, densities, percentiles and median depths of the peaks."""
+    quantities = [str(name) for name in stresses[0]["quantity"].values]
+    ratios = stresses[0]["poisson"].values
+    shape = (len(SELECTIONS), len(quantities), ratios.size)
+    edges = np.stack([_quantity_edges(stresses, scale, name, bins) for name in quantities])
+    counts = np.zeros((len(stresses), *shape, bins), np.int64)
+    joint = np.zeros((*shape, bins, depth_edges.size - 1), np.int64)
+    density, percentiles = np.zeros((3, *shape, bins)), np.full((3, *shape, len(PERCENTS)), np.nan)
+    median_depth = np.full((2, *shape), np.nan)
+    for s, q, p in np.ndindex(shape):
+        chosen = [peaks(stress, quantities[q], float(ratios[p]), SELECTIONS[s]) for stress in stresses]
+        values = [found["peak_value"].values / g for found, g in zip(chosen, scale, strict=True)]
+        own = np.stack([np.histogram(v, edges[q])[0] for v in values])
+        counts[:, s, q, p] = own
+        for found, v in zip(chosen, values, strict=True):
+            joint[s, q, p] += joint_counts(v, found["peak_depth"].values, edges[q], depth_edges)
+        median_depth[:, s, q, p] = _median_depths(joint[s, q, p], depth_edges)
+        density[:, s, q, p] = bootstrap.banded(partial(_pooled_density, edges=edges[q]), own)
+        percentiles[:, s, q, p] = _percentiles(values, bootstrap)
+    kinds = ("selection", "quantity", "poisson")
+    return {
+        "bin_edge": (("quantity", "edge"), edges),
+        "peak_counts": (("seed", *kinds, "bin"), counts),
+        "joint_counts": ((*kinds, "bin", "depth_bin"), joint),
+        "median_depth": (kinds, median_depth[0]),
+        "median_depth_highest": (kinds, median_depth[1]),
+        **_with_bounds("peak_density", (*kinds, "bin"), density),
+        **_with_bounds("peak_percentile", (*kinds, "percent"), percentiles),
+    }
+
+
+def _quantity_edges(stresses: Sequence[xr.Dataset], scale: Array, quantity: str, bins: int) -> Array:
+    """Edges of the bins of one quantity, common to all seeds, selections and Poisson's ratios."""
+    values = [
+        peaks(stress, quantity, ratio)["peak_value"].values / gradient
+        for stress, gradient in zip(stresses, scale, strict=True)
+        for ratio in stress["poisson"].values
+    ]
+    return bin_edges(np.concatenate(values), bins)
+
+
+def _pooled_profiles(stresses: Sequence[xr.Dataset], scale: Array, bootstrap: _Bootstrap) -> dict[str, tuple]:
+    """Covariances and depth profiles, means over seeds, and the decay lengths of the mean covariances."""
+    result: dict[str, tuple] = {}
+    for name, power, dimensions in _PROFILES:
+        each = np.stack([s[name].values / g**power for s, g in zip(stresses, scale, strict=True)])
+        flat = bootstrap.banded(_mean, each.reshape(len(stresses), -1))
+        result |= _with_bounds(f"scaled_{name}", dimensions, flat.reshape(3, *each.shape[1:]))
+    depth, lag = stresses[0]["plane_depth"].values, stresses[0]["lag"].values
+    reference = np.stack([stress["reference_depth"].values for stress in stresses])
+    result |= _with_bounds("reference_depth", ("poisson",), bootstrap.banded(_mean, reference))
+    result["plane_depth"] = ("plane", depth)
+    lengths = [
+        decay_lengths(depth, along_depth, lag, in_plane, at)
+        for along_depth, in_plane, at in zip(
+            result["scaled_covariance_depth"][1],
+            result["scaled_covariance_plane"][1],
+            result["reference_depth"][1],
+            strict=True,
+        )
+    ]
+    for name, values in zip(("decay_length_depth", "decay_length_plane"), np.transpose(lengths), strict=True):
+        result[name] = ("poisson", values)
+    return result
+
+
+def _depth_edges(depths: Array) -> Array:
+    """Edges of the depth bins: the planes and the depths midway, since peaks are refined between planes."""
+    return np.sort(np.concatenate([depths, 0.5 * (depths[1:] + depths[:-1])]))
+
+
+def _median_depths(joint: Array, depth_edges: Array) -> tuple[float, float]:
+    """Median depth of all peaks and of the highest ones, from their counts by value and depth.
+
+    The highest peaks are those in the bins of the largest values that hold at most `HIGHEST_SHARE` of all.
+    Within a bin of depth peaks are taken to be distributed evenly.
+    """
+    above = np.cumsum(joint.sum(axis=1)[::-1])[::-1]
+    highest = above <= HIGHEST_SHARE * joint.sum()
+    return _median(joint.sum(axis=0), depth_edges), _median(joint[highest].sum(axis=0), depth_edges)
+
+
+def _median(counts: Array, edges: Array) -> float:
+    """Median of what is counted in bins; NaN if nothing is."""
+    total = counts.sum()
+    if not total:
+        return float("nan")
+    return float(np.interp(0.5, np.concatenate([[0.0], np.cumsum(counts)]) / total, edges))
+
+
+def _pooled_density(weights: Array, counts: Array, edges: Array) -> Array:
+    return normalised(weights @ counts, edges)
+
+
+def _mean(weights: Array, values: Array) -> Array:
+    return weights @ values / weights.sum(axis=1, keepdims=True)
+
+
+def _percentiles(values: Sequence[Array], bootstrap: _Bootstrap) -> Array:
+    """Percentiles of the magnitudes of all values, and their bands, (3, percents).
+
+    The percentiles are exact, those of the resamples are found in fine bins.
+    """
+    magnitudes = [np.abs(v) for v in values]
+    pooled = np.concatenate(magnitudes)
+    if not pooled.size:
+        return np.full((3, len(PERCENTS)), np.nan)
+    edges = np.linspace(0.0, max(pooled.max(), np.finfo(float).tiny), _PERCENTILE_BINS + 1)
+    counts = np.stack([np.histogram(m, edges)[0] for m in magnitudes])
+    shares = np.array(PERCENTS) / 100
+
+    def estimate(weights: Array, counts: Array) -> Array:
+        # One resample after the other: all at once would take 130 MB.
+        cumulative = (np.cumsum(drawn @ counts) for drawn in weights)
+        found = [
+            np.interp(shares, line / max(line[-1], 1.0), edges[1:], left=edges[0]) for line in cumulative
+        ]
+        return np.array(found)
+
+    banded = bootstrap.banded(estimate, counts)
+    banded[0] = np.percentile(pooled, PERCENTS)
+    return banded
+
+
+def _with_bounds(name: str, dimensions: tuple[str, ...], values: Array) -> dict[str, tuple]:
+    """Variables of an estimate and the ends of its band, from (3, ...) values."""
+    return {
+        name: (dimensions, values[0]),
+        f"{name}_low": (dimensions, values[1]),
+        f"{name}_high": (dimensions, values[2]),
+    }
