@@ -71,8 +71,8 @@ SI_UNITS = "SI"
 
 UNIT_SYSTEMS = {
     STUDY_UNITS: UNITS,
-    SI_UNITS: "Units: m, Pa and N; scaled_stress is the effective modulus E/(1 - nu^2) times the rms gradient of the "
-    "deformed surface over the true contact.",
+    SI_UNITS: "Units: m, Pa and N; scaled_stress is the effective modulus E/(1 - nu^2) times the rms "
+    "gradient of the deformed surface over the true contact.",
 }
 """Values of the attribute ``unit_system`` of a file, and what the names of its units mean."""
 
@@ -162,8 +162,8 @@ VARIABLES: dict[str, Variable] = {
         "1",
         "quantity whose peaks were sought",
         "pressure: contact pressure; von_mises: von Mises stress; xx, yy, zz, yz, xz, xy: stress components; "
-        "largest_shear: half the difference of the largest and smallest principal stress; hydrostatic: mean of "
-        "the normal stresses; principal_1, principal_2, principal_3: principal stresses, the largest first",
+        "largest_shear: half the difference of largest and smallest principal stress; hydrostatic: mean of "
+        "the normal stresses; principal_1, principal_2, principal_3: principal stresses, largest first",
     ),
     "poisson": Variable("1", "Poisson's ratio"),
     "lag": Variable(_LENGTH, "distance between two points of the plane"),

@@ -26,6 +26,7 @@ from asperity.stress.arguments import (
     checked_names,
     checked_nodes,
     checked_ratios,
+    checked_sliding,
     checked_threads,
     checked_tolerance,
 )
@@ -60,6 +61,8 @@ def analyse_stress(
     threads: int = 1,
     progress: Progress | None = None,
     work: Work | None = None,
+    friction: float = 0.0,
+    sliding_direction: str | float = "x",
 ) -> xr.Dataset:
     """Peaks, depth profile and covariances of the stress under a contact.
 
@@ -69,11 +72,11 @@ def analyse_stress(
         A `Contact`, or a `PressedSolid` with any finite pressure.
     depths : (planes,) array, optional
         Rising from 0, the surface; by default those of `depth_grid`, down to the bottom of the layer.
-    poisson, tolerance, threads, work
+    poisson, tolerance, threads, work, friction, sliding_direction
         As for `stress_planes`.
     quantities : names
-        Quantities whose peaks are sought: any of ``xx, yy, zz, yz, xz, xy, von_mises``, above their 26
-        neighbours in the solid, and ``pressure``, above its 8 neighbours in the surface.
+        Quantities whose peaks are sought: any field of `stress_planes`, above its 26 neighbours in the solid,
+        and ``pressure``, above its 8 neighbours in the surface.
     floor : float
         Peaks below `floor` times the root mean square of σ_zz of their plane are left out: most of them
         are ripples of the interpolated pressure between the nodes, away from the contacts.
@@ -83,10 +86,11 @@ def analyse_stress(
     Returns
     -------
     dataset
-        Stresses in the unit of the contact pressure. Along `peak`, one entry for each peak of each quantity and Poisson's ratio:
-        `asperity.peaks` selects from them. Along `plane`, the mean and largest von Mises stress, and the
-        covariance with the plane of the largest. Along `lag`, the covariance in that plane. The attribute
-        ``effective_modulus`` is E* in the same unit.
+        Stresses in the unit of the contact pressure. Along `peak`, one entry for each peak of each quantity
+        and Poisson's ratio: `asperity.peaks` selects from them. Along `plane`, the mean and largest von Mises
+        stress, and the covariance with the plane of the largest. Along `lag`, the covariance in that plane.
+        The attribute ``effective_modulus`` is E* in the same unit, ``friction`` and ``sliding_direction`` are
+        the arguments.
 
     Raises
     ------
@@ -104,7 +108,10 @@ def analyse_stress(
         floor=checked_floor(floor),
         threads=checked_threads(threads),
         work=Work() if work is None else work,
+        friction=friction,
+        sliding_direction=sliding_direction,
     )
+    checked_sliding(friction, sliding_direction, contact.layer)
     if settings.depths[0] != 0:
         raise ValueError(f"depths[0] = {settings.depths[0]:g}: 0, the surface, is needed")
     checked_nodes(contact.grid)
@@ -124,6 +131,8 @@ class _Settings:
     floor: float
     threads: int
     work: Work
+    friction: float
+    sliding_direction: str | float
 
 
 class _PeakSearch:
@@ -237,6 +246,8 @@ class _StressAnalysis:
             settings.tolerance,
             settings.threads,
             settings.work,
+            friction=settings.friction,
+            sliding_direction=settings.sliding_direction,
         )
 
     def _add(self, number: int, plane: LinearPlane, pool: ThreadPoolExecutor) -> None:
@@ -285,4 +296,8 @@ def _dataset(analysis: _StressAnalysis) -> xr.Dataset:
         "lag": lag,
     }
     found = peak_dataset(analysis.peaks, contact).assign(variables).assign_coords(coordinates)
-    return found.assign_attrs(effective_modulus=contact.layer.effective_modulus)
+    return found.assign_attrs(
+        effective_modulus=contact.layer.effective_modulus,
+        friction=float(settings.friction),
+        sliding_direction=settings.sliding_direction,
+    )

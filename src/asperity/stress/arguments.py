@@ -17,7 +17,10 @@ from asperity.spectral import REAL_TYPES, Grid
 from asperity.stress.pressed import ContactLike
 from asperity.types import Array
 
-FIELDS = (*COMPONENTS, "von_mises")
+MEASURES = ("von_mises", "largest_shear", "principal_1", "principal_2", "principal_3")
+"""Names of the fields that need all six components of the stress."""
+
+FIELDS = (*COMPONENTS, *MEASURES, "hydrostatic")
 """Names of the fields of the stress."""
 
 MAX_PLANES = 10_000
@@ -25,6 +28,8 @@ MAX_PLANES = 10_000
 
 MAX_RATIOS = 1000
 """Most Poisson's ratios of one stream: steps of 0.0015 over the whole range from −1 to 0.5."""
+
+_DIRECTIONS = '"x", "y" or an angle in degrees from x towards y'
 
 SAME_RATIO = 1e-9
 """Poisson's ratios that differ by less are the same: room for numbers such as 0.1 + 0.2."""
@@ -168,6 +173,27 @@ def checked_ratios(poisson: float | Sequence[float] | None, layer: Layer) -> lis
             "height, because the pressure depends on it"
         )
     return ratios
+
+
+def checked_sliding(friction: Any, direction: Any, layer: Layer) -> tuple[float, float]:
+    """Shear traction over pressure along x and y."""
+    friction = checked_number("friction", friction, "a finite number ≥ 0", lambda value: value >= 0)
+    if isinstance(direction, str):
+        degrees = {"x": 0.0, "y": 90.0}.get(direction)
+        if degrees is None:
+            raise ValueError(f"sliding_direction = {_told(direction)}: {_DIRECTIONS} is needed")
+    else:
+        degrees = checked_number("sliding_direction", direction, _DIRECTIONS, lambda value: True)
+    if friction and layer.height is not None:
+        raise ValueError(
+            f"friction = {friction:g}: 0 is needed in a layer of finite height; the stress under a shear "
+            "traction is available for the half-space"
+        )
+    if degrees % 90 == 0:  # exact zeros
+        cosine, sine = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(degrees % 360) // 90]
+    else:
+        cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return float(friction * cosine), float(friction * sine)
 
 
 def checked_ratio(poisson: float | None, known: Sequence[float]) -> float:

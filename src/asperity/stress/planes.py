@@ -4,14 +4,29 @@ At depth d a mode of the contact pressure with wavenumber q has decayed to (1 + 
 value, so a deep plane is smooth and a coarse grid holds it (`asperity.stress.truncation`). `stress_planes`
 streams named fields of the stress; `linear_planes` streams the parts from which they are made.
 
-Conventions: `depth` is measured downward from the surface, tension is positive, stresses are in the unit of the
-contact pressure, which is that of Young's modulus. Components are named ``xx, yy, zz, yz, xz, xy``.
+Conventions: `depth` is measured downward from the surface, tension is positive, stresses are in the unit of
+the contact pressure, which is that of Young's modulus. The names of the fields:
+
+- ``xx, yy, zz, yz, xz, xy``: the components;
+- ``von_mises``: the equivalent stress of von Mises;
+- ``largest_shear``: half the difference of the largest and smallest principal stress (Tresca);
+- ``hydrostatic``: the mean of the three normal stresses;
+- ``principal_1, principal_2, principal_3``: the principal stresses, the largest (most tensile) first.
 
 Poisson's ratio
 ---------------
 In a half-space the stress is A + ν B with fields A and B that do not depend on ν (only the uniform mode adds
-a term in ν/(1 − ν)), and neither does the contact pressure over E* = E/(1 − ν²). At most eight inverse transforms a plane
-therefore serve every Poisson's ratio. A layer of finite height has the ν of its contact only.
+a term in ν/(1 − ν)), and neither does the contact pressure over E* = E/(1 − ν²). At most eight inverse
+transforms a plane therefore serve every Poisson's ratio. A layer of finite height has the ν of its contact
+only.
+
+Sliding
+-------
+With ``friction`` μ > 0 the solid also bears the shear traction t = μ p along ``sliding_direction``: full
+sliding, with the traction on this solid in the direction in which the other body moves over it. The pressure
+stays that of the contact without friction. This is exact if both bodies have equal elastic constants or are
+incompressible, and against a rigid body if ν = 1/2; otherwise the effect of the traction on the pressure is
+neglected. The uniform mode of the traction is σ_xz = t̄_x, σ_yz = t̄_y at every depth (z upward).
 
 Precision
 ---------
@@ -32,10 +47,12 @@ from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.spectral import Fourier, Grid, Work, resample
 from asperity.stress.arguments import (
     FIELDS,
+    MEASURES,
     checked_contact,
     checked_depths,
     checked_names,
     checked_ratios,
+    checked_sliding,
     checked_threads,
     checked_tolerance,
 )
@@ -44,12 +61,21 @@ from asperity.stress.kernels import (
     PlaneKernels,
     Slopes,
     Wavevectors,
+    add_sliding_stress,
     combine,
     mode_stress,
     von_mises,
 )
 from asperity.stress.pressed import ContactLike
-from asperity.stress.truncation import Truncation
+from asperity.stress.principal import (
+    LARGEST_SHEAR,
+    PRINCIPAL_1,
+    PRINCIPAL_2,
+    PRINCIPAL_3,
+    fill_hydrostatic,
+    fill_measure,
+)
+from asperity.stress.truncation import Truncation, envelope_of
 from asperity.types import Array, Progress
 
 SINGLE_PRECISION_TOLERANCE = 3e-5
@@ -58,6 +84,15 @@ square."""
 
 SINGLE_PRECISION_PRESSURES = (1e-10, 1e15)
 """Largest pressures for which single precision will do: squares of stresses stay within it."""
+
+
+_KINDS = {
+    "largest_shear": LARGEST_SHEAR,
+    "principal_1": PRINCIPAL_1,
+    "principal_2": PRINCIPAL_2,
+    "principal_3": PRINCIPAL_3,
+}
+_NORMAL = ("xx", "yy", "zz")
 
 
 @dataclass(frozen=True)
@@ -131,10 +166,16 @@ class LinearPlane:
         ratio = poisson if self.slope else 0.0
         uniform = self.lateral[poisson]
         flat = out.reshape(-1)
-        if name == "von_mises":
+        if name in MEASURES:
             parts = Components(*(constant[component].reshape(-1) for component in COMPONENTS))
             slopes = Slopes(slope["xx"].reshape(-1), slope["xy"].reshape(-1))
-            von_mises(parts, slopes, ratio, uniform, self.mean_pressure, flat)
+            if name == "von_mises":
+                von_mises(parts, slopes, ratio, uniform, self.mean_pressure, flat)
+            else:
+                fill_measure(_KINDS[name], parts, slopes, ratio, uniform, self.mean_pressure, flat)
+        elif name == "hydrostatic":
+            normal = (constant[component].reshape(-1) for component in _NORMAL)
+            fill_hydrostatic(*normal, ratio, self.mean_pressure, uniform, flat)
         elif name in ("xx", "yy"):
             own = slope[name] if name in slope else self._slope_yy()
             combine(constant[name].reshape(-1), own.reshape(-1), ratio, uniform, flat)
@@ -168,6 +209,9 @@ def stress_planes(
     threads: int = 1,
     progress: Progress | None = None,
     work: Work | None = None,
+    *,
+    friction: float = 0.0,
+    sliding_direction: str | float = "x",
 ) -> Iterator[StressPlane]:
     """Stream fields of the stress, one plane at a time.
 
@@ -181,7 +225,7 @@ def stress_planes(
         Poisson's ratios, on the half-space any number at once; by default that of the contact. In a layer
         of finite height only that of the contact, on which its pressure depends.
     fields : names
-        Any of ``xx, yy, zz, yz, xz, xy, von_mises``. Only what they need is computed.
+        Any of those in the description of the module. Only what they need is computed.
     tolerance : float
         Largest error of any field at any node where a plane is computed on a coarser grid, relative to the
         root mean square of σ_zz in that plane. 0 computes every plane on the grid of the contact.
@@ -191,6 +235,10 @@ def stress_planes(
         Called as progress(done, total) after each plane; planes count by their nodes.
     work : Work, optional
         Where the transforms are counted.
+    friction : float
+        Coefficient of friction μ ≥ 0: the shear traction is μ times the pressure. Half-space only.
+    sliding_direction : "x", "y" or float
+        Direction of the traction on this solid; a number is an angle in degrees from x towards y.
 
     Yields
     ------
@@ -202,7 +250,17 @@ def stress_planes(
         If an argument is out of range.
     """
     names = checked_names("fields", fields, FIELDS)
-    planes = linear_planes(contact, depths, poisson, names, tolerance, threads, work)
+    planes = linear_planes(
+        contact,
+        depths,
+        poisson,
+        names,
+        tolerance,
+        threads,
+        work,
+        friction=friction,
+        sliding_direction=sliding_direction,
+    )
     return _named_fields(planes, checked_ratios(poisson, contact.layer), names, progress)
 
 
@@ -228,6 +286,9 @@ def linear_planes(
     tolerance: float = 1e-6,
     threads: int = 1,
     work: Work | None = None,
+    *,
+    friction: float = 0.0,
+    sliding_direction: str | float = "x",
 ) -> Iterator[LinearPlane]:
     """Stream the parts A and B of the stress, one plane at a time; arguments as for `stress_planes`."""
     pressure, largest = checked_contact(contact)
@@ -244,13 +305,19 @@ def linear_planes(
         dtype="float32" if single else "float64",
         threads=checked_threads(threads),
         work=Work() if work is None else work,
+        traction=checked_sliding(friction, sliding_direction, contact.layer),
     )
     return stream.planes(pressure)
 
 
 def _components_for(fields: Sequence[str]) -> tuple[str, ...]:
     """Components from which the fields follow, in the order of `COMPONENTS`."""
-    return tuple(name for name in COMPONENTS if name in fields or "von_mises" in fields)
+    needed = set(fields)
+    if needed.intersection(MEASURES):
+        return COMPONENTS
+    if "hydrostatic" in needed:
+        needed.update(_NORMAL)
+    return tuple(name for name in COMPONENTS if name in needed)
 
 
 class _Part(NamedTuple):
@@ -274,12 +341,14 @@ class _PlaneStream:
     dtype: str
     threads: int
     work: Work
+    traction: tuple[float, float]
 
     def planes(self, pressure: Array) -> Iterator[LinearPlane]:
         """The planes under a pressure, from the surface downward."""
         fourier = Fourier(self.grid, threads=self.threads, work=self.work)
         modes = fourier.forward(pressure)
-        truncation = Truncation(modes, self.grid, self.layer, self.tolerance)
+        envelope = envelope_of(self.layer, min(self.ratios), float(np.hypot(*self.traction)))
+        truncation = Truncation(modes, self.grid, self.layer, self.tolerance, envelope)
         plan = [truncation.choose(depth) for depth in self.depths]
         done = np.cumsum([grid.size for grid, _ in plan], dtype=float)
         done /= done[-1]
@@ -293,7 +362,8 @@ class _PlaneStream:
             for depth, (grid, bound), share in zip(self.depths, plan, done, strict=True):
                 if grid.shape != coarse.shape:
                     coarse, coefficients = grid, resample(modes, self.grid, grid)
-                transform = _PlaneTransform(coefficients, Fourier(coarse, self.dtype), self.layer, depth)
+                fourier = Fourier(coarse, self.dtype)
+                transform = _PlaneTransform(coefficients, fourier, self.layer, depth, self.traction)
                 fields = list(pool.map(transform, constants + slopes))
                 self.work.nodes += len(fields) * coarse.size
                 constant = {part.component: field for part, field in zip(constants, fields, strict=False)}
@@ -320,23 +390,22 @@ class _PlaneStream:
 class _PlaneTransform:
     """Transforms linear parts of the stress in one plane from the coefficients of the pressure."""
 
-    def __init__(self, pressure: Array, fourier: Fourier, layer: Layer, depth: float) -> None:
+    def __init__(
+        self, pressure: Array, fourier: Fourier, layer: Layer, depth: float, traction: tuple[float, float]
+    ) -> None:
         grid = fourier.grid
         kernels = layer.grid_kernels(grid, depth, fourier.real)
-        self._pressure, self._fourier = pressure, fourier
+        self._pressure, self._fourier, self._traction = pressure, fourier, traction
         self._kernels = PlaneKernels(kernels.normal, kernels.longitudinal, kernels.shear)
         self._wavevectors = Wavevectors(grid.qx, grid.qy, grid.odd_qx, grid.odd_qy)
 
     def __call__(self, part: _Part) -> Array:
         """The field of one part, (ny, nx)."""
         coefficients = np.empty(self._fourier.grid.half_shape, self._fourier.complex)
-        mode_stress(
-            COMPONENTS.index(part.component),
-            part.constant,
-            part.slope,
-            self._pressure,
-            self._kernels,
-            self._wavevectors,
-            coefficients,
-        )
+        kind = COMPONENTS.index(part.component), part.constant, part.slope
+        mode_stress(*kind, self._pressure, self._kernels, self._wavevectors, coefficients)
+        if any(self._traction):
+            add_sliding_stress(
+                *kind, *self._traction, self._pressure, self._kernels, self._wavevectors, coefficients
+            )
         return self._fourier.inverse(coefficients, overwrite=True)
