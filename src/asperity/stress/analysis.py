@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 from asperity.spectral import Work
 from asperity.stress.arguments import (
     FIELDS,
+    boundary_of,
     checked_contact,
     checked_depths,
     checked_floor,
@@ -115,7 +116,9 @@ def analyse_stress(
     if settings.depths[0] != 0:
         raise ValueError(f"depths[0] = {settings.depths[0]:g}: 0, the surface, is needed")
     checked_nodes(contact.grid)
-    analysis = _StressAnalysis(PressedSolid(pressure, contact.grid, contact.layer), settings)
+    analysis = _StressAnalysis(
+        PressedSolid(pressure, contact.grid, contact.layer, boundary_of(contact)), settings
+    )
     analysis.run(progress)
     return _dataset(analysis)
 

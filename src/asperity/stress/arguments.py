@@ -23,6 +23,9 @@ MEASURES = ("von_mises", "largest_shear", "principal_1", "principal_2", "princip
 FIELDS = (*COMPONENTS, *MEASURES, "hydrostatic")
 """Names of the fields of the stress."""
 
+BOUNDARIES = ("periodic", "free")
+"""The cell of the contact repeats sideways, or lies alone on a half-space."""
+
 MAX_PLANES = 10_000
 """Most planes of one stream. `depth_grid` makes about sixty; 8192 are half a spacing apart at 4096²."""
 
@@ -173,6 +176,16 @@ def checked_ratios(poisson: float | Sequence[float] | None, layer: Layer) -> lis
             "height, because the pressure depends on it"
         )
     return ratios
+
+
+def boundary_of(contact: ContactLike) -> str:
+    """The boundary of a contact, "periodic" if it does not say."""
+    boundary = getattr(contact, "boundary", "periodic")
+    if boundary not in BOUNDARIES:
+        raise ValueError(f"contact.boundary = {_told(boundary)}: one of {', '.join(BOUNDARIES)} is needed")
+    if boundary == "free" and contact.layer.height is not None:
+        raise ValueError("contact.boundary = 'free': a half-space is needed, the solid is a layer")
+    return str(boundary)
 
 
 def checked_sliding(friction: Any, direction: Any, layer: Layer) -> tuple[float, float]:

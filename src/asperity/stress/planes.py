@@ -38,7 +38,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -48,6 +48,7 @@ from asperity.spectral import Fourier, Grid, Work, resample
 from asperity.stress.arguments import (
     FIELDS,
     MEASURES,
+    boundary_of,
     checked_contact,
     checked_depths,
     checked_names,
@@ -56,6 +57,7 @@ from asperity.stress.arguments import (
     checked_threads,
     checked_tolerance,
 )
+from asperity.stress.free_boundary import FreePlanes
 from asperity.stress.kernels import (
     Components,
     PlaneKernels,
@@ -66,6 +68,7 @@ from asperity.stress.kernels import (
     mode_stress,
     von_mises,
 )
+from asperity.stress.parts import Part
 from asperity.stress.pressed import ContactLike
 from asperity.stress.principal import (
     LARGEST_SHEAR,
@@ -174,8 +177,8 @@ class LinearPlane:
             else:
                 fill_measure(_KINDS[name], parts, slopes, ratio, uniform, self.mean_pressure, flat)
         elif name == "hydrostatic":
-            normal = (constant[component].reshape(-1) for component in _NORMAL)
-            fill_hydrostatic(*normal, ratio, self.mean_pressure, uniform, flat)
+            xx, yy, zz = (constant[component].reshape(-1) for component in _NORMAL)
+            fill_hydrostatic(xx, yy, zz, ratio, self.mean_pressure, uniform, flat)
         elif name in ("xx", "yy"):
             own = slope[name] if name in slope else self._slope_yy()
             combine(constant[name].reshape(-1), own.reshape(-1), ratio, uniform, flat)
@@ -306,6 +309,7 @@ def linear_planes(
         threads=checked_threads(threads),
         work=Work() if work is None else work,
         traction=checked_sliding(friction, sliding_direction, contact.layer),
+        boundary=boundary_of(contact),
     )
     return stream.planes(pressure)
 
@@ -318,14 +322,6 @@ def _components_for(fields: Sequence[str]) -> tuple[str, ...]:
     if "hydrostatic" in needed:
         needed.update(_NORMAL)
     return tuple(name for name in COMPONENTS if name in needed)
-
-
-class _Part(NamedTuple):
-    """A linear part of the stress: `constant` times A plus `slope` times B of one component."""
-
-    component: str
-    constant: float
-    slope: float
 
 
 @dataclass(frozen=True)
@@ -342,30 +338,23 @@ class _PlaneStream:
     threads: int
     work: Work
     traction: tuple[float, float]
+    boundary: str
 
     def planes(self, pressure: Array) -> Iterator[LinearPlane]:
         """The planes under a pressure, from the surface downward."""
-        fourier = Fourier(self.grid, threads=self.threads, work=self.work)
-        modes = fourier.forward(pressure)
-        envelope = envelope_of(self.layer, min(self.ratios), float(np.hypot(*self.traction)))
-        truncation = Truncation(modes, self.grid, self.layer, self.tolerance, envelope)
-        plan = [truncation.choose(depth) for depth in self.depths]
-        done = np.cumsum([grid.size for grid, _ in plan], dtype=float)
+        source = self._source(pressure)
+        done = np.cumsum([grid.size for grid, _ in source.plan], dtype=float)
         done /= done[-1]
-        mean = float(modes[0, 0].real)
+        mean = source.mean_pressure
         lateral = {
             nu: mean * float(replace(self.layer, poisson=nu).uniform_stress()[0]) for nu in self.ratios
         }
         constants, slopes = self._parts()
-        coarse, coefficients = self.grid, modes
         with ThreadPoolExecutor(self.threads) as pool:
-            for depth, (grid, bound), share in zip(self.depths, plan, done, strict=True):
-                if grid.shape != coarse.shape:
-                    coarse, coefficients = grid, resample(modes, self.grid, grid)
-                fourier = Fourier(coarse, self.dtype)
-                transform = _PlaneTransform(coefficients, fourier, self.layer, depth, self.traction)
+            for depth, (grid, bound), share in zip(self.depths, source.plan, done, strict=True):
+                transform = source.transform(depth, grid)
                 fields = list(pool.map(transform, constants + slopes))
-                self.work.nodes += len(fields) * coarse.size
+                self.work.nodes += len(fields) * grid.size
                 constant = {part.component: field for part, field in zip(constants, fields, strict=False)}
                 slope = {
                     part.component: field
@@ -373,18 +362,64 @@ class _PlaneStream:
                 }
                 # No field is kept while the next plane is computed.
                 del fields, transform
-                yield LinearPlane(float(depth), coarse, bound, constant, slope, mean, lateral, float(share))
+                yield LinearPlane(float(depth), grid, bound, constant, slope, mean, lateral, float(share))
                 del constant, slope
 
-    def _parts(self) -> tuple[list[_Part], list[_Part]]:
+    def _source(self, pressure: Array) -> _PeriodicPlanes | FreePlanes:
+        """Where the parts of the stress come from."""
+        envelope = envelope_of(self.layer, min(self.ratios), float(np.hypot(*self.traction)))
+        arguments = self.grid, self.layer, self.depths, self.tolerance, envelope, self.traction
+        if self.boundary == "free":
+            return FreePlanes(pressure, *arguments, self.threads, self.work)
+        fourier = Fourier(self.grid, threads=self.threads, work=self.work)
+        return _PeriodicPlanes(fourier.forward(pressure), *arguments, self.dtype)
+
+    def _parts(self) -> tuple[list[Part], list[Part]]:
         """The parts to transform: A and B for several Poisson's ratios, A + ν B for one."""
         if len(self.ratios) == 1:
-            return [_Part(name, 1.0, self.ratios[0]) for name in self.components], []
+            return [Part(name, 1.0, self.ratios[0]) for name in self.components], []
         sloping = ("xx", "xy") if self.components == COMPONENTS else ("xx", "yy", "xy")
         return (
-            [_Part(name, 1.0, 0.0) for name in self.components],
-            [_Part(name, 0.0, 1.0) for name in self.components if name in sloping],
+            [Part(name, 1.0, 0.0) for name in self.components],
+            [Part(name, 0.0, 1.0) for name in self.components if name in sloping],
         )
+
+
+class _PeriodicPlanes:
+    """Transforms of linear parts of the stress under a periodic pressure.
+
+    Attributes
+    ----------
+    plan : list of (Grid, float)
+        Grid and bound of the error of each plane.
+    mean_pressure : float
+    """
+
+    def __init__(
+        self,
+        modes: Array,
+        grid: Grid,
+        layer: Layer,
+        depths: Array,
+        tolerance: float,
+        envelope: float,
+        traction: tuple[float, float],
+        dtype: str,
+    ) -> None:
+        self._modes, self._grid, self._layer = modes, grid, layer
+        self._traction, self._dtype = traction, dtype
+        self._coarse = grid, modes
+        truncation = Truncation(modes, grid, layer, tolerance, envelope)
+        self.plan = [truncation.choose(depth) for depth in depths]
+        self.mean_pressure = float(modes[0, 0].real)
+
+    def transform(self, depth: float, grid: Grid) -> Callable[[Part], Array]:
+        """Function that returns the field of a linear part of the stress in one plane, on `grid`."""
+        if grid.shape != self._coarse[0].shape:
+            self._coarse = grid, resample(self._modes, self._grid, grid)
+        coarse, coefficients = self._coarse
+        fourier = Fourier(coarse, self._dtype)
+        return _PlaneTransform(coefficients, fourier, self._layer, depth, self._traction)
 
 
 class _PlaneTransform:
@@ -399,7 +434,7 @@ class _PlaneTransform:
         self._kernels = PlaneKernels(kernels.normal, kernels.longitudinal, kernels.shear)
         self._wavevectors = Wavevectors(grid.qx, grid.qy, grid.odd_qx, grid.odd_qy)
 
-    def __call__(self, part: _Part) -> Array:
+    def __call__(self, part: Part) -> Array:
         """The field of one part, (ny, nx)."""
         coefficients = np.empty(self._fourier.grid.half_shape, self._fourier.complex)
         kind = COMPONENTS.index(part.component), part.constant, part.slope

@@ -40,6 +40,8 @@ class Truncation:
         Largest error relative to the root mean square of σ_zz in the plane; 0 keeps the grid.
     envelope : float
         The constant K.
+    grids : sequence of Grid, optional
+        Coarser grids of the same cell, by default `coarser_grids`.
 
     Attributes
     ----------
@@ -47,8 +49,16 @@ class Truncation:
         Grids to choose from, finest first.
     """
 
-    def __init__(self, pressure: Array, grid: Grid, layer: Layer, tolerance: float, envelope: float) -> None:
-        self.grids = coarser_grids(grid)
+    def __init__(
+        self,
+        pressure: Array,
+        grid: Grid,
+        layer: Layer,
+        tolerance: float,
+        envelope: float,
+        grids: Sequence[Grid] | None = None,
+    ) -> None:
+        self.grids = coarser_grids(grid) if grids is None else [grid, *grids]
         self.tolerance = tolerance
         self._layer = layer
         self._envelope = envelope
@@ -64,6 +74,7 @@ class Truncation:
         flat = (last * rings + ring).ravel()
         amount = np.bincount(flat, amplitude.ravel(), len(self.grids) * rings).reshape(-1, rings)
         self._dropped = np.cumsum(amount, axis=0) - amount
+        self._kept = amount.sum(axis=0) - self._dropped
 
     def scale(self, depth: float) -> float:
         """Root mean square of σ_zz at `depth`, from the spectrum, or a little less.
@@ -89,7 +100,7 @@ class Truncation:
 
 
 def envelope_of(layer: Layer, poisson: float, friction: float = 0.0) -> float:
-    """The constant K for all ratios ≥ `poisson`, under a pressure and a shear traction `friction` times it."""
+    """The constant K for all ratios ≥ `poisson`, under pressure and a shear traction `friction` times it."""
     lateral = 1 - 2 * poisson
     pressure = max(np.sqrt(3.0), lateral) * (1.0 if layer.height is None else 2.0)
     return float(pressure + friction * max(np.sqrt(5.0), np.sqrt(3.0 + lateral**2)))
