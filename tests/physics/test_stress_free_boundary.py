@@ -32,7 +32,7 @@ def ellipse(a, b, shape, length):
 
 @pytest.mark.parametrize("friction", [0.0, 0.1, 0.5])
 def test_sphere_at_rest_and_sliding_against_hertz_and_hamilton_and_goodman(friction):
-    """All components at every node of the map, at five depths; the error is that of the pixels, of order h²."""
+    """All components at every node, at five depths; the error is that of the pixels, of order h²."""
     radius, errors = 0.3, []
     sphere = SlidingSphere(Hertz(radius, curvature_radius=2 / np.pi * radius), friction)
     for points in (48, 96):

@@ -3,8 +3,8 @@
 Source: A. E. H. Love, Phil. Trans. R. Soc. A 228 (1929) 377, DOI 10.1098/rsta.1929.0009, for the pressure;
 for the traction, Cerruti's solution (K. L. Johnson, Contact Mechanics, Cambridge University Press, 1985,
 section 3.2), integrated in the same way. With z the depth, ρ = √(X² + Y² + z²), and X, Y the distances to a
-corner, every component is a sum over the four corners, with alternating signs, of primitives F(X, Y). The potentials
-V = ∫∫ dS/ρ, χ = ∫∫ ln(z + ρ) dS and φ2 = ∫∫ (z ln(z + ρ) − ρ) dS have the primitives
+corner, every component is a sum over the four corners, with alternating signs, of primitives F(X, Y). The
+potentials V = ∫∫ dS/ρ, χ = ∫∫ ln(z + ρ) dS and φ2 = ∫∫ (z ln(z + ρ) − ρ) dS have the primitives
 
     V,z    −atan(X Y/(z ρ))          V,xx   −X Y/(ρ (X² + z²))       V,xz   −z Y/(ρ (X² + z²))
     V,xy   1/ρ                       V,x    asinh(Y/√(X² + z²))      χ,xx   atan(X Y (ρ − z)/(X² ρ + Y² z))

@@ -16,7 +16,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from asperity.elasticity.layer import COMPONENTS
 from asperity.stress.arguments import (
     FIELDS,
     boundary_of,
@@ -86,8 +85,9 @@ class StressBox:
         size = 8 * len(self.fields) * int(np.prod(shape))
         if size > LARGEST_DATASET:
             raise ValueError(
-                f"box of {self.depth.size} × {self.y.size} × {self.x.size} nodes: {size / 2**30:.1f} GiB, at most "
-                f"{LARGEST_DATASET / 2**30:g} GiB are accepted; take fewer nodes, or one plane at a time by planes()"
+                f"box of {self.depth.size} × {self.y.size} × {self.x.size} nodes: {size / 2**30:.1f} GiB, at "
+                f"most {LARGEST_DATASET / 2**30:g} GiB are accepted; take fewer nodes, or one plane "
+                "at a time by planes()"
             )
         values = {name: np.empty(shape) for name in self.fields}
         for number, plane in enumerate(self.planes()):
@@ -136,14 +136,10 @@ def stress_box(
     """
     checked_contact(contact)
     names = checked_names("fields", fields, FIELDS)
-    axes = [
-        _positions(name, extent, contact, number, spacing)
-        for number, (name, extent) in enumerate(_named(y, x))
-    ]
     return StressBox(
         depth=checked_depths(depths, contact),
-        y=axes[0],
-        x=axes[1],
+        y=_positions("y", y, contact, 0, spacing),
+        x=_positions("x", x, contact, 1, spacing),
         poisson=tuple(checked_ratios(poisson, contact.layer)),
         fields=names,
         _contact=contact,
@@ -196,14 +192,9 @@ def stress_section(
     at = checked_number("at", at, f"a position from 0 to {length:g}", lambda value: 0 <= value <= length)
     if depths is None:
         depths = depth_grid(contact.grid, contact.layer.height)
-    line = (at, at)
-    extent = {"y": line} if along == "x" else {"x": line}
-    box = stress_box(contact, depths, fields=fields, poisson=poisson, **extent, **settings)
+    y, x = ((at, at), None) if along == "x" else (None, (at, at))
+    box = stress_box(contact, depths, y, x, fields, poisson, **settings)
     return box.dataset().isel({"y" if along == "x" else "x": 0})
-
-
-def _named(y: Any, x: Any) -> tuple[tuple[str, Any], tuple[str, Any]]:
-    return ("y", y), ("x", x)
 
 
 def _positions(name: str, extent: Any, contact: ContactLike, axis: int, spacing: float | None) -> Array:
@@ -235,9 +226,7 @@ def _interpolated(plane: LinearPlane, y: Array, x: Array, periodic: bool) -> Lin
     def moved(parts: dict[str, Array]) -> dict[str, Array]:
         return {name: along_x(along_y(values).T).T.copy() for name, values in parts.items()}
 
-    found = replace(plane, constant=moved(plane.constant), slope=moved(plane.slope))
-    assert set(found.constant) <= set(COMPONENTS)
-    return found
+    return replace(plane, constant=moved(plane.constant), slope=moved(plane.slope))
 
 
 class _Interpolation:
