@@ -16,14 +16,13 @@ from typing import Any
 
 from snakemake_interface_logger_plugins.base import LogHandlerBase
 from snakemake_interface_logger_plugins.common import LogEvent
-from tqdm import tqdm
 
 from asperity.runtime.logs import error_in, error_of
 
 __all__ = ["LogHandler"]
 
-PARTS = 10
-"""Lines of progress in which a run is told where there is no terminal."""
+PROGRESS_LINES = 10
+"""Lines of progress that a run prints if there is no terminal."""
 
 BAR_FORMAT = "study: {n_fmt} of {total_fmt} jobs |{bar}| {elapsed} < {remaining}{postfix}"
 
@@ -57,11 +56,10 @@ class LogHandler(LogHandlerBase):
         self._stream = sys.stdout if self.common_settings.stdout else sys.stderr
         self._complete = self.common_settings.verbose or self.common_settings.dryrun
         self._running = False
-        self._jobs: dict[int, str] = {}
         self._active: dict[int, str] = {}
         self._total = 0
-        self._part = 0
-        self._bar: tqdm | None = None
+        self._lines = 0
+        self._bar: Any = None
         self._failures: list[str] = []
         self._printed_last = ""
 
@@ -119,6 +117,9 @@ class LogHandler(LogHandlerBase):
             self._print(f"study: {job['rule_msg']}")
         self._active[job["jobid"]] = " ".join([job["rule_name"], *map(str, job["wildcards"].values())])
         if self._bar is None and self._stream.isatty():
+            # Imported here: if it is missing, the checks before the run say so.
+            from tqdm import tqdm
+
             self._bar = tqdm(
                 total=self._total, file=self._stream, leave=False, dynamic_ncols=True, bar_format=BAR_FORMAT
             )
@@ -129,8 +130,8 @@ class LogHandler(LogHandlerBase):
         if self._bar is not None:
             self._bar.n, self._bar.total = done, total
             self._refresh()
-        elif PARTS * done // total > self._part:
-            self._part = PARTS * done // total
+        elif PROGRESS_LINES * done // total > self._lines:
+            self._lines = PROGRESS_LINES * done // total
             self._print(f"study: {done} of {total} jobs done ({100 * done // total} %)")
 
     def _refresh(self) -> None:
@@ -152,6 +153,9 @@ class LogHandler(LogHandlerBase):
         """Print lines above the bar."""
         for line in lines:
             if line not in ("", "None"):  # Snakemake's formatter has nothing to say of some messages
-                tqdm.write(line, file=self._stream)
+                if self._bar is None:
+                    print(line, file=self._stream)
+                else:
+                    self._bar.write(line, file=self._stream)
                 self._printed_last = line
         self._stream.flush()

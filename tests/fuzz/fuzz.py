@@ -27,12 +27,15 @@ from pathlib import Path
 import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis.errors import Flaky
-from properties import PROPERTIES, ROOT, BrokenPromiseError
+from properties import PROPERTIES, ROOT, PromiseError
 
 from asperity import errors
 
 EXAMPLES = 40
 """Inputs that one round tries of each property."""
+
+LARGEST_SHARE = 0.2
+"""Part of the whole time that one round may take to find the smallest example of a defect."""
 
 SECONDS = 60
 """Time that one input may take."""
@@ -54,18 +57,18 @@ class DefectError(AssertionError):
     """Base of the exceptions that stand for a defect each."""
 
 
-class TooSlowError(Exception):
-    """An input that takes longer than `SECONDS`."""
+class SlowError(BaseException):
+    """An input that takes too long; not an `Exception`, which the package might take for a refusal."""
 
 
 def stop(*_):
     """Signal handler that ends an input that takes too long."""
-    raise TooSlowError(f"longer than {SECONDS} s")
+    raise SlowError(f"longer than {SECONDS} s")
 
 
 @contextlib.contextmanager
 def limits(seconds, size):
-    """Raise `TooSlowError` or `MemoryError` in a block that takes more time, or more memory than before."""
+    """Raise `SlowError` or `MemoryError` in a block that takes more time, or more memory than before."""
     used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     signal.signal(signal.SIGALRM, stop)
@@ -87,12 +90,12 @@ class Search:
         self.outcomes = Counter()
         self.defects = Counter()
         self.examples = {}
-        self.kinds = {}
+        self.kinds = {}  # a class of exception for each defect: hypothesis tells defects apart by it
         self.known = set()
         self.ends = 0.0
 
     def round(self, number, ends):
-        """Try some inputs, and shrink those that show defects which no earlier round has shown."""
+        """Try some inputs, and find the smallest that show defects which no earlier round has shown."""
         self.ends = ends
         self.known = set(self.defects)
         seen = {}
@@ -135,7 +138,7 @@ class Search:
         try:
             with limits(SECONDS, BYTES), np.errstate(all="ignore"):
                 outcome = self.function(case)
-        except Exception as error:
+        except (Exception, SlowError) as error:
             defect = defect_of(error)
             if defect is None:
                 self.outcomes[
@@ -157,7 +160,7 @@ def defect_of(error):
     ours = last.filename.startswith(PACKAGE)
     if isinstance(error, OWN) or (type(error) in (ValueError, TypeError) and ours and is_message(error)):
         return None
-    if isinstance(error, BrokenPromiseError):
+    if isinstance(error, PromiseError):
         return f"{error}"
     frames = [
         frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.startswith(PACKAGE)
@@ -207,8 +210,8 @@ def main():
     with contextlib.suppress(KeyboardInterrupt):
         while time.monotonic() < ends:
             for search in searches:
-                # No property takes more than its share of what is left.
-                search.round(1000 * number + rounds, min(ends, time.monotonic() + 12 * chosen.minutes))
+                share = time.monotonic() + LARGEST_SHARE * 60 * chosen.minutes
+                search.round(1000 * number + rounds, min(ends, share))
             rounds += 1
     print(report(searches))
     sys.exit(any(search.defects for search in searches))

@@ -1,8 +1,8 @@
 """Inputs of everything that a user calls, and what must hold whatever the input is.
 
-A property is a strategy that draws an input and a function that tries it. The function returns the outcome in
-a few words. It raises `BrokenPromiseError` if a promise is not kept; every other exception than the package's
-own is a defect as well, which the search notices itself.
+A property is a strategy that draws an input, and a function that tries it and returns the outcome in a few
+words. It raises `PromiseError` if a promise is not kept. Every other exception than the package's own is a
+defect as well, which the search notices itself.
 """
 
 import contextlib
@@ -29,18 +29,18 @@ LONGEST_MESSAGE = 500
 """Characters of an error message."""
 
 
-class BrokenPromiseError(AssertionError):
+class PromiseError(AssertionError):
     """A promise that was not kept."""
 
 
 def require(holds, promise):
-    """Raise `BrokenPromiseError` unless a promise holds."""
+    """Raise `PromiseError` unless a promise holds."""
     if not holds:
-        raise BrokenPromiseError(promise)
+        raise PromiseError(promise)
 
 
 def require_finite(**values):
-    """Raise `BrokenPromiseError` for a result with numbers that are not finite."""
+    """Raise `PromiseError` for a result with numbers that are not finite."""
     for name, value in values.items():
         require(np.all(np.isfinite(value)), f"{name} is not finite")
 
@@ -235,7 +235,7 @@ stresses = st.fixed_dictionaries(
         "layer": layers,
         "length": lengths,
         "poisson": st.none() | number(-0.99, 0.5) | st.lists(number(-0.99, 0.5), max_size=3),
-        "components": names,
+        "fields": names,
         "depths": among(st.lists(st.floats(0, 1), min_size=1, max_size=4, unique=True).map(sorted), wrong),
         "tolerance": st.sampled_from([0, 1e-2, 1e-6]) | number(0, 1),
     }
@@ -246,11 +246,11 @@ def try_stress(case):
     """Stress planes and their peaks: finite, and peaks within the planes."""
     on_solid = pressed(case)
     grid = on_solid.grid
-    settings = {name: case[name] for name in ("poisson", "components", "tolerance")}
+    settings = {name: case[name] for name in ("poisson", "fields", "tolerance")}
     planes = list(asp.stress_planes(on_solid, case["depths"], **settings))
     for plane in planes:
         require_finite(**{name: np.asarray(field) for name, field in plane.fields.items()})
-    peaks = asp.find_peaks(iter(planes), case["components"][0])
+    peaks = asp.find_peaks(iter(planes), case["fields"][0])
     require_finite(value=peaks.value, depth=peaks.depth, y=peaks.y, x=peaks.x)
     for place, edge in ((peaks.y, grid.length[0]), (peaks.x, grid.length[1])):
         require(np.all((place >= 0) & (place <= edge)), "a peak lies outside the cell")
@@ -272,8 +272,10 @@ analyses = st.fixed_dictionaries(
 
 def try_analysis(case):
     """Analysis of the stress under any pressure: finite."""
-    settings = {name: case[name] for name in ("poisson", "tolerance", "spacing", "growth", "floor")}
-    data = asp.analyse_stress(pressed(case), **settings)
+    on_solid = pressed(case)
+    settings = {name: case[name] for name in ("poisson", "tolerance", "floor")}
+    depths = asp.depth_grid(on_solid.grid, on_solid.layer.height, case["spacing"], case["growth"])
+    data = asp.analyse_stress(on_solid, depths, **settings)
     for name, values in data.data_vars.items():
         if values.dtype.kind == "f":
             require_finite(**{str(name): values.values})
@@ -358,7 +360,7 @@ def try_surface(case):
 
 
 def require_rms(height, rms):
-    """Raise `BrokenPromiseError` unless a surface is finite and has its rms height."""
+    """Raise `PromiseError` unless a surface is finite and has its rms height."""
     require_finite(height=height)
     # The square of a smaller height is not a normal number.
     require(rms < 1e-150 or math.isclose(float(np.std(height / rms)), 1, rel_tol=1e-9), "another rms height")
@@ -368,9 +370,13 @@ def require_rms(height, rms):
 
 
 def answer(arguments):
-    """Exit status of the command line, and what it printed on stderr."""
+    """Exit status of the command line in the temporary folder, and what it printed on stderr."""
     said = io.StringIO()
-    with contextlib.redirect_stderr(said), contextlib.redirect_stdout(io.StringIO()):
+    with (
+        contextlib.chdir(Files.folder.name),
+        contextlib.redirect_stderr(said),
+        contextlib.redirect_stdout(io.StringIO()),
+    ):
         try:
             code = cli.main(arguments)
         except SystemExit as stopped:
@@ -439,70 +445,19 @@ COMMANDS = (
     "plot 9 {statistics} --out {folder}/x.png",
     'plan {"hurst":0.8,"wavelength_long":0.125,"wavelength_short":0.01}',
 )
-WORDS = [
-    "solve",
-    "stress",
-    "peaks",
-    "plot",
-    "plan",
-    "--contact",
-    "--path",
-    "--poisson",
-    "--points",
-    "--periodic",
-    "--detrend",
-    "--undefined",
-    "--help",
-    "--version",
-    "--out",
-    "--area-fraction",
-    "--tolerance",
-    "--precision",
-    "--layer-height",
-    "--bottom",
-    "--bins",
-    "--confidence",
-    "--error",
-    "--seconds",
-    "--output",
-    "mirrored",
-    "declared",
-    "windowed",
-    "tilt",
-    "none",
-    "nan",
-    "inf",
-    "-1",
-    "0",
-    "0.1",
-    "0.33",
-    "0.5",
-    "1",
-    "3",
-    "9",
-    "16",
-    "24",
-    "--",
-    "-",
-    "=",
-    "%",
-    "%s",
-    "{",
-    "float32",
-    "bonded",
-    "von_mises",
-    "{map}",
-    "{contact}",
-    "{stress}",
-    "{statistics}",
-    "{new}",
-    "{missing}",
-    "{folder}",
-]
+VOCABULARY = """
+    solve stress peaks plot plan --contact --path --poisson --points --periodic --detrend --undefined --help
+    --version --out --area-fraction --tolerance --precision --layer-height --bottom --bins --confidence
+    --error --seconds --output mirrored declared windowed tilt none nan inf -1 0 0.1 0.33 0.5 1 3 9 16 24 --
+    - = % %s { float32 bonded von_mises {map} {contact} {stress} {statistics} {new} {missing} {folder}
+"""
+WORDS = VOCABULARY.split()
+# A word may become the name of a file that is written: none may lead out of the temporary folder.
+inside = st.characters(exclude_characters="/\\~", exclude_categories=["Cs"])
 edits = st.tuples(
     st.sampled_from(["insert", "replace", "delete"]),
     st.integers(0, 8),
-    st.sampled_from(WORDS) | st.text(max_size=6),
+    st.sampled_from(WORDS) | st.text(inside, max_size=6),
 )
 commands = st.tuples(st.sampled_from(COMMANDS), st.lists(edits, max_size=4))
 
@@ -551,8 +506,7 @@ def try_config(case):
             tree[path[-1]] = value
     file = Path(Files.names()["folder"]) / "config.yaml"
     file.write_bytes(yaml.safe_dump(config, allow_unicode=True).encode("utf-8", "replace") + tail)
-    with contextlib.chdir(ROOT):
-        return require_answer(["plan", str(file)])
+    return require_answer(["plan", str(file)])
 
 
 @st.composite

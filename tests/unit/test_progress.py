@@ -48,9 +48,16 @@ def test_the_log_holds_everything_that_a_job_prints(tmp_path, fail):
     assert ("Traceback" in text) == fail
     assert ("contact: done" in text) == (not fail)
     if fail:
-        assert error_of([log], "results/a.nc") == (
-            f"results/a.nc: poisson = 0.6: too much (ValueError) [{log}]"
-        )
+        said = f"results/a.nc: poisson = 0.6: too much (ValueError) [{log}]"
+        assert error_of([log], "results/a.nc") == said
+
+
+def test_errors_of_the_package_name_the_output_unless_they_name_another_file(tmp_path):
+    log = tmp_path / "job.log"
+    log.write_text("asperity.errors.ConvergenceError: stopped: residual 1\ntook 1 s\n")
+    assert error_of([log], "a.nc") == f"a.nc: stopped: residual 1 [{log}]"
+    log.write_text("asperity.errors.DatasetError: b.nc: damaged\n")
+    assert error_of([log], "a.nc") == f"b.nc: damaged [{log}]"
 
 
 @pytest.mark.parametrize("label", ["contact", "{", "{0} {x!r}", "100 %s %", "a: "])

@@ -2,7 +2,7 @@ import json
 
 import numpy as np
 import pytest
-from small_study import BODY, CONTACT, LAYER
+from small_study import CONTACT, LAYER, STRESS
 
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.statistics import LEVELS, SeedResults, seed_statistics, surface_statistics
@@ -24,7 +24,7 @@ SETTINGS = {
     "surface": SURFACE,
     "layer": LAYER,
     "contact": CONTACT,
-    "stress": BODY,
+    "stress": STRESS,
 }
 
 
@@ -33,7 +33,7 @@ def chain():
     """Surface, contact and stress of one seed, with the settings that their files would carry."""
     surface = make_surface(SURFACE, 1)
     contact = solve_contact(surface, LAYER, CONTACT)
-    stress = compute_stress(contact, LAYER, BODY)
+    stress = compute_stress(contact, LAYER, STRESS)
     return [data.assign_attrs(settings=json.dumps(SETTINGS)) for data in (surface, contact, stress)]
 
 

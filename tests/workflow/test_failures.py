@@ -147,7 +147,7 @@ def test_a_read_only_folder_is_named(folder):
     assert line.startswith(f"study: {RESULTS}: cannot be written (Read-only file system); make it writable")
 
 
-@pytest.mark.parametrize("name", ["mpmath", "jsonschema"])
+@pytest.mark.parametrize("name", ["tqdm", "jsonschema"])
 def test_a_missing_package_is_named_before_the_run(folder, name):
     line = refused(folder, PYTHONPATH=f"{hide(name, folder / 'hidden')}{os.pathsep}{folder / 'src'}")
     assert line.startswith(f"study: not installed: {name}; install everything with: pip install")

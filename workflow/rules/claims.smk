@@ -13,7 +13,7 @@ rule claims:
             ),
         ),
         validation=[f"{RESULTS}/validation/{name}.nc" for name in DATASETS if name in config["validation"]],
-        style="src/asperity/paper/figures/style.mplstyle",
+        style="src/asperity/views/style.mplstyle",
         machine_code=MACHINE_CODE,
         code=code("claims"),
     output:

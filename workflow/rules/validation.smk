@@ -53,8 +53,9 @@ rule validation_table:
         calculix=lambda wildcards: [path for path in rules.calculix.output if os.path.exists(path)],
         code=code("validation_table"),
     output:
-        report(
-            f"{RESULTS}/validation/table.md",
+        table=f"{RESULTS}/validation/table.md",
+        page=report(
+            f"{RESULTS}/validation/table.html",
             caption="../report/validation.rst",
             category="Validation",
             labels={"table": "comparisons, errors and bounds"},

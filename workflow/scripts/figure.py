@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from asperity.paper.figures import caption, draw
-from asperity.paper.figures.style import save, style
 from asperity.results import dataset
 from asperity.runtime.logs import log_to
+from asperity.views.style import save, style
 
 
 def read(tree):

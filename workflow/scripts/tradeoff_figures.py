@@ -2,9 +2,9 @@
 
 from asperity.accuracy.reduction import reduce_runs
 from asperity.paper.figures import tradeoff
-from asperity.paper.figures.style import save, style
 from asperity.results import dataset
 from asperity.runtime.logs import log_to
+from asperity.views.style import save, style
 
 with log_to(snakemake.log[0]), style(snakemake.input.style):
     runs = dataset.read(snakemake.input.runs)

@@ -13,5 +13,6 @@ with log_to(snakemake.log[0]), ProgressBar(f"verification {surface}") as progres
     results = map(SeedResults.read, files.surface, files.contact, files.stress)
     checks = verify(surface, results, dataset.read(files.statistics), progress)
     checks.to_csv(snakemake.output.table, index=False)
-    shown = {"": checks.drop(columns="surface")}
-    Path(snakemake.output.page).write_text(markup.page(f"Verification of {surface}", shown), encoding="utf-8")
+    rows = markup.rows_of(checks.drop(columns="surface"))
+    page = markup.page(f"Verification of {surface}", {"": rows})
+    Path(snakemake.output.page).write_text(page, encoding="utf-8")

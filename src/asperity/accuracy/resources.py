@@ -21,8 +21,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from asperity.accuracy.measured import MeasuredTradeoff, load
-from asperity.accuracy.tables import markdown, minutes
+from asperity.accuracy.tables import minutes
 from asperity.config.presets import PRESETS, AccuracySettings
+from asperity.results.markup import markdown
 from asperity.spectral import Fourier, Grid
 
 PAPER = PRESETS["paper"]

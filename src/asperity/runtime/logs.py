@@ -62,14 +62,15 @@ def log_to(path: str | os.PathLike[str]) -> Iterator[None]:
 def error_in(logs: Iterable[str | os.PathLike[str]], output: str) -> str | None:
     """Last error in the first log that names one, as one line with the log's path; None without an error.
 
-    Errors of this package name the file or the setting themselves; to others the output is added.
+    An error of this package is stated by its message, other errors also by their name. The output of the job
+    comes first, except before an error about another file.
     """
     for log in filter(os.path.exists, logs):
         text = Path(log).read_text(encoding="utf-8", errors="replace")
         if errors := _ERROR.findall(text):
             name, message = errors[-1]
-            stated = message if name.startswith("asperity.") else f"{output}: {message} ({name})"
-            return f"{stated} [{log}]"
+            stated = message if name.startswith("asperity.") else f"{message} ({name})"
+            return f"{stated} [{log}]" if name.endswith(".DatasetError") else f"{output}: {stated} [{log}]"
     return None
 
 

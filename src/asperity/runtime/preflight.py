@@ -31,6 +31,7 @@ PACKAGES = {
     "scipy": "scipy",
     "skfem": "scikit-fem",
     "tqdm": "tqdm",
+    "uvw": "uvw",
     "xarray": "xarray",
     "yaml": "pyyaml",
 }
