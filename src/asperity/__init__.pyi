@@ -14,6 +14,8 @@ from .stress.peaks import plane_peaks as plane_peaks
 from .stress.planes import stress_planes as stress_planes
 from .stress.pooling import pool_peaks as pool_peaks
 from .stress.pressed import PressedSolid as PressedSolid
+from .stress.section import stress_box as stress_box
+from .stress.section import stress_section as stress_section
 from .stress.selection import peaks as peaks
 from .stress.statistics import autocorrelation as autocorrelation
 from .stress.statistics import probability_density as probability_density
