@@ -93,7 +93,7 @@ def solve(
     dynamics = DampedDynamics(problem, control, initial, damping_fraction)
     state = State(np.zeros_like(problem.height), np.empty_like(problem.height), control.value, load)
     area = None
-    if control.kind == "area_fraction":
+    if control.kind == "area_fraction" and np.ptp(problem.height):  # flat surfaces touch everywhere
         area = AreaControl(control.value, problem.grid.size, rtol)
     report = ConvergenceProgress(progress, rtol)
     next_check = 0
