@@ -151,11 +151,12 @@ def _delete_abandoned(path: Path) -> None:
     pattern = re.compile(rf"\.{re.escape(path.name)}\.(\d+)\.unfinished")
     for left in path.parent.iterdir():
         found = pattern.fullmatch(left.name)
-        if found and not _is_running(int(found[1])):
+        if found and not is_running(int(found[1])):
             left.unlink(missing_ok=True)
 
 
-def _is_running(process: int) -> bool:
+def is_running(process: int) -> bool:
+    """True if there is a process of this number."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:
