@@ -2,12 +2,10 @@
 
 `run` carries out all stages and returns an `Answer`: real contact, pressures, largest stress with its depth
 and place, volume above yield, and the advice of an experienced colleague. `write_answer` writes result files,
-pictures, tables and a report page into a folder.
+pictures, tables and a report page into a folder. The public names are listed in ``__init__.pyi`` and imported
+when first used.
 """
 
-from asperity.engineering.answer import Answer, BodyAnswer
-from asperity.engineering.case import Body, Case, Load
-from asperity.engineering.output import write_answer
-from asperity.engineering.run import run
+import lazy_loader
 
-__all__ = ["Answer", "Body", "BodyAnswer", "Case", "Load", "run", "write_answer"]
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

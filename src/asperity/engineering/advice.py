@@ -24,7 +24,7 @@ RESOLUTION_CHANGE = 0.1
 """Change on doubling the pixels from which a number is called limited by the grid."""
 
 FEW_PIXELS_PER_WAVE = 8
-"""Pixels on the shortest wave, from which the stress under it is resolved; the preset "paper" takes as many."""
+"""Pixels on the shortest wave that resolve the stress under it; the preset "paper" takes as many."""
 
 STEEP, VERY_STEEP = 0.3, 1.0
 """Rms gradients: linear theory is second order in the slope, 9 % at 0.3; at 1 it does not hold."""
@@ -91,8 +91,8 @@ def stress_beyond_yield(answer: Answer) -> Iterator[Advice]:
                 WARNING,
                 "stress beyond yield",
                 f"the largest von Mises stress{where}, {_pa(stress)}, is {stress / limit:.3g} times the "
-                f"yield stress of {_pa(limit)}. This is an elastic result only: real material flows there, the "
-                f"pressure stays below the hardness (about {_pa(3 * limit)}) and the real contact is larger"
+                f"yield stress of {_pa(limit)}. This is an elastic result only: real material flows there, "
+                f"the pressure stays below the hardness, about {_pa(3 * limit)}, and the real contact grows"
                 f"{_depths(body)}.",
             )
         elif limit is None and stress > UNLIKELY_STRAIN * body.body.young:
@@ -100,8 +100,8 @@ def stress_beyond_yield(answer: Answer) -> Iterator[Advice]:
                 WARNING,
                 "stress beyond any yield stress",
                 f"the largest von Mises stress{where}, {_pa(stress)}, is "
-                f"{100 * stress / body.body.young:.2g} % of Young's modulus; hardly a material stays elastic above {100 * UNLIKELY_STRAIN:g} %. Give "
-                "the yield stress to see how much of the volume is above it.",
+                f"{100 * stress / body.body.young:.2g} % of Young's modulus; hardly a material stays elastic "
+                f"above {100 * UNLIKELY_STRAIN:g} %. Give the yield stress to see the volume above it.",
             )
 
 
@@ -131,9 +131,9 @@ def resolution(answer: Answer) -> Iterator[Advice]:
         yield Advice(
             WARNING,
             "limited by the resolution of the map",
-            f"halving the pixels to {_m(pixel)} changed the {told} ({origin}). These numbers have not settled: "
-            f"a finer map may change them as much again.{unresolved} Remove waves shorter than those that "
-            "matter to you, and interpolate to finer pixels.",
+            f"halving the pixels to {_m(pixel)} changed the {told} ({origin}). These numbers have not "
+            f"settled: a finer map may change them as much again.{unresolved} Remove waves shorter than "
+            "those that matter to you, and interpolate to finer pixels.",
         )
     elif known:
         yield Advice(
@@ -153,8 +153,8 @@ def steep_slopes(answer: Answer) -> Iterator[Advice]:
             "steep slopes",
             f"the rms gradient of the surface is {slope:.2g}, an angle of "
             f"{math.degrees(math.atan(slope)):.0f}°. The theory is for small slopes (error of the order of "
-            f"its square, {100 * slope**2:.0f} %). Look for spikes, and check that heights and edges have the "
-            "same unit.",
+            f"its square, {100 * slope**2:.0f} %). Look for spikes, and check that heights and edges have "
+            "the same unit.",
         )
 
 
@@ -166,7 +166,7 @@ def large_area(answer: Answer) -> Iterator[Advice]:
             WARNING,
             "large real contact",
             f"{100 * area:.3g} % of the area is in contact. Above about {100 * LARGE_AREA:.0f} % contacts "
-            "merge and the pressure between them depends on the periodic repetition and on the edges of the map.",
+            "merge, and the result depends on the periodic repetition and on the edges of the map.",
         )
 
 
@@ -247,7 +247,7 @@ def implausible_materials(answer: Answer) -> Iterator[Advice]:
             yield Advice(
                 WARNING,
                 "Young's modulus",
-                f"Young's modulus{where} is {_pa(body.young)}; gels have 1 kPa and more, diamond has 1.2 TPa.",
+                f"Young's modulus{where} is {_pa(body.young)}; gels have 1 kPa and more, diamond 1.2 TPa.",
             )
         elif SOFT < body.young < STIFF and body.poisson < 0.4 and body.yield_stress is None:
             yield Advice(NOTE, "Young's modulus", _soft(body.young, where))

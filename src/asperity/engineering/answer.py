@@ -197,7 +197,7 @@ class Answer:
         tables = []
         for body, stress in self.stresses.items():
             columns = {
-                name.removeprefix("peak_"): stress[name].values
+                str(name).removeprefix("peak_"): stress[name].values
                 for name in stress.variables
                 if stress[name].dims == ("peak",)
             }
@@ -300,7 +300,7 @@ def _body_rows(group: str, body: BodyAnswer) -> list[Row]:
         rows.append(Row(group, f"at {axis}", position, "m", f"{position / factor:.4g} {symbol}"))
     for percent, value in body.peak_percentiles.items():
         if np.isfinite(value):
-            rows.append(_row(group, f"{percent} % of the peaks are below", value, "Pa", 3))
+            rows.append(_row(group, f"{percent} % of the peaks below", value, "Pa", 3))
     if body.body.yield_stress is not None:
         rows.append(_row(group, "yield stress", body.body.yield_stress, "Pa"))
         rows += _yield_rows(group, body)

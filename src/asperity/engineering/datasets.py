@@ -8,6 +8,7 @@ from typing import Any
 import xarray as xr
 
 from asperity.engineering.answer import Answer
+from asperity.engineering.indenter import MapSettings
 from asperity.results.variables import SI_UNITS
 from asperity.surface.roughness import roughness_parameters, spectrum
 
@@ -31,10 +32,19 @@ def settings_of(answer: Answer) -> dict[str, Any]:
     case = answer.case
     return {
         "name": answer.indenter.name,
-        "map": {key: value for key, value in asdict(answer.map_settings).items() if value is not None},
+        "map": _plain(answer.map_settings),
         "lower": asdict(case.lower),
         "upper": None if case.upper is None else asdict(case.upper),
         "load": {case.load.kind: case.load.value},
+    }
+
+
+def _plain(settings: MapSettings) -> dict[str, Any]:
+    """Settings of a map that are given, as plain values."""
+    return {
+        name: list(value) if isinstance(value, tuple) else value
+        for name, value in vars(settings).items()
+        if value is not None and name != "option"
     }
 
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -35,6 +36,8 @@ class MapSettings:
         Waves shorter than this, in m, are removed.
     points : int, optional
         Nodes on the longer edge of the cell.
+    option : callable
+        Gives the name of a setting in the interface of the user, for messages.
     """
 
     unit: str | None = None
@@ -44,6 +47,7 @@ class MapSettings:
     undefined: str | None = "harmonic"
     wavelength_short: float | None = None
     points: int | None = None
+    option: Callable[[str], str] = field(default=str, repr=False, compare=False)
 
 
 @dataclass(frozen=True)
@@ -196,7 +200,7 @@ def _metres(path: str | os.PathLike[str], settings: MapSettings) -> tuple[float,
     """
     from SurfaceTopography.IO import open_topography
 
-    unit = None
+    name, unit = settings.option("unit"), None
     if os.path.isfile(path):
         try:
             with open_topography(os.fspath(path)) as reader:
@@ -208,7 +212,7 @@ def _metres(path: str | os.PathLike[str], settings: MapSettings) -> tuple[float,
     said = None if unit in (None, "") else to_si(f"1 {unit}", "length", "unit")
     asked = None if settings.unit is None else to_si(f"1 {settings.unit}", "length", "unit")
     if said is not None and asked is not None and not np.isclose(said, asked, rtol=1e-12):
-        raise ValueError(f"unit = {settings.unit!r}: the file says that its unit is {unit}; leave it out")
+        raise ValueError(f"{name} = {settings.unit!r}: the file says that its unit is {unit}; leave it out")
     if said is None and asked is None:
-        raise ValueError("unit: the file does not say its unit of length; set unit, such as um")
+        raise ValueError(f"{name}: the file does not say its unit of length; set it, such as um")
     return (said, unit) if said is not None else (asked, settings.unit)  # type: ignore[return-value]
