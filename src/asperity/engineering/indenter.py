@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
@@ -198,7 +199,9 @@ def _metres(path: str | os.PathLike[str], settings: MapSettings) -> tuple[float,
     ValueError
         If neither the file nor the settings name a unit, or they contradict each other.
     """
-    from SurfaceTopography.IO import open_topography
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of packages that SurfaceTopography can do without
+        from SurfaceTopography.IO import open_topography
 
     name, unit = settings.option("unit"), None
     if os.path.isfile(path):
