@@ -1,47 +1,55 @@
-# The two commands are `make study` and `make test`; each makes its own environment first.
+# `make study` and `make test` need nothing but Python: every target first makes its environment, .venv.
 PYTHON ?= python3
 CORES ?= 2
+MINUTES ?= 10
+SEED ?= 0
+CONFIG ?=
+UPDATE ?=
 VENV := .venv
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick test test-faults test-slurm bad-input lint check report bench tradeoff calculix clean
+.PHONY: help study quick test lint check fuzz test-faults test-slurm bad-input report bench tradeoff calculix lock clean
 
-help: ## What can be made
+help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
 
-study: $(VENV)/ready ## The paper: every figure of the study, in results/figures; CONFIG=overlay.yaml changes it
+study: $(VENV)/ready ## Make every figure of the paper, in results/figures; CONFIG=overlay.yaml changes settings
 	$(if $(CONFIG),python -m asperity.config check config/config.yaml $(CONFIG))
 	snakemake --cores $(CORES) $(if $(CONFIG),--configfile $(CONFIG))
 
-quick: $(VENV)/ready ## Every stage and every rule on a small cell, in results/quick
+quick: $(VENV)/ready ## Run every rule of the study on small cells, into results/quick (one minute)
 	snakemake --cores $(CORES) --configfile config/quick.yaml
 
-test: lint ## Everything that is checked: lint, unit and physics tests, the quick study from clean
-	pytest
+test: lint ## Run lint and all tests, among them the quick study from nothing (six minutes on two cores)
+	pytest --numprocesses logical
 
-test-slurm: $(VENV)/ready ## The quick study on a SLURM started for it (apt install slurmctld slurmd slurm-client munge)
-	pytest -m slurm tests/slurm
-
-lint: $(VENV)/ready ## Style, types, workflow
+lint: $(VENV)/ready ## Check style, types, the workflow, and that imports go downwards only
 	ruff check .
 	ruff format --check .
 	snakefmt --check Snakefile workflow
 	python workflow/lint.py
 	mypy
+	lint-imports --no-logo --no-cache
 
-check: $(VENV)/ready ## Whether the numbers of the quick study are those in tests/reference; UPDATE=1 rewrites them
+check: $(VENV)/ready ## Compare the numbers of the quick study with tests/reference; UPDATE=1 replaces the reference
 	python workflow/check.py --cores $(CORES) $(if $(UPDATE),--update)
 
-report: study ## The study as one page, results/report.html, that needs no network
-	snakemake --cores 1 --report results/report.html
+fuzz: $(VENV)/ready ## Try random input on everything a user calls, for MINUTES=10 from SEED=0
+	python tests/fuzz/fuzz.py --minutes $(MINUTES) --seed $(SEED)
 
-bad-input: $(VENV)/ready ## Wrong configurations, command lines and height maps, and the line each is answered with
-	python tests/unit/bad_input.py
-
-test-faults: $(VENV)/ready ## A small study killed fifty times and run again, as a table in results/faults.md
+test-faults: $(VENV)/ready ## Kill a small study at fifty random moments and run it again; table in results/faults.md
 	python tests/workflow/faults.py --kills 50
 
-bench: $(VENV)/ready ## Speed and accuracy of the layer, the contact solvers and the stress, peers beside them where installed
+test-slurm: $(VENV)/ready ## Run the quick study on a SLURM started for it (apt install slurmctld slurmd slurm-client munge)
+	pytest -m slurm tests/slurm
+
+bad-input: $(VENV)/ready ## Print some two hundred wrong configurations, commands and maps, each with its error message
+	python tests/unit/bad_input.py
+
+report: study ## Write the study as one page that needs no network, results/report.html
+	snakemake --cores 1 --report results/report.html
+
+bench: $(VENV)/ready ## Measure the speed and accuracy of layer, contact and stress, beside other programs where installed
 	python benchmarks/layer.py
 	python benchmarks/contact.py
 	python benchmarks/gfmd.py
@@ -51,11 +59,16 @@ bench: $(VENV)/ready ## Speed and accuracy of the layer, the contact solvers and
 tradeoff: $(VENV)/ready ## Errors and costs of all settings of accuracy, measured anew for asperity plan and config/README.md
 	python workflow/store_tradeoff.py
 
-calculix: $(VENV)/ready ## The slab by CalculiX too (which must be installed), and the validation table with it
+calculix: $(VENV)/ready ## Compare with CalculiX too, which must be installed, and add it to the validation table
 	snakemake --cores $(CORES) results/validation/calculix.nc
 	snakemake --cores $(CORES) --forcerun validation_table -- results/validation/table.md
 
-clean: ## Remove results (the environment stays)
+lock: ## Update requirements.lock from pyproject.toml, keeping versions that still fit (needs uv)
+	uv pip compile pyproject.toml --output-file requirements.lock --custom-compile-command 'make lock' \
+		--universal --python-version 3.11 --extra study --extra slurm --extra build --extra test \
+		--generate-hashes --no-emit-index-url --quiet
+
+clean: ## Delete the results (the environment stays)
 	rm -rf results .snakemake
 
 $(VENV)/ready: requirements.lock

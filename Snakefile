@@ -11,7 +11,7 @@ try:
     from asperity.config.reader import load
 except ImportError as error:
     sys.exit(
-        f"study: not installed: {error.name}; all that is needed: pip install --requirement requirements.lock"
+        f"study: not installed: {error.name}; install everything with: pip install --requirement requirements.lock"
     )
 except PreflightError as error:
     sys.exit(f"study: {error}")
@@ -43,8 +43,9 @@ wildcard_constraints:
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/inputs.smk"
 include: "workflow/rules/resources.smk"
-include: "workflow/rules/compiled.smk"
+include: "workflow/rules/machine_code.smk"
 include: "workflow/rules/surface.smk"
 include: "workflow/rules/contact.smk"
 include: "workflow/rules/stress.smk"
@@ -53,8 +54,8 @@ include: "workflow/rules/validation.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/verification.smk"
 include: "workflow/rules/claims.smk"
-include: "workflow/rules/faults.smk"
 include: "workflow/rules/tradeoff.smk"
+include: "workflow/rules/handlers.smk"
 
 
 rule all:

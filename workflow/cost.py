@@ -16,7 +16,7 @@ from collections import defaultdict
 from pathlib import Path
 from typing import NamedTuple
 
-from asperity.accuracy.tables import markdown
+from asperity.results.markup import markdown
 
 TOLERANCE = 0.25
 """Largest relative difference between measured and declared memory."""

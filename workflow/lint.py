@@ -1,6 +1,6 @@
-"""`snakemake --lint` without its one advice that does not apply: an environment for each rule.
+"""Run `snakemake --lint` without its advice to give each rule an environment of its own.
 
-All rules share one environment, made from the hashed lock by the Makefile.
+All rules share one environment, which the Makefile makes from requirements.lock.
 """
 
 import subprocess

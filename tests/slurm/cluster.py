@@ -53,7 +53,7 @@ NodeName=asperity NodeHostname={host} NodeAddr=127.0.0.1 CPUs={processors} RealM
 PartitionName=main Nodes=asperity Default=YES MaxTime=INFINITE State=UP
 """
 
-# Either keeps a job within its memory; without cgroups SLURM looks at it once a second.
+# Ways to hold a job to its memory; without control groups SLURM measures it once a second.
 BY_CGROUPS = "TaskPlugin=task/cgroup"
 BY_POLLING = "TaskPlugin=task/none\nJobAcctGatherParams=OverMemoryKill"
 CGROUP_CONFIGURATION = """\
@@ -71,14 +71,14 @@ class Cluster(NamedTuple):
     environment: dict[str, str]
 
     def run(self, *command: str) -> str:
-        """What a command of SLURM prints."""
+        """Output of a command of SLURM."""
         return subprocess.run(
             command, env=self.environment, check=True, capture_output=True, text=True
         ).stdout
 
 
 def missing() -> str:
-    """Why no cluster can be started here; empty if one can."""
+    """Reason for which no cluster can be started here; empty if one can."""
     absent = [name for name in PROGRAMS if shutil.which(name, path=SYSTEM_PATH) is None]
     if absent:
         return (

@@ -14,4 +14,4 @@ CONTACT = {
     "tolerance": 1e-6,
     "precision": "float64",
 }
-BODY = {"poisson": [0.0, 0.33], "tolerance": 1e-4, "depth_spacing": 0.5}
+STRESS = {"poisson": [0.0, 0.33], "tolerance": 1e-4, "depth_spacing": 0.5}

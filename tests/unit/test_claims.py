@@ -23,8 +23,8 @@ from asperity.paper.claims.verdicts import (
     judge,
     tally,
 )
-from asperity.paper.figures.style import save, style
 from asperity.pipeline.statistics import LEVELS
+from asperity.views.style import save, style
 
 
 def claim(values, region=LARGER):

@@ -170,7 +170,7 @@ def test_a_missing_package_is_one_line(tmp_path, name, command):
     )
     assert found.returncode == 1
     assert found.stderr == (
-        f"asperity: not installed: {PACKAGES[name]}; all that is needed: "
+        f"asperity: not installed: {PACKAGES[name]}; install everything with: "
         "pip install --requirement requirements.lock\n"
     )
     assert not found.stdout

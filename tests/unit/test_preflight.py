@@ -1,24 +1,32 @@
-"""What a study stands on: each check passes where it should and names what is wrong where it should not."""
+"""Checks before a study: each passes where it should, and otherwise names what is wrong."""
 
 import ast
-import fcntl
 import os
+import re
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
 from asperity.errors import PreflightError
-from asperity.runtime import preflight
-from asperity.runtime.preflight import claim, require_memory, require_packages, require_space
+from asperity.results import dataset
+from asperity.runtime import preflight, system
+from asperity.runtime.preflight import (
+    claim,
+    require_memory,
+    require_packages,
+    require_space,
+    require_undamaged,
+)
 
 ROOT = Path(__file__).parents[2]
 
 
 def imported(path):
-    """The packages that a module imports, wherever in it."""
+    """Packages that a module imports, anywhere in it."""
     for node in ast.walk(ast.parse(path.read_text())):
         if isinstance(node, ast.Import):
             yield from (alias.name.split(".")[0] for alias in node.names)
@@ -26,7 +34,7 @@ def imported(path):
             yield node.module.split(".")[0]
 
 
-def test_the_packages_are_those_that_the_library_and_the_scripts_import():
+def test_packages_are_those_that_the_library_and_the_scripts_import():
     paths = [*(ROOT / "src/asperity").rglob("*.py"), *(ROOT / "workflow/scripts").glob("*.py")]
     found = {name for path in paths for name in imported(path)} - sys.stdlib_module_names - {"asperity"}
     assert found - {"mpl_toolkits"} == preflight.PACKAGES.keys() - {"netCDF4"}  # of matplotlib; by xarray
@@ -35,27 +43,37 @@ def test_the_packages_are_those_that_the_library_and_the_scripts_import():
 def test_missing_packages_are_named_by_what_is_to_be_installed(monkeypatch):
     require_packages()
     monkeypatch.setattr(preflight, "find_spec", lambda name: None if name in ("skfem", "yaml") else name)
-    with pytest.raises(PreflightError, match="not installed: scikit-fem, pyyaml; all that is needed: pip"):
+    with pytest.raises(
+        PreflightError, match="not installed: scikit-fem, pyyaml; install everything with: pip"
+    ):
         require_packages()
 
 
-def test_what_the_library_needs_is_what_it_declares():
+def test_base_packages_are_those_that_the_library_declares():
     declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
     names = {name.partition(">")[0] for name in declared}
     assert names == {preflight.PACKAGES[module] for module in preflight.BASE_PACKAGES}
 
 
-def test_a_claim_ends_with_its_process_and_holds_until_then(tmp_path):
-    holder = "import sys, asperity.runtime.preflight as p; p.claim(sys.argv[1]); print(flush=True); sys.stdin.read()"
+HOLDER = """
+import sys
+from asperity.runtime.preflight import claim
+claim(sys.argv[1])
+print(flush=True)
+sys.stdin.read()
+"""
+
+
+def test_a_folder_is_reserved_until_the_process_ends(tmp_path):
     with subprocess.Popen(
-        [sys.executable, "-c", holder, str(tmp_path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        [sys.executable, "-c", HOLDER, str(tmp_path)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     ) as other:
         other.stdout.readline()
-        with pytest.raises(PreflightError, match=f"another study is at work here .process {other.pid} on"):
+        with pytest.raises(PreflightError, match=f"another study is running here .process {other.pid} on"):
             claim(tmp_path)
         other.kill()
     descriptor = claim(tmp_path)
-    assert fcntl.fcntl(descriptor, fcntl.F_GETFD) & fcntl.FD_CLOEXEC
+    assert not os.get_inheritable(descriptor)
     os.close(descriptor)
 
 
@@ -71,22 +89,31 @@ def test_memory_is_that_of_the_largest_job_against_the_limit_or_the_machine(monk
     require_memory({"a.nc": 100, "c.nc": 50}, limit=100)
     with pytest.raises(PreflightError, match=r"c\.nc needs about 4 GB of memory, mem_mb allows 1 GB"):
         require_memory({"a.nc": 100, "c.nc": 4000}, limit=1000)
-    monkeypatch.setattr(preflight, "physical_memory", lambda: 2000.0)
+    monkeypatch.setattr(preflight, "available_memory", lambda: 2000.0)
     with pytest.raises(PreflightError, match="needs about 4 GB of memory, this machine has 2 GB; choose"):
         require_memory({"c.nc": 4000})
 
 
 def test_a_control_group_limits_the_memory(monkeypatch, tmp_path):
-    machine = preflight.physical_memory()
+    machine = system.available_memory()
     path = tmp_path / "memory.max"
-    monkeypatch.setattr(preflight, "_GROUP_LIMITS", (str(path),))
+    monkeypatch.setattr(system, "_GROUP_LIMITS", (str(path),))
     path.write_text("max\n")
-    assert preflight.physical_memory() >= machine
-    path.write_text(f"{2**30}\n")
-    assert preflight.physical_memory() == 2**30 / 1e6
+    assert system.available_memory() >= machine
+    path.write_text(f"{2**20}\n")
+    assert system.available_memory() == 2**20 / 1e6
 
 
 def test_space_is_that_of_the_disk_of_the_folder(tmp_path):
     require_space(tmp_path, 0)
     with pytest.raises(PreflightError, match=r"about 1e\+15 MB will be written, \S+ MB are free; free some"):
         require_space(tmp_path, 1e15)
+
+
+def test_the_first_damaged_result_is_named(tmp_path):
+    good, damaged = str(tmp_path / "good.nc"), tmp_path / "damaged.nc"
+    dataset.write(xr.Dataset({"rms_height": 1.0}), good, "Good", {})
+    damaged.write_bytes(b"not a result")
+    require_undamaged([good])
+    with pytest.raises(PreflightError, match=rf"^{re.escape(str(damaged))}: "):
+        require_undamaged([good, damaged])

@@ -255,7 +255,7 @@ def test_a_pressure_without_a_finite_stress_is_refused(pressure, message):
         stress_planes(PressedSolid(pressure, Grid((8, 8)), HALF_SPACE), [0.0])
 
 
-@pytest.mark.parametrize("length", [1e-300, 1e300])
+@pytest.mark.parametrize("length", [1e-70, 1e70])
 def test_a_cell_whose_wavenumbers_overflow_is_refused(length):
     with pytest.raises(ValueError, match=rf"^grid\.length = {length:g}: an edge from".replace("+", r"\+")):
         stress_planes(PressedSolid(np.ones((8, 8)), Grid((8, 8), length), HALF_SPACE), [0.0])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from small_study import BODY, CONTACT, LAYER
+from small_study import CONTACT, LAYER, STRESS
 
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.solid import SOLID_ATTRIBUTES, solid
@@ -25,7 +25,7 @@ STATISTICS = {"bins": 10, "resamples": 50, "confidence": 0.9}
 def run(seed, layer=LAYER):
     surface = make_surface(SURFACE, seed)
     contact = solve_contact(surface, layer, CONTACT)
-    return SeedResults(seed, surface, contact, compute_stress(contact, layer, BODY))
+    return SeedResults(seed, surface, contact, compute_stress(contact, layer, STRESS))
 
 
 def test_a_half_space_replaces_a_tall_layer_but_not_a_thin_one():
@@ -62,7 +62,7 @@ def test_a_ratio_at_which_the_half_space_does_not_stand_for_the_layer_is_refused
     with pytest.raises(
         ValueError, match=r"stress\.poisson = 0\.5: layer: .*beyond the tolerance 0\.03; leave"
     ):
-        compute_stress(contact, LAYER, BODY | {"poisson": [0.33, 0.5]})
+        compute_stress(contact, LAYER, STRESS | {"poisson": [0.33, 0.5]})
 
 
 def test_two_seeds_have_bands_and_one_has_none():

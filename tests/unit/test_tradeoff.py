@@ -10,11 +10,11 @@ from asperity.accuracy.measurement import CONVERGED, measure
 from asperity.accuracy.outputs import DISTRIBUTIONS, OUTPUTS
 from asperity.accuracy.reduction import reduce_runs, runs_at, settings_of
 from asperity.accuracy.resources import law_seconds
-from asperity.accuracy.tables import describe_errors, describe_presets
+from asperity.accuracy.tables import error_rows, preset_rows
 from asperity.config.presets import PRESETS
 from asperity.paper.figures import tradeoff as figures
-from asperity.paper.figures.style import style
 from asperity.results import dataset
+from asperity.views.style import style
 
 SETTINGS = {
     "hurst": [0.8],
@@ -88,8 +88,8 @@ def test_the_measurement_is_a_file_and_comes_back_from_text(runs, tmp_path):
     measured = reduce_runs(runs)
     assert as_json(from_json(as_json(measured))) == as_json(measured)
     assert set(measured.presets) == {"draft", "paper"}  # the finest grid is coarser than the third needs
-    for text in (describe_presets(measured), describe_errors(measured)):
-        assert len({line.count("|") for line in text.splitlines()}) == 1
+    for rows in (preset_rows(measured), error_rows(measured)):
+        assert len({len(row) for row in rows}) == 1
 
 
 def test_the_law_of_a_time_is_found_again_in_times_made_from_it(runs):

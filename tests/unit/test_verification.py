@@ -2,7 +2,7 @@ import json
 
 import numpy as np
 import pytest
-from small_study import BODY, CONTACT, LAYER
+from small_study import CONTACT, LAYER, STRESS
 
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.statistics import LEVELS, SeedResults, seed_statistics, surface_statistics
@@ -24,7 +24,7 @@ SETTINGS = {
     "surface": SURFACE,
     "layer": LAYER,
     "contact": CONTACT,
-    "stress": BODY,
+    "stress": STRESS,
 }
 
 
@@ -33,7 +33,7 @@ def chain():
     """Surface, contact and stress of one seed, with the settings that their files would carry."""
     surface = make_surface(SURFACE, 1)
     contact = solve_contact(surface, LAYER, CONTACT)
-    stress = compute_stress(contact, LAYER, BODY)
+    stress = compute_stress(contact, LAYER, STRESS)
     return [data.assign_attrs(settings=json.dumps(SETTINGS)) for data in (surface, contact, stress)]
 
 
@@ -123,7 +123,9 @@ def test_numbers_of_a_seed_are_those_of_its_results(chain):
 
 def test_a_seed_without_peaks_has_counts_of_zero_and_no_numbers(chain):
     surface, contact, stress = chain
-    found = seed_statistics(surface, contact, stress.assign(peak_under_contact=0 * stress.peak_under_contact))
+    found = seed_statistics(
+        surface, contact, stress.assign(peak_under_contact=~(stress.peak_under_contact | True))
+    )
     assert int(found["seed_peak_count"].sum()) == 0
     assert bool(found["seed_mean_depth"].isnull().all())
     assert bool(found["seed_depth_patch_correlation"].isnull().all())

@@ -1,13 +1,13 @@
 """A small study killed at random times and run again: python tests/workflow/faults.py --kills 50
 
-Prints a table with a row for every kill, and saves it as results/faults.md. Ends with 1 if a run did not
-finish, if a finished job was repeated, or if a result differs from that of an undisturbed run.
+Prints a table with a row for every kill, and saves it as results/faults.md. Ends with exit status 1 if a run
+did not finish, if a finished job was repeated, or if a result differs from that of an undisturbed run.
 """
 
 import argparse
 import os
 import random
-import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -26,60 +26,61 @@ TARGETS = (
     f"{RESULTS}/figures/fig09.png",
     f"{RESULTS}/verification/hurst_08.csv",
 )
-STUDY = ("snakemake", "--cores", "2", *TINY, "--", *TARGETS)
 COMPARED = (".nc", ".json", ".csv", ".png", ".pdf", ".rst")
 
 
+def study(*options, cores=2):
+    """Command that runs the small study."""
+    return ("snakemake", "--cores", str(cores), *TINY, *options, "--", *TARGETS)
+
+
 class Kill(NamedTuple):
-    """One kill, and what the next run of the same command did."""
+    """A kill, the finished and unfinished outputs at that moment, and what the next run did."""
 
     number: int
     seconds: float
     finished: int
-    broken: int
-    rerun: int
+    unfinished: int
     repeated: tuple[str, ...]
     differing: tuple[str, ...]
 
 
 class Run(NamedTuple):
-    """How a run ended, and the first output of each job that it began."""
+    """How a run ended, how long it took, and what it printed."""
 
     killed: bool
     seconds: float
-    begun: tuple[str, ...]
     text: str
 
 
-def run_study(folder, kill_after=None):
-    """Run the study in a process group of its own; kill the group after so many seconds."""
+def run_study(folder, kill_when=None, cores=2):
+    """Run the study in its own process group, which is killed as soon as `kill_when(seconds)` is true."""
     log = folder / "study.log"
     began = time.monotonic()
+    killed = False
     with open(log, "w", encoding="utf-8") as file:
         process = subprocess.Popen(
-            STUDY,
+            study(cores=cores),
             cwd=folder,
             env=environment(folder),
             stdout=file,
             stderr=subprocess.STDOUT,
             start_new_session=True,
         )
-        try:
-            process.wait(kill_after)
-            killed = False
-        except subprocess.TimeoutExpired:
-            os.killpg(process.pid, signal.SIGKILL)
-            process.wait()
-            killed = True
+        while process.poll() is None:
+            if kill_when is not None and kill_when(time.monotonic() - began):
+                os.killpg(process.pid, signal.SIGKILL)
+                process.wait()
+                killed = True
+            time.sleep(0.01)
     text = log.read_text(encoding="utf-8")
     if not killed and process.returncode:
         sys.exit(f"the study did not finish:\n{text}")
-    begun = re.findall(r"^    output: ([^,\s]+)", text, re.MULTILINE)
-    return Run(killed, time.monotonic() - began, tuple(begun), text)
+    return Run(killed, time.monotonic() - began, text)
 
 
 def recorded(folder, kind):
-    """The outputs of which Snakemake's own record says that they are finished, or not."""
+    """Outputs in the records of Snakemake 9: kind "metadata" if finished, "incomplete" if not."""
     records = folder / ".snakemake" / kind
     names = (
         path.relative_to(records).as_posix().replace("/@", "").lstrip("@") for path in records.rglob("*")
@@ -88,13 +89,13 @@ def recorded(folder, kind):
 
 
 def finished(folder):
-    """Finished outputs, and when each was written."""
+    """Finished outputs → time at which each was written."""
     done = recorded(folder, "metadata") - recorded(folder, "incomplete")
     return {name: (folder / name).stat().st_mtime_ns for name in done if (folder / name).exists()}
 
 
 def differences(folder, reference):
-    """Results that are not those of the undisturbed run, by name."""
+    """Names of results that differ from those of the undisturbed run."""
     one, two = ({p.relative_to(f / RESULTS) for p in results(f)} for f in (folder, reference))
     differing = {str(name) for name in one ^ two}
     for name in one & two:
@@ -110,7 +111,7 @@ def differences(folder, reference):
 
 
 def results(folder):
-    """All result files of the study, unfinished ones too."""
+    """All result files of the study, and unfinished ones."""
     return [
         path
         for path in (folder / RESULTS).rglob("*")
@@ -118,49 +119,45 @@ def results(folder):
     ]
 
 
-def kill_and_run_again(folder, reference, kills, generator, duration):
-    """Kill the study at random times, each time running it again; start anew whenever it has finished.
+def kill_and_run_again(folder, reference, conditions):
+    """Kill the study under each condition, each time running it again, and anew whenever it has finished.
 
-    `folder` is a copy of the project without results, `reference` one in which the study has run
-    undisturbed, within `duration` seconds. Yields a `Kill` for each.
+    `folder` is a copy of the project without results, `reference` one in which the study has run undisturbed;
+    conditions are as of `run_study`. Yields a `Kill` for each.
     """
+    conditions = iter(conditions)
     number = 0
-    while number < kills:
-        subprocess.run(["rm", "-rf", str(folder / "results"), str(folder / ".snakemake")], check=True)
-        pending = []
-        run = run_study(folder, generator.uniform(0.0, duration))
+    for condition in conditions:
+        for name in ("results", ".snakemake"):
+            shutil.rmtree(folder / name, ignore_errors=True)
+        kills = []
+        run = run_study(folder, condition)
         while run.killed:
             number += 1
-            before, broken = finished(folder), recorded(folder, "incomplete")
-            at = run.seconds
-            after = generator.uniform(0.0, duration) if number < kills else None
-            run = run_study(folder, after)
+            before, unfinished, seconds = finished(folder), recorded(folder, "incomplete"), run.seconds
+            run = run_study(folder, next(conditions, None))
             now = finished(folder)
-            repeated = {name for name, written in before.items() if now.get(name) != written}
-            repeated |= before.keys() & set(run.begun)
-            pending.append(
-                Kill(
-                    number,
-                    at,
-                    len(before),
-                    len(broken),
-                    len(broken & set(run.begun)),
-                    tuple(sorted(repeated)),
-                    (),
-                )
-            )
+            repeated = sorted(name for name, written in before.items() if now.get(name) != written)
+            kills.append(Kill(number, seconds, len(before), len(unfinished), tuple(repeated), ()))
         differing = differences(folder, reference)
-        yield from (kill._replace(differing=differing) for kill in pending)
+        yield from (kill._replace(differing=differing) for kill in kills)
+
+
+def random_times(number, generator, duration):
+    """Conditions that hold after random times, of a study that takes so long."""
+    for _ in range(number):
+        until = generator.uniform(0.0, duration)
+        yield lambda seconds, until=until: seconds > until
 
 
 def table(kills):
-    """The kills for a reader."""
+    """Kills as a Markdown table."""
     lines = [
-        "| kill | after (s) | finished | cut off | begun again | repeated needlessly | differences |",
-        "|---|---|---|---|---|---|---|",
+        "| kill | after (s) | finished | unfinished | repeated needlessly | differences |",
+        "|---|---|---|---|---|---|",
     ]
     lines += [
-        f"| {k.number} | {k.seconds:.2f} | {k.finished} | {k.broken} | {k.rerun} "
+        f"| {k.number} | {k.seconds:.2f} | {k.finished} | {k.unfinished} "
         f"| {', '.join(k.repeated) or 0} | {', '.join(k.differing) or 0} |"
         for k in kills
     ]
@@ -168,27 +165,28 @@ def table(kills):
 
 
 def main():
-    """Kill so many times, print, save."""
+    """Run the kills asked for, print the table, save it."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--kills", type=int, default=50)
-    parser.add_argument("--seed", type=int, default=1, help="of the times (%(default)s)")
+    parser.add_argument("--seed", type=int, default=1, help="of the random times (%(default)s)")
     parser.add_argument("--out", type=Path, default=Path("results/faults.md"))
     chosen = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         reference = copy_project(Path(scratch) / "reference")
-        folder = copy_project(Path(scratch) / "killed", compiled=False)  # kills meet the compiler too
+        folder = copy_project(Path(scratch) / "killed", compiled=False)  # kills also hit the compiler
         duration = run_study(reference).seconds
         kills = []
-        for kill in kill_and_run_again(folder, reference, chosen.kills, random.Random(chosen.seed), duration):
+        times = random_times(chosen.kills, random.Random(chosen.seed), duration)
+        for kill in kill_and_run_again(folder, reference, times):
             kills.append(kill)
             print(table([kill]).splitlines()[-1], flush=True)
     bad = [kill for kill in kills if kill.repeated or kill.differing]
     told = (
         f"{len(kills)} kills between {min(k.seconds for k in kills):.1f} s and "
         f"{max(k.seconds for k in kills):.1f} s of a study of {duration:.1f} s (seed {chosen.seed}): "
-        f"{sum(k.broken for k in kills)} outputs cut off, "
+        f"{sum(k.unfinished for k in kills)} unfinished outputs, "
         f"{sum(len(k.repeated) for k in kills)} finished outputs repeated, "
         f"{sum(len(k.differing) for k in kills)} differences"
     )

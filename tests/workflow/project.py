@@ -13,7 +13,7 @@ PARTS = ("Snakefile", "config", "workflow", "profiles", "src", "tests/reference"
 QUICK = ("--configfile", "config/quick.yaml")
 TINY = ("--configfile", "config/quick.yaml", "tests/workflow/tiny.yaml")
 
-DARK = """
+HIDE = """
 from importlib.machinery import PathFinder
 
 found = PathFinder.find_spec
@@ -22,14 +22,14 @@ PathFinder.find_spec = lambda name, *rest: None if name == "{name}" else found(n
 
 
 def hide(name, folder):
-    """A new folder, first on PYTHONPATH of a process in which a package is as if it were not installed."""
+    """Make a folder that hides a package from every process that has the folder first on PYTHONPATH."""
     folder.mkdir()
-    (folder / "sitecustomize.py").write_text(DARK.format(name=name))
+    (folder / "sitecustomize.py").write_text(HIDE.format(name=name))
     return folder
 
 
 def environment(folder):
-    """The environment of the tests, with the library of a folder."""
+    """Environment of the tests, with the library of the project in `folder`."""
     binaries = Path(sys.executable).parent
     return os.environ | {
         "PATH": f"{binaries}{os.pathsep}{os.environ['PATH']}",
@@ -38,17 +38,17 @@ def environment(folder):
 
 
 def run(folder, *command):
-    """Run a command of the environment in a folder."""
+    """Run a command in a folder, with the library of the project there."""
     return subprocess.run(command, cwd=folder, env=environment(folder), capture_output=True, text=True)
 
 
 def snakemake(folder, *arguments, cores=2):
-    """Run the workflow in a folder."""
+    """Run the workflow of the project in a folder."""
     return run(folder, "snakemake", "--cores", str(cores), *arguments)
 
 
 def copy_project(folder, *, compiled=True):
-    """All that a run needs; with what is compiled already, which is known by the times that copies keep."""
+    """Copy everything that a run needs, with compiled code: it stays valid as copies keep their times."""
     left_out = shutil.ignore_patterns(*(() if compiled else ("__pycache__",)))
     for part in PARTS:
         if (ROOT / part).is_dir():
@@ -60,7 +60,7 @@ def copy_project(folder, *, compiled=True):
 
 
 def numbers(path):
-    """A result without what it measures of the machine, and without the digest of the whole."""
+    """A result without the times and memory that it measured, and without the digest of the whole."""
     data = dataset.read(path)
     del data.attrs["content_digest"]
     cost = [name for name, values in data.variables.items() if values.attrs.get("units") in ("s", "byte")]

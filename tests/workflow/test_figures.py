@@ -82,7 +82,7 @@ def test_the_results_of_a_figure_are_a_tree_of_stages_studies_and_surfaces():
 def test_every_figure_depends_on_its_module_and_the_style(jobs):
     for figure, inputs in jobs.items():
         assert f"src/asperity/paper/figures/{figure.split('_')[0]}.py" in inputs
-        assert "src/asperity/paper/figures/style.mplstyle" in inputs
+        assert "src/asperity/views/style.mplstyle" in inputs
 
 
 def test_the_supplement_shows_given_kurtosis_and_measured_surfaces(jobs):

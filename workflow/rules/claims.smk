@@ -13,8 +13,8 @@ rule claims:
             ),
         ),
         validation=[f"{RESULTS}/validation/{name}.nc" for name in DATASETS if name in config["validation"]],
-        style="src/asperity/paper/figures/style.mplstyle",
-        compiled=COMPILED,
+        style="src/asperity/views/style.mplstyle",
+        machine_code=MACHINE_CODE,
         code=code("claims"),
     output:
         table=f"{RESULTS}/claims.csv",

@@ -1,7 +1,7 @@
 rule contact:
     input:
         surface=f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
-        compiled=COMPILED,
+        machine_code=MACHINE_CODE,
         code=code("contact"),
     output:
         f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",

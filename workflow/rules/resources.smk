@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from asperity.accuracy.resources import COMPILER_MEMORY, WORKFLOW_MEMORY, job_cost
 from asperity.config.presets import PRESETS
+from asperity.runtime.snakemake_internals import runs_locally
 
 ACCURACY = replace(
     PRESETS["paper"],
@@ -61,7 +62,7 @@ def tradeoff_cost(wildcards):
 
 # Rule -> cost of its job. Rules that are not listed take next to no time and memory.
 COSTS = {
-    "compiled": lambda wildcards: job_cost("compiled"),
+    "machine_code": lambda wildcards: job_cost("machine code"),
     "surface": surface_cost,
     "contact": contact_cost,
     "stress": stress_cost,
@@ -81,7 +82,7 @@ def memory(rule):
     """Resource mem_mb of a rule; on a cluster with the workflow and the compiler, which run beside the job."""
 
     def megabytes(wildcards):
-        beside = 0 if workflow.local_exec else WORKFLOW_MEMORY + COMPILER_MEMORY
+        beside = 0 if runs_locally(workflow) else WORKFLOW_MEMORY + COMPILER_MEMORY
         return math.ceil((COSTS[rule](wildcards).memory + beside) / 1e6)
 
     return megabytes

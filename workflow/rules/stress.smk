@@ -1,7 +1,7 @@
 rule stress:
     input:
         contact=f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
-        compiled=COMPILED,
+        machine_code=MACHINE_CODE,
         code=code("stress"),
     output:
         f"{RESULTS}/stress/{{surface}}/seed{{seed}}.nc",

@@ -1,13 +1,14 @@
 # Measurement of speed and accuracy, from which plans are made: reduced in rule all; in full by `make tradeoff`.
 rule tradeoff:
     input:
-        compiled=COMPILED,
+        machine_code=MACHINE_CODE,
         code=code("tradeoff"),
     output:
         runs=f"{RESULTS}/tradeoff/{{extent}}/runs.nc",
         measured=f"{RESULTS}/tradeoff/{{extent}}/measured.json",
-        table=report(
-            f"{RESULTS}/tradeoff/{{extent}}/table.md",
+        table=f"{RESULTS}/tradeoff/{{extent}}/table.md",
+        page=report(
+            f"{RESULTS}/tradeoff/{{extent}}/table.html",
             caption="../report/tradeoff.rst",
             category="Speed and accuracy",
             labels={"speed and accuracy": "table"},
@@ -32,7 +33,7 @@ rule tradeoff:
 rule tradeoff_figures:
     input:
         runs=rules.tradeoff.output.runs,
-        style="src/asperity/paper/figures/style.mplstyle",
+        style="src/asperity/views/style.mplstyle",
         code=code("tradeoff_figures"),
     output:
         report(

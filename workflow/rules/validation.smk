@@ -3,7 +3,7 @@ VALIDATIONS = list(config["validation"])
 
 rule validation:
     input:
-        compiled=COMPILED,
+        machine_code=MACHINE_CODE,
         code=code("validation"),
     output:
         f"{RESULTS}/validation/{{validation}}.nc",
@@ -27,7 +27,7 @@ rule validation:
 # Comparison with a second finite-element program, which must be installed; rule all does not request it.
 rule calculix:
     input:
-        compiled=COMPILED,
+        machine_code=MACHINE_CODE,
         code=code("calculix"),
     output:
         f"{RESULTS}/validation/calculix.nc",
@@ -53,8 +53,9 @@ rule validation_table:
         calculix=lambda wildcards: [path for path in rules.calculix.output if os.path.exists(path)],
         code=code("validation_table"),
     output:
-        report(
-            f"{RESULTS}/validation/table.md",
+        table=f"{RESULTS}/validation/table.md",
+        page=report(
+            f"{RESULTS}/validation/table.html",
             caption="../report/validation.rst",
             category="Validation",
             labels={"table": "comparisons, errors and bounds"},

@@ -4,7 +4,7 @@ rule verification:
         contact=results_of_seeds("contact"),
         stress=results_of_seeds("stress"),
         statistics=f"{RESULTS}/statistics/{{surface}}.nc",
-        compiled=COMPILED,
+        machine_code=MACHINE_CODE,
         code=code("verification"),
     output:
         table=f"{RESULTS}/verification/{{surface}}.csv",

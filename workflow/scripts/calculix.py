@@ -1,10 +1,11 @@
 """Rule calculix: fields on the diagonal plane of the slab by the spectral solver and by CalculiX."""
 
 from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 from asperity.validation.finite_elements import compare_calculix
 
-with record(snakemake.log[0]), Progress("validation calculix"):
+with log_to(snakemake.log[0]), ProgressBar("validation calculix"):
     compared = compare_calculix(snakemake.params.folder)
     dataset.write(
         compared,

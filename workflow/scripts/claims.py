@@ -6,12 +6,13 @@ from asperity.paper.claims import overview, report
 from asperity.paper.claims.evidence import Evidence
 from asperity.paper.claims.statements import CLAIMS, HEADLINES
 from asperity.paper.claims.verdicts import decide
-from asperity.paper.figures.style import save, style
 from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
+from asperity.views.style import save, style
 
 params, output = snakemake.params, snakemake.output
-with record(snakemake.log[0]), Progress("claims"), style(snakemake.input.style):
+with log_to(snakemake.log[0]), ProgressBar("claims"), style(snakemake.input.style):
     statistics, validation = (
         {Path(file).stem: dataset.read(file) for file in files}
         for files in (snakemake.input.statistics, snakemake.input.validation)

@@ -2,9 +2,10 @@
 
 from asperity.pipeline.contact import solve_contact
 from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 
-with record(snakemake.log[0]), Progress(f"contact {snakemake.wildcards.surface}") as progress:
+with log_to(snakemake.log[0]), ProgressBar(f"contact {snakemake.wildcards.surface}") as progress:
     surface = dataset.read(snakemake.input.surface)
     layer, contact = snakemake.params.layer, snakemake.params.contact
     dataset.write(

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 from asperity.paper.figures import caption, draw
-from asperity.paper.figures.style import save, style
 from asperity.results import dataset
-from asperity.runtime.progress import record
+from asperity.runtime.logs import log_to
+from asperity.views.style import save, style
 
 
 def read(tree):
@@ -15,7 +15,7 @@ def read(tree):
     return {name: read(branch) for name, branch in tree.items()}
 
 
-with record(snakemake.log[0]), style(snakemake.input.style):
+with log_to(snakemake.log[0]), style(snakemake.input.style):
     module, results = snakemake.params.module, read(snakemake.params.results)
     save(draw(module, results), snakemake.output.png, snakemake.output.pdf)
     Path(snakemake.output.caption).write_text(caption(module, results), encoding="utf-8")

@@ -2,10 +2,11 @@
 
 from asperity.pipeline.statistics import SeedResults, surface_statistics
 from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 
 surface, files, section = snakemake.wildcards.surface, snakemake.input, snakemake.params.statistics
-with record(snakemake.log[0]), Progress(f"statistics {surface}"):
+with log_to(snakemake.log[0]), ProgressBar(f"statistics {surface}"):
     results = map(SeedResults.read, files.surface, files.contact, files.stress)
     statistics = surface_statistics(results, **section)
     settings = dataset.settings_of(dataset.read(files.stress[0])) | {"statistics": section}

@@ -2,9 +2,10 @@
 
 from asperity.pipeline.stress import compute_stress
 from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 
-with record(snakemake.log[0]), Progress(f"stress {snakemake.wildcards.surface}") as progress:
+with log_to(snakemake.log[0]), ProgressBar(f"stress {snakemake.wildcards.surface}") as progress:
     contact = dataset.read(snakemake.input.contact)
     settings = dataset.settings_of(contact) | {"stress": snakemake.params.stress}
     dataset.write(

@@ -2,9 +2,10 @@
 
 from asperity.pipeline.surface import make_surface, read_surface
 from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 
-with record(snakemake.log[0]), Progress(f"surface {snakemake.wildcards.surface}"):
+with log_to(snakemake.log[0]), ProgressBar(f"surface {snakemake.wildcards.surface}"):
     seed, parameters = int(snakemake.wildcards.seed), snakemake.params.surface
     if "file" in parameters:
         surface, made = read_surface(parameters), "Measured"

@@ -5,11 +5,12 @@ from pathlib import Path
 from asperity.accuracy.measured import as_json
 from asperity.accuracy.measurement import measure
 from asperity.accuracy.reduction import reduce_runs
-from asperity.accuracy.tables import describe_errors, describe_presets
-from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.accuracy.tables import error_rows, preset_rows
+from asperity.results import dataset, markup
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 
-with record(snakemake.log[0]), Progress("tradeoff") as progress:
+with log_to(snakemake.log[0]), ProgressBar("tradeoff") as progress:
     settings = snakemake.params.settings
     runs = measure(**settings, progress=progress)
     dataset.write(
@@ -20,5 +21,7 @@ with record(snakemake.log[0]), Progress("tradeoff") as progress:
     )
     measured = reduce_runs(runs)
     Path(snakemake.output.measured).write_text(as_json(measured), encoding="utf-8")
-    text = f"{describe_presets(measured)}\n\n{describe_errors(measured)}\n"
-    Path(snakemake.output.table).write_text(text, encoding="utf-8")
+    tables = {"Presets": preset_rows(measured), "One parameter at a time": error_rows(measured)}
+    text = "\n\n".join(map(markup.markdown, tables.values()))
+    Path(snakemake.output.table).write_text(f"{text}\n", encoding="utf-8")
+    Path(snakemake.output.page).write_text(markup.page("Speed and accuracy", tables), encoding="utf-8")

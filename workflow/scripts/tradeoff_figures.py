@@ -2,11 +2,11 @@
 
 from asperity.accuracy.reduction import reduce_runs
 from asperity.paper.figures import tradeoff
-from asperity.paper.figures.style import save, style
 from asperity.results import dataset
-from asperity.runtime.progress import record
+from asperity.runtime.logs import log_to
+from asperity.views.style import save, style
 
-with record(snakemake.log[0]), style(snakemake.input.style):
+with log_to(snakemake.log[0]), style(snakemake.input.style):
     runs = dataset.read(snakemake.input.runs)
     for name, figure in tradeoff.draw(runs, reduce_runs(runs)).items():
         save(figure, *(path for path in snakemake.output if name in path))

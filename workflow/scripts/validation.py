@@ -1,11 +1,12 @@
 """Rule validation: one comparison of the library with closed forms, finite elements or high precision."""
 
 from asperity.results import dataset
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 from asperity.validation.comparisons import COMPARISONS, title
 
 name, settings = snakemake.wildcards.validation, snakemake.params.settings
-with record(snakemake.log[0]), Progress(f"validation {name}") as progress:
+with log_to(snakemake.log[0]), ProgressBar(f"validation {name}") as progress:
     dataset.write(
         COMPARISONS[name](**settings, progress=progress),
         snakemake.output[0],

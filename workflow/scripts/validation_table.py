@@ -2,10 +2,13 @@
 
 from pathlib import Path
 
-from asperity.results import dataset
-from asperity.runtime.progress import record
-from asperity.validation.table import markdown, table_rows
+from asperity.results import dataset, markup
+from asperity.runtime.logs import log_to
+from asperity.validation.table import markdown, table_rows, text_rows
 
-with record(snakemake.log[0]):
+with log_to(snakemake.log[0]):
     datasets = {name: dataset.read(path) for name, path in snakemake.params.results.items()}
-    Path(snakemake.output[0]).write_text(markdown(table_rows(datasets)), encoding="utf-8")
+    rows = table_rows(datasets)
+    Path(snakemake.output.table).write_text(markdown(rows), encoding="utf-8")
+    page = markup.page("Validation", {"": text_rows(rows)})
+    Path(snakemake.output.page).write_text(page, encoding="utf-8")

@@ -5,12 +5,14 @@ from pathlib import Path
 from asperity.pipeline.statistics import SeedResults
 from asperity.pipeline.verification import verify
 from asperity.results import dataset, markup
-from asperity.runtime.progress import Progress, record
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
 
 surface, files = snakemake.wildcards.surface, snakemake.input
-with record(snakemake.log[0]), Progress(f"verification {surface}") as progress:
+with log_to(snakemake.log[0]), ProgressBar(f"verification {surface}") as progress:
     results = map(SeedResults.read, files.surface, files.contact, files.stress)
     checks = verify(surface, results, dataset.read(files.statistics), progress)
     checks.to_csv(snakemake.output.table, index=False)
-    shown = {"": checks.drop(columns="surface")}
-    Path(snakemake.output.page).write_text(markup.page(f"Verification of {surface}", shown), encoding="utf-8")
+    rows = markup.rows_of(checks.drop(columns="surface"))
+    page = markup.page(f"Verification of {surface}", {"": rows})
+    Path(snakemake.output.page).write_text(page, encoding="utf-8")

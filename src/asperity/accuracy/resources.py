@@ -21,8 +21,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from asperity.accuracy.measured import MeasuredTradeoff, load
-from asperity.accuracy.tables import markdown, minutes
+from asperity.accuracy.tables import minutes
 from asperity.config.presets import PRESETS, AccuracySettings
+from asperity.results.markup import markdown
 from asperity.spectral import Fourier, Grid
 
 PAPER = PRESETS["paper"]
@@ -85,7 +86,7 @@ class _Line(NamedTuple):
 # Fitted to logs of the paper's study, on grids of 512² to 4096² (docs/scaling.md). The seconds of surface,
 # contact and stress are those of the imports; their calculation follows the time laws.
 _LINES = {
-    "compiled": _Line(295, seconds=14),
+    "machine code": _Line(295, seconds=14),
     "surface": _Line(144, 31, seconds=2, disk_per_node=7),
     "measured surface": _Line(250, 31, seconds=5, time_per_node=0.8, disk_per_node=7),
     "contact": _Line(260, 85, seconds=2, disk_per_node=15),

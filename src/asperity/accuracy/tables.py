@@ -1,14 +1,14 @@
-"""Markdown tables of the measured errors, and numbers as text."""
+"""Tables of the measured errors, and numbers as text."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import fields
 
 from asperity.accuracy.measured import MeasuredTradeoff
 from asperity.accuracy.outputs import OUTPUTS
 from asperity.config.presets import PRESETS, AccuracySettings
+from asperity.results.markup import Rows, markdown
 
 PARAMETER_LABELS = {
     "points_per_wavelength": "`points` on `wavelength_short`",
@@ -23,7 +23,12 @@ PARAMETER_LABELS = {
 
 
 def describe_presets(measured: MeasuredTradeoff) -> str:
-    """Markdown table of the presets: their settings, processor time and measured errors."""
+    """Markdown table of `preset_rows`."""
+    return markdown(preset_rows(measured))
+
+
+def preset_rows(measured: MeasuredTradeoff) -> Rows:
+    """Table of the presets: their settings, processor time and measured errors."""
     names = [name for name in PRESETS if name in measured.presets]
     settings = [
         [PARAMETER_LABELS[field.name], *(_text(getattr(PRESETS[name], field.name)) for name in names)]
@@ -35,11 +40,11 @@ def describe_presets(measured: MeasuredTradeoff) -> str:
         for output in OUTPUTS
     ]
     head = ["", *(f"`{name}`" for name in names)]
-    return markdown([head, *settings, ["processor time of one surface (s)", *times], *errors])
+    return [head, *settings, ["processor time of one surface (s)", *times], *errors]
 
 
-def describe_errors(measured: MeasuredTradeoff) -> str:
-    """Markdown table of the largest error at every measured setting, one parameter at a time."""
+def error_rows(measured: MeasuredTradeoff) -> Rows:
+    """Table of the largest error at every measured setting, one parameter at a time."""
     rows = [["area fraction", "parameter", "setting", *(f"`{name}`" for name in OUTPUTS)]]
     for area, by_parameter in measured.errors.items():
         for parameter, by_setting in by_parameter.items():
@@ -47,13 +52,7 @@ def describe_errors(measured: MeasuredTradeoff) -> str:
                 rows.append([area, parameter, setting, *(percent(errors[name]) for name in OUTPUTS)])
         deviation = measured.deviation[area]
         rows.append([area, "seeds (deviation)", "1", *(percent(deviation[name]) for name in OUTPUTS)])
-    return markdown(rows)
-
-
-def markdown(rows: Sequence[Sequence[str]]) -> str:
-    """Markdown table of rows of text; the first row is the head."""
-    lines = ["| " + " | ".join(row) + " |" for row in rows]
-    return "\n".join([lines[0], "|" + "---|" * len(rows[0]), *lines[1:]])
+    return rows
 
 
 def percent(value: float) -> str:

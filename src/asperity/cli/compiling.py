@@ -11,7 +11,7 @@ from numba.core.registry import CPUDispatcher
 
 from asperity.contact import kernels as contact_kernels
 from asperity.engineering import Body, run
-from asperity.runtime.progress import Progress
+from asperity.runtime.progress import ProgressBar
 from asperity.stress import kernels as stress_kernels
 from asperity.surface.measured import HeightMap
 
@@ -37,7 +37,7 @@ def compile_visibly(body: Body) -> None:
         return
     if not sys.stderr.isatty():
         print("asperity: compiling, at the first use only, about 30 s", file=sys.stderr, flush=True)
-    with Progress("compiling, at the first use only") as progress:
+    with ProgressBar("compiling, at the first use only") as progress:
         ended = threading.Event()
         watch = threading.Thread(target=_report, args=(progress, ended), daemon=True)
         watch.start()
@@ -56,7 +56,7 @@ def _is_stored(function: Any) -> bool:
         return True
 
 
-def _report(progress: Progress, ended: threading.Event) -> None:
+def _report(progress: ProgressBar, ended: threading.Event) -> None:
     """Report the share of compiled functions until the end."""
     functions = _functions()
     while not ended.wait(POLL_SECONDS):

@@ -9,7 +9,11 @@ from functools import partial
 import asperity
 from asperity.cli.arguments import POSITIVE, Parser, add_setting, converted
 from asperity.cli.run_options import RUN_MAP_OPTIONS, RUN_OPTIONS
+from asperity.config.schema import setting
 from asperity.paper.figures import numbers
+
+VIEWS = ("height", "pressure", "gap", "section", "plane", "peaks")
+"""Pictures that ``asperity view`` draws."""
 
 
 def make_parser() -> Parser:
@@ -19,8 +23,8 @@ def make_parser() -> Parser:
         description="Stress inside an elastic solid pressed against a rough surface. The command run takes a "
         "measured map, materials and a load with their units. The others have lengths in units of the longer "
         "edge of the periodic cell, stresses in units of the effective modulus E/(1 - poisson^2).",
-        epilog="From a map to an answer: run. The steps of a calculation: solve, stress, peaks, plot. Its "
-        "cost and error beforehand: plan.",
+        epilog="From a map to an answer: run. The steps of a calculation: surface, solve, stress, peaks, "
+        "plot. Its cost and error beforehand: plan. Pictures and tables of its results: view, export.",
     )
     parser.add_argument("--version", action="version", version=f"asperity {asperity.__version__}")
     commands = parser.add_subparsers(title="commands", required=True, dest="command", metavar="COMMAND")
@@ -141,12 +145,88 @@ def _add_plan(parser: Parser) -> None:
     )
 
 
+def _add_surface(parser: Parser) -> None:
+    parser.add_argument("--out", required=True, metavar="FILE.nc", help="surface file to write")
+    add = partial(add_setting, parser)
+    add("--hurst", "surfaces.NAME.hurst", required=True)
+    for name in ("wavelength_long", "wavelength_short", "rms_height"):
+        key = f"surfaces.NAME.{name}"
+        description = setting(key)["description"].rstrip(".")
+        add(
+            f"--{name.replace('_', '-')}",
+            key,
+            required=True,
+            type=str,
+            metavar="LENGTH",
+            help=f"{description}: in cell lengths such as 0.1, or with --length such as 10um",
+        )
+    add("--points", "surfaces.NAME.points", left_out="those of the default preset")
+    parser.add_argument(
+        "--length", metavar="LENGTH", help="edge of the cell, such as 100um: the surface is in SI units"
+    )
+    parser.add_argument(
+        "--seed",
+        type=partial(converted, setting("seeds")["items"]),
+        default=1,
+        metavar="INTEGER",
+        help="seed of the random surface (default: 1)",
+    )
+    add("--skewness", "surfaces.NAME.moments.skewness", left_out="Gaussian heights")
+    add("--kurtosis", "surfaces.NAME.moments.kurtosis", left_out="Gaussian heights")
+    add("--label", "surfaces.NAME.label", left_out="the Hurst exponent")
+
+
+def _add_view(parser: Parser) -> None:
+    parser.usage = "asperity view RESULT [RESULT ...] VIEW [PLACE ...] [options]"
+    parser.add_argument(
+        "words",
+        nargs="+",
+        metavar="RESULT VIEW PLACE",
+        help="result files of one stage; what to draw: height, pressure or gap over the cell, section "
+        "(vertical), plane (at a depth) or peaks; and where: y=205um (or x=) of a section and "
+        "depth=40um to which it is drawn; depth=10um or depth=max of a plane; x=100-200um the part "
+        "that is drawn. Lengths have units if the result is in SI, else they are in cell lengths",
+    )
+    parser.add_argument(
+        "--field", metavar="NAME", help="stress that is drawn, such as von_mises or xx (default: von_mises)"
+    )
+    add_setting(parser, "--poisson", "layer.poisson", left_out="that of the contact")
+    parser.add_argument(
+        "--out",
+        nargs="+",
+        metavar="FILE",
+        help="pictures to write, such as a.png a.pdf (default: RESULT_VIEW.png beside the first result)",
+    )
+
+
+def _add_export(parser: Parser) -> None:
+    parser.add_argument("results", nargs="+", metavar="RESULT", help="a contact file, a stress file, or both")
+    parser.add_argument(
+        "--peaks", metavar="FILE.csv", help="table of all peaks of the stress file, for pandas or Excel"
+    )
+    parser.add_argument(
+        "--field",
+        nargs=2,
+        action="append",
+        metavar=("NAMES:DEPTHS", "FILE.vti"),
+        help="fields of the stress under the contact file in a box, such as von_mises,xx:0-40um field.vti, "
+        "for ParaView or pyvista; may be given several times",
+    )
+    parser.add_argument("--y", metavar="RANGE", help="part of the cell along y, such as 0-100um")
+    parser.add_argument("--x", metavar="RANGE", help="part of the cell along x")
+    parser.add_argument(
+        "--spacing", metavar="LENGTH", help="distance between planes (default: that between nodes)"
+    )
+    add_setting(parser, "--poisson", "layer.poisson", left_out="that of the contact")
+
+
 _COMMANDS: dict[str, tuple[Callable[[Parser], None], str]] = {
     "run": (
         _add_run,
         "Answer from a measured map, materials and a load: contact, pressure, stress, yield. Writes results, "
         "pictures and a report.",
     ),
+    "surface": (_add_surface, "Make a random rough surface."),
     "solve": (
         _add_solve,
         "Press the solid against a surface. The result holds pressure, displacement and gap.",
@@ -161,6 +241,8 @@ _COMMANDS: dict[str, tuple[Callable[[Parser], None], str]] = {
         _add_plan,
         "Predict cost and error of a calculation. With a target, propose settings that reach it.",
     ),
+    "view": (_add_view, "Draw results: surfaces, contacts, and the stress below them."),
+    "export": (_add_export, "Export results as tables (CSV) and as fields for ParaView (VTK)."),
 }
 
 

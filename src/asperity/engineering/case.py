@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from asperity.arguments import choice, magnitude, number
 from asperity.elasticity.layer import BOTTOMS, Layer
+from asperity.elasticity.two_bodies import TwoBodies
 from asperity.errors import shown
 
 CONTROLS = ("mean_pressure", "force", "approach", "area_fraction")
@@ -109,8 +110,6 @@ class Case:
             raise TypeError(f"lower = {shown(self.lower)}: a Body is needed")
         if self.upper is not None and not isinstance(self.upper, Body):
             raise TypeError(f"upper = {shown(self.upper)}: a Body or None (rigid) is needed")
-        if self.upper is not None and (self.lower.height or self.upper.height):
-            raise ValueError("height: a layer can be pressed by a rigid body only")
 
     @property
     def bodies(self) -> dict[str, Body]:
@@ -118,6 +117,6 @@ class Case:
         return {"lower": self.lower} if self.upper is None else {"lower": self.lower, "upper": self.upper}
 
     @property
-    def effective_modulus(self) -> float:
-        """E* in Pa: 1/E* = Σ (1 − νᵢ²)/Eᵢ (K. L. Johnson, Contact Mechanics, 1985, chapter 4)."""
-        return 1 / sum(1 / body.layer.effective_modulus for body in self.bodies.values())
+    def solid(self) -> Layer | TwoBodies:
+        """What the solver presses."""
+        return self.lower.layer if self.upper is None else TwoBodies(self.lower.layer, self.upper.layer)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict
 from typing import Any
 
@@ -33,6 +34,7 @@ def settings_of(answer: Answer) -> dict[str, Any]:
     return {
         "name": answer.indenter.name,
         "map": _plain(answer.map_settings),
+        "layer": {"height": case.lower.height, "poisson": case.lower.poisson},
         "lower": asdict(case.lower),
         "upper": None if case.upper is None else asdict(case.upper),
         "load": {case.load.kind: case.load.value},
@@ -73,8 +75,8 @@ def surface_dataset(answer: Answer) -> xr.Dataset:
     )
 
 
-def contact_dataset(answer: Answer) -> xr.Dataset:
-    """Pressure, displacement and gap."""
+def contact_dataset(answer: Answer, body: str = "lower") -> xr.Dataset:
+    """Pressure, displacement and gap; the attributes describe one of the bodies."""
     contact, numbers = answer.contact, answer.numbers
     y, x = contact.grid.coordinates()
     plane = ("y", "x")
@@ -96,10 +98,11 @@ def contact_dataset(answer: Answer) -> xr.Dataset:
         coords={"y": y, "x": x},
         attrs={
             "unit_system": SI_UNITS,
-            "effective_modulus": answer.case.effective_modulus,
+            "settings": json.dumps(settings_of(answer), sort_keys=True),
+            "effective_modulus": answer.case.solid.effective_modulus,
             "force": numbers.force,
             "approach_since_first_touch": numbers.approach,
-            **_solid(answer, "lower"),
+            **_solid(answer, body),
             **certificate,
         },
     )

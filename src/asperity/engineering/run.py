@@ -133,12 +133,7 @@ def run(
 
 
 def press(indenter: Indenter, case: Case, progress: Progress | None = None) -> Contact:
-    """The contact of the case, with the one half-space or layer that stands for both bodies.
-
-    Two half-spaces without friction are pressed together as one of modulus E*, whatever their Poisson's
-    ratios are.
-    """
-    solid = case.lower.layer if case.upper is None else Layer(case.effective_modulus, 0.0)
+    """The contact of the case."""
     load = case.load
     imposed = {load.kind: load.value}
     if load.kind == "force":
@@ -147,7 +142,7 @@ def press(indenter: Indenter, case: Case, progress: Progress | None = None) -> C
         imposed = {"approach": float(indenter.height.min()) + load.value}
     return solve(
         indenter.height,
-        solid,
+        case.solid,
         indenter.grid.length,
         rtol=CONTACT_TOLERANCE,
         progress=progress,

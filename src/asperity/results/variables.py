@@ -54,7 +54,8 @@ STAGES = {
         "Distributions of the stress peaks of one surface over all its seeds, with confidence bands from a "
         "bootstrap over seeds (..._low, ..._high), NaN for a single seed. Along bin and depth_bin: densities "
         "and counts of peaks. Along percent: percentiles. Along plane and lag: depth profiles and "
-        "covariances (Eq. 22), means over seeds.",
+        "covariances (Eq. 22), means over seeds. Along seed, in variables seed_...: numbers of each seed; "
+        "along level: quantiles of its peaks.",
     ),
 }
 

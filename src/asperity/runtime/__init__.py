@@ -1,1 +1,1 @@
-"""Services for running jobs: progress, logs, checks before a run, compilation."""
+"""Services for running jobs: progress, logs, checks before a run, compilation, the operating system."""

@@ -1,15 +1,15 @@
-"""The functions that numba compiles, compiled before they are needed.
+"""Compilation of the numba functions of the package before the jobs of a study need them.
 
-Numba compiles a function when it is first called with some types, and keeps the code where other processes
-find it. For the whole library that takes some twenty seconds, and 150 MB that the calculation itself does not
-need: done once, it is spared to the jobs of a study, which would all do it at the same time.
+Numba compiles a function when it is first called with arguments of some types, and keeps the machine code in
+a file beside the module, where other processes find it. All functions together take some twenty seconds, and
+150 MB of memory that the calculation itself does not need. Compiling them once, before other jobs start,
+keeps these jobs from compiling the same functions side by side.
 """
 
 from __future__ import annotations
 
 import platform
 import sys
-from dataclasses import replace
 from importlib.metadata import version
 from itertools import product
 from typing import Any
@@ -25,10 +25,9 @@ from asperity.stress.analysis import analyse_stress
 from asperity.stress.depths import depth_grid
 from asperity.stress.pressed import PressedSolid
 from asperity.surface.roughness import self_affine
-from asperity.validation.extremes import Scene, attempt
 
 PACKAGES = ("numba", "llvmlite", "numpy")
-"""On whose versions the code depends besides."""
+"""Packages besides this one on whose versions the machine code depends."""
 
 PRECISIONS = ("float32", "float64")
 
@@ -38,24 +37,28 @@ LAYERS = (
     Layer(1.0, 0.33, height=1.0, bottom="frictionless"),
 )
 
-DEPTH_TOLERANCES = (1e-2, 1e-6)
-"""Planes are in single precision at the one, in double precision at the other."""
+THIN_LAYER = Layer(1.0, 0.33, height=1e-7)
+"""A layer so thin that the solver has to damp its steps."""
 
-RARE = (Scene(imposed=("approach", 0.5)), Scene(scaled_height=1e-6, points=64))
-"""Contacts that take steps which others do not: at a given approach, and to be damped on a thin layer."""
+DEPTH_TOLERANCES = (1e-2, 1e-6)
+"""Tolerances with which stress planes are computed in single and in double precision."""
 
 
 def compile_contact() -> None:
-    """Call every function of the contact with all types that a study gives it, on small scenes."""
+    """Call every compiled function of the contact solvers with all types that a study uses."""
     height = self_affine((32, 32), 0.8, 0.5, 0.125, 1e-3, seed=1)
     for precision, method, layer in product(PRECISIONS, METHODS, LAYERS):
         solve(height, layer, area_fraction=0.1, method=method, rtol=1e-4, dtype=precision)
-    for precision, scene in product(PRECISIONS, RARE):
-        attempt(replace(scene, precision=precision))
+    fine = self_affine((64, 64), 0.8, 0.5, 0.0625, 1e-3, seed=1)
+    for precision in PRECISIONS:
+        solve(height, LAYERS[0], approach=0.5 * height.min(), rtol=1e-4, dtype=precision)
+        solve(fine, THIN_LAYER, area_fraction=0.1, rtol=1e-4, dtype=precision)
+        free = solve(height, LAYERS[0], area_fraction=0.1, boundary="free", rtol=1e-4, dtype=precision)
+        assert free.gradient_rms_contact > 0
 
 
 def compile_stress() -> None:
-    """The same with the functions of the stress, its peaks and the layer."""
+    """Call every compiled function of stress planes, peaks and layers in the same way."""
     height = self_affine((32, 32), 0.8, 0.5, 0.125, 1e-3, seed=1)
     grid = Grid(height.shape)
     for layer, tolerance in product(LAYERS, DEPTH_TOLERANCES):
@@ -68,11 +71,11 @@ def compile_stress() -> None:
 
 
 PARTS = {"contact": compile_contact, "stress": compile_stress}
-"""Which have hardly a function in common, and can be compiled at the same time."""
+"""Parts that share hardly a function and can be compiled at the same time."""
 
 
 def compiled_functions() -> dict[str, Any]:
-    """Every function of the imported modules of this package that numba compiles, by module and name."""
+    """Every numba function of the imported modules of this package, by module and name."""
     modules = {name: module for name, module in sys.modules.items() if name.startswith("asperity.")}
     return {
         f"{name}.{function.py_func.__name__}": function
@@ -83,11 +86,11 @@ def compiled_functions() -> dict[str, Any]:
 
 
 def describe(part: str) -> str:
-    """What is compiled, with which versions and for which processor, for a reader."""
+    """Text that states what is compiled, with which versions and for which processor."""
     _, processor, _ = cpu_target.target_context.codegen().magic_tuple()
     packages = ", ".join([f"asperity {__version__}", *(f"{name} {version(name)}" for name in PACKAGES)])
     return (
-        f"The functions of the {part} are compiled, and kept beside the modules of the library:\n"
+        f"The functions of the {part} are compiled; their machine code lies beside the modules.\n"
         f"{packages}, Python {platform.python_version()},\n"
         f"for {processor} ({platform.machine()}).\n"
     )

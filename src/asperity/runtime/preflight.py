@@ -1,12 +1,11 @@
-"""What a study stands on, looked at before its first job: packages, its folder, memory, earlier results.
+"""Checks made before the first job of a study: packages, the results folder, memory, disk, earlier results.
 
-Nothing is imported here that may be missing. Whatever is wrong raises `PreflightError`: one line that names
-it and the remedy.
+A check that fails raises `PreflightError`, whose message names in one line what is wrong and what helps. This
+module imports nothing that may be missing.
 """
 
 from __future__ import annotations
 
-import fcntl
 import os
 import shutil
 import socket
@@ -15,6 +14,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from asperity.errors import DatasetError, PreflightError
+from asperity.runtime.system import available_memory, lock
 
 PACKAGES = {
     "SurfaceTopography": "SurfaceTopography",
@@ -26,13 +26,16 @@ PACKAGES = {
     "netCDF4": "netCDF4",
     "numba": "numba",
     "numpy": "numpy",
+    "pandas": "pandas",
+    "pint": "pint",
     "scipy": "scipy",
     "skfem": "scikit-fem",
     "tqdm": "tqdm",
+    "uvw": "uvw",
     "xarray": "xarray",
     "yaml": "pyyaml",
 }
-"""What the jobs of the study import, and the package that has it."""
+"""Modules that the jobs of the study import → name of the package that provides them."""
 
 BASE_PACKAGES = (
     "ducc0",
@@ -41,59 +44,60 @@ BASE_PACKAGES = (
     "netCDF4",
     "numba",
     "numpy",
+    "pandas",
     "scipy",
     "tqdm",
     "xarray",
     "yaml",
 )
-"""What the library imports wherever it is used."""
+"""Modules that the library itself imports."""
 
-REMEDY = "all that is needed: pip install --requirement requirements.lock"
+REMEDY = "install everything with: pip install --requirement requirements.lock"
 
-_RUNNING = ".running"
-_GROUP_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
+_LOCK_FILE = ".running"
 
 
 def require_packages(modules: Iterable[str] = tuple(PACKAGES)) -> None:
-    """Raise `PreflightError` if a package that has one of these modules is not installed."""
+    """Raise `PreflightError` if one of the modules is not installed."""
     missing = [PACKAGES[module] for module in modules if find_spec(module) is None]
     if missing:
         raise PreflightError(f"not installed: {', '.join(missing)}; {REMEDY}")
 
 
 def claim(folder: str | os.PathLike[str]) -> int:
-    """Take a folder of results for this process alone, until it ends in whatever way.
+    """Reserve a results folder for this process, until the process ends in whatever way.
 
     Parameters
     ----------
     folder : path
-        Made if it is not there.
+        Made if it does not exist.
 
     Returns
     -------
     descriptor : int
-        Of the file ``.running`` in the folder; the operating system gives the claim up with it.
+        Open file ``.running`` in the folder. The operating system frees the folder when the file is closed.
 
     Raises
     ------
     PreflightError
-        If the folder cannot be written, or another process has claimed it.
+        If the folder cannot be written, or another process has reserved it.
     """
-    path = Path(folder) / _RUNNING
+    path = Path(folder) / _LOCK_FILE
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+        # Python opens files so that programs started by this process do not inherit them, nor the lock.
+        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
     except OSError as error:
         raise PreflightError(
             f"{folder}: cannot be written ({error.strerror}); make it writable or set another as results"
         ) from error
     try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        lock(descriptor)
     except OSError as error:
         owner = os.read(descriptor, 200).decode(errors="replace").strip() or "of unknown number"
         os.close(descriptor)
         raise PreflightError(
-            f"{folder}: another study is at work here (process {owner}); wait for its end, "
+            f"{folder}: another study is running here (process {owner}); wait until it ends, "
             f"or set another folder as results"
         ) from error
     try:
@@ -111,28 +115,23 @@ def require_memory(needs: Mapping[str, float], limit: float | None = None) -> No
     Parameters
     ----------
     needs : mapping
-        What is to be made → memory that its making needs, in MB.
+        File to be made → memory in MB that its job needs.
     limit : float, optional
-        Memory to be used, in MB; by default what the machine has, or what its control group may use.
+        Memory that the jobs may use, in MB; by default all memory available to this process.
     """
-    available, source = (physical_memory(), "this machine has") if limit is None else (limit, "mem_mb allows")
-    made = max(needs, key=lambda name: needs[name], default=None)
-    if made is not None and needs[made] > available:
+    available, source = (
+        (available_memory(), "this machine has") if limit is None else (limit, "mem_mb allows")
+    )
+    largest = max(needs, key=lambda name: needs[name], default=None)
+    if largest is not None and needs[largest] > available:
         raise PreflightError(
-            f"{made} needs about {needs[made] / 1e3:.3g} GB of memory, {source} "
+            f"{largest} needs about {needs[largest] / 1e3:.3g} GB of memory, {source} "
             f"{available / 1e3:.3g} GB; choose fewer points, or a machine with more"
         )
 
 
-def physical_memory() -> float:
-    """Memory that this process may use, in MB: the machine's, or less where its control group has less."""
-    limits = [path.read_text().strip() for path in map(Path, _GROUP_LIMITS) if path.is_file()]
-    machine = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    return min([machine, *(int(limit) for limit in limits if limit.isdigit())]) / 1e6
-
-
 def require_space(folder: str | os.PathLike[str], need: float) -> None:
-    """Raise `PreflightError` if the disk of a folder has less than `need` MB left."""
+    """Raise `PreflightError` if less than `need` MB are free on the disk of the folder."""
     free = shutil.disk_usage(folder).free / 1e6
     if need > free:
         raise PreflightError(
@@ -142,7 +141,10 @@ def require_space(folder: str | os.PathLike[str], need: float) -> None:
 
 
 def require_undamaged(paths: Iterable[str | os.PathLike[str]]) -> None:
-    """Raise `PreflightError` for the first result file that is not as it was written."""
+    """Raise `PreflightError` for the first result file that is damaged or was changed after it was written.
+
+    `dataset` is imported here: this takes a second, and every job on a cluster imports this module.
+    """
     from asperity.results import dataset
 
     for path in paths:

@@ -139,7 +139,7 @@ def _deviates(grid: Grid, wavelength_short: float, seed: int) -> tuple[Array, Ar
     ky, kx = ky[half], kx[half]
     order = np.lexsort((kx, ky, np.maximum(np.abs(ky), kx)))
     ky, kx = ky[order], kx[order]
-    uniform = np.random.default_rng(np.random.SeedSequence(int(seed))).random((ky.size, 2))
+    uniform = np.random.default_rng(np.random.SeedSequence(seed)).random((ky.size, 2))
     deviate = np.sqrt(-2 * np.log1p(-uniform[:, 0])) * np.exp(2j * np.pi * uniform[:, 1])
     return ky, kx, deviate
 

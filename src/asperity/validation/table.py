@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
+from asperity.results import markup
 from asperity.validation.convergence import convergence_order
 from asperity.validation.finite_elements import FIELDS, largest_differences
 
@@ -65,16 +66,19 @@ def table_rows(datasets: Mapping[str, xr.Dataset]) -> list[Row]:
 
 
 def markdown(rows: Sequence[Row]) -> str:
-    """The table in Markdown, for `docs/validation.md` and the report."""
-    head = "| quantity | against | grid; mesh | error is of | error | bound | guarded by |"
-    lines = [head, "|---|---|---|---|---|---|---|"]
+    """The table in Markdown, for `docs/validation.md`."""
+    return markup.markdown(text_rows(rows)) + "\n"
+
+
+def text_rows(rows: Sequence[Row]) -> markup.Rows:
+    """The table as text, its head first; an error beyond its bound is marked."""
+    table = [["quantity", "against", "grid; mesh", "error is of", "error", "bound", "guarded by"]]
     for row in rows:
         value = f"order {row.error:.2f}" if row.source == "rate" else f"{100 * row.error:.2g} %"
         limit = f"≥ {row.bound:g}" if row.source == "rate" else f"{100 * row.bound:g} %"
         verdict = limit if row.holds else f"{limit}, **exceeded**"
-        cells = [row.quantity, row.against, row.grid, row.source, value, verdict, f"`{row.test}`"]
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines) + "\n"
+        table.append([row.quantity, row.against, row.grid, row.source, value, verdict, f"`{row.test}`"])
+    return table
 
 
 def _row(quantity: str, against: str, grid: str, source: str, error: xr.DataArray | float, bound: str) -> Row:

@@ -10,7 +10,7 @@ from asperity.cli.arguments import section
 from asperity.cli.files import check_out, read_result, write_result
 from asperity.pipeline.statistics import SeedResults, surface_statistics
 from asperity.results import dataset
-from asperity.runtime.progress import Progress
+from asperity.runtime.progress import ProgressBar
 from asperity.stress.selection import selection_for
 from asperity.surface.roughness import roughness_parameters
 
@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> None:
         "seed": [dataset.settings_of(stress)["seed"] for stress in stresses],
     }
     results = map(SeedResults, settings["seed"], map(_surface, contacts), contacts, stresses)
-    with Progress(f"peaks {settings['name']}"):
+    with ProgressBar(f"peaks {settings['name']}"):
         result = surface_statistics(results, **chosen)
     write_result(result, options.out, "Statistics of rough surface", settings)
     print(_percentiles(result))

@@ -11,8 +11,8 @@ import xarray as xr
 from asperity.cli.arguments import section
 from asperity.cli.files import check_out, read_dimensionless, stage_of
 from asperity.paper.figures import describe, draw
-from asperity.paper.figures.style import save, style
 from asperity.results import dataset
+from asperity.views.style import save, style
 
 _MAKERS = {"contact": "asperity solve", "stress": "asperity stress", "statistics": "asperity peaks"}
 _OF_ONE_RATIO = (8, 9, 10, 11, 13, 17, 18)

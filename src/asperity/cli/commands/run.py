@@ -39,11 +39,11 @@ def run(options: argparse.Namespace) -> None:
     from asperity.cli.compiling import compile_visibly
     from asperity.engineering import run as answer_of
     from asperity.engineering import write_answer
-    from asperity.runtime.progress import Progress
+    from asperity.runtime.progress import ProgressBar
 
     lower, upper = _bodies(values)
     compile_visibly(lower)
-    with Progress(f"run {options.map}") as progress:
+    with ProgressBar(f"run {options.map}") as progress:
         answer = answer_of(
             options.map, lower, upper, map_settings=_map_settings(values), progress=progress, **_load(values)
         )
@@ -138,10 +138,6 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any]) -> l
             for name in ("counter_young", "counter_poisson")
             if name not in known
         ]
-        if "layer_height" in known:
-            problems.append(
-                f"--layer-height: accepted with a rigid counter body only, not with {_flag(counter[0])}"
-            )
     if "bottom" in known and "layer_height" not in known:
         problems.append("--bottom: needs --layer-height, a half-space has no lower face")
     if options.out is None:

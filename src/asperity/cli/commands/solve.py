@@ -15,7 +15,7 @@ from asperity.config.reader import is_file
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.surface import read_surface
 from asperity.results import dataset
-from asperity.runtime.progress import Progress
+from asperity.runtime.progress import ProgressBar
 
 
 def run(options: argparse.Namespace) -> None:
@@ -24,7 +24,7 @@ def run(options: argparse.Namespace) -> None:
     surface, settings = _surface(Path(options.surface), section(options, "measured.NAME"))
     layer, contact = section(options, "layer"), section(options, "contact")
     contact["path_area_fractions"] = sorted(contact.get("path_area_fractions", []))
-    with Progress(f"contact {settings['name']}") as progress:
+    with ProgressBar(f"contact {settings['name']}") as progress:
         result = solve_contact(surface, layer, contact, progress=progress)
     settings |= {"layer": layer, "contact": contact}
     write_result(result, options.out, "Contact with rough surface", settings)
@@ -43,6 +43,8 @@ def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, A
         if given:
             raise ValueError(f"--{next(iter(given)).replace('_', '-')}: for height maps, {path} is a surface")
         surface = read_result(path, "surface")
+        if surface.attrs.get("unit_system") == "SI":
+            raise ValueError(f"{path}: in SI units; a surface in cell lengths is needed")
         return surface, dataset.settings_of(surface)
     parameters = complete_map({"label": path.stem, "file": str(path), **given})
     surface = read_surface(parameters)

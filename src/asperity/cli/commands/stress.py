@@ -8,7 +8,7 @@ from asperity.cli.arguments import section
 from asperity.cli.files import check_out, read_result, write_result
 from asperity.pipeline.stress import compute_stress
 from asperity.results import dataset
-from asperity.runtime.progress import Progress
+from asperity.runtime.progress import ProgressBar
 
 
 def run(options: argparse.Namespace) -> None:
@@ -23,7 +23,7 @@ def run(options: argparse.Namespace) -> None:
             f"--poisson {' '.join(f'{nu:g}' for nu in chosen['poisson'])}: only {own:g} is accepted, "
             f"the ratio of the layer on which the contact was solved"
         )
-    with Progress(f"stress {settings['name']}") as progress:
+    with ProgressBar(f"stress {settings['name']}") as progress:
         result = compute_stress(contact, settings["layer"], chosen, progress=progress)
     write_result(result, options.out, "Stress under rough surface", settings | {"stress": chosen})
     for nu in result["poisson"].values:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.paper.claims.verdicts import FAILS, HOLDS, NO_DATA, UNDECIDED, Finding, tally
-from asperity.paper.figures.style import MILLIMETRE, PAGE
+from asperity.views.style import MILLIMETRE, PAGE
 
 _COLOUR = {HOLDS: "C0", FAILS: "C1", UNDECIDED: "0.45", NO_DATA: "0.75"}
 _MARKER = {HOLDS: "o", FAILS: "s", UNDECIDED: "D", NO_DATA: "x"}

@@ -12,6 +12,7 @@ from asperity.paper.claims.continuum import continuum
 from asperity.paper.claims.evidence import Evidence, Measure
 from asperity.paper.claims.verdicts import CONFIDENCE, Finding, tally
 from asperity.results import markup
+from asperity.results.markup import Rows
 
 _RULE = f"""\
 A statement holds if the {100 * CONFIDENCE:g} % interval of the mean over seeds (Student's t, paired by
@@ -21,6 +22,8 @@ elements, with their numerical uncertainty. One in twenty intervals of 95 % is e
 
 *Continuum* is what vanishing grid spacing adds to the value: the same statement on the same surfaces in a
 smaller cell at 8, 16 and 32 nodes on the shortest wavelength, extrapolated."""
+
+_HEAD = ("the paper says", "measured", "predicted", "value", "verdict", "continuum")
 
 
 def frame(findings: Sequence[Finding], nodes: float) -> pd.DataFrame:
@@ -47,26 +50,29 @@ def frame(findings: Sequence[Finding], nodes: float) -> pd.DataFrame:
     )
 
 
-def sections(findings: Sequence[Finding], emphasis: str = "") -> dict[str, pd.DataFrame]:
-    """The findings for a reader: a heading for each section of the paper → a table of text.
+def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> dict[str, Rows]:
+    """The findings for a reader: a heading for each section of the paper → a table.
 
-    Verdicts stand between marks of `emphasis`.
+    A last table shows `limits`, the result of `continuum_table`, unless it is empty.
     """
-    groups: dict[str, list[dict[str, str]]] = {}
+    found: dict[str, list[list[str]]] = {}
     for f in findings:
         names = f.claim.section.split(", ")
         section = next((name for name in names if name[0].isdigit()), names[0])
-        groups.setdefault(f"Section {section}", []).append(
-            {
-                "the paper says": f.claim.sentence,
-                "measured": f.claim.quantity,
-                "predicted": str(f.claim.region),
-                "value": with_error(f.value, f.error),
-                "verdict": f"{emphasis}{f.verdict}{emphasis}" + (f" ({f.missing})" if f.missing else ""),
-                "continuum": with_error(f.shift, f.shift_error, signed=True),
-            }
+        found.setdefault(f"Section {section}", [list(_HEAD)]).append(
+            [
+                f.claim.sentence,
+                f.claim.quantity,
+                str(f.claim.region),
+                with_error(f.value, f.error),
+                f"**{f.verdict}**" + (f" ({f.missing})" if f.missing else ""),
+                with_error(f.shift, f.shift_error, signed=True),
+            ]
         )
-    return {heading: pd.DataFrame(groups[heading]) for heading in sorted(groups)}
+    every: dict[str, Rows] = {heading: found[heading] for heading in sorted(found)}
+    if limits is not None and not limits.empty:
+        every["Towards the continuum"] = markup.rows_of(limits)
+    return every
 
 
 def continuum_table(headlines: Mapping[str, Measure], finer: Mapping[float, Evidence]) -> pd.DataFrame:
@@ -103,18 +109,14 @@ def markdown(
         f"asperity {asperity.__version__}.",
         _RULE,
     ]
-    for heading, table in _with_limits(sections(findings, "**"), limits).items():
-        parts += [f"## {heading}", markup.markdown(table)]
+    for heading, rows in tables(findings, limits).items():
+        parts += [f"## {heading}", markup.markdown(rows)]
     return "\n\n".join(parts) + "\n"
 
 
 def page(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> str:
     """The findings as an HTML page, for the report of the workflow."""
-    return markup.page("Does the paper hold?", _with_limits(sections(findings), limits))
-
-
-def _with_limits(parts: dict[str, pd.DataFrame], limits: pd.DataFrame | None) -> dict[str, pd.DataFrame]:
-    return parts if limits is None or limits.empty else parts | {"Towards the continuum": limits}
+    return markup.page("Does the paper hold?", tables(findings, limits))
 
 
 def with_error(value: float, error: float, signed: bool = False) -> str:

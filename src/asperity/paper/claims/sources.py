@@ -28,8 +28,8 @@ def roles(studies: Mapping[str, Sequence[str]], surfaces: Mapping[str, Mapping[s
 
     def ranked(study: str, names: Sequence[str], key: Callable[[Mapping[str, Any]], float]) -> dict[str, str]:
         """The surfaces of a study by rising key, if it has as many as there are roles."""
-        members = sorted((n for n in studies.get(study, ()) if n in surfaces), key=lambda n: key(surfaces[n]))
-        return dict(zip(names, members, strict=True)) if len(members) == len(names) else {}
+        found = sorted((n for n in studies.get(study, ()) if n in surfaces), key=lambda n: key(surfaces[n]))
+        return dict(zip(names, found, strict=True)) if len(found) == len(names) else {}
 
     cutoffs: tuple[str, ...] = ("long_cutoff", "middle_cutoff", "short_cutoff")
     if len(studies.get("kurtosis", ())) == 2:

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.paper.figures.cases import Case
-from asperity.paper.figures.style import label
+from asperity.views.style import label
 
 
 def bullets(lines: Iterable[str]) -> str:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-from asperity.paper.figures.style import label, wavelength_short
 from asperity.stress.selection import selection_for
+from asperity.views.style import label, wavelength_short
 
 
 @dataclass(frozen=True)

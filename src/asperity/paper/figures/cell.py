@@ -10,8 +10,8 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
-from asperity.paper.figures.style import MILLIMETRE
 from asperity.types import Array
+from asperity.views.style import MILLIMETRE
 
 SOLID, FRONT, RIGHT = "#c9d6df", "#9fb3c1", "#8aa0b0"
 """Colours of the solid's surface and of the two walls that are seen."""

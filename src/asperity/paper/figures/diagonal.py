@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from asperity.paper.figures.captions import bullets
-from asperity.paper.figures.style import panels
 from asperity.types import Array
 from asperity.validation.finite_elements import largest_differences
+from asperity.views.style import panels
 
 SMALLEST, LARGEST = 1e-3, 10.0
 """Limits between which differences are drawn, in percent of the field's largest magnitude."""

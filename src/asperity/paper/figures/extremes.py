@@ -12,9 +12,9 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from asperity.paper.figures.captions import bullets
-from asperity.paper.figures.style import MILLIMETRE, PAGE
 from asperity.types import Array
 from asperity.validation.extremes import NO_CELL, OUTCOMES, REFUSED
+from asperity.views.style import MILLIMETRE, PAGE
 
 STAGES = ("validation",)
 DATASETS = ("extremes",)

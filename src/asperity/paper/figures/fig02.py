@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator, ScalarFormatter
 
 from asperity.paper.figures.captions import bullets
-from asperity.paper.figures.style import panels
+from asperity.views.style import panels
 
 STAGES = ("validation",)
 DATASETS = ("load_area", "slab_load_area", "grid_convergence")

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from asperity.paper.figures.captions import bullets, height_moments
 from asperity.paper.figures.plots import height_densities
-from asperity.paper.figures.style import label, panels
+from asperity.views.style import label, panels
 
 STAGES = ("surface", "statistics")
 STUDIES = ("hurst",)

@@ -9,9 +9,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from asperity.paper.figures.captions import bullets, contact_area
-from asperity.paper.figures.style import label, panels
 from asperity.results.dataset import grid_of
 from asperity.types import Array
+from asperity.views.style import label, panels
 
 STAGES = ("contact",)
 STUDIES = ("hurst",)

@@ -13,7 +13,7 @@ from scipy.special import erf
 from asperity.paper.figures.captions import bullets, peak_percentiles, surface_name
 from asperity.paper.figures.cases import of_surfaces
 from asperity.paper.figures.plots import finish_densities, peak_density
-from asperity.paper.figures.style import label, panels
+from asperity.views.style import label, panels
 
 STAGES = ("contact", "statistics")
 STUDIES = ("hurst",)

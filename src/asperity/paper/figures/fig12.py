@@ -11,8 +11,8 @@ from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 
 from asperity.paper.figures.captions import bullets
-from asperity.paper.figures.style import panels
 from asperity.types import Array
+from asperity.views.style import panels
 
 STAGES = ("validation",)
 DATASETS = ("punch",)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from asperity.paper.figures.captions import bullets, name, peak_percentiles
 from asperity.paper.figures.cases import Case, extreme_ratios, of_ratios, of_surfaces
 from asperity.paper.figures.plots import finish_densities, peak_density, von_mises_densities
-from asperity.paper.figures.style import panels
+from asperity.views.style import panels
 
 STAGES = ("statistics",)
 STUDIES = ("compressibility",)

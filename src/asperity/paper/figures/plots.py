@@ -13,8 +13,8 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from asperity.paper.figures.cases import Case
-from asperity.paper.figures.style import COLUMN, PAGE, panels
 from asperity.types import Array
+from asperity.views.style import COLUMN, PAGE, panels
 
 SHEAR_STRESSES = ("xz", "yz", "xy")
 """Quantities as often positive as negative, of which the magnitude is shown."""

@@ -14,8 +14,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from asperity.paper.figures.captions import bullets
-from asperity.paper.figures.style import panels
 from asperity.types import Array
+from asperity.views.style import panels
 
 STAGES = ("validation",)
 DATASETS = ("stability",)

@@ -17,8 +17,8 @@ from asperity.accuracy.bounds import SOURCES, measured_errors
 from asperity.accuracy.measured import MeasuredTradeoff
 from asperity.accuracy.reduction import runs_at, seconds_of, settings_of
 from asperity.config.presets import PRESETS
-from asperity.paper.figures.style import MILLIMETRE, PAGE, panels
 from asperity.types import Array
+from asperity.views.style import MILLIMETRE, PAGE, panels
 
 FRONT_OUTPUTS = {
     "von_mises_p99": "error of 99 %, von Mises peaks",

@@ -1,4 +1,4 @@
-"""Style of the figures: sizes, panels, labels, and files that are the same bytes in every run."""
+"""Style of pictures and figures: sizes, panels, labels, and files that are the same bytes in every run."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _FORMATS = (".png", ".pdf", ".svg")
 @contextlib.contextmanager
 def style(path: str | os.PathLike[str] | None = None) -> Iterator[None]:
     """Draw with a style file of matplotlib, by default that of the package."""
-    chosen = os.fspath(path) if path else str(files("asperity.paper.figures") / "style.mplstyle")
+    chosen = os.fspath(path) if path else str(files("asperity.views") / "style.mplstyle")
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.style.use(chosen)

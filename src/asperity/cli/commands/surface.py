@@ -1,0 +1,132 @@
+"""``asperity surface``: a random rough surface."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+
+from asperity.cli.arguments import section
+from asperity.cli.files import check_out, write_result
+from asperity.config.check import needed_instead
+from asperity.config.defaults import default
+from asperity.config.presets import PRESETS
+from asperity.config.schema import setting
+from asperity.errors import shown
+from asperity.pipeline.surface import make_surface
+from asperity.units import shown_si, to_si
+
+LENGTHS = ("wavelength_long", "wavelength_short", "rms_height")
+"""Settings that are lengths."""
+
+POWERS = {
+    "y": 1,
+    "x": 1,
+    "height": 1,
+    "rms_height": 1,
+    "wavenumber": -1,
+    "spectrum": 4,
+    "spectrum_target": 4,
+    "spectrum_before": 4,
+}
+"""Variable of a surface → its dimension as a power of length; all others are numbers."""
+
+_ROUNDING = 1e-9
+"""Two nodes on the shortest wavelength may be missed by this much."""
+
+
+def run(options: argparse.Namespace) -> None:
+    """Make the surface, write it, and print its roughness parameters."""
+    check_out([options.out])
+    given = section(options, "surfaces.NAME")
+    edge = None if options.length is None else to_si(options.length, "length", "--length")
+    parameters = given | {name: _in_cell_lengths(name, given[name], edge) for name in LENGTHS}
+    moments = {name: parameters.pop(f"moments.{name}", None) for name in ("skewness", "kurtosis")}
+    if any(value is not None for value in moments.values()):
+        parameters["moments"] = _checked_moments(moments)
+    short = parameters["wavelength_short"]
+    parameters.setdefault("points", PRESETS[default("accuracy")].points(short))
+    _check_band(parameters, given)
+    name = Path(options.out).stem
+    parameters.setdefault("label", f"H = {parameters['hurst']:g}")
+    surface = make_surface(parameters, options.seed)
+    if edge is not None:
+        surface = _in_metres(surface, edge)
+        parameters |= {name: parameters[name] * edge for name in LENGTHS} | {"length": edge}
+    settings = {"name": name, "seed": options.seed, "surface": parameters}
+    write_result(surface, options.out, "Rough surface", settings)
+    height, gradient = float(surface["rms_height"]), float(surface["rms_gradient"])
+    print(
+        f"{options.out}: {surface.sizes['x']} × {surface.sizes['y']} nodes, "
+        f"rms height {f'{height:.4g} cell lengths' if edge is None else shown_si(height, 'm')}, "
+        f"rms gradient {gradient:.4g}, skewness {float(surface['skewness']):.3g}, "
+        f"kurtosis {float(surface['kurtosis']):.3g}"
+    )
+
+
+def _in_cell_lengths(name: str, text: str, edge: float | None) -> float:
+    """A length as a multiple of the edge of the cell.
+
+    Raises
+    ------
+    ValueError
+        If it has a unit and the cell has none or the reverse, or the schema does not accept it.
+    """
+    flag = _flag(name)
+    if edge is not None:
+        value = to_si(text, "length", flag) / edge
+    else:
+        try:
+            value = float(text)
+        except ValueError:
+            raise ValueError(
+                f"{flag} = {shown(text)}: a number in cell lengths is needed, or a length with a unit "
+                "together with --length, the edge of the cell"
+            ) from None
+    if needed := needed_instead(value, setting(f"surfaces.NAME.{name}")):
+        size = "" if edge is None else f", {value:.4g} of --length"
+        raise ValueError(f"{flag} = {shown(text)}{size}: {needed}, in cell lengths, is needed")
+    return value
+
+
+def _checked_moments(moments: dict[str, float | None]) -> dict[str, float]:
+    skewness, kurtosis = moments["skewness"], moments["kurtosis"]
+    if skewness is None or kurtosis is None:
+        raise ValueError("--skewness, --kurtosis: both are needed, or none of them")
+    if kurtosis <= 1 + skewness**2:
+        raise ValueError(
+            f"--kurtosis = {kurtosis:g}: a number > {1 + skewness**2:g}, 1 + skewness², is needed"
+        )
+    return {"skewness": skewness, "kurtosis": kurtosis}
+
+
+def _check_band(parameters: dict[str, Any], given: dict[str, Any]) -> None:
+    """Raise `ValueError` if the wavelengths contradict each other or the number of nodes."""
+    short, long, points = (parameters[name] for name in ("wavelength_short", "wavelength_long", "points"))
+    if short > long:
+        raise ValueError(
+            f"--wavelength-short = {shown(given['wavelength_short'])}: at most --wavelength-long = "
+            f"{given['wavelength_long']} is needed"
+        )
+    most = setting("surfaces.NAME.points")["maximum"]
+    if points > most:
+        raise ValueError(f"--points: the default, {points}, is more than {most}; another number is needed")
+    if points * short < 2 - _ROUNDING:
+        raise ValueError(
+            f"--points = {points}: at least {round(2 / short)} are needed, two on --wavelength-short = "
+            f"{given['wavelength_short']}"
+        )
+
+
+def _in_metres(surface: xr.Dataset, edge: float) -> xr.Dataset:
+    """A surface in cell lengths as one in SI, on a cell with an edge in metres."""
+    scaled = {name: surface[name] * edge ** POWERS[str(name)] for name in surface.variables if name in POWERS}
+    coordinates = {name: values.values for name, values in scaled.items() if name in surface.coords}
+    fields = {name: values.variable for name, values in scaled.items() if name not in surface.coords}
+    return surface.assign(fields).assign_coords(coordinates).assign_attrs(unit_system="SI")
+
+
+def _flag(name: str) -> str:
+    return "--" + name.replace("_", "-")

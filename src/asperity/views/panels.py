@@ -1,0 +1,85 @@
+"""Figures of equal panels, one for each result, or the axes that the caller gives."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Iterator, Sequence
+
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.figure import Figure
+
+from asperity.views.colours import Limits
+from asperity.views.measures import Measure
+from asperity.views.style import MILLIMETRE, PAGE, style
+
+SINGLE = 110 * MILLIMETRE
+"""Width of a figure of one panel."""
+
+LEAST_HEIGHT, MOST_HEIGHT = 30 * MILLIMETRE, 150 * MILLIMETRE
+"""Heights of a panel; cells that are longer or wider leave some of it free."""
+
+LABELS = 16 * MILLIMETRE
+"""Height of the labels and the title of a panel."""
+
+BAR = 22 * MILLIMETRE
+"""Width of the colour bar and of the labels of the panels."""
+
+
+@contextlib.contextmanager
+def canvas(
+    count: int, axes: Axes | Sequence[Axes] | None, shape: float, columns: int = 3
+) -> Iterator[tuple[Figure, list[Axes]]]:
+    """A new figure in the style of the package with a panel for each result, or the figure of given axes.
+
+    Parameters
+    ----------
+    count : int
+        Number of panels.
+    axes : Axes or sequence of Axes, optional
+        Axes to use in place of new ones.
+    shape : float
+        Height of a panel over its width.
+    columns : int
+        Most panels beside each other.
+
+    Raises
+    ------
+    ValueError
+        If the number of axes is not that of the panels.
+    """
+    if axes is not None:
+        given = [axes] if isinstance(axes, Axes) else list(axes)
+        if len(given) != count:
+            raise ValueError(f"axes: {count} are needed, one for each result, {len(given)} are given")
+        figure = given[0].get_figure(root=True)
+        assert figure is not None
+        yield figure, given
+        return
+    # Four panels are two rows of two.
+    across = min(count, columns) if count != 4 else min(2, columns)
+    rows = -(-count // across)
+    width = SINGLE if count == 1 and columns > 1 else PAGE
+    height = min(max(shape * (width - BAR) / across, LEAST_HEIGHT), MOST_HEIGHT)
+    with style():
+        figure = Figure(figsize=(width, rows * (height + LABELS)), layout="compressed")
+        yield figure, [figure.add_subplot(rows, across, number + 1) for number in range(count)]
+
+
+def add_colour_bar(
+    figure: Figure, axes: Sequence[Axes], colours: str, limits: Limits, unit: Measure, label: str
+) -> None:
+    """Add the colour bar of some panels, with arrows at the ends beyond which there are values.
+
+    A bar with both signs shows the values that occur only, although its colours are symmetric.
+    """
+    mappable = ScalarMappable(limits.normalise(unit), colours)
+    bar = figure.colorbar(mappable, ax=list(axes), label=unit.label(label), extend=limits.extend)
+    low, high = max(limits.low, limits.smallest), min(limits.high, limits.largest)
+    if limits.low < 0 and low < max(high, 0):
+        bar.ax.set_ylim(low / unit.factor, max(high, 0) / unit.factor)
+
+
+def finish_title(axis: Axes, *lines: str) -> None:
+    """Write the lines that are not empty above a panel."""
+    axis.set_title("\n".join(line for line in lines if line), loc="left")

@@ -1,0 +1,180 @@
+"""Results as the pictures need them: title, grid, fields, unit system, and the solid under a contact."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import xarray as xr
+
+from asperity.elasticity.layer import Layer
+from asperity.errors import shown
+from asperity.results.dataset import grid_of, settings_of
+from asperity.results.window import Span, Window, window
+from asperity.spectral import Grid
+from asperity.stress.pressed import PressedSolid
+from asperity.types import Array
+from asperity.units import to_si
+from asperity.views.measures import STUDY, told
+from asperity.views.style import label
+
+FIELDS = ("height", "pressure", "gap")
+
+
+@dataclass(frozen=True)
+class Source:
+    """A result to draw.
+
+    Parameters
+    ----------
+    title : str
+        Label of the surface; empty if it has none.
+    grid : Grid
+    system : str or None
+        Unit system, None if it is not known.
+    fields : dict
+        Those of `FIELDS` that the result has, as arrays [y, x].
+    layer : Layer or None
+        The solid, if the result is a contact and describes it.
+    """
+
+    title: str
+    grid: Grid
+    system: str | None
+    fields: dict[str, Array]
+    layer: Layer | None
+
+    def field(self, name: str) -> Array:
+        """One of the fields.
+
+        Raises
+        ------
+        ValueError
+            If the result does not have it.
+        """
+        if name not in self.fields:
+            known = ", ".join(self.fields) or "no fields over the surface"
+            raise ValueError(f"{name}: the result has {known}")
+        return self.fields[name]
+
+    def told(self, value: float) -> str:
+        """A length with its unit, for messages."""
+        return told(value, "length", self.system)
+
+    def window(self, y: Span | None = None, x: Span | None = None) -> Window:
+        """The part between two positions along each axis, by default all of it."""
+        return window(self.grid, y, x, self.told)
+
+    def pressed(self) -> PressedSolid:
+        """The solid under its contact pressure.
+
+        Raises
+        ------
+        ValueError
+            If the result is no contact, or does not describe its solid.
+        """
+        if self.layer is None or "pressure" not in self.fields:
+            raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
+        return PressedSolid(self.fields["pressure"].astype(float), self.grid, self.layer)
+
+
+def sources(results: Any, unit_system: str | None = None) -> list[Source]:
+    """Sources of one result, of a sequence of results, or of a mapping from titles to results.
+
+    Parameters
+    ----------
+    results : dataset, object with ``grid``, sequence or mapping
+        Datasets of stage surface or contact, or objects such as `Contact`.
+    unit_system : str, optional
+        Of results that do not say theirs.
+
+    Raises
+    ------
+    TypeError
+        If a result is of another kind.
+    ValueError
+        If there is none, or some are dimensionless and others are not.
+    """
+    if isinstance(results, Mapping) and not isinstance(results, xr.Dataset):
+        found = [_source(result, unit_system, str(title)) for title, result in results.items()]
+    elif isinstance(results, Sequence) and not isinstance(results, str):
+        found = [_source(result, unit_system) for result in results]
+    else:
+        found = [_source(results, unit_system)]
+    if not found:
+        raise ValueError("result: at least one result is needed")
+    same_system([source.system for source in found])
+    return found
+
+
+def same_system(systems: Sequence[str | None]) -> str | None:
+    """The one unit system of several results.
+
+    Raises
+    ------
+    ValueError
+        If they have several.
+    """
+    if len(set(systems)) > 1:
+        raise ValueError(
+            "result: results in one system of units are needed, not SI beside dimensionless ones"
+        )
+    return systems[0]
+
+
+def system_of(data: xr.Dataset) -> str:
+    """Unit system of a dataset; without the attribute it is that of the study."""
+    return str(data.attrs.get("unit_system", STUDY))
+
+
+def title_of(data: xr.Dataset) -> str:
+    """Label of the surface of a dataset, or its name; empty if it has neither."""
+    if "settings" not in data.attrs:
+        return ""
+    try:
+        return label(data)
+    except (KeyError, TypeError):
+        return str(settings_of(data).get("name", ""))
+
+
+def _source(result: Any, unit_system: str | None, title: str | None = None) -> Source:
+    if isinstance(result, xr.Dataset):
+        return _source_of_dataset(result, title)
+    grid = getattr(result, "grid", None)
+    fields = {name: getattr(result, name) for name in FIELDS if hasattr(result, name)}
+    if not isinstance(grid, Grid) or not fields:
+        raise TypeError(
+            f"result = {shown(result)}: a result of stage surface or contact, or an object with grid and "
+            "height or pressure, such as a Contact, is needed"
+        )
+    layer = getattr(result, "layer", None)
+    system = getattr(result, "unit_system", unit_system)
+    return Source(title or "", grid, system, fields, layer if isinstance(layer, Layer) else None)
+
+
+def _source_of_dataset(data: xr.Dataset, title: str | None) -> Source:
+    if not {"y", "x"} <= set(data.sizes):
+        raise TypeError("result: a dataset of stage surface or contact, with fields over y and x, is needed")
+    fields = {name: data[name].values for name in FIELDS if name in data}
+    if {"gap", "displacement", "approach"} <= set(data.variables):
+        height = data["gap"] - data["displacement"] + data["approach"]
+        fields.setdefault("height", (height - height.mean()).values)
+    title = title_of(data) if title is None else title
+    layer = _layer_of(data) if "pressure" in data and "solid" in data.attrs else None
+    return Source(title, grid_of(data), system_of(data), fields, layer)
+
+
+def _layer_of(contact: xr.Dataset) -> Layer:
+    """The solid of a contact, with E* = 1: its stress depends on the pressure and not on the modulus."""
+    poisson = float(contact.attrs["poisson_contact"])
+    lateral = str(contact.attrs["uniform_mode"]).removeprefix("laterally ")
+    young = (1 - poisson) * (1 + poisson)
+    solid = str(contact.attrs["solid"])
+    if solid == "half-space":
+        return Layer(young, poisson, lateral=lateral)
+    height = settings_of(contact)["layer"]["height"]
+    if isinstance(height, str):
+        height = to_si(height, "length", "layer.height")
+    bottom = solid.removeprefix("layer, ").removesuffix(" bottom")
+    return Layer(young, poisson, height, bottom, lateral)

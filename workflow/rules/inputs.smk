@@ -1,0 +1,49 @@
+# Surfaces, seeds and figures of the configuration, and the result files that belong to them.
+from pathlib import Path
+from asperity.paper.claims.sources import resolutions
+from asperity.paper.figures import describe_all
+
+CONTINUUM_SEEDS = config["seeds"][:2]
+STUDIED = {name for names in config["studies"].values() for name in names}
+CONTINUUM = {name for by_role in resolutions(SURFACES).values() for name in by_role.values()}
+FIGURES = describe_all(config["studies"])
+
+
+def seeds_of(surface):
+    """Seeds of a surface: all of the configuration, or the first two if only the continuum study needs it."""
+    return CONTINUUM_SEEDS if surface in CONTINUUM - STUDIED else config["seeds"]
+
+
+def results_of_seeds(stage):
+    """Results of a stage for all seeds of a surface."""
+    return lambda wildcards: [
+        f"{RESULTS}/{stage}/{wildcards.surface}/seed{seed}.nc" for seed in seeds_of(wildcards.surface)
+    ]
+
+
+def figure_results(figure):
+    """Results that a figure is drawn from: stage -> (study ->) surface or dataset -> file.
+
+    A figure shows the statistics of all seeds, and the surface and the contact of the first one.
+    """
+
+    def result(stage, name):
+        if stage in ("surface", "contact"):
+            name = f"{name}/seed{config['seeds'][0]}"
+        return f"{RESULTS}/{stage}/{name}.nc"
+
+    return FIGURES[figure].results(config["studies"], result)
+
+
+def leaves(tree):
+    """The files of a tree of files."""
+    return [tree] if isinstance(tree, str) else [file for branch in tree.values() for file in leaves(branch)]
+
+
+def figure_labels(wildcards):
+    """Number or name of a figure and its studies, as the report lists them: sorted as text."""
+    figure = FIGURES[wildcards.figure]
+    return {
+        "figure": figure.number or figure.name,
+        "study": " and ".join(figure.studies) or "validation",
+    }
