@@ -152,7 +152,8 @@ def test_a_counter_body_needs_both_its_constants(path, tmp_path, capsys):
 def test_a_configuration_can_say_the_materials(path, tmp_path, capsys):
     config = tmp_path / "steel.yaml"
     config.write_text(
-        "engineering: {young: 210 GPa, poisson: 0.3, force: 1 N, counter_young: 70 GPa, counter_poisson: 0.33}"
+        "engineering: {young: 210 GPa, poisson: 0.3, force: 1 N,"
+        " counter_young: 70 GPa, counter_poisson: 0.33}"
     )
     out = tmp_path / "out"
     given = ["run", str(path), "--config", str(config)]
