@@ -10,7 +10,7 @@ from asperity.cli.main import main
 from asperity.engineering import Body, run, write_answer
 from asperity.engineering.folder import atomic_folder
 from asperity.results import dataset
-from asperity.surface.measured import HeightMap
+from asperity.surface.height_map import HeightMap
 
 POINTS, EDGE = 128, 128e-6
 
@@ -78,7 +78,7 @@ def test_the_report_is_whole_without_a_network(folder):
     assert not re.findall(r'(?:src|href)="(?!data:)', page)
     assert "http" not in re.sub(r"doi\S+", "", page)
     assert page.index("stress beyond yield") < page.index("<h2>Answer</h2>") < page.index("<h2>Pictures</h2>")
-    for words in ("mean plane subtracted", "points without data", "How to cite", "asperity", "GPa"):
+    for words in ("levelled: tilt", "without data", "How to cite", "asperity", "GPa"):
         assert words in page
 
 

@@ -19,6 +19,7 @@ def an_answer(numbers=(), indenter=(), body=(), bodies=1, fine=None, **material)
         "typical_patch_nodes": 60.0,
         "load_on_small_patches": 0.01,
         "load_of_largest_node": 0.001,
+        "load_on_edges": 0.0,
         "violation": 1e-7,
     }
     shown = {
@@ -27,6 +28,7 @@ def an_answer(numbers=(), indenter=(), body=(), bodies=1, fine=None, **material)
         "altered_share": 0.0,
         "filled_share": 0.0,
         "edge_step": 0.0,
+        "boundary": "periodic",
     }
     part = {
         "body": Body(**({"young": 210e9, "poisson": 0.3, "yield_stress": 2e9} | material)),
@@ -63,6 +65,10 @@ def test_nothing_is_warned_of_in_a_sound_answer():
         ({"numbers": {"rms_gradient": 1.5}}, "steep slopes"),
         ({"numbers": {"area_fraction": 0.4}}, "large real contact"),
         ({"indenter": {"edge_step": 8.0}}, "edges do not match"),
+        (
+            {"numbers": {"load_on_edges": 0.2}, "indenter": {"boundary": "free"}},
+            "contact at the edge of the map",
+        ),
         ({"numbers": {"load_on_small_patches": 0.7, "typical_patch_nodes": 1.0}}, "spikes carry the load"),
         ({"numbers": {"typical_patch_nodes": 6.0}}, "patches of few pixels"),
         ({"numbers": {"contact_nodes": 0}}, "no contact"),

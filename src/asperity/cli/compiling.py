@@ -13,7 +13,7 @@ from asperity.contact import kernels as contact_kernels
 from asperity.engineering import Body, run
 from asperity.runtime.progress import ProgressBar
 from asperity.stress import kernels as stress_kernels
-from asperity.surface.measured import HeightMap
+from asperity.surface.height_map import HeightMap
 
 POLL_SECONDS = 0.2
 """Time between two looks at how many functions are compiled."""

@@ -35,7 +35,7 @@ def _option(name: str, group: str, placeholder: str | tuple[str, str] | None = N
 
 
 def _map_option(name: str, left_out: str | None = None) -> Option:
-    return Option(f"--{name}", f"measured.NAME.{name}", "map", {}, left_out)
+    return Option(f"--{name.replace('_', '-')}", f"measured.NAME.{name}", "map", {}, left_out)
 
 
 RUN_OPTIONS = (
@@ -51,15 +51,22 @@ RUN_OPTIONS = (
     _option("force", "load", "FORCE"),
     _option("approach", "load", "LENGTH"),
     _option("area_fraction", "load"),
-    _option("unit", "map", "UNIT"),
+    _option("friction", "load"),
+    _option("boundary", "map"),
+    _option("radius", "map", "LENGTH"),
     _option("physical_size", "map", ("Y", "X"), nargs=2),
     _option("wavelength_short", "map", "LENGTH"),
 )
 """Options that are settings of section ``engineering``."""
 
 RUN_MAP_OPTIONS = (
+    _map_option("unit"),
+    _map_option("channel"),
+    _map_option("orientation"),
+    _map_option("height_factor"),
+    _map_option("despike"),
     _map_option("detrend", "tilt"),
-    _map_option("periodic", "mirrored, unless the file calls itself periodic"),
+    _map_option("periodic", "mirrored, unless the file calls itself periodic or the boundary is free"),
     _map_option("points", "those of the map"),
 )
 """Options that are settings of a measured map of the study."""

@@ -98,15 +98,6 @@ for _dimension in ("pressure", "force", "length"):
     _FORMATS.checks(_dimension, raises=ValueError)(_is_quantity(_dimension))
 
 
-@_FORMATS.checks("unit", raises=ValueError)
-def _is_unit(text: object) -> bool:
-    """True for the name of a unit of length; a `ValueError` says what is needed instead."""
-    try:
-        return not isinstance(text, str) or to_si(f"1 {text}", "length") > 0
-    except ValueError as error:
-        raise ValueError(f"a unit of length ({', '.join(DIMENSIONS['length'].examples)})") from error
-
-
 def _check_plain(value: Any, key: str = "") -> None:
     """Raise `ConfigError` for a key that is no text or a number that is not finite.
 

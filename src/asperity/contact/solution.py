@@ -62,6 +62,9 @@ class Contact:
         Position of the indenter; it first touches at ``height.min()``. See `asperity.contact.solve`.
     certificate : Certificate
         Violations of the conditions of contact, evaluated anew from the pressure, and the work spent.
+    control_error : float
+        Relative difference between the imposed area or load and the one reached. Only an area can be missed:
+        if several nodes touch at the same load, or one node is more than the area asked for.
     method : str
     rtol : float
     """
@@ -77,6 +80,7 @@ class Contact:
     mean_pressure: float
     approach: float
     certificate: Certificate
+    control_error: float
     method: str
     rtol: float
 

@@ -21,8 +21,14 @@ from asperity.contact.certificate import verify_contact
 from asperity.contact.problem import Control, Problem, State
 from asperity.contact.solution import Contact
 from asperity.elasticity.two_bodies import Solid
+from asperity.errors import ConvergenceError
 from asperity.spectral import Grid
-from asperity.types import Progress
+from asperity.types import Array, Progress
+
+# Largest violation of the conditions of contact at a single node, in units of the tolerance, which bounds the
+# norm over all nodes, and in units of the rounding of the heights.
+MAX_VIOLATION = 100.0
+MAX_ROUNDINGS = 10.0
 
 METHODS = {"active_set": nested_grids.solve, "gfmd": gfmd.solve}
 
@@ -151,7 +157,7 @@ def _certified(
         threads=problem.fourier.threads,
     )
     gap -= gap.dtype.type(approach)
-    return Contact(
+    found = Contact(
         height=problem.height,
         pressure=pressure,
         displacement=displacement,
@@ -163,6 +169,44 @@ def _certified(
         mean_pressure=float(pressure.mean(dtype=float)),
         approach=approach,
         certificate=replace(certificate, iterations=state.iterations, pairs=pairs, seconds=seconds),
+        control_error=_control_error(control, pressure),
         method=method,
         rtol=rtol,
+    )
+    _require_certificate(found)
+    return found
+
+
+def _control_error(control: Control, pressure: Array) -> float:
+    """Relative difference between the imposed quantity and the one that a pressure has; 0 for an approach."""
+    if control.kind == "approach" or control.value == 0:
+        return 0.0
+    reached = (pressure > 0) if control.kind == "area_fraction" else pressure
+    return abs(float(reached.mean(dtype=float)) / control.value - 1)
+
+
+def _require_certificate(contact: Contact) -> None:
+    """Raise `ConvergenceError` if a field is not finite or the certificate exceeds what the tolerance allows.
+
+    A relative error of the pressure changes the gap by that fraction of the displacement that the pressure
+    can cause, which is largest for the longest wave.
+    """
+    finite = all(np.all(np.isfinite(field)) for field in (contact.pressure, contact.gap))
+    rms_height = float(np.std(contact.height, dtype=float))
+    allowed = MAX_VIOLATION * contact.rtol
+    if finite and rms_height:
+        rms_pressure = float(np.sqrt(np.mean(np.square(contact.pressure, dtype=float))))
+        longest = float(contact.solid.surface_compliance(2 * np.pi / max(contact.grid.length)))
+        allowed *= max(1.0, rms_pressure * longest / rms_height)
+        largest = float(np.abs(contact.height).max())
+        allowed += MAX_ROUNDINGS * float(np.finfo(contact.pressure.dtype).eps) * largest / rms_height
+    if finite and contact.certificate.worst <= allowed:
+        return
+    raise ConvergenceError(
+        f"{contact.method} on {contact.grid.shape} nodes ended with a pressure that "
+        + ("violates the conditions of contact" if finite else "is not finite"),
+        contact.certificate.worst,
+        contact.rtol,
+        contact.certificate.iterations,
+        contact.mean_pressure,
     )

@@ -41,6 +41,9 @@ FEW_NODES_IN_PATCH = 20
 EDGE_STEP = 3.0
 """Step at the edges of a period over that between neighbouring pixels; about one for a periodic surface."""
 
+EDGE_LOAD = 0.01
+"""Share of the load on the edges of a map with a free boundary from which they count."""
+
 ALTERED_SHARE = 0.02
 """Share of the area with altered or filled heights that is worth a note."""
 
@@ -182,6 +185,18 @@ def edges(answer: Answer) -> Iterator[Advice]:
         )
 
 
+def load_on_edges(answer: Answer) -> Iterator[Advice]:
+    """Contact at the edges of a map that nothing surrounds."""
+    share = answer.numbers.load_on_edges
+    if answer.indenter.boundary == "free" and share > EDGE_LOAD:
+        yield Advice(
+            WARNING,
+            "contact at the edge of the map",
+            f"{100 * share:.2g} % of the load is on the outermost pixels. The real surface goes on, and "
+            "the pressure at an edge is that of a punch: the largest stresses may be artefacts.",
+        )
+
+
 def altered_map(answer: Answer) -> Iterator[Advice]:
     """Share of the map that a window or a filling altered."""
     for share, text in (
@@ -204,7 +219,7 @@ def spikes(answer: Answer) -> Iterator[Advice]:
             "spikes carry the load",
             f"{100 * share:.0f} % of the load is on patches of at most four pixels, "
             f"{100 * answer.numbers.load_of_largest_node:.2g} % on one pixel alone. Remove the spikes of the "
-            "map, or filter waves shorter than about eight pixels.",
+            "map (despike 8), or filter waves shorter than about eight pixels.",
         )
 
 
@@ -300,6 +315,7 @@ RULES: tuple[Rule, ...] = (
     steep_slopes,
     large_area,
     edges,
+    load_on_edges,
     altered_map,
     doubtful_solution,
 )

@@ -50,6 +50,8 @@ class ContactNumbers:
         Patches of more nodes carry half of the load.
     load_of_largest_node, load_on_small_patches : float
         Share of the load on one node, and on patches of at most four nodes.
+    load_on_edges : float
+        Share of the load on the outermost nodes.
     violation : float
         Largest violation of the conditions of contact; see `asperity.contact.Certificate`.
     """
@@ -72,6 +74,7 @@ class ContactNumbers:
     typical_patch_nodes: float
     load_of_largest_node: float
     load_on_small_patches: float
+    load_on_edges: float
     violation: float
 
 
@@ -247,7 +250,8 @@ def case_in_words(case: Case) -> str:
         else shown_si(load.value, CONTROL_UNITS[load.kind])
     )
     upper = "a rigid body" if case.upper is None else _material(case.upper)
-    return f"{_material(case.lower)} against {upper}, {LOAD_WORDS[load.kind]}: {value}"
+    sliding = f", sliding along x with friction {case.friction:g}" if case.friction else ""
+    return f"{_material(case.lower)} against {upper}, {LOAD_WORDS[load.kind]}: {value}{sliding}"
 
 
 def body_title(case: Case, name: str) -> str:

@@ -99,17 +99,24 @@ class Case:
     upper : Body or None
         None: rigid. Which of the bodies is rough does not matter as long as the slopes are small.
     load : Load
+    friction : float
+        Coefficient μ of full sliding along x, with the shear traction μ p; the pressure stays that of the
+        contact without friction. Half-spaces only.
     """
 
     lower: Body
     upper: Body | None
     load: Load
+    friction: float = 0.0
 
     def __post_init__(self) -> None:
         if not isinstance(self.lower, Body):
             raise TypeError(f"lower = {shown(self.lower)}: a Body is needed")
         if self.upper is not None and not isinstance(self.upper, Body):
             raise TypeError(f"upper = {shown(self.upper)}: a Body or None (rigid) is needed")
+        number("friction", self.friction, "a finite number ≥ 0", lambda value: value >= 0)
+        if self.friction and any(body.height is not None for body in self.bodies.values()):
+            raise ValueError(f"friction = {self.friction:g}: 0 is needed in a layer of finite height")
 
     @property
     def bodies(self) -> dict[str, Body]:

@@ -38,6 +38,7 @@ def settings_of(answer: Answer) -> dict[str, Any]:
         "lower": asdict(case.lower),
         "upper": None if case.upper is None else asdict(case.upper),
         "load": {case.load.kind: case.load.value},
+        "friction": case.friction,
     }
 
 
@@ -99,6 +100,7 @@ def contact_dataset(answer: Answer, body: str = "lower") -> xr.Dataset:
         attrs={
             "unit_system": SI_UNITS,
             "settings": json.dumps(settings_of(answer), sort_keys=True),
+            "boundary": contact.boundary,
             "effective_modulus": answer.case.solid.effective_modulus,
             "force": numbers.force,
             "approach_since_first_touch": numbers.approach,

@@ -3,57 +3,109 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
+from asperity.arguments import choice
 from asperity.spectral import Grid
-from asperity.surface.measured import TAPER, HeightMap, edge_step, make_periodic, read_map
+from asperity.surface.form import add_sphere
+from asperity.surface.height_map import HeightMap, MapError
+from asperity.surface.measured import missing_settings
+from asperity.surface.reading import Inspected, Reading, inspect_map
+from asperity.surface.treatment import TreatedMap, Treatment, treat_map
 from asperity.types import Array
-from asperity.units import shown_si, to_si
+from asperity.units import shown_si
 
-DEFAULT_PERIODICITY = "mirrored"
-"""How a map that does not call itself periodic becomes periodic: no height is altered."""
+BOUNDARIES = ("periodic", "free")
+"""The surface repeats sideways, or nothing surrounds it."""
+
+DEFAULT_PERIODICITY = {"periodic": "mirrored", "free": "none"}
+"""How a map that does not call itself periodic is treated for each boundary: no height is altered."""
 
 
 @dataclass(frozen=True)
 class MapSettings:
-    """What is known of a map beside its file, and how it is prepared.
+    """What is known of a map beside its file, and how it is prepared and pressed.
 
     Parameters
     ----------
-    unit : str, optional
-        Unit of all lengths in the file, such as ``"um"``, for files that do not say it.
+    unit, channel, orientation : str, optional
+        As of `asperity.surface.reading.Reading`, for files that do not say them.
     physical_size : (length_y, length_x), optional
         Edges in m, for files that do not say them.
+    height_factor : float, optional
+        Factor from the numbers in the file to heights in its unit.
     detrend : "none", "tilt" or "curvature"
-    periodic : "declared", "mirrored" or "windowed", optional
-        As of `make_periodic`; by default a map that does not call itself periodic is mirrored.
+    periodic : str, optional
+        As of `asperity.surface.treatment.Treatment`; by default a map that does not call itself periodic is
+        mirrored, and with a free boundary left as it is.
     undefined : "harmonic", optional
         How points without data are filled; None refuses them.
+    despike : float, optional
+        Threshold above which spikes are removed, in robust standard deviations.
     wavelength_short : float, optional
         Waves shorter than this, in m, are removed.
     points : int, optional
         Nodes on the longer edge of the cell.
+    boundary : "periodic" or "free"
+        The surface repeats sideways, or nothing surrounds the map.
+    radius : float, optional
+        Radius in m of a sphere whose form is added to the roughness, its lowest point in the middle.
     option : callable
         Gives the name of a setting in the interface of the user, for messages.
     """
 
     unit: str | None = None
+    channel: str | None = None
+    orientation: str | None = None
     physical_size: tuple[float, float] | None = None
+    height_factor: float | None = None
     detrend: str = "tilt"
     periodic: str | None = None
     undefined: str | None = "harmonic"
+    despike: float | None = None
     wavelength_short: float | None = None
     points: int | None = None
+    boundary: str = "periodic"
+    radius: float | None = None
     option: Callable[[str], str] = field(default=str, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        choice(self.option("boundary"), self.boundary, BOUNDARIES)
+        if self.boundary == "free" and self.periodic not in (None, "none"):
+            raise ValueError(
+                f"{self.option('periodic')} = {self.periodic!r}: not accepted with a free boundary, which "
+                "takes the map as it is"
+            )
+
+    @property
+    def reading(self) -> Reading:
+        """What is known of the file."""
+        size = self.physical_size
+        return Reading(
+            physical_size=None if size is None else (f"{size[0]:.17g} m", f"{size[1]:.17g} m"),
+            height_factor=self.height_factor,
+            unit=self.unit,
+            channel=self.channel,
+            orientation=self.orientation,
+        )
+
+    def treatment(self, surface: HeightMap) -> Treatment:
+        """How a map is prepared."""
+        own = None if surface.periodic and self.boundary == "periodic" else DEFAULT_PERIODICITY[self.boundary]
+        return Treatment(
+            detrend=self.detrend,
+            periodic=self.periodic or own,
+            undefined=self.undefined,
+            despike=self.despike,
+            wavelength_short=self.wavelength_short,
+            points=self.points,
+        )
 
 
 @dataclass(frozen=True)
 class Indenter:
-    """One period of a rough surface, as the lower face of an indenter.
+    """A rough surface as the lower face of an indenter.
 
     Parameters
     ----------
@@ -67,12 +119,14 @@ class Indenter:
         Edges of the map in m; those of the cell of a mirrored map are twice as long.
     wavelength_short : float
         Shortest wavelength that was kept, in m.
+    boundary : "periodic" or "free"
     altered_share : float
         Share of the area in which a window lowered the heights.
     edge_step : float
-        Rms step of the heights across the edges of the cell over that between neighbouring nodes.
+        Rms step of the heights across the edges of the cell over that between neighbouring nodes; 0 with a
+        free boundary.
     filled_share : float
-        Share of the points of the map that had no data.
+        Share of the points of the map that had no data or were spikes.
     done : tuple of str
         What was done to the map, in words.
     """
@@ -82,6 +136,7 @@ class Indenter:
     grid: Grid
     map_length: tuple[float, float]
     wavelength_short: float
+    boundary: str = "periodic"
     altered_share: float = 0.0
     edge_step: float = 0.0
     filled_share: float = 0.0
@@ -112,110 +167,43 @@ def read_indenter(source: str | os.PathLike[str] | HeightMap, settings: MapSetti
     Parameters
     ----------
     source : path or HeightMap
-        A height map in m has its peaks upward.
+        A height map is in metres.
     settings : MapSettings
 
     Raises
     ------
-    ValueError
+    MapError
         If the map cannot be read, has no unit, or needs a setting that is not given.
     """
     if isinstance(source, HeightMap):
-        return prepared(source, settings, "map")
-    unit, given = _metres(source, settings)
-    size = None if settings.physical_size is None else tuple(edge / unit for edge in settings.physical_size)
-    found = read_map(source, physical_size=size)  # type: ignore[arg-type]
-    surface = HeightMap(found.height * unit, (found.length[0] * unit, found.length[1] * unit), found.periodic)
-    indenter = prepared(surface, settings, os.path.splitext(os.path.basename(os.fspath(source)))[0])
-    return replace(indenter, done=(f"lengths in the file are in {given}", *indenter.done))
+        found = Inspected(replace(source, unit=source.unit or "m"), [], [])
+        name, path = source.name or "map", source.name
+    else:
+        found = inspect_map(source, settings.reading, settings.option)
+        name, path = os.path.splitext(os.path.basename(os.fspath(source)))[0], os.fspath(source)
+    treatment = settings.treatment(found.map)
+    if problems := missing_settings(found, treatment, settings.option):
+        raise MapError(path, problems)
+    return _indenter(name, treat_map(found.map, treatment, settings.option), settings)
 
 
-def prepared(surface: HeightMap, settings: MapSettings, name: str) -> Indenter:
-    """The indenter made from a map in metres."""
-    periodic = settings.periodic or (None if surface.periodic else DEFAULT_PERIODICITY)
-    factor = 2 if periodic == "mirrored" else 1
-    edge = factor * max(surface.length)
-    kept = make_periodic(
-        surface,
-        settings.detrend,
-        periodic,
-        settings.undefined,
-        None if settings.wavelength_short is None else settings.wavelength_short / edge,
-        settings.points,
-    )
-    grid = Grid(kept.grid.shape, (kept.grid.length[0] * edge, kept.grid.length[1] * edge))
-    missing = int(np.count_nonzero(~np.isfinite(surface.height)))
-    altered = 1 - (1 - 2 * TAPER) ** 2 if periodic == "windowed" else 0.0
+def _indenter(name: str, treated: TreatedMap, settings: MapSettings) -> Indenter:
+    record, grid = treated.treatment, treated.grid
+    factor = 2 if record.periodic == "mirrored" else 1
+    free = settings.boundary == "free"
+    done, height = record.lines(), treated.height
+    if settings.radius is not None:
+        height = add_sphere(height, grid, settings.radius)
+        done.append(f"form of a sphere of radius {shown_si(settings.radius, 'm')} added")
     return Indenter(
         name=name,
-        height=kept.height * edge,
+        height=height,
         grid=grid,
         map_length=(grid.length[0] / factor, grid.length[1] / factor),
-        wavelength_short=kept.wavelength_short * edge,
-        altered_share=altered,
-        edge_step=edge_step(kept.height),
-        filled_share=missing / surface.height.size,
-        done=tuple(_done(surface, settings, periodic, missing, altered)),
+        wavelength_short=treated.wavelength_short,
+        boundary=settings.boundary,
+        altered_share=record.altered_fraction,
+        edge_step=0.0 if free else record.edge_step,
+        filled_share=record.filled_fraction,
+        done=tuple(done),
     )
-
-
-def _done(
-    surface: HeightMap, settings: MapSettings, periodic: str | None, missing: int, altered: float
-) -> list[str]:
-    """What was done to a map, one sentence a step."""
-    ny, nx = surface.height.shape
-    length_y, length_x = (shown_si(edge, "m") for edge in surface.length)
-    done = [f"{nx} x {ny} points over {length_x} x {length_y}, peaks upward; pressed face down"]
-    if missing:
-        share = 100 * missing / surface.height.size
-        done.append(f"{missing} points without data ({share:.2g} %) filled by a harmonic function")
-    done.append(
-        {
-            "none": "mean height subtracted, no trend",
-            "tilt": "mean plane subtracted",
-            "curvature": "polynomial of degree two subtracted",
-        }[settings.detrend]
-    )
-    done.append(
-        {
-            "mirrored": "continued by its mirror images, so that it is periodic: no height is altered",
-            "windowed": f"lowered to its mean plane near the edges, on {100 * altered:.0f} % of the area",
-            "declared": "taken as one period, as asked",
-            None: "taken as one period, as its file says",
-        }[periodic]
-    )
-    if settings.wavelength_short is not None:
-        done.append(f"waves shorter than {shown_si(settings.wavelength_short, 'm')} removed")
-    if settings.points is not None:
-        done.append(f"interpolated to {settings.points} nodes on the longer edge of the cell")
-    return done
-
-
-def _metres(path: str | os.PathLike[str], settings: MapSettings) -> tuple[float, str]:
-    """Size of the file's unit of length in metres, and its name.
-
-    Raises
-    ------
-    ValueError
-        If neither the file nor the settings name a unit, or they contradict each other.
-    """
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of packages that SurfaceTopography can do without
-        from SurfaceTopography.IO import open_topography
-
-    name, unit = settings.option("unit"), None
-    if os.path.isfile(path):
-        try:
-            with open_topography(os.fspath(path)) as reader:
-                unit = reader.default_channel.unit
-        except Exception:  # the reader of maps says what is wrong with the file
-            return 1.0, "m"
-    else:
-        return 1.0, "m"
-    said = None if unit in (None, "") else to_si(f"1 {unit}", "length", "unit")
-    asked = None if settings.unit is None else to_si(f"1 {settings.unit}", "length", "unit")
-    if said is not None and asked is not None and not np.isclose(said, asked, rtol=1e-12):
-        raise ValueError(f"{name} = {settings.unit!r}: the file says that its unit is {unit}; leave it out")
-    if said is None and asked is None:
-        raise ValueError(f"{name}: the file does not say its unit of length; set it, such as um")
-    return (said, unit) if said is not None else (asked, settings.unit)  # type: ignore[return-value]

@@ -44,21 +44,35 @@ def pictures(answer: Answer) -> Iterator[Picture]:
         suffix = "" if len(answer.bodies) == 1 else f"_{name}"
         if not np.isfinite(body.depth):
             continue
-        pressed = {answer.indenter.name: contact_dataset(answer, name)}
+        if answer.indenter.boundary == "periodic" and not answer.case.friction:
+            yield from _inside(answer, name)
         title = body_title(answer.case, name)
-        yield Picture(
-            f"section{suffix}",
-            f"Von Mises stress in the vertical section at y = {shown_si(body.y, 'm', 4)}, through its "
-            f"largest value; {title}.",
-            plot_section(pressed, y=body.y, x=x),
-        )
-        yield Picture(
-            f"plane{suffix}",
-            f"Von Mises stress at the depth of its largest value, {shown_si(body.depth, 'm', 3)}; {title}.",
-            plot_plane(pressed, body.depth, y=y, x=x),
-        )
         yield Picture(
             f"peaks{suffix}",
             f"Peaks of the von Mises stress and their depth; {title}.",
             plot_peaks({answer.indenter.name: answer.stresses[name]}),
         )
+
+
+def _inside(answer: Answer, name: str) -> Iterator[Picture]:
+    """Section and plane through the largest von Mises stress of a body.
+
+    `asperity.views` draws them from the pressure of a periodic contact without friction.
+    """
+    body = answer.bodies[name]
+    suffix = "" if len(answer.bodies) == 1 else f"_{name}"
+    length_y, length_x = answer.indenter.map_length
+    y, x = (0.0, length_y), (0.0, length_x)
+    pressed = {answer.indenter.name: contact_dataset(answer, name)}
+    title = body_title(answer.case, name)
+    yield Picture(
+        f"section{suffix}",
+        f"Von Mises stress in the vertical section at y = {shown_si(body.y, 'm', 4)}, through its "
+        f"largest value; {title}.",
+        plot_section(pressed, y=body.y, x=x),
+    )
+    yield Picture(
+        f"plane{suffix}",
+        f"Von Mises stress at the depth of its largest value, {shown_si(body.depth, 'm', 3)}; {title}.",
+        plot_plane(pressed, body.depth, y=y, x=x),
+    )

@@ -42,6 +42,8 @@ def report_page(answer: Answer, pictures: Sequence[tuple[str, bytes]]) -> str:
         notes=[advice for advice in answer.advice if advice.level != WARNING],
         headline=headline(answer),
         groups=_groups(answer.rows),
+        friction=answer.case.friction,
+        boundary=answer.indenter.boundary,
         done=answer.indenter.done,
         pictures=[
             (caption, "data:image/png;base64," + base64.b64encode(image).decode())

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
@@ -26,7 +26,7 @@ from asperity.stress.patches import contact_patches
 from asperity.stress.planes import stress_planes
 from asperity.stress.pressed import PressedSolid
 from asperity.stress.selection import peaks
-from asperity.surface.measured import HeightMap
+from asperity.surface.height_map import HeightMap
 from asperity.surface.roughness import roughness_parameters
 from asperity.types import Array, Progress
 
@@ -41,6 +41,9 @@ DEPTH_SPACING, DEPTH_GROWTH = 0.5, 0.125
 
 QUANTITIES = ("pressure", "von_mises", "xx", "zz", "xz")
 """Quantities whose peaks are found."""
+
+TRACTION_DIRECTION = {"lower": 0.0, "upper": 180.0}
+"""Direction of the shear traction on each body, in degrees from x: they are opposite to each other."""
 
 STAGES = {"map": 0.1, "contact": 0.4, "stress": 0.35, "resolution": 0.15}
 """Share of each stage in the time of a run, for the progress bar."""
@@ -71,6 +74,7 @@ def run(
     force: float | None = None,
     approach: float | None = None,
     area_fraction: float | None = None,
+    friction: float = 0.0,
     map_settings: MapSettings | None = None,
     progress: Progress | None = None,
 ) -> Answer:
@@ -82,7 +86,7 @@ def run(
     Parameters
     ----------
     source : path or HeightMap
-        File of a map, or a map in metres with its peaks upward.
+        File of a map, or a map in metres.
     lower : Body
     upper : Body, optional
         By default the other body is rigid. Which of the two is rough does not matter as long as the slopes
@@ -95,6 +99,8 @@ def run(
         Approach of the bodies since their first touch, in m.
     area_fraction : float
         Real over nominal contact area.
+    friction : float
+        Coefficient of full sliding along x, for the stress; see `Case`.
     map_settings : MapSettings, optional
     progress : callable, optional
         Called as progress(done, total).
@@ -118,14 +124,14 @@ def run(
             "area_fraction": area_fraction,
         }
     )
-    case = Case(lower, upper, load)
+    case = Case(lower, upper, load, friction)
     report = _Stages(progress)
     settings = map_settings or MapSettings()
     indenter = read_indenter(source, settings)
     contact = press(indenter, case, report.stage("contact"))
     bodies = {}
     for body, share in _shared(report.stage("stress"), list(case.bodies)):
-        bodies[body] = stress_in(contact, case.bodies[body], share)
+        bodies[body] = stress_in(contact, case, body, share)
     coarse = coarse_numbers(indenter, case, report.stage("resolution"))
     answer = assemble(indenter, case, settings, contact, bodies, coarse)
     report.finish()
@@ -144,22 +150,38 @@ def press(indenter: Indenter, case: Case, progress: Progress | None = None) -> C
         indenter.height,
         case.solid,
         indenter.grid.length,
+        boundary=indenter.boundary,
         rtol=CONTACT_TOLERANCE,
         progress=progress,
         **imposed,  # type: ignore[arg-type]
     )
 
 
-def stress_in(contact: Contact, body: Body, progress: Progress | None = None) -> StressInBody:
+def stress_in(contact: Contact, case: Case, name: str, progress: Progress | None = None) -> StressInBody:
     """Stress in one body under the contact pressure, with its own modulus and Poisson's ratio, in Pa."""
+    body = case.bodies[name]
     scaled, modulus = scaled_solid(contact, body)
+    sliding = {"friction": case.friction, "sliding_direction": TRACTION_DIRECTION[name]}
     depths = depth_grid(contact.grid, body.height, DEPTH_SPACING, DEPTH_GROWTH)
     dataset = analyse_stress(
-        scaled, depths, quantities=QUANTITIES, tolerance=STRESS_TOLERANCE, progress=progress
+        scaled,
+        depths,
+        quantities=QUANTITIES,
+        tolerance=STRESS_TOLERANCE,
+        progress=progress,
+        **sliding,  # type: ignore[arg-type]
     )
     above = None
     if body.yield_stress is not None:
-        above = share_above(scaled, depths, body.yield_stress / modulus)
+        planes = stress_planes(
+            scaled,
+            depths,
+            fields=("von_mises",),
+            tolerance=STRESS_TOLERANCE,
+            **sliding,  # type: ignore[arg-type]
+        )
+        limit = body.yield_stress / modulus
+        above = np.array([np.mean(plane.fields["von_mises"] > limit) for plane in planes])
     return StressInBody(in_pascal(dataset, modulus), above)
 
 
@@ -170,13 +192,7 @@ def scaled_solid(contact: Contact, body: Body) -> tuple[PressedSolid, float]:
     """
     modulus = body.layer.effective_modulus
     layer = Layer(1 - body.poisson**2, body.poisson, body.height, body.bottom)
-    return PressedSolid(contact.pressure / modulus, contact.grid, layer), modulus
-
-
-def share_above(body: PressedSolid, depths: Array, limit: float) -> Array:
-    """Share of the nodes of each plane whose von Mises stress is above a limit, (planes,)."""
-    planes = stress_planes(body, depths, fields=("von_mises",), tolerance=STRESS_TOLERANCE)
-    return np.array([np.mean(plane.fields["von_mises"] > limit) for plane in planes])
+    return PressedSolid(contact.pressure / modulus, contact.grid, layer, contact.boundary), modulus
 
 
 def in_pascal(dataset: xr.Dataset, modulus: float) -> xr.Dataset:
@@ -188,13 +204,23 @@ def in_pascal(dataset: xr.Dataset, modulus: float) -> xr.Dataset:
 
 def coarse_numbers(indenter: Indenter, case: Case, progress: Progress | None = None) -> Numbers:
     """The main numbers of the case with pixels twice as large, under the same load."""
-    grid = indenter.grid
-    coarse = Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
-    height = Fourier(coarse).inverse(resample(Fourier(grid).forward(indenter.height), grid, coarse))
-    halved = Indenter(indenter.name, height, coarse, indenter.map_length, 2 * max(coarse.spacing))
+    halved = _halved(indenter)
     contact = press(halved, case, progress)
-    stress = stress_in(contact, Body(case.lower.young, case.lower.poisson, None, case.lower.height))
+    stress = stress_in(contact, replace(case, lower=replace(case.lower, yield_stress=None)), "lower")
     return main_numbers(contact, stress.dataset)
+
+
+def _halved(indenter: Indenter) -> Indenter:
+    """The surface with pixels twice as large: its long waves, or every second node with a free boundary."""
+    grid = indenter.grid
+    if indenter.boundary == "free":
+        height = indenter.height[::2, ::2]
+        length = tuple(2 * step * nodes for step, nodes in zip(grid.spacing, height.shape, strict=True))
+        coarse = Grid((height.shape[0], height.shape[1]), length)
+    else:
+        coarse = Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
+        height = Fourier(coarse).inverse(resample(Fourier(grid).forward(indenter.height), grid, coarse))
+    return replace(indenter, height=height, grid=coarse)
 
 
 def main_numbers(contact: Contact, stress: xr.Dataset) -> Numbers:
@@ -259,8 +285,15 @@ def contact_numbers(indenter: Indenter, contact: Contact) -> ContactNumbers:
         typical_patch_nodes=_load_median(nodes, carried),
         load_of_largest_node=float(contact.pressure.max() / max(contact.pressure.sum(dtype=float), 1e-300)),
         load_on_small_patches=float(carried[nodes <= 4].sum() / max(carried.sum(), 1e-300)),
+        load_on_edges=_load_on_edges(contact.pressure),
         violation=contact.certificate.worst,
     )
+
+
+def _load_on_edges(pressure: Array) -> float:
+    """Share of the load on the outermost nodes."""
+    total = float(pressure.sum(dtype=float))
+    return 1 - float(pressure[1:-1, 1:-1].sum(dtype=float)) / total if total else 0.0
 
 
 def _load_median(nodes: Array, carried: Array) -> float:

@@ -204,7 +204,9 @@ VARIABLES: dict[str, Variable] = {
     "quantity": Variable(
         _NUMBER,
         "quantity whose peaks were sought",
-        "pressure: contact pressure; von_mises: von Mises stress; xx, yy, zz, yz, xz, xy: stress components",
+        "pressure: contact pressure; von_mises: von Mises stress; xx, yy, zz, yz, xz, xy: stress components; "
+        "largest_shear: half the difference of largest and smallest principal stress; hydrostatic: mean of "
+        "the normal stresses; principal_1, principal_2, principal_3: principal stresses, largest first",
     ),
     "poisson": Variable(_NUMBER, "Poisson's ratio"),
     "lag": Variable(_LENGTH, "distance between two points of the plane"),

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
-from asperity.cli.arguments import converted
+from asperity.cli.arguments import converted, flag
 from asperity.cli.run_options import RUN_MAP_OPTIONS, RUN_OPTIONS, Option
 from asperity.config.check import needed_instead
 from asperity.config.reader import is_file, load
@@ -17,6 +17,9 @@ from asperity.units import to_si
 
 WRONG_USAGE = 2
 """Exit status for arguments that are not accepted, as argparse has it."""
+
+_MAP_NAMES = (*(option.key.rpartition(".")[2] for option in RUN_MAP_OPTIONS), "boundary")
+"""Settings that `MapSettings` takes as they are."""
 
 _LOADS = {
     "pressure": ("mean_pressure", "pressure"),
@@ -42,10 +45,17 @@ def run(options: argparse.Namespace) -> None:
     from asperity.runtime.progress import ProgressBar
 
     lower, upper = _bodies(values)
+    settings = _map_settings(values)
     compile_visibly(lower)
     with ProgressBar(f"run {options.map}") as progress:
         answer = answer_of(
-            options.map, lower, upper, map_settings=_map_settings(values), progress=progress, **_load(values)
+            options.map,
+            lower,
+            upper,
+            friction=values.get("friction", 0.0),
+            map_settings=settings,
+            progress=progress,
+            **_load(values),
         )
     files = write_answer(answer, options.out)
     print(answer.text())
@@ -123,21 +133,25 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any]) -> l
         for name in ("young", "poisson")
         if name not in known
     ]
-    loads = [_flag(name) for name in _LOADS if name in known]
+    loads = [flag(name) for name in _LOADS if name in known]
     if len(loads) != 1:
         problems.append(
-            f"{', '.join(map(_flag, _LOADS))}: exactly one of them is needed, "
+            f"{', '.join(map(flag, _LOADS))}: exactly one of them is needed, "
             f"{' and '.join(loads) if loads else 'none'} given"
         )
     counter = [name for name in ("counter_young", "counter_poisson", "counter_yield") if name in known]
     if options.rigid and counter:
-        problems.append(f"--rigid: not accepted together with {', '.join(map(_flag, counter))}")
+        problems.append(f"--rigid: not accepted together with {', '.join(map(flag, counter))}")
     elif counter:
         problems += [
-            f"{_flag(name)}: missing; it is needed together with {_flag(counter[0])}"
+            f"{flag(name)}: missing; it is needed together with {flag(counter[0])}"
             for name in ("counter_young", "counter_poisson")
             if name not in known
         ]
+    if "friction" in known and "layer_height" in known:
+        problems.append("--friction: accepted for half-spaces only, not with --layer-height")
+    if values.get("boundary") == "free" and "layer_height" in known:
+        problems.append("--boundary free: accepted for half-spaces only, not with --layer-height")
     if "bottom" in known and "layer_height" not in known:
         problems.append("--bottom: needs --layer-height, a half-space has no lower face")
     if options.out is None:
@@ -145,10 +159,6 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any]) -> l
     elif problem := folder_problem(options.out):
         problems.append(f"--out {options.out}: {problem}")
     return problems
-
-
-def _flag(name: str) -> str:
-    return f"--{name.replace('_', '-')}"
 
 
 def _bodies(values: Mapping[str, Any]) -> tuple[Any, Any]:
@@ -183,11 +193,12 @@ def _map_settings(values: Mapping[str, Any]) -> Any:
     from asperity.engineering.indenter import MapSettings
 
     size = values.get("physical_size")
-    chosen = {name: values[name] for name in ("unit", "detrend", "periodic", "points") if name in values}
+    chosen = {name: values[name] for name in _MAP_NAMES if name in values}
     return MapSettings(
         physical_size=None if size is None else (to_si(size[0], "length"), to_si(size[1], "length")),
         wavelength_short=_si(values.get("wavelength_short"), "length"),
-        option=_flag,
+        radius=_si(values.get("radius"), "length"),
+        option=flag,
         **chosen,
     )
 
