@@ -10,7 +10,7 @@ import xarray as xr
 
 from asperity.errors import DatasetError
 from asperity.results import dataset
-from asperity.results.variables import STAGES, VARIABLES, units_in
+from asperity.results.variables import SI_UNITS, STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
 
 
 @pytest.fixture
@@ -38,8 +38,42 @@ def test_a_file_explains_itself_and_comes_back_equal(surface, tmp_path):
     assert found.attrs["decision"] == "half-space"
     assert found.attrs["settings_digest"] == dataset.digest(SETTINGS)
     for name, variable in found.variables.items():
-        assert variable.attrs["units"] == VARIABLES[name].units
+        assert variable.attrs["units"] == units_of(name)
         assert variable.attrs["long_name"] == VARIABLES[name].long_name
+
+
+def test_every_dimension_has_a_unit_in_every_system():
+    for system in UNIT_SYSTEMS:
+        for name in VARIABLES:
+            assert units_of(name, system)
+
+
+def test_units_follow_the_unit_system_of_the_file(surface, tmp_path):
+    for system, length, stress in ((SI_UNITS, "m", "Pa"), (STUDY_UNITS, "cell_length", "effective_modulus")):
+        data = surface.assign(mean_pressure=5e7).assign_attrs(unit_system=system)
+        dataset.write(data, tmp_path / "file.nc", "Title", SETTINGS)
+        found = dataset.read(tmp_path / "file.nc")
+        assert found.attrs["unit_system"] == system
+        assert [found[name].attrs["units"] for name in ("x", "height", "mean_pressure")] == [
+            length,
+            length,
+            stress,
+        ]
+        xr.testing.assert_equal(found, data)
+
+
+def test_a_file_without_a_unit_system_is_in_units_of_the_study(surface):
+    assert dataset.unit_system(surface) == STUDY_UNITS
+
+
+def test_an_unknown_unit_system_is_refused(surface, tmp_path):
+    with pytest.raises(ValueError, match="imperial"):
+        dataset.write(surface.assign_attrs(unit_system="imperial"), tmp_path / "a.nc", "Title", SETTINGS)
+    dataset.write(surface, tmp_path / "a.nc", "Title", SETTINGS)
+    relabelled = xr.load_dataset(tmp_path / "a.nc").assign_attrs(unit_system=SI_UNITS)
+    relabelled.to_netcdf(tmp_path / "b.nc")
+    with pytest.raises(DatasetError, match="'cell_length', 'm' expected"):
+        dataset.read(tmp_path / "b.nc")
 
 
 @pytest.mark.parametrize("stage", STAGES)
@@ -219,7 +253,6 @@ def test_a_file_in_si_units_says_so_and_is_read_again(tmp_path):
     found = dataset.read(tmp_path / "si.nc")
     assert found.attrs["unit_system"] == "SI"
     assert (found["pressure"].units, found["approach"].units) == ("Pa", "m")
-    assert units_in("SI", "effective_modulus*cell_length^2") == "N"
-    assert units_in("SI", "1/cell_length") == "1/m"
+    assert (units_of("load_spectral", "SI"), units_of("wavenumber", "SI")) == ("N", "m-1")
     with pytest.raises(ValueError, match=r"^unit_system = 'imperial': one of cell length and"):
         dataset.write(data.assign_attrs(unit_system="imperial"), tmp_path / "bad.nc", "contact", {})

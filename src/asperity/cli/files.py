@@ -10,6 +10,7 @@ import xarray as xr
 
 from asperity.config.reader import is_file
 from asperity.results import dataset
+from asperity.results.variables import STUDY_UNITS
 
 _MARKS = {"surface": "spectrum", "contact": "pressure", "stress": "peak_value", "statistics": "peak_density"}
 """Stage → a variable that only its results have."""
@@ -21,13 +22,31 @@ def read_result(path: str | Path, stage: str) -> xr.Dataset:
     Raises
     ------
     ValueError
-        If it is a result of another stage.
+        If it is a result of another stage, or in SI units.
+    DatasetError
+        If it is missing or damaged.
+    """
+    data = read_dimensionless(path)
+    if (found := stage_of(data)) != stage:
+        raise ValueError(f"{path}: a result of {found or 'no stage'}, one of {stage} is needed")
+    return data
+
+
+def read_dimensionless(path: str | Path) -> xr.Dataset:
+    """Read a result file of any stage in units of the cell length and the effective modulus.
+
+    Raises
+    ------
+    ValueError
+        If it is in SI units, as results of ``asperity run`` are.
     DatasetError
         If it is missing or damaged.
     """
     data = dataset.read(path)
-    if (found := stage_of(data)) != stage:
-        raise ValueError(f"{path}: a result of {found or 'no stage'}, one of {stage} is needed")
+    if (system := dataset.unit_system(data)) != STUDY_UNITS:
+        raise ValueError(
+            f"{path}: a result of asperity run in {system} units; one of asperity solve is needed"
+        )
     return data
 
 

@@ -8,6 +8,7 @@ from functools import partial
 
 import asperity
 from asperity.cli.arguments import POSITIVE, Parser, add_setting, converted
+from asperity.cli.run_options import RUN_MAP_OPTIONS, RUN_OPTIONS
 from asperity.config.schema import setting
 from asperity.paper.figures import numbers
 
@@ -19,10 +20,11 @@ def make_parser() -> Parser:
     """Parser of the command line; its result names the command as ``command``."""
     parser = Parser(
         prog="asperity",
-        description="Stress inside an elastic solid pressed against a rough surface. Lengths are in units of "
-        "the longer edge of the periodic cell, stresses in units of the effective modulus E/(1 - poisson^2).",
-        epilog="The steps of a calculation: surface, solve, stress, peaks, plot. Its cost and error "
-        "beforehand: plan. Pictures and tables of its results: view, export.",
+        description="Stress inside an elastic solid pressed against a rough surface. The command run takes a "
+        "measured map, materials and a load with their units. The others have lengths in units of the longer "
+        "edge of the periodic cell, stresses in units of the effective modulus E/(1 - poisson^2).",
+        epilog="From a map to an answer: run. The steps of a calculation: surface, solve, stress, peaks, "
+        "plot. Its cost and error beforehand: plan. Pictures and tables of its results: view, export.",
     )
     parser.add_argument("--version", action="version", version=f"asperity {asperity.__version__}")
     commands = parser.add_subparsers(title="commands", required=True, dest="command", metavar="COMMAND")
@@ -31,6 +33,26 @@ def make_parser() -> Parser:
         command = commands.add_parser(name, help=summary[0].lower() + summary[1:], description=description)
         add_arguments(command)
     return parser
+
+
+def _add_run(parser: Parser) -> None:
+    parser.add_argument("map", metavar="MAP", help="height map of an instrument, peaks upward")
+    parser.add_argument("--out", metavar="FOLDER", help="folder for results, pictures and report")
+    parser.add_argument(
+        "--config",
+        metavar="FILE",
+        help="YAML file whose section `engineering` has values of options left out",
+    )
+    body = parser.add_argument_group("body and counter body")
+    body.add_argument("--rigid", action="store_true", help="the counter body is rigid, as it is by default")
+    load = parser.add_argument_group("load", "Exactly one of these is needed.")
+    maps = parser.add_argument_group("map")
+    for option in (*RUN_OPTIONS, *RUN_MAP_OPTIONS):
+        group = {"body": body, "load": load, "map": maps}[option.group]
+        # The command itself checks the texts, so that it can report everything that is wrong at once.
+        add_setting(
+            group, option.flag, option.key, left_out=option.left_out, type=str, action="store", **option.shown
+        )
 
 
 def _add_solve(parser: Parser) -> None:
@@ -215,6 +237,11 @@ def _add_export(parser: Parser) -> None:
 
 
 _COMMANDS: dict[str, tuple[Callable[[Parser], None], str]] = {
+    "run": (
+        _add_run,
+        "Answer from a measured map, materials and a load: contact, pressure, stress, yield. Writes results, "
+        "pictures and a report.",
+    ),
     "surface": (_add_surface, "Make a random rough surface."),
     "solve": (
         _add_solve,

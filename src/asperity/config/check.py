@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from typing import Any
 
@@ -14,6 +14,7 @@ from asperity.config.defaults import complete
 from asperity.config.reader import is_file
 from asperity.config.schema import Entry, accepted, number, schema, setting
 from asperity.errors import ConfigError, shown
+from asperity.units import DIMENSIONS, to_si
 
 _LONGEST_KEY = 40
 """Characters of a key that are shown as they are; longer keys are shortened like values."""
@@ -74,6 +75,27 @@ def _is_label(text: object) -> bool:
     if isinstance(text, str) and text.count("$") % 2:
         raise ValueError("mathematics between two dollar signs")
     return True
+
+
+def _is_quantity(dimension: str) -> Callable[[object], bool]:
+    """Check of a positive number with a unit of a dimension; its `ValueError` says what is needed instead."""
+
+    def check(text: object) -> bool:
+        if not isinstance(text, str):
+            return True
+        try:
+            if to_si(text, dimension) > 0:
+                return True
+        except ValueError:
+            pass
+        units = ", ".join(DIMENSIONS[dimension].examples)
+        raise ValueError(f"a {dimension} > 0 with its unit ({units})")
+
+    return check
+
+
+for _dimension in ("pressure", "force", "length"):
+    _FORMATS.checks(_dimension, raises=ValueError)(_is_quantity(_dimension))
 
 
 def _check_plain(value: Any, key: str = "") -> None:

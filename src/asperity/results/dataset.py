@@ -1,9 +1,9 @@
 """Reading and writing of result files.
 
 A file is NetCDF-4 with CF attributes; names, units and descriptions of its variables are those of
-`asperity.results.variables`. It is written atomically, and carries a fingerprint of all that is in it and the
-settings from which it can be made again. It holds no wall-clock time: the same configuration gives the same
-numbers on the same machine.
+`asperity.results.variables`, in the system of units that the global attribute ``unit_system`` names. It is
+written atomically, and carries a fingerprint of all that is in it and the settings from which it can be made
+again. It holds no wall-clock time: the same configuration gives the same numbers on the same machine.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import xarray as xr
 
 import asperity
 from asperity.errors import DatasetError
-from asperity.results.variables import STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_in
+from asperity.results.variables import STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
 from asperity.spectral import Grid
 
 CONVENTIONS = "CF-1.11"
@@ -32,6 +32,9 @@ PAPER = (
     "Y. Murugesan, S. P. Venugopalan, L. Nicola: "
     "On sub-surface stress caused by contact roughness in compressible elastic solids"
 )
+
+UNIT_SYSTEM = "unit_system"
+"""Attribute that names the system of units of a file; a file without it is in units of the study."""
 
 FINGERPRINT = "content_digest"
 """Attribute that holds the fingerprint of a file's content."""
@@ -57,7 +60,7 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
     ----------
     dataset : xarray.Dataset
         With variables of `VARIABLES`; their units and descriptions are added here. Its own global attributes
-        are kept. The attribute ``unit_system`` is one of `UNIT_SYSTEMS`, by default the study's.
+        are kept; ``unit_system`` is one of `UNIT_SYSTEMS`, by default that of the study.
     path : path
     title : str
         Says in one line what the file holds.
@@ -69,12 +72,16 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
     ------
     KeyError
         If a variable is not in `VARIABLES`.
+    ValueError
+        If the system of units is not in `UNIT_SYSTEMS`.
     DatasetError
         If the file cannot be written; an earlier file of the same name is still there then.
     """
     path = Path(path)
+    system = unit_system(dataset)
+    if system not in UNIT_SYSTEMS:
+        raise ValueError(f"{UNIT_SYSTEM} = {system!r}: one of {', '.join(UNIT_SYSTEMS)} is needed")
     described = dataset.copy()
-    system = _unit_system(dataset)
     for name in described.variables:
         if name not in VARIABLES:
             raise KeyError(f"variable {name!r} of {path.name} is not in asperity.results.variables.VARIABLES")
@@ -85,8 +92,8 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
         "title": title,
         **({"summary": STAGES[stage].summary} if stage else {}),
         "source": f"asperity {asperity.__version__}",
-        "comment": UNIT_SYSTEMS[system],
-        "unit_system": system,
+        UNIT_SYSTEM: system,
+        "comment": UNIT_SYSTEMS[system].comment,
         "references": PAPER,
         "settings": json.dumps(settings, sort_keys=True),
         "settings_digest": digest(settings),
@@ -100,20 +107,11 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
         described.to_netcdf(unfinished, format="NETCDF4", engine="netcdf4", encoding=encoding)
 
 
-def _unit_system(dataset: xr.Dataset) -> str:
-    """The unit system of a dataset, by default the study's."""
-    system = dataset.attrs.get("unit_system", STUDY_UNITS)
-    if system not in UNIT_SYSTEMS:
-        raise ValueError(f"unit_system = {system!r}: one of {', '.join(UNIT_SYSTEMS)} is needed")
-    return str(system)
-
-
 def _attributes(name: str, dtype: np.dtype[Any], system: str) -> dict[str, str]:
     """CF attributes of a variable; only numbers have units."""
-    attributes = VARIABLES[name]._asdict()
-    attributes["units"] = units_in(system, attributes["units"])
-    if dtype.kind not in "fiu":
-        del attributes["units"]
+    units = units_of(name, system) if dtype.kind in "fiu" else ""
+    variable = VARIABLES[name]
+    attributes = {"units": units, "long_name": variable.long_name, "comment": variable.comment}
     return {key: value for key, value in attributes.items() if value}
 
 
@@ -153,11 +151,12 @@ def _delete_abandoned(path: Path) -> None:
     pattern = re.compile(rf"\.{re.escape(path.name)}\.(\d+)\.unfinished")
     for left in path.parent.iterdir():
         found = pattern.fullmatch(left.name)
-        if found and not _is_running(int(found[1])):
+        if found and not is_running(int(found[1])):
             left.unlink(missing_ok=True)
 
 
-def _is_running(process: int) -> bool:
+def is_running(process: int) -> bool:
+    """True if there is a process of this number."""
     try:
         os.kill(process, 0)
     except ProcessLookupError:
@@ -183,6 +182,11 @@ def settings_of(dataset: xr.Dataset) -> dict[str, Any]:
 def stage_of(dataset: xr.Dataset) -> str | None:
     """The stage of which a dataset is a result: surface, contact, stress, statistics, or None."""
     return next((name for name, stage in STAGES.items() if stage.variable in dataset), None)
+
+
+def unit_system(dataset: xr.Dataset) -> str:
+    """System of units of a dataset: its attribute ``unit_system``, by default that of the study."""
+    return str(dataset.attrs.get(UNIT_SYSTEM, STUDY_UNITS))
 
 
 def grid_of(dataset: xr.Dataset) -> Grid:
@@ -250,9 +254,9 @@ def _check(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Raise `DatasetError` if names, units or fingerprint are not those of a result."""
     if FINGERPRINT not in dataset.attrs:
         raise DatasetError(f"{path}: not a result of asperity, it has no attribute {FINGERPRINT}")
-    system = dataset.attrs.get("unit_system", STUDY_UNITS)
+    system = unit_system(dataset)
     if system not in UNIT_SYSTEMS:
-        raise DatasetError(f"{path}: unknown unit_system {system!r}; {_REMEDY}")
+        raise DatasetError(f"{path}: unknown {UNIT_SYSTEM} {system!r}; {_REMEDY}")
     for name, variable in dataset.variables.items():
         if name not in VARIABLES:
             raise DatasetError(f"{path}: unknown variable {name!r}; {_REMEDY}")

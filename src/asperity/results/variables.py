@@ -1,22 +1,21 @@
-"""Names, units and descriptions of the variables of the result files, and what the files of a stage hold.
+"""Names, dimensions and descriptions of the variables of result files, and what the files of a stage hold.
 
-The units written here are those of the study: lengths in units of the edge of the cell, stresses in units of
-the effective modulus E* = E/(1 − ν²). A file in SI units holds lengths in m, stresses in Pa and forces in N;
-`units_in` translates. The global attribute ``unit_system`` of a file says which of `UNIT_SYSTEMS` it uses. A
-scaled stress is divided by E* and by the rms gradient of the deformed surface over the true contact, the
-paper's E* ḡ_r. Numbers without a dimension have the unit 1; texts and truth values have none.
+The dimension of a variable stands here once; its unit follows from the system of units of the file
+(`UNIT_SYSTEMS`), which the global attribute ``unit_system`` names. Results of the study have lengths in units
+of the edge of the cell and stresses in units of the effective modulus E* = E/(1 − ν²); results for given
+materials are in SI. A scaled stress is divided by E* and by the rms gradient of the deformed surface over the
+true contact, the paper's E* ḡ_r. Texts and truth values have no unit.
 """
 
 from __future__ import annotations
 
-import re
 from typing import NamedTuple
 
 
 class Variable(NamedTuple):
-    """Unit and description of a variable: the CF attributes ``units``, ``long_name`` and ``comment``."""
+    """Dimension of a variable, and its description: the CF attributes ``long_name`` and ``comment``."""
 
-    units: str
+    dimension: str
     long_name: str
     comment: str = ""
 
@@ -61,59 +60,102 @@ STAGES = {
 }
 
 
-UNITS = (
-    "Units: cell_length is the longer edge of the periodic cell, effective_modulus is E/(1 - nu^2), "
-    "scaled_stress is effective_modulus times the rms gradient of the deformed surface over the true contact."
-)
-"""What the names of the units mean, for the files."""
+class UnitSystem(NamedTuple):
+    """Units of a result file: the unit of each dimension, and what the names of the units mean."""
+
+    units: dict[str, str]
+    comment: str
+
+
+_NUMBER = "1"
+_LENGTH = "length"
+_INVERSE_LENGTH = "1/length"
+_SPECTRUM = "length^4"
+_STRESS = "stress"
+_STRESS_SQUARED = "stress^2"
+_YOUNG = "stress over Young's modulus"
+_FORCE = "force"
+_SCALED = "scaled stress"
+_INVERSE_SCALED = "1/scaled stress"
+_SCALED_SQUARED = "scaled stress^2"
+_HEIGHT = "height over rms height"
+_INVERSE_HEIGHT = "1/height over rms height"
+_SPACING = "length over grid spacing"
+_TIME = "time"
+_MEMORY = "memory"
+
+_SAME_EVERYWHERE = {_NUMBER: "1", _TIME: "s", _MEMORY: "byte"}
 
 STUDY_UNITS = "cell length and effective modulus"
+"""Name of the system of units of the study."""
+
 SI_UNITS = "SI"
+"""Name of the system of units of results for given materials and loads."""
 
-UNIT_SYSTEMS = {
-    STUDY_UNITS: UNITS,
-    SI_UNITS: "Units: m, Pa and N; scaled_stress is the effective modulus E/(1 - nu^2) times the rms "
-    "gradient of the deformed surface over the true contact.",
+UNIT_SYSTEMS: dict[str, UnitSystem] = {
+    STUDY_UNITS: UnitSystem(
+        _SAME_EVERYWHERE
+        | {
+            _LENGTH: "cell_length",
+            _INVERSE_LENGTH: "1/cell_length",
+            _SPECTRUM: "cell_length^4",
+            _STRESS: "effective_modulus",
+            _STRESS_SQUARED: "effective_modulus^2",
+            _YOUNG: "young_modulus",
+            _FORCE: "effective_modulus*cell_length^2",
+            _SCALED: "scaled_stress",
+            _INVERSE_SCALED: "1/scaled_stress",
+            _SCALED_SQUARED: "scaled_stress^2",
+            _HEIGHT: "rms_height",
+            _INVERSE_HEIGHT: "1/rms_height",
+            _SPACING: "grid_spacing",
+        },
+        "Units: cell_length is the longer edge of the periodic cell, effective_modulus is E/(1 - nu^2), "
+        "scaled_stress is effective_modulus times the rms gradient of the deformed surface over the true "
+        "contact.",
+    ),
+    SI_UNITS: UnitSystem(
+        _SAME_EVERYWHERE
+        | {
+            _LENGTH: "m",
+            _INVERSE_LENGTH: "m-1",
+            _SPECTRUM: "m4",
+            _STRESS: "Pa",
+            _STRESS_SQUARED: "Pa2",
+            _FORCE: "N",
+            **dict.fromkeys(
+                (_YOUNG, _SCALED, _INVERSE_SCALED, _SCALED_SQUARED, _HEIGHT, _INVERSE_HEIGHT, _SPACING), "1"
+            ),
+        },
+        "Units: SI.",
+    ),
 }
-"""Values of the attribute ``unit_system`` of a file, and what the names of its units mean."""
-
-_SI = {"cell_length": "m", "effective_modulus": "Pa", "young_modulus": "Pa", "rms_height": "m"}
-
-_LENGTH = "cell_length"
-_STRESS = "effective_modulus"
-_STRESS_SQUARED = "effective_modulus^2"
-_SCALED = "scaled_stress"
-_YOUNG = "young_modulus"
-_FORCE = "effective_modulus*cell_length^2"
+"""Systems of units of result files by name."""
 
 
-def units_in(system: str, units: str) -> str:
-    """Units of a variable in one of `UNIT_SYSTEMS`, from its units in the study."""
-    if system == STUDY_UNITS:
-        return units
-    if units == _FORCE:
-        return "N"
-    return re.sub("|".join(_SI), lambda found: _SI[found[0]], units)
+def units_of(name: str, system: str = STUDY_UNITS) -> str:
+    """Text of the CF attribute ``units`` of a variable in a system of units."""
+    return UNIT_SYSTEMS[system].units[VARIABLES[name].dimension]
 
 
-def _banded(name: str, units: str, long_name: str) -> dict[str, Variable]:
+def _banded(name: str, dimension: str, long_name: str) -> dict[str, Variable]:
     """An estimate and the ends of its confidence band."""
     return {
-        name: Variable(units, long_name),
-        f"{name}_low": Variable(units, f"lower end of the band of {name}"),
-        f"{name}_high": Variable(units, f"upper end of the band of {name}"),
+        name: Variable(dimension, long_name),
+        f"{name}_low": Variable(dimension, f"lower end of the band of {name}"),
+        f"{name}_high": Variable(dimension, f"upper end of the band of {name}"),
     }
 
 
-def _both(name: str, units: str, long_name: str) -> dict[str, Variable]:
+def _both(name: str, dimension: str, long_name: str) -> dict[str, Variable]:
     """The same quantity by the spectral solver and by finite elements."""
     return {
-        f"{name}_spectral": Variable(units, f"{long_name}, spectral solver"),
-        f"{name}_elements": Variable(units, f"{long_name}, finite elements"),
+        f"{name}_spectral": Variable(dimension, f"{long_name}, spectral solver"),
+        f"{name}_elements": Variable(dimension, f"{long_name}, finite elements"),
     }
 
 
-def _punch(name: str, units: str, long_name: str) -> dict[str, Variable]:
+def _punch(name: str, dimension: str, long_name: str) -> dict[str, Variable]:
     """The same quantity for the conventions of the uniform mode under a punch."""
     cases = {
         "confined": "laterally confined cell",
@@ -121,56 +163,56 @@ def _punch(name: str, units: str, long_name: str) -> dict[str, Variable]:
         "array": "single contacts added up",
         "closed_form": "single contact, closed form",
     }
-    return {f"{name}_{case}": Variable(units, f"{long_name}, {words}") for case, words in cases.items()}
+    return {f"{name}_{case}": Variable(dimension, f"{long_name}, {words}") for case, words in cases.items()}
 
 
 VARIABLES: dict[str, Variable] = {
     # coordinates and the grid
     "x": Variable(_LENGTH, "position along x"),
     "y": Variable(_LENGTH, "position along y"),
-    "wavenumber": Variable("1/cell_length", "magnitude of the wavevector, 2π over the wavelength"),
-    "load": Variable("1", "number of the load on the load-area path"),
+    "wavenumber": Variable(_INVERSE_LENGTH, "magnitude of the wavevector, 2π over the wavelength"),
+    "load": Variable(_NUMBER, "number of the load on the load-area path"),
     # surface
     "height": Variable(_LENGTH, "height of the indenter's lower face, measured upward, mean zero"),
     "rms_height": Variable(_LENGTH, "root-mean-square height"),
-    "rms_gradient": Variable("1", "root-mean-square gradient of the whole surface"),
-    "skewness": Variable("1", "skewness of the heights; positive: blunt contacts"),
-    "kurtosis": Variable("1", "kurtosis of the heights, 3 for a Gaussian"),
-    "spectrum": Variable("cell_length^4", "radially averaged power spectral density of the heights"),
+    "rms_gradient": Variable(_NUMBER, "root-mean-square gradient of the whole surface"),
+    "skewness": Variable(_NUMBER, "skewness of the heights; positive: blunt contacts"),
+    "kurtosis": Variable(_NUMBER, "kurtosis of the heights, 3 for a Gaussian"),
+    "spectrum": Variable(_SPECTRUM, "radially averaged power spectral density of the heights"),
     "spectrum_target": Variable(
-        "cell_length^4", "power spectral density from which the surface was generated, on the same rings"
+        _SPECTRUM, "power spectral density from which the surface was generated, on the same rings"
     ),
     "spectrum_before": Variable(
-        "cell_length^4", "spectrum of the Gaussian sample before its heights were transformed"
+        _SPECTRUM, "spectrum of the Gaussian sample before its heights were transformed"
     ),
-    "skewness_error": Variable("1", "standard error of the skewness of one Gaussian sample"),
-    "kurtosis_error": Variable("1", "standard error of the kurtosis of one Gaussian sample"),
+    "skewness_error": Variable(_NUMBER, "standard error of the skewness of one Gaussian sample"),
+    "kurtosis_error": Variable(_NUMBER, "standard error of the kurtosis of one Gaussian sample"),
     # contact
     "pressure": Variable(_STRESS, "contact pressure, compression positive"),
     "gap": Variable(_LENGTH, "gap between solid and indenter"),
     "displacement": Variable(_LENGTH, "downward displacement of the solid's surface"),
-    "area_fraction": Variable("1", "true contact area over nominal area"),
+    "area_fraction": Variable(_NUMBER, "true contact area over nominal area"),
     "mean_pressure": Variable(_STRESS, "load over nominal area"),
     "approach": Variable(_LENGTH, "approach of the indenter from first touch of its mean plane"),
-    "gradient_rms_contact": Variable("1", "rms gradient of the deformed surface over the true contact"),
-    "path_area_fraction": Variable("1", "true contact area over nominal area, along the load path"),
+    "gradient_rms_contact": Variable(_NUMBER, "rms gradient of the deformed surface over the true contact"),
+    "path_area_fraction": Variable(_NUMBER, "true contact area over nominal area, along the load path"),
     "path_mean_pressure": Variable(_STRESS, "load over nominal area, along the load path"),
     "path_gradient_rms_contact": Variable(
-        "1", "rms gradient of the deformed surface over the true contact, along the load path"
+        _NUMBER, "rms gradient of the deformed surface over the true contact, along the load path"
     ),
     # stress
     "quantity": Variable(
-        "1",
+        _NUMBER,
         "quantity whose peaks were sought",
         "pressure: contact pressure; von_mises: von Mises stress; xx, yy, zz, yz, xz, xy: stress components; "
         "largest_shear: half the difference of largest and smallest principal stress; hydrostatic: mean of "
         "the normal stresses; principal_1, principal_2, principal_3: principal stresses, largest first",
     ),
-    "poisson": Variable("1", "Poisson's ratio"),
+    "poisson": Variable(_NUMBER, "Poisson's ratio"),
     "lag": Variable(_LENGTH, "distance between two points of the plane"),
-    "peak_quantity": Variable("1", "quantity of the peak, one of the names in quantity"),
+    "peak_quantity": Variable(_NUMBER, "quantity of the peak, one of the names in quantity"),
     "peak_poisson": Variable(
-        "1",
+        _NUMBER,
         "Poisson's ratio of the peak, one of the values in poisson",
         "NaN: the same peak for every Poisson's ratio; asperity.peaks finds it under each of them",
     ),
@@ -182,10 +224,12 @@ VARIABLES: dict[str, Variable] = {
     "peak_depth": Variable(_LENGTH, "depth of the peak below the surface"),
     "peak_y": Variable(_LENGTH, "position of the peak along y"),
     "peak_x": Variable(_LENGTH, "position of the peak along x"),
-    "peak_interior": Variable("1", "true for a peak below the surface, false for one in it"),
-    "peak_under_contact": Variable("1", "true if the surface node nearest above the peak carries pressure"),
+    "peak_interior": Variable(_NUMBER, "true for a peak below the surface, false for one in it"),
+    "peak_under_contact": Variable(
+        _NUMBER, "true if the surface node nearest above the peak carries pressure"
+    ),
     "plane_depth": Variable(_LENGTH, "depth of the plane"),
-    "plane_points": Variable("1", "number of nodes on the longer edge of the plane's grid"),
+    "plane_points": Variable(_NUMBER, "number of nodes on the longer edge of the plane's grid"),
     "mean_von_mises": Variable(_STRESS, "mean von Mises stress of the plane"),
     "largest_von_mises": Variable(_STRESS, "largest von Mises stress of the plane, at a node"),
     "covariance_depth": Variable(
@@ -198,53 +242,57 @@ VARIABLES: dict[str, Variable] = {
         _LENGTH, "depth of the reference plane, that of the largest von Mises stress"
     ),
     # statistics; scaled: divided by the effective modulus and the rms gradient of the true contact
-    "selection": Variable("1", "which peaks are counted"),
-    "percent": Variable("1", "percentage of the peaks that are smaller"),
+    "selection": Variable(_NUMBER, "which peaks are counted"),
+    "percent": Variable(_NUMBER, "percentage of the peaks that are smaller"),
     "bin_edge": Variable(_SCALED, "edges of the bins of peak stress"),
     "depth_edge": Variable(_LENGTH, "edges of the bins of peak depth"),
-    "peak_counts": Variable("1", "number of peaks in the bin, seed by seed"),
-    "joint_counts": Variable("1", "number of peaks in the bin of stress and depth, all seeds"),
-    **_banded("peak_density", "1/scaled_stress", "probability density of the scaled peak stress"),
+    "peak_counts": Variable(_NUMBER, "number of peaks in the bin, seed by seed"),
+    "joint_counts": Variable(_NUMBER, "number of peaks in the bin of stress and depth, all seeds"),
+    **_banded("peak_density", _INVERSE_SCALED, "probability density of the scaled peak stress"),
     **_banded("peak_percentile", _SCALED, "percentile of the magnitude of the scaled peak stress"),
-    **_banded("scaled_covariance_depth", "scaled_stress^2", "scaled covariance along depth (Eq. 22)"),
+    **_banded("scaled_covariance_depth", _SCALED_SQUARED, "scaled covariance along depth (Eq. 22)"),
     **_banded(
-        "scaled_covariance_plane", "scaled_stress^2", "scaled covariance in the reference plane (Eq. 22)"
+        "scaled_covariance_plane", _SCALED_SQUARED, "scaled covariance in the reference plane (Eq. 22)"
     ),
     **_banded("scaled_mean_von_mises", _SCALED, "scaled mean von Mises stress of the plane"),
     **_banded("scaled_largest_von_mises", _SCALED, "scaled largest von Mises stress of the plane"),
     "reference_depth_low": Variable(_LENGTH, "lower end of the band of reference_depth"),
     "reference_depth_high": Variable(_LENGTH, "upper end of the band of reference_depth"),
-    "height_edge": Variable("rms_height", "edges of the bins of height"),
-    "height_counts": Variable("1", "number of nodes in the bin of height"),
-    "height_density": Variable("1/rms_height", "probability density of the heights"),
+    "height_edge": Variable(_HEIGHT, "edges of the bins of height"),
+    "height_counts": Variable(_NUMBER, "number of nodes in the bin of height"),
+    "height_density": Variable(_INVERSE_HEIGHT, "probability density of the heights"),
     "median_depth": Variable(_LENGTH, "median depth of the peaks"),
     "median_depth_highest": Variable(_LENGTH, "median depth of the highest tenth of the peaks"),
     # statistics of each seed
-    "seed": Variable("1", "seed of the random surface"),
-    "level": Variable("1", "share of the peaks that are smaller"),
-    "seed_skewness": Variable("1", "skewness of the heights"),
-    "seed_kurtosis": Variable("1", "kurtosis of the heights"),
-    "seed_rms_gradient": Variable("1", "root-mean-square gradient of the whole surface"),
-    "seed_gradient_rms_contact": Variable("1", "rms gradient of the deformed surface over the true contact"),
-    "seed_gradient_rms_outside": Variable("1", "rms gradient of the surface outside the true contact"),
+    "seed": Variable(_NUMBER, "seed of the random surface"),
+    "level": Variable(_NUMBER, "share of the peaks that are smaller"),
+    "seed_skewness": Variable(_NUMBER, "skewness of the heights"),
+    "seed_kurtosis": Variable(_NUMBER, "kurtosis of the heights"),
+    "seed_rms_gradient": Variable(_NUMBER, "root-mean-square gradient of the whole surface"),
+    "seed_gradient_rms_contact": Variable(
+        _NUMBER, "rms gradient of the deformed surface over the true contact"
+    ),
+    "seed_gradient_rms_outside": Variable(_NUMBER, "rms gradient of the surface outside the true contact"),
     "seed_mean_pressure": Variable(_STRESS, "load over nominal area"),
-    "seed_area_fraction": Variable("1", "true contact area over nominal area"),
+    "seed_area_fraction": Variable(_NUMBER, "true contact area over nominal area"),
     "seed_approach": Variable(_LENGTH, "approach of the indenter from first touch of its mean plane"),
     "seed_proportionality": Variable(
-        "1", "area fraction times rms gradient of the true contact over the load, κ"
+        _NUMBER, "area fraction times rms gradient of the true contact over the load, κ"
     ),
-    "seed_load_exponent": Variable("1", "exponent of the area fraction as a power of the scaled load"),
-    "seed_proportionality_change": Variable("1", "κ at the largest load of that fit over κ at the smallest"),
-    "seed_patches": Variable("1", "number of connected patches of contact"),
+    "seed_load_exponent": Variable(_NUMBER, "exponent of the area fraction as a power of the scaled load"),
+    "seed_proportionality_change": Variable(
+        _NUMBER, "κ at the largest load of that fit over κ at the smallest"
+    ),
+    "seed_patches": Variable(_NUMBER, "number of connected patches of contact"),
     "seed_patch_radius": Variable(_LENGTH, "area-weighted mean radius of the patches of contact"),
-    "seed_peak_count": Variable("1", "number of peaks"),
+    "seed_peak_count": Variable(_NUMBER, "number of peaks"),
     "seed_peak_mean": Variable(_SCALED, "mean magnitude of the peaks"),
     "seed_peak_deviation": Variable(_SCALED, "standard deviation of the magnitude of the peaks"),
     "seed_peak_quantile": Variable(_SCALED, "quantile of the magnitude of the peaks"),
     "seed_mean_depth": Variable(_LENGTH, "mean depth of the peaks"),
     "seed_mean_depth_highest": Variable(_LENGTH, "mean depth of the highest tenth of the peaks"),
     "seed_depth_patch_correlation": Variable(
-        "1", "rank correlation between the depth of von Mises peaks and the radius of the patch above"
+        _NUMBER, "rank correlation between the depth of von Mises peaks and the radius of the patch above"
     ),
     "seed_largest_von_mises": Variable(_SCALED, "largest von Mises stress in the solid"),
     "seed_reference_depth": Variable(_LENGTH, "depth of the plane with the largest von Mises stress"),
@@ -254,27 +302,27 @@ VARIABLES: dict[str, Variable] = {
     ),
     # validation
     "hertz_contact_radius": Variable(_LENGTH, "radius of contact of the closed form"),
-    "hertz_area_fraction": Variable("1", "area fraction of the closed form"),
+    "hertz_area_fraction": Variable(_NUMBER, "area fraction of the closed form"),
     "imposed_mean_pressure_young": Variable(_YOUNG, "load over nominal area of the closed form, imposed"),
-    "solved_area_fraction": Variable("1", "area fraction found by the solver, nodes counted"),
+    "solved_area_fraction": Variable(_NUMBER, "area fraction found by the solver, nodes counted"),
     "solved_contact_radius": Variable(
         _LENGTH, "radius of contact found by the solver, fitted to the pressure"
     ),
-    "curve_area_fraction": Variable("1", "area fraction of the closed form, along the drawn curve"),
+    "curve_area_fraction": Variable(_NUMBER, "area fraction of the closed form, along the drawn curve"),
     "curve_mean_pressure_young": Variable(_YOUNG, "load over nominal area, along the drawn curve"),
     "curve_mean_pressure": Variable(_STRESS, "load over nominal area, along the drawn curve"),
     "slab_height": Variable(_LENGTH, "height of the slab"),
     "slab_approach": Variable(_LENGTH, "indentation of the slab"),
-    "slab_area_fraction": Variable("1", "area fraction on the slab, nodes counted"),
+    "slab_area_fraction": Variable(_NUMBER, "area fraction on the slab, nodes counted"),
     "slab_contact_radius": Variable(_LENGTH, "radius of contact on the slab, fitted to the pressure"),
     "slab_mean_pressure": Variable(_STRESS, "load over nominal area of the slab"),
-    "slab_stiffening": Variable("1", "load over that of Hertz on a half-space at the same approach"),
-    "grid_points": Variable("1", "nodes of the grid on an edge"),
-    "wave_pressure_error": Variable("1", "relative L2 error of the pressure, against Westergaard"),
-    "wave_approach_error": Variable("1", "relative error of the approach, against Westergaard"),
-    "wave_area_error": Variable("1", "relative error of the area of contact, against Westergaard"),
+    "slab_stiffening": Variable(_NUMBER, "load over that of Hertz on a half-space at the same approach"),
+    "grid_points": Variable(_NUMBER, "nodes of the grid on an edge"),
+    "wave_pressure_error": Variable(_NUMBER, "relative L2 error of the pressure, against Westergaard"),
+    "wave_approach_error": Variable(_NUMBER, "relative error of the approach, against Westergaard"),
+    "wave_area_error": Variable(_NUMBER, "relative error of the area of contact, against Westergaard"),
     "slab_load_error": Variable(
-        "1", "relative error of the load at given approach, against twice the finest grid"
+        _NUMBER, "relative error of the load at given approach, against twice the finest grid"
     ),
     "distance": Variable(_LENGTH, "distance from the indenter's axis along the diagonal"),
     "depth": Variable(_LENGTH, "depth below the surface"),
@@ -290,7 +338,7 @@ VARIABLES: dict[str, Variable] = {
     "axis_position": Variable(_LENGTH, "nodes of the spectral grid along x from the indenter's axis"),
     "node_y": Variable(_LENGTH, "nodes of the elements along y from the indenter's axis"),
     "node_z": Variable(_LENGTH, "nodes of the elements along z from the bottom"),
-    "component": Variable("1", "component of the displacement"),
+    "component": Variable(_NUMBER, "component of the displacement"),
     "surface_displacement_elements": Variable(
         _LENGTH, "displacement along z of the surface of a quarter cell"
     ),
@@ -298,68 +346,74 @@ VARIABLES: dict[str, Variable] = {
         _LENGTH, "displacement x, y, z of the mirror plane through the axis"
     ),
     "rim_displacement_elements": Variable(_LENGTH, "displacement x, y, z of the face of the cell"),
-    "field": Variable("1", "compared field"),
-    "mesh_elements": Variable("1", "elements along half an edge of the cell"),
+    "field": Variable(_NUMBER, "compared field"),
+    "mesh_elements": Variable(_NUMBER, "elements along half an edge of the cell"),
     "difference_away": Variable(
-        "1", "largest difference over the field's largest magnitude, away from the edge"
+        _NUMBER, "largest difference over the field's largest magnitude, away from the edge"
     ),
-    "difference_edge": Variable("1", "largest difference over the field's largest magnitude, near the edge"),
-    "difference_load": Variable("1", "load of the elements over that of the spectral solver, less one"),
+    "difference_edge": Variable(
+        _NUMBER, "largest difference over the field's largest magnitude, near the edge"
+    ),
+    "difference_load": Variable(_NUMBER, "load of the elements over that of the spectral solver, less one"),
     "von_mises_spectral": Variable(_STRESS, "von Mises stress of the laterally confined periodic cell"),
     "von_mises_closed_form": Variable(_STRESS, "von Mises stress of a single contact, closed form"),
     **_punch("peak_von_mises", _STRESS, "largest von Mises stress"),
     **_punch("peak_depth", _LENGTH, "depth of the largest von Mises stress"),
     "largest_pressure": Variable(_STRESS, "largest pressure of the closed form"),
     "largest_pressure_spectral": Variable(_STRESS, "largest pressure, spectral solver"),
-    "error": Variable("1", "error over the scale of the quantity"),
-    "scaled_wavenumber": Variable("1", "wavenumber times height of the layer"),
-    "formula": Variable("1", "how the quantity was computed"),
-    "precision": Variable("1", "floating-point precision"),
+    "error": Variable(_NUMBER, "error over the scale of the quantity"),
+    "scaled_wavenumber": Variable(_NUMBER, "wavenumber times height of the layer"),
+    "formula": Variable(_NUMBER, "how the quantity was computed"),
+    "precision": Variable(_NUMBER, "floating-point precision"),
     # extremes
-    "outcome": Variable("1", "what became of the contact with the two levels"),
-    "scaled_violation": Variable("1", "violation of the conditions of contact over the tolerance"),
-    "scaled_pressure_error": Variable("1", "relative L2 error of the pressure over the tolerance"),
-    "reason": Variable("1", "why there is no solution, or none that was checked"),
-    "level_axis": Variable("1", "setting that the level is one of"),
-    "level_value": Variable("1", "value of the setting"),
-    "level_default": Variable("1", "1 if the level is that of the scene that others change"),
-    "beyond_axis": Variable("1", "setting that is out of its range"),
-    "beyond_value": Variable("1", "value out of range"),
-    "beyond_outcome": Variable("1", "what became of the contact with a value out of range"),
-    "beyond_reason": Variable("1", "why there is no solution"),
+    "outcome": Variable(_NUMBER, "what became of the contact with the two levels"),
+    "scaled_violation": Variable(_NUMBER, "violation of the conditions of contact over the tolerance"),
+    "scaled_pressure_error": Variable(_NUMBER, "relative L2 error of the pressure over the tolerance"),
+    "reason": Variable(_NUMBER, "why there is no solution, or none that was checked"),
+    "level_axis": Variable(_NUMBER, "setting that the level is one of"),
+    "level_value": Variable(_NUMBER, "value of the setting"),
+    "level_default": Variable(_NUMBER, "1 if the level is that of the scene that others change"),
+    "beyond_axis": Variable(_NUMBER, "setting that is out of its range"),
+    "beyond_value": Variable(_NUMBER, "value out of range"),
+    "beyond_outcome": Variable(_NUMBER, "what became of the contact with a value out of range"),
+    "beyond_reason": Variable(_NUMBER, "why there is no solution"),
     # the trade between speed and accuracy
-    "output": Variable("1", "what an error is of"),
-    "run_parameter": Variable("1", "parameter of accuracy that is varied; empty for a reference"),
-    "run_setting": Variable("1", "setting of the varied parameter"),
-    "run_seed": Variable("1", "seed of the surface"),
-    "run_hurst": Variable("1", "Hurst exponent"),
+    "output": Variable(_NUMBER, "what an error is of"),
+    "run_parameter": Variable(_NUMBER, "parameter of accuracy that is varied; empty for a reference"),
+    "run_setting": Variable(_NUMBER, "setting of the varied parameter"),
+    "run_seed": Variable(_NUMBER, "seed of the surface"),
+    "run_hurst": Variable(_NUMBER, "Hurst exponent"),
     "run_wavelength_long": Variable(_LENGTH, "longest wavelength of the surface"),
     "run_wavelength_short": Variable(_LENGTH, "shortest wavelength of the surface"),
-    "run_area_fraction": Variable("1", "area fraction asked for"),
-    "run_points": Variable("1", "nodes on an edge of the grid"),
-    "run_ratios": Variable("1", "Poisson's ratios analysed"),
-    "run_loads": Variable("1", "loads solved"),
-    "points_per_wavelength": Variable("1", "grid spacings on the shortest wavelength"),
-    "contact_tolerance": Variable("1", "largest relative residual of the contact"),
-    "depth_tolerance": Variable("1", "error allowed where a deep plane is computed on a coarser grid"),
-    "depth_spacing": Variable("grid_spacing", "distance between the planes nearest to the surface"),
-    "half_space_tolerance": Variable("1", "largest difference at which a half-space stands for the layer"),
-    "surface_seconds": Variable("s", "processor time to make the surface"),
-    "contact_seconds": Variable("s", "processor time of the contact"),
-    "stress_seconds": Variable("s", "processor time of the stress inside the solid"),
-    "transform_seconds": Variable("s", "processor time of a pair of transforms of the grid"),
-    "contact_pairs": Variable("1", "transforms of the contact, in pairs of the finest grid"),
-    "full_planes": Variable("1", "planes of stress, in planes of the finest grid"),
-    "peak_memory": Variable("byte", "largest resident memory of the process"),
-    "output_value": Variable("1", "value of the output, in its unit"),
-    "output_error": Variable("1", "relative difference to the reference"),
-    "proportionality": Variable("1", "area fraction times rms gradient of the true contact over the load, κ"),
+    "run_area_fraction": Variable(_NUMBER, "area fraction asked for"),
+    "run_points": Variable(_NUMBER, "nodes on an edge of the grid"),
+    "run_ratios": Variable(_NUMBER, "Poisson's ratios analysed"),
+    "run_loads": Variable(_NUMBER, "loads solved"),
+    "points_per_wavelength": Variable(_NUMBER, "grid spacings on the shortest wavelength"),
+    "contact_tolerance": Variable(_NUMBER, "largest relative residual of the contact"),
+    "depth_tolerance": Variable(_NUMBER, "error allowed where a deep plane is computed on a coarser grid"),
+    "depth_spacing": Variable(_SPACING, "distance between the planes nearest to the surface"),
+    "half_space_tolerance": Variable(
+        _NUMBER, "largest difference at which a half-space stands for the layer"
+    ),
+    "surface_seconds": Variable(_TIME, "processor time to make the surface"),
+    "contact_seconds": Variable(_TIME, "processor time of the contact"),
+    "stress_seconds": Variable(_TIME, "processor time of the stress inside the solid"),
+    "transform_seconds": Variable(_TIME, "processor time of a pair of transforms of the grid"),
+    "contact_pairs": Variable(_NUMBER, "transforms of the contact, in pairs of the finest grid"),
+    "full_planes": Variable(_NUMBER, "planes of stress, in planes of the finest grid"),
+    "peak_memory": Variable(_MEMORY, "largest resident memory of the process"),
+    "output_value": Variable(_NUMBER, "value of the output, in its unit"),
+    "output_error": Variable(_NUMBER, "relative difference to the reference"),
+    "proportionality": Variable(
+        _NUMBER, "area fraction times rms gradient of the true contact over the load, κ"
+    ),
     "pressure_p90": Variable(_SCALED, "90th percentile of the peaks of the contact pressure"),
     "pressure_p99": Variable(_SCALED, "99th percentile of the peaks of the contact pressure"),
     "von_mises_p90": Variable(_SCALED, "90th percentile of the peaks of the von Mises stress"),
     "von_mises_p99": Variable(_SCALED, "99th percentile of the peaks of the von Mises stress"),
-    "pressure_distribution": Variable("1", "distribution of the peaks of the contact pressure"),
-    "von_mises_distribution": Variable("1", "distribution of the peaks of the von Mises stress"),
+    "pressure_distribution": Variable(_NUMBER, "distribution of the peaks of the contact pressure"),
+    "von_mises_distribution": Variable(_NUMBER, "distribution of the peaks of the von Mises stress"),
     "decay_length_depth": Variable(_LENGTH, "depth over which the covariance of Eq. 22 falls to half"),
     "decay_length_plane": Variable(_LENGTH, "distance over which the covariance of Eq. 22 falls to half"),
 }

@@ -9,7 +9,7 @@ from typing import Any
 import xarray as xr
 
 from asperity.cli.arguments import section
-from asperity.cli.files import check_out, stage_of
+from asperity.cli.files import check_out, read_dimensionless, stage_of
 from asperity.paper.figures import describe, draw
 from asperity.results import dataset
 from asperity.views.style import save, style
@@ -48,7 +48,7 @@ def _by_stage(paths: list[str]) -> dict[str, dict[str, xr.Dataset]]:
     """Results by stage and name of the surface; a name that is given twice is numbered."""
     given: dict[str, dict[str, xr.Dataset]] = {}
     for path in paths:
-        data = dataset.read(path)
+        data = read_dimensionless(path)
         stage = stage_of(data)
         if stage is None:
             raise ValueError(f"{path}: no result of surface, contact, stress or statistics")

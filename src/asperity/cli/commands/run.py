@@ -1,0 +1,207 @@
+"""``asperity run``: from a measured map, two materials and a load to an answer."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Mapping
+from typing import Any
+
+from asperity.cli.arguments import converted, flag
+from asperity.cli.run_options import RUN_MAP_OPTIONS, RUN_OPTIONS, Option
+from asperity.config.check import needed_instead
+from asperity.config.reader import is_file, load
+from asperity.config.schema import setting
+from asperity.errors import ConfigError, fail, shown
+from asperity.units import to_si
+
+WRONG_USAGE = 2
+"""Exit status for arguments that are not accepted, as argparse has it."""
+
+_MAP_NAMES = (*(option.key.rpartition(".")[2] for option in RUN_MAP_OPTIONS), "boundary")
+"""Settings that `MapSettings` takes as they are."""
+
+_LOADS = {
+    "pressure": ("mean_pressure", "pressure"),
+    "force": ("force", "force"),
+    "approach": ("approach", "length"),
+    "area_fraction": ("area_fraction", None),
+}
+"""Setting → argument of `asperity.engineering.run` and dimension."""
+
+
+def run(options: argparse.Namespace) -> None:
+    """Compute the answer, print it, and write results, pictures and report."""
+    values, problems = _values(options)
+    problems += _contradictions(options, values)
+    if problems:
+        for problem in problems:
+            fail(problem)
+        sys.exit(WRONG_USAGE)
+
+    from asperity.cli.compiling import compile_visibly
+    from asperity.engineering import run as answer_of
+    from asperity.engineering import write_answer
+    from asperity.runtime.progress import ProgressBar
+
+    lower, upper = _bodies(values)
+    settings = _map_settings(values)
+    compile_visibly(lower)
+    with ProgressBar(f"run {options.map}") as progress:
+        answer = answer_of(
+            options.map,
+            lower,
+            upper,
+            friction=values.get("friction", 0.0),
+            map_settings=settings,
+            progress=progress,
+            **_load(values),
+        )
+    files = write_answer(answer, options.out)
+    print(answer.text())
+    pictures = " ".join(str(path) for path in files if path.suffix == ".png")
+    results = " ".join(str(path) for path in files if path.suffix in (".nc", ".csv"))
+    report = next(path for path in files if path.suffix == ".html")
+    print(f"\npictures  {pictures}\nresults   {results}\nreport    {report}")
+
+
+def _values(options: argparse.Namespace) -> tuple[dict[str, Any], list[str]]:
+    """Values of all settings by name, and what is wrong with them; an option overrides the configuration."""
+    problems: list[str] = []
+    values = _configured(options.config, problems)
+    for option in (*RUN_OPTIONS, *RUN_MAP_OPTIONS):
+        given = getattr(options, option.key)
+        if given is not None:
+            name = option.key.rpartition(".")[2]
+            values.pop(name, None)
+            try:
+                values[name] = _converted(option, given)
+            except argparse.ArgumentTypeError as error:
+                problems.append(f"{option.flag} {error}")
+    return values, problems
+
+
+def _converted(option: Option, given: str | list[str]) -> Any:
+    entry = setting(option.key)
+    if isinstance(given, list):
+        return [converted(entry["items"], text) for text in given]
+    return converted(entry, given)
+
+
+def _configured(path: str | None, problems: list[str]) -> dict[str, Any]:
+    """Accepted values of section ``engineering`` of a configuration."""
+    if path is None:
+        return {}
+    try:
+        section = load(path).get("engineering", {})
+    except ConfigError as error:
+        problems.append(f"--config {error}")
+        return {}
+    entry = setting("engineering")
+    if not isinstance(section, Mapping):
+        problems.append(f"--config {path}: engineering = {shown(section)}: a group of keys is needed")
+        return {}
+    values = {}
+    for name, value in section.items():
+        if name not in entry["properties"]:
+            known = ", ".join(entry["properties"])
+            problems.append(f"--config {path}: engineering.{name}: unknown key; known here are {known}")
+        elif needed := needed_instead(value, entry["properties"][name]):
+            problems.append(f"--config {path}: engineering.{name} = {shown(value)}: {needed} is needed")
+        else:
+            values[name] = value
+    return values
+
+
+def _contradictions(options: argparse.Namespace, values: Mapping[str, Any]) -> list[str]:
+    """What is missing, or does not go together."""
+    from asperity.engineering.folder import folder_problem
+
+    refused = {
+        option.key.rpartition(".")[2]
+        for option in RUN_OPTIONS
+        if getattr(options, option.key) is not None and option.key.rpartition(".")[2] not in values
+    }
+    known = {*values, *refused}
+    problems = []
+    if not is_file(options.map):
+        problems.append(f"{options.map}: no such file")
+    problems += [
+        f"--{name}: missing; {setting(f'engineering.{name}')['accepts']} is needed"
+        if name == "young"
+        else f"--{name}: missing; a number > -1 and ≤ 0.5 is needed"
+        for name in ("young", "poisson")
+        if name not in known
+    ]
+    loads = [flag(name) for name in _LOADS if name in known]
+    if len(loads) != 1:
+        problems.append(
+            f"{', '.join(map(flag, _LOADS))}: exactly one of them is needed, "
+            f"{' and '.join(loads) if loads else 'none'} given"
+        )
+    counter = [name for name in ("counter_young", "counter_poisson", "counter_yield") if name in known]
+    if options.rigid and counter:
+        problems.append(f"--rigid: not accepted together with {', '.join(map(flag, counter))}")
+    elif counter:
+        problems += [
+            f"{flag(name)}: missing; it is needed together with {flag(counter[0])}"
+            for name in ("counter_young", "counter_poisson")
+            if name not in known
+        ]
+    if "friction" in known and "layer_height" in known:
+        problems.append("--friction: accepted for half-spaces only, not with --layer-height")
+    if values.get("boundary") == "free" and "layer_height" in known:
+        problems.append("--boundary free: accepted for half-spaces only, not with --layer-height")
+    if "bottom" in known and "layer_height" not in known:
+        problems.append("--bottom: needs --layer-height, a half-space has no lower face")
+    if options.out is None:
+        problems.append("--out: missing; the name of a folder is needed")
+    elif problem := folder_problem(options.out):
+        problems.append(f"--out {options.out}: {problem}")
+    return problems
+
+
+def _bodies(values: Mapping[str, Any]) -> tuple[Any, Any]:
+    """The body and the counter body, None if that is rigid."""
+    from asperity.engineering import Body
+
+    lower = Body(
+        to_si(values["young"], "pressure"),
+        values["poisson"],
+        _si(values.get("yield"), "pressure"),
+        _si(values.get("layer_height"), "length"),
+        values.get("bottom", "bonded"),
+    )
+    if "counter_young" not in values:
+        return lower, None
+    upper = Body(
+        to_si(values["counter_young"], "pressure"),
+        values["counter_poisson"],
+        _si(values.get("counter_yield"), "pressure"),
+    )
+    return lower, upper
+
+
+def _load(values: Mapping[str, Any]) -> dict[str, float]:
+    """The imposed quantity as an argument of `asperity.engineering.run`."""
+    name = next(name for name in _LOADS if name in values)
+    argument, dimension = _LOADS[name]
+    return {argument: values[name] if dimension is None else to_si(values[name], dimension)}
+
+
+def _map_settings(values: Mapping[str, Any]) -> Any:
+    from asperity.engineering.indenter import MapSettings
+
+    size = values.get("physical_size")
+    chosen = {name: values[name] for name in _MAP_NAMES if name in values}
+    return MapSettings(
+        physical_size=None if size is None else (to_si(size[0], "length"), to_si(size[1], "length")),
+        wavelength_short=_si(values.get("wavelength_short"), "length"),
+        radius=_si(values.get("radius"), "length"),
+        option=flag,
+        **chosen,
+    )
+
+
+def _si(value: str | None, dimension: str) -> float | None:
+    return None if value is None else to_si(value, dimension)

@@ -1,0 +1,336 @@
+"""The answer of a case: its numbers in SI units, as text, as tables, and the peaks of the stress."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from asperity.contact import Contact
+from asperity.engineering.advice import Advice, advise
+from asperity.engineering.case import CONTROL_UNITS, Body, Case
+from asperity.engineering.indenter import Indenter, MapSettings
+from asperity.units import scaled_unit, shown_si
+
+LOAD_WORDS = {
+    "mean_pressure": "mean pressure imposed",
+    "force": "force imposed",
+    "approach": "approach imposed",
+    "area_fraction": "real contact area imposed",
+}
+PEAK_QUANTITIES = ("pressure", "von_mises")
+"""Quantities whose peaks `Answer.peaks` lists."""
+
+
+@dataclass(frozen=True)
+class ContactNumbers:
+    """Numbers of a contact, in SI units.
+
+    Parameters
+    ----------
+    nominal_area, area_fraction, contact_area : float
+        Area of the map, real over nominal contact area, and real contact area of the map.
+    nominal_pressure, mean_pressure, largest_pressure : float
+        Load over nominal area, load over real contact area, and the largest pressure at a node.
+    force : float
+        Load on the area of the map.
+    approach, mean_gap : float
+        Approach of the bodies since their first touch, and mean distance of the deformed surfaces.
+    rms_height, peak_to_valley, rms_gradient : float
+        Of the surface that was pressed.
+    gradient_rms_contact : float
+        Rms gradient of the deformed surface over the real contact.
+    contact_nodes, patches : int
+        Nodes under pressure, and connected patches of them.
+    typical_patch_nodes : float
+        Patches of more nodes carry half of the load.
+    load_of_largest_node, load_on_small_patches : float
+        Share of the load on one node, and on patches of at most four nodes.
+    load_on_edges : float
+        Share of the load on the outermost nodes.
+    violation : float
+        Largest violation of the conditions of contact; see `asperity.contact.Certificate`.
+    """
+
+    nominal_area: float
+    area_fraction: float
+    contact_area: float
+    nominal_pressure: float
+    mean_pressure: float
+    largest_pressure: float
+    force: float
+    approach: float
+    mean_gap: float
+    rms_height: float
+    peak_to_valley: float
+    rms_gradient: float
+    gradient_rms_contact: float
+    contact_nodes: int
+    patches: int
+    typical_patch_nodes: float
+    load_of_largest_node: float
+    load_on_small_patches: float
+    load_on_edges: float
+    violation: float
+
+
+@dataclass(frozen=True)
+class BodyAnswer:
+    """Numbers of the stress in one body, in SI units.
+
+    Parameters
+    ----------
+    body : Body
+    largest_von_mises, depth, y, x : float
+        Largest von Mises stress and its place on the map.
+    peak_percentiles : dict
+        Percentage → percentile of the von Mises peaks below the contacts.
+    peak_count : int
+    volume_above_yield : float or None
+        Volume under the map whose von Mises stress is above yield; None without a yield stress.
+    depths_above_yield : (first, last) or None
+        Depths between which planes contain such points.
+    fraction_above_yield : float or None
+        That volume over the volume from the surface to the last of these depths.
+    """
+
+    body: Body
+    largest_von_mises: float
+    depth: float
+    y: float
+    x: float
+    peak_percentiles: dict[int, float]
+    peak_count: int
+    volume_above_yield: float | None
+    depths_above_yield: tuple[float, float] | None
+    fraction_above_yield: float | None
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """The numbers whose change with the resolution is reported; stresses in Pa, of the lower body.
+
+    Parameters
+    ----------
+    area_fraction, largest_pressure, largest_von_mises : float
+    peaks_90, peaks_99 : float
+        Percentiles of the von Mises peaks below the contacts.
+    """
+
+    area_fraction: float
+    largest_pressure: float
+    largest_von_mises: float
+    peaks_90: float
+    peaks_99: float
+
+    def changes_from(self, other: Numbers) -> dict[str, float]:
+        """Relative difference of every number to that of another; NaN where that is zero or unknown."""
+        mine, its = asdict(self), asdict(other)
+        return {name: mine[name] / its[name] - 1 if its[name] else float("nan") for name in mine}
+
+
+class Row(NamedTuple):
+    """One line of the answer: group, name, value in SI, its unit, and both for a reader."""
+
+    group: str
+    name: str
+    value: float
+    unit: str
+    shown: str
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Answer:
+    """The answer of a case; ``print`` shows it, `frame` is it as a table.
+
+    Attributes
+    ----------
+    indenter : Indenter
+        The surface that was pressed, and what was done to the map.
+    case : Case
+    map_settings : MapSettings
+    contact : Contact
+        In SI units.
+    numbers : ContactNumbers
+    bodies : dict
+        ``lower`` and, if it is elastic, ``upper`` → `BodyAnswer`.
+    stresses : dict
+        The same names → dataset of the stress in SI units.
+    fine, coarse : Numbers
+        Main numbers, and those with pixels twice as large.
+    """
+
+    indenter: Indenter
+    case: Case
+    map_settings: MapSettings
+    contact: Contact
+    numbers: ContactNumbers
+    bodies: dict[str, BodyAnswer]
+    stresses: dict[str, xr.Dataset]
+    fine: Numbers
+    coarse: Numbers
+
+    @cached_property
+    def advice(self) -> list[Advice]:
+        """Warnings and notes, warnings first."""
+        return advise(self)
+
+    @cached_property
+    def rows(self) -> list[Row]:
+        """All numbers, line by line."""
+        rows = _contact_rows(self.numbers)
+        for name, body in self.bodies.items():
+            rows += _body_rows(body_title(self.case, name), body)
+        return rows
+
+    def frame(self) -> pd.DataFrame:
+        """All numbers as a table: group, name, value in SI, unit."""
+        return pd.DataFrame([row[:4] for row in self.rows], columns=["group", "name", "value", "unit"])
+
+    def peaks(self) -> pd.DataFrame:
+        """Peaks of the contact pressure and of the von Mises stress, the largest first.
+
+        Columns: body, quantity, value_Pa, depth_m, y_m, x_m, in_solid, under_contact. Positions are those of
+        the cell that was computed; a mirrored map lies in its first quarter.
+        """
+        tables = []
+        for body, stress in self.stresses.items():
+            columns = {
+                str(name).removeprefix("peak_"): stress[name].values
+                for name in stress.variables
+                if stress[name].dims == ("peak",)
+            }
+            table = pd.DataFrame(columns).rename(
+                columns={
+                    "value": "value_Pa",
+                    "depth": "depth_m",
+                    "y": "y_m",
+                    "x": "x_m",
+                    "interior": "in_solid",
+                }
+            )
+            table = table[table["quantity"].isin(PEAK_QUANTITIES)].drop(columns="poisson")
+            table.insert(0, "body", body)
+            tables.append(table.sort_values(["quantity", "value_Pa"], ascending=[False, False]))
+        frame = pd.concat(tables, ignore_index=True)
+        order = ["body", "quantity", "value_Pa", "depth_m", "y_m", "x_m", "in_solid", "under_contact"]
+        return frame[order]
+
+    def text(self) -> str:
+        """The answer as a block of text, warnings last."""
+        width = max(len(row.name) for row in self.rows)
+        lines = [f"{self.indenter.name}: {case_in_words(self.case)}"]
+        group = ""
+        for row in self.rows:
+            if row.group != group:
+                group = row.group
+                lines += ["", group]
+            lines.append(f"  {row.name:<{width}}  {row.shown}")
+        lines += ["", "what was done to the map", *(f"  {step}" for step in self.indenter.done)]
+        for advice in self.advice:
+            lines += ["", f"{advice.level}: {advice.text}"]
+        return "\n".join(lines)
+
+    __str__ = text
+
+    def __repr__(self) -> str:
+        return f"<Answer of {self.indenter.name}: {case_in_words(self.case)}>"
+
+
+def case_in_words(case: Case) -> str:
+    """Bodies and load in one line."""
+    load = case.load
+    value = (
+        f"{100 * load.value:.4g} %"
+        if load.kind == "area_fraction"
+        else shown_si(load.value, CONTROL_UNITS[load.kind])
+    )
+    upper = "a rigid body" if case.upper is None else _material(case.upper)
+    sliding = f", sliding along x with friction {case.friction:g}" if case.friction else ""
+    return f"{_material(case.lower)} against {upper}, {LOAD_WORDS[load.kind]}: {value}{sliding}"
+
+
+def body_title(case: Case, name: str) -> str:
+    """Heading of the numbers of one body."""
+    if case.upper is None:
+        return "stress in the elastic body"
+    return f"stress in the {name} body ({_material(case.bodies[name])})"
+
+
+def _material(body: Body) -> str:
+    layer = "" if body.height is None else f", {shown_si(body.height, 'm')} thick, {body.bottom} bottom"
+    return f"E = {shown_si(body.young, 'Pa')}, ν = {body.poisson:g}{layer}"
+
+
+def _row(group: str, name: str, value: float, unit: str, digits: int = 4) -> Row:
+    return Row(group, name, value, unit, shown_si(value, unit, digits))
+
+
+def _contact_rows(numbers: ContactNumbers) -> list[Row]:
+    group = "contact"
+    area = numbers.area_fraction
+    percent = f"{100 * area:.4g} % of {shown_si(numbers.nominal_area, 'm^2')}"
+    return [
+        Row(group, "real contact", area, "1", percent),
+        _row(group, "real contact area", numbers.contact_area, "m^2"),
+        _row(group, "mean pressure, nominal", numbers.nominal_pressure, "Pa"),
+        _row(group, "mean pressure in contact", numbers.mean_pressure, "Pa"),
+        _row(group, "largest pressure", numbers.largest_pressure, "Pa"),
+        _row(group, "load on the map", numbers.force, "N"),
+        _row(group, "approach since first touch", numbers.approach, "m"),
+        _row(group, "mean gap", numbers.mean_gap, "m"),
+        _row(group, "rms height", numbers.rms_height, "m"),
+        _row(group, "rms gradient", numbers.rms_gradient, "1", 3),
+        _row(group, "rms gradient in contact", numbers.gradient_rms_contact, "1", 3),
+        Row(
+            group,
+            "patches of contact in the cell",
+            numbers.patches,
+            "1",
+            f"{numbers.patches}, {numbers.contact_nodes} nodes",
+        ),
+    ]
+
+
+def _body_rows(group: str, body: BodyAnswer) -> list[Row]:
+    largest = _row(group, "largest von Mises stress", body.largest_von_mises, "Pa")
+    rows = [largest, _row(group, "at depth", body.depth, "m")]
+    factor, symbol = scaled_unit([body.x, body.y], "m")
+    for axis, position in (("x", body.x), ("y", body.y)):
+        rows.append(Row(group, f"at {axis}", position, "m", f"{position / factor:.4g} {symbol}"))
+    for percent, value in body.peak_percentiles.items():
+        if np.isfinite(value):
+            rows.append(_row(group, f"{percent} % of the peaks below", value, "Pa", 3))
+    if body.body.yield_stress is not None:
+        rows.append(_row(group, "yield stress", body.body.yield_stress, "Pa"))
+        rows += _yield_rows(group, body)
+    return rows
+
+
+def _yield_rows(group: str, body: BodyAnswer) -> list[Row]:
+    volume, depths, fraction = body.volume_above_yield, body.depths_above_yield, body.fraction_above_yield
+    if volume is None or depths is None or fraction is None:
+        return [Row(group, "volume above yield", 0.0, "m^3", "none: everything stays elastic")]
+    first, last = depths
+    factor, symbol = scaled_unit([last], "m")
+    return [
+        _row(group, "volume above yield", volume, "m^3", 3),
+        Row(
+            group,
+            "share above yield",
+            fraction,
+            "1",
+            f"{100 * fraction:.3g} % of the volume down to {shown_si(last, 'm', 3)}",
+        ),
+        Row(
+            group,
+            "deepest point above yield",
+            last,
+            "m",
+            f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}",
+        ),
+    ]

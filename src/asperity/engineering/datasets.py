@@ -1,0 +1,139 @@
+"""Result datasets of an answer in SI units: surface, contact, and the stress in each body."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict
+from typing import Any
+
+import xarray as xr
+
+from asperity.engineering.answer import Answer
+from asperity.engineering.indenter import MapSettings
+from asperity.results.variables import SI_UNITS
+from asperity.surface.roughness import roughness_parameters, spectrum
+
+
+def result_datasets(answer: Answer) -> dict[str, tuple[str, xr.Dataset]]:
+    """File name → title and dataset of every result of an answer."""
+    name = answer.indenter.name
+    results = {
+        "surface.nc": (f"Rough surface {name}", surface_dataset(answer)),
+        "contact.nc": (f"Contact with rough surface {name}", contact_dataset(answer)),
+    }
+    for body in answer.bodies:
+        file = "stress.nc" if len(answer.bodies) == 1 else f"stress_{body}.nc"
+        title = f"Stress under rough surface {name}" + ("" if len(answer.bodies) == 1 else f", {body} body")
+        results[file] = (title, stress_dataset(answer, body))
+    return results
+
+
+def settings_of(answer: Answer) -> dict[str, Any]:
+    """Settings from which the answer can be made again, in SI units."""
+    case = answer.case
+    return {
+        "name": answer.indenter.name,
+        "map": _plain(answer.map_settings),
+        "layer": {"height": case.lower.height, "poisson": case.lower.poisson},
+        "lower": asdict(case.lower),
+        "upper": None if case.upper is None else asdict(case.upper),
+        "load": {case.load.kind: case.load.value},
+        "friction": case.friction,
+    }
+
+
+def _plain(settings: MapSettings) -> dict[str, Any]:
+    """Settings of a map that are given, as plain values."""
+    return {
+        name: list(value) if isinstance(value, tuple) else value
+        for name, value in vars(settings).items()
+        if value is not None and name != "option"
+    }
+
+
+def surface_dataset(answer: Answer) -> xr.Dataset:
+    """The surface that was pressed, with its roughness parameters and spectrum."""
+    indenter = answer.indenter
+    roughness = roughness_parameters(indenter.height, indenter.grid.length)
+    wavenumber, power = spectrum(indenter.height, indenter.grid.length)
+    y, x = indenter.grid.coordinates()
+    return xr.Dataset(
+        {
+            "height": (("y", "x"), indenter.height),
+            "rms_height": roughness.rms_height,
+            "rms_gradient": roughness.rms_gradient,
+            "skewness": roughness.skewness,
+            "kurtosis": roughness.kurtosis,
+            "spectrum": ("wavenumber", power),
+        },
+        coords={"y": y, "x": x, "wavenumber": wavenumber},
+        attrs={
+            "unit_system": SI_UNITS,
+            "map_treatment": "\n".join(indenter.done),
+            "wavelength_short": indenter.wavelength_short,
+            "edge_step": indenter.edge_step,
+        },
+    )
+
+
+def contact_dataset(answer: Answer, body: str = "lower") -> xr.Dataset:
+    """Pressure, displacement and gap; the attributes describe one of the bodies."""
+    contact, numbers = answer.contact, answer.numbers
+    y, x = contact.grid.coordinates()
+    plane = ("y", "x")
+    certificate = {
+        f"certificate_{name}": value
+        for name, value in asdict(contact.certificate).items()
+        if name != "seconds"
+    }
+    return xr.Dataset(
+        {
+            "pressure": (plane, contact.pressure),
+            "displacement": (plane, contact.displacement),
+            "gap": (plane, contact.gap),
+            "area_fraction": contact.area_fraction,
+            "mean_pressure": contact.mean_pressure,
+            "approach": contact.approach,
+            "gradient_rms_contact": contact.gradient_rms_contact,
+        },
+        coords={"y": y, "x": x},
+        attrs={
+            "unit_system": SI_UNITS,
+            "settings": json.dumps(settings_of(answer), sort_keys=True),
+            "boundary": contact.boundary,
+            "effective_modulus": answer.case.solid.effective_modulus,
+            "force": numbers.force,
+            "approach_since_first_touch": numbers.approach,
+            **_solid(answer, body),
+            **certificate,
+        },
+    )
+
+
+def stress_dataset(answer: Answer, body: str) -> xr.Dataset:
+    """The stress in one body."""
+    part = answer.bodies[body]
+    attributes: dict[str, Any] = {
+        "unit_system": SI_UNITS,
+        "body": body,
+        **_solid(answer, body),
+        "gradient_rms_contact": answer.numbers.gradient_rms_contact,
+    }
+    if part.body.yield_stress is not None:
+        attributes["yield_stress"] = part.body.yield_stress
+        attributes["volume_above_yield"] = part.volume_above_yield
+    return answer.stresses[body].assign_attrs(attributes)
+
+
+def _solid(answer: Answer, name: str) -> dict[str, Any]:
+    """Attributes that describe a body, named as in the files of the study."""
+    body = answer.case.bodies[name]
+    half_space = body.height is None
+    return {
+        "solid": "half-space" if half_space else f"layer, {body.bottom} bottom",
+        "solid_reason": "asked for",
+        "solid_bound": 0.0,
+        "uniform_mode": "laterally confined",
+        "poisson_contact": body.poisson,
+        "young": body.young,
+    }

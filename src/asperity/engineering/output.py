@@ -1,0 +1,52 @@
+"""The folder of an answer: results, pictures, tables and the report, written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from asperity.engineering.answer import Answer
+from asperity.engineering.datasets import result_datasets, settings_of
+from asperity.engineering.folder import atomic_folder
+from asperity.engineering.pictures import pictures
+from asperity.engineering.report import report_page
+from asperity.results import dataset
+
+REPORT = "report.html"
+
+
+def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
+    """Write an answer into a folder.
+
+    Parameters
+    ----------
+    answer : Answer
+    folder : path
+        Made if it is not there. An earlier answer in it is replaced.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    ValueError
+        If the folder holds other files.
+    DatasetError
+        If it cannot be written; an earlier answer is still there then.
+    """
+    with atomic_folder(folder) as unfinished:
+        settings = settings_of(answer)
+        for name, (title, data) in result_datasets(answer).items():
+            dataset.write(data, unfinished / name, title, settings)
+        answer.peaks().to_csv(unfinished / "peaks.csv", index=False, float_format="%.8g")
+        answer.frame().to_csv(unfinished / "answer.csv", index=False, float_format="%.8g")
+        shown = []
+        for picture in pictures(answer):
+            path = unfinished / f"{picture.name}.png"
+            picture.figure.savefig(path, metadata={"Software": None})
+            shown.append((picture.caption, path.read_bytes()))
+        (unfinished / REPORT).write_text(report_page(answer, shown), encoding="utf-8")
+        names = sorted(path.name for path in unfinished.iterdir())
+    return [Path(folder) / name for name in names]

@@ -1,0 +1,183 @@
+"""``asperity run``: from a file of a ground steel surface to a folder with an answer."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from asperity.cli.main import main
+from asperity.engineering import Body, run, write_answer
+from asperity.engineering.folder import atomic_folder
+from asperity.results import dataset
+from asperity.surface.height_map import HeightMap
+
+POINTS, EDGE = 128, 128e-6
+
+
+@pytest.fixture(scope="module")
+def steel():
+    """Ground steel: grooves along y, fine roughness, a tilt, points without data; heights in µm."""
+    rng = np.random.default_rng(7)
+    along_x = np.convolve(rng.normal(size=POINTS + 8), np.hanning(9), "valid")
+    fine = rng.normal(size=(POINTS, POINTS))
+    for axis in (0, 1):
+        fine = sum(np.roll(fine, shift, axis) for shift in range(-3, 4)) / 7
+    height = 0.25 * along_x + 0.4 * fine + 0.02 * np.arange(POINTS)[:, None]
+    height[rng.integers(0, POINTS, 20), rng.integers(0, POINTS, 20)] = np.nan
+    return height
+
+
+@pytest.fixture(scope="module")
+def path(steel, tmp_path_factory):
+    file = tmp_path_factory.mktemp("maps") / "steel.asc"
+    head = "# Channel: Height\n# Width: 128 um\n# Height: 128 um\n# Value units: um"
+    np.savetxt(file, steel, header=head, comments="", fmt="%.6f")
+    return file
+
+
+COMMAND = ["--young", "210 GPa", "--poisson", "0.3", "--pressure", "50 MPa", "--yield", "1.5 GPa"]
+
+
+@pytest.fixture(scope="module")
+def folder(path, tmp_path_factory):
+    out = tmp_path_factory.mktemp("answers") / "steel"
+    assert main(["run", str(path), *COMMAND, "--out", str(out)]) == 0
+    return out
+
+
+def test_the_folder_holds_results_pictures_tables_and_a_report(folder):
+    assert {file.name for file in folder.iterdir()} == {
+        *("surface.nc", "contact.nc", "stress.nc", "peaks.csv", "answer.csv", "report.html"),
+        *("height.png", "pressure.png", "section.png", "plane.png", "peaks.png"),
+    }
+    assert [file.name for file in folder.parent.iterdir()] == ["steel"]
+
+
+def test_result_files_are_in_si_units_and_agree_with_each_other(folder):
+    contact, stress = (dataset.read(folder / f"{stage}.nc") for stage in ("contact", "stress"))
+    assert contact.attrs["unit_system"] == stress.attrs["unit_system"] == "SI"
+    assert (contact["pressure"].attrs["units"], contact["x"].attrs["units"]) == ("Pa", "m")
+    assert float(contact["mean_pressure"]) == pytest.approx(50e6, rel=1e-4)
+    assert contact.attrs["force"] == pytest.approx(50e6 * EDGE**2, rel=1e-4)
+    assert contact["pressure"].shape == (2 * POINTS, 2 * POINTS)
+    answer = pd.read_csv(folder / "answer.csv").set_index("name")["value"]
+    assert answer["largest pressure"] == pytest.approx(float(contact["pressure"].max()), rel=1e-6)
+    peaks = pd.read_csv(folder / "peaks.csv")
+    assert answer["largest von Mises stress"] == pytest.approx(
+        peaks[peaks["quantity"] == "von_mises"]["value_Pa"].max(), rel=1e-6
+    )
+    assert answer["largest von Mises stress"] == pytest.approx(
+        float(stress["largest_von_mises"].max()), rel=0.1
+    )
+
+
+def test_the_report_is_whole_without_a_network(folder):
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert page.count("data:image/png;base64,") == 5
+    assert not re.findall(r'(?:src|href)="(?!data:)', page)
+    assert "http" not in re.sub(r"doi\S+", "", page)
+    assert page.index("stress beyond yield") < page.index("<h2>Answer</h2>") < page.index("<h2>Pictures</h2>")
+    for words in ("levelled: tilt", "without data", "How to cite", "asperity", "GPa"):
+        assert words in page
+
+
+def test_a_second_answer_replaces_the_first_and_other_folders_are_left_alone(path, folder, tmp_path, capsys):
+    before = (folder / "contact.nc").stat().st_ino
+    arguments = ["run", str(path), *COMMAND[:4], "--area-fraction", "0.02", "--out"]
+    assert main([*arguments, str(folder)]) == 0
+    printed = capsys.readouterr().out
+    assert "real contact area imposed: 2 %" in printed
+    assert f"report    {folder / 'report.html'}" in printed
+    assert (folder / "contact.nc").stat().st_ino != before
+    (tmp_path / "thesis.tex").write_text("precious")
+    with pytest.raises(SystemExit):
+        main([*arguments, str(tmp_path)])
+    assert "--out" in (errors := capsys.readouterr().err)
+    assert "thesis.tex" in errors
+    assert [file.name for file in tmp_path.iterdir()] == ["thesis.tex"]
+
+
+def test_nothing_is_left_of_an_answer_that_could_not_be_written(tmp_path):
+    def interrupted():
+        with atomic_folder(tmp_path / "steel") as unfinished:
+            (unfinished / "report.html").write_text("half")
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        interrupted()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_a_killed_process_has_left_is_deleted(tmp_path):
+    left = tmp_path / ".steel.4194305.unfinished"  # above the largest process number of Linux
+    left.mkdir()
+    (left / "report.html").write_text("half")
+    with atomic_folder(tmp_path / "steel") as unfinished:
+        (unfinished / "report.html").write_text("whole")
+    assert [file.name for file in tmp_path.iterdir()] == ["steel"]
+
+
+def test_everything_wrong_is_named_at_once(tmp_path, capsys):
+    wrong = [
+        "--young",
+        "210",
+        "--poisson",
+        "0.7",
+        "--pressure",
+        "50 m",
+        "--force",
+        "3 N",
+        "--bottom",
+        "bonded",
+    ]
+    with pytest.raises(SystemExit) as ended:
+        main(["run", str(tmp_path / "none.x3p"), *wrong, "--rigid", "--counter-young", "70 GPa"])
+    assert ended.value.code == 2
+    lines = capsys.readouterr().err.splitlines()
+    starts = [line.removeprefix("asperity: ").split(" ")[0].rstrip(":,") for line in lines]
+    assert starts == [
+        *("--young", "--poisson", "--pressure", str(tmp_path / "none.x3p")),
+        *("--pressure", "--rigid", "--bottom", "--out"),
+    ]
+    assert "(kPa, MPa, GPa, N/mm^2) is needed" in lines[0]
+
+
+def test_a_counter_body_needs_both_its_constants(path, tmp_path, capsys):
+    with pytest.raises(SystemExit):
+        main(["run", str(path), *COMMAND, "--counter-young", "70 GPa", "--out", str(tmp_path / "out")])
+    assert "--counter-poisson: missing" in capsys.readouterr().err
+
+
+def test_a_configuration_can_say_the_materials(path, tmp_path, capsys):
+    config = tmp_path / "steel.yaml"
+    config.write_text(
+        "engineering: {young: 210 GPa, poisson: 0.3, force: 1 N,"
+        " counter_young: 70 GPa, counter_poisson: 0.33}"
+    )
+    out = tmp_path / "out"
+    given = ["run", str(path), "--config", str(config)]
+    assert main([*given, "--counter-yield", "1 GPa", "--out", str(out)]) == 0
+    printed = capsys.readouterr().out
+    assert "E = 210 GPa, ν = 0.3 against E = 70 GPa, ν = 0.33, force imposed: 1 N" in printed
+    assert (out / "stress_lower.nc").exists()
+    assert dataset.read(out / "stress_upper.nc").attrs["yield_stress"] == 1e9
+    config.write_text("engineering: {young: 210, pressure: 1 GPa, colour: red}")
+    with pytest.raises(SystemExit):
+        main([*given, "--poisson", "0.3", "--out", str(out)])
+    errors = capsys.readouterr().err
+    assert "engineering.young = 210" in errors
+    assert "engineering.colour: unknown key" in errors
+
+
+def test_commands_of_the_study_refuse_results_in_si_units(folder, tmp_path, capsys):
+    assert main(["stress", str(folder / "contact.nc"), "--out", str(tmp_path / "stress.nc")]) == 1
+    assert "in SI units" in capsys.readouterr().err
+
+
+def test_ten_lines_of_python_give_the_same_as_the_command(steel, tmp_path, folder, path):
+    answer = run(path, Body(210e9, 0.3, yield_stress=1.5e9), area_fraction=0.02)
+    written = write_answer(answer, tmp_path / "steel")
+    assert (tmp_path / "steel" / "report.html") in written
+    from_array = run(HeightMap(np.round(steel, 6) * 1e-6, (EDGE, EDGE)), Body(210e9, 0.3), area_fraction=0.02)
+    assert from_array.numbers.largest_pressure == pytest.approx(answer.numbers.largest_pressure, rel=1e-6)

@@ -1,0 +1,122 @@
+"""Every warning is given where it applies and not where it does not."""
+
+from types import SimpleNamespace
+
+import pytest
+
+from asperity.engineering import Body, advice
+from asperity.engineering.answer import Numbers
+from asperity.spectral import Grid
+
+
+def an_answer(numbers=(), indenter=(), body=(), bodies=1, fine=None, **material):
+    """An answer about which nothing is to be said, with some of its values replaced."""
+    plain = {
+        "area_fraction": 0.05,
+        "rms_gradient": 0.05,
+        "contact_nodes": 900,
+        "peak_to_valley": 3e-6,
+        "typical_patch_nodes": 60.0,
+        "load_on_small_patches": 0.01,
+        "load_of_largest_node": 0.001,
+        "load_on_edges": 0.0,
+        "violation": 1e-7,
+    }
+    shown = {
+        "grid": Grid((128, 128), 128e-6),
+        "wavelength_short": 8e-6,
+        "altered_share": 0.0,
+        "filled_share": 0.0,
+        "edge_step": 0.0,
+        "boundary": "periodic",
+    }
+    part = {
+        "body": Body(**({"young": 210e9, "poisson": 0.3, "yield_stress": 2e9} | material)),
+        "largest_von_mises": 1e9,
+        "depths_above_yield": (0.0, 2e-6),
+        "fraction_above_yield": 0.1,
+    }
+    coarse = Numbers(0.05, 3e9, 1e9, 8e8, 9e8)
+    stress = SimpleNamespace(**(part | dict(body)))
+    return SimpleNamespace(
+        numbers=SimpleNamespace(**(plain | dict(numbers))),
+        indenter=SimpleNamespace(**(shown | dict(indenter))),
+        bodies=dict.fromkeys(("lower", "upper")[:bodies], stress),
+        fine=fine or coarse,
+        coarse=coarse,
+    )
+
+
+def subjects(answer, level="warning"):
+    return [found.subject for found in advice.advise(answer) if found.level == level]
+
+
+def test_nothing_is_warned_of_in_a_sound_answer():
+    assert subjects(an_answer()) == []
+    assert subjects(an_answer(), "note") == ["resolution"]
+
+
+@pytest.mark.parametrize(
+    ("changed", "subject"),
+    [
+        ({"body": {"largest_von_mises": 2.1e9}}, "stress beyond yield"),
+        ({"body": {"largest_von_mises": 5e9}, "yield_stress": None}, "stress beyond any yield stress"),
+        ({"fine": Numbers(0.05, 3e9, 1.2e9, 8e8, 9e8)}, "limited by the resolution of the map"),
+        ({"numbers": {"rms_gradient": 1.5}}, "steep slopes"),
+        ({"numbers": {"area_fraction": 0.4}}, "large real contact"),
+        ({"indenter": {"edge_step": 8.0}}, "edges do not match"),
+        (
+            {"numbers": {"load_on_edges": 0.2}, "indenter": {"boundary": "free"}},
+            "contact at the edge of the map",
+        ),
+        ({"numbers": {"load_on_small_patches": 0.7, "typical_patch_nodes": 1.0}}, "spikes carry the load"),
+        ({"numbers": {"typical_patch_nodes": 6.0}}, "patches of few pixels"),
+        ({"numbers": {"contact_nodes": 0}}, "no contact"),
+        ({"numbers": {"peak_to_valley": 3e-4}}, "heights as large as the map"),
+        ({"young": 210e12}, "Young's modulus"),
+        ({"young": 210e6}, "Young's modulus"),
+        ({"poisson": 0.5}, "Poisson's ratio"),
+        ({"yield_stress": 1.5e11}, "yield stress"),
+        ({"numbers": {"violation": 0.1}}, "accuracy of the solution"),
+        ({"numbers": {"violation": float("nan")}}, "accuracy of the solution"),
+    ],
+)
+def test_a_warning_is_given(changed, subject):
+    assert subject in subjects(an_answer(**changed))
+
+
+@pytest.mark.parametrize(
+    ("changed", "subject"),
+    [
+        ({"numbers": {"rms_gradient": 0.5}}, "steep slopes"),
+        ({"indenter": {"altered_share": 0.36}}, "altered heights"),
+        ({"indenter": {"filled_share": 0.05}}, "altered heights"),
+        ({"young": 210e6, "yield_stress": None}, "Young's modulus"),
+        ({"poisson": -0.2}, "Poisson's ratio"),
+    ],
+)
+def test_a_note_is_given(changed, subject):
+    assert subject in subjects(an_answer(**changed), "note")
+
+
+@pytest.mark.parametrize("young", [2e6, 70e9, 210e9, 1.2e12])
+def test_moduli_of_rubber_metals_and_diamond_are_plausible(young):
+    answer = an_answer(young=young, yield_stress=young / 100, body={"largest_von_mises": young / 200})
+    assert subjects(answer) == []
+
+
+def test_the_size_of_the_error_from_the_resolution_is_named():
+    (found,) = [
+        a
+        for a in advice.advise(an_answer(fine=Numbers(0.04, 3e9, 1e9, 8e8, 9e8 * 1.25)))
+        if "limited" in a.subject
+    ]
+    assert "real contact by -20 %" in found.text
+    assert "99th percentile of the von Mises peaks by +25 %" in found.text
+    assert "second solution with pixels twice as large" in found.text
+
+
+def test_the_body_is_named_if_there_are_two():
+    texts = [a.text for a in advice.advise(an_answer(bodies=2, body={"largest_von_mises": 3e9}))]
+    assert any("of the upper body" in text for text in texts)
+    assert all("lower body" not in a.text for a in advice.advise(an_answer(body={"largest_von_mises": 3e9})))

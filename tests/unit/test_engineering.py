@@ -1,0 +1,217 @@
+"""Answers in SI units agree with closed forms, and follow from bodies and load as they must."""
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.engineering import Body, MapSettings, run
+from asperity.surface.height_map import HeightMap
+
+EDGE, POINTS, RADIUS, FORCE = 160e-6, 160, 1e-3, 1.0
+STEEL, ALUMINIUM = Body(210e9, 0.3), Body(70e9, 0.33)
+AS_IT_IS = MapSettings(detrend="none", periodic="declared")
+
+
+def a_sphere():
+    x = (np.arange(POINTS) - POINTS / 2) * EDGE / POINTS
+    return HeightMap(-(x[:, None] ** 2 + x**2) / (2 * RADIUS), (EDGE, EDGE))
+
+
+def a_rough_map(points=64, wavelength_short=8e-6, seed=1):
+    edge = 64e-6
+    height = asp.self_affine((points, points), 0.8, edge / 2, wavelength_short, 0.2e-6, seed, length=edge)
+    return HeightMap(height, (edge, edge))
+
+
+def hertz(*bodies):
+    """Radius of contact and largest pressure (K. L. Johnson, Contact Mechanics, 1985, Eqs. 4.22 and 4.24)."""
+    modulus = 1 / sum((1 - body.poisson**2) / body.young for body in bodies)
+    radius = (3 * FORCE * RADIUS / (4 * modulus)) ** (1 / 3)
+    return radius, 3 * FORCE / (2 * np.pi * radius**2)
+
+
+def von_mises_on_axis(depth, poisson):
+    """Von Mises stress over the largest pressure on the axis, depth over the radius (Johnson, Eq. 3.45)."""
+    radial = -(1 + poisson) * (1 - depth * np.arctan2(1, depth)) + 0.5 / (1 + depth**2)
+    return np.abs(radial + 1 / (1 + depth**2))
+
+
+@pytest.fixture(scope="module")
+def sphere():
+    _, largest = hertz(STEEL)
+    body = Body(STEEL.young, STEEL.poisson, 0.5 * largest)
+    return run(a_sphere(), body, force=FORCE, map_settings=AS_IT_IS)
+
+
+@pytest.fixture(scope="module")
+def pair():
+    return run(a_sphere(), STEEL, ALUMINIUM, force=FORCE, map_settings=AS_IT_IS)
+
+
+def test_a_sphere_is_as_hertz_says(sphere):
+    """The periodic cell of eleven radii changes the pressure by a percent, pixels of a/15 as much."""
+    radius, largest = hertz(STEEL)
+    assert sphere.numbers.force == pytest.approx(FORCE, rel=1e-5)
+    assert sphere.numbers.largest_pressure == pytest.approx(largest, rel=0.02)
+    assert sphere.numbers.contact_area == pytest.approx(np.pi * radius**2, rel=0.03)
+    body = sphere.bodies["lower"]
+    depth = np.linspace(0, 2, 2001)
+    on_axis = von_mises_on_axis(depth, STEEL.poisson)
+    assert body.largest_von_mises == pytest.approx(on_axis.max() * largest, rel=0.02)
+    assert body.depth == pytest.approx(depth[on_axis.argmax()] * radius, rel=0.05)
+    assert (body.y, body.x) == pytest.approx((EDGE / 2, EDGE / 2), abs=EDGE / POINTS)
+
+
+def test_depths_above_yield_are_those_of_hertz(sphere):
+    """On the axis the stress is above half of the largest pressure between two depths, to a plane."""
+    radius, _ = hertz(STEEL)
+    depth = np.linspace(0, 2, 2001)
+    above = depth[von_mises_on_axis(depth, STEEL.poisson) > 0.5] * radius
+    first, last = sphere.bodies["lower"].depths_above_yield
+    assert (first, last) == pytest.approx((above[0], above[-1]), abs=0.125 * radius)
+    volume = sphere.bodies["lower"].volume_above_yield
+    assert 0.1 < volume / (radius**2 * (above[-1] - above[0])) < np.pi
+    assert sphere.bodies["lower"].fraction_above_yield == pytest.approx(volume / (EDGE**2 * last))
+
+
+def test_a_sphere_with_nothing_around_it_is_as_hertz_says():
+    """By the form of the map, and by the radius added to a map of heights below a nanometre."""
+    radius, largest = hertz(STEEL)
+    flat = HeightMap(1e-12 * np.random.default_rng(1).normal(size=(POINTS, POINTS)), (EDGE, EDGE))
+    settings = MapSettings(detrend="none", boundary="free")
+    by_form = run(a_sphere(), STEEL, force=FORCE, map_settings=settings)
+    by_radius = run(
+        flat, STEEL, force=FORCE, map_settings=MapSettings(detrend="none", boundary="free", radius=RADIUS)
+    )
+    depth = np.linspace(0, 2, 2001)
+    expected = von_mises_on_axis(depth, STEEL.poisson).max() * largest
+    for answer in (by_form, by_radius):
+        assert answer.numbers.largest_pressure == pytest.approx(largest, rel=0.01)
+        assert answer.numbers.approach == pytest.approx(radius**2 / RADIUS, rel=0.01)
+        assert answer.bodies["lower"].largest_von_mises == pytest.approx(expected, rel=0.02)
+
+
+def test_sliding_raises_the_stress_and_brings_it_to_the_surface():
+    """As G. M. Hamilton and L. E. Goodman, J. Appl. Mech. 33 (1966) 371, found above a friction of 0.3."""
+    free = MapSettings(detrend="none", boundary="free")
+    still = run(a_sphere(), STEEL, STEEL, force=FORCE, map_settings=free)
+    sliding = run(a_sphere(), STEEL, STEEL, force=FORCE, friction=0.5, map_settings=free)
+    assert sliding.numbers == still.numbers
+    for body in ("lower", "upper"):
+        assert sliding.bodies[body].largest_von_mises > 1.3 * still.bodies[body].largest_von_mises
+        assert sliding.bodies[body].depth < 0.1 * still.bodies[body].depth
+    middle = EDGE / 2
+    assert sliding.bodies["lower"].x - middle == pytest.approx(
+        middle - sliding.bodies["upper"].x, abs=EDGE / POINTS
+    )
+
+
+def test_two_materials_are_as_hertz_says(pair):
+    """Contact is wider than with a rigid body, and the images of the periodic cell count for more."""
+    _, largest = hertz(STEEL, ALUMINIUM)
+    assert pair.numbers.largest_pressure == pytest.approx(largest, rel=0.02)
+    depth = np.linspace(0, 2, 2001)
+    for name, body in (("lower", STEEL), ("upper", ALUMINIUM)):
+        expected = von_mises_on_axis(depth, body.poisson).max() * largest
+        assert pair.bodies[name].largest_von_mises == pytest.approx(expected, rel=0.03)
+
+
+def test_swapping_the_bodies_swaps_their_stresses(pair):
+    swapped = run(a_sphere(), ALUMINIUM, STEEL, force=FORCE, map_settings=AS_IT_IS)
+    assert swapped.numbers == pair.numbers
+    for one, other in (("lower", "upper"), ("upper", "lower")):
+        assert swapped.bodies[one].largest_von_mises == pytest.approx(
+            pair.bodies[other].largest_von_mises, rel=1e-12
+        )
+
+
+@pytest.fixture(scope="module")
+def rough():
+    return run(a_rough_map(), STEEL, mean_pressure=200e6)
+
+
+@pytest.mark.parametrize("kind", ["force", "approach", "area_fraction"])
+def test_every_control_finds_the_same_contact(rough, kind):
+    """Nodes of a mirrored map touch four at a time, so that an area fraction is met to a percent or two."""
+    value = getattr(rough.numbers, kind)
+    again = run(a_rough_map(), STEEL, **{kind: value})
+    tolerance = 0.02 if kind == "area_fraction" else 1e-3
+    for name in ("nominal_pressure", "contact_area"):
+        expected = getattr(rough.numbers, name)
+        assert getattr(again.numbers, name) == pytest.approx(expected, rel=tolerance)
+
+
+def test_load_and_area_are_those_of_the_map_and_not_of_its_mirror_images(rough):
+    numbers = rough.numbers
+    assert numbers.nominal_area == pytest.approx((64e-6) ** 2)
+    assert numbers.force == pytest.approx(200e6 * numbers.nominal_area, rel=1e-5)
+    assert numbers.contact_area == pytest.approx(numbers.area_fraction * numbers.nominal_area)
+    body = rough.bodies["lower"]
+    assert 0 <= body.y < 64e-6
+    assert 0 <= body.x < 64e-6
+    row, column = (round(float(place) / 1e-6) for place in (body.y, body.x))
+    near = rough.contact.pressure[max(row - 4, 0) : row + 5, max(column - 4, 0) : column + 5]
+    assert near.max() > 0.5 * body.largest_von_mises
+
+
+def test_the_change_with_the_resolution_is_small_where_the_waves_are_resolved():
+    fine = run(a_rough_map(128, 16e-6), STEEL, mean_pressure=200e6)
+    coarse = run(a_rough_map(128, 2e-6), STEEL, mean_pressure=200e6)
+    change = [abs(a.fine.changes_from(a.coarse)["area_fraction"]) for a in (fine, coarse)]
+    assert change[0] < 0.05
+    assert change[1] > 0.1
+
+
+def test_a_thin_layer_is_stiffer_than_the_half_space(rough):
+    layer = Body(STEEL.young, STEEL.poisson, height=5e-6)
+    answer = run(a_rough_map(), layer, mean_pressure=200e6)
+    assert answer.numbers.approach < rough.numbers.approach
+    assert answer.stresses["lower"]["plane_depth"].max() == pytest.approx(5e-6)
+
+
+def test_numbers_do_not_depend_on_the_unit_of_length_in_a_file(tmp_path):
+    surface = a_rough_map()
+    found = []
+    for unit, factor in (("um", 1e6), ("nm", 1e9)):
+        path = tmp_path / f"map_{unit}.asc"
+        head = f"# Channel: Height\n# Width: {64e-6 * factor:g} {unit}\n# Height: {64e-6 * factor:g} {unit}\n"
+        np.savetxt(path, surface.height * factor, header=f"{head}# Value units: {unit}", comments="")
+        found.append(run(path, STEEL, mean_pressure=200e6).numbers.contact_area)
+    assert found[0] == pytest.approx(found[1], rel=1e-9)
+
+
+def test_a_map_without_a_unit_is_refused_until_it_is_given(tmp_path):
+    path = tmp_path / "map.txt"
+    np.savetxt(path, a_rough_map().height * 1e6)
+    size = MapSettings(physical_size=(64e-6, 64e-6))
+    with pytest.raises(ValueError, match="unit: "):
+        run(path, STEEL, mean_pressure=200e6, map_settings=size)
+    size = MapSettings(physical_size=(64e-6, 64e-6), unit="um")
+    answer = run(path, STEEL, mean_pressure=200e6, map_settings=size)
+    assert answer.numbers.rms_height == pytest.approx(0.2e-6, rel=0.05)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{}, {"force": 1.0, "mean_pressure": 1e6}, {"area_fraction": 1.5}, {"force": -1.0}, {"approach": 0.0}],
+)
+def test_one_load_within_its_range_is_needed(wrong):
+    with pytest.raises(ValueError, match="needed"):
+        run(a_rough_map(), STEEL, **wrong)
+
+
+def test_a_stiff_counter_body_is_as_good_as_rigid_also_for_a_layer():
+    layer = Body(1e9, 0.3, height=5e-6)
+    one = run(a_rough_map(), layer, mean_pressure=1e6)
+    two = run(a_rough_map(), layer, Body(1e16, 0.3), mean_pressure=1e6)
+    assert two.numbers.contact_area == pytest.approx(one.numbers.contact_area, rel=1e-3)
+    assert two.numbers.largest_pressure == pytest.approx(one.numbers.largest_pressure, rel=1e-4)
+
+
+def test_peaks_and_numbers_are_tables(rough):
+    peaks, frame = rough.peaks(), rough.frame()
+    von_mises = peaks[peaks["quantity"] == "von_mises"]
+    assert von_mises["value_Pa"].iloc[0] == rough.bodies["lower"].largest_von_mises
+    assert set(frame.columns) == {"group", "name", "value", "unit"}
+    pressure = frame.set_index("name").loc["largest pressure"]
+    assert (pressure["value"], pressure["unit"]) == (rough.numbers.largest_pressure, "Pa")
