@@ -65,7 +65,7 @@ calculix: $(VENV)/ready ## Compare with CalculiX too, which must be installed, a
 
 lock: ## Update requirements.lock from pyproject.toml, keeping versions that still fit (needs uv)
 	uv pip compile pyproject.toml --output-file requirements.lock --custom-compile-command 'make lock' \
-		--universal --python-version 3.11 --extra study --extra slurm --extra build --extra test \
+		--universal --python-version 3.11 --extra study --extra maps --extra slurm --extra build --extra test \
 		--generate-hashes --no-emit-index-url --quiet
 
 clean: ## Delete the results (the environment stays)
