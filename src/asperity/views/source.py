@@ -117,9 +117,7 @@ def same_system(systems: Sequence[str | None]) -> str | None:
         If they have several.
     """
     if len(set(systems)) > 1:
-        raise ValueError(
-            "result: results in one system of units are needed, not SI beside dimensionless ones"
-        )
+        raise ValueError("result: results in one unit system are needed, not SI beside dimensionless ones")
     return systems[0]
 
 

@@ -84,7 +84,7 @@ def _beside(path: str, view: str) -> Path:
 def _draw(
     view: str, results: dict[str, xr.Dataset], words: Sequence[str], options: argparse.Namespace
 ) -> Figure:
-    given = places(words, _PLACES.get(view, ("y", "x")))
+    given = places(view, words, _PLACES.get(view, ("y", "x")))
     si = is_si(next(iter(results.values())))
     poisson = section(options, "layer").get("poisson")
     if view in _MAPS:
