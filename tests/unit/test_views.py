@@ -199,7 +199,7 @@ def test_a_section_shows_the_stress_of_a_wave():
     assert points[-1, 0, 1] == pytest.approx(60e-6)
     assert figure.axes[0].get_title(loc="left") == "y = 104 µm"  # the nearest node
     assert figure.axes[0].get_xlabel() == "x (µm)"
-    assert colour_bar(figure).get_ylabel() == r"$\sigma_{zz}$ (MPa)"
+    assert colour_bar(figure).get_xlabel() == r"$\sigma_{zz}$ (MPa)"
 
 
 def test_a_section_along_y_of_a_wave_along_x_is_uniform():
@@ -298,15 +298,19 @@ def test_the_command_puts_the_picture_beside_the_result(files, capsys, tmp_path,
 
 
 def test_the_command_draws_several_results_into_several_files(files, tmp_path):
-    pictures = [str(tmp_path / name) for name in ("a.png", "a.pdf")]
-    assert main(["view", files["contact"], files["contact"], "gap", "--out", *pictures]) == 0
-    assert all((tmp_path / name).stat().st_size > 3000 for name in ("a.png", "a.pdf"))
+    pictures = [str(tmp_path / name) for name in ("a.png", "a.svg")]
+    copy = tmp_path / "contact.nc"
+    copy.write_bytes(Path(files["contact"]).read_bytes())
+    assert main(["view", files["contact"], str(copy), "gap", "--out", *pictures]) == 0
+    assert (tmp_path / "a.png").stat().st_size > 3000
+    assert (tmp_path / "a.svg").read_text().count("y / cell length") == 2  # a panel for each result
 
 
 @pytest.mark.parametrize(
     ("command", "message"),
     [
         ("{contact}", "result files and one of height, pressure, gap, section, plane, peaks are needed"),
+        ("{contact} {contact} gap", "contact.nc: given twice"),
         ("height", "'height': result files and one of height"),
         ("{stress} gap", "a result of stress, one of contact is needed for gap"),
         ("{surface} section", "a result of surface, one of contact is needed for section"),
