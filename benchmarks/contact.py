@@ -4,6 +4,7 @@ One command writes a table, its numbers as CSV, and a figure:
 
     python benchmarks/contact.py --points 512 1024 2048 --out results/benchmarks
 
+With ``--boundary free`` nothing surrounds the map, and pairs of transforms of the padded map count as three.
 All runs use one thread and follow each other in one process. Times are processor times, which other work on
 the machine disturbs less than wall times. Errors are relative L2 errors of the pressure, against a converged
 reference: the active-set solver at an estimated error of 1e-10. Other programs are compared if they are
@@ -24,6 +25,7 @@ import numpy as np
 
 import asperity as asp
 from asperity.contact import solve
+from asperity.elasticity.free_space import PaddedFourier
 from asperity.elasticity.layer import Layer
 from asperity.spectral import Fourier
 from asperity.types import Array
@@ -63,7 +65,8 @@ class Row(NamedTuple):
 @contextmanager
 def transform_clock() -> Iterator[list[float]]:
     """Add up, in the only entry of the list, the processor time of all Fourier transforms."""
-    total, originals = [0.0], (Fourier.forward, Fourier.inverse)
+    total = [0.0]
+    originals = [(kind, kind.forward, kind.inverse) for kind in (Fourier, PaddedFourier)]
 
     def timed(transform):
         def run(*arguments, **options):
@@ -74,31 +77,43 @@ def transform_clock() -> Iterator[list[float]]:
 
         return run
 
-    Fourier.forward, Fourier.inverse = map(timed, originals)
+    for kind, forward, inverse in originals:
+        kind.forward, kind.inverse = timed(forward), timed(inverse)
     try:
         yield total
     finally:
-        Fourier.forward, Fourier.inverse = originals
+        for kind, forward, inverse in originals:
+            kind.forward, kind.inverse = forward, inverse
 
 
-def solver_run(name: str, height: Array, load: float) -> Run | None:
-    """Function that maps a tolerance to pressure and pairs of transforms; None without the program."""
+def solver_run(name: str, height: Array, load: float, boundary: str) -> Run | None:
+    """Function that maps a tolerance to pressure and pairs of transforms; None if there is no such solver."""
     makers = {"tamaas": with_tamaas, "ContactMechanics": with_contact_mechanics}
     if name in makers:
         try:
-            return makers[name](height, load)
+            return makers[name](height, load, boundary)
         except ImportError:
             return None
     method, dtype = name.split()
+    if method == "gfmd" and boundary == "free":
+        return None
 
     def run(tolerance: float) -> tuple[Array, float]:
-        contact = solve(height, LAYER, mean_pressure=load, method=method, dtype=dtype, rtol=tolerance)
+        contact = solve(
+            height,
+            LAYER,
+            mean_pressure=load,
+            boundary=boundary,
+            method=method,
+            dtype=dtype,
+            rtol=tolerance,
+        )
         return contact.pressure, contact.certificate.pairs
 
     return run
 
 
-def with_tamaas(height: Array, load: float) -> Run:
+def with_tamaas(height: Array, load: float, boundary: str) -> Run:
     """Conjugate gradients of Polonsky & Keer in tamaas."""
     import tamaas
 
@@ -108,6 +123,9 @@ def with_tamaas(height: Array, load: float) -> Run:
         model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], list(height.shape))
         model.E, model.nu = 1.0, 0.0
         solver = tamaas.PolonskyKeerRey(model, -height, tolerance)
+        if boundary == "free":
+            tamaas.ModelFactory.registerNonPeriodic(model, "dcfft")
+            solver.setIntegralOperator("dcfft")
         solver.max_iter = 20_000
         solver.dump_freq = 20_001
         solver.solve(load)
@@ -116,14 +134,16 @@ def with_tamaas(height: Array, load: float) -> Run:
     return run
 
 
-def with_contact_mechanics(height: Array, load: float) -> Run:
+def with_contact_mechanics(height: Array, load: float, boundary: str) -> Run:
     """Conjugate gradients of Polonsky & Keer in ContactMechanics; tolerance: penetration over rms height."""
-    from ContactMechanics import PeriodicFFTElasticHalfSpace, make_system
+    from ContactMechanics import FreeFFTElasticHalfSpace, PeriodicFFTElasticHalfSpace, make_system
     from SurfaceTopography import Topography
 
     def run(tolerance: float) -> tuple[Array, float]:
-        substrate = PeriodicFFTElasticHalfSpace(height.shape, 1.0, (1.0, 1.0))
-        topography = Topography(-height, physical_sizes=(1.0, 1.0), periodic=True)
+        free = boundary == "free"
+        half_space = FreeFFTElasticHalfSpace if free else PeriodicFFTElasticHalfSpace
+        substrate = half_space(height.shape, 1.0, (1.0, 1.0))
+        topography = Topography(-height, physical_sizes=(1.0, 1.0), periodic=not free)
         system = make_system(substrate=substrate, surface=topography)
         result = system.minimize_proxy(
             external_force=load, pentol=tolerance * height.std(), thermotol=tolerance, maxiter=20_000
@@ -133,16 +153,19 @@ def with_contact_mechanics(height: Array, load: float) -> Run:
     return run
 
 
-def measure(points: int, hurst: float, fraction: float, tolerances: Tolerances) -> Iterator[Row]:
+def measure(
+    points: int, hurst: float, fraction: float, tolerances: Tolerances, boundary: str
+) -> Iterator[Row]:
     """Run all solvers on one surface at one load, `fraction` × E* × rms gradient."""
     height = asp.self_affine((points, points), hurst, 1 / 8, 8 / points, 1e-3, seed=1)
     load = fraction * asp.roughness_parameters(height).rms_gradient
     # Compile the library before the clock starts.
     for dtype in ("float64", "float32"):
-        solve(height[:64, :64].copy(), LAYER, mean_pressure=load, dtype=dtype, rtol=1e-2)
-    truth = solve(height, LAYER, mean_pressure=load, rtol=REFERENCE_TOLERANCE).pressure
+        part = height[:64, :64].copy()
+        solve(part, LAYER, mean_pressure=load, boundary=boundary, dtype=dtype, rtol=1e-2)
+    truth = solve(height, LAYER, mean_pressure=load, boundary=boundary, rtol=REFERENCE_TOLERANCE).pressure
     for name, values in tolerances.items():
-        run = solver_run(name, height, load)
+        run = solver_run(name, height, load, boundary)
         for tolerance in values if run is not None else ():
             with transform_clock() as transform_seconds:
                 start = time.process_time()
@@ -243,6 +266,7 @@ def main() -> None:
     parser.add_argument("--points", type=int, nargs="+", default=[256, 1024])
     parser.add_argument("--hurst", type=float, nargs="+", default=[0.2, 0.8])
     parser.add_argument("--load", type=float, nargs="+", default=[0.01, 0.05], help="mean pressure over E* ḡ")
+    parser.add_argument("--boundary", default="periodic", choices=["periodic", "free"])
     parser.add_argument("--solver", nargs="+", default=list(TOLERANCES), choices=TOLERANCES)
     parser.add_argument(
         "--tolerance", type=float, nargs="+", help="of all solvers, instead of those listed in the script"
@@ -254,7 +278,7 @@ def main() -> None:
     for points in options.points:
         for hurst in options.hurst:
             for load in options.load:
-                for row in measure(points, hurst, load, tolerances):
+                for row in measure(points, hurst, load, tolerances, options.boundary):
                     rows.append(row)
                     print(table([row]).splitlines()[-1], flush=True)
     exponents = growth(rows)

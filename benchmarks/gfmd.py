@@ -12,11 +12,12 @@ import numpy as np
 
 import asperity as asp
 from asperity.contact import gfmd
+from asperity.contact.boundaries import response_on
 from asperity.contact.problem import Control, Problem
 from asperity.elasticity.layer import Layer
 from asperity.errors import ConvergenceError
 from asperity.reference.pivoting import pivot
-from asperity.spectral import Fourier, Grid
+from asperity.spectral import Grid
 
 HALF_SPACE = Layer(1.0, 0.0)
 SLAB = Layer(1.0, 0.0, 1.0)
@@ -39,7 +40,7 @@ def steps_to_rest(height, layer, control, damping_fraction):
 
     The damping is given as a fraction of the critical damping of the slowest mode.
     """
-    problem = Problem(height, layer, Fourier(Grid(height.shape)))
+    problem = Problem(height, response_on("periodic", layer, Grid(height.shape)))
     try:
         return gfmd.solve(problem, control, TOLERANCE, None, None, damping_fraction).iterations
     except ConvergenceError:

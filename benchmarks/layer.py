@@ -97,7 +97,7 @@ def uniform(points=256):
         ratios = (0.0, 0.25, 0.33, 0.5)
         peaks = {}
         for lateral in ("confined", "free"):
-            solid = replace(contact, layer=replace(contact.layer, lateral=lateral))
+            solid = replace(contact, solid=replace(contact.layer, lateral=lateral))
             planes = stress_planes(solid, depths, ratios)
             peaks[lateral] = np.array([p.fields["von_mises"].max(axis=(1, 2)) for p in planes])
         chosen = [np.flatnonzero(depths == d)[0] for d in (1 / 16, 1 / 4, 1 / 2)]

@@ -235,7 +235,7 @@ stresses = st.fixed_dictionaries(
         "layer": layers,
         "length": lengths,
         "poisson": st.none() | number(-0.99, 0.5) | st.lists(number(-0.99, 0.5), max_size=3),
-        "components": names,
+        "fields": names,
         "depths": among(st.lists(st.floats(0, 1), min_size=1, max_size=4, unique=True).map(sorted), wrong),
         "tolerance": st.sampled_from([0, 1e-2, 1e-6]) | number(0, 1),
     }
@@ -246,11 +246,11 @@ def try_stress(case):
     """Stress planes and their peaks: finite, and peaks within the planes."""
     on_solid = pressed(case)
     grid = on_solid.grid
-    settings = {name: case[name] for name in ("poisson", "components", "tolerance")}
+    settings = {name: case[name] for name in ("poisson", "fields", "tolerance")}
     planes = list(asp.stress_planes(on_solid, case["depths"], **settings))
     for plane in planes:
         require_finite(**{name: np.asarray(field) for name, field in plane.fields.items()})
-    peaks = asp.find_peaks(iter(planes), case["components"][0])
+    peaks = asp.find_peaks(iter(planes), case["fields"][0])
     require_finite(value=peaks.value, depth=peaks.depth, y=peaks.y, x=peaks.x)
     for place, edge in ((peaks.y, grid.length[0]), (peaks.x, grid.length[1])):
         require(np.all((place >= 0) & (place <= edge)), "a peak lies outside the cell")
@@ -272,8 +272,10 @@ analyses = st.fixed_dictionaries(
 
 def try_analysis(case):
     """Analysis of the stress under any pressure: finite."""
-    settings = {name: case[name] for name in ("poisson", "tolerance", "spacing", "growth", "floor")}
-    data = asp.analyse_stress(pressed(case), **settings)
+    on_solid = pressed(case)
+    settings = {name: case[name] for name in ("poisson", "tolerance", "floor")}
+    depths = asp.depth_grid(on_solid.grid, on_solid.layer.height, case["spacing"], case["growth"])
+    data = asp.analyse_stress(on_solid, depths, **settings)
     for name, values in data.data_vars.items():
         if values.dtype.kind == "f":
             require_finite(**{str(name): values.values})

@@ -413,8 +413,8 @@ class Intruder:
 
 MIRRORED = "--periodic mirrored"
 MAPS = [
-    ("map.asc", matrix(ROWS), "", "set periodic to mirrored, windowed or declared"),
-    ("empty.asc", b"", MIRRORED, "empty.asc: the file does not say its edges"),
+    ("map.asc", matrix(ROWS), "", "set --periodic to declared, mirrored or windowed"),
+    ("empty.asc", b"", MIRRORED, "empty.asc: at least 2 x 2 points are needed"),
     ("zeros.x3p", bytes(1000), MIRRORED, "zeros.x3p: not a height map that can be read"),
     (
         "text.txt",
@@ -424,13 +424,23 @@ MAPS = [
     ),
     ("words.asc", HEADER.encode() + b"one two\nthree four\n", MIRRORED, "words.asc: not a height map"),
     ("ragged.asc", matrix([*ROWS[:5], ROWS[5][:3], *ROWS[6:]]), MIRRORED, "ragged.asc: not a height map"),
-    ("nan.asc", replaced("nan"), MIRRORED, "1 points of the map have no data; set undefined to harmonic"),
-    ("inf.asc", replaced("inf"), MIRRORED, "1 points of the map have no data; set undefined to harmonic"),
+    ("nan.asc", replaced("nan"), MIRRORED, "1 points of the map have no data; set --undefined to harmonic"),
+    ("inf.asc", replaced("inf"), MIRRORED, "1 points of the map have no data; set --undefined to harmonic"),
     ("enormous.asc", replaced("1e300"), MIRRORED, "enormous.asc"),
     ("flat.asc", matrix([["1.0"] * 8] * 8), MIRRORED, "a surface that varies is needed, this one is flat"),
     ("row.asc", matrix(ROWS[:1]), MIRRORED, "row.asc"),
-    ("bare.asc", matrix(ROWS, ""), MIRRORED, "bare.asc: the file does not say its edges; set physical_size"),
-    ("size.asc", matrix(ROWS), MIRRORED + " --physical-size 1 1", "the file says itself what physical_size"),
+    (
+        "bare.asc",
+        matrix(ROWS, ""),
+        MIRRORED,
+        "the file does not say the edges (y, x) of the map; set --physical-size; --orientation",
+    ),
+    (
+        "size.asc",
+        matrix(ROWS),
+        MIRRORED + " --physical-size 1 1",
+        "--physical-size: the file itself says 8 x 8 m (y, x); leave it out",
+    ),
     ("nosize.asc", matrix(ROWS, HEADER.replace("8 m", "0 m")), MIRRORED, "nosize.asc"),
     ("negative.asc", matrix(ROWS, HEADER.replace("8 m", "-8 m")), MIRRORED, "negative.asc"),
     ("units.asc", matrix(ROWS, HEADER.replace("8 m", "8 furlong")), MIRRORED, "units.asc"),
@@ -442,7 +452,7 @@ MAPS = [
         "short.asc",
         matrix(ROWS),
         MIRRORED + " --wavelength-short 1e-4",
-        "wavelength_short = 0.0001: a number ≥",
+        "--wavelength-short = 0.0001: a number ≥",
     ),
     ("bomb.nc", b"CDF\x05" + b"\x7f" * 64, MIRRORED, "bomb.nc: not a height map that can be read"),
     ("damaged.nc", b"\x89HDF\r\n\x1a\n" + bytes(600), MIRRORED, "damaged.nc: not a height map"),

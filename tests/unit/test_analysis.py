@@ -51,9 +51,13 @@ def test_peaks_are_those_of_a_search_in_the_full_planes(contact):
         for number, nu in enumerate(RATIOS):
             planes = stress_planes(contact, depths, nu, (name,), tolerance=0)
             expected = find_peaks(planes, name)
-            mine = asp.peaks(data, name, nu)
+            # Away from the contacts the hydrostatic stress of the surface is constant but for rounding.
+            selection = "at_contact" if name == "hydrostatic" else "all"
+            mine = asp.peaks(data, name, nu, selection)
             floor = 1e-9
             kept = np.abs(expected.value) > floor
+            if name == "hydrostatic":
+                kept &= expected.under_contact(contact.pressure, contact.grid)
             got = mine.isel(peak=np.flatnonzero(np.abs(mine["peak_value"].values) > floor))
             assert got.sizes["peak"] == np.sum(kept), (name, number)
             order, other = np.argsort(expected.value[kept]), np.argsort(got["peak_value"].values)
@@ -64,7 +68,7 @@ def test_peaks_are_those_of_a_search_in_the_full_planes(contact):
 
 
 def test_pressure_peaks_are_those_of_the_surface(contact, result):
-    expected = plane_peaks(contact.pressure / contact.layer.effective_modulus, contact.grid)
+    expected = plane_peaks(contact.pressure, contact.grid)
     peaks = asp.peaks(result, "pressure", 0.5)
     np.testing.assert_allclose(peaks["peak_value"], expected.value)
     assert not peaks["peak_interior"].any()

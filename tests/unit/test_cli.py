@@ -75,7 +75,7 @@ def test_a_height_map_is_pressed_face_down(tmp_path, capsys):
     path, out = tmp_path / "waves.asc", tmp_path / "contact.nc"
     path.write_text(HEADER + WAVES)
     assert main(["solve", str(path), "--out", str(out)]) == 1
-    assert "set periodic to mirrored, windowed or declared" in capsys.readouterr().err
+    assert "set --periodic to declared, mirrored or windowed" in capsys.readouterr().err
     assert main(["solve", str(path), "--periodic", "declared", "--out", str(out)]) == 0
     pressure = dataset.read(out)["pressure"].values
     assert np.unravel_index(pressure.argmax(), pressure.shape) == (0, 0)

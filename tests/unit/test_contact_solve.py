@@ -401,7 +401,7 @@ def test_surface_with_holes_is_refused(bad: float) -> None:
 def test_arguments_of_the_wrong_type_are_refused() -> None:
     with pytest.raises(TypeError, match="mean_pressure = '1'"):
         solve(np.zeros((16, 16)), HALF_SPACE, mean_pressure="1")  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="layer = 3"):
+    with pytest.raises(TypeError, match="solid = 3"):
         solve(np.zeros((16, 16)), 3, mean_pressure=0.1)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="height has the type"):
         solve(np.zeros((16, 16), complex), HALF_SPACE, mean_pressure=0.1)
@@ -418,3 +418,84 @@ def test_thin_free_sheet_raises_convergence_error() -> None:
     assert solve(height, thick, mean_pressure=load).certificate.pairs < 30
     with pytest.raises(ConvergenceError, match="stopped"):
         solve(height, thin, mean_pressure=load)
+
+
+# Force and two bodies
+
+STEEL, BRONZE = Layer(210e9, 0.3), Layer(110e9, 0.34)
+COATING = Layer(3e9, 0.4, height=0.02)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_force_is_the_mean_pressure_times_the_area_of_the_cell(method: str) -> None:
+    height, length = 1e-3 * rough((48, 64)), (1.5e-3, 2e-3)
+    by_force = solve(height, STEEL, length, force=40.0, method=method)
+    by_pressure = solve(height, STEEL, length, mean_pressure=40.0 / 3e-6, method=method)
+    assert by_force.force == pytest.approx(40.0, rel=1e-6)
+    np.testing.assert_allclose(by_force.pressure, by_pressure.pressure, rtol=1e-9)
+
+
+def test_a_path_of_forces() -> None:
+    height = rough()
+    forces = [1e-4, 3e-4]
+    steps = list(solve_path(height, HALF_SPACE, forces=forces))
+    assert [step.force for step in steps] == pytest.approx(forces, rel=1e-6)
+    assert steps[0].max_pressure < steps[1].max_pressure == steps[1].pressure.max()
+
+
+@pytest.mark.parametrize("pair", [(STEEL, BRONZE), (STEEL, COATING), (COATING, Layer(5e9, 0.2, 0.1))])
+@pytest.mark.parametrize("control", ["mean_pressure", "area_fraction", "approach"])
+def test_swapping_the_bodies_changes_nothing(pair: tuple[Layer, Layer], control: str) -> None:
+    """The sum of two numbers has the same bits in both orders."""
+    height = rough()
+    value = {"mean_pressure": 1e7, "area_fraction": 0.1, "approach": 0.5 * float(height.min())}[control]
+    one, other = (solve(height, asp.TwoBodies(*bodies), **{control: value}) for bodies in (pair, pair[::-1]))
+    np.testing.assert_array_equal(one.pressure, other.pressure)
+    assert one.approach == other.approach
+
+
+def test_a_body_that_hardly_yields_acts_like_a_rigid_indenter() -> None:
+    """The compliance of the pair exceeds that of the layer by at most 1e-9 of it."""
+    height = rough()
+    pair = solve(height, asp.TwoBodies(SLAB, Layer(1e10, 0.3)), mean_pressure=load_of(height), rtol=1e-9)
+    alone = solve(height, SLAB, mean_pressure=load_of(height), rtol=1e-9)
+    assert largest_difference(pair, alone) < 1e-6
+
+
+def test_each_body_carries_the_common_pressure() -> None:
+    height = rough()
+    contact = solve(height, asp.TwoBodies(STEEL, COATING), mean_pressure=1e7)
+    for name, layer in (("lower", STEEL), ("upper", COATING)):
+        body = contact.in_body(name)
+        assert body.layer is layer
+        assert body.grid is contact.grid
+        assert body.pressure is contact.pressure
+        plane = next(iter(asp.stress_planes(body, [0.0])))
+        assert plane.fields["von_mises"].max() > 0
+    with pytest.raises(AttributeError, match=r"^layer: this contact has two bodies"):
+        _ = contact.layer
+    with pytest.raises(ValueError, match=r"^body = 'left': 'lower' or 'upper' is needed"):
+        contact.in_body("left")
+
+
+def test_a_rigid_indenter_has_no_body_of_its_own() -> None:
+    height = rough()
+    contact = solve(height, SLAB, mean_pressure=load_of(height))
+    assert contact.in_body("lower").layer is contact.layer is contact.solid is SLAB
+    with pytest.raises(
+        ValueError, match=r"^body = 'upper': 'lower', because the indenter is rigid, is needed"
+    ):
+        contact.in_body("upper")
+
+
+def test_summary_of_a_contact_is_one_line() -> None:
+    contact = solve(rough(), SLAB, mean_pressure=1e-4)
+    assert repr(contact).startswith("<Contact of 64 × 64 nodes: area fraction 0.")
+    assert contact.mean_contact_pressure == pytest.approx(contact.pressure[contact.pressure > 0].mean())
+
+
+def test_anything_else_than_a_solid_is_refused() -> None:
+    with pytest.raises(TypeError, match=r"^solid = 3: a Layer or TwoBodies is needed"):
+        solve(rough(), 3, mean_pressure=1e-4)
+    with pytest.raises(ValueError, match=r"^force = -1.0: a number ≥ 0 is needed"):
+        solve(rough(), SLAB, force=-1.0)

@@ -10,7 +10,7 @@ import xarray as xr
 
 from asperity.errors import DatasetError
 from asperity.results import dataset
-from asperity.results.variables import STAGES, VARIABLES
+from asperity.results.variables import STAGES, VARIABLES, units_in
 
 
 @pytest.fixture
@@ -209,3 +209,17 @@ def test_what_a_killed_process_left_is_swept_and_what_a_living_one_writes_is_not
 def test_a_missing_file_is_named(tmp_path):
     with pytest.raises(DatasetError, match=r"absent\.nc: no such file"):
         dataset.read(tmp_path / "absent.nc")
+
+
+def test_a_file_in_si_units_says_so_and_is_read_again(tmp_path):
+    data = xr.Dataset({"pressure": (("y", "x"), np.ones((2, 2))), "approach": 1e-6}).assign_attrs(
+        unit_system="SI"
+    )
+    dataset.write(data, tmp_path / "si.nc", "contact", {})
+    found = dataset.read(tmp_path / "si.nc")
+    assert found.attrs["unit_system"] == "SI"
+    assert (found["pressure"].units, found["approach"].units) == ("Pa", "m")
+    assert units_in("SI", "effective_modulus*cell_length^2") == "N"
+    assert units_in("SI", "1/cell_length") == "1/m"
+    with pytest.raises(ValueError, match=r"^unit_system = 'imperial': one of cell length and"):
+        dataset.write(data.assign_attrs(unit_system="imperial"), tmp_path / "bad.nc", "contact", {})

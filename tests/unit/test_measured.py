@@ -8,9 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asperity.pipeline.surface import make_surface, moment_errors, read_surface
-from asperity.results.dataset import grid_of
+from asperity.results.dataset import grid_of, read, write
 from asperity.spectral import Fourier, Grid, mean_square
-from asperity.surface.measured import HeightMap, edge_step, make_periodic, read_map
+from asperity.surface.height_map import HeightMap
+from asperity.surface.levelling import edge_step
+from asperity.surface.measured import make_periodic
+from asperity.surface.reading import read_map
 
 PLAIN = {"detrend": "none", "periodic": "declared"}
 
@@ -35,7 +38,7 @@ def test_the_lower_face_is_minus_the_map_in_units_of_the_longer_edge():
 
 
 def test_a_map_that_is_not_stated_to_be_periodic_is_refused_with_a_remedy():
-    with pytest.raises(ValueError, match="set periodic to mirrored, windowed or declared"):
+    with pytest.raises(ValueError, match="set periodic to declared, mirrored or windowed"):
         make_periodic(HeightMap(rough(), (1.0, 1.0)), detrend="tilt")
     make_periodic(HeightMap(rough(), (1.0, 1.0), periodic=True), detrend="tilt")
 
@@ -146,16 +149,16 @@ def matrix(tmp_path):
     return path, height
 
 
-def test_a_file_gives_rows_along_y_and_edges_in_the_unit_of_the_heights(matrix):
+def test_a_file_gives_rows_along_y_and_edges_and_heights_in_metres(matrix):
     path, height = matrix
     found = read_map(path)
-    assert found.length == pytest.approx((3000.0, 4000.0))
-    np.testing.assert_allclose(found.height, height, atol=1e-9)  # digits in the file
+    assert found.length == pytest.approx((3e-6, 4e-6))
+    np.testing.assert_allclose(found.height, 1e-9 * height, atol=1e-18)  # digits in the file
     assert not found.periodic
 
 
-def test_an_argument_that_repeats_the_file_is_refused(matrix):
-    with pytest.raises(ValueError, match="the file says itself"):
+def test_an_argument_that_contradicts_the_file_is_refused(matrix):
+    with pytest.raises(ValueError, match="the file itself says 3000 x 4000 nm"):
         read_map(matrix[0], physical_size=(1.0, 1.0))
 
 
@@ -184,6 +187,18 @@ def test_a_measured_surface_becomes_a_result_of_stage_surface(matrix):
     assert grid_of(data).length == pytest.approx((0.75, 1.0))
     assert float(data["height"].std()) == pytest.approx(float(data["rms_height"]))
     assert data.attrs["wavelength_short"] == pytest.approx(2 / 12 * 0.75)
+    assert data.attrs["map_periodic"] == "mirrored"
+    assert data.attrs["map_cell_length"] == pytest.approx(8e-6)
+
+
+def test_a_result_of_stage_surface_is_written_with_the_record_of_its_map(matrix, tmp_path):
+    parameters = {"file": str(matrix[0]), "detrend": "tilt", "periodic": "mirrored"}
+    data = read_surface(parameters)
+    write(data, tmp_path / "s.nc", "Surface", {"name": "s", "seed": 0, "surface": parameters})
+    assert read(tmp_path / "s.nc").attrs["map_tilt"] == data.attrs["map_tilt"]
+    found = read_map(tmp_path / "s.nc")
+    assert (found.orientation, found.unit, found.periodic) == ("lower face", None, True)
+    np.testing.assert_array_equal(found.as_indenter(), data["height"])
 
 
 BAND = {"hurst": 0.8, "wavelength_long": 0.25, "wavelength_short": 0.0625, "rms_height": 1e-3}

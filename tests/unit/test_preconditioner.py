@@ -8,11 +8,12 @@ import pytest
 import asperity as asp
 from asperity.contact import solve
 from asperity.contact.assembly import Assembler
+from asperity.contact.boundaries import response_on
 from asperity.contact.inner_solve import InnerSolver
 from asperity.contact.preconditioner import Preconditioner
 from asperity.contact.problem import Problem, State
 from asperity.elasticity.layer import Layer
-from asperity.spectral import Fourier, Grid
+from asperity.spectral import Grid
 from asperity.types import Array
 
 HALF_SPACE = Layer(1.0, 0.0)
@@ -25,7 +26,7 @@ LAYERS = {
 
 
 def restricted(layer: Layer, shape: tuple[int, int], nodes: Array) -> tuple[Problem, Preconditioner]:
-    problem = Problem(np.zeros(shape), layer, Fourier(Grid(shape)))
+    problem = Problem(np.zeros(shape), response_on("periodic", layer, Grid(shape)))
     preconditioner = Preconditioner(problem)
     preconditioner.restrict(nodes.astype(np.uint64))
     return problem, preconditioner
@@ -112,7 +113,7 @@ def test_inner_solve_agrees_with_a_dense_solve(layer: str, fixed_load: bool) -> 
     """Tolerance of the inner solve times the root of the condition number, which is below 14."""
     shape = (24, 36)
     height = asp.self_affine(shape, 0.8, 1 / 2, 1 / 6, 1e-3, seed=1)
-    problem = Problem(height, LAYERS[layer], Fourier(Grid(shape)))
+    problem = Problem(height, response_on("periodic", LAYERS[layer], Grid(shape)))
     pressure = np.maximum(np.quantile(height, 0.2) - height, 0) * problem.modulus
     gap = height + problem.displacement(pressure)
     state = State(pressure.copy(), gap.copy(), approach=float(height.mean()), load=float(pressure.mean()))

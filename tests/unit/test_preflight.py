@@ -2,14 +2,17 @@
 
 import ast
 import os
+import re
 import subprocess
 import sys
 import tomllib
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
-from asperity.errors import DatasetError, PreflightError
+from asperity.errors import PreflightError
+from asperity.results import dataset
 from asperity.runtime import preflight, system
 from asperity.runtime.preflight import (
     claim,
@@ -107,11 +110,10 @@ def test_space_is_that_of_the_disk_of_the_folder(tmp_path):
         require_space(tmp_path, 1e15)
 
 
-def test_the_first_damaged_result_is_named():
-    def read(path):
-        if path.stem == "damaged":
-            raise DatasetError(f"{path}: damaged")
-
-    require_undamaged(["good.nc", "damaged.txt"], {".nc": read})
-    with pytest.raises(PreflightError, match=r"^damaged\.nc: damaged$"):
-        require_undamaged(["good.nc", "damaged.nc"], {".nc": read})
+def test_the_first_damaged_result_is_named(tmp_path):
+    good, damaged = str(tmp_path / "good.nc"), tmp_path / "damaged.nc"
+    dataset.write(xr.Dataset({"rms_height": 1.0}), good, "Good", {})
+    damaged.write_bytes(b"not a result")
+    require_undamaged([good])
+    with pytest.raises(PreflightError, match=rf"^{re.escape(str(damaged))}: "):
+        require_undamaged([good, damaged])

@@ -133,7 +133,8 @@ def test_a_job_larger_than_the_memory_allowed_is_refused(folder):
 def test_a_failed_job_is_named_with_its_error_and_its_log(folder):
     (folder / STATISTICS).unlink()
     module = folder / "src/asperity/pipeline/statistics.py"
-    module.write_text(module.read_text() + "\n\ndef summarise(**_):\n    raise ValueError('no peaks')\n")
+    failing = "\n\ndef surface_statistics(*_, **settings):\n    raise ValueError('no peaks')\n"
+    module.write_text(module.read_text() + failing)
     line = refused(folder)
     log = f"{RESULTS}/log/statistics/hurst_08.log"
     assert line == f"study: {STATISTICS}: no peaks (ValueError) [{log}]"

@@ -82,6 +82,11 @@ def section(options: argparse.Namespace, name: str) -> dict[str, Any]:
     return {key: value for key, value in values.items() if value is not None}
 
 
+def flag(name: str) -> str:
+    """Argument of the command line that sets a parameter: ``--physical-size`` for ``physical_size``."""
+    return f"--{name.replace('_', '-')}"
+
+
 def converted(entry: Entry, text: str) -> Any:
     """Value of an argument, from its text.
 

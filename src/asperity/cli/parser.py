@@ -58,8 +58,24 @@ def _add_solve(parser: Parser) -> None:
     add("--undefined", "measured.NAME.undefined")
     add("--wavelength-short", "measured.NAME.wavelength_short")
     add("--points", "measured.NAME.points", left_out="those of the map")
+    add("--despike", "measured.NAME.despike")
+    _add_reading(maps)
+
+
+def _add_reading(parser: argparse._ActionsContainer) -> None:
+    """Add the arguments for what a map's file does not say."""
+    add = partial(add_setting, parser)
+    add("--channel", "measured.NAME.channel")
+    add("--unit", "measured.NAME.unit")
     add("--physical-size", "measured.NAME.physical_size", metavar=("Y", "X"))
     add("--height-factor", "measured.NAME.height_factor")
+    add("--orientation", "measured.NAME.orientation")
+    add("--max-memory", "measured.NAME.max_memory", metavar="GIB")
+
+
+def _add_info(parser: Parser) -> None:
+    parser.add_argument("map", help="height map of an instrument, points x y z, or an array")
+    _add_reading(parser)
 
 
 def _add_stress(parser: Parser) -> None:
@@ -203,6 +219,11 @@ _COMMANDS: dict[str, tuple[Callable[[Parser], None], str]] = {
     "solve": (
         _add_solve,
         "Press the solid against a surface. The result holds pressure, displacement and gap.",
+    ),
+    "info": (
+        _add_info,
+        "Describe a height map: size, unit, missing points, spikes, roughness, spectrum. Then say what a "
+        "calculation needs to be told.",
     ),
     "stress": (_add_stress, "Find the peaks, the depth profile and the decay of the stress under a contact."),
     "peaks": (_add_peaks, "Make the distributions of the peaks of a surface, and print percentiles."),

@@ -171,7 +171,7 @@ class ActiveSet:
         """Tangent of the present contact, by an inner solve for a uniform residual."""
         size, nodes = self._problem.grid.size, system.contact_nodes
         residual = np.ones_like(system.residual)
-        if nodes.size == size and self._problem.compliance[0, 0] == 0:
+        if nodes.size == size and self._problem.response.uniform_compliance == 0:
             # In full contact the load of a solid without uniform displacement changes at a fixed approach.
             pressure, displacement = residual, np.zeros(size, np.float32)
         else:

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.contact.problem import CONTROLS, Control
+from asperity.contact.problem import Control
+from asperity.contact.response import Response
 from asperity.elasticity.layer import Layer
+from asperity.elasticity.two_bodies import Solid, TwoBodies
+from asperity.errors import shown
 from asperity.spectral import REAL_TYPES, Grid
 from asperity.types import Array
 
@@ -25,20 +28,29 @@ def checked_height(height: ArrayLike) -> Array:
     return values
 
 
-def checked_control(height: Array, layer: Layer, **imposed: float | None) -> Control:
-    """Return the one quantity that is imposed, within its range."""
+def checked_solid(solid: object) -> Solid:
+    """Return the solid, a `Layer` or `TwoBodies`."""
+    if not isinstance(solid, (Layer, TwoBodies)):
+        raise TypeError(f"solid = {shown(solid)}: a Layer or TwoBodies is needed")
+    return solid
+
+
+def checked_control(height: Array, response: Response, **imposed: float | None) -> Control:
+    """Return the one quantity that is imposed, within its range; a force as the mean pressure it causes."""
     given = {kind: value for kind, value in imposed.items() if value is not None}
     if len(given) != 1:
         raise ValueError(
-            f"exactly one of {', '.join(CONTROLS)} is needed, got {', '.join(given) if given else 'none'}"
+            f"exactly one of {', '.join(imposed)} is needed, got {', '.join(given) if given else 'none'}"
         )
     kind, raw = given.popitem()
     value = _real(kind, raw)
     if kind == "area_fraction" and not 0 < value <= 1:
         raise ValueError(f"area_fraction = {raw!r}: a number > 0 and ≤ 1 is needed")
-    if kind == "mean_pressure" and value < 0:
-        raise ValueError(f"mean_pressure = {raw!r}: a number ≥ 0 is needed")
-    if kind == "approach" and layer.uniform_compliance() == 0 and value >= height.mean():
+    if kind in ("mean_pressure", "force") and value < 0:
+        raise ValueError(f"{kind} = {raw!r}: a number ≥ 0 is needed")
+    if kind == "force":
+        return Control("mean_pressure", value / response.grid.area)
+    if kind == "approach" and response.uniform_compliance == 0 and value >= height.mean():
         raise ValueError(
             f"approach = {raw!r}: less than the mean height {height.mean():.6g} is needed, because this "
             "solid has no uniform displacement"

@@ -93,9 +93,9 @@ class Assembler:
 
     def _rounding(self, mean_pressure: float) -> float:
         """Pressure of a node that corresponds to the rounding error of its gap."""
-        compliance, height = self._problem.compliance, self._problem.height
+        height, compliance = self._problem.height, self._problem.response.uniform_compliance
         # The uniform displacement of a tall layer may be far larger than the heights.
-        largest = self._largest_height + float(compliance[0, 0]) * mean_pressure
+        largest = self._largest_height + compliance * mean_pressure
         spacing = float(np.spacing(height.dtype.type(largest)))
         return ROUNDING_FRACTION * spacing / self._unit * float(self._preconditioner.stencil[0, 0])
 
@@ -116,7 +116,7 @@ class Assembler:
     def _stiffness(self) -> Array | None:
         """Stiffness of the modes times the nodal compliance; None unless far above the half-space's."""
         problem = self._problem
-        if problem.layer.height is None:
+        if problem.solid.height is None:
             return None
         q, compliance = problem.grid.wavenumber(), problem.compliance
         waves = q > 0

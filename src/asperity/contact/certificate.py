@@ -1,6 +1,6 @@
 """Certificate of a solution: violations of the conditions of contact, evaluated from the pressure alone.
 
-A solution has p ≥ 0, g = h + u − δ ≥ 0 and p g = 0 at every node, where u is the displacement of the layer
+A solution has p ≥ 0, g = h + u − δ ≥ 0 and p g = 0 at every node, where u is the displacement of the solid
 under p. `verify_contact` evaluates u anew in double precision, so that the certificate does not depend on any
 intermediate result of a solver.
 """
@@ -12,9 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.contact import kernels
-from asperity.elasticity.layer import Layer
+from asperity.contact.boundaries import response_on
+from asperity.elasticity.two_bodies import Solid
 from asperity.errors import ConvergenceError
-from asperity.spectral import Fourier, Grid
+from asperity.spectral import Grid
 from asperity.types import Array
 
 
@@ -78,11 +79,12 @@ class Certificate:
 def verify_contact(
     height: Array,
     pressure: Array,
-    layer: Layer,
+    solid: Solid,
     length: float | tuple[float, float] = 1.0,
     *,
     approach: float | None = None,
     mean_pressure: float | None = None,
+    boundary: str = "periodic",
     threads: int = 1,
 ) -> Certificate:
     """Certificate of a pressure, computed from the surface and the solid alone.
@@ -90,13 +92,15 @@ def verify_contact(
     Parameters
     ----------
     height, pressure : (ny, nx) arrays
-    layer : Layer
+    solid : Layer or TwoBodies
     length : float or (length_y, length_x)
-        Edges of the periodic cell.
+        Edges of the map.
     approach : float, optional
         The approach claimed; without it the mean of h + u over the contact.
     mean_pressure : float, optional
         The load imposed, if it was.
+    boundary : "periodic" | "free"
+        As for `asperity.contact.solve`.
     threads : int
         Threads of the Fourier transforms.
 
@@ -106,12 +110,9 @@ def verify_contact(
         Without iterations, pairs and seconds.
     """
     grid = Grid(np.shape(pressure), length)  # type: ignore[arg-type]
-    fourier = Fourier(grid, threads=threads)
     pressure = np.asarray(pressure, dtype=float)
     height = np.asarray(height, dtype=float)
-    coefficients = fourier.forward(pressure)
-    coefficients *= layer.grid_surface_compliance(grid)
-    gap = fourier.inverse(coefficients, overwrite=True)
+    gap = response_on(boundary, solid, grid, "float64", threads).displacement(pressure)
     gap += height
     contact = pressure > 0
     if approach is None:
@@ -120,7 +121,7 @@ def verify_contact(
     least, largest = float(pressure.min()), float(pressure.max())
     largest = max(largest, -least)
     scale = max(
-        kernels.standard_deviation(height.reshape(-1)), largest * min(grid.spacing) / layer.effective_modulus
+        kernels.standard_deviation(height.reshape(-1)), largest * min(grid.spacing) / solid.effective_modulus
     )
     scale = scale or 1.0
     load = float(pressure.mean())

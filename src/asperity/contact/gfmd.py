@@ -93,7 +93,7 @@ def solve(
     dynamics = DampedDynamics(problem, control, initial, damping_fraction)
     state = State(np.zeros_like(problem.height), np.empty_like(problem.height), control.value, load)
     area = None
-    if control.kind == "area_fraction":
+    if control.kind == "area_fraction" and np.ptp(problem.height):  # flat surfaces touch everywhere
         area = AreaControl(control.value, problem.grid.size, rtol)
     report = ConvergenceProgress(progress, rtol)
     next_check = 0
@@ -242,7 +242,8 @@ def _first_load(problem: Problem, control: Control, initial: Array | None) -> fl
     if control.kind == "approach":
         return 0.0
     # The area fraction of small loads is about two times load / (E* × rms gradient).
-    return 0.5 * control.value * problem.modulus * _rms_gradient(problem)
+    # A flat surface has no gradient, and is in full contact under any load.
+    return 0.5 * control.value * problem.modulus * (_rms_gradient(problem) or 1e-3)
 
 
 def _rms_gradient(problem: Problem) -> float:

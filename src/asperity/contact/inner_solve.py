@@ -24,7 +24,6 @@ import numpy as np
 from asperity.contact import kernels
 from asperity.contact.preconditioner import Preconditioner
 from asperity.contact.problem import Problem
-from asperity.spectral import Fourier
 from asperity.types import Array
 
 # The constants were found by trial, by the number of transforms. On rough surfaces of 512² nodes, halving or
@@ -124,13 +123,11 @@ class InnerSolver:
     """
 
     def __init__(self, problem: Problem) -> None:
-        grid, outer = problem.grid, problem.fourier
+        grid = problem.grid
         self.preconditioner = Preconditioner(problem)
         self._unit = problem.nodal_compliance
-        self._fourier = Fourier(grid, np.float32, outer.threads, outer.work)
-        self._compliance = (problem.compliance / self._unit).astype(np.float32)
-        self._coefficients = np.empty(grid.half_shape, np.complex64)
-        self._response = np.empty(grid.shape, np.float32)
+        self._response = problem.response.in_single_precision(self._unit)
+        self._displaced = np.empty(grid.shape, np.float32)
         self._displacement = np.empty(grid.size, np.float32)
 
     def solve(
@@ -144,7 +141,7 @@ class InnerSolver:
         weight, free = system.uniform_image, system.has_free_approach
         x, direction = np.zeros(nodes.size, np.float32), np.zeros(nodes.size, np.float32)
         self._displacement.fill(0)
-        response, length = self._response.reshape(-1), np.float32(0)
+        response, length = self._displaced.reshape(-1), np.float32(0)
         first = previous = math.nan
         iterations = 0
         while True:
@@ -178,9 +175,8 @@ class InnerSolver:
 
     def _respond(self, values: Array) -> Array:
         """Displacement of every node under pressures on the contact nodes."""
-        self._fourier.forward(self.preconditioner.spread(values), self._coefficients)
-        self._coefficients *= self._compliance
-        return self._fourier.inverse(self._coefficients, self._response, overwrite=True).reshape(-1)
+        pressure = self.preconditioner.spread(values)
+        return self._response.displacement(pressure, self._displaced).reshape(-1)
 
 
 class InnerAccuracy:

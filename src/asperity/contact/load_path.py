@@ -10,17 +10,18 @@ from numpy.typing import ArrayLike
 
 from asperity.contact.solution import Contact
 from asperity.contact.solver import solve
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.two_bodies import Solid
 from asperity.types import Progress
 
 
 def solve_path(
     height: ArrayLike,
-    layer: Layer,
+    solid: Solid,
     length: float | tuple[float, float] = 1.0,
     *,
     area_fractions: Sequence[float] | None = None,
     mean_pressures: Sequence[float] | None = None,
+    forces: Sequence[float] | None = None,
     approaches: Sequence[float] | None = None,
     progress: Progress | None = None,
     **settings: Any,
@@ -29,9 +30,9 @@ def solve_path(
 
     Parameters
     ----------
-    height, layer, length
+    height, solid, length
         As for `solve`.
-    area_fractions, mean_pressures, approaches : sequence of float
+    area_fractions, mean_pressures, forces, approaches : sequence of float
         Exactly one of them.
     progress : callable, optional
         Called as progress(done, total), where a load counts as one.
@@ -42,15 +43,20 @@ def solve_path(
     ------
     Contact
     """
-    paths = {"area_fraction": area_fractions, "mean_pressure": mean_pressures, "approach": approaches}
+    paths = {
+        "area_fraction": area_fractions,
+        "mean_pressure": mean_pressures,
+        "force": forces,
+        "approach": approaches,
+    }
     given = {kind: list(values) for kind, values in paths.items() if values is not None}
     if len(given) != 1:
         raise ValueError(
-            "exactly one of area_fractions, mean_pressures, approaches is needed, "
+            "exactly one of area_fractions, mean_pressures, forces, approaches is needed, "
             f"got {', '.join(given) if given else 'none'}"
         )
     ((kind, values),) = given.items()
-    return _solve_each(partial(solve, height, layer, length, **settings), kind, values, progress)
+    return _solve_each(partial(solve, height, solid, length, **settings), kind, values, progress)
 
 
 def _solve_each(

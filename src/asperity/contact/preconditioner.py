@@ -63,18 +63,17 @@ class Preconditioner:
     """
 
     def __init__(self, problem: Problem) -> None:
-        grid, outer = problem.grid, problem.fourier
+        grid = problem.grid
         ny, nx = grid.shape
         self.stencil = inverse_stencil(grid)
         self._grid = grid
-        # Zero outside the contact nodes, with a margin that repeats the cell periodically.
+        # Zero outside the contact nodes, with a margin that repeats the map if the contact does.
+        self._repeats = problem.response.repeats
         self._padded = np.zeros((ny + 2 * STENCIL_RADIUS, nx + 2 * STENCIL_RADIUS), np.float32)
         cells = Grid((max(1, ny // CELL_NODES), max(1, nx // CELL_NODES)), grid.length)
         self._cells = cells
-        self._coarse = Fourier(cells, np.float32, outer.threads, outer.work)
-        self._compliance = (
-            problem.layer.grid_surface_compliance(cells, np.dtype(float)) / problem.nodal_compliance
-        )
+        self._coarse, compliance = problem.response.on_cells(cells)
+        self._compliance = compliance / problem.nodal_compliance
         self._nodes = np.empty(0, np.uint64)
 
     def restrict(self, contact_nodes: Array) -> None:
@@ -87,7 +86,7 @@ class Preconditioner:
         self._cell_weight = _sum_in_cells(self._cell, self._weight, cells.size)
         sigma = (self._cell_weight * (cells.size / grid.size)).reshape(cells.shape)
         mean = float(sigma.mean())
-        self._sigma = sigma.astype(np.float32)
+        self._sigma = self._on_coarse_grid(sigma)
         self._mean_sigma = np.float32(mean)
         self._inverse_for_mean = (self._compliance / (1 + mean * self._compliance)).astype(np.float32)
 
@@ -113,12 +112,21 @@ class Preconditioner:
     def _subtract_far_field(self, cell_sums: Array, out: Array) -> None:
         """Subtract V (σ + 1/G)⁻¹ Vᵀ r, given the sums of w r over the cells, which are used up."""
         cell_sums *= self._cells.size / self._grid.size
-        displacement = self._solve_coarse(cell_sums.astype(np.float32).reshape(self._cells.shape))
-        _subtract_in_cells(self._cell, self._weight, displacement.reshape(-1), out)
+        displacement = self._solve_coarse(self._on_coarse_grid(cell_sums.reshape(self._cells.shape)))
+        ny, nx = self._cells.shape
+        _subtract_in_cells(self._cell, self._weight, displacement[:ny, :nx].reshape(-1), out)
+
+    def _on_coarse_grid(self, of_cells: Array) -> Array:
+        """Field of the cells in single precision, on the grid of the coarse transforms, zero elsewhere."""
+        ny, nx = self._cells.shape
+        out = np.zeros(self._coarse.grid.shape, np.float32)
+        out[:ny, :nx] = of_cells
+        return out
 
     def _apply_stencil(self, values: Array, out: Array) -> None:
         self.spread(values)
-        _fill_margin(self._padded)
+        if self._repeats:
+            _fill_margin(self._padded)
         _apply_stencil(self._padded.reshape(-1), self._padded.shape[1], self._nodes, self.stencil, out)
 
     def _solve_coarse(self, residual: Array) -> Array:

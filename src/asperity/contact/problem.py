@@ -6,16 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asperity.elasticity.layer import Layer
-from asperity.spectral import Fourier, Grid, resample
+from asperity.contact.response import Response
 from asperity.types import Array
-
-CONTROLS = ("area_fraction", "mean_pressure", "approach")
 
 
 @dataclass(frozen=True)
 class Control:
-    """The imposed quantity: its name, one of `CONTROLS`, and its value."""
+    """The imposed quantity: "area_fraction", "mean_pressure" or "approach", and its value."""
 
     kind: str
     value: float
@@ -64,24 +61,26 @@ class State:
 
 
 class Problem:
-    """A surface and a solid on one grid.
+    """A surface and the response of a solid on one grid.
 
     Parameters
     ----------
     height : (ny, nx) array
-    layer : Layer
-    fourier : Fourier
-        The grid, the precision of the fields, the number of threads, and the count of transforms.
+    response : Response
     """
 
-    def __init__(self, height: Array, layer: Layer, fourier: Fourier) -> None:
-        self.grid = fourier.grid
-        self.layer = layer
-        self.fourier = fourier
-        self.height = np.ascontiguousarray(height, dtype=fourier.real)
-        self.compliance = layer.grid_surface_compliance(self.grid, fourier.real)
-        self.modulus = layer.effective_modulus
-        self._coefficients = np.empty(self.grid.half_shape, fourier.complex)
+    def __init__(self, height: Array, response: Response) -> None:
+        self.response = response
+        self.fourier = response.fourier
+        self.grid = response.grid
+        self.solid = response.solid
+        self.modulus = response.solid.effective_modulus
+        self.height = np.ascontiguousarray(height, dtype=response.fourier.real)
+
+    @property
+    def compliance(self) -> Array:
+        """Factors of the coefficients, see `Response`."""
+        return self.response.compliance
 
     @property
     def nodal_compliance(self) -> float:
@@ -92,38 +91,27 @@ class Problem:
         return min(self.grid.spacing) / self.modulus
 
     def displacement(self, pressure: Array, out: Array | None = None) -> Array:
-        """Downward displacement u[y, x] of the surface under `pressure`, by one pair of transforms.
-
-        The convolution with the periodic Green's function is a product in Fourier space (Stanley & Kato 1997,
-        10.1115/1.2833523; Campañá & Müser 2006, 10.1103/PhysRevB.74.075420).
-        """
-        self.fourier.forward(pressure, self._coefficients)
-        self._coefficients *= self.compliance
-        return self.fourier.inverse(self._coefficients, out, overwrite=True)
+        """Downward displacement u[y, x] of the surface under `pressure`, by one pair of transforms."""
+        return self.response.displacement(pressure, out)
 
     def coarser(self, min_points: int) -> Problem | None:
-        """The same problem on half the nodes of each axis, its surface truncated in Fourier space.
+        """The same problem on half the nodes of each axis, its surface smoothed.
 
         An axis is halved only down to `min_points` nodes; None if no axis can be halved.
         """
         ny, nx = (n if n < 2 * min_points else (n + 1) // 2 for n in self.grid.shape)
         if (ny, nx) == self.grid.shape:
             return None
-        grid, outer = Grid((ny, nx), self.grid.length), self.fourier
-        fourier = Fourier(grid, outer.real, outer.threads, outer.work)
-        coefficients = resample(outer.forward(self.height), self.grid, grid)
-        return Problem(fourier.inverse(coefficients, overwrite=True), self.layer, fourier)
+        response, height = self.response.coarsened(self.height, (ny, nx))
+        return Problem(height, response)
 
     def refine(self, pressure: Array, finer: Problem, approach: float) -> Array:
         """Start for a finer grid: the interpolated pressure less the interpolated gap / nodal compliance.
 
-        The Fourier interpolant of the pressure oscillates about zero outside the contact. The gap is
-        positive there, and subtracting it before negative values are set to zero keeps those nodes free.
+        Outside the contact, where an interpolated pressure may not vanish, the gap is positive: subtracting
+        it before negative values are set to zero keeps those nodes free.
         """
-        coefficients = self.fourier.forward(pressure)
-        out = finer.fourier.inverse(resample(coefficients, self.grid, finer.grid), overwrite=True)
-        coefficients *= self.compliance
-        gap = finer.fourier.inverse(resample(coefficients, self.grid, finer.grid), overwrite=True)
+        out, gap = self.response.refined(pressure, finer.response)
         gap += finer.height
         gap -= gap.dtype.type(approach)
         gap *= gap.dtype.type(finer.modulus / min(finer.grid.spacing))

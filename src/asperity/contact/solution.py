@@ -7,30 +7,64 @@ from functools import cached_property
 
 import numpy as np
 
+from asperity.contact.boundaries import response_on
 from asperity.contact.certificate import Certificate
 from asperity.elasticity.layer import Layer
-from asperity.spectral import Fourier, Grid, gradient
+from asperity.elasticity.two_bodies import Solid, TwoBodies
+from asperity.errors import shown
+from asperity.spectral import Grid
 from asperity.types import Array
 
 
 @dataclass(frozen=True, eq=False)
+class PressedBody:
+    """One body of a contact, under the contact pressure: all that the stress inside it depends on.
+
+    Depth is measured from the surface into the body, also in the upper one, and z points out of the body. In
+    the upper body the shear stresses yz and xz therefore have the opposite sign of those in the coordinates
+    of the lower one; all other components are the same.
+
+    Attributes
+    ----------
+    pressure : (ny, nx) array
+        Contact pressure, in the unit of Young's modulus.
+    grid : Grid
+    layer : Layer
+        The body.
+    boundary : str
+        "periodic" if the pressure repeats, "free" if it stands alone.
+    """
+
+    pressure: Array
+    grid: Grid
+    layer: Layer
+    boundary: str = "periodic"
+
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Contact:
-    """A solved contact.
+    """A solved contact; stresses are in the unit of Young's modulus, lengths in that of the heights.
 
     Attributes
     ----------
     height, pressure, displacement, gap : (ny, nx) arrays
         Lower face of the indenter, contact pressure, downward displacement of the solid's surface, and gap.
+        For two bodies, the displacement is the sum of those of both surfaces.
     grid : Grid
-    layer : Layer
+    solid : Layer or TwoBodies
+    boundary : "periodic" | "free"
+        Condition at the edge of the map.
     area_fraction : float
-        Number of nodes under pressure over the number of all nodes.
+        Number of nodes under pressure over the number of all nodes of the map.
     mean_pressure : float
-        Load over the area of the cell.
+        Load over the area of the map.
     approach : float
-        Position of the indenter.
+        Position of the indenter; it first touches at ``height.min()``. See `asperity.contact.solve`.
     certificate : Certificate
         Violations of the conditions of contact, evaluated anew from the pressure, and the work spent.
+    control_error : float
+        Relative difference between the imposed area or load and the one reached. Only an area can be missed:
+        if several nodes touch at the same load, or one node is more than the area asked for.
     method : str
     rtol : float
     """
@@ -40,23 +74,79 @@ class Contact:
     displacement: Array
     gap: Array
     grid: Grid
-    layer: Layer
+    solid: Solid
+    boundary: str
     area_fraction: float
     mean_pressure: float
     approach: float
     certificate: Certificate
+    control_error: float
     method: str
     rtol: float
+
+    def __repr__(self) -> str:
+        ny, nx = self.grid.shape
+        return (
+            f"<Contact of {ny} × {nx} nodes: area fraction {self.area_fraction:.4g}, "
+            f"mean pressure {self.mean_pressure:.4g}, largest pressure {self.max_pressure:.4g}, "
+            f"approach {self.approach:.4g}>"
+        )
+
+    @property
+    def layer(self) -> Layer:
+        """The solid that was pressed, if it is one; an `AttributeError` if there are two bodies."""
+        if isinstance(self.solid, TwoBodies):
+            raise AttributeError(
+                "layer: this contact has two bodies; in_body('lower') or in_body('upper') is needed"
+            )
+        return self.solid
+
+    @property
+    def force(self) -> float:
+        """Load: mean pressure times the area of the map."""
+        return self.mean_pressure * self.grid.area
+
+    @property
+    def max_pressure(self) -> float:
+        """Largest contact pressure."""
+        return float(self.pressure.max())
+
+    @property
+    def mean_contact_pressure(self) -> float:
+        """Mean pressure of the nodes under pressure, load over contact area; NaN without contact."""
+        return self.mean_pressure / self.area_fraction if self.area_fraction else float("nan")
+
+    def in_body(self, body: str) -> PressedBody:
+        """One body under the contact pressure, for the stress inside it.
+
+        Parameters
+        ----------
+        body : "lower" | "upper"
+            "lower" is the solid under a rigid indenter.
+
+        Raises
+        ------
+        ValueError
+            If there is no such body.
+        """
+        if isinstance(self.solid, TwoBodies):
+            layers, accepted = {"lower": self.solid.lower, "upper": self.solid.upper}, "'lower' or 'upper'"
+        else:
+            layers, accepted = {"lower": self.solid}, "'lower', because the indenter is rigid,"
+        if body not in layers:
+            raise ValueError(f"body = {shown(body)}: {accepted} is needed")
+        return PressedBody(self.pressure, self.grid, layers[body], self.boundary)
 
     @cached_property
     def gradient_rms_contact(self) -> float:
         """Root-mean-square gradient of the deformed surface over the nodes under pressure (the paper's ḡ_r).
 
-        By spectral differentiation; NaN without contact.
+        By spectral differentiation, with a free boundary from the closed form for the slope beside a loaded
+        rectangle; NaN without contact.
         """
         touching = self.pressure > 0
         if not touching.any():
             return float("nan")
-        fourier = Fourier(self.grid, self.displacement.dtype)
-        slope_y, slope_x = gradient(fourier.forward(self.displacement), fourier)
+        response = response_on(self.boundary, self.solid, self.grid, self.displacement.dtype)
+        slope_y, slope_x = response.gradient(self.pressure, self.displacement)
         return float(np.sqrt((slope_y[touching] ** 2 + slope_x[touching] ** 2).mean(dtype=float)))

@@ -9,25 +9,40 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from asperity.contact import gfmd, nested_grids
-from asperity.contact.arguments import checked_control, checked_height, checked_initial, checked_settings
+from asperity.contact.arguments import (
+    checked_control,
+    checked_height,
+    checked_initial,
+    checked_settings,
+    checked_solid,
+)
+from asperity.contact.boundaries import response_on
 from asperity.contact.certificate import verify_contact
 from asperity.contact.problem import Control, Problem, State
 from asperity.contact.solution import Contact
-from asperity.elasticity.layer import Layer
-from asperity.spectral import Fourier, Grid
-from asperity.types import Progress
+from asperity.elasticity.two_bodies import Solid
+from asperity.errors import ConvergenceError
+from asperity.spectral import Grid
+from asperity.types import Array, Progress
+
+# Largest violation of the conditions of contact at a single node, in units of the tolerance, which bounds the
+# norm over all nodes, and in units of the rounding of the heights.
+MAX_VIOLATION = 100.0
+MAX_ROUNDINGS = 10.0
 
 METHODS = {"active_set": nested_grids.solve, "gfmd": gfmd.solve}
 
 
 def solve(
     height: ArrayLike,
-    layer: Layer,
+    solid: Solid,
     length: float | tuple[float, float] = 1.0,
     *,
     area_fraction: float | None = None,
     mean_pressure: float | None = None,
+    force: float | None = None,
     approach: float | None = None,
+    boundary: str = "periodic",
     method: str = "active_set",
     rtol: float = 1e-6,
     dtype: DTypeLike = "float64",
@@ -35,24 +50,33 @@ def solve(
     progress: Progress | None = None,
     initial: Contact | ArrayLike | None = None,
 ) -> Contact:
-    """Press a rigid rough surface against an elastic solid.
+    """Press a rough surface against an elastic solid: a rigid one, or one of two elastic bodies.
 
-    Exactly one of `area_fraction`, `mean_pressure` and `approach` is given.
+    Exactly one of `area_fraction`, `mean_pressure`, `force` and `approach` is given.
 
     Parameters
     ----------
     height : (ny, nx) array
-        Lower face of the indenter, measured upward, in the unit of `length`.
-    layer : Layer
+        Lower face of the indenter, measured upward, in the unit of `length`; for two bodies the lower face of
+        the upper one less the upper face of the lower one.
+    solid : Layer or TwoBodies
+        One elastic solid under a rigid indenter, or two elastic bodies.
     length : float or (length_y, length_x)
-        Edges of the periodic cell.
+        Edges of the map, number of nodes × spacing: those of the cell if it repeats.
     area_fraction : float
         Contact nodes over all nodes, met to 1e-4 of itself, or to the nearest number of nodes that the
         surface allows.
     mean_pressure : float
-        Load over the area of the cell, in the unit of Young's modulus.
+        Load over the area of the map, in the unit of Young's modulus.
+    force : float
+        Mean pressure times the area of the map.
     approach : float
-        Position of the indenter, in the unit of `length`.
+        Position of the indenter, in the unit of `length`. The indenter first touches at the approach
+        ``height.min()``. With a free boundary it is measured from the solid's surface far from the map, so
+        that ``approach - height.min()`` is the displacement of the indenter from first touch.
+    boundary : "periodic" | "free"
+        "periodic": the map repeats in both directions. "free": nothing surrounds the map, whose solid is a
+        half-space, or each of two bodies is one; each node is a rectangle under uniform pressure.
     method : "active_set" | "gfmd"
         The fast solver, or the damped dynamics of the paper; both converge to the same solution.
     rtol : float
@@ -83,18 +107,25 @@ def solve(
     """
     values = checked_height(height)
     grid = Grid(values.shape, length)  # type: ignore[arg-type]
-    if not isinstance(layer, Layer):
-        raise TypeError(f"layer = {layer!r}: a Layer is needed")
+    solid = checked_solid(solid)
     if method not in METHODS:
         raise ValueError(f"method = {method!r}: one of {', '.join(METHODS)} is needed")
     precision, tolerance, workers = checked_settings(dtype, rtol, threads)
+    response = response_on(boundary, solid, grid, precision, workers)
+    if method == "gfmd" and boundary != "periodic":
+        raise ValueError(f"method = 'gfmd': active_set is needed for boundary = {boundary!r}")
     control = checked_control(
-        values, layer, area_fraction=area_fraction, mean_pressure=mean_pressure, approach=approach
+        values,
+        response,
+        area_fraction=area_fraction,
+        mean_pressure=mean_pressure,
+        force=force,
+        approach=approach,
     )
     start = initial.pressure if isinstance(initial, Contact) else initial
     pressure = None if start is None else checked_initial(start, grid)
     begin = time.perf_counter()
-    problem = Problem(values, layer, Fourier(grid, precision, workers))
+    problem = Problem(values, response)
     if control.lifts_off(values):
         position = control.value if control.kind == "approach" else float(values.min())
         state = State(np.zeros_like(problem.height), problem.height, position, 0.0, 0.0)
@@ -107,7 +138,7 @@ def _certified(
     problem: Problem, control: Control, state: State, method: str, rtol: float, seconds: float
 ) -> Contact:
     """Evaluate the fields that follow from the pressure of a state, and certify it."""
-    grid, layer, pressure = problem.grid, problem.layer, state.pressure
+    grid, pressure = problem.grid, state.pressure
     pairs = problem.fourier.work.pairs(grid)
     displacement = problem.displacement(pressure)
     gap = problem.height + displacement
@@ -118,24 +149,64 @@ def _certified(
     certificate = verify_contact(
         problem.height,
         pressure,
-        layer,
+        problem.solid,
         grid.length,
         approach=approach,
         mean_pressure=state.load if control.kind == "mean_pressure" else None,
+        boundary=problem.response.boundary,
         threads=problem.fourier.threads,
     )
     gap -= gap.dtype.type(approach)
-    return Contact(
+    found = Contact(
         height=problem.height,
         pressure=pressure,
         displacement=displacement,
         gap=gap,
         grid=grid,
-        layer=layer,
+        solid=problem.solid,
+        boundary=problem.response.boundary,
         area_fraction=float(contact.mean()),
         mean_pressure=float(pressure.mean(dtype=float)),
         approach=approach,
         certificate=replace(certificate, iterations=state.iterations, pairs=pairs, seconds=seconds),
+        control_error=_control_error(control, pressure),
         method=method,
         rtol=rtol,
+    )
+    _require_certificate(found)
+    return found
+
+
+def _control_error(control: Control, pressure: Array) -> float:
+    """Relative difference between the imposed quantity and the one that a pressure has; 0 for an approach."""
+    if control.kind == "approach" or control.value == 0:
+        return 0.0
+    reached = (pressure > 0) if control.kind == "area_fraction" else pressure
+    return abs(float(reached.mean(dtype=float)) / control.value - 1)
+
+
+def _require_certificate(contact: Contact) -> None:
+    """Raise `ConvergenceError` if a field is not finite or the certificate exceeds what the tolerance allows.
+
+    A relative error of the pressure changes the gap by that fraction of the displacement that the pressure
+    can cause, which is largest for the longest wave.
+    """
+    finite = all(np.all(np.isfinite(field)) for field in (contact.pressure, contact.gap))
+    rms_height = float(np.std(contact.height, dtype=float))
+    allowed = MAX_VIOLATION * contact.rtol
+    if finite and rms_height:
+        rms_pressure = float(np.sqrt(np.mean(np.square(contact.pressure, dtype=float))))
+        longest = float(contact.solid.surface_compliance(2 * np.pi / max(contact.grid.length)))
+        allowed *= max(1.0, rms_pressure * longest / rms_height)
+        largest = float(np.abs(contact.height).max())
+        allowed += MAX_ROUNDINGS * float(np.finfo(contact.pressure.dtype).eps) * largest / rms_height
+    if finite and contact.certificate.worst <= allowed:
+        return
+    raise ConvergenceError(
+        f"{contact.method} on {contact.grid.shape} nodes ended with a pressure that "
+        + ("violates the conditions of contact" if finite else "is not finite"),
+        contact.certificate.worst,
+        contact.rtol,
+        contact.certificate.iterations,
+        contact.mean_pressure,
     )

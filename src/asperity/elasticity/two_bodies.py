@@ -20,7 +20,7 @@ from asperity.types import Array
 
 @dataclass(frozen=True)
 class TwoBodies:
-    """Two isotropic linear elastic bodies, each a layer or a half-space.
+    """Two isotropic linear elastic bodies, each a layer or a half-space, pressed against each other.
 
     Parameters
     ----------
@@ -65,3 +65,7 @@ class TwoBodies:
         return np.asarray(
             self.lower.grid_surface_compliance(grid, dtype) + self.upper.grid_surface_compliance(grid, dtype)
         )
+
+
+Solid = Layer | TwoBodies
+"""Anything that can be pressed: one solid against a rigid indenter, or two bodies against each other."""

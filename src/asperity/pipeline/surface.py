@@ -9,7 +9,9 @@ import numpy as np
 import xarray as xr
 
 from asperity.spectral import Fourier, Grid
-from asperity.surface.measured import edge_step, make_periodic, read_map
+from asperity.surface.height_map import OptionName
+from asperity.surface.measured import cell_edge, checked_map, make_periodic
+from asperity.surface.reading import Reading
 from asperity.surface.roughness import (
     johnson,
     roughness_parameters,
@@ -18,10 +20,11 @@ from asperity.surface.roughness import (
     target_spectrum,
     with_moments,
 )
+from asperity.surface.treatment import Treatment
 from asperity.types import Array
 
-_MAP_KEYS = ("physical_size", "height_factor")
-_PERIOD_KEYS = ("detrend", "periodic", "undefined", "wavelength_short", "points")
+_READING = ("physical_size", "height_factor", "unit", "channel", "orientation", "max_memory")
+_TREATMENT = ("detrend", "periodic", "undefined", "despike", "wavelength_short", "points")
 
 
 def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
@@ -57,27 +60,41 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
     return dataset
 
 
-def read_surface(parameters: Mapping[str, Any]) -> xr.Dataset:
-    """The measured surface of one entry of the configuration.
+def read_surface(parameters: Mapping[str, Any], option: OptionName = str) -> xr.Dataset:
+    """The measured surface of one entry of the configuration, in units of the longer edge of its cell.
 
     Parameters
     ----------
     parameters : mapping
-        Entry of section ``measured`` of the configuration: file, detrend, and optionally physical_size,
-        height_factor, periodic, undefined, wavelength_short, points.
+        Entry of section ``measured`` of the configuration: file, detrend, and optionally what
+        `asperity.surface.reading.Reading` and `asperity.surface.measured.make_periodic` take.
+    option : callable
+        Gives the name of a parameter in the interface of the user, for messages.
 
     Returns
     -------
     dataset
         Heights, roughness parameters and spectrum. The attributes are the shortest wavelength kept and the
-        `edge_step` of the period.
+        `edge_step` of the period, and with the prefix ``map_`` the record of what was done to the map. If the
+        unit of the map is known, ``map_cell_length`` is the longer edge of the cell in metres.
+
+    Raises
+    ------
+    MapError
+        If the map cannot be used; the message names everything that is wrong or missing.
     """
-    surface = read_map(
-        parameters["file"], **{name: parameters[name] for name in _MAP_KEYS if name in parameters}
-    )
-    kept = make_periodic(surface, **{name: parameters[name] for name in _PERIOD_KEYS if name in parameters})
+    said = {name: parameters[name] for name in _READING if name in parameters}
+    settings = {name: parameters[name] for name in _TREATMENT if name in parameters}
+    wavelength = settings.pop("wavelength_short", None)  # in units of the cell: checked by make_periodic
+    surface = checked_map(parameters["file"], Reading(**said), Treatment(**settings), option, for_cell=True)
+    if wavelength is not None:
+        settings["wavelength_short"] = wavelength
+    kept = make_periodic(surface, **settings, option=option)
+    record = kept.treatment.attributes()
+    if surface.unit is not None:
+        record["map_cell_length"] = cell_edge(surface, kept.treatment.periodic)
     return _surface_dataset(kept.height, kept.grid).assign_attrs(
-        wavelength_short=kept.wavelength_short, edge_step=edge_step(kept.height)
+        wavelength_short=kept.wavelength_short, edge_step=kept.treatment.edge_step, **record
     )
 
 

@@ -24,7 +24,7 @@ import xarray as xr
 
 import asperity
 from asperity.errors import DatasetError
-from asperity.results.variables import STAGES, UNITS, VARIABLES
+from asperity.results.variables import STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_in
 from asperity.spectral import Grid
 
 CONVENTIONS = "CF-1.11"
@@ -57,7 +57,7 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
     ----------
     dataset : xarray.Dataset
         With variables of `VARIABLES`; their units and descriptions are added here. Its own global attributes
-        are kept.
+        are kept. The attribute ``unit_system`` is one of `UNIT_SYSTEMS`, by default the study's.
     path : path
     title : str
         Says in one line what the file holds.
@@ -74,17 +74,19 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
     """
     path = Path(path)
     described = dataset.copy()
+    system = _unit_system(dataset)
     for name in described.variables:
         if name not in VARIABLES:
             raise KeyError(f"variable {name!r} of {path.name} is not in asperity.results.variables.VARIABLES")
-        described[name].attrs.update(_attributes(str(name), described[name].dtype))
+        described[name].attrs.update(_attributes(str(name), described[name].dtype, system))
     stage = stage_of(dataset)
     described.attrs = {
         "Conventions": CONVENTIONS,
         "title": title,
         **({"summary": STAGES[stage].summary} if stage else {}),
         "source": f"asperity {asperity.__version__}",
-        "comment": UNITS,
+        "comment": UNIT_SYSTEMS[system],
+        "unit_system": system,
         "references": PAPER,
         "settings": json.dumps(settings, sort_keys=True),
         "settings_digest": digest(settings),
@@ -98,9 +100,18 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
         described.to_netcdf(unfinished, format="NETCDF4", engine="netcdf4", encoding=encoding)
 
 
-def _attributes(name: str, dtype: np.dtype[Any]) -> dict[str, str]:
+def _unit_system(dataset: xr.Dataset) -> str:
+    """The unit system of a dataset, by default the study's."""
+    system = dataset.attrs.get("unit_system", STUDY_UNITS)
+    if system not in UNIT_SYSTEMS:
+        raise ValueError(f"unit_system = {system!r}: one of {', '.join(UNIT_SYSTEMS)} is needed")
+    return str(system)
+
+
+def _attributes(name: str, dtype: np.dtype[Any], system: str) -> dict[str, str]:
     """CF attributes of a variable; only numbers have units."""
     attributes = VARIABLES[name]._asdict()
+    attributes["units"] = units_in(system, attributes["units"])
     if dtype.kind not in "fiu":
         del attributes["units"]
     return {key: value for key, value in attributes.items() if value}
@@ -239,10 +250,13 @@ def _check(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Raise `DatasetError` if names, units or fingerprint are not those of a result."""
     if FINGERPRINT not in dataset.attrs:
         raise DatasetError(f"{path}: not a result of asperity, it has no attribute {FINGERPRINT}")
+    system = dataset.attrs.get("unit_system", STUDY_UNITS)
+    if system not in UNIT_SYSTEMS:
+        raise DatasetError(f"{path}: unknown unit_system {system!r}; {_REMEDY}")
     for name, variable in dataset.variables.items():
         if name not in VARIABLES:
             raise DatasetError(f"{path}: unknown variable {name!r}; {_REMEDY}")
-        expected = _attributes(str(name), variable.dtype).get("units")
+        expected = _attributes(str(name), variable.dtype, system).get("units")
         if (units := variable.attrs.get("units")) != expected:
             raise DatasetError(f"{path}: {name} is in {units!r}, {expected!r} expected; {_REMEDY}")
     if dataset.attrs[FINGERPRINT] != fingerprint(dataset):

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import BinaryIO
 
 import numpy as np
@@ -25,7 +25,7 @@ from asperity.results.dataset import atomic_write
 from asperity.results.window import Span, Window, window
 from asperity.spectral import Grid
 from asperity.stress.planes import stress_planes
-from asperity.stress.pressed import ContactLike, PressedSolid
+from asperity.stress.pressed import ContactLike
 from asperity.types import Array, Progress
 
 MOST_PLANES = 4096
@@ -249,10 +249,7 @@ def planes_on_grid(
     fields : dict
         Name → array [y, x] of one plane.
     """
-    own = contact.layer
-    scaled = replace(own, young=own.young / own.effective_modulus)
-    solid = PressedSolid(contact.pressure, contact.grid, scaled)
-    for plane in stress_planes(solid, depths, poisson, fields, tolerance=0.0, progress=progress):
+    for plane in stress_planes(contact, depths, poisson, fields, tolerance=0.0, progress=progress):
         yield {name: values[0] for name, values in plane.fields.items()}
 
 

@@ -1,12 +1,15 @@
 """Names, units and descriptions of the variables of the result files, and what the files of a stage hold.
 
-Lengths are in units of the edge of the cell, stresses in units of the effective modulus E* = E/(1 − ν²). A
+The units written here are those of the study: lengths in units of the edge of the cell, stresses in units of
+the effective modulus E* = E/(1 − ν²). A file in SI units holds lengths in m, stresses in Pa and forces in N;
+`units_in` translates. The global attribute ``unit_system`` of a file says which of `UNIT_SYSTEMS` it uses. A
 scaled stress is divided by E* and by the rms gradient of the deformed surface over the true contact, the
 paper's E* ḡ_r. Numbers without a dimension have the unit 1; texts and truth values have none.
 """
 
 from __future__ import annotations
 
+import re
 from typing import NamedTuple
 
 
@@ -64,12 +67,33 @@ UNITS = (
 )
 """What the names of the units mean, for the files."""
 
+STUDY_UNITS = "cell length and effective modulus"
+SI_UNITS = "SI"
+
+UNIT_SYSTEMS = {
+    STUDY_UNITS: UNITS,
+    SI_UNITS: "Units: m, Pa and N; scaled_stress is the effective modulus E/(1 - nu^2) times the rms "
+    "gradient of the deformed surface over the true contact.",
+}
+"""Values of the attribute ``unit_system`` of a file, and what the names of its units mean."""
+
+_SI = {"cell_length": "m", "effective_modulus": "Pa", "young_modulus": "Pa", "rms_height": "m"}
+
 _LENGTH = "cell_length"
 _STRESS = "effective_modulus"
 _STRESS_SQUARED = "effective_modulus^2"
 _SCALED = "scaled_stress"
 _YOUNG = "young_modulus"
 _FORCE = "effective_modulus*cell_length^2"
+
+
+def units_in(system: str, units: str) -> str:
+    """Units of a variable in one of `UNIT_SYSTEMS`, from its units in the study."""
+    if system == STUDY_UNITS:
+        return units
+    if units == _FORCE:
+        return "N"
+    return re.sub("|".join(_SI), lambda found: _SI[found[0]], units)
 
 
 def _banded(name: str, units: str, long_name: str) -> dict[str, Variable]:
@@ -138,7 +162,9 @@ VARIABLES: dict[str, Variable] = {
     "quantity": Variable(
         "1",
         "quantity whose peaks were sought",
-        "pressure: contact pressure; von_mises: von Mises stress; xx, yy, zz, yz, xz, xy: stress components",
+        "pressure: contact pressure; von_mises: von Mises stress; xx, yy, zz, yz, xz, xy: stress components; "
+        "largest_shear: half the difference of largest and smallest principal stress; hydrostatic: mean of "
+        "the normal stresses; principal_1, principal_2, principal_3: principal stresses, largest first",
     ),
     "poisson": Variable("1", "Poisson's ratio"),
     "lag": Variable(_LENGTH, "distance between two points of the plane"),

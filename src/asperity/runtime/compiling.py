@@ -53,6 +53,8 @@ def compile_contact() -> None:
     for precision in PRECISIONS:
         solve(height, LAYERS[0], approach=0.5 * height.min(), rtol=1e-4, dtype=precision)
         solve(fine, THIN_LAYER, area_fraction=0.1, rtol=1e-4, dtype=precision)
+        free = solve(height, LAYERS[0], area_fraction=0.1, boundary="free", rtol=1e-4, dtype=precision)
+        assert free.gradient_rms_contact > 0
 
 
 def compile_stress() -> None:

@@ -20,12 +20,14 @@ from numpy.typing import ArrayLike
 from asperity.spectral import Work
 from asperity.stress.arguments import (
     FIELDS,
+    boundary_of,
     checked_contact,
     checked_depths,
     checked_floor,
     checked_names,
     checked_nodes,
     checked_ratios,
+    checked_sliding,
     checked_threads,
     checked_tolerance,
 )
@@ -60,6 +62,8 @@ def analyse_stress(
     threads: int = 1,
     progress: Progress | None = None,
     work: Work | None = None,
+    friction: float = 0.0,
+    sliding_direction: str | float = "x",
 ) -> xr.Dataset:
     """Peaks, depth profile and covariances of the stress under a contact.
 
@@ -69,11 +73,11 @@ def analyse_stress(
         A `Contact`, or a `PressedSolid` with any finite pressure.
     depths : (planes,) array, optional
         Rising from 0, the surface; by default those of `depth_grid`, down to the bottom of the layer.
-    poisson, tolerance, threads, work
+    poisson, tolerance, threads, work, friction, sliding_direction
         As for `stress_planes`.
     quantities : names
-        Quantities whose peaks are sought: any of ``xx, yy, zz, yz, xz, xy, von_mises``, above their 26
-        neighbours in the solid, and ``pressure``, above its 8 neighbours in the surface.
+        Quantities whose peaks are sought: any field of `stress_planes`, above its 26 neighbours in the solid,
+        and ``pressure``, above its 8 neighbours in the surface.
     floor : float
         Peaks below `floor` times the root mean square of σ_zz of their plane are left out: most of them
         are ripples of the interpolated pressure between the nodes, away from the contacts.
@@ -83,9 +87,11 @@ def analyse_stress(
     Returns
     -------
     dataset
-        Stresses in units of E*. Along `peak`, one entry for each peak of each quantity and Poisson's ratio:
-        `asperity.peaks` selects from them. Along `plane`, the mean and largest von Mises stress, and the
-        covariance with the plane of the largest. Along `lag`, the covariance in that plane.
+        Stresses in the unit of the contact pressure. Along `peak`, one entry for each peak of each quantity
+        and Poisson's ratio: `asperity.peaks` selects from them. Along `plane`, the mean and largest von Mises
+        stress, and the covariance with the plane of the largest. Along `lag`, the covariance in that plane.
+        The attribute ``effective_modulus`` is E* in the same unit, ``friction`` and ``sliding_direction`` are
+        the arguments.
 
     Raises
     ------
@@ -103,11 +109,16 @@ def analyse_stress(
         floor=checked_floor(floor),
         threads=checked_threads(threads),
         work=Work() if work is None else work,
+        friction=friction,
+        sliding_direction=sliding_direction,
     )
+    checked_sliding(friction, sliding_direction, contact.layer)
     if settings.depths[0] != 0:
         raise ValueError(f"depths[0] = {settings.depths[0]:g}: 0, the surface, is needed")
     checked_nodes(contact.grid)
-    analysis = _StressAnalysis(PressedSolid(pressure, contact.grid, contact.layer), settings)
+    analysis = _StressAnalysis(
+        PressedSolid(pressure, contact.grid, contact.layer, boundary_of(contact)), settings
+    )
     analysis.run(progress)
     return _dataset(analysis)
 
@@ -123,6 +134,8 @@ class _Settings:
     floor: float
     threads: int
     work: Work
+    friction: float
+    sliding_direction: str | float
 
 
 class _PeakSearch:
@@ -236,6 +249,8 @@ class _StressAnalysis:
             settings.tolerance,
             settings.threads,
             settings.work,
+            friction=settings.friction,
+            sliding_direction=settings.sliding_direction,
         )
 
     def _add(self, number: int, plane: LinearPlane, pool: ThreadPoolExecutor) -> None:
@@ -257,8 +272,7 @@ class _StressAnalysis:
                 for ratio in self.dependent:
                     self.peaks[name, ratio.poisson] = ratio.finders.pop(name).peaks()
         if "pressure" in self.settings.quantities:
-            pressure = self.contact.pressure / self.contact.layer.effective_modulus
-            self.peaks["pressure", np.nan] = plane_peaks(pressure, self.contact.grid)
+            self.peaks["pressure", np.nan] = plane_peaks(self.contact.pressure, self.contact.grid)
 
 
 def _dataset(analysis: _StressAnalysis) -> xr.Dataset:
@@ -284,4 +298,9 @@ def _dataset(analysis: _StressAnalysis) -> xr.Dataset:
         "plane_depth": ("plane", settings.depths),
         "lag": lag,
     }
-    return peak_dataset(analysis.peaks, contact).assign(variables).assign_coords(coordinates)
+    found = peak_dataset(analysis.peaks, contact).assign(variables).assign_coords(coordinates)
+    return found.assign_attrs(
+        effective_modulus=contact.layer.effective_modulus,
+        friction=float(settings.friction),
+        sliding_direction=settings.sliding_direction,
+    )

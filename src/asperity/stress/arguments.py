@@ -17,14 +17,22 @@ from asperity.spectral import REAL_TYPES, Grid
 from asperity.stress.pressed import ContactLike
 from asperity.types import Array
 
-FIELDS = (*COMPONENTS, "von_mises")
+MEASURES = ("von_mises", "largest_shear", "principal_1", "principal_2", "principal_3")
+"""Names of the fields that need all six components of the stress."""
+
+FIELDS = (*COMPONENTS, *MEASURES, "hydrostatic")
 """Names of the fields of the stress."""
+
+BOUNDARIES = ("periodic", "free")
+"""The cell of the contact repeats sideways, or lies alone on a half-space."""
 
 MAX_PLANES = 10_000
 """Most planes of one stream. `depth_grid` makes about sixty; 8192 are half a spacing apart at 4096²."""
 
 MAX_RATIOS = 1000
 """Most Poisson's ratios of one stream: steps of 0.0015 over the whole range from −1 to 0.5."""
+
+_DIRECTIONS = '"x", "y" or an angle in degrees from x towards y'
 
 SAME_RATIO = 1e-9
 """Poisson's ratios that differ by less are the same: room for numbers such as 0.1 + 0.2."""
@@ -39,7 +47,7 @@ EDGE_RANGE = (1e-60, 1e60)
 """Edges of the cell that are accepted: squares of wavenumbers stay within double precision."""
 
 PRESSURE_RANGE = (1e-60, 1e60)
-"""Largest |pressure| over E* that is accepted: third powers of stresses stay within double precision."""
+"""Largest |pressure| that is accepted: third powers of stresses stay within double precision."""
 
 
 def checked_number(name: str, value: Any, accepted: str, holds: Callable[[float], bool]) -> float:
@@ -75,7 +83,7 @@ def checked_threads(threads: Any) -> int:
 
 
 def checked_contact(contact: ContactLike) -> tuple[Array, float]:
-    """The pressure of a contact as an array of real numbers, and its largest magnitude over E*."""
+    """The pressure of a contact as an array of real numbers, and its largest magnitude."""
     pressure, grid, layer = (getattr(contact, name, None) for name in ("pressure", "grid", "layer"))
     if pressure is None or not isinstance(grid, Grid) or not isinstance(layer, Layer):
         raise TypeError(
@@ -88,14 +96,12 @@ def checked_contact(contact: ContactLike) -> tuple[Array, float]:
             raise ValueError(f"grid.length = {edge:g}: an edge from {low:g} to {high:g} is needed")
     field = checked_field("pressure", pressure, grid)
     highest = max(abs(float(field.max())), abs(float(field.min())))
-    scaled = highest / layer.effective_modulus
     low, high = PRESSURE_RANGE
-    if highest and not low <= scaled <= high:
+    if highest and not low <= highest <= high:
         raise ValueError(
-            f"pressure: its largest magnitude is {highest:g}, or {scaled:g} E*; "
-            f"0 or a value from {low:g} E* to {high:g} E* is needed"
+            f"pressure: its largest magnitude is {highest:g}; 0 or a value from {low:g} to {high:g} is needed"
         )
-    return field, scaled
+    return field, highest
 
 
 def checked_field(name: str, field: Any, grid: Grid) -> Array:
@@ -170,6 +176,37 @@ def checked_ratios(poisson: float | Sequence[float] | None, layer: Layer) -> lis
             "height, because the pressure depends on it"
         )
     return ratios
+
+
+def boundary_of(contact: ContactLike) -> str:
+    """The boundary of a contact, "periodic" if it does not say."""
+    boundary = getattr(contact, "boundary", "periodic")
+    if boundary not in BOUNDARIES:
+        raise ValueError(f"contact.boundary = {_told(boundary)}: one of {', '.join(BOUNDARIES)} is needed")
+    if boundary == "free" and contact.layer.height is not None:
+        raise ValueError("contact.boundary = 'free': a half-space is needed, the solid is a layer")
+    return str(boundary)
+
+
+def checked_sliding(friction: Any, direction: Any, layer: Layer) -> tuple[float, float]:
+    """Shear traction over pressure along x and y."""
+    friction = checked_number("friction", friction, "a finite number ≥ 0", lambda value: value >= 0)
+    if isinstance(direction, str):
+        degrees = {"x": 0.0, "y": 90.0}.get(direction)
+        if degrees is None:
+            raise ValueError(f"sliding_direction = {_told(direction)}: {_DIRECTIONS} is needed")
+    else:
+        degrees = checked_number("sliding_direction", direction, _DIRECTIONS, lambda value: True)
+    if friction and layer.height is not None:
+        raise ValueError(
+            f"friction = {friction:g}: 0 is needed in a layer of finite height; the stress under a shear "
+            "traction is available for the half-space"
+        )
+    if degrees % 90 == 0:  # exact zeros
+        cosine, sine = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(degrees % 360) // 90]
+    else:
+        cosine, sine = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    return float(friction * cosine), float(friction * sine)
 
 
 def checked_ratio(poisson: float | None, known: Sequence[float]) -> float:

@@ -66,7 +66,7 @@ def mode_stress(
     a, b : float
         The uniform mode is that of a A_zz; it is zero for all other components.
     pressure : (ny, nx // 2 + 1) complex array
-        Coefficients of the contact pressure over E*.
+        Coefficients of the contact pressure.
     kernels : PlaneKernels
     wavevectors : Wavevectors
     out : (ny, nx // 2 + 1) complex array
@@ -99,6 +99,73 @@ def mode_stress(
                 factor = a * odd * shear[mirrored, i] / np.sqrt(square)
                 p = pressure[j, i]
                 out[j, i] = complex(factor * p.imag, -factor * p.real)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def add_sliding_stress(
+    component: int,
+    a: float,
+    b: float,
+    friction_x: float,
+    friction_y: float,
+    pressure: Any,
+    kernels: Any,
+    wavevectors: Any,
+    out: Any,
+) -> None:
+    """Add to `out` the coefficients of a A + b B of one stress component under a shear traction.
+
+    The traction on the surface of a half-space is t = (friction_x, friction_y) p. Its kernels are
+    combinations of those of the pressure, e^(−d) = (Z + L)/2 and d e^(−d) = T; the equations are in
+    ``docs/method.md``.
+
+    Parameters
+    ----------
+    component, pressure, kernels, wavevectors, out
+        As for `mode_stress`.
+    a, b : float
+        The uniform mode is that of a A: σ_xz = t_x and σ_yz = t_y.
+    friction_x, friction_y : float
+    """
+    normal, longitudinal, shear = kernels
+    qx, qy, odd_qx, odd_qy = wavevectors
+    rows, columns = out.shape
+    for j in range(rows):
+        mirrored = min(j, rows - j)
+        for i in range(columns):
+            p = pressure[j, i]
+            square = qx[i] * qx[i] + qy[j] * qy[j]
+            if square == 0.0:
+                if component == _XZ:
+                    out[j, i] += a * friction_x * p
+                elif component == _YZ:
+                    out[j, i] += a * friction_y * p
+                continue
+            q = np.sqrt(square)
+            cc, ss = qx[i] * qx[i] / square, qy[j] * qy[j] / square
+            e = 0.5 * (normal[mirrored, i] + longitudinal[mirrored, i])
+            t = shear[mirrored, i]
+            # Odd in one component of the wavevector, or in both: zero in a Nyquist mode.
+            x, y = friction_x * odd_qx[i] / q, friction_y * odd_qy[j] / q
+            if component in (_XZ, _YZ):
+                both = odd_qx[i] * odd_qy[j] / square * t
+                if component == _XZ:
+                    factor = a * (friction_x * (e - cc * t) - friction_y * both)
+                else:
+                    factor = a * (friction_y * (e - ss * t) - friction_x * both)
+                out[j, i] += factor * p
+                continue
+            if component == _ZZ:
+                factor = a * (x + y) * t
+            elif component == _XX:
+                factor = a * (2.0 * x * e - (x + y) * cc * t) + b * (x + y) * 2.0 * ss * e
+            elif component == _YY:
+                factor = a * (2.0 * y * e - (x + y) * ss * t) + b * (x + y) * 2.0 * cc * e
+            else:
+                across_x, across_y = friction_y * odd_qx[i] / q, friction_x * odd_qy[j] / q
+                factor = across_y * (a * (e - cc * t) - b * 2.0 * cc * e)
+                factor += across_x * (a * (e - ss * t) - b * 2.0 * ss * e)
+            out[j, i] += complex(-factor * p.imag, factor * p.real)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

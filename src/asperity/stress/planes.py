@@ -4,14 +4,29 @@ At depth d a mode of the contact pressure with wavenumber q has decayed to (1 + 
 value, so a deep plane is smooth and a coarse grid holds it (`asperity.stress.truncation`). `stress_planes`
 streams named fields of the stress; `linear_planes` streams the parts from which they are made.
 
-Conventions: `depth` is measured downward from the surface, tension is positive, stresses are in units of
-E* = E/(1 − ν²). Components are named ``xx, yy, zz, yz, xz, xy``; ``von_mises`` is the equivalent stress.
+Conventions: `depth` is measured downward from the surface, tension is positive, stresses are in the unit of
+the contact pressure, which is that of Young's modulus. The names of the fields:
+
+- ``xx, yy, zz, yz, xz, xy``: the components;
+- ``von_mises``: the equivalent stress of von Mises;
+- ``largest_shear``: half the difference of the largest and smallest principal stress (Tresca);
+- ``hydrostatic``: the mean of the three normal stresses;
+- ``principal_1, principal_2, principal_3``: the principal stresses, the largest (most tensile) first.
 
 Poisson's ratio
 ---------------
 In a half-space the stress is A + ν B with fields A and B that do not depend on ν (only the uniform mode adds
-a term in ν/(1 − ν)), and neither does the contact pressure over E*. At most eight inverse transforms a plane
-therefore serve every Poisson's ratio. A layer of finite height has the ν of its contact only.
+a term in ν/(1 − ν)), and neither does the contact pressure over E* = E/(1 − ν²). At most eight inverse
+transforms a plane therefore serve every Poisson's ratio. A layer of finite height has the ν of its contact
+only.
+
+Sliding
+-------
+With ``friction`` μ > 0 the solid also bears the shear traction t = μ p along ``sliding_direction``: full
+sliding, with the traction on this solid in the direction in which the other body moves over it. The pressure
+stays that of the contact without friction. This is exact if both bodies have equal elastic constants or are
+incompressible, and against a rigid body if ν = 1/2; otherwise the effect of the traction on the pressure is
+neglected. The uniform mode of the traction is σ_xz = t̄_x, σ_yz = t̄_y at every depth (z upward).
 
 Precision
 ---------
@@ -23,7 +38,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,32 +47,55 @@ from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.spectral import Fourier, Grid, Work, resample
 from asperity.stress.arguments import (
     FIELDS,
+    MEASURES,
+    boundary_of,
     checked_contact,
     checked_depths,
     checked_names,
     checked_ratios,
+    checked_sliding,
     checked_threads,
     checked_tolerance,
 )
+from asperity.stress.free_boundary import FreePlanes
 from asperity.stress.kernels import (
     Components,
     PlaneKernels,
     Slopes,
     Wavevectors,
+    add_sliding_stress,
     combine,
     mode_stress,
     von_mises,
 )
+from asperity.stress.parts import Part
 from asperity.stress.pressed import ContactLike
-from asperity.stress.truncation import Truncation
+from asperity.stress.principal import (
+    LARGEST_SHEAR,
+    PRINCIPAL_1,
+    PRINCIPAL_2,
+    PRINCIPAL_3,
+    fill_hydrostatic,
+    fill_measure,
+)
+from asperity.stress.truncation import Truncation, envelope_of
 from asperity.types import Array, Progress
 
 SINGLE_PRECISION_TOLERANCE = 3e-5
 """Smallest tolerance for which single precision will do: its transforms round to a few 1e-7 of the root mean
 square."""
 
-SINGLE_PRECISION_PRESSURES = (1e-10, 1e10)
-"""Largest pressures over E* for which single precision will do: squares of stresses stay within it."""
+SINGLE_PRECISION_PRESSURES = (1e-10, 1e15)
+"""Largest pressures for which single precision will do: squares of stresses stay within it."""
+
+
+_KINDS = {
+    "largest_shear": LARGEST_SHEAR,
+    "principal_1": PRINCIPAL_1,
+    "principal_2": PRINCIPAL_2,
+    "principal_3": PRINCIPAL_3,
+}
+_NORMAL = ("xx", "yy", "zz")
 
 
 @dataclass(frozen=True)
@@ -72,9 +110,9 @@ class StressPlane:
     poisson : tuple of float
         Poisson's ratios, along the first axis of every field.
     fields : dict
-        Name → array (ratios, ny, nx) in units of E*.
+        Name → array (ratios, ny, nx) in the unit of the contact pressure.
     bound : float
-        Proven largest error of any field at any node from the modes that the grid drops, in units of E*.
+        Proven largest error of any field at any node from the modes that the grid drops, in the same unit.
     """
 
     depth: float
@@ -97,14 +135,14 @@ class LinearPlane:
     depth, grid, bound
         As in `StressPlane`.
     constant : dict
-        Component → field A[y, x], in units of E*.
+        Component → field A[y, x], in the unit of the contact pressure.
     slope : dict
         Component → field B[y, x]. Empty if ν is fixed; A is the stress itself then. If all components are
         there, B_yy is left out: it follows from A_xx + A_yy + A_zz = B_xx + B_yy but for the uniform mode.
     mean_pressure : float
-        In units of E*.
+        Of the cell.
     lateral : mapping of float to float
-        Poisson's ratio → uniform part of σ_xx and σ_yy, in units of E*.
+        Poisson's ratio → uniform part of σ_xx and σ_yy.
     done : float
         Share of the work of the whole stream that is done with this plane.
     """
@@ -131,10 +169,16 @@ class LinearPlane:
         ratio = poisson if self.slope else 0.0
         uniform = self.lateral[poisson]
         flat = out.reshape(-1)
-        if name == "von_mises":
+        if name in MEASURES:
             parts = Components(*(constant[component].reshape(-1) for component in COMPONENTS))
             slopes = Slopes(slope["xx"].reshape(-1), slope["xy"].reshape(-1))
-            von_mises(parts, slopes, ratio, uniform, self.mean_pressure, flat)
+            if name == "von_mises":
+                von_mises(parts, slopes, ratio, uniform, self.mean_pressure, flat)
+            else:
+                fill_measure(_KINDS[name], parts, slopes, ratio, uniform, self.mean_pressure, flat)
+        elif name == "hydrostatic":
+            xx, yy, zz = (constant[component].reshape(-1) for component in _NORMAL)
+            fill_hydrostatic(xx, yy, zz, ratio, self.mean_pressure, uniform, flat)
         elif name in ("xx", "yy"):
             own = slope[name] if name in slope else self._slope_yy()
             combine(constant[name].reshape(-1), own.reshape(-1), ratio, uniform, flat)
@@ -168,6 +212,9 @@ def stress_planes(
     threads: int = 1,
     progress: Progress | None = None,
     work: Work | None = None,
+    *,
+    friction: float = 0.0,
+    sliding_direction: str | float = "x",
 ) -> Iterator[StressPlane]:
     """Stream fields of the stress, one plane at a time.
 
@@ -181,7 +228,7 @@ def stress_planes(
         Poisson's ratios, on the half-space any number at once; by default that of the contact. In a layer
         of finite height only that of the contact, on which its pressure depends.
     fields : names
-        Any of ``xx, yy, zz, yz, xz, xy, von_mises``. Only what they need is computed.
+        Any of those in the description of the module. Only what they need is computed.
     tolerance : float
         Largest error of any field at any node where a plane is computed on a coarser grid, relative to the
         root mean square of σ_zz in that plane. 0 computes every plane on the grid of the contact.
@@ -191,6 +238,10 @@ def stress_planes(
         Called as progress(done, total) after each plane; planes count by their nodes.
     work : Work, optional
         Where the transforms are counted.
+    friction : float
+        Coefficient of friction μ ≥ 0: the shear traction is μ times the pressure. Half-space only.
+    sliding_direction : "x", "y" or float
+        Direction of the traction on this solid; a number is an angle in degrees from x towards y.
 
     Yields
     ------
@@ -202,7 +253,17 @@ def stress_planes(
         If an argument is out of range.
     """
     names = checked_names("fields", fields, FIELDS)
-    planes = linear_planes(contact, depths, poisson, names, tolerance, threads, work)
+    planes = linear_planes(
+        contact,
+        depths,
+        poisson,
+        names,
+        tolerance,
+        threads,
+        work,
+        friction=friction,
+        sliding_direction=sliding_direction,
+    )
     return _named_fields(planes, checked_ratios(poisson, contact.layer), names, progress)
 
 
@@ -228,6 +289,9 @@ def linear_planes(
     tolerance: float = 1e-6,
     threads: int = 1,
     work: Work | None = None,
+    *,
+    friction: float = 0.0,
+    sliding_direction: str | float = "x",
 ) -> Iterator[LinearPlane]:
     """Stream the parts A and B of the stress, one plane at a time; arguments as for `stress_planes`."""
     pressure, largest = checked_contact(contact)
@@ -244,21 +308,20 @@ def linear_planes(
         dtype="float32" if single else "float64",
         threads=checked_threads(threads),
         work=Work() if work is None else work,
+        traction=checked_sliding(friction, sliding_direction, contact.layer),
+        boundary=boundary_of(contact),
     )
     return stream.planes(pressure)
 
 
 def _components_for(fields: Sequence[str]) -> tuple[str, ...]:
     """Components from which the fields follow, in the order of `COMPONENTS`."""
-    return tuple(name for name in COMPONENTS if name in fields or "von_mises" in fields)
-
-
-class _Part(NamedTuple):
-    """A linear part of the stress: `constant` times A plus `slope` times B of one component."""
-
-    component: str
-    constant: float
-    slope: float
+    needed = set(fields)
+    if needed.intersection(MEASURES):
+        return COMPONENTS
+    if "hydrostatic" in needed:
+        needed.update(_NORMAL)
+    return tuple(name for name in COMPONENTS if name in needed)
 
 
 @dataclass(frozen=True)
@@ -274,28 +337,24 @@ class _PlaneStream:
     dtype: str
     threads: int
     work: Work
+    traction: tuple[float, float]
+    boundary: str
 
     def planes(self, pressure: Array) -> Iterator[LinearPlane]:
         """The planes under a pressure, from the surface downward."""
-        fourier = Fourier(self.grid, threads=self.threads, work=self.work)
-        modes = fourier.forward(pressure / self.layer.effective_modulus)
-        truncation = Truncation(modes, self.grid, self.layer, self.tolerance)
-        plan = [truncation.choose(depth) for depth in self.depths]
-        done = np.cumsum([grid.size for grid, _ in plan], dtype=float)
+        source = self._source(pressure)
+        done = np.cumsum([grid.size for grid, _ in source.plan], dtype=float)
         done /= done[-1]
-        mean = float(modes[0, 0].real)
+        mean = source.mean_pressure
         lateral = {
             nu: mean * float(replace(self.layer, poisson=nu).uniform_stress()[0]) for nu in self.ratios
         }
         constants, slopes = self._parts()
-        coarse, coefficients = self.grid, modes
         with ThreadPoolExecutor(self.threads) as pool:
-            for depth, (grid, bound), share in zip(self.depths, plan, done, strict=True):
-                if grid.shape != coarse.shape:
-                    coarse, coefficients = grid, resample(modes, self.grid, grid)
-                transform = _PlaneTransform(coefficients, Fourier(coarse, self.dtype), self.layer, depth)
+            for depth, (grid, bound), share in zip(self.depths, source.plan, done, strict=True):
+                transform = source.transform(depth, grid)
                 fields = list(pool.map(transform, constants + slopes))
-                self.work.nodes += len(fields) * coarse.size
+                self.work.nodes += len(fields) * grid.size
                 constant = {part.component: field for part, field in zip(constants, fields, strict=False)}
                 slope = {
                     part.component: field
@@ -303,40 +362,85 @@ class _PlaneStream:
                 }
                 # No field is kept while the next plane is computed.
                 del fields, transform
-                yield LinearPlane(float(depth), coarse, bound, constant, slope, mean, lateral, float(share))
+                yield LinearPlane(float(depth), grid, bound, constant, slope, mean, lateral, float(share))
                 del constant, slope
 
-    def _parts(self) -> tuple[list[_Part], list[_Part]]:
+    def _source(self, pressure: Array) -> _PeriodicPlanes | FreePlanes:
+        """Where the parts of the stress come from."""
+        envelope = envelope_of(self.layer, min(self.ratios), float(np.hypot(*self.traction)))
+        arguments = self.grid, self.layer, self.depths, self.tolerance, envelope, self.traction
+        if self.boundary == "free":
+            return FreePlanes(pressure, *arguments, self.threads, self.work)
+        fourier = Fourier(self.grid, threads=self.threads, work=self.work)
+        return _PeriodicPlanes(fourier.forward(pressure), *arguments, self.dtype)
+
+    def _parts(self) -> tuple[list[Part], list[Part]]:
         """The parts to transform: A and B for several Poisson's ratios, A + ν B for one."""
         if len(self.ratios) == 1:
-            return [_Part(name, 1.0, self.ratios[0]) for name in self.components], []
+            return [Part(name, 1.0, self.ratios[0]) for name in self.components], []
         sloping = ("xx", "xy") if self.components == COMPONENTS else ("xx", "yy", "xy")
         return (
-            [_Part(name, 1.0, 0.0) for name in self.components],
-            [_Part(name, 0.0, 1.0) for name in self.components if name in sloping],
+            [Part(name, 1.0, 0.0) for name in self.components],
+            [Part(name, 0.0, 1.0) for name in self.components if name in sloping],
         )
+
+
+class _PeriodicPlanes:
+    """Transforms of linear parts of the stress under a periodic pressure.
+
+    Attributes
+    ----------
+    plan : list of (Grid, float)
+        Grid and bound of the error of each plane.
+    mean_pressure : float
+    """
+
+    def __init__(
+        self,
+        modes: Array,
+        grid: Grid,
+        layer: Layer,
+        depths: Array,
+        tolerance: float,
+        envelope: float,
+        traction: tuple[float, float],
+        dtype: str,
+    ) -> None:
+        self._modes, self._grid, self._layer = modes, grid, layer
+        self._traction, self._dtype = traction, dtype
+        self._coarse = grid, modes
+        truncation = Truncation(modes, grid, layer, tolerance, envelope)
+        self.plan = [truncation.choose(depth) for depth in depths]
+        self.mean_pressure = float(modes[0, 0].real)
+
+    def transform(self, depth: float, grid: Grid) -> Callable[[Part], Array]:
+        """Function that returns the field of a linear part of the stress in one plane, on `grid`."""
+        if grid.shape != self._coarse[0].shape:
+            self._coarse = grid, resample(self._modes, self._grid, grid)
+        coarse, coefficients = self._coarse
+        fourier = Fourier(coarse, self._dtype)
+        return _PlaneTransform(coefficients, fourier, self._layer, depth, self._traction)
 
 
 class _PlaneTransform:
     """Transforms linear parts of the stress in one plane from the coefficients of the pressure."""
 
-    def __init__(self, pressure: Array, fourier: Fourier, layer: Layer, depth: float) -> None:
+    def __init__(
+        self, pressure: Array, fourier: Fourier, layer: Layer, depth: float, traction: tuple[float, float]
+    ) -> None:
         grid = fourier.grid
         kernels = layer.grid_kernels(grid, depth, fourier.real)
-        self._pressure, self._fourier = pressure, fourier
+        self._pressure, self._fourier, self._traction = pressure, fourier, traction
         self._kernels = PlaneKernels(kernels.normal, kernels.longitudinal, kernels.shear)
         self._wavevectors = Wavevectors(grid.qx, grid.qy, grid.odd_qx, grid.odd_qy)
 
-    def __call__(self, part: _Part) -> Array:
+    def __call__(self, part: Part) -> Array:
         """The field of one part, (ny, nx)."""
         coefficients = np.empty(self._fourier.grid.half_shape, self._fourier.complex)
-        mode_stress(
-            COMPONENTS.index(part.component),
-            part.constant,
-            part.slope,
-            self._pressure,
-            self._kernels,
-            self._wavevectors,
-            coefficients,
-        )
+        kind = COMPONENTS.index(part.component), part.constant, part.slope
+        mode_stress(*kind, self._pressure, self._kernels, self._wavevectors, coefficients)
+        if any(self._traction):
+            add_sliding_stress(
+                *kind, *self._traction, self._pressure, self._kernels, self._wavevectors, coefficients
+            )
         return self._fourier.inverse(coefficients, overwrite=True)

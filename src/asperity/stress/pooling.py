@@ -117,7 +117,7 @@ def _checked(
     for name in ("quantity", "poisson", "plane_depth", "lag"):
         if any(not np.array_equal(stress[name].values, stresses[0][name].values) for stress in stresses):
             raise ValueError(f"stresses: all must have the same {name}")
-    return stresses, scale
+    return stresses, scale * [stress.attrs.get("effective_modulus", 1.0) for stress in stresses]
 
 
 class _Bootstrap:

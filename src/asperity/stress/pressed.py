@@ -36,8 +36,11 @@ class PressedSolid:
         Compression positive, in the unit of Young's modulus.
     grid : Grid
     layer : Layer
+    boundary : "periodic" | "free"
+        The cell repeats sideways, or lies alone on a half-space, with a uniform pressure on every pixel.
     """
 
     pressure: Array
     grid: Grid
     layer: Layer
+    boundary: str = "periodic"

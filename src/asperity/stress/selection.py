@@ -21,7 +21,16 @@ from asperity.types import Array
 SELECTIONS = ("all", "at_contact", "interior", "under_contact")
 """Names of the selections of `peaks`."""
 
-LARGEST_AT_SURFACE = ("pressure", "xx", "yy", "zz")
+LARGEST_AT_SURFACE = (
+    "pressure",
+    "xx",
+    "yy",
+    "zz",
+    "hydrostatic",
+    "principal_1",
+    "principal_2",
+    "principal_3",
+)
 """Quantities whose magnitude is largest in the surface."""
 
 _LABELS = ("peak_quantity", "peak_poisson")

@@ -2,12 +2,14 @@
 
 Bound
 -----
-A pressure mode of amplitude |p̂| and wavenumber q has, at depth d, no stress component and no von Mises stress
-larger than √3 (1 + q d) e^(−q d) |p̂| (twice that in a layer of finite height): every kernel is of the form
-(α + β q d) e^(−q d), and the von Mises stress is a seminorm. The sum over the modes that a grid drops bounds
-the error at every node. The grid chosen is the coarsest whose bound is below the tolerance times the root
-mean square of σ_zz in that plane, which Parseval's theorem gives beforehand and which is at most the largest
-|σ_zz| there.
+A pressure mode of amplitude |p̂| and wavenumber q has, at depth d, no field (component, principal, largest
+shear, hydrostatic or von Mises stress) larger than K (1 + q d) e^(−q d) |p̂|, with the constant K of
+`envelope_of`. No field changes by more than the fields of the modes that are dropped: the largest shear and
+the von Mises stress are seminorms, and principal stresses move by at most the spectral norm of the change
+(H. Weyl, Math. Ann. 71 (1912) 441, DOI 10.1007/BF01456804). The sum over the modes that a grid drops
+therefore bounds the error of every field at every node. The proof of K is in ``docs/method.md``. The grid
+chosen is the coarsest whose bound is below the tolerance times the root mean square of σ_zz in that plane,
+which Parseval's theorem gives beforehand and which is at most the largest |σ_zz| there.
 """
 
 from __future__ import annotations
@@ -36,6 +38,10 @@ class Truncation:
     layer : Layer
     tolerance : float
         Largest error relative to the root mean square of σ_zz in the plane; 0 keeps the grid.
+    envelope : float
+        The constant K.
+    grids : sequence of Grid, optional
+        Coarser grids of the same cell, by default `coarser_grids`.
 
     Attributes
     ----------
@@ -43,11 +49,19 @@ class Truncation:
         Grids to choose from, finest first.
     """
 
-    def __init__(self, pressure: Array, grid: Grid, layer: Layer, tolerance: float) -> None:
-        self.grids = coarser_grids(grid)
+    def __init__(
+        self,
+        pressure: Array,
+        grid: Grid,
+        layer: Layer,
+        tolerance: float,
+        envelope: float,
+        grids: Sequence[Grid] | None = None,
+    ) -> None:
+        self.grids = coarser_grids(grid) if grids is None else [grid, *grids]
         self.tolerance = tolerance
         self._layer = layer
-        self._envelope = np.sqrt(3.0) * (1.0 if layer.height is None else 2.0)
+        self._envelope = envelope
         width = 2 * np.pi / max(grid.length)
         ring = (grid.wavenumber() / width).astype(np.int64)
         rings = int(ring.max()) + 1
@@ -60,6 +74,7 @@ class Truncation:
         flat = (last * rings + ring).ravel()
         amount = np.bincount(flat, amplitude.ravel(), len(self.grids) * rings).reshape(-1, rings)
         self._dropped = np.cumsum(amount, axis=0) - amount
+        self._kept = amount.sum(axis=0) - self._dropped
 
     def scale(self, depth: float) -> float:
         """Root mean square of σ_zz at `depth`, from the spectrum, or a little less.
@@ -82,6 +97,13 @@ class Truncation:
         bounds = self.bounds(depth)
         sufficient = np.flatnonzero(bounds <= self.tolerance * self.scale(depth))
         return self.grids[sufficient[-1]], float(bounds[sufficient[-1]])
+
+
+def envelope_of(layer: Layer, poisson: float, friction: float = 0.0) -> float:
+    """The constant K for all ratios ≥ `poisson`, under pressure and a shear traction `friction` times it."""
+    lateral = 1 - 2 * poisson
+    pressure = max(np.sqrt(3.0), lateral) * (1.0 if layer.height is None else 2.0)
+    return float(pressure + friction * max(np.sqrt(5.0), np.sqrt(3.0 + lateral**2)))
 
 
 def coarser_grids(grid: Grid) -> list[Grid]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import xarray as xr
 
-from asperity.cli.arguments import section
+from asperity.cli.arguments import flag, section
 from asperity.cli.files import check_out, is_result, read_result, write_result
 from asperity.config.defaults import complete_map
 from asperity.config.reader import is_file
@@ -41,12 +41,12 @@ def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, A
         raise ValueError(f"{path}: no such file")
     if is_result(path):
         if given:
-            raise ValueError(f"--{next(iter(given)).replace('_', '-')}: for height maps, {path} is a surface")
+            raise ValueError(f"{flag(next(iter(given)))}: for height maps, {path} is a surface")
         surface = read_result(path, "surface")
         if surface.attrs.get("unit_system") == "SI":
             raise ValueError(f"{path}: in SI units; a surface in cell lengths is needed")
         return surface, dataset.settings_of(surface)
     parameters = complete_map({"label": path.stem, "file": str(path), **given})
-    surface = read_surface(parameters)
+    surface = read_surface(parameters, option=flag)
     parameters["wavelength_short"] = surface.attrs["wavelength_short"]
     return surface, {"name": path.stem, "seed": 0, "surface": parameters}

@@ -1,0 +1,279 @@
+"""Sections and boxes of the solid: fields of the stress on one grid, from planes on grids of their own.
+
+Each plane of the stream is interpolated along y and x as its linear parts A and B; the named fields are made
+from the interpolated parts, never interpolated themselves. Over a periodic boundary the interpolation is the
+trigonometric one, exact for the modes of the plane. Over a free boundary it is Lagrange's on the
+`LAGRANGE_NODES` nearest nodes. Where a plane has the nodes that are asked for, they are taken as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from asperity.stress.arguments import (
+    FIELDS,
+    boundary_of,
+    checked_contact,
+    checked_depths,
+    checked_name,
+    checked_names,
+    checked_number,
+    checked_ratios,
+)
+from asperity.stress.depths import depth_grid
+from asperity.stress.planes import LinearPlane, linear_planes
+from asperity.stress.pressed import ContactLike
+from asperity.types import Array
+
+LAGRANGE_NODES = 10
+"""Nodes of the interpolation over a free boundary: its error is below 1e-4 for waves of seven nodes."""
+
+LARGEST_DATASET = 2**31
+"""Most bytes of a box as a dataset; a larger one can still be streamed."""
+
+ON_A_NODE = 1e-9
+"""A position nearer to a node than this share of a spacing is on it."""
+
+
+@dataclass(frozen=True)
+class StressBox:
+    """Fields of the stress in a box of the solid, computed plane by plane as they are asked for.
+
+    Parameters
+    ----------
+    depth, y, x : (planes,), (ny,), (nx,) arrays
+        The nodes of the box.
+    poisson : tuple of float
+    fields : tuple of str
+
+    Notes
+    -----
+    `planes` holds one plane in memory, whatever the height of the box.
+    """
+
+    depth: Array
+    y: Array
+    x: Array
+    poisson: tuple[float, ...]
+    fields: tuple[str, ...]
+    _contact: ContactLike = field(repr=False)
+    _settings: dict[str, Any] = field(repr=False)
+
+    def planes(self) -> Iterator[dict[str, Array]]:
+        """The fields of one depth after the other: name → (ratios, ny, nx) array."""
+        periodic = boundary_of(self._contact) == "periodic"
+        stream = linear_planes(self._contact, self.depth, self.poisson, self.fields, **self._settings)
+        for plane in stream:
+            found = _interpolated(plane, self.y, self.x, periodic)
+            yield {name: np.stack([found.field(name, nu) for nu in self.poisson]) for name in self.fields}
+
+    def dataset(self) -> xr.Dataset:
+        """All fields, along `poisson`, `depth`, `y` and `x`.
+
+        Raises
+        ------
+        ValueError
+            If they are larger than `LARGEST_DATASET`.
+        """
+        shape = len(self.poisson), self.depth.size, self.y.size, self.x.size
+        size = 8 * len(self.fields) * int(np.prod(shape))
+        if size > LARGEST_DATASET:
+            raise ValueError(
+                f"box of {self.depth.size} × {self.y.size} × {self.x.size} nodes: {size / 2**30:.1f} GiB, at "
+                f"most {LARGEST_DATASET / 2**30:g} GiB are accepted; take fewer nodes, or one plane "
+                "at a time by planes()"
+            )
+        values = {name: np.empty(shape) for name in self.fields}
+        for number, plane in enumerate(self.planes()):
+            for name in self.fields:
+                values[name][:, number] = plane[name]
+        dimensions = ("poisson", "depth", "y", "x")
+        return xr.Dataset(
+            {name: (dimensions, array) for name, array in values.items()},
+            coords={"poisson": list(self.poisson), "depth": self.depth, "y": self.y, "x": self.x},
+        )
+
+
+def stress_box(
+    contact: ContactLike,
+    depths: ArrayLike,
+    y: tuple[float, float] | None = None,
+    x: tuple[float, float] | None = None,
+    fields: Sequence[str] = ("von_mises",),
+    poisson: float | Sequence[float] | None = None,
+    *,
+    spacing: float | None = None,
+    **settings: Any,
+) -> StressBox:
+    """Fields of the stress in a box of the solid, on one grid.
+
+    Parameters
+    ----------
+    contact, depths, fields, poisson
+        As for `stress_planes`.
+    y, x : (first, last), optional
+        Range along each axis within the cell; by default the whole cell.
+    spacing : float, optional
+        Distance of the nodes along y and x; by default the nodes of the contact.
+    **settings
+        ``tolerance``, ``threads``, ``work``, ``friction``, ``sliding_direction`` of `stress_planes`.
+
+    Returns
+    -------
+    StressBox
+        Stresses in the unit of the contact pressure; nothing is computed until its planes are asked for.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is out of range.
+    """
+    checked_contact(contact)
+    names = checked_names("fields", fields, FIELDS)
+    return StressBox(
+        depth=checked_depths(depths, contact),
+        y=_positions("y", y, contact, 0, spacing),
+        x=_positions("x", x, contact, 1, spacing),
+        poisson=tuple(checked_ratios(poisson, contact.layer)),
+        fields=names,
+        _contact=contact,
+        _settings=settings,
+    )
+
+
+def stress_section(
+    contact: ContactLike,
+    along: str = "x",
+    at: float | None = None,
+    depths: ArrayLike | None = None,
+    fields: Sequence[str] = ("von_mises",),
+    poisson: float | Sequence[float] | None = None,
+    **settings: Any,
+) -> xr.Dataset:
+    """Fields of the stress in a vertical section through the solid.
+
+    Parameters
+    ----------
+    contact, fields, poisson
+        As for `stress_planes`.
+    along : "x" | "y"
+        Horizontal axis of the section.
+    at : float, optional
+        Position of the section on the other axis, within the cell; by default that of the largest pressure.
+    depths : (planes,) array, optional
+        By default those of `depth_grid`.
+    **settings
+        As for `stress_box`.
+
+    Returns
+    -------
+    dataset
+        Variables named as the fields, along `poisson`, `depth` and the horizontal axis, at the nodes of the
+        contact; the position on the other axis is a coordinate without a dimension.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is out of range.
+    """
+    checked_name("along", along, ("x", "y"))
+    pressure, _ = checked_contact(contact)
+    across = 0 if along == "x" else 1
+    if at is None:
+        highest = np.unravel_index(int(np.argmax(pressure)), pressure.shape)
+        at = float(highest[across] * contact.grid.spacing[across])
+    length = contact.grid.length[across]
+    at = checked_number("at", at, f"a position from 0 to {length:g}", lambda value: 0 <= value <= length)
+    if depths is None:
+        depths = depth_grid(contact.grid, contact.layer.height)
+    y, x = ((at, at), None) if along == "x" else (None, (at, at))
+    box = stress_box(contact, depths, y, x, fields, poisson, **settings)
+    return box.dataset().isel({"y" if along == "x" else "x": 0})
+
+
+def _positions(name: str, extent: Any, contact: ContactLike, axis: int, spacing: float | None) -> Array:
+    """Positions of the nodes of a box along one axis."""
+    length, step = contact.grid.length[axis], contact.grid.spacing[axis]
+    if spacing is not None:
+        step = checked_number("spacing", spacing, "a positive finite number", lambda value: value > 0)
+    if extent is None:
+        first, last = 0.0, length - step if length > step else 0.0
+    else:
+        accepted = f"a pair (first, last) of rising positions from 0 to {length:g}"
+        if np.shape(extent) != (2,):
+            raise ValueError(f"{name} = {extent!r}: {accepted} is needed")
+        first, last = (
+            checked_number(name, edge, accepted, lambda value: 0 <= value <= length) for edge in extent
+        )
+        if last < first:
+            raise ValueError(f"{name} = {extent!r}: {accepted} is needed")
+    return first + step * np.arange(int((last - first) / step + 1 + ON_A_NODE))
+
+
+def _interpolated(plane: LinearPlane, y: Array, x: Array, periodic: bool) -> LinearPlane:
+    """The plane with its parts at other positions."""
+    along_y, along_x = (
+        _Interpolation(nodes, positions / step, periodic)
+        for nodes, positions, step in zip(plane.grid.shape, (y, x), plane.grid.spacing, strict=True)
+    )
+
+    def moved(parts: dict[str, Array]) -> dict[str, Array]:
+        return {name: along_x(along_y(values).T).T.copy() for name, values in parts.items()}
+
+    return replace(plane, constant=moved(plane.constant), slope=moved(plane.slope))
+
+
+class _Interpolation:
+    """Interpolation along the first axis of an array.
+
+    Parameters
+    ----------
+    nodes : int
+    positions : (positions,) array
+        In spacings from the first node.
+    periodic : bool
+    """
+
+    def __init__(self, nodes: int, positions: Array, periodic: bool) -> None:
+        nearest = np.rint(positions)
+        self._index = nearest.astype(np.int64) % nodes
+        self._weights = None
+        inside = periodic or nearest.max() < nodes
+        if not (inside and np.all(np.abs(positions - nearest) < ON_A_NODE)):
+            weights = _trigonometric_weights if periodic else _lagrange_weights
+            self._weights = weights(nodes, positions)
+
+    def __call__(self, values: Array) -> Array:
+        if self._weights is None:
+            return values[self._index]
+        return self._weights @ values
+
+
+def _trigonometric_weights(nodes: int, positions: Array) -> Array:
+    """Weights of the trigonometric interpolation through equally spaced nodes of a period."""
+    distance = positions[:, None] - np.arange(nodes)
+    angle = np.pi * distance / nodes
+    below = nodes * (np.sin(angle) if nodes % 2 else np.tan(angle))
+    on_node = np.abs(distance - nodes * np.rint(distance / nodes)) < ON_A_NODE
+    return np.where(on_node, 1.0, np.sin(np.pi * distance) / np.where(on_node, 1.0, below))
+
+
+def _lagrange_weights(nodes: int, positions: Array) -> Array:
+    """Weights of Lagrange's interpolation on the nearest nodes."""
+    count = min(LAGRANGE_NODES, nodes)
+    first = np.clip(np.floor(positions).astype(np.int64) - (count - 1) // 2, 0, nodes - count)
+    place = first[:, None] + np.arange(count)
+    local = np.ones(place.shape)
+    for k in range(count):
+        for m in range(count):
+            if m != k:
+                local[:, k] *= (positions - place[:, m]) / (k - m)
+    weights = np.zeros((positions.size, nodes))
+    np.put_along_axis(weights, place, local, axis=1)
+    return weights

@@ -1,0 +1,103 @@
+"""Form of an indenter: a sphere or a cylinder under the roughness."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity.arguments import choice, magnitude, number, real_array
+from asperity.errors import shown
+from asperity.spectral import Grid
+from asperity.types import Array
+
+AXES = ("y", "x")
+
+
+def add_sphere(
+    height: ArrayLike,
+    length: Grid | float | tuple[float, float],
+    radius: float,
+    centre: tuple[float, float] | None = None,
+) -> Array:
+    """Height of a rough sphere: the paraboloid r²/(2R) is added to the lower face of the indenter.
+
+    As in Hertz's theory a paraboloid stands for the sphere. The sphere itself is higher by about r⁴/(8R³):
+    by 0.25 % of r²/(2R) at a distance of a tenth of the radius from its lowest point.
+
+    Parameters
+    ----------
+    height : (ny, nx) array
+        Roughness as a lower face measured upward, as `asperity.solve` takes it; zeros for a smooth sphere.
+    length : Grid, float or (length_y, length_x)
+        Edges of the map, in the unit of the heights, or the grid that has them.
+    radius : float
+        Radius of curvature R.
+    centre : (y, x), optional
+        Position of the lowest point, measured from the first node. By default the middle between the first
+        and the last node, on both axes.
+
+    Returns
+    -------
+    height : (ny, nx) array
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is of the wrong kind or out of range.
+    """
+    heights, grid = _surface(height, length)
+    radius = magnitude("radius", radius)
+    y, x = _from_centre(grid, centre)
+    return np.asarray(heights + (y[:, None] ** 2 + x**2) / (2 * radius))
+
+
+def add_cylinder(
+    height: ArrayLike,
+    length: Grid | float | tuple[float, float],
+    radius: float,
+    centre: tuple[float, float] | None = None,
+    *,
+    axis: str = "y",
+) -> Array:
+    """Height of a rough cylinder: the parabola s²/(2R) is added to the lower face of the indenter.
+
+    s is the distance from the axis of the cylinder, which lies along y or x through the centre. Parameters,
+    result and errors are otherwise those of `add_sphere`.
+
+    Parameters
+    ----------
+    axis : "y" | "x"
+        Direction of the axis, along which the cylinder does not curve.
+    """
+    heights, grid = _surface(height, length)
+    radius = magnitude("radius", radius)
+    choice("axis", axis, AXES)
+    y, x = _from_centre(grid, centre)
+    across = x if axis == "y" else y[:, None]
+    return np.asarray(heights + across**2 / (2 * radius))
+
+
+def _surface(height: ArrayLike, length: Grid | float | tuple[float, float]) -> tuple[Array, Grid]:
+    """The heights, and the grid on which they are given."""
+    heights = real_array("height", height)
+    if heights.ndim != 2 or heights.size == 0:
+        raise ValueError(f"height of shape {heights.shape}: an array (ny, nx) is needed")
+    if not isinstance(length, Grid):
+        return heights, Grid(heights.shape, length)  # type: ignore[arg-type]
+    if length.shape != heights.shape:
+        raise ValueError(
+            f"length = {shown(length)}: a grid of the shape of the heights, {heights.shape}, is needed"
+        )
+    return heights, length
+
+
+def _from_centre(grid: Grid, centre: tuple[float, float] | None) -> tuple[Array, Array]:
+    """Distances of the rows and columns of nodes from the centre."""
+    y, x = grid.coordinates()
+    if centre is None:
+        return y - 0.5 * y[-1], x - 0.5 * x[-1]
+    accepted = "None or a pair (y, x) of finite numbers"
+    if np.shape(centre) != (2,):
+        raise ValueError(f"centre = {shown(centre)}: {accepted} is needed")
+    middle_y, middle_x = (number("centre", value, accepted, np.isfinite) for value in centre)
+    return y - middle_y, x - middle_x

@@ -1,0 +1,124 @@
+"""Height maps as measured: heights, edges, unit, and which way is up.
+
+Two conventions meet here. A **map** of an instrument shows its peaks upward. The height that
+`asperity.contact.solve` takes is the **lower face** of an indenter, measured upward: its lowest points touch
+first. One is minus the other, so every `HeightMap` says which of the two it holds, and x and y stay as they
+are. The files of instruments are maps; results of asperity hold lower faces and say so; a bare array of
+numbers (NPY, MATLAB, HDF5, text without a header) can be either, and its reader has to be told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from asperity.types import Array
+from asperity.units import to_si
+
+PEAKS_UP, LOWER_FACE = "peaks up", "lower face"
+ORIENTATIONS = (PEAKS_UP, LOWER_FACE)
+"""What the heights of a map are: those of a map with its peaks upward, or of an indenter's lower face."""
+
+OptionName = Callable[[str], str]
+"""Function from the name of an argument to its name in the user's interface, for messages."""
+
+# Names of length units in files that pint reads as something else, or not at all.
+_UNIT_NAMES = {"A": "angstrom", "Å": "angstrom", "\u212b": "angstrom", "~m": "um"}
+
+
+class MapError(ValueError):
+    """Raised for a height map that cannot be read or used as asked; the message is one line.
+
+    Attributes
+    ----------
+    problems : tuple of str
+        Everything that is wrong or missing, each with the argument or option that it needs.
+    """
+
+    def __init__(self, source: str, problems: Sequence[str]) -> None:
+        self.problems = tuple(problems)
+        super().__init__(": ".join(part for part in (source, "; ".join(problems)) if part))
+
+
+@dataclass(frozen=True)
+class HeightMap:
+    """A rectangular height map as measured.
+
+    Parameters
+    ----------
+    height : (ny, nx) array
+        Heights; NaN where there are no data.
+    length : (length_y, length_x)
+        Edges of the map, in the unit of the heights.
+    periodic : bool
+        True if the file states that the map is one period.
+    orientation : "peaks up", "lower face" or None
+        Meaning of the heights; None if it is not known.
+    unit : str, optional
+        Unit of lengths in the file. If it is given, heights and edges are converted to metres; if it is
+        None, they are in one unit that is not known.
+    name : str
+        Name of the file.
+    channel : str
+        Name of the channel in the file.
+    """
+
+    height: Array
+    length: tuple[float, float]
+    periodic: bool = False
+    orientation: str | None = PEAKS_UP
+    unit: str | None = None
+    name: str = ""
+    channel: str = ""
+
+    @property
+    def missing(self) -> int:
+        """Number of points without data."""
+        return int(self.height.size - np.count_nonzero(np.isfinite(self.height)))
+
+    @property
+    def spacing(self) -> tuple[float, float]:
+        """Edges (y, x) of a pixel."""
+        return self.length[0] / self.height.shape[0], self.length[1] / self.height.shape[1]
+
+    def as_indenter(self) -> Array:
+        """Heights of the indenter's lower face, as `asperity.contact.solve` takes them.
+
+        Raises
+        ------
+        MapError
+            If the orientation is not known.
+        """
+        if self.orientation is None:
+            raise MapError(self.name, [orientation_needed("orientation")])
+        return self.height if self.orientation == LOWER_FACE else -self.height
+
+    def scaled(self, factor: float) -> HeightMap:
+        """The map with all lengths multiplied by a factor; their unit is not known afterwards."""
+        length = self.length[0] * factor, self.length[1] * factor
+        return replace(self, height=self.height * factor, length=length, unit=None)
+
+
+def orientation_needed(option: str) -> str:
+    """Message that asks which way is up."""
+    return (
+        f"{option}: the file does not say which way is up; set it to {PEAKS_UP!r} (a map of an instrument) "
+        f"or {LOWER_FACE!r} (the height of an indenter as solve takes it)"
+    )
+
+
+def metres(unit: str, option: str = "unit") -> float:
+    """Size of a length unit in metres.
+
+    Raises
+    ------
+    ValueError
+        If it is not a unit of length.
+    """
+    unit = unit.strip() if isinstance(unit, str) else unit
+    try:
+        return to_si(f"1 {_UNIT_NAMES.get(unit, unit)}", "length")
+    except (ValueError, TypeError) as error:
+        raise ValueError(f"{option} = {unit!r}: a unit of length is needed (nm, um, mm, m)") from error

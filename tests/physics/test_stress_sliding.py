@@ -1,0 +1,140 @@
+"""Stress under pressure and the traction of full sliding, against solutions that share no kernel with it."""
+
+import numpy as np
+import pytest
+
+from asperity.elasticity.layer import COMPONENTS, Layer
+from asperity.reference.state_space import StateSpace
+from asperity.spectral import Fourier, Grid, Work, resample
+from asperity.stress.arguments import FIELDS
+from asperity.stress.planes import linear_planes, stress_planes
+from asperity.stress.pressed import PressedSolid
+from asperity.stress.truncation import envelope_of
+
+HALF_SPACE = Layer(young=1.0, poisson=0.3)
+
+
+def spots(shape, length=(1.0, 1.0), layer=HALF_SPACE):
+    """Sharp random spots."""
+    grid = Grid(shape, length)
+    y, x = grid.coordinates()
+    draw = np.random.default_rng(6)
+    pressure = np.zeros(grid.shape)
+    for cy, cx, radius in zip(*draw.uniform(0.2, 0.8, (2, 9)), draw.uniform(0.03, 0.1, 9), strict=True):
+        square = (y[:, None] / length[0] - cy) ** 2 + (x[None, :] / length[1] - cx) ** 2
+        pressure += np.sqrt(np.maximum(1 - square / radius**2, 0))
+    return PressedSolid(pressure, grid, layer)
+
+
+@pytest.mark.parametrize("poisson", [-0.4, 0.0, 0.3, 0.5])
+@pytest.mark.parametrize(("kx", "ky"), [(1, 0), (0, 2), (3, 2), (-2, 3)])
+@pytest.mark.parametrize("degrees", [0.0, 90.0, 215.0])
+def test_one_mode_against_the_system_of_equilibrium_and_hookes_law(poisson, kx, ky, degrees):
+    grid, friction = Grid((12, 16), (0.8, 1.3)), 0.7
+    y, x = grid.coordinates()
+    qx, qy = 2 * np.pi * kx / 1.3, 2 * np.pi * ky / 0.8
+    phase = qy * y[:, None] + qx * x[None, :]
+    traction = friction * np.cos(np.radians(degrees)), friction * np.sin(np.radians(degrees))
+    mode = StateSpace(qx, qy, 1.0, poisson, digits=30)
+    amplitudes = mode.solve([*traction, -1])
+    solid = PressedSolid(np.cos(phase), grid, Layer(young=1.0, poisson=poisson))
+    settings = {"friction": friction, "sliding_direction": degrees, "tolerance": 0}
+    for ratios in (None, [0.1, poisson]):
+        for plane in stress_planes(solid, [0.0, 0.04, 0.3], ratios, COMPONENTS, **settings):
+            state = mode.state(plane.depth, amplitudes)
+            for name, value in zip(COMPONENTS, mode.stress_of(state), strict=True):
+                expected = (complex(value) * np.exp(1j * phase)).real
+                np.testing.assert_allclose(plane.fields[name][-1], expected, atol=1e-13)  # rounding
+
+
+@pytest.mark.parametrize("shape", [(20, 24), (21, 27)])
+@pytest.mark.parametrize("degrees", [0.0, 33.0])
+def test_surface_carries_the_pressure_and_the_traction(shape, degrees):
+    solid = spots(shape, (1.0, 1.4))
+    plane = next(
+        stress_planes(solid, [0.0], None, ("zz", "xz", "yz"), 0, friction=0.4, sliding_direction=degrees)
+    )
+    x, y = 0.4 * np.cos(np.radians(degrees)), 0.4 * np.sin(np.radians(degrees))
+    np.testing.assert_allclose(plane.fields["zz"][0], -solid.pressure, atol=1e-13)
+    np.testing.assert_allclose(plane.fields["xz"][0], x * solid.pressure, atol=1e-13)
+    np.testing.assert_allclose(plane.fields["yz"][0], y * solid.pressure, atol=1e-13)
+
+
+def test_mean_shear_stress_is_the_mean_traction_at_every_depth():
+    solid = spots((32, 32))
+    for plane in stress_planes(solid, [0.0, 0.2, 1.0], [0.0, 0.5], COMPONENTS, friction=0.3):
+        mean = solid.pressure.mean()
+        assert plane.fields["xz"].mean(axis=(1, 2)) == pytest.approx(0.3 * mean, rel=1e-12)
+        assert plane.fields["yz"].mean(axis=(1, 2)) == pytest.approx(0, abs=1e-12)
+
+
+def test_no_more_transforms_than_without_friction():
+    works = [Work(), Work()]
+    for work, friction in zip(works, (0.0, 0.3), strict=True):
+        list(stress_planes(spots((32, 32)), [0.0, 0.1], [0.0, 0.3, 0.5], work=work, friction=friction))
+    assert works[0].nodes == works[1].nodes
+
+
+@pytest.mark.parametrize("poisson", [-0.95, -0.3, 0.0, 0.3, 0.5])
+@pytest.mark.parametrize("friction", [0.0, 0.3, 2.0])
+def test_error_of_coarse_planes_is_within_the_bound_for_every_field(poisson, friction):
+    """The components of the coarse plane, interpolated to the full grid by their modes."""
+    solid = spots((120, 120), layer=Layer(young=1.0, poisson=poisson))
+    settings = {"friction": friction, "sliding_direction": 20.0}
+    depths = [0.01, 0.04, 0.15, 0.4]
+    coarse = linear_planes(solid, depths, tolerance=1e-3, **settings)
+    share = []
+    for plane, full in zip(coarse, linear_planes(solid, depths, tolerance=0, **settings), strict=True):
+        fine = {}
+        for name, field in plane.constant.items():
+            modes = resample(Fourier(plane.grid).forward(field), plane.grid, solid.grid)
+            fine[name] = Fourier(solid.grid).inverse(modes) if plane.grid != solid.grid else field
+        lifted = type(full)(full.depth, full.grid, 0.0, fine, {}, full.mean_pressure, full.lateral)
+        largest = max(
+            np.abs(lifted.field(name, poisson) - full.field(name, poisson)).max() for name in FIELDS
+        )
+        assert largest <= plane.bound + 1e-6 * np.abs(full.constant["zz"]).max()  # single precision
+        share.append(plane.grid.size / solid.grid.size)
+    assert share[-1] < 0.1
+
+
+def largest_of_every_field(poisson, friction):
+    """Largest field of a unit mode over (1 + q d) e^(−q d), by searching depth, angle and phase."""
+    worst = 0.0
+    phase = np.linspace(0, 2 * np.pi, 73)
+    for d in (0.0, 0.3, 1.0, 2.0, 4.0, 12.0):
+        for degrees in (0.0, 30.0, 60.0, 90.0):
+            angle = np.radians(degrees)
+            along, across = friction * np.cos(angle), friction * np.sin(angle)
+            mode = StateSpace(1.0, 0.0, 1.0, poisson, digits=20)
+            stress = [complex(v) for v in mode.stress_of(mode.state(d, mode.solve([along, across, -1])))]
+            xx, yy, zz, yz, xz, xy = (np.real(v * np.exp(1j * phase)) for v in stress)
+            tensor = np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=-1).reshape(-1, 3, 3)
+            principal = np.linalg.eigvalsh(tensor)
+            mises = np.sqrt(0.5 * sum((principal[:, i] - principal[:, i - 1]) ** 2 for i in range(3)))
+            worst = max(worst, max(np.abs(principal).max(), mises.max()) / ((1 + d) * np.exp(-d)))
+    return worst
+
+
+@pytest.mark.parametrize("poisson", [-0.95, -0.5, 0.0, 0.3, 0.5])
+@pytest.mark.parametrize("friction", [0.0, 0.5, 3.0])
+def test_envelope_bounds_every_field_of_a_mode(poisson, friction):
+    envelope = envelope_of(Layer(1.0, poisson), poisson, friction)
+    largest = largest_of_every_field(poisson, friction)
+    assert 0.5 * envelope < largest <= envelope * (1 + 1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"friction": -0.1}, r"friction = -0\.1: a finite number ≥ 0 is needed"),
+        ({"friction": "0.1"}, r"friction = '0\.1': a finite number ≥ 0"),
+        ({"sliding_direction": "z"}, 'sliding_direction = \'z\': "x", "y" or an angle in degrees'),
+        ({"sliding_direction": None}, 'sliding_direction = None: "x", "y" or an angle in degrees'),
+        ({"contact": spots((8, 8), layer=Layer(1.0, 0.3, 0.5))}, r"friction = 0\.2: 0 is needed in a layer"),
+    ],
+)
+def test_bad_input_names_argument_value_and_range(changes, message):
+    arguments = {"contact": spots((8, 8)), "depths": [0.0], "friction": 0.2} | changes
+    with pytest.raises((ValueError, TypeError), match=f"^{message}"):
+        stress_planes(**arguments)

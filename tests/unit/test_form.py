@@ -1,0 +1,81 @@
+"""Spheres and cylinders added to a roughness."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.reference.hertz import Hertz
+from asperity.surface.form import add_cylinder, add_sphere
+
+HALF_SPACE = asp.Layer(1.0, 0.0)
+
+
+def test_a_sphere_is_a_paraboloid_about_the_middle_of_the_map():
+    height = add_sphere(np.full((5, 4), 7.0), (10.0, 4.0), 50.0)
+    assert height[2, 1] == height[2, 2] == 7 + 0.5**2 / 100
+    assert height[0, 3] == pytest.approx(7 + (4.0**2 + 1.5**2) / 100)
+    for mirrored in (height[::-1], height[:, ::-1]):
+        np.testing.assert_allclose(mirrored, height, rtol=1e-15)
+
+
+def test_the_exact_sphere_is_higher_by_the_fourth_power_of_the_distance():
+    """Tolerance: the next term of the series is r⁶/(16 R⁵)."""
+    height, radius = add_sphere(np.zeros((1, 101)), (0.01, 1.01), 2.0), 2.0
+    r = 0.01 * (np.arange(101) - 50)
+    sphere = radius - np.sqrt(radius**2 - r**2)
+    np.testing.assert_allclose(sphere - height[0], r**4 / (8 * radius**3), atol=0.5**6 / (12 * radius**5))
+
+
+def test_the_lowest_point_of_a_sphere_lies_at_its_centre():
+    grid = asp.Grid((20, 30), (2.0, 3.0))
+    height = add_sphere(np.zeros(grid.shape), grid, 1.0, centre=(0.4, 2.5))
+    assert np.unravel_index(np.argmin(height), height.shape) == (4, 25)
+    assert height[4, 25] == pytest.approx(0, abs=1e-30)
+
+
+@pytest.mark.parametrize("axis", ["y", "x"])
+def test_a_cylinder_does_not_curve_along_its_axis(axis):
+    roughness = np.random.default_rng(1).standard_normal((6, 6))
+    form = add_cylinder(roughness, 3.0, 4.0, centre=(1.0, 1.0), axis=axis) - roughness
+    across = form if axis == "y" else form.T
+    np.testing.assert_allclose(across, np.tile((0.5 * np.arange(6) - 1) ** 2 / 8, (6, 1)), atol=1e-15)
+
+
+def test_a_smooth_sphere_gives_the_contact_of_hertz():
+    """Grid error."""
+    exact = Hertz(contact_radius=0.4, curvature_radius=3.0)
+    sphere = add_sphere(np.zeros((128, 128)), 1.0, 3.0)
+    contact = asp.solve(sphere, HALF_SPACE, force=exact.load, boundary="free")
+    assert contact.max_pressure == pytest.approx(exact.largest_pressure, rel=1e-3)
+    assert contact.approach == pytest.approx(exact.approach, rel=1e-3)
+
+
+def test_a_smooth_cylinder_gives_the_line_contact_of_hertz():
+    """Half-width b = √(4 F R/(π E* L)) and p0 = 2 F/(π b L); the periodic images change them by (b/L)²."""
+    radius, load = 5.0, 1e-3
+    half_width = np.sqrt(4 * load * radius / np.pi)
+    cylinder = add_cylinder(np.zeros((4, 512)), (1 / 128, 1.0), radius)
+    contact = asp.solve(cylinder, HALF_SPACE, (1 / 128, 1.0), mean_pressure=load)
+    assert contact.area_fraction == pytest.approx(2 * half_width, rel=0.02)
+    assert contact.max_pressure == pytest.approx(2 * load / (np.pi * half_width), rel=0.02)
+    assert np.ptp(contact.pressure, axis=0).max() < 1e-4 * contact.max_pressure
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"radius": 0.0}, r"^radius = 0.0: a number > 0"),
+        ({"radius": -2.0}, r"^radius = -2.0: a number > 0"),
+        ({"centre": (1.0,)}, r"^centre = \(1.0,\): None or a pair"),
+        ({"centre": (1.0, np.nan)}, r"^centre = nan: None or a pair"),
+        ({"length": asp.Grid((3, 3))}, r"^length = Grid.*: a grid of the shape of the heights, \(4, 4\),"),
+        ({"height": np.zeros(4)}, r"^height of shape \(4,\)"),
+        ({"axis": "z"}, r"^axis = 'z': one of y, x is needed"),
+    ],
+)
+def test_arguments_out_of_range_are_refused(arguments, message):
+    given = {"height": np.zeros((4, 4)), "length": 1.0, "radius": 1.0, "axis": "y"} | arguments
+    with pytest.raises(ValueError, match=message):
+        add_cylinder(**given)
