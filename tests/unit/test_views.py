@@ -227,6 +227,17 @@ def test_the_plane_of_the_largest_stress_of_a_wave_is_found():
     assert np.abs(image(figure)).max() == pytest.approx(PRESSURE / 1e6 / np.e, rel=0.01)
 
 
+def test_a_plane_under_a_ball_shows_the_shear_of_hertz():
+    """Free boundary: the largest shear is 0.310 p0 at a depth of 0.48 a for ν = 0.3 (Johnson 1985, 3.45)."""
+    grid = asp.Grid((64, 64), 1e-3)
+    y, x = grid.coordinates()
+    height = ((x - 5e-4) ** 2 + (y[:, None] - 5e-4) ** 2) / (2 * 5e-3)
+    contact = asp.solve(height, asp.Layer(210e9, 0.3), 1e-3, force=200.0, boundary="free")
+    figure = asp.plot_plane(contact, field="largest_shear", unit_system=SI)
+    # Pixels of a ninth of the contact radius; the periodic stress would be 2 % larger.
+    assert image(figure).max() == pytest.approx(0.310 * contact.pressure.max() / 1e6, rel=5e-3)
+
+
 def test_peaks_are_points_of_magnitude_and_depth(files):
     stress = dataset.read(files["si_stress"])
     figure = asp.plot_peaks(stress, "von_mises", 0.33)
