@@ -145,7 +145,9 @@ def test_an_interrupt_is_one_line(files, monkeypatch, capsys, tmp_path):
     assert capsys.readouterr().err == "asperity: interrupted\n"
 
 
-@pytest.mark.parametrize("command", ["", "solve", "stress", "peaks", "plot", "plan"])
+@pytest.mark.parametrize(
+    "command", ["", "surface", "solve", "stress", "peaks", "plot", "plan", "view", "export"]
+)
 def test_every_command_has_help(capsys, command):
     with pytest.raises(SystemExit) as stopped:
         main([*command.split(), "--help"])

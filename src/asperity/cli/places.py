@@ -59,8 +59,8 @@ def span(name: str, text: str, si: bool) -> tuple[float, float]:
     return length(name, first, si), length(name, last, si)
 
 
-def places(words: Sequence[str], known: Sequence[str]) -> dict[str, str]:
-    """Values by name from words such as ``y=205um``.
+def places(view: str, words: Sequence[str], known: Sequence[str]) -> dict[str, str]:
+    """Values by name from words such as ``y=205um`` after the name of a view.
 
     Raises
     ------
@@ -70,6 +70,8 @@ def places(words: Sequence[str], known: Sequence[str]) -> dict[str, str]:
     found: dict[str, str] = {}
     for word in words:
         name, equals, value = word.partition("=")
+        if not known:
+            raise ValueError(f"{shown(word)}: {view} takes no place")
         if not equals or name not in known or not value:
             accepted = ", ".join(f"{name}=..." for name in known)
             raise ValueError(f"{shown(word)}: one of {accepted} is needed")

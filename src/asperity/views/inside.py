@@ -143,7 +143,7 @@ def plot_section(
     with canvas(len(sections), axes, shape, columns=1) as (figure, panels):
         for axis, section in zip(panels, sections, strict=True):
             _draw(axis, section, look, limits, unit, length)
-        add_colour_bar(figure, panels, look.colours, limits, unit, look.label)
+        add_colour_bar(figure, panels, look.colours, limits, unit, look.label, below=True)
     return figure
 
 

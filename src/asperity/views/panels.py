@@ -23,7 +23,7 @@ LABELS = 16 * MILLIMETRE
 """Height of the labels and the title of a panel."""
 
 BAR = 22 * MILLIMETRE
-"""Width of the colour bar and of the labels of the panels."""
+"""Width of the colour bar beside the panels with all labels, or its height below them."""
 
 
 @contextlib.contextmanager
@@ -41,7 +41,7 @@ def canvas(
     shape : float
         Height of a panel over its width.
     columns : int
-        Most panels beside each other.
+        Most panels beside each other; below a single column there is room for a colour bar.
 
     Raises
     ------
@@ -61,23 +61,38 @@ def canvas(
     rows = -(-count // across)
     width = SINGLE if count == 1 and columns > 1 else PAGE
     height = min(max(shape * (width - BAR) / across, LEAST_HEIGHT), MOST_HEIGHT)
+    bar_below = BAR if columns == 1 else 0.0
     with style():
-        figure = Figure(figsize=(width, rows * (height + LABELS)), layout="compressed")
+        figure = Figure(figsize=(width, rows * (height + LABELS) + bar_below), layout="compressed")
         yield figure, [figure.add_subplot(rows, across, number + 1) for number in range(count)]
 
 
 def add_colour_bar(
-    figure: Figure, axes: Sequence[Axes], colours: str, limits: Limits, unit: Measure, label: str
+    figure: Figure,
+    axes: Sequence[Axes],
+    colours: str,
+    limits: Limits,
+    unit: Measure,
+    label: str,
+    below: bool = False,
 ) -> None:
-    """Add the colour bar of some panels, with arrows at the ends beyond which there are values.
+    """Add the colour bar of some panels, beside or below them; arrows mean that values lie beyond its ends.
 
     A bar with both signs shows the values that occur only, although its colours are symmetric.
     """
     mappable = ScalarMappable(limits.normalise(unit), colours)
-    bar = figure.colorbar(mappable, ax=list(axes), label=unit.label(label), extend=limits.extend)
+    bar = figure.colorbar(
+        mappable,
+        ax=list(axes),
+        label=unit.label(label),
+        extend=limits.extend,
+        location="bottom" if below else "right",
+        aspect=40 if below else 20,
+    )
     low, high = max(limits.low, limits.smallest), min(limits.high, limits.largest)
     if limits.low < 0 and low < max(high, 0):
-        bar.ax.set_ylim(low / unit.factor, max(high, 0) / unit.factor)
+        shown = low / unit.factor, max(high, 0) / unit.factor
+        (bar.ax.set_xlim if below else bar.ax.set_ylim)(*shown)
 
 
 def finish_title(axis: Axes, *lines: str) -> None:

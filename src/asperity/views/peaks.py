@@ -25,6 +25,9 @@ SHAPE = 0.8
 ROOM = 1.3
 """Depth of the axis over that of the deepest peaks, which leaves room for the legend."""
 
+TICKS = 5
+"""Most intervals between ticks of magnitude, whose numbers may be long."""
+
 BINS = 60
 """Bins of a histogram."""
 
@@ -80,6 +83,7 @@ def plot_peaks(
                 _draw_histogram(axis, data, limits, unit)
             else:
                 _draw_points(axis, data, profile, limits, deepest, unit, length)
+            axis.locator_params(axis="x", nbins=TICKS)
             axis.set_xlabel(unit.label(f"magnitude of peaks of {field_name(quantity)}"))
             values = np.abs(data["peak_value"].values)
             finish_title(axis, title, limits.beyond(values, unit))

@@ -37,6 +37,8 @@ class Source:
         Those of `FIELDS` that the result has, as arrays [y, x].
     layer : Layer or None
         The solid, if the result is a contact and describes it.
+    boundary : "periodic" | "free"
+        As of a `Contact`.
     """
 
     title: str
@@ -44,6 +46,7 @@ class Source:
     system: str | None
     fields: dict[str, Array]
     layer: Layer | None
+    boundary: str = "periodic"
 
     def field(self, name: str) -> Array:
         """One of the fields.
@@ -76,7 +79,8 @@ class Source:
         """
         if self.layer is None or "pressure" not in self.fields:
             raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
-        return PressedSolid(self.fields["pressure"].astype(float), self.grid, self.layer)
+        pressure = self.fields["pressure"].astype(float)
+        return PressedSolid(pressure, self.grid, self.layer, self.boundary)
 
 
 def sources(results: Any, unit_system: str | None = None) -> list[Source]:
@@ -117,9 +121,7 @@ def same_system(systems: Sequence[str | None]) -> str | None:
         If they have several.
     """
     if len(set(systems)) > 1:
-        raise ValueError(
-            "result: results in one system of units are needed, not SI beside dimensionless ones"
-        )
+        raise ValueError("result: results in one unit system are needed, not SI beside dimensionless ones")
     return systems[0]
 
 
@@ -150,7 +152,8 @@ def _source(result: Any, unit_system: str | None, title: str | None = None) -> S
         )
     layer = getattr(result, "layer", None)
     system = getattr(result, "unit_system", unit_system)
-    return Source(title or "", grid, system, fields, layer if isinstance(layer, Layer) else None)
+    boundary = getattr(result, "boundary", "periodic")
+    return Source(title or "", grid, system, fields, layer if isinstance(layer, Layer) else None, boundary)
 
 
 def _source_of_dataset(data: xr.Dataset, title: str | None) -> Source:
@@ -162,7 +165,8 @@ def _source_of_dataset(data: xr.Dataset, title: str | None) -> Source:
         fields.setdefault("height", (height - height.mean()).values)
     title = title_of(data) if title is None else title
     layer = _layer_of(data) if "pressure" in data and "solid" in data.attrs else None
-    return Source(title, grid_of(data), system_of(data), fields, layer)
+    boundary = str(data.attrs.get("boundary", "periodic"))
+    return Source(title, grid_of(data), system_of(data), fields, layer, boundary)
 
 
 def _layer_of(contact: xr.Dataset) -> Layer:

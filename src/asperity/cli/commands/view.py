@@ -61,7 +61,10 @@ def _split(words: Sequence[str]) -> tuple[list[str], str, list[str]]:
 
 
 def _read(paths: Sequence[str], view: str) -> dict[str, xr.Dataset]:
-    """Results by title; a title that occurs twice is that of the file too."""
+    """Results by title; titles that occur twice are told apart by their files."""
+    for path in paths:
+        if paths.count(path) > 1:
+            raise ValueError(f"{path}: given twice")
     read = {path: dataset.read(path) for path in paths}
     for path, data in read.items():
         if (stage := stage_of(data)) not in _STAGES[view]:
@@ -69,10 +72,12 @@ def _read(paths: Sequence[str], view: str) -> dict[str, xr.Dataset]:
             raise ValueError(
                 f"{path}: a result of {stage or 'no stage'}, one of {needed} is needed for {view}"
             )
-    titles = [title_of(data) for data in read.values()]
+    titles = {path: title_of(data) for path, data in read.items()}
+    stems = [Path(path).stem for path in paths]
+    apart = {path: stem if stems.count(stem) == 1 else path for path, stem in zip(paths, stems, strict=True)}
     return {
-        title if titles.count(title) == 1 else f"{title} ({Path(path).stem})": data
-        for title, (path, data) in zip(titles, read.items(), strict=True)
+        title if list(titles.values()).count(title) == 1 else f"{title} ({apart[path]})": read[path]
+        for path, title in titles.items()
     }
 
 
@@ -84,7 +89,7 @@ def _beside(path: str, view: str) -> Path:
 def _draw(
     view: str, results: dict[str, xr.Dataset], words: Sequence[str], options: argparse.Namespace
 ) -> Figure:
-    given = places(words, _PLACES.get(view, ("y", "x")))
+    given = places(view, words, _PLACES.get(view, ("y", "x")))
     si = is_si(next(iter(results.values())))
     poisson = section(options, "layer").get("poisson")
     if view in _MAPS:

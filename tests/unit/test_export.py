@@ -1,0 +1,229 @@
+"""Exports: the table of peaks, and images read back by a parser of their own."""
+
+import csv
+import struct
+import tracemalloc
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+from bad_input import make_chain
+
+import asperity as asp
+from asperity.cli.main import main
+from asperity.results import dataset
+from asperity.results.export import (
+    MICROMETRES_AND_MEGAPASCALS,
+    make_box,
+    peak_table,
+    write_box,
+)
+
+EDGE, PRESSURE = (512e-6, 256e-6), 50e6
+Q = 2 * np.pi / EDGE[1]
+
+
+def wave(shape=(16, 32)):
+    """Half-space under p (1 + cos q x), in SI."""
+    grid = asp.Grid(shape, EDGE)
+    _, x = grid.coordinates()
+    field = np.broadcast_to(PRESSURE * (1 + np.cos(Q * x)), grid.shape)
+    return asp.PressedSolid(field.copy(), grid, asp.Layer(210e9, 0.3))
+
+
+def read_image(path):
+    """Positions x, y, z of the nodes and fields [z, y, x] of VTK image data with appended raw data."""
+    head, data = path.read_bytes().split(b'<AppendedData encoding="raw">_', 1)
+    root = ET.fromstring(head + b"</VTKFile>")
+    assert (root.get("type"), root.get("byte_order"), root.get("header_type")) == (
+        "ImageData",
+        "LittleEndian",
+        "UInt64",
+    )
+    image = root.find("ImageData")
+    extent = [int(word) for word in image.get("WholeExtent").split()]
+    assert image.find("Piece").get("Extent").split() == image.get("WholeExtent").split()
+    origin, spacing = ([float(word) for word in image.get(name).split()] for name in ("Origin", "Spacing"))
+    axes = [
+        start + step * np.arange(first, last + 1)
+        for start, step, first, last in zip(origin, spacing, extent[::2], extent[1::2], strict=True)
+    ]
+    shape = tuple(axis.size for axis in reversed(axes))
+    fields = {}
+    for array in image.find("Piece").find("PointData"):
+        assert array.get("type") == "Float32"
+        begin = int(array.get("offset"))
+        (size,) = struct.unpack("<Q", data[begin : begin + 8])
+        assert size == 4 * np.prod(shape)
+        fields[array.get("Name")] = np.frombuffer(data[begin + 8 : begin + 8 + size], "<f4").reshape(shape)
+    assert data[begin + 8 + size :] == b"\n</AppendedData></VTKFile>\n"
+    return axes, fields
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Results of one surface of the study."""
+    return make_chain(tmp_path_factory.mktemp("export"))
+
+
+def test_an_image_holds_the_stress_of_a_wave(tmp_path):
+    """σ_zz = −p (1 + (1 + q d) exp(−q d) cos q x) and σ_xz = ±p q d exp(−q d) sin q x (Westergaard 1939)."""
+    solid = wave()
+    box = make_box(solid.grid, (8e-6, 88e-6), spacing=16e-6)
+    path = tmp_path / "wave.vti"
+    size = write_box(solid, path, box, ("zz", "xz"), units=MICROMETRES_AND_MEGAPASCALS)
+    assert size == path.stat().st_size
+    (x, y, z), fields = read_image(path)
+    assert np.allclose(x, np.arange(32) * 8)
+    assert np.allclose(y, np.arange(16) * 32)
+    assert np.allclose(z, np.arange(-88, 0, 16))
+    depth = -1e-6 * z[:, None, None]
+    decay, phase = np.exp(-Q * depth), Q * 1e-6 * x
+    expected = {
+        "zz_MPa": -50 * (1 + (1 + Q * depth) * decay * np.cos(phase)),
+        "xz_MPa": 50 * Q * depth * decay * np.sin(phase),
+    }
+    assert list(fields) == list(expected)
+    assert np.allclose(fields["zz_MPa"], expected["zz_MPa"], rtol=2e-7, atol=1e-5)
+    # The sign of a shear stress depends on the direction of z.
+    assert np.allclose(np.abs(fields["xz_MPa"]), np.abs(expected["xz_MPa"]), rtol=1e-6, atol=1e-5)
+
+
+def test_an_image_of_a_part_of_the_cell_has_its_nodes_only(tmp_path):
+    solid = wave()
+    whole, part = (
+        make_box(solid.grid, (0.0, 40e-6), **spans)
+        for spans in ({}, {"y": (64e-6, 160e-6), "x": (100e-6, 200e-6)})
+    )
+    for name, box in (("whole", whole), ("part", part)):
+        write_box(solid, tmp_path / f"{name}.vti", box, units=MICROMETRES_AND_MEGAPASCALS)
+    (x, y, _), fields = read_image(tmp_path / "part.vti")
+    _, all_fields = read_image(tmp_path / "whole.vti")
+    assert np.allclose(y, [64, 96, 128, 160])
+    assert np.allclose(x, np.arange(104, 201, 8))
+    assert np.array_equal(fields["von_mises_MPa"], all_fields["von_mises_MPa"][:, 2:6, 13:26])
+
+
+def test_the_spacing_of_planes_is_that_of_the_nodes_or_less():
+    grid = asp.Grid((8, 8), 1.0)
+    assert make_box(grid, (0.0, 0.5)).depths.size == 5
+    assert np.diff(make_box(grid, (0.0, 0.3)).depths) == pytest.approx(np.full(3, 0.1))
+    assert make_box(grid, (0.0, 0.01)).depths.tolist() == [0.0, 0.01]
+
+
+def test_memory_does_not_grow_with_the_planes(tmp_path):
+    solid, largest = wave((64, 64)), []
+    for planes in (8, 64):
+        box = make_box(solid.grid, (0.0, (planes - 1) * 4e-6), spacing=4e-6)
+        write_box(solid, tmp_path / "warm.vti", box)
+        tracemalloc.start()
+        write_box(solid, tmp_path / "box.vti", box)
+        largest.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert largest[1] < 1.2 * largest[0]
+    assert (tmp_path / "box.vti").stat().st_size > 64 * 64 * 64 * 4
+
+
+def test_an_image_that_fails_leaves_no_file(tmp_path):
+    solid = wave()
+    layer = asp.PressedSolid(solid.pressure, solid.grid, asp.Layer(210e9, 0.3, height=50e-6))
+    with pytest.raises(ValueError, match="the height of the layer"):
+        write_box(layer, tmp_path / "box.vti", make_box(solid.grid, (0.0, 60e-6)))
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"depth": (0.5, 0.5)}, "depth = 0.5 to 0.5: rising depths ≥ 0 are needed"),
+        ({"depth": (-0.5, 0.5)}, "depth = -0.5 to 0.5: rising depths ≥ 0"),
+        ({"depth": (0, 0.5), "spacing": 0.0}, "spacing = 0: a distance > 0 is needed"),
+        ({"depth": (0, 0.5), "spacing": 1e-5}, "spacing = 1e-05: a spacing of at least 0.0001221 is needed"),
+        ({"depth": (0, 0.5), "y": (0.5, 2)}, "y = 0.5 to 2: rising positions from 0 to 1 are needed"),
+        (
+            {"depth": (0, 0.5), "x": (0.1, 0.2)},
+            "x = 0.1 to 0.2: at least two nodes are needed, they are 0.125",
+        ),
+    ],
+)
+def test_boxes_out_of_range_are_refused(arguments, message):
+    with pytest.raises(ValueError, match=message.replace("≥", ".")):
+        make_box(asp.Grid((8, 8)), told="{:.4g}".format, **arguments)
+
+
+def test_the_table_holds_every_peak_with_its_unit(files, tmp_path):
+    stress = dataset.read(files["stress"])
+    assert main(["export", files["stress"], "--peaks", str(tmp_path / "peaks.csv")]) == 0
+    with open(tmp_path / "peaks.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == stress.sizes["peak"]
+    assert list(rows[0]) == [
+        "quantity",
+        "poisson",
+        "kind",
+        "under_contact",
+        "value_effective_modulus",
+        "depth_cell_length",
+        "y_cell_length",
+        "x_cell_length",
+    ]
+    found = asp.peaks(stress, "von_mises", 0.33)
+    mine = [row for row in rows if row["quantity"] == "von_mises" and row["poisson"] == "0.33"]
+    values = [float(row["value_effective_modulus"]) for row in mine]
+    assert values == sorted(values, reverse=True)
+    assert np.allclose(values, np.sort(found["peak_value"].values)[::-1], rtol=1e-6)
+    first = int(found["peak_value"].values.argmax())
+    assert float(mine[0]["depth_cell_length"]) == pytest.approx(float(found["peak_depth"][first]), rel=1e-6)
+    assert mine[0]["kind"] == ("interior" if found["peak_interior"][first] else "surface")
+    assert mine[0]["under_contact"] == str(bool(found["peak_under_contact"][first]))
+    assert {row["poisson"] for row in rows if row["quantity"] == "pressure"} == {""}
+
+
+def test_the_table_of_a_result_in_si_is_in_micrometres_and_megapascals(files):
+    stress = dataset.read(files["stress"])
+    table, plain = peak_table(stress.assign_attrs(unit_system="SI")), peak_table(stress)
+    assert np.allclose(table["value_MPa"] * 1e6, plain["value_effective_modulus"])
+    assert np.allclose(table["depth_um"] * 1e-6, plain["depth_cell_length"])
+
+
+def test_the_command_writes_table_and_images(files, tmp_path, capsys):
+    table, image, other = (str(tmp_path / name) for name in ("p.csv", "a.vti", "b.vti"))
+    command = ["export", files["contact"], files["stress"], "--peaks", table, "--x", "0-0.5"]
+    command += ["--field", "von_mises,zz:0-0.25", image, "--field", "xx:0.1-0.2", other, "--poisson", "0.2"]
+    assert main(command) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith(f"{table}: ")
+    assert lines[1].startswith(f"{image}: von_mises, zz in effective modulus on 33 × 64 × 17 nodes")
+    _, fields = read_image(tmp_path / "a.vti")
+    contact = dataset.read(files["contact"])
+    surface = fields["zz_effective_modulus"][-1]
+    assert np.allclose(
+        surface, -contact["pressure"].values[:, :33], atol=1e-7 * float(contact["pressure"].max())
+    )
+    assert list(read_image(tmp_path / "b.vti")[1]) == ["xx_effective_modulus"]
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        ("{contact}", "nothing to export: --peaks FILE.csv or --field NAMES:DEPTHS FILE.vti is needed"),
+        ("{contact} --peaks p.csv", "--peaks: a stress file (of asperity stress) is needed, none is given"),
+        ("{stress} --field xx:0-1 f.vti", "--field: a contact file (of asperity solve) is needed"),
+        ("{surface} --peaks p.csv", "a result of surface, one of contact or stress is needed"),
+        ("{stress} {stress} --peaks p.csv", "a second result of stress, one is needed"),
+        ("{stress} --peaks p.xlsx", "p.xlsx: a name that ends in .csv is needed"),
+        ("{contact} --field xx:0-1 f.vtk", "f.vtk: a name that ends in .vti is needed"),
+        ("{contact} --field xx f.vti", "--field 'xx': NAMES:DEPTHS, such as von_mises,xx:0-40um, is needed"),
+        ("{contact} --field foo:0-1 f.vti", "--field 'foo': each once of xx, yy"),
+        ("{contact} --field xx,xx:0-1 f.vti", "--field 'xx': each once of xx, yy"),
+        ("{contact} --field xx:0-40um f.vti", "--field = '40um': a number in cell lengths is needed"),
+        ("{contact} --field xx:1 f.vti", "--field = '1': a range such as 0-0.1 is needed"),
+        ("{contact} --field xx:0-0.1 f.vti --x 0-3", "x = 0 to 3: rising positions from 0 to 1 are needed"),
+        ("{contact} --field xx:0-0.1 f.vti --spacing 0", "spacing = 0: a distance > 0 is needed"),
+    ],
+)
+def test_the_command_refuses_in_one_line(files, capsys, command, message):
+    assert main(["export", *command.format(**files).split()]) == 1
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1

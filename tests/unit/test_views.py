@@ -1,0 +1,352 @@
+"""Pictures: values and units that they show, limits of their colours, panels, and the command."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from bad_input import make_chain
+from matplotlib.collections import QuadMesh
+from matplotlib.figure import Figure
+
+import asperity as asp
+from asperity.cli.main import main
+from asperity.results import dataset
+from asperity.views.colours import robust_limits
+from asperity.views.maps import PIXELS, blocks, largest_magnitude
+from asperity.views.measures import SI, STUDY, measure
+
+EDGE, PRESSURE = 512e-6, 50e6
+GRID = asp.Grid((64, 64), EDGE)
+Q = 2 * np.pi / EDGE
+
+
+def wave(pressure=PRESSURE):
+    """Half-space under p (1 + cos q x), in SI."""
+    _, x = GRID.coordinates()
+    field = np.broadcast_to(pressure * (1 + np.cos(Q * x)), GRID.shape)
+    return asp.PressedSolid(field.copy(), GRID, asp.Layer(210e9, 0.3))
+
+
+def closed_form(x, depth):
+    """σ_zz under p (1 + cos q x): −p (1 + (1 + q z) exp(−q z) cos q x) (Westergaard 1939)."""
+    decay = (1 + Q * depth) * np.exp(-Q * depth)
+    return -PRESSURE * (1 + decay * np.cos(Q * x))
+
+
+def in_si(data):
+    """A result of the study on a cell of 512 µm, E* = 200 GPa."""
+    factors = {"cell_length": EDGE, "effective_modulus": 200e9}
+    scaled = data.copy()
+    for name in data.variables:
+        if factor := factors.get(data[name].attrs.get("units")):
+            values = (data[name].dims, data[name].values * factor)
+            scaled = (
+                scaled.assign_coords({name: values}) if name in data.coords else scaled.assign({name: values})
+            )
+    return scaled.assign_attrs(unit_system=SI)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Results of one surface of the study by stage, and the same in SI by ``si_`` and stage."""
+    folder = tmp_path_factory.mktemp("views")
+    paths = make_chain(folder)
+    for stage in ("surface", "contact", "stress"):
+        data = dataset.read(paths[stage])
+        paths[f"si_{stage}"] = str(folder / f"si_{stage}.nc")
+        kept = {
+            name: value
+            for name, value in data.attrs.items()
+            if name.startswith(("solid", "uniform", "poisson"))
+        }
+        si = in_si(data)
+        si.attrs = kept | {"unit_system": SI}
+        dataset.write(si, paths[f"si_{stage}"], title="SI", settings=dataset.settings_of(data))
+    return paths
+
+
+def colour_bar(figure):
+    """Axes of the colour bar, which are added last."""
+    return figure.axes[-1]
+
+
+def image(figure):
+    """Values of the first map."""
+    return figure.axes[0].images[0].get_array()
+
+
+def test_limits_of_gaussian_values_are_not_moved_by_a_spike():
+    values = np.random.default_rng(1).standard_normal(100_000)
+    before = robust_limits([values])
+    values[17] = 1e6
+    after = robust_limits([values])
+    assert after.high == pytest.approx(before.high, rel=0.1)
+    assert 4 < after.high < 5.5  # 3.1 deviations and a quarter of 6.2
+    assert (after.extend, after.largest) == ("max", 1e6)
+    assert after.beyond(values, measure(1.0, "length", STUDY)) == "1 above the scale, to 1000000 cell lengths"
+
+
+def test_limits_without_outliers_are_the_extremes():
+    limits = robust_limits([np.linspace(-2.0, 3.0, 1000), np.linspace(0.0, 4.0, 100)])
+    assert (limits.low, limits.high, limits.extend) == (-2.0, 4.0, "neither")
+
+
+def test_limits_of_equal_or_missing_values_are_apart():
+    for values in (np.zeros(9), np.full(9, -3.0), np.full(9, np.nan), np.zeros(0)):
+        limits = robust_limits([values])
+        assert limits.low < limits.high
+
+
+@pytest.mark.parametrize(
+    ("largest", "dimension", "system", "label"),
+    [
+        (512e-6, "length", SI, "a (µm)"),
+        (3e-9, "length", SI, "a (nm)"),
+        (1.2e9, "stress", SI, "a (MPa)"),
+        (50e6, "stress", SI, "a (MPa)"),
+        (5e3, "stress", SI, "a (kPa)"),
+        (0.1, "length", STUDY, "a / cell length"),
+        (0.1, "stress", STUDY, "a / $E^*$"),
+        (0.1, "stress", None, "a"),
+    ],
+)
+def test_units_have_sensible_prefixes(largest, dimension, system, label):
+    assert measure([0.0, -largest], dimension, system).label("a") == label
+
+
+def test_maps_of_a_study_are_in_cell_lengths_and_modulus(files):
+    contact = dataset.read(files["contact"])
+    figure = asp.plot_pressure(contact)
+    shown, pressure = image(figure), contact["pressure"].values
+    assert np.array_equal(shown.mask, pressure == 0)
+    assert np.array_equal(shown.compressed(), pressure[pressure > 0])
+    assert figure.axes[0].get_xlabel() == "x / cell length"
+    assert colour_bar(figure).get_ylabel() == "contact pressure / $E^*$"
+    assert figure.axes[0].get_title(loc="left") == "small"
+
+
+def test_maps_in_si_are_in_micrometres_and_megapascals(files):
+    contact = dataset.read(files["si_contact"])
+    figure = asp.plot_pressure(contact)
+    assert image(figure).max() == pytest.approx(float(contact["pressure"].max()) / 1e6)
+    assert figure.axes[0].get_ylabel() == "y (µm)"
+    assert figure.axes[0].get_xlim()[1] == pytest.approx(512 - 4)  # half a pixel beyond the last of 64 nodes
+    assert colour_bar(figure).get_ylabel() == "contact pressure (MPa)"
+
+
+def test_the_height_under_a_contact_is_that_of_its_surface(files):
+    surface, contact = (asp.plot_height(dataset.read(files[stage])) for stage in ("surface", "contact"))
+    assert np.allclose(image(surface), image(contact), atol=1e-12)
+    assert contact.axes[0].collections
+    assert not surface.axes[0].collections  # outlines are of contacts only
+
+
+def test_a_spike_leaves_the_picture_and_is_named(files):
+    surface = dataset.read(files["si_surface"]).copy(deep=True)
+    before = asp.plot_height(surface).axes[0].images[0].norm
+    surface["height"].values[3, 5] = 4e-3
+    figure = asp.plot_height(surface)
+    after = figure.axes[0].images[0].norm
+    assert after.vmax < 1.5 * before.vmax
+    assert "1 above the scale, to 4000 µm" in figure.axes[0].get_title(loc="left")
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 5])
+def test_every_result_has_a_panel_and_no_panel_is_empty(files, count):
+    contact = dataset.read(files["contact"])
+    figure = asp.plot_gap({f"number {number}": contact for number in range(count)})
+    panels = [axis for axis in figure.axes if axis.images]
+    assert len(figure.axes) == count + 1
+    assert [axis.get_title(loc="left") for axis in panels] == [f"number {number}" for number in range(count)]
+    assert len({(axis.images[0].norm.vmin, axis.images[0].norm.vmax) for axis in panels}) == 1
+
+
+def test_given_axes_are_used(files):
+    axis = Figure().add_subplot()
+    assert asp.plot_gap(dataset.read(files["contact"]), axes=axis) is axis.figure
+    assert axis.images
+    with pytest.raises(ValueError, match="axes: 2 are needed, one for each result, 1 are given"):
+        asp.plot_gap([dataset.read(files["contact"])] * 2, axes=axis)
+
+
+def test_a_part_of_the_cell_is_drawn(files):
+    contact = dataset.read(files["contact"])
+    figure = asp.plot_gap(contact, y=(0.25, 0.5), x=(0.0, 0.125))
+    assert np.allclose(image(figure), contact["gap"].values[16:33, :9])
+
+
+def test_pixels_of_fine_grids_hold_the_largest_node():
+    source = asp.PressedSolid(np.zeros((8, 2 * PIXELS + 1)), asp.Grid((8, 2 * PIXELS + 1)), asp.Layer(1, 0.3))
+    source.pressure[3, 1000] = -7.0
+    from asperity.views.source import sources
+
+    part = sources(source)[0].window()
+    shown, y, x = blocks(source.pressure, part, largest_magnitude)
+    assert shown.shape == (8, -(-(2 * PIXELS + 1) // 3))
+    row, column = np.unravel_index(np.abs(shown).argmax(), shown.shape)
+    assert shown[row, column] == -7.0
+    assert abs(x[column] - part.x[1000]) <= 1.01 * part.spacing[1]
+    assert y[row] == part.y[3]
+
+
+def test_a_section_shows_the_stress_of_a_wave():
+    figure = asp.plot_section(wave(), y=100e-6, depth=60e-6, field="zz", unit_system=SI)
+    mesh = next(found for found in figure.axes[0].collections if isinstance(found, QuadMesh))
+    points = mesh.get_coordinates() * 1e-6
+    expected = closed_form(points[..., 0], points[..., 1]) / 1e6
+    assert np.allclose(mesh.get_array().reshape(expected.shape), expected, rtol=0, atol=1e-6)
+    assert points[-1, 0, 1] == pytest.approx(60e-6)
+    assert figure.axes[0].get_title(loc="left") == "y = 104 µm"  # the nearest node
+    assert figure.axes[0].get_xlabel() == "x (µm)"
+    assert colour_bar(figure).get_xlabel() == r"$\sigma_{zz}$ (MPa)"
+
+
+def test_a_section_along_y_of_a_wave_along_x_is_uniform():
+    figure = asp.plot_section(wave(), x=0.0, y=(0.0, 200e-6), depth=60e-6, field="zz", unit_system=SI)
+    mesh = next(found for found in figure.axes[0].collections if isinstance(found, QuadMesh))
+    values = mesh.get_array().reshape(mesh.get_coordinates().shape[:2])
+    assert np.ptp(values, axis=1).max() < 1e-6
+    assert values[0, 0] == pytest.approx(-2 * PRESSURE / 1e6)
+    assert mesh.get_coordinates()[0, -1, 0] == pytest.approx(200)
+
+
+def test_a_plane_shows_the_stress_of_a_wave():
+    figure = asp.plot_plane(wave(), depth=50e-6, field="zz", unit_system=SI)
+    _, x = GRID.coordinates()
+    assert np.allclose(image(figure), closed_form(x, 50e-6) / 1e6, rtol=0, atol=1e-6)
+    assert figure.axes[0].get_title(loc="left") == "depth: 50 µm"
+
+
+def test_the_plane_of_the_largest_stress_of_a_wave_is_found():
+    """σ_xz = p q z exp(−q z) sin q x is largest at z = 1/q, 81.5 µm; the planes are an eighth apart."""
+    figure = asp.plot_plane(wave(), field="xz", unit_system=SI)
+    title = figure.axes[0].get_title(loc="left")
+    depth = float(title.removeprefix("depth of the largest: ").removesuffix(" µm"))
+    assert depth == pytest.approx(1e6 / Q, rel=0.125)
+    assert np.abs(image(figure)).max() == pytest.approx(PRESSURE / 1e6 / np.e, rel=0.01)
+
+
+def test_a_plane_under_a_ball_shows_the_shear_of_hertz():
+    """Free boundary: the largest shear is 0.310 p0 at a depth of 0.48 a for ν = 0.3 (Johnson 1985, 3.45)."""
+    grid = asp.Grid((64, 64), 1e-3)
+    y, x = grid.coordinates()
+    height = ((x - 5e-4) ** 2 + (y[:, None] - 5e-4) ** 2) / (2 * 5e-3)
+    contact = asp.solve(height, asp.Layer(210e9, 0.3), 1e-3, force=200.0, boundary="free")
+    figure = asp.plot_plane(contact, field="largest_shear", unit_system=SI)
+    # Pixels of a ninth of the contact radius; the periodic stress would be 2 % larger.
+    assert image(figure).max() == pytest.approx(0.310 * contact.pressure.max() / 1e6, rel=5e-3)
+
+
+def test_peaks_are_points_of_magnitude_and_depth(files):
+    stress = dataset.read(files["si_stress"])
+    figure = asp.plot_peaks(stress, "von_mises", 0.33)
+    found = asp.peaks(stress, "von_mises", 0.33)
+    points = np.concatenate([np.array(line.get_data()).T for line in figure.axes[0].lines[:2]])
+    expected = np.column_stack([np.abs(found["peak_value"]) / 1e6, found["peak_depth"] * 1e6])
+    assert np.allclose(np.sort(points, axis=0), np.sort(expected, axis=0))
+    assert figure.axes[0].get_xlabel() == "magnitude of peaks of von Mises stress (MPa)"
+
+
+def test_one_high_peak_does_not_flatten_the_axes(files):
+    stress = dataset.read(files["stress"]).copy(deep=True)
+    before = asp.plot_peaks(stress).axes[0].get_xlim()[1]
+    ratio = stress["peak_poisson"].values == 0.33
+    number = int(np.flatnonzero((stress["peak_quantity"].values == "von_mises") & ratio)[0])
+    stress["peak_value"].values[number] = 1e4
+    figure = asp.plot_peaks(stress)
+    assert figure.axes[0].get_xlim()[1] < 2 * before
+    assert "1 above the scale, to 10000 $E^*$" in figure.axes[0].get_title(loc="left")
+
+
+def test_peaks_of_the_pressure_are_a_histogram(files):
+    stress = dataset.read(files["stress"])
+    bars = asp.plot_peaks(stress, "pressure").axes[0].patches
+    assert sum(bar.get_height() for bar in bars) == asp.peaks(stress, "pressure").sizes["peak"]
+
+
+def test_results_that_a_picture_cannot_show_are_refused(files):
+    contact, surface, si = (dataset.read(files[name]) for name in ("contact", "surface", "si_contact"))
+    with pytest.raises(ValueError, match="pressure: the result has height"):
+        asp.plot_pressure(surface)
+    with pytest.raises(ValueError, match="one unit system are needed"):
+        asp.plot_height([contact, si])
+    with pytest.raises(ValueError, match="contact: the result of a contact, with its pressure and its solid"):
+        asp.plot_section(surface)
+    with pytest.raises(TypeError, match="result = 3: a result of stage surface or contact"):
+        asp.plot_height(3)
+    with pytest.raises(TypeError, match="result: a dataset of stage surface or contact"):
+        asp.plot_height(xr.Dataset())
+    with pytest.raises(ValueError, match="at least one result is needed"):
+        asp.plot_height([])
+    with pytest.raises(TypeError, match="stress: a result of stage stress"):
+        asp.plot_peaks(contact)
+    with pytest.raises(ValueError, match=r"y = 600 µm: a position from 0 to 512 µm is needed"):
+        asp.plot_section(si, y=600e-6)
+
+
+@pytest.mark.parametrize(
+    ("result", "words"),
+    [
+        ("surface", "height"),
+        ("contact", "height x=0.1-0.4"),
+        ("contact", "section y=0.2 depth=0.1"),
+        ("si_contact", "pressure"),
+        ("si_contact", "gap y=0-100um x=0.1..0.2mm"),
+        ("si_contact", "section y=205um x=0-100um --field xx"),
+        ("si_contact", "plane depth=max --poisson 0.2"),
+        ("si_contact", "plane depth=5um"),
+        ("si_stress", "peaks --field pressure"),
+    ],
+)
+def test_the_command_puts_the_picture_beside_the_result(files, capsys, tmp_path, result, words):
+    path = tmp_path / "mine.nc"
+    path.write_bytes(Path(files[result]).read_bytes())
+    assert main(["view", str(path), *words.split()]) == 0
+    picture = tmp_path / f"mine_{words.split()[0]}.png"
+    assert capsys.readouterr().out.splitlines()[-1] == str(picture)
+    assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+def test_the_command_draws_several_results_into_several_files(files, tmp_path):
+    pictures = [str(tmp_path / name) for name in ("a.png", "a.svg")]
+    copy = tmp_path / "contact.nc"
+    copy.write_bytes(Path(files["contact"]).read_bytes())
+    assert main(["view", files["contact"], str(copy), "gap", "--out", *pictures]) == 0
+    assert (tmp_path / "a.png").stat().st_size > 3000
+    assert (tmp_path / "a.svg").read_text().count("y / cell length") == 2  # a panel for each result
+
+
+@pytest.mark.parametrize(
+    ("command", "message"),
+    [
+        ("{contact}", "result files and one of height, pressure, gap, section, plane, peaks are needed"),
+        ("{contact} {contact} gap", "contact.nc: given twice"),
+        ("height", "'height': result files and one of height"),
+        ("{stress} gap", "a result of stress, one of contact is needed for gap"),
+        ("{surface} section", "a result of surface, one of contact is needed for section"),
+        ("{contact} section y=205um", "y = '205um': a number in cell lengths is needed"),
+        ("{contact} section y=2", "y = 2: a position from 0 to 1 is needed"),
+        ("{contact} section y=0.1 x=0.1", "y, x: a number for one of them"),
+        ("{contact} section z=1", "'z=1': one of y=..., x=..., depth=... is needed"),
+        ("{contact} section y=1 y=1", "'y=1': y is given twice"),
+        ("{contact} section depth=0", "depth = 0: a depth > 0 is needed"),
+        ("{contact} plane depth=-1", "depth = -1: max or a depth from 0 to 100 is needed"),
+        ("{contact} plane x=0.3-0.2", "x = 0.3 to 0.2: rising positions from 0 to 1 are needed"),
+        ("{contact} height x=3", "x = '3': a range such as 0-0.1 is needed"),
+        ("{contact} height --field xx", "--field: not for height, only for section, plane and peaks"),
+        ("{contact} section --field foo", "--field 'foo': one of xx, yy"),
+        ("{contact} section --out a.docx", "a.docx: the name of a picture is needed, ending in .png"),
+        ("{si_contact} section y=205", "y = '205': a number with a unit of length"),
+        ("{si_contact} section y=900um", "y = 900 µm: a position from 0 to 512 µm is needed"),
+        ("{si_contact} height x=0-1GPa", "x = '0GPa': a number with a unit of length"),
+        ("{si_contact} {contact} height", "results in one unit system are needed"),
+        ("{stress} peaks --field zz --poisson 0.1", "poisson = 0.1: one of 0, 0.33 is needed"),
+        ("{stress} peaks y=0.1", "'y=0.1': peaks takes no place"),
+    ],
+)
+def test_the_command_refuses_in_one_line(files, capsys, command, message):
+    assert main(["view", *command.format(**files).split()]) == 1
+    error = capsys.readouterr().err
+    assert message in error
+    assert error.count("\n") == 1
