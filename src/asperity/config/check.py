@@ -14,7 +14,6 @@ from asperity.config.defaults import complete
 from asperity.config.reader import is_file
 from asperity.config.schema import Entry, accepted, number, schema, setting
 from asperity.errors import ConfigError, shown
-from asperity.units import DIMENSIONS, to_si
 
 _LONGEST_KEY = 40
 """Characters of a key that are shown as they are; longer keys are shortened like values."""
@@ -83,6 +82,8 @@ def _is_quantity(dimension: str) -> Callable[[object], bool]:
     def check(text: object) -> bool:
         if not isinstance(text, str):
             return True
+        from asperity.units import DIMENSIONS, to_si  # which needs numpy; the help of a command does not
+
         try:
             if to_si(text, dimension) > 0:
                 return True
