@@ -12,4 +12,4 @@ def test_the_library_example_runs():
     names = {}
     exec(example, names)
     assert abs(names["contact"].area_fraction - 0.10) < 1e-4
-    assert set(names["analysis"].poisson.values) == {0.0, 0.33, 0.5}
+    assert set(names["stress"].poisson.values) == {0.0, 0.33, 0.5}
