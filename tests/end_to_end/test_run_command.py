@@ -13,7 +13,6 @@ from asperity.results import dataset
 from asperity.surface.height_map import HeightMap
 
 # SurfaceTopography warns of an optional package when it is first imported.
-pytestmark = pytest.mark.filterwarnings("ignore:Could not import mpi4py:ImportWarning")
 
 POINTS, EDGE = 128, 128e-6
 

@@ -7,10 +7,8 @@ import pytest
 
 import asperity as asp
 from asperity.engineering import Body, MapSettings, run
+from asperity.engineering.pictures import pictures
 from asperity.surface.height_map import HeightMap
-
-# SurfaceTopography warns of an optional package when it is first imported.
-pytestmark = pytest.mark.filterwarnings("ignore:Could not import mpi4py:ImportWarning")
 
 EDGE, POINTS, RADIUS, FORCE = 160e-6, 160, 1e-3, 1.0
 STEEL, ALUMINIUM = Body(210e9, 0.3), Body(70e9, 0.33)
@@ -220,3 +218,17 @@ def test_peaks_and_numbers_are_tables(rough):
     assert set(frame.columns) == {"group", "name", "value", "unit"}
     pressure = frame.set_index("name").loc["largest pressure"]
     assert (pressure["value"], pressure["unit"]) == (rough.numbers.largest_pressure, "Pa")
+
+
+def test_pictures_are_labelled_in_micrometres_and_megapascals(sphere):
+    labels = {
+        picture.name: " ".join(
+            axes.get_xlabel() + axes.get_ylabel() + axes.get_title() for axes in picture.figure.axes
+        )
+        for picture in pictures(sphere)
+    }
+    assert set(labels) == {"height", "pressure", "section", "plane", "peaks"}
+    for name, text in labels.items():
+        assert "µm" in text, name
+        assert "E^" not in text, name
+        assert name == "height" or "Pa" in text, name

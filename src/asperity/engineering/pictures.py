@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from asperity.engineering.answer import Answer, body_title
-from asperity.engineering.datasets import contact_dataset
+from asperity.engineering.datasets import contact_dataset, stress_dataset
 from asperity.units import shown_si
 from asperity.views.inside import plot_plane, plot_section
 from asperity.views.maps import plot_height, plot_pressure
@@ -50,7 +50,7 @@ def pictures(answer: Answer) -> Iterator[Picture]:
         yield Picture(
             f"peaks{suffix}",
             f"Peaks of the von Mises stress and their depth; {title}.",
-            plot_peaks({answer.indenter.name: answer.stresses[name]}),
+            plot_peaks({answer.indenter.name: stress_dataset(answer, name)}),
         )
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from typing import NamedTuple
 
 import numpy as np
@@ -141,7 +142,9 @@ def fill_harmonic(height: Array, missing: Array) -> Array:
     """The heights with a harmonic function at the missing points: their Laplacian is zero there."""
     if not missing.any():
         return height
-    from SurfaceTopography import Topography
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of packages that are not installed and not needed here
+        from SurfaceTopography import Topography
 
     masked = np.ma.masked_array(height.T, missing.T)
     topography = Topography(masked, tuple(map(float, masked.shape)))

@@ -228,7 +228,9 @@ def _point_list(path: Path) -> FileContent | None:
 def _instrument_map(path: Path, given: Reading, option: OptionName) -> tuple[FileContent, list[Channel]]:
     """A map in a format that SurfaceTopography reads."""
     try:
-        from SurfaceTopography.IO import open_topography
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            from SurfaceTopography.IO import open_topography
     except ImportError as error:
         raise ImportError(
             "SurfaceTopography is needed to read measured maps: pip install SurfaceTopography"
