@@ -74,6 +74,8 @@ def measure(values: ArrayLike, dimension: str, system: str | None) -> Measure:
     largest = float(np.max(np.abs(values), initial=0.0))
     if dimension == "stress" and MPA_RANGE[0] <= largest < MPA_RANGE[1]:
         return Measure(1e6, "MPa")
+    if dimension == "length" and not largest:
+        return Measure(1e-6, "µm")
     return Measure(*scaled_unit(largest, _SI_UNITS[dimension]))
 
 
