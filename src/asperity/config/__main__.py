@@ -2,6 +2,7 @@
 
 ``check FILE …`` checks a configuration with its overlays merged; status 1 and one line on stderr if it is not
 accepted.
+``results FILE …`` prints the folder of results that a study with these files has.
 ``describe`` prints tables of all settings; ``describe README`` writes them into that file.
 """
 
@@ -11,7 +12,6 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from asperity.errors import ConfigError, PreflightError, one_line
 from asperity.runtime.preflight import require_packages
@@ -24,6 +24,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     checking = commands.add_parser("check", help="check a configuration, with its overlays merged")
     checking.add_argument("files", nargs="+", metavar="FILE", help="configuration, then overlays, in YAML")
     checking.set_defaults(run=_check)
+    placing = commands.add_parser("results", help="folder of the results of a study")
+    placing.add_argument(
+        "files", nargs="*", metavar="FILE", help="configuration, then overlays; else the paper's"
+    )
+    placing.set_defaults(run=_print_results)
     describing = commands.add_parser("describe", help="tables of all settings, in Markdown")
     describing.add_argument("readme", nargs="?", help="file to write them into; otherwise they are printed")
     describing.set_defaults(run=_describe)
@@ -38,14 +43,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _check(options: argparse.Namespace) -> None:
-    from asperity.config.check import check, check_files
-    from asperity.config.reader import load, merged
+    from asperity.config.study import read_study
 
-    config: dict[str, Any] = {}
-    for path in options.files:
-        config = merged(config, load(path))
-    check(config)
-    check_files(config)
+    read_study(options.files)
+
+
+def _print_results(options: argparse.Namespace) -> None:
+    from asperity.config.study import read_study
+
+    print(read_study(options.files)["results"])
 
 
 def _describe(options: argparse.Namespace) -> None:
