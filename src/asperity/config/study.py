@@ -51,8 +51,11 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
     for layer in (*layers, {key: value for key, value in given.items() if key != "results"}):
         config = merged(config, layer)
     config = with_base(config)
-    own = layers[-1]
-    config["results"] = own["results"] if "results" in own else _folder_named_after(files[-1])
+    config.pop("results", None)
+    if "results" in layers[-1]:  # those of the files beneath are the folders of other studies
+        config["results"] = layers[-1]["results"]
+    elif "results" not in given:
+        config["results"] = _folder_named_after(files[-1])
     check(config)
     if "results" in given:
         config["results"] = _folder_given(given["results"])
@@ -98,7 +101,7 @@ def _folder_given(folder: Any) -> str:
     """Folder of results that the user has typed, without ``~`` and needless slashes."""
     if not isinstance(folder, str) or not _ANY_FOLDER.match(folder):
         raise ConfigError(
-            f"results = {shown(folder)}: a folder is needed whose name has no braces and at most 1000 characters"
+            f"results = {shown(folder)}: a folder is needed, without braces, of at most 1000 characters"
         )
     return os.path.normpath(os.path.expanduser(folder))
 

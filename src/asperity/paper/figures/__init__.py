@@ -133,7 +133,7 @@ def describe_all(
     paper: bool = True,
     several_ratios: bool = True,
 ) -> dict[str, Description]:
-    """Descriptions of all figures by name: those of the paper, of the validation, the supplement, and own ones.
+    """Descriptions of all figures by name: of the paper, of the validation, of the supplement, and own ones.
 
     Parameters
     ----------

@@ -18,7 +18,6 @@ from asperity.types import Array
 STAGES = ("surface", "contact")
 STUDIES = ("hurst",)
 SUPPLEMENT = ("measured",)
-OWN = "indenter"
 
 NODES = 192
 """Largest number of nodes drawn along an edge."""

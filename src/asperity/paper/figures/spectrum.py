@@ -7,6 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
 
 from asperity.paper.figures.captions import bullets, surface_name
 from asperity.paper.figures.style import COLUMN, label, panels
@@ -39,6 +40,8 @@ def draw(surface: Mapping[str, xr.Dataset]) -> Figure:
         if "spectrum_target" in data:
             target = data["spectrum_target"]
             axis.loglog(waves, target.where(target > 0), lw=0.7, color=f"C{number}")
+    axis.set_xscale("log", base=2)
+    axis.xaxis.set_major_formatter(ScalarFormatter())
     axis.set(xlabel=r"waves in a cell length, $L / \lambda$", ylabel=r"spectral density $/ L^4$")
     axis.legend()
     return figure
