@@ -4,21 +4,29 @@ CORES ?= 2
 MINUTES ?= 10
 SEED ?= 0
 CONFIG ?=
+RESULTS ?=
 UPDATE ?=
+# Options of snakemake for the study that CONFIG and RESULTS name, by default the paper's.
+STUDY = $(if $(CONFIG),--configfile $(CONFIG)) $(if $(RESULTS),--config "results=$(RESULTS)")
+FILES = $(CONFIG) $(if $(RESULTS),--results "$(RESULTS)")
+FOLDER = $$(python -m asperity.config results $(FILES))
 VENV := .venv
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick test lint check fuzz test-faults test-slurm bad-input report bench tradeoff calculix lock clean
+.PHONY: help study quick verify test lint check fuzz test-faults test-slurm bad-input report bench tradeoff calculix lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
 
-study: $(VENV)/ready ## Make every figure of the paper, in results/figures; CONFIG=overlay.yaml changes settings
-	$(if $(CONFIG),python -m asperity.config check config/config.yaml $(CONFIG))
-	snakemake --cores $(CORES) $(if $(CONFIG),--configfile $(CONFIG))
+study: $(VENV)/ready ## Make every figure of the paper, in results/figures; CONFIG=mine.yaml RESULTS=folder for a study of your own
+	$(if $(CONFIG),python -m asperity.config check $(FILES))
+	snakemake --cores $(CORES) $(STUDY)
 
 quick: $(VENV)/ready ## Run every rule of the study on small cells, into results/quick (one minute)
 	snakemake --cores $(CORES) --configfile config/quick.yaml
+
+verify: $(VENV)/ready ## Check the fingerprint of every result of a study and name the damaged ones; CONFIG=, RESULTS= as for study
+	python workflow/verify.py "$(FOLDER)"
 
 test: lint ## Run lint and all tests, among them the quick study from nothing (six minutes on two cores)
 	pytest --numprocesses logical
@@ -46,8 +54,8 @@ test-slurm: $(VENV)/ready ## Run the quick study on a SLURM started for it (apt 
 bad-input: $(VENV)/ready ## Print some two hundred wrong configurations, commands and maps, each with its error message
 	python tests/unit/bad_input.py
 
-report: study ## Write the study as one page that needs no network, results/report.html
-	snakemake --cores 1 --report results/report.html
+report: study ## Write the study as one page that needs no network, report.html among its results; CONFIG=, RESULTS= as for study
+	snakemake --cores 1 $(STUDY) --report "$(FOLDER)/report.html"
 
 bench: $(VENV)/ready ## Measure the speed and accuracy of layer, contact and stress, beside other programs where installed
 	python benchmarks/layer.py

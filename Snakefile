@@ -6,9 +6,8 @@ try:
     from asperity.runtime.preflight import require_packages
 
     require_packages()
-    from asperity.config.check import check, check_files
-    from asperity.config.defaults import complete
-    from asperity.config.reader import load
+    from asperity.config.study import read_study
+    from asperity.runtime.snakemake_internals import overlays, settings_given
 except ImportError as error:
     sys.exit(
         f"study: not installed: {error.name}; install everything with: pip install --requirement requirements.lock"
@@ -17,28 +16,25 @@ except PreflightError as error:
     sys.exit(f"study: {error}")
 
 
-configfile: "config/config.yaml"
-
-
 report: "workflow/report/overview.rst"
 
 
+# Not by `configfile`: a configuration on the command line stands alone, and is read more strictly than by Snakemake.
 try:
-    for path in workflow.configfiles:
-        load(path)  # stricter than Snakemake, which has read it: no key is given twice
-    check(config)
-    check_files(config)
+    study = read_study(overlays(workflow), settings_given(workflow))
 except ConfigError as error:
     sys.exit(f"config: {error}")
 
-config.update(complete(config))
+config.clear()
+config.update(study)
 
 RESULTS = config["results"]
 SURFACES = config["surfaces"]
+MEASURED = config["measured"]
 
 
 wildcard_constraints:
-    surface="|".join(SURFACES),
+    surface="|".join([*SURFACES, *MEASURED]),
     seed=r"\d+",
 
 
@@ -62,7 +58,7 @@ rule all:
     default_target: True
     input:
         rules.figures.input,
-        rules.validation_table.output,
+        rules.validation_table.output if VALIDATIONS else [],
         rules.verified.input,
-        rules.claims.output,
-        expand(rules.tradeoff.output, extent="reduced"),
+        rules.claims.output if config["claims"] else [],
+        expand(rules.tradeoff.output, extent=["reduced"] if "reduced" in config["tradeoff"] else []),

@@ -90,7 +90,10 @@ CONFIGS = [
         "studies: {compressibility: [hurst_02, hurst_08]}",
         "studies.compressibility = ['hurst_02', 'hurst_08']: a",
     ),
-    ("studies: {kurtosis: []}", "studies.kurtosis = []: a list of 1 to 4 distinct items"),
+    (
+        "studies: {kurtosis: [gaussian, gaussian]}",
+        "studies.kurtosis = ['gaussian', 'gaussian']: a list of 0 to 4",
+    ),
     ("layer: {poisson: 0.51}", "layer.poisson = 0.51: a number > -1 and ≤ 0.5"),
     ("layer: {poisson: 0.4}", "layer.poisson = 0.4 must be one of them"),
     ("layer: {height: 0}", "layer.height = 0: a number > 0"),
@@ -134,7 +137,7 @@ CONFIGS = [
     ),
     ('"con\\ntact": 1', "'con\\ntact': unknown key"),
     (f"? {'k' * 5000}\n: 1", "kkk...: unknown key"),
-    ("ｃontact: {area_fraction: 0.1}", "ｃontact: unknown key; known here are results"),
+    ("ｃontact: {area_fraction: 0.1}", "ｃontact: unknown key; known here are based_on"),
     # names and paths
     ("surfaces: {../up: {hurst: 0.2}}", "surfaces.'../up': a name of at most 40 lower-case"),
     (f"surfaces: {{{'a' * 41}: {{hurst: 0.2}}}}", "aaa': a name of at most 40 lower-case letters"),
@@ -377,8 +380,8 @@ COMMANDS = [
         "YAML is needed; could not determine a constructor",
     ),
     ('plan {"hurst":1,"hurst":0}', 1, "YAML is needed; 'hurst' is given twice in line 1"),
-    ('plan {"surfaces":{}}', 1, "surfaces = {}: a group of keys with at least one surface is needed"),
-    ('plan {"surfaces":3}', 1, "surfaces = 3: a group of keys with at least one surface"),
+    ('plan {"surfaces":{}}', 1, "surfaces: missing; at least one is needed, here or under measured"),
+    ('plan {"surfaces":3}', 1, "surfaces = 3: a group of keys is needed"),
 ]
 
 HEADER = "# Channel: Height\n# Width: 8 m\n# Height: 8 m\n# Value units: m\n"

@@ -5,9 +5,9 @@ from typing import NamedTuple
 
 import pytest
 from faults import run_study
-from project import QUICK, copy_project, snakemake
+from project import OWN, QUICK, copy_project, snakemake
 
-STUDIES = ("quick_study", "tiny_study")
+STUDIES = ("quick_study", "tiny_study", "own_study")
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -40,3 +40,12 @@ def tiny_study(tmp_path_factory):
     """The stages of one small surface, on two cores."""
     folder = copy_project(tmp_path_factory.mktemp("tiny") / "project")
     return Study(folder, run_study(folder).text)
+
+
+@pytest.fixture(scope="session")
+def own_study(tmp_path_factory):
+    """A user's own study of two surfaces and a map, its results outside the project."""
+    folder = copy_project(tmp_path_factory.mktemp("own") / "project")
+    found = snakemake(folder, *OWN, "--config", f"results={folder.parent / 'own results'}")
+    assert found.returncode == 0, found.stdout + found.stderr
+    return Study(folder, found.stdout + found.stderr)

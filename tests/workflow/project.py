@@ -9,9 +9,19 @@ from pathlib import Path
 from asperity.results import dataset
 
 ROOT = Path(__file__).parents[2]
-PARTS = ("Snakefile", "config", "workflow", "profiles", "src", "tests/reference", "tests/workflow/tiny.yaml")
+PARTS = (
+    "Snakefile",
+    "config",
+    "workflow",
+    "profiles",
+    "src",
+    "tests/reference",
+    "tests/workflow/tiny.yaml",
+    "tests/workflow/own.yaml",
+)
 QUICK = ("--configfile", "config/quick.yaml")
 TINY = ("--configfile", "config/quick.yaml", "tests/workflow/tiny.yaml")
+OWN = ("--configfile", "tests/workflow/own.yaml")
 
 HIDE = """
 from importlib.machinery import PathFinder

@@ -14,7 +14,7 @@ SNAKEFILE = """
 import json
 from asperity.runtime import snakemake_internals as internals
 
-found = {"overlays": internals.overlays(workflow)}
+found = {"overlays": internals.overlays(workflow), "given": internals.settings_given(workflow)}
 
 rule made:
     input: "input.txt"
@@ -40,7 +40,16 @@ def found(tmp_path_factory):
     (folder / "Snakefile").write_text(SNAKEFILE)
     (folder / "input.txt").write_text("")
     (folder / "overlay.yaml").write_text("key: 1")
-    options = ("--cores", "2", "--configfile", "overlay.yaml", "--resources", "mem_mb=1000")
+    options = (
+        "--cores",
+        "2",
+        "--configfile",
+        "overlay.yaml",
+        "--config",
+        "other=2",
+        "--resources",
+        "mem_mb=1000",
+    )
     ran = run(folder, "env", f"PYTHONPATH={ROOT / 'src'}", "snakemake", *options, "--", "made_one.txt")
     assert ran.returncode == 0, f"a function of snakemake_internals fails:\n{ran.stderr}"
     return json.loads(ran.stdout.splitlines()[0])
@@ -48,6 +57,10 @@ def found(tmp_path_factory):
 
 def test_overlays_are_those_of_the_command_line(found):
     assert [path.rsplit("/", 1)[-1] for path in found["overlays"]] == ["overlay.yaml"]
+
+
+def test_settings_given_are_those_of_the_command_line_alone(found):
+    assert found["given"] == {"other": 2}
 
 
 def test_jobs_have_their_rule_wildcards_files_and_resources(found):

@@ -1,7 +1,9 @@
-from asperity.paper.claims.sources import DATASETS, resolutions, roles
+from asperity.config.reader import load
+from asperity.config.study import PAPER
+from asperity.paper.claims.sources import DATASETS, roles
 
-ROLES = roles(config["studies"], SURFACES)
-RESOLUTIONS = resolutions(SURFACES)
+# The statements are about the surfaces of the paper: a surface of another name has no role in them.
+ROLES = roles(STUDIES, {name: SURFACES[name] for name in load(PAPER)["surfaces"] if name in SURFACES})
 
 
 rule claims:

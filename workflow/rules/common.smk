@@ -1,5 +1,6 @@
 import ast
 import os
+import re
 from functools import cache
 from pathlib import Path
 
@@ -42,9 +43,6 @@ def sources_of(module):
     return [str(source) for source in candidates if source.exists()]
 
 
-def contact_settings(wildcards):
-    """Section contact, without the load-area curve where no figure shows it."""
-    studies = config["studies"]
-    if wildcards.surface in {*studies["hurst"], *studies["measured"]}:
-        return config["contact"]
-    return {**config["contact"], "path_area_fractions": []}
+def any_of(names):
+    """Pattern of a wildcard that is one of these names; without names one that nothing matches."""
+    return "|".join(map(re.escape, names)) or "(?!)"

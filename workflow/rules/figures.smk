@@ -7,9 +7,7 @@ rule figure:
         png=report(
             f"{RESULTS}/figures/{{figure}}.png",
             caption="../report/figure.rst",
-            category=lambda wildcards: (
-                "Figures of the paper" if FIGURES[wildcards.figure].in_paper else "Supplement"
-            ),
+            category=lambda wildcards: FIGURES[wildcards.figure].category,
             labels=figure_labels,
         ),
         pdf=f"{RESULTS}/figures/{{figure}}.pdf",
@@ -19,7 +17,7 @@ rule figure:
     benchmark:
         f"{RESULTS}/benchmark/figure/{{figure}}.tsv"
     wildcard_constraints:
-        figure="|".join(FIGURES),
+        figure=any_of(FIGURES),
     threads: 1
     resources:
         mem_mb=memory("figure"),
@@ -27,6 +25,8 @@ rule figure:
         runtime=minutes("figure"),
     params:
         module=lambda wildcards: FIGURES[wildcards.figure].module,
+        own=lambda wildcards: FIGURES[wildcards.figure].own,
+        labels=surface_labels,
         results=lambda wildcards: figure_results(wildcards.figure),
         caption=lambda wildcards, output: Path(output.caption),  # read when the report is made
     script:

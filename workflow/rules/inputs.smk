@@ -3,14 +3,26 @@ from pathlib import Path
 from asperity.paper.claims.sources import resolutions
 from asperity.paper.figures import describe_all
 
+STUDIES = config["studies"]
+STUDIED = {name for names in STUDIES.values() for name in names}
+RESOLUTIONS = resolutions(SURFACES) if config["claims"] else {}
+CONTINUUM = {name for by_role in RESOLUTIONS.values() for name in by_role.values()}
 CONTINUUM_SEEDS = config["seeds"][:2]
-STUDIED = {name for names in config["studies"].values() for name in names}
-CONTINUUM = {name for by_role in resolutions(SURFACES).values() for name in by_role.values()}
-FIGURES = describe_all(config["studies"])
+FIGURES = describe_all(
+    STUDIES,
+    config["validation"],
+    paper=config["figures"] == "paper",
+    several_ratios=len(config["stress"]["poisson"]) > 1,
+)
 
 
 def seeds_of(surface):
-    """Seeds of a surface: all of the configuration, or the first two if only the continuum study needs it."""
+    """Seeds of a surface: all of the configuration; the first two if only the continuum study needs it.
+
+    A measured map has no seeds: the first one stands for it.
+    """
+    if surface in MEASURED:
+        return config["seeds"][:1]
     return CONTINUUM_SEEDS if surface in CONTINUUM - STUDIED else config["seeds"]
 
 
@@ -32,12 +44,18 @@ def figure_results(figure):
             name = f"{name}/seed{config['seeds'][0]}"
         return f"{RESULTS}/{stage}/{name}.nc"
 
-    return FIGURES[figure].results(config["studies"], result)
+    return FIGURES[figure].results(STUDIES, result)
 
 
 def leaves(tree):
     """The files of a tree of files."""
     return [tree] if isinstance(tree, str) else [file for branch in tree.values() for file in leaves(branch)]
+
+
+def surface_labels(wildcards):
+    """Labels of the surfaces that a figure shows: not in their results, so that a new label computes nothing anew."""
+    shown = {name for study in FIGURES[wildcards.figure].studies for name in STUDIES[study]}
+    return {name: {**SURFACES, **MEASURED}[name]["label"] for name in sorted(shown)}
 
 
 def figure_labels(wildcards):

@@ -45,7 +45,7 @@ def figure_cost(wildcards):
     figure = FIGURES[wildcards.figure]
     if figure.cost == "figure of elements":
         return job_cost(figure.cost, math.prod(config["validation"]["elements"]["elements"]))
-    names = [name for study in figure.studies for name in config["studies"][study]]
+    names = [name for study in figure.studies for name in STUDIES[study]]
     fields = ("surface" in figure.stages) + 5 * ("contact" in figure.stages)
     return job_cost(figure.cost, nodes(*names) * fields)
 

@@ -1,8 +1,7 @@
-MEASURED = config["measured"]
-
-
-wildcard_constraints:
-    surface="|".join([*SURFACES, *MEASURED]),
+def surface_settings(wildcards):
+    """Entry of a surface without its label, which changes nothing of the surface."""
+    entry = {**SURFACES, **MEASURED}[wildcards.surface]
+    return {key: value for key, value in entry.items() if key != "label"}
 
 
 rule surface:
@@ -21,6 +20,6 @@ rule surface:
         disk_mb=disk("surface"),
         runtime=minutes("surface"),
     params:
-        surface=lambda wildcards: {**SURFACES, **MEASURED}[wildcards.surface],
+        surface=surface_settings,
     script:
         "../scripts/surface.py"

@@ -18,7 +18,7 @@ rule tradeoff:
     benchmark:
         f"{RESULTS}/benchmark/tradeoff/{{extent}}.tsv"
     wildcard_constraints:
-        extent="|".join(config["tradeoff"]),
+        extent=any_of(config["tradeoff"]),
     threads: 1
     resources:
         mem_mb=memory("tradeoff"),
@@ -50,7 +50,7 @@ rule tradeoff_figures:
     benchmark:
         f"{RESULTS}/benchmark/tradeoff_figures/{{extent}}.tsv"
     wildcard_constraints:
-        extent="|".join(config["tradeoff"]),
+        extent=any_of(config["tradeoff"]),
     threads: 1
     resources:
         mem_mb=memory("tradeoff_figures"),

@@ -12,7 +12,7 @@ rule validation:
     benchmark:
         f"{RESULTS}/benchmark/validation/{{validation}}.tsv"
     wildcard_constraints:
-        validation="|".join(VALIDATIONS),
+        validation=any_of(VALIDATIONS),
     threads: 1
     resources:
         mem_mb=memory("validation"),

@@ -8,14 +8,17 @@ from asperity.runtime.logs import log_to
 from asperity.views.style import save, style
 
 
-def read(tree):
-    """The datasets of a tree of files."""
-    if isinstance(tree, str):
-        return dataset.read(tree)
-    return {name: read(branch) for name, branch in tree.items()}
+def read(tree, name=""):
+    """The datasets of a tree of files, with the labels of their surfaces."""
+    if not isinstance(tree, str):
+        return {name: read(branch, name) for name, branch in tree.items()}
+    labels = snakemake.params.labels
+    return dataset.read(tree).assign_attrs({"label": labels[name]} if name in labels else {})
 
 
 with log_to(snakemake.log[0]), style(snakemake.input.style):
-    module, results = snakemake.params.module, read(snakemake.params.results)
+    params = snakemake.params
+    module, results = params.module, read(params.results)
     save(draw(module, results), snakemake.output.png, snakemake.output.pdf)
-    Path(snakemake.output.caption).write_text(caption(module, results), encoding="utf-8")
+    text = caption(module, results, numbered=not params.own)
+    Path(snakemake.output.caption).write_text(text, encoding="utf-8")

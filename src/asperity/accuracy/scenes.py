@@ -11,6 +11,7 @@ from asperity.config.defaults import complete
 from asperity.config.presets import AccuracySettings, accuracy_of
 from asperity.config.reader import is_file, load, merged, parse
 from asperity.config.schema import schema
+from asperity.config.study import with_base
 from asperity.errors import ConfigError, shown
 
 NEEDED = ("surfaces", "hurst", "wavelength_long", "wavelength_short")
@@ -37,7 +38,10 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
         config = merged(config, _tree(text))
     if not config.keys() & {*schema()["properties"], *schema()["renamed"]}:
         config = {"surfaces": {"surface": config}}
+    config = with_base(config)
     check(config, NEEDED)
+    if not config.get("surfaces"):
+        raise ConfigError("surfaces: missing; a plan needs at least one random surface")
     if area_fraction is not None:
         config = merged(config, {"contact": {"area_fraction": area_fraction}})
     whole = complete(config)

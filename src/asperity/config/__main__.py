@@ -2,6 +2,7 @@
 
 ``check FILE …`` checks a configuration with its overlays merged; status 1 and one line on stderr if it is not
 accepted.
+``results FILE …`` prints the folder of results that a study with these files has.
 ``describe`` prints tables of all settings; ``describe README`` writes them into that file.
 """
 
@@ -23,7 +24,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     checking = commands.add_parser("check", help="check a configuration, with its overlays merged")
     checking.add_argument("files", nargs="+", metavar="FILE", help="configuration, then overlays, in YAML")
+    _add_results(checking)
     checking.set_defaults(run=_check)
+    placing = commands.add_parser("results", help="folder of the results of a study")
+    placing.add_argument(
+        "files", nargs="*", metavar="FILE", help="configuration, then overlays; else the paper's"
+    )
+    _add_results(placing)
+    placing.set_defaults(run=_print_results)
     describing = commands.add_parser("describe", help="tables of all settings, in Markdown")
     describing.add_argument("readme", nargs="?", help="file to write them into; otherwise they are printed")
     describing.set_defaults(run=_describe)
@@ -37,15 +45,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _check(options: argparse.Namespace) -> None:
-    from asperity.config.check import check, check_files
-    from asperity.config.reader import load, merged
+def _add_results(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--results", metavar="FOLDER", help="folder given on the command line of the study")
 
-    config: dict[str, Any] = {}
-    for path in options.files:
-        config = merged(config, load(path))
-    check(config)
-    check_files(config)
+
+def _check(options: argparse.Namespace) -> None:
+    _study(options)
+
+
+def _print_results(options: argparse.Namespace) -> None:
+    print(_study(options)["results"])
+
+
+def _study(options: argparse.Namespace) -> dict[str, Any]:
+    from asperity.config.study import read_study
+
+    return read_study(options.files, {} if options.results is None else {"results": options.results})
 
 
 def _describe(options: argparse.Namespace) -> None:

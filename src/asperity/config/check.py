@@ -48,6 +48,7 @@ def check(config: Mapping[str, Any], needed: tuple[str, ...] | None = None) -> N
     _check_schema(whole, needed)
     _check_surfaces(whole)
     _check_studies(whole)
+    _check_claims(whole)
     _check_solid(whole)
 
 
@@ -156,6 +157,8 @@ def _check_points(config: Mapping[str, Any]) -> None:
 
 
 def _check_surfaces(config: Mapping[str, Any]) -> None:
+    if not config["surfaces"] and not config["measured"]:
+        raise ConfigError("surfaces: missing; at least one is needed, here or under measured")
     for name, surface in config["surfaces"].items():
         _check_surface(f"surfaces.{name}", surface)
     for name in config["measured"]:
@@ -190,6 +193,14 @@ def _check_studies(config: Mapping[str, Any]) -> None:
                 raise ConfigError(
                     f"studies.{study} = {shown(name)}: the name of a surface is needed ({', '.join(known)})"
                 )
+
+
+def _check_claims(config: Mapping[str, Any]) -> None:
+    if config["claims"] and config["figures"] != "paper":
+        raise ConfigError(
+            f"claims = true: false is needed with figures = {config['figures']!r}; "
+            f"the claims are statements about the surfaces of the paper"
+        )
 
 
 def _check_solid(config: Mapping[str, Any]) -> None:

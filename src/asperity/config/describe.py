@@ -63,5 +63,6 @@ def _default(key: str, entry: Entry) -> str:
     if key in KEYS:
         return "preset"
     if "default" in entry:
-        return f"`{entry['default']}`"
+        value = entry["default"]
+        return f"`{str(value).lower() if isinstance(value, bool) else value}`"
     return entry.get("left_out", "")

@@ -20,6 +20,7 @@ _TYPES = {
     "number": "a number",
     "integer": "a whole number",
     "string": "text",
+    "boolean": "true or false",
     "array": "a list",
     "object": "a group of keys",
 }

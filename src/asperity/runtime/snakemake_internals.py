@@ -27,6 +27,11 @@ def overlays(workflow: Any) -> list[str]:
     return [str(path) for path in workflow.overwrite_configfiles]
 
 
+def settings_given(workflow: Any) -> dict[str, Any]:
+    """Settings given on the command line by ``--config``."""
+    return dict(workflow.config_settings.config)
+
+
 def jobs_to_run(workflow: Any) -> list[Job]:
     """Jobs that the run is made of; known in the handler `onstart`."""
     return [

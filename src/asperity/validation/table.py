@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -53,16 +53,17 @@ def table_rows(datasets: Mapping[str, xr.Dataset]) -> list[Row]:
     Parameters
     ----------
     datasets : mapping
-        Results of the comparisons ``load_area``, ``grid_convergence``, ``elements`` and ``punch``, and of
-        ``calculix`` if it was run; others are ignored.
+        Results of the comparisons ``load_area``, ``grid_convergence``, ``elements``, ``calculix`` and
+        ``punch``, as many as were made; others are ignored.
     """
-    return [
-        _load_area_row(datasets["load_area"]),
-        *_grid_convergence_rows(datasets["grid_convergence"]),
-        *_element_rows("elements", datasets["elements"]),
-        *(_element_rows("calculix", datasets["calculix"]) if "calculix" in datasets else ()),
-        *_punch_rows(datasets["punch"]),
-    ]
+    rows: dict[str, Callable[[xr.Dataset], Iterable[Row]]] = {
+        "load_area": lambda found: [_load_area_row(found)],
+        "grid_convergence": _grid_convergence_rows,
+        "elements": lambda found: _element_rows("elements", found),
+        "calculix": lambda found: _element_rows("calculix", found),
+        "punch": _punch_rows,
+    }
+    return [row for name, rows_of in rows.items() if name in datasets for row in rows_of(datasets[name])]
 
 
 def markdown(rows: Sequence[Row]) -> str:

@@ -19,6 +19,9 @@ from asperity.views.measures import Measure, measure
 from asperity.views.panels import canvas, finish_title
 from asperity.views.source import same_system, system_of, title_of
 
+LARGE_PEAK = 0.1
+"""Peaks of at least this part of the largest magnitude shown set the depth that is shown."""
+
 SHAPE = 0.8
 """Height of a panel over its width."""
 
@@ -73,7 +76,9 @@ def plot_peaks(
     sizes = [np.abs(data["peak_value"].values) for data, _ in found]
     depths = [data["peak_depth"].values for data, _ in found]
     limits = robust_limits(sizes, 0.0)
-    deepest = robust_limits(depths, 0.0)
+    # Small peaks lie at the surface around the contacts, and far below them: large ones set the depth shown.
+    large = [size >= LARGE_PEAK * limits.high for size in sizes]
+    deepest = robust_limits([depth[kept] for depth, kept in zip(depths, large, strict=True)], 0.0)
     unit = measure(limits.high, "stress", system)
     length = measure(deepest.high, "length", system)
     in_surface = not any(depth.any() for depth in depths)

@@ -49,8 +49,12 @@ def letter_panel(axis: Axes, letter: str) -> None:
 
 
 def label(data: xr.Dataset) -> str:
-    """Label of the surface of a result, as in the configuration."""
-    return settings_of(data)["surface"]["label"]
+    """Label of the surface of a result: attribute ``label``, which the study adds, or that of its settings.
+
+    A result of the study does not hold the label of its surface; its name stands for a missing one.
+    """
+    settings = settings_of(data)
+    return data.attrs.get("label") or settings["surface"].get("label") or settings["name"]
 
 
 def wavelength_short(data: xr.Dataset) -> float:

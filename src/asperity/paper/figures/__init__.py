@@ -11,6 +11,10 @@ these constants:
     several it maps studies to such mappings.
 ``SUPPLEMENT``
     Further studies of which the figure is drawn; for study ``moments`` ``fig09`` becomes ``fig09_moments``.
+``OWN``
+    Name of the figure for a user's own study; of study ``steel`` it is ``peaks_steel``.
+``SEVERAL_RATIOS``
+    True for a figure of one surface at several Poisson's ratios.
 ``DATASETS``
     Datasets of stage validation that are drawn, in place of studies.
 ``COST``
@@ -23,7 +27,8 @@ to import, and the workflow asks in every job which files its figures need.
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
@@ -31,7 +36,7 @@ from pathlib import Path
 from typing import Any
 
 _FOLDER = Path(__file__).parent
-_CONSTANTS = ("STAGES", "STUDIES", "SUPPLEMENT", "DATASETS", "COST")
+_CONSTANTS = ("STAGES", "STUDIES", "SUPPLEMENT", "OWN", "SEVERAL_RATIOS", "DATASETS", "COST")
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,8 @@ class Description:
     module : str
     stages, studies, datasets : tuples of str
     cost : str
+    own : bool
+        True for a figure of a user's own study, which has no number.
     """
 
     name: str
@@ -53,16 +60,30 @@ class Description:
     studies: tuple[str, ...] = ()
     datasets: tuple[str, ...] = ()
     cost: str = "figure"
+    own: bool = False
 
     @property
     def number(self) -> str:
         """Number of the figure in the paper, with two digits; empty if the paper does not have it."""
-        return self.module.removeprefix("fig") if self.module.startswith("fig") else ""
+        return self.module.removeprefix("fig") if self.module.startswith("fig") and not self.own else ""
 
     @property
     def in_paper(self) -> bool:
         """True if the paper has this figure, of the same study."""
         return bool(self.number) and self.name == self.module
+
+    @property
+    def category(self) -> str:
+        """Heading under which the report lists the figure."""
+        if self.own:
+            return "Figures"
+        return "Figures of the paper" if self.in_paper else "Supplement"
+
+    def surfaces(self, studies: Mapping[str, Sequence[str]], stage: str) -> set[str]:
+        """Surfaces of which the figure shows the result of a stage."""
+        if stage not in self.stages:
+            return set()
+        return {name for study in self.studies for name in studies[study]}
 
     @property
     def compares_studies(self) -> bool:
@@ -105,22 +126,59 @@ def describe(module: str) -> Description:
     )
 
 
-def describe_all(studies: Mapping[str, Sequence[str]]) -> dict[str, Description]:
-    """Descriptions of all figures by name: those of the paper, of the validation, and the supplement.
+def describe_all(
+    studies: Mapping[str, Sequence[str]],
+    datasets: Collection[str] | None = None,
+    *,
+    paper: bool = True,
+    several_ratios: bool = True,
+) -> dict[str, Description]:
+    """Descriptions of all figures by name: of the paper, of the validation, of the supplement, and own ones.
 
     Parameters
     ----------
     studies : mapping
-        Section ``studies`` of the configuration. A study without surfaces has no supplement.
+        Section ``studies`` of the configuration. A study without surfaces has no figures.
+    datasets : collection of str, optional
+        Datasets of the validation that there are; by default all.
+    paper : bool
+        True if studies with the names of the paper's have the figures of the paper. Other studies have
+        figures of their own.
+    several_ratios : bool
+        True if the stress is analysed at several Poisson's ratios.
     """
-    found = [describe(module) for module in modules()]
+    known = [describe(module) for module in modules()]
+    filled = [study for study, names in studies.items() if names]
+    of_paper = paper_studies() if paper else set()
+
+    def has_results(one: Description) -> bool:
+        if one.datasets:
+            return datasets is None or set(one.datasets) <= set(datasets)
+        return bool(one.studies) and set(one.studies) <= of_paper.intersection(filled)
+
+    numbered = [one for one in known if has_results(one)]
     supplement = [
         replace(one, name=f"{one.module}_{study}", studies=(study,))
-        for one in found
+        for one in known
         for study in _constants(one.module).get("SUPPLEMENT", ())
-        if studies[study]
+        if study in of_paper.intersection(filled)
     ]
-    return {one.name: one for one in (*found, *supplement)}
+    own = [
+        replace(one, name=f"{constants['OWN']}_{study}", studies=(study,), own=True)
+        for one in known
+        if "OWN" in (constants := _constants(one.module))
+        for study in filled
+        if study not in of_paper
+        and (not constants.get("SEVERAL_RATIOS") or (several_ratios and len(studies[study]) == 1))
+    ]
+    return {one.name: one for one in (*numbered, *supplement, *own)}
+
+
+@cache
+def paper_studies() -> set[str]:
+    """Names of the studies of the paper and its supplement."""
+    found = [_constants(module) for module in modules()]
+    return {study for one in found for key in ("STUDIES", "SUPPLEMENT") for study in one.get(key, ())}
 
 
 def modules() -> list[str]:
@@ -149,14 +207,23 @@ def draw(module: str, results: Mapping[str, Any]) -> Any:
     return import_module(f"{__name__}.{module}").draw(**results)
 
 
-def caption(module: str, results: Mapping[str, Any]) -> str:
+def caption(module: str, results: Mapping[str, Any], *, numbered: bool = True) -> str:
     """Caption of the figure of a module in reStructuredText: its title, and numbers taken from the results.
 
-    The arguments are those of `draw`.
+    Parameters
+    ----------
+    module : str
+    results : mapping
+        As of `draw`.
+    numbered : bool
+        True if the title begins with the number of the figure in the paper.
     """
     figure = import_module(f"{__name__}.{module}")
     assert figure.__doc__ is not None
-    return f"{figure.__doc__.splitlines()[0]}\n\n{figure.caption(**results)}\n"
+    title = figure.__doc__.splitlines()[0]
+    if not numbered:
+        title = re.sub(r"^Figure \d+: (\w)", lambda found: found[1].upper(), title)
+    return f"{title}\n\n{figure.caption(**results)}\n"
 
 
 @cache

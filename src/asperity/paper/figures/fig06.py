@@ -14,6 +14,7 @@ from asperity.views.style import label, panels
 STAGES = ("surface", "statistics")
 STUDIES = ("hurst",)
 SUPPLEMENT = ("moments", "measured")
+OWN = "heights"
 
 
 def draw(surface: Mapping[str, xr.Dataset], statistics: Mapping[str, xr.Dataset]) -> Figure:

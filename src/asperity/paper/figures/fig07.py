@@ -11,11 +11,12 @@ from matplotlib.figure import Figure
 from asperity.paper.figures.captions import bullets, contact_area
 from asperity.results.dataset import grid_of
 from asperity.types import Array
-from asperity.views.style import label, panels
+from asperity.views.style import COLUMN, PAGE, label, panels
 
 STAGES = ("contact",)
 STUDIES = ("hurst",)
 SUPPLEMENT = ("measured",)
+OWN = "pressure"
 
 PIXELS = 512
 """Smallest number of pixels along an edge, where the grid has as many nodes."""
@@ -32,7 +33,7 @@ def draw(contact: Mapping[str, xr.Dataset]) -> Figure:
         name: _coarse(data["pressure"].values) / float(data["gradient_rms_contact"])
         for name, data in contact.items()
     }
-    figure, axes = panels(columns=len(maps), height=76)
+    figure, axes = panels(columns=len(maps), height=76, width=PAGE if len(maps) > 1 else COLUMN)
     largest = max(np.percentile(values[values > 0], 99.5) for values in maps.values())
     for axis, (name, values) in zip(axes, maps.items(), strict=True):
         height, width = grid_of(contact[name]).length

@@ -18,6 +18,7 @@ from asperity.views.style import label, panels
 STAGES = ("contact", "statistics")
 STUDIES = ("hurst",)
 SUPPLEMENT = ("measured",)
+OWN = "load_area"
 
 
 def draw(contact: Mapping[str, xr.Dataset], statistics: Mapping[str, xr.Dataset]) -> Figure:

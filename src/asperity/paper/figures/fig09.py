@@ -16,6 +16,7 @@ from asperity.views.style import panels
 STAGES = ("statistics",)
 STUDIES = ("hurst",)
 SUPPLEMENT = ("moments", "measured")
+OWN = "peaks"
 
 
 def draw(statistics: Mapping[str, xr.Dataset]) -> Figure:

@@ -14,6 +14,7 @@ from asperity.paper.figures.plots import depth_distributions
 STAGES = ("statistics",)
 STUDIES = ("hurst",)
 SUPPLEMENT = ("moments", "measured")
+OWN = "depths"
 
 
 def draw(statistics: Mapping[str, xr.Dataset]) -> Figure:

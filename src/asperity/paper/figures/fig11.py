@@ -14,6 +14,7 @@ from asperity.paper.figures.plots import decays
 STAGES = ("statistics",)
 STUDIES = ("hurst",)
 SUPPLEMENT = ("moments", "measured")
+OWN = "decay"
 
 
 def draw(statistics: Mapping[str, xr.Dataset]) -> Figure:

@@ -14,6 +14,8 @@ from asperity.views.style import panels
 
 STAGES = ("statistics",)
 STUDIES = ("compressibility",)
+OWN = "poisson_peaks"
+SEVERAL_RATIOS = True
 
 
 def draw(statistics: Mapping[str, xr.Dataset]) -> Figure:

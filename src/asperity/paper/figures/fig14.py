@@ -13,6 +13,8 @@ from asperity.paper.figures.plots import depth_distributions
 
 STAGES = ("statistics",)
 STUDIES = ("compressibility",)
+OWN = "poisson_depths"
+SEVERAL_RATIOS = True
 
 
 def draw(statistics: Mapping[str, xr.Dataset]) -> Figure:

@@ -13,6 +13,8 @@ from asperity.paper.figures.plots import decays
 
 STAGES = ("statistics",)
 STUDIES = ("compressibility",)
+OWN = "poisson_decay"
+SEVERAL_RATIOS = True
 
 
 def draw(statistics: Mapping[str, xr.Dataset]) -> Figure:

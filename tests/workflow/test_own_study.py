@@ -1,0 +1,201 @@
+"""A study of a user's own makes what its configuration asks for, and nothing of the paper's."""
+
+import re
+import shutil
+from collections import Counter
+
+import netCDF4
+import pytest
+import yaml
+from project import OWN, ROOT, copy_project, run, snakemake
+
+from asperity.config.study import read_study
+from asperity.errors import ConfigError
+
+SURFACE = {
+    "label": "A",
+    "hurst": 0.8,
+    "wavelength_long": 0.5,
+    "wavelength_short": 0.25,
+    "rms_height": 0.001,
+}
+TWO = {"a": SURFACE, "b": {**SURFACE, "hurst": 0.3}}
+OWN_FIGURES = {"spectrum", "heights", "pressure", "load_area", "peaks", "depths", "decay"}
+RATIO_FIGURES = {"poisson_peaks", "poisson_depths", "poisson_decay"}
+
+
+@pytest.fixture(scope="module")
+def project(tmp_path_factory):
+    """A copy of the project without results."""
+    return copy_project(tmp_path_factory.mktemp("dry"))
+
+
+def jobs(folder, *options):
+    """Rule, first output and inputs of every job in a dry run; rule machine_code shows a message."""
+    found = snakemake(folder, "--dry-run", *options)
+    assert found.returncode == 0, found.stdout + found.stderr
+    text = found.stdout + found.stderr
+    pattern = r"^(?:local)?rule (\w+):\n(?:    input: (.*)\n)?(?:    output: ([^,\n]*).*\n)?"
+    return [(rule, output, inputs.split(", ")) for rule, inputs, output in re.findall(pattern, text, re.M)]
+
+
+def config_in(folder, name, config):
+    """Options for a configuration written to a file."""
+    (folder / name).write_text(yaml.safe_dump(config), encoding="utf-8")
+    return "--configfile", name
+
+
+def test_two_surfaces_and_four_seeds_make_their_own_jobs_alone(project):
+    config = {"seeds": [1, 2, 3, 4], "surfaces": TWO}
+    found = jobs(project, *config_in(project, "mine.yaml", config))
+    assert Counter(rule for rule, _, _ in found) == {
+        "surface": 8,
+        "contact": 8,
+        "stress": 8,
+        "statistics": 2,
+        "verification": 2,
+        "figure": len(OWN_FIGURES),
+        "all": 1,
+    }
+    assert all(output.startswith("results/mine/") for rule, output, _ in found if rule != "all")
+    figures = {output.rsplit("/", 1)[-1] for rule, output, _ in found if rule == "figure"}
+    assert figures == {f"{name}_all.png" for name in OWN_FIGURES}
+
+
+def test_validation_and_tradeoff_are_made_as_far_as_they_are_asked_for(project):
+    paper = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
+    config = {
+        "surfaces": {"a": SURFACE},
+        "validation": {"punch": paper["validation"]["punch"]},
+        "tradeoff": {"reduced": paper["tradeoff"]["reduced"]},
+    }
+    found = jobs(project, *config_in(project, "some.yaml", config))
+    made = {output.removeprefix("results/some/") for _, output, _ in found}
+    assert {"validation/punch.nc", "validation/table.md", "figures/fig12.png"} <= made
+    assert {output for output in made if output.startswith("tradeoff")} == {"tradeoff/reduced/runs.nc"}
+    assert not [output for output in made if output.startswith("claims") or "fig01" in output]
+
+
+def test_an_overlay_of_the_paper_has_its_own_results(project):
+    config = {"based_on": "config/config.yaml", "contact": {"area_fraction": 0.05}}
+    half = jobs(project, *config_in(project, "half.yaml", config))
+    paper = jobs(project)
+    assert Counter(rule for rule, _, _ in half) == Counter(rule for rule, _, _ in paper)
+    assert {output.replace("results/half/", "results/") for _, output, _ in half} == {o for _, o, _ in paper}
+    assert not {output for _, output, _ in half if output} & {output for _, output, _ in paper}
+
+
+def test_claims_are_not_about_surfaces_of_the_user(project):
+    config = {
+        "based_on": "config/config.yaml",
+        "surfaces": TWO,
+        "studies": {"hurst": ["a", "b"], "skewness": [], "kurtosis": [], "moments": [], "measured": []},
+    }
+    found = jobs(project, *config_in(project, "mixed.yaml", config))
+    (inputs,) = (inputs for rule, _, inputs in found if rule == "claims")
+    read = {name.rsplit("/", 1)[-1] for name in inputs if "/statistics/" in name}
+    assert read == {"hurst_08.nc"}  # of study compressibility
+    figures = {output.rsplit("/", 1)[-1] for rule, output, _ in found if rule == "figure"}
+    assert {"fig06.png", "fig13.png"} <= figures
+    assert not figures & {"fig16.png", "fig17.png", "fig18.png"}
+
+
+def test_the_user_may_name_any_folder_on_the_command_line(project, tmp_path):
+    options = config_in(project, "mine.yaml", {"surfaces": {"a": SURFACE}})
+    folder = tmp_path / "a folder"
+    found = jobs(project, *options, "--config", f"results={folder}")
+    assert all(output.startswith(f"{folder}/") for rule, output, _ in found if rule != "all")
+
+
+REFUSED = [
+    ({"results": "/scratch/x"}, {}, "results = '/scratch/x': `results` or a folder below it is needed"),
+    ({"results": "results"}, {}, "this one holds the results of the paper"),
+    ({}, {"results": "/tmp/{x}"}, "results = '/tmp/{x}': a folder is needed, without braces"),
+    ({}, {"results": 5}, "results = 5: a folder is needed"),
+    ({}, {"contact": {"area_fraction": 2}}, "contact.area_fraction = 2: a number > 0 and ≤ 1 is needed"),
+    ({"surfaces": {}}, {}, "surfaces: missing; at least one is needed, here or under measured"),
+    ({"claims": True}, {}, "claims = true: false is needed with figures = 'own'"),
+    ({"based_on": "/etc/passwd"}, {}, "based_on = '/etc/passwd': `config/config.yaml` is needed"),
+    (
+        {"surfaces": dict.fromkeys("abcde", SURFACE)},
+        {},
+        "studies: missing; with 5 surfaces, studies of at most 4",
+    ),
+    ({"studies": {"My": ["a"]}}, {}, "studies.'My': a name of at most 40 lower-case letters"),
+    ({"studies": {"mine": ["c"]}}, {}, "studies.mine = 'c': the name of a surface is needed (a, b)"),
+]
+
+
+@pytest.mark.parametrize(("changes", "given", "line"), REFUSED, ids=[line[:40] for *_, line in REFUSED])
+def test_a_wrong_study_is_refused_in_one_line(tmp_path, changes, given, line):
+    path = tmp_path / "mine.yaml"
+    path.write_text(yaml.safe_dump({"surfaces": TWO, **changes}), encoding="utf-8")
+    with pytest.raises(ConfigError) as found:
+        read_study([path], given)
+    assert line in str(found.value)
+    assert "\n" not in str(found.value)
+
+
+def test_a_file_whose_name_cannot_be_that_of_a_folder_has_to_name_one(tmp_path):
+    path = tmp_path / "my study.yaml"
+    path.write_text(yaml.safe_dump({"surfaces": TWO}), encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"results: missing; 'my study.yaml' cannot name the folder"):
+        read_study([path])
+    assert read_study([path], {"results": "~//x/"})["results"].endswith("/x")
+
+
+def test_the_results_of_an_overlay_are_not_those_of_the_file_beneath(tmp_path):
+    beneath, above = tmp_path / "beneath.yaml", tmp_path / "above.yaml"
+    beneath.write_text(yaml.safe_dump({"results": "results/one", "surfaces": TWO}), encoding="utf-8")
+    above.write_text("seeds: [3]", encoding="utf-8")
+    assert read_study([beneath])["results"] == "results/one"
+    assert read_study([beneath, above])["results"] == "results/above"
+
+
+def test_the_study_is_made_where_the_user_says(own_study):
+    results = own_study.folder.parent / "own results"
+    assert f"study: done; figures in {results}/figures" in own_study.output
+    assert not (own_study.folder / "results").exists()
+    figures = {path.stem for path in (results / "figures").glob("*.png")}
+    expected = {f"{name}_{study}" for name in OWN_FIGURES for study in ("pair", "maps")}
+    assert figures == expected | {f"{name}_maps" for name in RATIO_FIGURES}
+    assert {path.name for path in (results / "surface/fault").iterdir()} == {"seed1.nc"}
+    assert not {path.name for path in results.iterdir()} & {"claims.md", "validation", "tradeoff"}
+    caption = (results / "figures/peaks_pair.rst").read_text(encoding="utf-8")
+    assert caption.startswith("Distributions of the peaks")
+    assert "fine, σ_VM" in caption
+
+
+def test_a_new_label_redraws_figures_and_computes_nothing(own_study):
+    overlay = {"surfaces": {"fine": {"label": "ground"}}}
+    options = (*OWN, config_in(own_study.folder, "label.yaml", overlay)[1])
+    found = jobs(own_study.folder, *options, "--config", f"results={own_study.folder.parent / 'own results'}")
+    assert {rule for rule, _, _ in found} == {"figure", "all"}
+    assert {output.rsplit("_", 1)[-1] for rule, output, _ in found if rule == "figure"} == {"pair.png"}
+
+
+def test_the_study_has_a_report(own_study):
+    path = own_study.folder.parent / "report.html"
+    folder = own_study.folder.parent / "own results"
+    found = snakemake(own_study.folder, *OWN, "--config", f"results={folder}", "--report", str(path))
+    assert found.returncode == 0, found.stdout + found.stderr
+    text = path.read_text(encoding="utf-8")
+    assert "peaks_pair.png" in text
+    assert "Figures of the paper" not in text
+
+
+def test_damaged_results_are_named(own_study, tmp_path):
+    folder = tmp_path / "results"
+    for part in ("statistics", "verification"):
+        shutil.copytree(own_study.folder.parent / "own results" / part, folder / part)
+    verify = ("python", "workflow/verify.py", str(folder), "--cores", "1")
+    found = run(own_study.folder, *verify)
+    assert (found.returncode, found.stderr) == (0, "")
+    statistics, table = folder / "statistics/fine.nc", folder / "verification/fine.csv"
+    with netCDF4.Dataset(statistics, "a") as data:
+        data["seed_kurtosis"][0] *= 1 + 1e-12
+    table.write_bytes(b"")
+    found = run(own_study.folder, *verify)
+    assert found.returncode == 1
+    lines = found.stderr.splitlines()
+    assert [line.split(":")[1].strip() for line in lines] == [str(statistics), str(table)]
