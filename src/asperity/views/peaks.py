@@ -19,8 +19,8 @@ from asperity.views.measures import Measure, measure
 from asperity.views.panels import canvas, finish_title
 from asperity.views.source import same_system, system_of, title_of
 
-LARGE_PEAK = 0.1
-"""Peaks of at least this part of the largest magnitude shown set the depth that is shown."""
+LARGE_PEAK = 0.5
+"""Peaks of at least this part of the largest magnitude set the depth that is shown."""
 
 SHAPE = 0.8
 """Height of a panel over its width."""
@@ -77,7 +77,7 @@ def plot_peaks(
     depths = [data["peak_depth"].values for data, _ in found]
     limits = robust_limits(sizes, 0.0)
     # Small peaks lie at the surface around the contacts, and far below them: large ones set the depth shown.
-    large = [size >= LARGE_PEAK * limits.high for size in sizes]
+    large = [size >= LARGE_PEAK * size.max(initial=0.0) for size in sizes]
     deepest = robust_limits([depth[kept] for depth, kept in zip(depths, large, strict=True)], 0.0)
     unit = measure(limits.high, "stress", system)
     length = measure(deepest.high, "length", system)
