@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from small_study import CONTACT, LAYER, STRESS
 
+from asperity.pipeline import verification
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.statistics import LEVELS, SeedResults, seed_statistics, surface_statistics
 from asperity.pipeline.stress import compute_stress
@@ -16,6 +17,7 @@ from asperity.pipeline.verification import (
     verify_seed,
     verify_statistics,
 )
+from asperity.stress.planes import stress_planes
 
 SURFACE = {"hurst": 0.8, "wavelength_long": 0.5, "wavelength_short": 0.125, "rms_height": 1e-3, "points": 64}
 SETTINGS = {
@@ -37,6 +39,16 @@ def chain():
     return [data.assign_attrs(settings=json.dumps(SETTINGS)) for data in (surface, contact, stress)]
 
 
+def chain_of(surface_changes, layer_changes):
+    """The same chain for another grid or layer."""
+    parameters, layer = {**SURFACE, **surface_changes}, {**LAYER, **layer_changes}
+    surface = make_surface(parameters, 1)
+    contact = solve_contact(surface, layer, CONTACT)
+    stress = compute_stress(contact, layer, BODY)
+    settings = json.dumps({**SETTINGS, "surface": parameters, "layer": layer})
+    return [data.assign_attrs(settings=settings) for data in (surface, contact, stress)]
+
+
 def broken(checks):
     return {check.name for check in checks if not check.holds}
 
@@ -46,6 +58,15 @@ def test_sound_results_pass_every_check(chain):
     assert len(checks) >= 15
     assert broken(checks) == set()
     require(checks, "small")
+
+
+@pytest.mark.parametrize(
+    ("surface", "layer"),
+    [({"points": 32}, {}), ({}, {"height": 0.05, "half_space_tolerance": 0.0})],
+    ids=["four nodes on the shortest wavelength", "a layer thinner than half of it"],
+)
+def test_a_coarse_grid_and_a_thin_layer_pass_every_check(surface, layer):
+    assert broken(verify_seed(*chain_of(surface, layer))) == set()
 
 
 def test_a_pressure_one_percent_too_large_is_found(chain):
@@ -141,3 +162,13 @@ def test_pooled_numbers_of_one_seed_are_its_own(chain):
     )
     np.testing.assert_allclose(found["decay_length_depth"], counted["seed_decay_length_depth"])
     assert int(found["height_counts"].sum()) == chain[0]["height"].size
+
+
+def test_a_shear_stress_one_percent_too_large_is_out_of_equilibrium(chain, monkeypatch):
+    def wrong(*arguments, **options):
+        for plane in stress_planes(*arguments, **options):
+            plane.fields["xz"] *= 1.01
+            yield plane
+
+    monkeypatch.setattr(verification, "stress_planes", wrong)
+    assert broken(verify_seed(*chain)) == {"equilibrium along x", "equilibrium along z"}

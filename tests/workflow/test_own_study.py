@@ -19,6 +19,8 @@ SURFACE = {
     "wavelength_short": 0.25,
     "rms_height": 0.001,
 }
+PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
+TRADEOFF = PAPER["tradeoff"]["reduced"]
 TWO = {"a": SURFACE, "b": {**SURFACE, "hurst": 0.3}}
 OWN_FIGURES = {"spectrum", "heights", "pressure", "load_area", "peaks", "depths", "decay"}
 RATIO_FIGURES = {"poisson_peaks", "poisson_depths", "poisson_decay"}
@@ -63,11 +65,10 @@ def test_two_surfaces_and_four_seeds_make_their_own_jobs_alone(project):
 
 
 def test_validation_and_tradeoff_are_made_as_far_as_they_are_asked_for(project):
-    paper = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
     config = {
         "surfaces": {"a": SURFACE},
-        "validation": {"punch": paper["validation"]["punch"]},
-        "tradeoff": {"reduced": paper["tradeoff"]["reduced"]},
+        "validation": {"punch": PAPER["validation"]["punch"]},
+        "tradeoff": {"reduced": TRADEOFF},
     }
     found = jobs(project, *config_in(project, "some.yaml", config))
     made = {output.removeprefix("results/some/") for _, output, _ in found}
@@ -114,6 +115,22 @@ REFUSED = [
     ({}, {"results": 5}, "results = 5: a folder is needed"),
     ({}, {"contact": {"area_fraction": 2}}, "contact.area_fraction = 2: a number > 0 and ≤ 1 is needed"),
     ({"surfaces": {}}, {}, "surfaces: missing; at least one is needed, here or under measured"),
+    ({"layer": {"height": 1e-9}}, {}, "layer.height = 1e-09: at least 0.0625 is needed for a, 4 planes"),
+    (
+        {"surfaces": {"a": {**SURFACE, "label": r"$\frac{1}$"}}},
+        {},
+        r"surfaces.a.label = '$\\frac{1}$': mathematics that matplotlib can draw is needed",
+    ),
+    (
+        {"tradeoff": {"reduced": {**TRADEOFF, "wavelength_short": 0.75}}},
+        {},
+        "tradeoff.reduced.wavelength_short = 0.75: at most wavelength_long = 0.5 is needed",
+    ),
+    (
+        {"contact": {"method": "gfmd", "tolerance": 1e-14}},
+        {},
+        "contact.tolerance = 1e-14: a number ≥ 1e-13 with method gfmd is needed",
+    ),
     ({"claims": True}, {}, "claims = true: false is needed with figures = 'own'"),
     ({"based_on": "/etc/passwd"}, {}, "based_on = '/etc/passwd': `config/config.yaml` is needed"),
     (

@@ -37,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     describing.set_defaults(run=_describe)
     options = parser.parse_args(arguments)
     try:
-        require_packages(("jsonschema", "yaml"))
+        require_packages(("jsonschema", "matplotlib", "yaml"))
         options.run(options)
     except (ConfigError, PreflightError, OSError) as error:
         print(f"config: {one_line(str(error))}", file=sys.stderr)

@@ -21,6 +21,9 @@ _LONGEST_KEY = 40
 _ROUNDING = 1e-9
 """Two nodes on the shortest wavelength may be missed by this much, as 1/3 in decimal digits misses them."""
 
+_FEWEST_PLANES = 4
+"""Planes of the stress that a layer must hold: verification needs one away from both faces."""
+
 _STANDARD = jsonschema.Draft202012Validator
 _FORMATS = jsonschema.FormatChecker(formats=())
 
@@ -49,6 +52,7 @@ def check(config: Mapping[str, Any], needed: tuple[str, ...] | None = None) -> N
     _check_surfaces(whole)
     _check_studies(whole)
     _check_claims(whole)
+    _check_tradeoff(whole)
     _check_solid(whole)
 
 
@@ -158,7 +162,10 @@ def _check_points(config: Mapping[str, Any]) -> None:
 
 def _check_surfaces(config: Mapping[str, Any]) -> None:
     if not config["surfaces"] and not config["measured"]:
-        raise ConfigError("surfaces: missing; at least one is needed, here or under measured")
+        raise ConfigError(
+            "surfaces: missing; at least one is needed, here or under measured, or the paper's by "
+            "based_on: config/config.yaml"
+        )
     for name, surface in config["surfaces"].items():
         _check_surface(f"surfaces.{name}", surface)
     for name in config["measured"]:
@@ -203,7 +210,30 @@ def _check_claims(config: Mapping[str, Any]) -> None:
         )
 
 
+def _check_tradeoff(config: Mapping[str, Any]) -> None:
+    for extent, settings in config["tradeoff"].items():
+        short, long = settings["wavelength_short"], settings["wavelength_long"]
+        if short > long:
+            raise ConfigError(
+                f"tradeoff.{extent}.wavelength_short = {short!r}: "
+                f"at most wavelength_long = {long!r} is needed"
+            )
+
+
+def _check_height(config: Mapping[str, Any]) -> None:
+    """Raise `ConfigError` for a layer too thin for the planes of the stress under a surface."""
+    height, spacing = config["layer"]["height"], config["stress"]["depth_spacing"]
+    for name, surface in {**config["surfaces"], **config["measured"]}.items():
+        least = _FEWEST_PLANES * spacing / surface.get("points", math.inf)
+        if height < least:
+            raise ConfigError(
+                f"layer.height = {height!r}: at least {number(least)} is needed for {name}, "
+                f"{_FEWEST_PLANES} planes at its depth_spacing"
+            )
+
+
 def _check_solid(config: Mapping[str, Any]) -> None:
+    _check_height(config)
     path = config["contact"]["path_area_fractions"]
     if path != sorted(path):
         raise ConfigError(f"contact.path_area_fractions = {shown(path)}: rising numbers are needed")

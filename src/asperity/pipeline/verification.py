@@ -35,7 +35,7 @@ REFINEMENT = 0.25
 """Part by which a peak refined between nodes may exceed the largest node, with eight nodes per wavelength."""
 
 DEPTH_STEP = 1e-3
-"""Step of the derivative along depth, over the shortest wavelength."""
+"""Step of the derivative along depth, over the shortest wavelength or the height of a thinner layer."""
 
 EQUILIBRIUM = 1e-4
 """Bound for the divergence of the stress: the error of the central difference along depth."""
@@ -178,8 +178,9 @@ def _of_fields(contact: xr.Dataset, stress: xr.Dataset, layer: Layer) -> list[Ch
     tolerance = settings_of(stress)["stress"]["tolerance"]
     short = settings_of(contact)["surface"]["wavelength_short"]
     depths = stress["plane_depth"].values
-    number = int(np.argmin(np.abs(depths - short / 2)))
-    step = DEPTH_STEP * short
+    scale = min(short, depths[-1])  # a layer may be thinner than the shortest wavelength
+    number = int(np.argmin(np.abs(depths - scale / 2)))
+    step = DEPTH_STEP * scale
     triple = depths[number] + step * np.array([-1.0, 0.0, 1.0])
     names = ("xx", "zz", "xz", "yz", "xy", "von_mises")
     above, middle, below = stress_planes(pressed, triple, [nu], names, tolerance=0)
@@ -225,7 +226,19 @@ def _imbalance(
     _, slope_x = gradient(fourier.forward(middle[along_x][0]), fourier)
     slope_y, _ = gradient(fourier.forward(middle[along_y][0]), fourier)
     slope_z = (above[along_z][0] - below[along_z][0]) / (2 * step)
-    return float(np.std(slope_x + slope_y + slope_z) / np.std(slope_z))
+    divergence = _without_nyquist(slope_x + slope_y + slope_z, fourier)
+    return float(np.std(divergence) / np.std(slope_z))
+
+
+def _without_nyquist(field: Array, fourier: Fourier) -> Array:
+    """A field without its modes at the Nyquist wavenumbers, which have no derivative on the grid."""
+    modes = fourier.forward(field)
+    rows, columns = field.shape
+    if rows % 2 == 0:
+        modes[rows // 2] = 0
+    if columns % 2 == 0:
+        modes[:, columns // 2] = 0
+    return fourier.inverse(modes, overwrite=True)
 
 
 def _of_peaks(stress: xr.Dataset, grid: Grid) -> list[Check]:
