@@ -44,7 +44,7 @@ def chain_of(surface_changes, layer_changes):
     parameters, layer = {**SURFACE, **surface_changes}, {**LAYER, **layer_changes}
     surface = make_surface(parameters, 1)
     contact = solve_contact(surface, layer, CONTACT)
-    stress = compute_stress(contact, layer, BODY)
+    stress = compute_stress(contact, layer, STRESS)
     settings = json.dumps({**SETTINGS, "surface": parameters, "layer": layer})
     return [data.assign_attrs(settings=settings) for data in (surface, contact, stress)]
 

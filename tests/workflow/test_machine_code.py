@@ -9,6 +9,9 @@ from asperity.runtime.compiling import PARTS
 
 NAMES = "from asperity.runtime.compiling import compiled_functions as found; print(*found(), sep='\\n')"
 
+NOT_IN_THE_STUDY = ("principal.", "kernels.add_sliding_stress")
+"""Functions of fields that no stage of the study computes."""
+
 
 def test_no_job_compiles_anything_after_it(quick_study):
     texts = list((quick_study.folder / "results/quick/machine_code").iterdir())
@@ -16,7 +19,10 @@ def test_no_job_compiles_anything_after_it(quick_study):
     names = run(quick_study.folder, "python", "-c", NAMES).stdout.split()
     caches = list((quick_study.folder / "src").rglob("*.nb[ic]"))
     kept = {path.name.split("-")[0] for path in caches if path.suffix == ".nbi"}
-    assert kept == {".".join(name.split(".")[-2:]) for name in names}
+    found = {".".join(name.split(".")[-2:]) for name in names}
+    assert kept <= found
+    left = {name for name in found - kept if not name.startswith(NOT_IN_THE_STUDY)}
+    assert not left
     newest = max(path.stat().st_mtime_ns for path in caches)
     assert newest < max(path.stat().st_mtime_ns for path in texts)
     for path in texts:
@@ -42,7 +48,7 @@ def test_a_changed_module_reruns_the_jobs_that_use_it_and_no_other(quick_study, 
     path = quick_study.folder / "src/asperity" / module
     text, before = path.read_text(), path.stat()
     path.write_text(text + "\n")
-    plan = snakemake(quick_study.folder, *QUICK, "--dry-run", "--quiet")
+    plan = snakemake(quick_study.folder, *QUICK, "--dry-run")
     path.write_text(text)
     os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
     jobs = dict(line.split() for line in (plan.stdout + plan.stderr).splitlines() if len(line.split()) == 2)

@@ -44,9 +44,7 @@ def read_dimensionless(path: str | Path) -> xr.Dataset:
     """
     data = dataset.read(path)
     if (system := dataset.unit_system(data)) != STUDY_UNITS:
-        raise ValueError(
-            f"{path}: a result of asperity run in {system} units; one of asperity solve is needed"
-        )
+        raise ValueError(f"{path}: in {system} units; a result in cell lengths, as of the study, is needed")
     return data
 
 

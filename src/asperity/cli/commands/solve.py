@@ -43,8 +43,6 @@ def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, A
         if given:
             raise ValueError(f"{flag(next(iter(given)))}: for height maps, {path} is a surface")
         surface = read_result(path, "surface")
-        if surface.attrs.get("unit_system") == "SI":
-            raise ValueError(f"{path}: in SI units; a surface in cell lengths is needed")
         return surface, dataset.settings_of(surface)
     parameters = complete_map({"label": path.stem, "file": str(path), **given})
     surface = read_surface(parameters, option=flag)
