@@ -6,7 +6,7 @@ import xarray as xr
 
 import asperity as asp
 from asperity.results import dataset
-from asperity.stress.selection import SELECTIONS, selection_for
+from asperity.stress.peak_kinds import SELECTIONS, selection_for
 
 RATIOS = [0.0, 0.33, 0.5]
 

@@ -20,8 +20,9 @@ from asperity.pipeline.solid import SOLID_ATTRIBUTES
 from asperity.results import dataset
 from asperity.spectral import Grid
 from asperity.stress.patches import contact_patches, depth_patch_correlation
+from asperity.stress.peak_kinds import selection_for
 from asperity.stress.pooling import HIGHEST_SHARE, pool_peaks
-from asperity.stress.selection import peaks, selection_for
+from asperity.stress.selection import peaks
 from asperity.stress.statistics import bin_edges, decay_lengths, normalised
 from asperity.types import Array
 

@@ -17,7 +17,8 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from asperity.stress.selection import SELECTIONS, peaks
+from asperity.stress.peak_kinds import SELECTIONS
+from asperity.stress.selection import peaks
 from asperity.stress.statistics import (
     bin_edges,
     decay_lengths,

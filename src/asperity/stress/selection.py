@@ -14,24 +14,10 @@ import xarray as xr
 
 from asperity.errors import one_line, shown
 from asperity.stress.arguments import checked_name, checked_ratio
+from asperity.stress.peak_kinds import SELECTIONS
 from asperity.stress.peaks import Peaks
 from asperity.stress.pressed import ContactLike
 from asperity.types import Array
-
-SELECTIONS = ("all", "at_contact", "interior", "under_contact")
-"""Names of the selections of `peaks`."""
-
-LARGEST_AT_SURFACE = (
-    "pressure",
-    "xx",
-    "yy",
-    "zz",
-    "hydrostatic",
-    "principal_1",
-    "principal_2",
-    "principal_3",
-)
-"""Quantities whose magnitude is largest in the surface."""
 
 _LABELS = ("peak_quantity", "peak_poisson")
 
@@ -92,14 +78,6 @@ def peaks(
     found = stress[columns].isel(peak=np.flatnonzero(chosen)).drop_vars(_LABELS).drop_attrs(deep=False)
     coordinates = {"quantity": quantity, "poisson": ratio}
     return found.assign_coords({name: ((), value, stress[name].attrs) for name, value in coordinates.items()})
-
-
-def selection_for(quantity: str) -> str:
-    """The selection of `peaks` that figures and claims count for a quantity.
-
-    They count peaks under a contact, and those in the surface only of quantities that are largest there.
-    """
-    return "at_contact" if quantity in LARGEST_AT_SURFACE else "under_contact"
 
 
 def peak_dataset(found: Mapping[tuple[str, float], Peaks], contact: ContactLike) -> xr.Dataset:

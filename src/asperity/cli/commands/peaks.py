@@ -11,7 +11,7 @@ from asperity.cli.files import check_out, read_result, write_result
 from asperity.pipeline.statistics import SeedResults, surface_statistics
 from asperity.results import dataset
 from asperity.runtime.progress import ProgressBar
-from asperity.stress.selection import selection_for
+from asperity.stress.peak_kinds import selection_for
 from asperity.surface.roughness import roughness_parameters
 
 _PERCENTS = (50.0, 90.0, 99.0)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import xarray as xr
 
-from asperity.stress.selection import selection_for
+from asperity.stress.peak_kinds import selection_for
 from asperity.views.style import label, wavelength_short
 
 
