@@ -101,7 +101,8 @@ def main() -> None:
         sys.exit(f"{logs}: no finished job; run the study first")
     if options.declared:
         memory = declared_memory(options.configfile)
-        jobs = {path: job._replace(declared=memory.get(path, 0.0)) for path, job in jobs.items()}
+        # A dry run shows a job of a rule with a message by that message alone, without its resources.
+        jobs = {path: job._replace(declared=memory.get(path, job.memory)) for path, job in jobs.items()}
     print(table(jobs, logs, options.declared))
     if options.declared and (lines := wrongly_declared(jobs, logs)):
         sys.exit("\n".join([f"measured and declared memory differ by more than {TOLERANCE:.0%}:", *lines]))

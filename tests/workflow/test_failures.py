@@ -119,7 +119,7 @@ NEEDS_MEMORY = r"study: {results}/\S+ needs about (\S+) GB of memory, {source} (
 
 def test_too_little_memory_is_noticed_before_the_run(folder):
     (folder / "large.yaml").write_text("surfaces: {hurst_08: {points: 32768}}")
-    line = refused(folder, *study("large.yaml"))
+    line = refused(folder, *study("large.yaml", "--config", f"results={RESULTS}"))
     found = re.match(NEEDS_MEMORY.format(results=RESULTS, source="this machine has"), line)
     assert float(found[1]) > float(found[2])
 
