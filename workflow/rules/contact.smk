@@ -1,10 +1,3 @@
-def contact_settings(wildcards):
-    """Section contact, without the load-area curve where no figure shows it."""
-    if any(wildcards.surface in figure.surfaces(STUDIES, "contact") for figure in FIGURES.values()):
-        return config["contact"]
-    return {**config["contact"], "path_area_fractions": []}
-
-
 rule contact:
     input:
         surface=f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",

@@ -1,4 +1,4 @@
-# Surfaces, seeds and figures of the configuration, and the result files that belong to them.
+# Surfaces, seeds and figures of the configuration, their settings, and the result files that belong to them.
 from pathlib import Path
 from asperity.paper.claims.sources import resolutions
 from asperity.paper.figures import describe_all
@@ -65,3 +65,16 @@ def figure_labels(wildcards):
         "figure": figure.number or figure.name,
         "study": " and ".join(figure.studies) or "validation",
     }
+
+
+def surface_settings(wildcards):
+    """Entry of a surface without its label, which changes nothing of the surface."""
+    entry = {**SURFACES, **MEASURED}[wildcards.surface]
+    return {key: value for key, value in entry.items() if key != "label"}
+
+
+def contact_settings(wildcards):
+    """Section contact, without the load-area curve where no figure shows it."""
+    if any(wildcards.surface in figure.surfaces(STUDIES, "contact") for figure in FIGURES.values()):
+        return config["contact"]
+    return {**config["contact"], "path_area_fractions": []}

@@ -1,9 +1,3 @@
-def surface_settings(wildcards):
-    """Entry of a surface without its label, which changes nothing of the surface."""
-    entry = {**SURFACES, **MEASURED}[wildcards.surface]
-    return {key: value for key, value in entry.items() if key != "label"}
-
-
 rule surface:
     input:
         map=lambda wildcards: ([MEASURED[wildcards.surface]["file"]] if wildcards.surface in MEASURED else []),
