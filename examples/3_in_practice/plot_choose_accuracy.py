@@ -54,8 +54,7 @@ print(text.getvalue())
 # **Check**: the error falls with the grid, and with the number of nodes that was proposed it is below 10 %.
 settings = yaml.safe_load(text.getvalue().split("to lay over a configuration:")[1])
 proposed = settings["surfaces"]["surface"]["points"] * wavelength_short
-print(
-    f"proposed: {proposed:g} nodes on λ_s, where the error is {100 * np.interp(proposed, nodes[:-1], errors):.2g} %"
-)
+error = np.interp(proposed, nodes[:-1], errors)
+print(f"proposed: {proposed:g} nodes on λ_s, where the error is {100 * error:.2g} %")
 assert errors[0] > errors[1] > errors[2:].max()
-assert np.interp(proposed, nodes[:-1], errors) < 0.10
+assert error < 0.10

@@ -23,8 +23,8 @@ surface, contact, stress, table, field = (
     for name in ("surface.nc", "contact.nc", "stress.nc", "peaks.csv", "field.vti")
 )
 asperity(
-    f"surface --points 128 --hurst 0.8 --wavelength-long 0.25 --wavelength-short 0.0625 --rms-height 0.001 --seed 1 "
-    f"--out {surface}".split()
+    f"surface --points 128 --hurst 0.8 --wavelength-long 0.25 --wavelength-short 0.0625 --rms-height 0.001 "
+    f"--seed 1 --out {surface}".split()
 )
 asperity(f"solve {surface} --poisson 0.33 --area-fraction 0.1 --out {contact}".split())
 asperity(f"stress {contact} --poisson 0 0.33 0.5 --out {stress}".split())
