@@ -1,0 +1,149 @@
+"""Settings of the documentation site: `make docs` builds it into docs/_build, without a network.
+
+The pages are the Markdown files of this folder, which read as well where they lie. Made when the site is built, and not
+kept: the gallery from `examples`, and a page for each name of the interface.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+
+from docutils import nodes
+from docutils.parsers.rst import Directive
+from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
+
+import asperity
+from asperity.cli.parser import make_parser
+
+os.environ["COLUMNS"] = "96"  # width of the help of commands
+
+project = "asperity"
+author = "The asperity developers"
+release = version = asperity.__version__
+copyright = author
+
+extensions = [
+    "myst_parser",
+    "numpydoc",
+    "sphinx.ext.autodoc",
+    "sphinx.ext.autosummary",
+    "sphinx.ext.mathjax",
+    "sphinx-mathjax-offline",  # MathJax among the files of the site instead of a network address
+    "sphinx_copybutton",
+    "sphinx_gallery.gen_gallery",
+]
+exclude_patterns = ["_build", "gallery/**/*.ipynb", "gallery/**/*.md5", "gallery/**/*.py"]
+templates_path = ["_templates"]
+nitpicky = True
+
+# Markdown
+myst_enable_extensions = ["amsmath", "dollarmath"]
+myst_fence_as_directive = ["math"]  # as GitHub renders it
+myst_heading_anchors = 4
+myst_dmath_double_inline = True
+
+# Interface
+autosummary_generate = True
+autodoc_typehints = "none"  # types stand in the lists of parameters
+autodoc_preserve_defaults = True
+autodoc_member_order = "bysource"
+numpydoc_show_class_members = False
+numpydoc_xref_param_type = False
+default_role = "py:obj"
+copybutton_prompt_text = r">>> |\.\.\. "
+copybutton_prompt_is_regexp = True
+
+# Appearance
+html_theme = "furo"
+html_title = f"asperity {release}"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_copy_source = False
+html_show_sphinx = False
+html_theme_options = {"footer_icons": []}
+
+# Gallery
+sphinx_gallery_conf = {
+    "examples_dirs": "../examples",
+    "gallery_dirs": "gallery",
+    "filename_pattern": r"/plot_",
+    "within_subsection_order": "ExampleTitleSortKey",
+    "abort_on_example_error": True,
+    "show_memory": False,
+    "show_signature": False,
+    "download_all_examples": True,
+    "remove_config_comments": True,
+    "min_reported_time": 1e9,
+    "write_computation_times": False,
+    "reset_modules": ("matplotlib",),
+    "matplotlib_animations": False,
+    "image_srcset": ["2x"],
+    "doc_module": ("asperity",),
+    "backreferences_dir": "gallery/uses",
+    "inspect_global_variables": False,
+}
+
+PAGES = {"../config/README.md": "settings.md", "../CHANGELOG.md": "changelog.md", "../README.md": "index.md"}
+"""Files outside this folder that the pages link to, and the pages that show them."""
+
+
+def link_to_pages(app: Sphinx, name: str, content: list[str]) -> None:
+    """Links between files of the repository become links between pages of the site."""
+    for target, page in PAGES.items():
+        content[0] = content[0].replace(f"]({target}", f"]({page}")
+    content[0] = content[0].replace("](../docs/", "](")
+
+
+def link_included(app: Sphinx, relative_path: Path, parent: str, content: list[str]) -> None:
+    """The same for files that a page includes."""
+    link_to_pages(app, parent, content)
+    content[0] = re.sub(r"\]\(docs/", "](", content[0])
+
+
+def escape_bars(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
+    """A magnitude |q| in a docstring is no substitution of reStructuredText."""
+    for number, line in enumerate(lines):
+        if not line.lstrip().startswith((">>>", "...")):
+            parts = line.split("``")
+            parts[::2] = [part.replace("|", r"\|") for part in parts[::2]]
+            lines[number] = "``".join(parts)
+
+
+def link_names(app: Sphinx, env: BuildEnvironment, node: nodes.Element, shown: nodes.Element) -> nodes.Node | None:
+    """A name between single backquotes of a docstring links to its page if it is public, and else is code."""
+    if node.get("reftype") != "obj" or node.get("py:module") is None:
+        return None
+    name = str(node["reftarget"]).rpartition(".")[2]
+    if name not in asperity.__all__:
+        return shown
+    page, python = node["refdoc"], env.get_domain("py")
+    return python.resolve_xref(env, page, app.builder, "obj", f"asperity.{name}", node, shown)
+
+
+class Commands(Directive):
+    """A section for each command of ``asperity`` with its help."""
+
+    def run(self) -> list[nodes.Node]:
+        """The sections, in the order of the command line."""
+        parser = make_parser()
+        (commands,) = (action.choices for action in parser._actions if isinstance(action.choices, dict))
+        sections = []
+        for name, command in commands.items():
+            title = f"asperity {name}"
+            section = nodes.section(ids=[nodes.make_id(title)], names=[nodes.fully_normalize_name(title)])
+            section += nodes.title(text=title)
+            section += nodes.literal_block(text=command.format_help(), language="none")
+            sections.append(section)
+        return sections
+
+
+def setup(app: Sphinx) -> None:
+    """Connect the handlers and directives of this file."""
+    app.add_directive("commands", Commands)
+    app.connect("source-read", link_to_pages)
+    app.connect("include-read", link_included)
+    app.connect("autodoc-process-docstring", escape_bars)
+    app.connect("missing-reference", link_names)
