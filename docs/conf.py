@@ -12,6 +12,7 @@ from pathlib import Path
 
 from docutils import nodes
 from docutils.parsers.rst import Directive
+from numpydoc.xref import DEFAULT_LINKS
 from sphinx.application import Sphinx
 from sphinx.environment import BuildEnvironment
 
@@ -51,7 +52,10 @@ autodoc_typehints = "none"  # types stand in the lists of parameters
 autodoc_preserve_defaults = True
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
-numpydoc_xref_param_type = False
+numpydoc_xref_param_type = True  # public names in the lists of parameters are links
+numpydoc_xref_aliases = {name: f"asperity.{name}" for name in asperity.__all__}
+numpydoc_xref_ignore = "all"
+DEFAULT_LINKS.clear()  # int, float, array, … would link to sites of others
 default_role = "py:obj"
 copybutton_prompt_text = r">>> |\.\.\. "
 copybutton_prompt_is_regexp = True
@@ -70,7 +74,7 @@ sphinx_gallery_conf = {
     "examples_dirs": "../examples",
     "gallery_dirs": "gallery",
     "filename_pattern": r"/plot_",
-    "within_subsection_order": "ExampleTitleSortKey",
+    "within_subsection_order": "FileNameSortKey",
     "abort_on_example_error": True,
     "show_memory": False,
     "show_signature": False,
@@ -91,30 +95,34 @@ PAGES = {"../config/README.md": "settings.md", "../CHANGELOG.md": "changelog.md"
 
 
 def link_to_pages(app: Sphinx, name: str, content: list[str]) -> None:
-    """Links between files of the repository become links between pages of the site."""
+    """Links between files of the repository become links between pages, and names of pages their titles."""
+    text = content[0]
     for target, page in PAGES.items():
-        content[0] = content[0].replace(f"]({target}", f"]({page}")
-    content[0] = content[0].replace("](../docs/", "](")
+        text = text.replace(f"]({target}", f"]({page}")
+    text = text.replace("](../docs/", "](").replace("](docs/", "](")
+    text = re.sub(r"\[(?:docs/|config/)?\w+\.md\]\(", "[](", text)
+    content[0] = re.sub(r"`docs/(\w+\.md)`", r"[](\1)", text)
 
 
 def link_included(app: Sphinx, relative_path: Path, parent: str, content: list[str]) -> None:
     """The same for files that a page includes."""
     link_to_pages(app, parent, content)
-    content[0] = re.sub(r"\]\(docs/", "](", content[0])
 
 
 def escape_bars(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
     """A magnitude |q| in a docstring is no substitution of reStructuredText."""
     for number, line in enumerate(lines):
         if not line.lstrip().startswith((">>>", "...")):
-            parts = line.split("``")
+            parts = re.sub(r"``docs/(\w+)\.md``", r":doc:`/\1`", line).split("``")
             parts[::2] = [part.replace("|", r"\|") for part in parts[::2]]
             lines[number] = "``".join(parts)
 
 
-def link_names(app: Sphinx, env: BuildEnvironment, node: nodes.Element, shown: nodes.Element) -> nodes.Node | None:
+def link_names(
+    app: Sphinx, env: BuildEnvironment, node: nodes.Element, shown: nodes.Element
+) -> nodes.Node | None:
     """A name between single backquotes of a docstring links to its page if it is public, and else is code."""
-    if node.get("reftype") != "obj" or node.get("py:module") is None:
+    if node.get("reftype") != "obj" or not node["refdoc"].startswith("api"):
         return None
     name = str(node["reftarget"]).rpartition(".")[2]
     if name not in asperity.__all__:

@@ -25,7 +25,7 @@ def _no_window(monkeypatch: pytest.MonkeyPatch):
         plt.close("all")
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem.removeprefix("plot_"))
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem.split("_", 2)[2])
 def test_the_example_runs_and_its_checks_hold(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     checks = [node for node in ast.walk(ast.parse(path.read_text("utf-8"))) if isinstance(node, ast.Assert)]
     assert checks, "an example ends with a check of its physics"

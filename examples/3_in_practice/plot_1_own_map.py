@@ -28,7 +28,7 @@ answer = run(surface, steel, aluminium, mean_pressure=20e6, map_settings=treatme
 print(answer)
 
 # %%
-figure, axes = plt.subplots(1, 2, figsize=(9, 3.8), layout="compressed")
+figure, axes = plt.subplots(1, 2, figsize=(10, 4.6), layout="compressed")
 asp.plot_height(answer.contact, axes=axes[0], unit_system="SI")
 asp.plot_pressure(answer.contact, axes=axes[1], unit_system="SI")
 plt.show()

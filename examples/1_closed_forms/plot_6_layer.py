@@ -49,7 +49,7 @@ loads = [
 axes.plot(curve, np.array(loads) / hertz.load, label="integral equation")
 axes.plot(np.array(heights) / contact_radius, ratios, "o", label="computed")
 axes.axhline(1, color="0.6", linestyle=":", label="half-space (Hertz)")
-axes.set(xlabel="height of the layer/a", ylabel="load/load of Hertz, same contact radius", xscale="log")
+axes.set(xlabel="height of the layer/a", ylabel="load/load of Hertz, same contact radius")
 axes.legend()
 plt.show()
 

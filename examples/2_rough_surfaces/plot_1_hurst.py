@@ -34,8 +34,9 @@ for hurst in exponents:
     depths.append(float(found["peak_depth"].median()))
     numbers.append(found.sizes["peak"])
 left.set(xlabel="wavenumber q", ylabel="power spectral density")
+left.xaxis.set_minor_formatter("")
 left.legend()
-right.set(xlabel=r"von Mises peak/(E* $\bar g_r$)", ylabel="depth/λ_s", ylim=(1.5, 0))
+right.set(xlabel=r"von Mises peak/(E* $\bar g_r$)", ylabel="depth/λ_s", ylim=(0.5, 0))
 right.legend()
 plt.show()
 
