@@ -76,8 +76,8 @@ def solve(
     problem : Problem
     control : Control
     rtol : float
-        Norm of the traction outside the contact and of the tension on it, relative to the norm of the
-        pressure, to be reached.
+        Error of the pressure relative to its norm to be reached, as estimated by
+        `DampedDynamics.pressure_and_error`.
     progress : callable, optional
     initial : (ny, nx) array, optional
         Start from the displacement under this pressure.
@@ -102,12 +102,12 @@ def solve(
         state.iterations = step
         if step % STEPS_BETWEEN_CHECKS:
             continue
-        state.pressure, unbalanced = dynamics.pressure(state.load)
-        if not math.isfinite(unbalanced):
+        state.pressure, error = dynamics.pressure_and_error(state.load)
+        if not math.isfinite(error):
             break
-        unbalanced = max(unbalanced, dynamics.missing_load(state.load))
+        error = max(error, dynamics.missing_load(state.load))
         norm = math.sqrt(float(np.sum(np.square(state.pressure), dtype=float)))
-        state.error = unbalanced / norm if norm else (0.0 if unbalanced == 0 else math.inf)
+        state.error = error / norm if norm else (0.0 if error == 0 else math.inf)
         report(state.error)
         # A change of the load takes effect within the relaxation time of the slowest mode.
         if step < next_check:
@@ -191,13 +191,20 @@ class DampedDynamics:
         np.maximum(self._displacement, self._wall, out=self._displacement)
         self._now, self._before = fourier.forward(self._displacement, self._before), self._now
 
-    def pressure(self, load: float) -> tuple[Array, float]:
-        """Pressure on the contact nodes, and norm of all other tractions, which vanish in equilibrium."""
+    def pressure_and_error(self, load: float) -> tuple[Array, float]:
+        """Pressure on the contact nodes, and the norm of its error, estimated from all other tractions.
+
+        The other tractions vanish in equilibrium. Those that are spread evenly over all nodes are still to be
+        carried by the contact nodes alone, which multiplies their norm by the root of the ratio of the numbers
+        of nodes.
+        """
         traction = self._problem.fourier.inverse(self._stiffness * self._now, overwrite=True)
         if load:
             traction += traction.dtype.type(load)
         pressure = np.where((self._displacement == self._wall) & (traction > 0), traction, 0)
-        return pressure, math.sqrt(float(np.sum(np.square(traction - pressure), dtype=float)))
+        unbalanced = math.sqrt(float(np.sum(np.square(traction - pressure), dtype=float)))
+        nodes_in_contact = max(int(np.count_nonzero(pressure)), 1)
+        return pressure, unbalanced * math.sqrt(pressure.size / nodes_in_contact)
 
     def missing_load(self, load: float) -> float:
         """Norm of the pressure that the load lacks to hold the mean displacement at zero.
