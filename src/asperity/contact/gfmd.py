@@ -197,8 +197,8 @@ class DampedDynamics:
         """Pressure on the contact nodes, and the norm of its error, estimated from all other tractions.
 
         The other tractions vanish in equilibrium. Those that are spread evenly over all nodes are still to be
-        carried by the contact nodes alone, which multiplies their norm by the root of the ratio of the numbers
-        of nodes.
+        carried by the contact nodes alone, which multiplies their norm by the root of the ratio of the
+        numbers of nodes.
         """
         traction = self._problem.fourier.inverse(self._stiffness * self._now, overwrite=True)
         if load:
