@@ -1,7 +1,7 @@
 """Settings of the documentation site: `make docs` builds it into docs/_build, without a network.
 
-The pages are the Markdown files of this folder, which read as well where they lie. Made when the site is built, and not
-kept: the gallery from `examples`, and a page for each name of the interface.
+The pages are the Markdown files of this folder, which can also be read where they lie. The gallery, from
+`examples`, and a page for each name of the interface are made with the site.
 """
 
 from __future__ import annotations
@@ -44,7 +44,6 @@ nitpicky = True
 myst_enable_extensions = ["amsmath", "dollarmath"]
 myst_fence_as_directive = ["math"]  # as GitHub renders it
 myst_heading_anchors = 4
-myst_dmath_double_inline = True
 
 # Interface
 autosummary_generate = True
