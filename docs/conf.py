@@ -52,7 +52,8 @@ autodoc_preserve_defaults = True
 autodoc_member_order = "bysource"
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = True  # public names in the lists of parameters are links
-numpydoc_xref_aliases = {name: f"asperity.{name}" for name in asperity.__all__}
+LISTED = re.findall(r"~(asperity\.[\w.]+)", (Path(__file__).parent / "api.rst").read_text("utf-8"))
+numpydoc_xref_aliases = {name.rpartition(".")[2]: name for name in LISTED}
 numpydoc_xref_ignore = "all"
 DEFAULT_LINKS.clear()  # int, float, array, … would link to sites of others
 default_role = "py:obj"

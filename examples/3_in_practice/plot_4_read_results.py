@@ -22,12 +22,14 @@ surface, contact, stress, table, field = (
     str(Path(folder.name) / name)
     for name in ("surface.nc", "contact.nc", "stress.nc", "peaks.csv", "field.vti")
 )
-asperity(
-    f"surface --points 128 --hurst 0.8 --wavelength-long 0.25 --wavelength-short 0.0625 --rms-height 0.001 "
-    f"--seed 1 --out {surface}".split()
+commands = (
+    "surface --points 128 --hurst 0.8 --wavelength-long 0.25 --wavelength-short 0.0625 --rms-height 0.001 "
+    f"--seed 1 --out {surface}",
+    f"solve {surface} --poisson 0.33 --area-fraction 0.1 --out {contact}",
+    f"stress {contact} --poisson 0 0.33 0.5 --out {stress}",
 )
-asperity(f"solve {surface} --poisson 0.33 --area-fraction 0.1 --out {contact}".split())
-asperity(f"stress {contact} --poisson 0 0.33 0.5 --out {stress}".split())
+for command in commands:
+    asperity(command.split())
 
 # %%
 # What a file holds, and from which settings it was made.
@@ -36,7 +38,7 @@ pressed
 
 # %%
 settings = json.loads(pressed.attrs["settings"])
-print(json.dumps(settings, indent=2)[:400])
+print(json.dumps(settings, indent=2))
 
 # %%
 # Pictures are made from the datasets.

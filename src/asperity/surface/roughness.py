@@ -65,7 +65,7 @@ def self_affine(
     seed: int,
     length: float | tuple[float, float] = 1.0,
 ) -> Array:
-    """Gaussian self-affine surface (Eqs. 19 to 21).
+    """Gaussian self-affine surface, after equations 19 to 21 of the paper.
 
     Parameters
     ----------
@@ -178,7 +178,7 @@ def _require_band(grid: Grid, hurst: float, wavelength_long: float, wavelength_s
 
 
 def johnson(height: Array, gamma: float, delta: float, zeta: float = -4.0, lam: float = 8.0) -> Array:
-    """Johnson's bounded transform (S_B) of a Gaussian surface (Eq. 23).
+    """Johnson's bounded transform (S_B) of a Gaussian surface, equation 23 of the paper.
 
     The heights are scaled to unit standard deviation, mapped to the interval (ζ, ζ + λ) by
 
