@@ -89,7 +89,8 @@ def joint_counts(values: Array, depths: Array, value_edges: Array, depth_edges: 
 def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tuple[Array, Array]:
     """Autocovariance of a plane field, averaged over directions.
 
-    This is Eq. 22 within a plane, not normalised. It is computed from the power spectrum without the mean (theorem of Wiener and Khinchin).
+    This is Eq. 22 within a plane, not normalised. It is computed from the power spectrum without the mean
+    (theorem of Wiener and Khinchin).
 
     Parameters
     ----------
