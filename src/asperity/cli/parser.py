@@ -47,8 +47,19 @@ def _add_run(parser: Parser) -> None:
     body.add_argument("--rigid", action="store_true", help="the counter body is rigid, as it is by default")
     load = parser.add_argument_group("load", "Exactly one of these is needed.")
     maps = parser.add_argument_group("map")
+    counter = parser.add_argument_group(
+        "map of the counter body",
+        "Its peaks are upward as measured: it is turned over and laid on the other map, middle on middle.",
+    )
+    groups = {
+        "body": body,
+        "load": load,
+        "map": maps,
+        "counter": counter,
+        "stress": parser.add_argument_group("stress"),
+    }
     for option in (*RUN_OPTIONS, *RUN_MAP_OPTIONS):
-        group = {"body": body, "load": load, "map": maps}[option.group]
+        group = groups[option.group]
         # The command itself checks the texts, so that it can report everything that is wrong at once.
         add_setting(
             group, option.flag, option.key, left_out=option.left_out, type=str, action="store", **option.shown
@@ -207,12 +218,26 @@ def _add_view(parser: Parser) -> None:
         "--field", metavar="NAME", help="stress that is drawn, such as von_mises or xx (default: von_mises)"
     )
     add_setting(parser, "--poisson", "layer.poisson", left_out="that of the contact")
+    _add_body(parser)
     parser.add_argument(
         "--out",
         nargs="+",
         metavar="FILE",
         help="pictures to write, such as a.png a.pdf (default: RESULT_VIEW.png beside the first result)",
     )
+
+
+def _add_body(parser: Parser) -> None:
+    """Add the arguments that say in which body and under which friction the stress is computed."""
+    parser.add_argument(
+        "--body",
+        choices=("lower", "upper"),
+        default="lower",
+        help="body of two elastic ones whose stress is shown (default: lower)",
+    )
+    add = partial(add_setting, parser, left_out="that of the result")
+    add("--friction", "engineering.friction")
+    add("--sliding-direction", "engineering.sliding_direction", metavar="DIRECTION")
 
 
 def _add_export(parser: Parser) -> None:
@@ -234,6 +259,7 @@ def _add_export(parser: Parser) -> None:
         "--spacing", metavar="LENGTH", help="distance between planes (default: that between nodes)"
     )
     add_setting(parser, "--poisson", "layer.poisson", left_out="that of the contact")
+    _add_body(parser)
 
 
 _COMMANDS: dict[str, tuple[Callable[[Parser], None], str]] = {

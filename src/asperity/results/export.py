@@ -15,7 +15,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 import pandas as pd
@@ -183,6 +183,7 @@ def write_box(
     poisson: float | None = None,
     units: ExportUnits = DIMENSIONLESS,
     progress: Progress | None = None,
+    **sliding: Any,
 ) -> int:
     """Write fields of the stress in a box as VTK image data, in single precision.
 
@@ -199,6 +200,8 @@ def write_box(
     units : ExportUnits
         The unit of stress is in that of the pressure.
     progress : callable, optional
+    **sliding
+        ``friction`` and ``sliding_direction`` of `asperity.stress_planes`.
 
     Returns
     -------
@@ -216,7 +219,7 @@ def write_box(
         for begin in begins:
             file.seek(begin)
             file.write(np.uint64(field_bytes).astype("<u8").tobytes())
-        planes = planes_on_grid(contact, box.depths, fields, poisson, progress)
+        planes = planes_on_grid(contact, box.depths, fields, poisson, progress, **sliding)
         for number, plane in enumerate(planes):
             # z rises upward, so that the deepest plane comes first.
             place = 8 + (shape[0] - 1 - number) * plane_bytes
@@ -234,6 +237,7 @@ def planes_on_grid(
     fields: Sequence[str],
     poisson: float | None = None,
     progress: Progress | None = None,
+    **sliding: Any,
 ) -> Iterator[dict[str, Array]]:
     """Stream fields of the stress on the grid of the contact, in the unit of its pressure.
 
@@ -243,13 +247,16 @@ def planes_on_grid(
         As for `asperity.stress_planes`.
     poisson : float, optional
         By default that of the contact.
+    **sliding
+        ``friction`` and ``sliding_direction`` of `asperity.stress_planes`.
 
     Yields
     ------
     fields : dict
         Name → array [y, x] of one plane.
     """
-    for plane in stress_planes(contact, depths, poisson, fields, tolerance=0.0, progress=progress):
+    planes = stress_planes(contact, depths, poisson, fields, tolerance=0.0, progress=progress, **sliding)
+    for plane in planes:
         yield {name: values[0] for name, values in plane.fields.items()}
 
 

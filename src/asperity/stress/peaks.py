@@ -76,11 +76,13 @@ class Peaks:
 
     def under_contact(self, pressure: Array, grid: Grid, boundary: str = "periodic") -> Array:
         """True where the surface node nearest above a peak carries pressure."""
-        mode = "wrap" if boundary == "periodic" else "clip"
         row = np.rint(self.y / grid.spacing[0]).astype(np.int64)
         column = np.rint(self.x / grid.spacing[1]).astype(np.int64)
-        node = np.ravel_multi_index((row, column), grid.shape, mode=mode)
-        return np.asarray(pressure).ravel()[node] > 0
+        if boundary == "periodic":
+            row, column = row % grid.shape[0], column % grid.shape[1]
+        else:
+            row, column = np.clip(row, 0, grid.shape[0] - 1), np.clip(column, 0, grid.shape[1] - 1)
+        return np.asarray(pressure)[row, column] > 0
 
     @classmethod
     def join(cls, parts: Iterable[Peaks]) -> Peaks:
@@ -214,9 +216,9 @@ class _AdjacentPlane:
         """The nine values at and around nodes of `grid`, (nodes, 3, 3)."""
         if self.grid.shape == grid.shape:
             return self.sample(lambda array: _neighbourhood(array, *nodes, self.periodic))
-        ratios = tuple(mine / its for mine, its in zip(self.grid.shape, grid.shape, strict=True))
+        y, x = (mine / its for mine, its in zip(self.grid.shape, grid.shape, strict=True))
         return self.sample(
-            lambda array: _interpolated_neighbourhood(array, *nodes, *ratios, grid.shape, self.periodic)
+            lambda array: _interpolated_neighbourhood(array, *nodes, y, x, grid.shape, self.periodic)
         )
 
 

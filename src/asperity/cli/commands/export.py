@@ -9,7 +9,7 @@ from pathlib import Path
 
 import xarray as xr
 
-from asperity.cli.arguments import section
+from asperity.cli.arguments import section, sliding
 from asperity.cli.files import check_out, stage_of
 from asperity.cli.places import is_si, length, span
 from asperity.errors import shown
@@ -17,7 +17,7 @@ from asperity.results import dataset
 from asperity.results.export import export_units, make_box, write_box, write_peaks
 from asperity.runtime.preflight import require_space
 from asperity.runtime.progress import ProgressBar
-from asperity.stress.arguments import FIELDS, checked_ratios
+from asperity.stress.arguments import FIELDS, checked_ratios, checked_sliding
 from asperity.views.source import sources
 
 _MAKERS = {"contact": "asperity solve", "stress": "asperity stress"}
@@ -77,7 +77,10 @@ def _export_box(
 ) -> None:
     si = is_si(contact)
     source = sources(contact)[0]
-    solid = source.pressed()
+    solid = source.pressed(options.body)
+    given = sliding(options)
+    traction = source.sliding_of(options.body, given.get("friction"), given.get("sliding_direction"))
+    checked_sliding(traction["friction"], traction["sliding_direction"], solid.layer)
     poisson = section(options, "layer").get("poisson")
     checked_ratios(poisson, solid.layer)
     box = make_box(
@@ -96,7 +99,7 @@ def _export_box(
     require_space(Path(path).absolute().parent, 4e-6 * len(names) * math.prod(box.shape))
     units = export_units(contact)
     with ProgressBar("export") as progress:
-        size = write_box(solid, path, box, names, poisson, units, progress)
+        size = write_box(solid, path, box, names, poisson, units, progress, **traction)
     print(
         f"{path}: {', '.join(names)} in {units.stress_name.replace('_', ' ')} on "
         f"{' × '.join(map(str, reversed(box.shape)))} nodes along x, y, z, in "
