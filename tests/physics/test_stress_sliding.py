@@ -1,5 +1,7 @@
 """Stress under pressure and the traction of full sliding, against solutions that share no kernel with it."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -98,6 +100,37 @@ def test_no_more_transforms_than_without_friction():
     for work, friction in zip(works, (0.0, 0.3), strict=True):
         list(stress_planes(spots((32, 32)), [0.0, 0.1], [0.0, 0.3, 0.5], work=work, friction=friction))
     assert works[0].nodes == works[1].nodes
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_memory_of_sliding_and_principal_stresses_does_not_grow_with_planes_or_ratios(boundary):
+    """Planes are streamed, and a further ratio adds the named fields of one plane only."""
+    solid = spots((96, 96))
+    solid = PressedSolid(solid.pressure, solid.grid, solid.layer, boundary)
+
+    def largest(planes, ratios):
+        depths = np.linspace(0, 0.05, planes)
+        stream = stress_planes(
+            solid,
+            depths,
+            ratios,
+            ("principal_1", "largest_shear"),
+            1e-4,
+            friction=0.4,
+            sliding_direction=20.0,
+        )
+        tracemalloc.start()
+        for _ in stream:
+            pass
+        found = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return found
+
+    few, many = [0.0, 0.5], list(np.linspace(0, 0.5, 10))
+    largest(2, few)
+    assert largest(24, few) < 1.2 * largest(4, few)
+    one_field = 8 * solid.pressure.size
+    assert largest(4, many) - largest(4, few) < 2 * 2 * 8 * one_field
 
 
 @pytest.mark.parametrize("poisson", [-0.95, -0.3, 0.0, 0.3, 0.5])

@@ -241,7 +241,9 @@ def _add_body(parser: Parser) -> None:
 
 
 def _add_export(parser: Parser) -> None:
-    parser.add_argument("results", nargs="+", metavar="RESULT", help="a contact file, a stress file, or both")
+    parser.add_argument(
+        "results", nargs="+", metavar="RESULT", help="a contact or surface file, a stress file, or both"
+    )
     parser.add_argument(
         "--peaks", metavar="FILE.csv", help="table of all peaks of the stress file, for pandas or Excel"
     )
@@ -252,6 +254,20 @@ def _add_export(parser: Parser) -> None:
         metavar=("NAMES:DEPTHS", "FILE.vti"),
         help="fields of the stress under the contact file in a box, such as von_mises,xx:0-40um field.vti, "
         "for ParaView or pyvista; may be given several times",
+    )
+    parser.add_argument(
+        "--surface",
+        action="append",
+        metavar="FILE",
+        help="height, contact pressure, gap and displacement over the surface: FILE.vti for ParaView, "
+        "FILE.csv with a row for each node; may be given several times",
+    )
+    parser.add_argument(
+        "--profile",
+        nargs=2,
+        action="append",
+        metavar=("PLACE", "FILE.csv"),
+        help="the same fields along a line, such as y=205um line.csv; may be given several times",
     )
     parser.add_argument("--y", metavar="RANGE", help="part of the cell along y, such as 0-100um")
     parser.add_argument("--x", metavar="RANGE", help="part of the cell along x")

@@ -212,7 +212,7 @@ def write_box(
     plane_bytes = 4 * shape[1] * shape[2]
     field_bytes = plane_bytes * shape[0]
     names = [f"{name}_{units.stress_name}" for name in fields]
-    head = _description(box, names, units, field_bytes)
+    head = image_head(box, names, units, field_bytes)
     with atomic_write(path) as unfinished, open(unfinished, "wb") as file:
         file.write(head)
         begins = [len(head) + number * (8 + field_bytes) for number in range(len(fields))]
@@ -265,17 +265,36 @@ def _write_at(file: BinaryIO, place: int, values: Array) -> None:
     file.write(np.ascontiguousarray(values, "<f4").data)
 
 
-def _description(box: Box, names: Sequence[str], units: ExportUnits, field_bytes: int) -> bytes:
-    """The XML of an image up to its data: nodes, and name and place of every field."""
+def image_head(box: Box, names: Sequence[str], units: ExportUnits, field_bytes: int) -> bytes:
+    """The XML of an image up to its data: nodes, and name and place of every field.
+
+    Parameters
+    ----------
+    box : Box
+    names : sequence of str
+        Names of the fields, with their units.
+    units : ExportUnits
+    field_bytes : int
+        Bytes of each field.
+    """
     from uvw import ImageData
 
-    positions = (box.window.x, box.window.y, -box.depths[::-1])
-    image = ImageData(
-        None,
-        ranges=[(float(nodes[0]) / units.length, float(nodes[-1]) / units.length) for nodes in positions],
-        points=[nodes.size for nodes in positions],
-        vtk_version="1.0",
-    )
+    positions = [box.window.x, box.window.y, *([-box.depths[::-1]] if box.depths.size > 1 else [])]
+    ranges = [(float(nodes[0]) / units.length, float(nodes[-1]) / units.length) for nodes in positions]
+    image = ImageData(None, ranges, [nodes.size for nodes in positions], vtk_version="1.0")
+    if box.depths.size == 1:
+        # uvw leaves out the third of the numbers that VTK needs for a single layer of nodes.
+        step = [
+            (last - first) / (nodes.size - 1) for (first, last), nodes in zip(ranges, positions, strict=True)
+        ]
+        origin = ranges[0][0], ranges[1][0], -float(box.depths[0]) / units.length
+        image.writer.setDataNodeAttributes(
+            {
+                "WholeExtent": image.extent,
+                "Spacing": f"{step[0]} {step[1]} 1.0",
+                "Origin": " ".join(map(str, origin)),
+            }
+        )
     image.writer.root.setAttribute("header_type", "UInt64")
     image.point_data.setAttributes({"Scalars": names[0]})
     for number, name in enumerate(names):
