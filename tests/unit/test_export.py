@@ -245,10 +245,10 @@ def test_the_command_writes_table_and_images(files, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("command", "message"),
     [
-        ("{contact}", "nothing to export: --peaks FILE.csv or --field NAMES:DEPTHS FILE.vti is needed"),
+        ("{contact}", "nothing to export: --peaks FILE.csv, --surface FILE.vti,"),
         ("{contact} --peaks p.csv", "--peaks: a stress file (of asperity stress) is needed, none is given"),
         ("{stress} --field xx:0-1 f.vti", "--field: a contact file (of asperity solve) is needed"),
-        ("{surface} --peaks p.csv", "a result of surface, one of contact or stress is needed"),
+        ("{surface} --peaks p.csv", "--peaks: a stress file (of asperity stress) is needed, none is given"),
         ("{stress} {stress} --peaks p.csv", "a second result of stress, one is needed"),
         ("{stress} --peaks p.xlsx", "p.xlsx: a name that ends in .csv is needed"),
         ("{contact} --field xx:0-1 f.vtk", "f.vtk: a name that ends in .vti is needed"),
