@@ -66,7 +66,7 @@ class StressInBody:
 
 
 def run(
-    source: str | os.PathLike[str] | HeightMap,
+    source: str | os.PathLike[str] | HeightMap | Indenter,
     lower: Body,
     upper: Body | None = None,
     *,
@@ -85,8 +85,8 @@ def run(
 
     Parameters
     ----------
-    source : path or HeightMap
-        File of a map, or a map in metres.
+    source : path, HeightMap or Indenter
+        File of a map, a map in metres, or what `asperity.engineering.indenter.read_indenter` has made of one.
     lower : Body
     upper : Body, optional
         By default the other body is rigid. Which of the two is rough does not matter as long as the slopes
@@ -127,7 +127,7 @@ def run(
     case = Case(lower, upper, load, friction)
     report = _Stages(progress)
     settings = map_settings or MapSettings()
-    indenter = read_indenter(source, settings)
+    indenter = source if isinstance(source, Indenter) else read_indenter(source, settings)
     contact = press(indenter, case, report.stage("contact"))
     bodies = {}
     for body, share in _shared(report.stage("stress"), list(case.bodies)):

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
 from asperity.cli.arguments import flag, section
+from asperity.cli.compiling import compile_visibly, solve_small
 from asperity.cli.files import check_out, is_result, read_result, write_result
+from asperity.config.check import check_section
 from asperity.config.defaults import complete_map
 from asperity.config.reader import is_file
 from asperity.pipeline.contact import solve_contact
@@ -21,9 +24,11 @@ from asperity.runtime.progress import ProgressBar
 def run(options: argparse.Namespace) -> None:
     """Solve the contact, write it, and print its area, load and approach."""
     check_out([options.out], [options.surface])
-    surface, settings = _surface(Path(options.surface), section(options, "measured.NAME"))
     layer, contact = section(options, "layer"), section(options, "contact")
+    check_section("contact", contact, flag)
     contact["path_area_fractions"] = sorted(contact.get("path_area_fractions", []))
+    surface, settings = _surface(Path(options.surface), section(options, "measured.NAME"))
+    compile_visibly(partial(solve_small, layer, contact))
     with ProgressBar(f"contact {settings['name']}") as progress:
         result = solve_contact(surface, layer, contact, progress=progress)
     settings |= {"layer": layer, "contact": contact}
@@ -38,7 +43,7 @@ def run(options: argparse.Namespace) -> None:
 def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
     """Surface and its settings, from a result of the study or from a height map."""
     if not is_file(path):
-        raise ValueError(f"{path}: no such file")
+        raise ValueError(f"{path}: {'a folder, a file is needed' if path.is_dir() else 'no such file'}")
     if is_result(path):
         if given:
             raise ValueError(f"{flag(next(iter(given)))}: for height maps, {path} is a surface")

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 
 from asperity.cli.arguments import section
+from asperity.cli.compiling import compile_visibly, stress_small
 from asperity.cli.files import check_out, read_result, write_result
 from asperity.pipeline.stress import compute_stress
 from asperity.results import dataset
@@ -23,6 +25,7 @@ def run(options: argparse.Namespace) -> None:
             f"--poisson {' '.join(f'{nu:g}' for nu in chosen['poisson'])}: only {own:g} is accepted, "
             f"the ratio of the layer on which the contact was solved"
         )
+    compile_visibly(partial(stress_small, settings["layer"], chosen))
     with ProgressBar(f"stress {settings['name']}") as progress:
         result = compute_stress(contact, settings["layer"], chosen, progress=progress)
     write_result(result, options.out, "Stress under rough surface", settings | {"stress": chosen})
