@@ -97,7 +97,7 @@ def _export_box(
         )
     require_space(Path(path).absolute().parent, 4e-6 * len(names) * math.prod(box.shape))
     units = export_units(contact)
-    compile_visibly(partial(planes_small, solid, names, poisson))
+    compile_visibly("planes", partial(planes_small, solid, names, poisson))
     with ProgressBar("export") as progress:
         size = write_box(solid, path, box, names, poisson, units, progress)
     print(

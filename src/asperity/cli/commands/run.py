@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> None:
 
     lower, upper = _bodies(values)
     settings, friction = _map_settings(values), values.get("friction", 0.0)
-    compile_visibly(partial(run_small, lower, upper, settings, friction))
+    compile_visibly("run", partial(run_small, lower, upper, settings, friction))
     with ProgressBar(f"run {options.map}") as progress:
         answer = answer_of(
             indenter,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -28,7 +29,7 @@ def run(options: argparse.Namespace) -> None:
     check_section("contact", contact, flag)
     contact["path_area_fractions"] = sorted(contact.get("path_area_fractions", []))
     surface, settings = _surface(Path(options.surface), section(options, "measured.NAME"))
-    compile_visibly(partial(solve_small, layer, contact))
+    compile_visibly("contact", partial(solve_small, layer, contact))
     with ProgressBar(f"contact {settings['name']}") as progress:
         result = solve_contact(surface, layer, contact, progress=progress)
     settings |= {"layer": layer, "contact": contact}
@@ -43,7 +44,7 @@ def run(options: argparse.Namespace) -> None:
 def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
     """Surface and its settings, from a result of the study or from a height map."""
     if not is_file(path):
-        raise ValueError(f"{path}: {'a folder, a file is needed' if path.is_dir() else 'no such file'}")
+        raise ValueError(f"{path}: {'a folder, a file is needed' if os.path.isdir(path) else 'no such file'}")
     if is_result(path):
         if given:
             raise ValueError(f"{flag(next(iter(given)))}: for height maps, {path} is a surface")

@@ -25,7 +25,7 @@ def run(options: argparse.Namespace) -> None:
             f"--poisson {' '.join(f'{nu:g}' for nu in chosen['poisson'])}: only {own:g} is accepted, "
             f"the ratio of the layer on which the contact was solved"
         )
-    compile_visibly(partial(stress_small, settings["layer"], chosen))
+    compile_visibly("stress", partial(stress_small, settings["layer"], chosen))
     with ProgressBar(f"stress {settings['name']}") as progress:
         result = compute_stress(contact, settings["layer"], chosen, progress=progress)
     write_result(result, options.out, "Stress under rough surface", settings | {"stress": chosen})

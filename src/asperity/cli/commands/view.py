@@ -112,7 +112,7 @@ def _draw(
         for name, text in given.items():
             chosen[name] = span(name, text, si) if name != "depth" else _depth(text, si)
     for source in sources(list(results.values())):
-        compile_visibly(partial(planes_small, source.pressed(), [field], poisson))
+        compile_visibly("planes", partial(planes_small, source.pressed(), [field], poisson))
     plot = plot_section if view == "section" else plot_plane
     with ProgressBar(view) as progress:
         return plot(results, **chosen, progress=progress)
