@@ -21,7 +21,16 @@ import numpy as np
 from asperity.engineering import Body, MapSettings, run
 
 DATA = Path(__file__).parents[1] / "tests" / "data"
-FILES = ("steel.x3p", "steel.gwy", "steel.sdf", "steel_bcr.sdf", "steel.asc", "steel.nc", "steel.xyz", "steel.npy")
+FILES = (
+    "steel.x3p",
+    "steel.gwy",
+    "steel.sdf",
+    "steel_bcr.sdf",
+    "steel.asc",
+    "steel.nc",
+    "steel.xyz",
+    "steel.npy",
+)
 NEEDED = {"steel.npy": {"unit": "um", "physical_size": (80e-6, 96e-6), "orientation": "peaks up"}}
 """What a file does not say."""
 
@@ -87,9 +96,7 @@ def print_time(folder: Path, points: int) -> None:
     """Print processor time and memory of the command, after a first run has compiled."""
     path = folder / "large.x3p"
     large_map(path, points)
-    subprocess.run(
-        command(DATA / FILES[0], folder / "first"), check=True, stdout=subprocess.DEVNULL
-    )
+    subprocess.run(command(DATA / FILES[0], folder / "first"), check=True, stdout=subprocess.DEVNULL)
     process = subprocess.Popen(command(path, folder / "large"), stdout=subprocess.DEVNULL)
     _, status, used = os.wait4(process.pid, 0)
     seconds, megabytes = used.ru_utime + used.ru_stime, used.ru_maxrss / 1e3

@@ -154,9 +154,8 @@ def test_the_example_in_python_runs(monkeypatch, tmp_path, capsys):
 
 def test_the_studies_of_the_pages_are_accepted(monkeypatch, tmp_path):
     monkeypatch.chdir(ROOT)
-    own, changed = (
-        re.findall(r"```yaml\n(.*?)```", OWN_STUDY, re.DOTALL)
-        + re.findall(r"((?:^    (?:based_on|contact):.*\n?)+)", OWN_STUDY, re.MULTILINE)
+    own, changed = re.findall(r"```yaml\n(.*?)```", OWN_STUDY, re.DOTALL) + re.findall(
+        r"((?:^    (?:based_on|contact):.*\n?)+)", OWN_STUDY, re.MULTILINE
     )
     (command,) = re.findall(r"^    printf '(.*)' > half.yaml$", README, re.MULTILINE)
     for name, text in {"mine": own, "changed": re.sub("^    ", "", changed, flags=re.M)}.items():

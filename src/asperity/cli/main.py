@@ -18,8 +18,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     status : int
-        0 on success, 1 with a line for each problem on stderr otherwise, 130 if interrupted. Wrong usage ends the process
-        with 2 and one line, as argparse does.
+        0 on success, 1 with a line for each problem on stderr otherwise, 130 if interrupted. Wrong usage
+        ends the process with 2, as argparse does.
     """
     try:
         require_packages(BASE_PACKAGES)

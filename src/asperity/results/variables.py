@@ -134,7 +134,7 @@ UNIT_SYSTEMS: dict[str, UnitSystem] = {
 
 
 ORIENTATION = "lower face"
-"""Attribute ``orientation`` of every height: that of an indenter's lower face, not of a map with peaks upward."""
+"""Attribute ``orientation`` of every height: an indenter's lower face, not a map with its peaks upward."""
 
 
 def units_of(name: str, system: str = STUDY_UNITS) -> str:

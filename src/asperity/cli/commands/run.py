@@ -101,8 +101,8 @@ def _too_deep(values: Mapping[str, Any], indenter: Any) -> str:
     if to_si(values["approach"], "length") < most:
         return ""
     return (
-        f"--approach = {values['approach']}: less than {shown_si(most, 'm')} is needed, the height of the mean "
-        "plane above the point that touches first; there a periodic half-space is in full contact"
+        f"--approach = {values['approach']}: less than {shown_si(most, 'm')} is needed, the height of the "
+        "mean plane above the point that touches first; there a periodic half-space is in full contact"
     )
 
 

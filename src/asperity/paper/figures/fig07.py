@@ -22,8 +22,8 @@ PIXELS = 512
 """Smallest number of pixels along an edge, where the grid has as many nodes."""
 
 WIDEST = 4.0
-"""Largest end of the colours over that of the surface with the smallest pressure: one surface with spikes does
-not make the others pale."""
+"""Largest end of the colours over that of the surface with the smallest pressure: one surface with spikes
+does not make the others pale."""
 
 
 def draw(contact: Mapping[str, xr.Dataset]) -> Figure:

@@ -30,8 +30,8 @@ SMALLEST_DENSITY = 2e-3
 
 
 LARGEST_OVER_MEDIAN = 10.0
-"""Largest value of a peak drawn, over the largest median of the cases. Spikes of a measured map have peaks far
-above, which would flatten all curves; those of random surfaces stay below 6."""
+"""Largest value of a peak drawn, over the largest median of the cases. Spikes of a measured map have peaks
+far above, which would flatten all curves; those of random surfaces stay below 6."""
 
 
 def height_densities(axis: Axes, titles: Iterable[str], statistics: Iterable[xr.Dataset]) -> None:
