@@ -1,9 +1,9 @@
-"""From a measured map to an answer: the same steel in every file format, and the time for a map of 512² points.
+"""From a measured map to an answer: the same steel in every file format, and the time for a map of 512².
 
 ``python benchmarks/own_map.py`` prints two tables. The first runs ``asperity run`` and the same in Python on
-the files of ``tests/data``, which hold one surface, and shows how far the answers differ. The second is the
-processor time and the memory of ``asperity run`` on a map of 512 × 512 points in X3P, compiled, with all files
-and pictures written: 10 s and 1 GB are allowed.
+the files of ``tests/data``, which hold one surface. The second is the processor time and the memory of
+``asperity run`` on a map of 512 × 512 points in X3P, compiled, with all files and pictures written: 10 s and
+1 GB are allowed.
 """
 
 from __future__ import annotations

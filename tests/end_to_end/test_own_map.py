@@ -1,5 +1,7 @@
-"""From the files of every instrument family, by command, configuration and Python, to one answer; the examples
-of the pages for users run as they stand."""
+"""From the files of every instrument family, by command, configuration and Python, to one answer.
+
+The examples of the pages for users run as they stand.
+"""
 
 import re
 import shlex
@@ -107,10 +109,8 @@ def test_problems_of_options_and_of_the_map_are_reported_together(capsys):
         main(["run", str(DATA / "steel.npy"), "--young", "210", "--despike", "1", "--orientation", "up"])
     said = capsys.readouterr().err.splitlines()
     starts = [re.search(r"(--[a-z-]+)", line)[1] for line in said]
-    assert sorted(starts) == sorted(
-        ["--young", "--despike", "--orientation", "--poisson", "--pressure", "--out"]
-        + ["--physical-size", "--unit"]
-    )
+    wanted = ("young", "despike", "orientation", "poisson", "pressure", "out", "physical-size", "unit")
+    assert sorted(starts) == sorted(f"--{name}" for name in wanted)
 
 
 FIRST_MINUTES = re.findall(r"^    (asperity (?:info|run) .*)$", README + OWN_MAP, re.MULTILINE)
@@ -125,6 +125,15 @@ def test_the_first_commands_of_the_pages_run(answers, capsys):
     assert "rms gradient" in printed
     assert "report    steel/report.html" in printed
     assert len(answers) == 1
+
+
+def test_the_stages_in_si_units_run_one_after_the_other(answers, capsys):
+    stages = re.findall(r"^    (asperity (?:surface|solve|stress|peaks) .*)$", OWN_MAP, re.MULTILINE)
+    assert len(stages) == 4
+    for line in stages:
+        assert main(shlex.split(line)[1:]) == 0
+    printed = capsys.readouterr().out
+    assert "GPa at depth" in printed
 
 
 @pytest.mark.parametrize("added", ADDED)

@@ -52,6 +52,8 @@ def in_cell_lengths(data: xr.Dataset, settings: dict[str, Any]) -> tuple[xr.Data
         return data, settings
     length, modulus = cell_length(data), float(data.attrs.get("effective_modulus", 1.0))
     back = _scaled(data, 1 / length, 1 / modulus, STUDY_UNITS)
+    if "effective_modulus" in data.attrs:
+        back.attrs["effective_modulus"] = 1.0
     return back, _lengths_scaled(settings, 1 / length)
 
 

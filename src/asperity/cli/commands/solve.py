@@ -38,7 +38,7 @@ def run(options: argparse.Namespace) -> None:
     with ProgressBar(f"contact {settings['name']}") as progress:
         result = solve_contact(surface, layer, contact, progress=progress)
     settings |= {"layer": layer, "contact": contact}
-    if young:
+    if young and edge is not None:
         result, settings = in_si(result, settings, edge, young / (1 - layer["poisson"] ** 2))
         settings["young"] = young
     write_result(result, options.out, "Contact with rough surface", settings)
