@@ -85,12 +85,7 @@ def read_surface(parameters: Mapping[str, Any], option: OptionName = str) -> xr.
     MapError
         If the map cannot be used; the message names everything that is wrong or missing.
     """
-    said = {name: parameters[name] for name in _READING if name in parameters}
-    settings = {name: parameters[name] for name in _TREATMENT if name in parameters}
-    wavelength = settings.pop("wavelength_short", None)  # in units of the cell: checked by make_periodic
-    surface = checked_map(parameters["file"], Reading(**said), Treatment(**settings), option, for_cell=True)
-    if wavelength is not None:
-        settings["wavelength_short"] = _in_cell(wavelength, surface, settings.get("periodic"), option)
+    surface, settings = _checked(parameters, option)
     kept = make_periodic(surface, **settings, option=option)
     record = kept.treatment.attributes()
     if surface.unit is not None:
@@ -98,6 +93,26 @@ def read_surface(parameters: Mapping[str, Any], option: OptionName = str) -> xr.
     return _surface_dataset(kept.height, kept.grid).assign_attrs(
         wavelength_short=kept.wavelength_short, edge_step=kept.treatment.edge_step, **record
     )
+
+
+def map_problems(parameters: Mapping[str, Any], option: OptionName = str) -> tuple[str, ...]:
+    """Everything for which `read_surface` would refuse a map before it computes; parameters are the same."""
+    try:
+        _checked(parameters, option)
+    except MapError as error:
+        return error.lines
+    return ()
+
+
+def _checked(parameters: Mapping[str, Any], option: OptionName) -> tuple[HeightMap, dict[str, Any]]:
+    """The map of an entry of the configuration, and the settings of its treatment."""
+    said = {name: parameters[name] for name in _READING if name in parameters}
+    settings = {name: parameters[name] for name in _TREATMENT if name in parameters}
+    wavelength = settings.pop("wavelength_short", None)  # in units of the cell: checked by make_periodic
+    surface = checked_map(parameters["file"], Reading(**said), Treatment(**settings), option, for_cell=True)
+    if wavelength is not None:
+        settings["wavelength_short"] = _in_cell(wavelength, surface, settings.get("periodic"), option)
+    return surface, settings
 
 
 def _in_cell(wavelength: float | str, surface: HeightMap, periodic: str | None, option: OptionName) -> float:
