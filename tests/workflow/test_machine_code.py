@@ -9,15 +9,6 @@ from asperity.runtime.compiling import PARTS
 
 NAMES = "from asperity.runtime.compiling import compiled_functions as found; print(*found(), sep='\\n')"
 
-NOT_IN_THE_STUDY = (
-    "principal.",
-    "kernels.add_sliding_stress",
-    "kernels.fill_shear_kernels",
-    "kernels.bonded_shear_kernels",
-    "kernels.half_space_shear_kernels",
-)
-"""Functions of fields that no stage of the study computes."""
-
 
 def test_no_job_compiles_anything_after_it(quick_study):
     texts = list((quick_study.folder / "results/quick/machine_code").iterdir())
@@ -26,9 +17,7 @@ def test_no_job_compiles_anything_after_it(quick_study):
     caches = list((quick_study.folder / "src").rglob("*.nb[ic]"))
     kept = {path.name.split("-")[0] for path in caches if path.suffix == ".nbi"}
     found = {".".join(name.split(".")[-2:]) for name in names}
-    assert kept <= found
-    left = {name for name in found - kept if not name.startswith(NOT_IN_THE_STUDY)}
-    assert not left
+    assert kept == found
     newest = max(path.stat().st_mtime_ns for path in caches)
     assert newest < max(path.stat().st_mtime_ns for path in texts)
     for path in texts:

@@ -49,6 +49,6 @@ rule claims:
         roles=ROLES,
         resolutions=RESOLUTIONS,
         seeds=config["seeds"],
-        nodes=min(s["points"] * s["wavelength_short"] for s in SURFACES.values()),
+        nodes=min((s["points"] * s["wavelength_short"] for s in SURFACES.values()), default=0),
     script:
         "../scripts/claims.py"

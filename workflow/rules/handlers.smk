@@ -36,8 +36,24 @@ def announce_run(jobs):
         logger.info(announce(ahead, jobs_at_once(workflow)))
 
 
+def require_maps(jobs):
+    """Read the measured maps of these jobs, so that what is wrong with one is said before anything is computed."""
+    # Imported here, as it takes time: on a cluster every job reads this file.
+    from asperity.pipeline.surface import map_problems
+
+    names = {job.wildcards.surface for job in jobs if job.rule == "surface"}
+    found = [
+        problem
+        for name in sorted(names & set(MEASURED))
+        for problem in map_problems(MEASURED[name], lambda setting: f"measured.{name}.{setting}")
+    ]
+    if found:
+        sys.exit("\n".join(f"config: {problem}" for problem in found))
+
+
 onstart:
     jobs = jobs_to_run(workflow)
+    require_maps(jobs)
     try:
         CLAIM = claim(RESULTS)
         if runs_locally(workflow):

@@ -69,8 +69,11 @@ class Scene:
         return len({*self.loads, self.area_fraction})
 
 
-def scene_of(config: Mapping[str, Any], name: str) -> Scene:
-    """The scene of an entry of ``surfaces`` in a complete configuration."""
+def scene_of(config: Mapping[str, Any], name: str, load_area: bool) -> Scene:
+    """The scene of an entry of ``surfaces`` in a complete configuration.
+
+    With `load_area` its contact is solved at all loads of the load-area curve.
+    """
     surface, contact = config["surfaces"][name], config["contact"]
     return Scene(
         hurst=surface["hurst"],
@@ -78,7 +81,7 @@ def scene_of(config: Mapping[str, Any], name: str) -> Scene:
         wavelength_short=surface["wavelength_short"],
         area_fraction=contact["area_fraction"],
         layer_height=config["layer"]["height"],
-        loads=tuple(contact["path_area_fractions"] if name in config["studies"]["hurst"] else ()),
+        loads=tuple(contact["path_area_fractions"] if load_area else ()),
         poisson=tuple(config["stress"]["poisson"]),
     )
 

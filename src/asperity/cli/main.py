@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from importlib import import_module
 
-from asperity.errors import ConvergenceError, DatasetError, PreflightError, fail
+from asperity.errors import ConvergenceError, DatasetError, InputError, PreflightError, fail
 from asperity.runtime.preflight import BASE_PACKAGES, PACKAGES, REMEDY, require_packages
 
 INTERRUPTED = 130
@@ -18,8 +18,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     status : int
-        0 on success, 1 with one line on stderr otherwise, 130 if interrupted. Wrong usage ends the process
-        with 2 and one line, as argparse does.
+        0 on success, 1 with a line for each problem on stderr otherwise, 130 if interrupted. Wrong usage
+        ends the process with 2, as argparse does.
     """
     try:
         require_packages(BASE_PACKAGES)
@@ -27,6 +27,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         options = make_parser().parse_args(arguments)
         import_module(f"asperity.cli.commands.{options.command}").run(options)
+    except InputError as error:
+        return max(map(fail, error.lines), default=1)
     except KeyboardInterrupt:
         return fail("interrupted", INTERRUPTED)
     except ModuleNotFoundError as error:

@@ -76,6 +76,13 @@ def _add_solve(parser: Parser) -> None:
     add("--layer-height", "layer.height")
     add("--bottom", "layer.bottom")
     add("--lateral", "layer.lateral")
+    add(
+        "--young",
+        "engineering.young",
+        left_out="the result is dimensionless, in cell lengths and effective moduli",
+        dest="young",
+        metavar="PRESSURE",
+    )
     add("--half-space-tolerance", "layer.half_space_tolerance")
     add("--method", "contact.method")
     add("--tolerance", "contact.tolerance")

@@ -32,7 +32,7 @@ STAGES = {"map": 0.1, "contact": 0.4, "stress": 0.35, "resolution": 0.15}
 
 
 def run(
-    source: str | os.PathLike[str] | HeightMap,
+    source: str | os.PathLike[str] | HeightMap | Indenter,
     lower: Body,
     upper: Body | None = None,
     *,
@@ -54,8 +54,8 @@ def run(
 
     Parameters
     ----------
-    source : path or HeightMap
-        File of a map, or a map in metres.
+    source : path, HeightMap or Indenter
+        File of a map, a map in metres, or what `asperity.engineering.indenter.read_indenter` has made of one.
     lower : Body
     upper : Body, optional
         By default the other body is rigid. The map is that of the lower body, but if the other one is flat
@@ -119,7 +119,7 @@ def run(
     counter = None
     if counter_map is not None:
         counter = counter_map if isinstance(counter_map, CounterMap) else CounterMap(counter_map)
-    indenter = read_indenter(source, settings, counter)
+    indenter = source if isinstance(source, Indenter) else read_indenter(source, settings, counter)
     contact = press(indenter, case, report.stage("contact"))
     bodies = {}
     for body, share in _shared(report.stage("stress"), list(case.bodies)):

@@ -24,7 +24,7 @@ import xarray as xr
 
 import asperity
 from asperity.errors import DatasetError
-from asperity.results.variables import STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
+from asperity.results.variables import ORIENTATION, STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
 from asperity.spectral import Grid
 
 CONVENTIONS = "CF-1.11"
@@ -112,6 +112,8 @@ def _attributes(name: str, dtype: np.dtype[Any], system: str) -> dict[str, str]:
     units = units_of(name, system) if dtype.kind in "fiu" else ""
     variable = VARIABLES[name]
     attributes = {"units": units, "long_name": variable.long_name, "comment": variable.comment}
+    if name == "height":
+        attributes["orientation"] = ORIENTATION
     return {key: value for key, value in attributes.items() if value}
 
 

@@ -133,6 +133,10 @@ UNIT_SYSTEMS: dict[str, UnitSystem] = {
 """Systems of units of result files by name."""
 
 
+ORIENTATION = "lower face"
+"""Attribute ``orientation`` of every height: an indenter's lower face, not a map with its peaks upward."""
+
+
 def units_of(name: str, system: str = STUDY_UNITS) -> str:
     """Text of the CF attribute ``units`` of a variable in a system of units."""
     return UNIT_SYSTEMS[system].units[VARIABLES[name].dimension]

@@ -14,8 +14,8 @@ from asperity.runtime.system import peak_memory, processor_time
 
 logger = logging.getLogger("asperity")
 
-_ERROR = re.compile(r"^([\w.]*(?:Error|Exception|Warning|Interrupt)): (.+)$", re.MULTILINE)
-"""Last line of a traceback: the name of the exception, and its message."""
+_ERROR = re.compile(r"^([\w.]*(?:Error|Exception|Warning|Interrupt)): (.+(?:\n  \S.*)*)$", re.MULTILINE)
+"""End of a traceback: the name of the exception, and its message, of which further lines are indented."""
 
 _STOPPED = "its job was stopped; memory, disk space or the time allowed may have run out"
 
@@ -69,6 +69,8 @@ def error_in(logs: Iterable[str | os.PathLike[str]], output: str) -> str | None:
         text = Path(log).read_text(encoding="utf-8", errors="replace")
         if errors := _ERROR.findall(text):
             name, message = errors[-1]
+            first, *further = message.split("\n  ")
+            message = f"{first} {'; '.join(further)}".rstrip()
             stated = message if name.startswith("asperity.") else f"{message} ({name})"
             return f"{stated} [{log}]" if name.endswith(".DatasetError") else f"{output}: {stated} [{log}]"
     return None

@@ -9,11 +9,12 @@ numbers (NPY, MATLAB, HDF5, text without a header) can be either, and its reader
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from asperity.errors import InputError
 from asperity.types import Array
 from asperity.units import to_si
 
@@ -28,8 +29,8 @@ OptionName = Callable[[str], str]
 _UNIT_NAMES = {"A": "angstrom", "Å": "angstrom", "\u212b": "angstrom", "~m": "um"}
 
 
-class MapError(ValueError):
-    """Raised for a height map that cannot be read or used as asked; the message is one line.
+class MapError(InputError):
+    """Raised for a height map that cannot be read or used as asked; the message has a line a problem.
 
     Attributes
     ----------
@@ -46,10 +47,6 @@ class MapError(ValueError):
     flat: periodic: the file does not say that the map is one period; set periodic to declared,
     mirrored, windowed or none (for a free boundary)
     """
-
-    def __init__(self, source: str, problems: Sequence[str]) -> None:
-        self.problems = tuple(problems)
-        super().__init__(": ".join(part for part in (source, "; ".join(problems)) if part))
 
 
 @dataclass(frozen=True)

@@ -131,7 +131,8 @@ def read_content(
     """
     name = os.fspath(path)
     if not os.path.isfile(path):
-        raise MapError("", [f"file = {name!r}: no such file"])
+        what = "a folder, a file is needed" if os.path.isdir(path) else "no such file"
+        raise MapError(name, [what])
     try:
         check_size(path, given.max_memory, option("max_memory"))
         with ExitStack() as stack:

@@ -6,11 +6,13 @@ import argparse
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import xarray as xr
 
 from asperity.cli.arguments import section, sliding
+from asperity.cli.compiling import compile_visibly, planes_small
 from asperity.cli.files import check_out, stage_of
 from asperity.cli.places import is_si, length, places, span
 from asperity.errors import shown
@@ -173,6 +175,7 @@ def _export_box(
         )
     require_space(Path(path).absolute().parent, 4e-6 * len(names) * math.prod(box.shape))
     units = export_units(contact)
+    compile_visibly("planes", partial(planes_small, solid, names, poisson))
     with ProgressBar("export") as progress:
         size = write_box(solid, path, box, names, poisson, units, progress, **traction)
     print(

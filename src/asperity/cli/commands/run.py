@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from asperity.cli.arguments import converted, direction, flag
@@ -12,8 +14,8 @@ from asperity.cli.run_options import RUN_MAP_OPTIONS, RUN_OPTIONS, Option
 from asperity.config.check import needed_instead
 from asperity.config.reader import is_file, load
 from asperity.config.schema import setting
-from asperity.errors import ConfigError, fail, shown
-from asperity.units import to_si
+from asperity.errors import ConfigError, InputError, fail, shown
+from asperity.units import shown_si, to_si
 
 WRONG_USAGE = 2
 """Exit status for arguments that are not accepted, as argparse has it."""
@@ -49,26 +51,28 @@ _LOADS = {
 def run(options: argparse.Namespace) -> None:
     """Compute the answer, print it, and write results, pictures and report."""
     values, problems = _values(options)
+    refused = [problem.split(" ")[0] for problem in problems]
     problems += _contradictions(options, values)
+    indenter = _indenter(options.map, values, refused, problems)
     if problems:
         for problem in problems:
             fail(problem)
         sys.exit(WRONG_USAGE)
 
-    from asperity.cli.compiling import compile_visibly
+    from asperity.cli.compiling import compile_visibly, run_small
     from asperity.engineering import run as answer_of
     from asperity.engineering import write_answer
     from asperity.runtime.progress import ProgressBar
 
     lower, upper = _bodies(values)
-    settings = _map_settings(values)
-    compile_visibly(lower)
+    settings, friction = _map_settings(values), values.get("friction", 0.0)
+    compile_visibly("run", partial(run_small, lower, upper, settings, friction))
     with ProgressBar(f"run {options.map}") as progress:
         answer = answer_of(
-            options.map,
+            indenter,
             lower,
             upper,
-            friction=values.get("friction", 0.0),
+            friction=friction,
             sliding_direction=direction(values.get("sliding_direction", "x")),
             counter_map=_counter_map(values),
             map_settings=settings,
@@ -82,6 +86,43 @@ def run(options: argparse.Namespace) -> None:
     results = " ".join(str(path) for path in files if path.suffix in (".nc", ".csv"))
     report = next(path for path in files if path.suffix == ".html")
     print(f"\npictures  {pictures}\nresults   {results}\nreport    {report}")
+
+
+def _indenter(path: str, values: Mapping[str, Any], refused: Sequence[str], problems: list[str]) -> Any:
+    """The map as it is pressed, or both maps, or None; what is wrong with it is added to `problems`.
+
+    A map that needs an option whose value is `refused` already is not blamed for it again.
+    """
+    if not is_file(path) or not is_file(values.get("counter_map", path)):
+        return None
+    from asperity.engineering.indenter import read_indenter
+
+    try:
+        indenter = read_indenter(path, _map_settings(values), _counter_map(values))
+    except InputError as error:
+        for problem, line in zip(error.problems, error.lines, strict=True):
+            if not problem.startswith(tuple(refused)):
+                problems.append(line)
+        return None
+    except ValueError as error:
+        problems.append(str(error))
+        return None
+    if problem := _too_deep(values, indenter):
+        problems.append(problem)
+    return indenter
+
+
+def _too_deep(values: Mapping[str, Any], indenter: Any) -> str:
+    """Message on an approach that no pressure on a periodic half-space causes; empty if there is none."""
+    if "approach" not in values or "layer_height" in values or indenter.boundary == "free":
+        return ""
+    most = -float(indenter.height.min())
+    if to_si(values["approach"], "length") < most:
+        return ""
+    return (
+        f"--approach = {values['approach']}: less than {shown_si(most, 'm')} is needed, the height of the "
+        "mean plane above the point that touches first; there a periodic half-space is in full contact"
+    )
 
 
 def _values(options: argparse.Namespace) -> tuple[dict[str, Any], list[str]]:
@@ -147,7 +188,8 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any]) -> l
     known = {*values, *refused}
     problems = []
     if not is_file(options.map):
-        problems.append(f"{options.map}: no such file")
+        what = "a folder, a height map is needed" if os.path.isdir(options.map) else "no such file"
+        problems.append(f"{options.map}: {what}")
     problems += [
         f"--{name}: missing; {setting(f'engineering.{name}')['accepts']} is needed"
         if name == "young"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from asperity.cli.arguments import flag, section, sliding
+from asperity.cli.compiling import compile_visibly, planes_small
 from asperity.cli.files import check_out, stage_of
 from asperity.cli.parser import VIEWS
 from asperity.cli.places import is_si, length, places, span
@@ -22,7 +24,7 @@ from asperity.stress.arguments import FIELDS
 from asperity.views.inside import plot_plane, plot_section
 from asperity.views.maps import plot_gap, plot_height, plot_pressure
 from asperity.views.peaks import plot_peaks
-from asperity.views.source import title_of
+from asperity.views.source import sources, title_of
 from asperity.views.style import save, style
 
 _STAGES = {
@@ -111,6 +113,8 @@ def _draw(
     else:
         for name, text in given.items():
             chosen[name] = span(name, text, si) if name != "depth" else _depth(text, si)
+    for source in sources(list(results.values())):
+        compile_visibly("planes", partial(planes_small, source.pressed(), [field], poisson))
     plot = plot_section if view == "section" else plot_plane
     with ProgressBar(view) as progress:
         return plot(results, **chosen, progress=progress)
