@@ -39,7 +39,7 @@ def announce_run(jobs):
 onstart:
     jobs = jobs_to_run(workflow)
     try:
-        CLAIM = claim(RESULTS)
+        claim(RESULTS)
         if runs_locally(workflow):
             limit = memory_limit(workflow)
             require_memory(memory_needs(jobs, limit), limit)

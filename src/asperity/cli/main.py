@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from asperity.errors import ConvergenceError, DatasetError, PreflightError, fail
-from asperity.runtime.preflight import BASE_PACKAGES, PACKAGES, REMEDY, require_packages
+from asperity.packages import BASE, NAMES, PACKAGES, message, require
 
 INTERRUPTED = 130
 """Exit status after Ctrl-C, as shells give it: 128 and the number of the signal."""
@@ -22,7 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with 2 and one line, as argparse does.
     """
     try:
-        require_packages(BASE_PACKAGES)
+        require(PACKAGES[BASE])
         from asperity.cli.parser import make_parser
 
         options = make_parser().parse_args(arguments)
@@ -30,8 +30,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return fail("interrupted", INTERRUPTED)
     except ModuleNotFoundError as error:
-        package = PACKAGES.get((error.name or "").split(".")[0])
-        return fail(f"not installed: {package}; {REMEDY}" if package else str(error))
+        module = (error.name or "").split(".")[0]
+        return fail(message([module]) if module in NAMES else str(error))
     except (ValueError, TypeError, OSError, ImportError, MemoryError) as error:
         return fail(str(error) or type(error).__name__)
     except (DatasetError, ConvergenceError, PreflightError) as error:

@@ -13,6 +13,7 @@ from asperity.config.check import needed_instead
 from asperity.config.reader import is_file, load
 from asperity.config.schema import setting
 from asperity.errors import ConfigError, fail, shown
+from asperity.packages import require
 from asperity.units import to_si
 
 WRONG_USAGE = 2
@@ -39,6 +40,7 @@ def run(options: argparse.Namespace) -> None:
             fail(problem)
         sys.exit(WRONG_USAGE)
 
+    require(("matplotlib",))  # for the pictures at the end
     from asperity.cli.compiling import compile_visibly
     from asperity.engineering import run as answer_of
     from asperity.engineering import write_answer
