@@ -1,8 +1,8 @@
 """Processes, memory and processor time, as the operating system provides them.
 
-The only module of the package that depends on the operating system. Peaks of memory are found in ``/proc`` on
-Linux, with `resource` on macOS, with psutil on Windows; all else is asked of psutil. psutil is imported when it
-is needed: without it the command line still says what is missing.
+The only module of the package that depends on the operating system. Peaks of memory are found in ``/proc``
+on Linux, with `resource` on macOS, with psutil on Windows; all else is asked of psutil. psutil is imported
+when it is needed: without it the command line still says what is missing.
 """
 
 from __future__ import annotations

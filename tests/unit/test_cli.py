@@ -162,7 +162,7 @@ def test_every_command_has_help(capsys, command):
     [
         *((name, "--version") for name in PACKAGES[BASE]),
         ("matplotlib", "plot 9 a.nc --out b.png"),
-        ("matplotlib", f"run {STEEL} --young 1GPa --poisson 0.3 --pressure 1MPa --out new"),
+        ("SurfaceTopography", f"run {STEEL} --young 1GPa --poisson 0.3 --pressure 1MPa --out new"),
         ("SurfaceTopography", f"info {STEEL}"),
     ],
 )

@@ -32,7 +32,7 @@ _CLAIMED: list[BaseFileLock] = []
 
 
 def require_packages(modules: Iterable[str] = tuple(NAMES)) -> None:
-    """Raise `PreflightError` if one of the modules, by default of all that a study imports, is not installed."""
+    """Raise `PreflightError` if one of the modules is not installed, by default of all that a study needs."""
     try:
         require(modules)
     except MissingPackageError as error:

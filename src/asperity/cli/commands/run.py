@@ -40,7 +40,7 @@ def run(options: argparse.Namespace) -> None:
             fail(problem)
         sys.exit(WRONG_USAGE)
 
-    require(("matplotlib",))  # for the pictures at the end
+    require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
     from asperity.cli.compiling import compile_visibly
     from asperity.engineering import run as answer_of
     from asperity.engineering import write_answer
