@@ -106,11 +106,11 @@ def test_the_study_of_the_wheel_is_that_of_the_project_and_can_be_planned(shared
         names = [path.relative_to(ROOT) for path in files if "__pycache__" not in path.parts]
         assert names
         assert all(filecmp.cmp(ROOT / name, folder / name, shallow=False) for name in names)
-    planned = shared.run("python", "-m", "snakemake", "--dry-run", "--quiet", "rules", folder=folder)
-    assert planned.returncode == 0, planned.stdout + planned.stderr
     again = shared.run("asperity", "study", "init", "paper")
     assert again.returncode == 1
     assert again.stderr == "asperity: paper: holds Snakefile; the name of an empty or new folder is needed\n"
+    planned = shared.run("python", "-m", "snakemake", "--dry-run", "--quiet", "rules", folder=folder)
+    assert planned.returncode == 0, planned.stdout + planned.stderr
 
 
 @pytest.mark.wheel

@@ -58,6 +58,8 @@ def refused(folder, *command, **variables):
 @contextlib.contextmanager
 def mounted(folder, *arguments):
     """A mount over a folder, for as long as the block lasts."""
+    if not shutil.which("mount"):
+        pytest.skip("there is no command mount here")
     done = subprocess.run(["mount", *arguments, str(folder)], capture_output=True, text=True)
     if done.returncode:
         pytest.skip(f"mounting is not permitted here: {done.stderr.strip()}")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import sys
 from collections.abc import Sequence
 from importlib import import_module
 
@@ -21,6 +23,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0 on success, 1 with one line on stderr otherwise, 130 if interrupted. Wrong usage ends the process
         with 2 and one line, as argparse does.
     """
+    for stream in (sys.stdout, sys.stderr):  # a console that cannot show µ or ² shows ? there
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
     try:
         require(PACKAGES[BASE])
         from asperity.cli.parser import make_parser
