@@ -52,13 +52,13 @@ wheel-test: $(VENV)/ready ## Install the wheel in empty environments from the pa
 	pytest -m wheel tests/wheel
 
 test-oldest: ## Run the unit tests with the oldest versions of all dependencies (requirements-oldest.lock)
-	$(MAKE) VENV=.venv-oldest LOCK=requirements-oldest.lock unit-tests
+	$(MAKE) VENV=.venv-oldest LOCK=requirements-oldest.lock PYTEST="-W default" unit-tests
 
 test-python: ## Run the unit tests with another Python: make test-python PYTHON=python3.13
-	$(MAKE) VENV=.venv-python unit-tests
+	$(MAKE) VENV=.venv-$$($(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])') unit-tests
 
 unit-tests: $(VENV)/ready
-	pytest --numprocesses logical tests/unit
+	pytest --numprocesses logical $(PYTEST) tests/unit
 
 test-faults: $(VENV)/ready ## Kill a small study at fifty random moments and run it again; table in results/faults.md
 	python tests/workflow/faults.py --kills 50
