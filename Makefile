@@ -16,7 +16,7 @@ COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --u
 	--extra study --extra maps --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick verify test lint check fuzz wheel-test test-oldest test-python test-faults test-slurm bad-input report bench tradeoff calculix lock clean
+.PHONY: help study quick verify test lint check fuzz wheel-test test-oldest test-python test-faults test-slurm bad-input report docs bench tradeoff calculix lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -72,6 +72,9 @@ bad-input: $(VENV)/ready ## Print some two hundred wrong configurations, command
 report: study ## Write the study as one page that needs no network, report.html among its results; CONFIG=, RESULTS= as for study
 	snakemake --cores 1 $(STUDY) --report "$(FOLDER)/report.html"
 
+docs: $(VENV)/ready ## Build the documentation site with its gallery, without a network, into docs/_build/html
+	MPLBACKEND=Agg python -m sphinx -b html -W --keep-going -n docs docs/_build/html
+
 bench: $(VENV)/ready ## Measure the speed and accuracy of layer, contact and stress, beside other programs where installed
 	python benchmarks/layer.py
 	python benchmarks/contact.py
@@ -87,11 +90,11 @@ calculix: $(VENV)/ready ## Compare with CalculiX too, which must be installed, a
 	snakemake --cores $(CORES) --forcerun validation_table -- results/validation/table.md
 
 lock: ## Update requirements.lock from pyproject.toml, keeping versions that still fit, and requirements-oldest.lock (needs uv)
-	$(COMPILE) --output-file requirements.lock --extra slurm --extra lint
+	$(COMPILE) --output-file requirements.lock --extra slurm --extra lint --extra docs
 	$(COMPILE) --output-file requirements-oldest.lock --resolution lowest-direct
 
-clean: ## Delete the results (the environments stay)
-	rm -rf results .snakemake
+clean: ## Delete the results and the documentation site (the environments stay)
+	rm -rf results .snakemake docs/_build docs/api docs/gallery
 
 $(VENV)/ready: $(LOCK)
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
