@@ -9,9 +9,7 @@ try:
     from asperity.config.study import read_study
     from asperity.runtime.snakemake_internals import overlays, settings_given
 except ImportError as error:
-    sys.exit(
-        f"study: not installed: {error.name}; install everything with: pip install --requirement requirements.lock"
-    )
+    sys.exit(f'study: not installed: {error.name}; install with: pip install "asperity[study]"')
 except PreflightError as error:
     sys.exit(f"study: {error}")
 

@@ -18,11 +18,9 @@ from pathlib import Path
 
 from asperity.errors import DatasetError
 from asperity.results import dataset
+from asperity.runtime.preflight import LOCK, OWNER
 
-OWNER = ".running"
-"""File in the folder of results of every study."""
-
-MAY_BE_EMPTY = {".log", OWNER}
+MAY_BE_EMPTY = {".log", OWNER, LOCK}
 """Names and suffixes of files that may be empty."""
 
 

@@ -36,7 +36,9 @@ def contents(folder):
     return {
         path.relative_to(folder): (path.read_bytes(), path.stat().st_mtime_ns)
         for path in (folder / RESULTS).rglob("*")
-        if path.is_file() and path.name != ".running" and not {"log", "benchmark"} & set(path.parts)
+        if path.is_file()
+        and not path.name.startswith(".running")
+        and not {"log", "benchmark"} & set(path.parts)
     }
 
 
@@ -56,6 +58,8 @@ def refused(folder, *command, **variables):
 @contextlib.contextmanager
 def mounted(folder, *arguments):
     """A mount over a folder, for as long as the block lasts."""
+    if not shutil.which("mount"):
+        pytest.skip("there is no command mount here")
     done = subprocess.run(["mount", *arguments, str(folder)], capture_output=True, text=True)
     if done.returncode:
         pytest.skip(f"mounting is not permitted here: {done.stderr.strip()}")
@@ -151,11 +155,11 @@ def test_a_read_only_folder_is_named(folder):
 @pytest.mark.parametrize("name", ["tqdm", "jsonschema"])
 def test_a_missing_package_is_named_before_the_run(folder, name):
     line = refused(folder, PYTHONPATH=f"{hide(name, folder / 'hidden')}{os.pathsep}{folder / 'src'}")
-    assert line.startswith(f"study: not installed: {name}; install everything with: pip install")
+    assert line.startswith(f"study: not installed: {name}; install with: pip install asperity")
 
 
 def test_a_second_study_in_the_same_folder_is_refused(folder):
-    descriptor = claim(folder / RESULTS)
+    lock = claim(folder / RESULTS)
     line = refused(folder)
-    os.close(descriptor)
+    lock.release()
     assert line.startswith(f"study: {RESULTS}: another study is running here (process {os.getpid()} on ")

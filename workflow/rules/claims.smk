@@ -15,7 +15,7 @@ rule claims:
             ),
         ),
         validation=[f"{RESULTS}/validation/{name}.nc" for name in DATASETS if name in config["validation"]],
-        style="src/asperity/views/style.mplstyle",
+        style=STYLE,
         machine_code=MACHINE_CODE,
         code=code("claims"),
     output:

@@ -4,6 +4,18 @@ import re
 from functools import cache
 from pathlib import Path
 
+import asperity
+
+
+def library_folder():
+    """Folder of the library's packages: relative if it is in the project, as src, else where it is installed."""
+    folder, project = Path(asperity.__file__).resolve().parents[1], Path.cwd().resolve()
+    return folder.relative_to(project) if folder.is_relative_to(project) else folder
+
+
+LIBRARY = library_folder()
+STYLE = (LIBRARY / "asperity/views/style.mplstyle").as_posix()
+
 
 @cache
 def code(script, *modules):
@@ -11,13 +23,14 @@ def code(script, *modules):
 
     `modules` are modules that the script imports by names given to it.
     """
-    found, ahead = set(), [f"workflow/scripts/{script}.py", *(s for m in modules for s in sources_of(m))]
+    script = f"workflow/scripts/{script}.py"
+    found, ahead = set(), [script, *(s for m in modules for s in sources_of(m))]
     while ahead:
         source = ahead.pop()
         if source not in found:
             found.add(source)
             ahead += imported(source)
-    return sorted(source for source in found if source.startswith("src/"))
+    return sorted(found - {script})
 
 
 @cache
@@ -38,9 +51,9 @@ def imported(source):
 def sources_of(module):
     """Source of a module of the library, and those of the packages around it."""
     parts = module.split(".")
-    places = [Path("src").joinpath(*parts[: end + 1]) for end in range(len(parts))]
+    places = [LIBRARY.joinpath(*parts[: end + 1]) for end in range(len(parts))]
     candidates = [source for place in places for source in (place.with_suffix(".py"), place / "__init__.py")]
-    return [str(source) for source in candidates if source.exists()]
+    return [source.as_posix() for source in candidates if source.exists()]
 
 
 def any_of(names):

@@ -55,7 +55,7 @@ onstart:
     jobs = jobs_to_run(workflow)
     require_maps(jobs)
     try:
-        CLAIM = claim(RESULTS)
+        claim(RESULTS)
         if runs_locally(workflow):
             limit = memory_limit(workflow)
             require_memory(memory_needs(jobs, limit), limit)

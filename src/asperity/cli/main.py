@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import io
+import sys
 from collections.abc import Sequence
 from importlib import import_module
 
 from asperity.errors import ConvergenceError, DatasetError, InputError, PreflightError, fail
-from asperity.runtime.preflight import BASE_PACKAGES, PACKAGES, REMEDY, require_packages
+from asperity.packages import BASE, NAMES, PACKAGES, message, require
 
 INTERRUPTED = 130
 """Exit status after Ctrl-C, as shells give it: 128 and the number of the signal."""
@@ -21,8 +23,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         0 on success, 1 with a line for each problem on stderr otherwise, 130 if interrupted. Wrong usage
         ends the process with 2, as argparse does.
     """
+    for stream in (sys.stdout, sys.stderr):  # a console that cannot show µ or ² shows ? there
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
     try:
-        require_packages(BASE_PACKAGES)
+        require(PACKAGES[BASE])
         from asperity.cli.parser import make_parser
 
         options = make_parser().parse_args(arguments)
@@ -32,8 +37,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return fail("interrupted", INTERRUPTED)
     except ModuleNotFoundError as error:
-        package = PACKAGES.get((error.name or "").split(".")[0])
-        return fail(f"not installed: {package}; {REMEDY}" if package else str(error))
+        module = (error.name or "").split(".")[0]
+        return fail(message([module]) if module in NAMES else str(error))
     except (ValueError, TypeError, OSError, ImportError, MemoryError) as error:
         return fail(str(error) or type(error).__name__)
     except (DatasetError, ConvergenceError, PreflightError) as error:

@@ -24,7 +24,8 @@ def make_parser() -> Parser:
         "measured map, materials and a load with their units. The others have lengths in units of the longer "
         "edge of the periodic cell, stresses in units of the effective modulus E/(1 - poisson^2).",
         epilog="From a map to an answer: run. The steps of a calculation: surface, solve, stress, peaks, "
-        "plot. Its cost and error beforehand: plan. Pictures and tables of its results: view, export.",
+        "plot. Its cost and error beforehand: plan. Pictures and tables of its results: view, export. "
+        "The study of the paper: study.",
     )
     parser.add_argument("--version", action="version", version=f"asperity {asperity.__version__}")
     commands = parser.add_subparsers(title="commands", required=True, dest="command", metavar="COMMAND")
@@ -285,6 +286,12 @@ def _add_export(parser: Parser) -> None:
     _add_body(parser)
 
 
+def _add_study(parser: Parser) -> None:
+    parser.usage = "asperity study init FOLDER"
+    parser.add_argument("action", choices=("init",), help="write the study into a folder")
+    parser.add_argument("folder", metavar="FOLDER", help="new or empty folder")
+
+
 _COMMANDS: dict[str, tuple[Callable[[Parser], None], str]] = {
     "run": (
         _add_run,
@@ -313,6 +320,10 @@ _COMMANDS: dict[str, tuple[Callable[[Parser], None], str]] = {
     ),
     "view": (_add_view, "Draw results: surfaces, contacts, and the stress below them."),
     "export": (_add_export, "Export results as tables (CSV) and as fields for ParaView (VTK)."),
+    "study": (
+        _add_study,
+        "Write the study of the paper into a folder. There `snakemake --cores 2` makes every figure.",
+    ),
 }
 
 

@@ -26,6 +26,7 @@ import asperity
 from asperity.errors import DatasetError
 from asperity.results.variables import ORIENTATION, STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
 from asperity.spectral import Grid
+from asperity.system import is_running
 
 CONVENTIONS = "CF-1.11"
 PAPER = (
@@ -155,17 +156,6 @@ def _delete_abandoned(path: Path) -> None:
         found = pattern.fullmatch(left.name)
         if found and not is_running(int(found[1])):
             left.unlink(missing_ok=True)
-
-
-def is_running(process: int) -> bool:
-    """True if there is a process of this number."""
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return True
 
 
 def _cause_and_remedy(error: Exception, path: Path) -> str:

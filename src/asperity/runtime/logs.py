@@ -10,7 +10,7 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from asperity.runtime.system import peak_memory, processor_time
+from asperity.system import peak_memory_with_programs, processor_time
 
 logger = logging.getLogger("asperity")
 
@@ -48,7 +48,11 @@ def log_to(path: str | os.PathLike[str]) -> Iterator[None]:
             logger.exception("the job failed")
             raise SystemExit(1) from None
         finally:
-            logger.info("took %.1f s of processor time, %.0f MB of memory", processor_time(), peak_memory())
+            logger.info(
+                "took %.1f s of processor time, %.0f MB of memory",
+                processor_time(),
+                peak_memory_with_programs(),
+            )
             logging.captureWarnings(False)
             for each in loggers:
                 each.removeHandler(handler)

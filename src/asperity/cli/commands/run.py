@@ -15,6 +15,7 @@ from asperity.config.check import needed_instead
 from asperity.config.reader import is_file, load
 from asperity.config.schema import setting
 from asperity.errors import ConfigError, InputError, fail, shown
+from asperity.packages import require
 from asperity.units import shown_si, to_si
 
 WRONG_USAGE = 2
@@ -50,6 +51,7 @@ _LOADS = {
 
 def run(options: argparse.Namespace) -> None:
     """Compute the answer, print it, and write results, pictures and report."""
+    require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
     values, problems = _values(options)
     refused = [problem.split(" ")[0] for problem in problems]
     problems += _contradictions(options, values)
