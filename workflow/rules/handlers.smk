@@ -27,13 +27,16 @@ def earlier_results(jobs):
 
 
 def announce_run(jobs):
-    """Print how many jobs there are, and the time and memory that they take."""
+    """Print how many jobs there are, the time and memory they take, and whether the library is compiled."""
     # Imported here, as it takes time: on a cluster every job reads this file.
     from asperity.accuracy.resources import announce
 
     ahead = [(job.rule, COSTS[job.rule](job.wildcards)) for job in jobs if job.rule in COSTS]
     if ahead:
         logger.info(announce(ahead, jobs_at_once(workflow)))
+    if any(job.rule == "machine_code" for job in jobs):
+        seconds = COSTS["machine_code"](None).seconds
+        logger.info(f"study: compiling the library first, once for all jobs: about {seconds:.0f} s")
 
 
 onstart:
