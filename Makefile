@@ -13,7 +13,7 @@ FOLDER = $$(python -m asperity.config results $(FILES))
 VENV := .venv
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick verify test lint check fuzz test-faults test-slurm bad-input report bench tradeoff calculix lock clean
+.PHONY: help study quick verify test lint check fuzz fuzz-study test-faults soak test-slurm bad-input report bench tradeoff calculix lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -45,8 +45,14 @@ check: $(VENV)/ready ## Compare the numbers of the quick study with tests/refere
 fuzz: $(VENV)/ready ## Try random input on everything a user calls, for MINUTES=10 from SEED=0
 	python tests/fuzz/fuzz.py --minutes $(MINUTES) --seed $(SEED)
 
+fuzz-study: $(VENV)/ready ## Run random configurations that the check accepts to their end, for MINUTES=10 from SEED=0
+	python tests/fuzz/fuzz_study.py --minutes $(MINUTES) --seed $(SEED)
+
 test-faults: $(VENV)/ready ## Kill a small study at fifty random moments and run it again; table in results/faults.md
 	python tests/workflow/faults.py --kills 50
+
+soak: $(VENV)/ready ## Disturb a small study again and again, for MINUTES=10 from SEED=0, and compare its results each time
+	python tests/workflow/soak.py --minutes $(MINUTES) --seed $(SEED)
 
 test-slurm: $(VENV)/ready ## Run the quick study on a SLURM started for it (apt install slurmctld slurmd slurm-client munge)
 	pytest -m slurm tests/slurm

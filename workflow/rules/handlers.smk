@@ -2,6 +2,7 @@
 # What fails in between is told by the logger plugin (src/snakemake_logger_plugin_asperity).
 from snakemake.logging import logger
 
+from asperity.runtime.interrupts import leave_jobs_to_cluster
 from asperity.runtime.preflight import claim, require_memory, require_space, require_undamaged
 from asperity.runtime.snakemake_internals import jobs_at_once, jobs_to_run, memory_limit, runs_locally
 
@@ -22,7 +23,7 @@ def memory_needs(jobs, limit):
 def earlier_results(jobs):
     """Result files of earlier runs that these jobs read."""
     made = {file for job in jobs for file in job.output}
-    read = {file for job in jobs for file in job.input if file.endswith(".nc")}
+    read = {file for job in jobs for file in job.input if file.startswith(f"{RESULTS}/")}
     return sorted(file for file in read - made if os.path.exists(file))
 
 
@@ -40,6 +41,8 @@ def announce_run(jobs):
 
 
 onstart:
+    if not runs_locally(workflow):
+        leave_jobs_to_cluster()
     jobs = jobs_to_run(workflow)
     try:
         CLAIM = claim(RESULTS)
@@ -47,7 +50,7 @@ onstart:
             limit = memory_limit(workflow)
             require_memory(memory_needs(jobs, limit), limit)
         require_space(RESULTS, sum(job.resources.get("disk_mb", 0) for job in jobs))
-        require_undamaged(earlier_results(jobs))
+        require_undamaged(earlier_results(jobs), RESULTS)
     except PreflightError as error:
         sys.exit(f"study: {error}")
     announce_run(jobs)

@@ -12,7 +12,7 @@ from asperity.runtime.progress import ProgressBar
 from asperity.views.style import save, style
 
 params, output = snakemake.params, snakemake.output
-with log_to(snakemake.log[0]), ProgressBar("claims"), style(snakemake.input.style):
+with log_to(snakemake.log[0], snakemake.output), ProgressBar("claims"), style(snakemake.input.style):
     statistics, validation = (
         {Path(file).stem: dataset.read(file) for file in files}
         for files in (snakemake.input.statistics, snakemake.input.validation)

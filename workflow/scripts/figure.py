@@ -16,7 +16,7 @@ def read(tree, name=""):
     return dataset.read(tree).assign_attrs({"label": labels[name]} if name in labels else {})
 
 
-with log_to(snakemake.log[0]), style(snakemake.input.style):
+with log_to(snakemake.log[0], snakemake.output), style(snakemake.input.style):
     params = snakemake.params
     module, results = params.module, read(params.results)
     save(draw(module, results), snakemake.output.png, snakemake.output.pdf)

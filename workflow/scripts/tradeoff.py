@@ -10,7 +10,7 @@ from asperity.results import dataset, markup
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
-with log_to(snakemake.log[0]), ProgressBar("tradeoff") as progress:
+with log_to(snakemake.log[0], snakemake.output), ProgressBar("tradeoff") as progress:
     settings = snakemake.params.settings
     runs = measure(**settings, progress=progress)
     dataset.write(

@@ -9,7 +9,7 @@ from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
 surface, files = snakemake.wildcards.surface, snakemake.input
-with log_to(snakemake.log[0]), ProgressBar(f"verification {surface}") as progress:
+with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"verification {surface}") as progress:
     results = map(SeedResults.read, files.surface, files.contact, files.stress)
     checks = verify(surface, results, dataset.read(files.statistics), progress)
     checks.to_csv(snakemake.output.table, index=False)

@@ -6,11 +6,8 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from asperity.errors import ConvergenceError, DatasetError, PreflightError, fail
+from asperity.runtime.interrupts import COMMAND_LINE, Interrupted, interruptible
 from asperity.runtime.preflight import BASE_PACKAGES, PACKAGES, REMEDY, require_packages
-
-INTERRUPTED = 130
-"""Exit status after Ctrl-C, as shells give it: 128 and the number of the signal."""
-
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status.
@@ -18,17 +15,18 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     status : int
-        0 on success, 1 with one line on stderr otherwise, 130 if interrupted. Wrong usage ends the process
-        with 2 and one line, as argparse does.
+        0 on success, 1 with one line on stderr otherwise, 130 after Ctrl-C and 143 after SIGTERM. Wrong usage
+        ends the process with 2 and one line, as argparse does.
     """
     try:
-        require_packages(BASE_PACKAGES)
-        from asperity.cli.parser import make_parser
+        with interruptible(f"asperity: {COMMAND_LINE}"):
+            require_packages(BASE_PACKAGES)
+            from asperity.cli.parser import make_parser
 
-        options = make_parser().parse_args(arguments)
-        import_module(f"asperity.cli.commands.{options.command}").run(options)
-    except KeyboardInterrupt:
-        return fail("interrupted", INTERRUPTED)
+            options = make_parser().parse_args(arguments)
+            import_module(f"asperity.cli.commands.{options.command}").run(options)
+    except Interrupted as interrupted:
+        return fail(COMMAND_LINE, interrupted.status)
     except ModuleNotFoundError as error:
         package = PACKAGES.get((error.name or "").split(".")[0])
         return fail(f"not installed: {package}; {REMEDY}" if package else str(error))
