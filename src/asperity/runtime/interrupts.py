@@ -53,13 +53,15 @@ def status_after(number: int) -> int:
 def interruptible(line: str) -> Iterator[None]:
     """Raise `Interrupted` at Ctrl-C and SIGTERM, as long as the block lasts.
 
-    A process that has not ended some seconds later, as exceptions in the finalizer of an object are ignored,
-    prints the line and ends; so does one that gets a second signal.
+    Whatever exception a library makes of it, `Interrupted` leaves the block. A process that has not ended some
+    seconds later, in a long call or because a library ignored the exception, deletes its unfinished files, prints
+    the line and ends; so does one that gets a second signal.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
     ended = threading.Event()
+    came: list[int] = []
     earlier = {number: signal.getsignal(number) for number in SIGNALS}
     hook = sys.unraisablehook
 
@@ -68,6 +70,7 @@ def interruptible(line: str) -> Iterator[None]:
             _end_process(line, number)
 
     def interrupt(number: int, _: FrameType | None) -> NoReturn:
+        came.append(number)
         for each in SIGNALS:
             signal.signal(each, lambda number, _: _end_process(line, number))
         sys.unraisablehook = lambda _: None
@@ -78,6 +81,10 @@ def interruptible(line: str) -> Iterator[None]:
         signal.signal(number, interrupt)
     try:
         yield
+    except BaseException:
+        if came:
+            raise Interrupted(came[0]) from None
+        raise
     finally:
         ended.set()
         sys.unraisablehook = hook
@@ -146,8 +153,10 @@ def _wait_for_signal(incoming: int) -> None:
 
 
 def _end_process(line: str, number: int) -> NoReturn:
-    """Print a line and end this process where it is."""
+    """Print a line, delete unfinished files and end this process where it is."""
     _say(line)
+    if (results := sys.modules.get("asperity.results.dataset")) is not None:
+        results.delete_unfinished()
     os._exit(status_after(number))
 
 
