@@ -7,6 +7,7 @@ of 4096 × 4096 nodes. A study does not wait for its jobs.
 
 from __future__ import annotations
 
+import _thread
 import os
 import signal
 import sys
@@ -21,6 +22,9 @@ SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 GRACE = 5.0
 """Seconds in which a command ends; then its process is ended where it is."""
+
+AGAIN = 1.0
+"""Seconds after which the exception is raised again, if a library has ignored it."""
 
 JOB_GRACE = 2.0
 """Seconds in which the jobs of a study delete their unfinished files; then they are killed."""
@@ -53,9 +57,9 @@ def status_after(number: int) -> int:
 def interruptible(line: str) -> Iterator[None]:
     """Raise `Interrupted` at Ctrl-C and SIGTERM, as long as the block lasts.
 
-    Whatever exception a library makes of it, `Interrupted` leaves the block. A process that has not ended some
-    seconds later, in a long call or because a library ignored the exception, deletes its unfinished files, prints
-    the line and ends; so does one that gets a second signal.
+    Whatever exception a library makes of it, `Interrupted` leaves the block; where a library ignores it, it is
+    raised again. A process that has not ended some seconds later, as a long call is under way, deletes its
+    unfinished files, prints the line and ends.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -65,17 +69,20 @@ def interruptible(line: str) -> Iterator[None]:
     earlier = {number: signal.getsignal(number) for number in SIGNALS}
     hook = sys.unraisablehook
 
-    def end(number: int, seconds: float) -> None:
-        if not ended.wait(seconds):
+    def watch(number: int) -> None:
+        for _ in range(int(GRACE / AGAIN)):
+            if ended.wait(AGAIN):
+                return
+            _thread.interrupt_main(number)
+        if not ended.wait(AGAIN):
             _end_process(line, number)
 
     def interrupt(number: int, _: FrameType | None) -> NoReturn:
-        came.append(number)
-        for each in SIGNALS:
-            signal.signal(each, lambda number, _: _end_process(line, number))
-        sys.unraisablehook = lambda _: None
-        threading.Thread(target=end, args=(number, GRACE), daemon=True).start()
-        raise Interrupted(number)
+        if not came:
+            came.append(number)
+            sys.unraisablehook = lambda _: None
+            threading.Thread(target=watch, args=(number,), daemon=True).start()
+        raise Interrupted(came[0])
 
     for number in SIGNALS:
         signal.signal(number, interrupt)
@@ -86,6 +93,8 @@ def interruptible(line: str) -> Iterator[None]:
             raise Interrupted(came[0]) from None
         raise
     finally:
+        for number, handler in earlier.items():
+            signal.signal(number, signal.SIG_IGN if came else handler)
         ended.set()
         sys.unraisablehook = hook
         for number, handler in earlier.items():
