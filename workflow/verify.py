@@ -4,8 +4,8 @@
 
 Every file of results is compared with the fingerprint that the log of its job holds; a result file of NetCDF
 without one with that in the file itself. Snakemake's records of the jobs, by which it sees that a setting has
-changed, must be readable. Logs, benchmarks and folders of other studies below the folder are left out. Ends with
-exit status 1 and one line for each damaged file.
+changed, must be readable. Logs, benchmarks and folders of other studies below the folder are left out. Ends
+with exit status 1 and one line for each damaged file.
 """
 
 from __future__ import annotations
@@ -42,7 +42,9 @@ def files_of(folder: Path) -> Iterator[Path]:
             for name in below
             if not (Path(place) / name / OWNER).exists() and not (top and name in (LOGS, BENCHMARKS))
         )
-        yield from (Path(place) / name for name in sorted(names) if ".unfinished" not in name and name != OWNER)
+        yield from (
+            Path(place) / name for name in sorted(names) if ".unfinished" not in name and name != OWNER
+        )
 
 
 def damage(stated: dict[str, str], path: Path) -> str:

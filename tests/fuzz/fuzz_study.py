@@ -2,9 +2,9 @@
 
     python tests/fuzz/fuzz_study.py --minutes 10 --seed 1
 
-Changes up to three settings of a tiny study at random, often to the ends of their ranges. A configuration that
-the check accepts is run to its end. Prints each failure with its configuration, and a table of what became of
-the configurations; the exit status is 1 if there is a failure.
+Changes up to three settings of a tiny study at random, often to the ends of their ranges. A configuration
+that the check accepts is run to its end. Prints each failure with its configuration, and a table of what became
+of the configurations; the exit status is 1 if there is a failure.
 """
 
 import argparse
@@ -83,7 +83,20 @@ SECTIONS = {
 TINY = 128
 """Largest grid and longest list that is tried, for the sake of time."""
 
-LABELS = ["a b", "$x$", "$H = 0.2$", r"$\frac{1}$", r"$\lambda_s$", "$$", "µ ✓", "a_b^c", "%s {x}", "<b>&", "$x", "\\"]
+LABELS = [
+    "a b",
+    "$x$",
+    "$H = 0.2$",
+    r"$\frac{1}$",
+    r"$\lambda_s$",
+    "$$",
+    "µ ✓",
+    "a_b^c",
+    "%s {x}",
+    "<b>&",
+    "$x",
+    "\\",
+]
 
 MEASURED = ("periodic", "detrend", "undefined", "wavelength_short", "points", "despike", "height_factor")
 
@@ -202,7 +215,9 @@ def outcome(folder, path):
     lines = log.read_text(encoding="utf-8").splitlines()
     if process.returncode == 0:
         return "finished", lines[-1]
-    return "failed", next((line for line in lines if line.startswith(("study: results", "config:"))), lines[-1])
+    return "failed", next(
+        (line for line in lines if line.startswith(("study: results", "config:"))), lines[-1]
+    )
 
 
 def main():

@@ -13,7 +13,6 @@ from bad_input import make_chain
 
 from asperity.cli.main import main
 from asperity.runtime.interrupts import COMMAND_LINE
-from asperity.runtime.logs import log_to
 
 MAP = "{map} --unit um --physical-size 16um 16um --orientation 'peaks up'"
 SPECTRUM = "--hurst 0.8 --wavelength-long 0.5 --wavelength-short 0.125 --rms-height 0.001 --points 32"
@@ -66,12 +65,12 @@ def files(tmp_path_factory):
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_a_signal_ends_a_command(command, files, tmp_path, capfd):
-    def call(calls=contextlib.nullcontext()):
+    def call(calls):
         words = [word.format(**files, out=tmp_path) for word in shlex.split(COMMANDS[command])]
         with calls:
             return main([command, *words])
 
-    assert call() == 0  # imports its modules
+    assert call(contextlib.nullcontext()) == 0  # imports its modules
     calls = Calls()
     assert call(calls) == 0
     before = sorted(tmp_path.rglob("*"))
@@ -108,10 +107,21 @@ def test_a_command_whose_library_ignores_the_signal_ends_too(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_job_that_is_terminated_says_so_to_its_caller(tmp_path):
-    handler = signal.getsignal(signal.SIGTERM)
-    with pytest.raises(SystemExit) as ended, log_to(tmp_path / "job.log"):
-        signal.raise_signal(signal.SIGTERM)
-    assert ended.value.code == 143
-    assert signal.getsignal(signal.SIGTERM) == handler
-    assert "MB of memory" in (tmp_path / "job.log").read_text()
+TERMINATED = """
+import signal, sys
+from asperity.results.dataset import atomic_write
+from asperity.runtime.logs import log_to
+with log_to(sys.argv[1]), atomic_write(sys.argv[2]) as unfinished:
+    unfinished.write_text("half")
+    signal.raise_signal(signal.SIGTERM)
+"""
+
+
+def test_a_terminated_job_deletes_what_it_has_not_finished(tmp_path):
+    log = tmp_path / "job.log"
+    found = subprocess.run(
+        [sys.executable, "-c", TERMINATED, log, tmp_path / "result.nc"], capture_output=True, timeout=60
+    )
+    assert (found.returncode, found.stderr) == (143, b"")
+    assert list(tmp_path.iterdir()) == [log]
+    assert "MB of memory" in log.read_text()

@@ -2,10 +2,10 @@
 
     python tests/workflow/soak.py --minutes 60 --seed 1
 
-Faults: all processes are killed; the study is interrupted; its files may not grow beyond some size, as on a full
-disk; results are lost; a result is damaged; a setting is changed and changed back. Prints a line for each fault
-and a table by kind. Ends with exit status 1 if a study did not finish, if a damage was not named, if an interrupt
-took longer than its limit, or if a result differs from that of the undisturbed run.
+Faults: all processes are killed; the study is interrupted; its files may not grow beyond some size, as on a
+full disk; results are lost; a result is damaged; a setting is changed and changed back. Prints a line for each
+fault and a table by kind. Ends with exit status 1 if a study did not finish, if a damage was not named, if an
+interrupt took longer than its limit, or if a result differs from that of the undisturbed run.
 """
 
 import argparse
@@ -173,7 +173,9 @@ class Soak:
                 wrong += [] if last.startswith("study: interrupted; ") else [f"last line {last!r}"]
             elif ran.status not in (0, -number):  # it had ended, or not yet read its Snakefile
                 wrong.append(f"status {ran.status}: {last!r}")
-            wrong += ["unfinished files"] if any(p.suffix == ".unfinished" for p in files(self.folder)) else []
+            wrong += (
+                ["unfinished files"] if any(p.suffix == ".unfinished" for p in files(self.folder)) else []
+            )
         if ran.seconds_to_end > LONGEST_END:
             wrong.append(f"ended after {ran.seconds_to_end:.1f} s")
         if left := left_running(self.folder):

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM end a study with its jobs; the same command goes on. `make soak` tries random moments."""
+"""Ctrl-C and SIGTERM end a study with its jobs. `make soak` interrupts it at random moments."""
 
 import signal
 import subprocess

@@ -9,6 +9,7 @@ from asperity.errors import ConvergenceError, DatasetError, PreflightError, fail
 from asperity.runtime.interrupts import COMMAND_LINE, Interrupted, interruptible
 from asperity.runtime.preflight import BASE_PACKAGES, PACKAGES, REMEDY, require_packages
 
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status.
 

@@ -35,7 +35,7 @@ REFINEMENT = 0.25
 """Part by which a peak refined between nodes may exceed the largest node, with eight nodes per wavelength."""
 
 BETWEEN_NODES = 0.01
-"""Part by which the largest stress of a plane on a coarser grid may differ, as it lies between other nodes."""
+"""Part by which the largest stress of a plane may differ on a coarser grid, which has other nodes."""
 
 DEPTH_STEP = 1e-3
 """Step of the derivative along depth, over the shortest wavelength or the height of a thinner layer."""

@@ -1,8 +1,7 @@
 """Ctrl-C (SIGINT) and SIGTERM: commands and studies end in seconds, with one line that says how to go on.
 
 Python runs a handler of a signal between two of its own instructions only, in the main thread. A command
-therefore ends after the call of a compiled function that is under way, which takes less than a second on grids
-of 4096 × 4096 nodes. A study does not wait for its jobs.
+therefore ends after the call of a compiled function that is under way. A study does not wait for its jobs.
 """
 
 from __future__ import annotations
@@ -57,8 +56,8 @@ def status_after(number: int) -> int:
 def interruptible(line: str) -> Iterator[None]:
     """Raise `Interrupted` at Ctrl-C and SIGTERM, as long as the block lasts.
 
-    Whatever exception a library makes of it, `Interrupted` leaves the block; where a library ignores it, it is
-    raised again. A process that has not ended some seconds later, as a long call is under way, deletes its
+    Whatever exception a library makes of it, `Interrupted` leaves the block; where a library ignores it, it
+    is raised again. A process that has not ended some seconds later, as a long call is under way, deletes its
     unfinished files, prints the line and ends.
     """
     if threading.current_thread() is not threading.main_thread():
@@ -73,7 +72,7 @@ def interruptible(line: str) -> Iterator[None]:
         for _ in range(int(GRACE / AGAIN)):
             if ended.wait(AGAIN):
                 return
-            _thread.interrupt_main(number)
+            _thread.interrupt_main(signal.Signals(number))
         if not ended.wait(AGAIN):
             _end_process(line, number)
 

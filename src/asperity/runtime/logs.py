@@ -23,13 +23,12 @@ _STOPPED = "its job was stopped; memory, disk space or the time allowed may have
 
 
 @contextlib.contextmanager
-def log_to(
-    path: str | os.PathLike[str], outputs: Iterable[str | os.PathLike[str]] = ()
-) -> Iterator[None]:
+def log_to(path: str | os.PathLike[str], outputs: Iterable[str | os.PathLike[str]] = ()) -> Iterator[None]:
     """Send to the file `path` everything that this process and its programs print, log and warn of.
 
-    At the end, the fingerprints of the files that the job has written are added, for `asperity.runtime.written`. An exception is written with its traceback and ends the process with exit status 1; SIGTERM ends it with 143.
-    The last line states the processor time and the memory of the process.
+    At the end, the fingerprints of the outputs that the job has written are added. An exception is written
+    with its traceback and ends the process with exit status 1; SIGTERM ends it with 143. The last line states
+    the processor time and the memory of the process.
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)

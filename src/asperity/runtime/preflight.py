@@ -149,7 +149,7 @@ def require_space(folder: str | os.PathLike[str], need: float) -> None:
 
 
 def require_undamaged(paths: Iterable[str | os.PathLike[str]], folder: str | os.PathLike[str]) -> None:
-    """Raise `PreflightError` for the first file of a study that is damaged or was changed after it was written.
+    """Raise `PreflightError` for the first file of a study that is damaged or changed since it was written.
 
     Parameters
     ----------

@@ -2,8 +2,8 @@
 
 Snakemake documents `config`, `workflow.cores`, `workflow.source_path` and the handlers `onstart`, `onsuccess`
 and `onerror` for use in a Snakefile. The study also needs the facts below. Every function here reads one
-attribute of Snakemake's `Workflow` object or names one of its files, and imports nothing of Snakemake. If one of
-them moves in a later version, `tests/workflow/test_snakemake_internals.py` fails and names the function to
+attribute of Snakemake's `Workflow` object or names one of its files, and imports nothing of Snakemake. If one
+of them moves in a later version, `tests/workflow/test_snakemake_internals.py` fails and names the function to
 repair.
 """
 

@@ -1,7 +1,7 @@
 """Fingerprints of the files that a job of a study has written, kept in its log.
 
-A file of results is damaged if its bytes are not those that its job wrote. Every log holds one line for each file,
-with its place relative to the log, so that a folder of results can be moved as a whole.
+A file of results is damaged if its bytes are not those that its job wrote. Every log holds one line for each
+file, with its place relative to the log, so that a folder of results can be moved as a whole.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def is_as_written(path: str | os.PathLike[str], stated: dict[str, str]) -> bool:
 
 
 def require_as_written(path: str | os.PathLike[str], stated: dict[str, str]) -> None:
-    """Check a file of results against its fingerprint; without one, a result against the one that it holds itself.
+    """Check a file of results against its fingerprint, or without one a dataset against the one in it.
 
     Parameters
     ----------
