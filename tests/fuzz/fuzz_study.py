@@ -3,8 +3,8 @@
     python tests/fuzz/fuzz_study.py --minutes 10 --seed 1
 
 Changes up to three settings of a tiny study at random, often to the ends of their ranges. A configuration
-that the check accepts is run to its end. Prints each failure with its configuration, and a table of what became
-of the configurations; the exit status is 1 if there is a failure.
+that the check accepts is run to its end. Prints each failure with its configuration, and a table of what
+became of the configurations; the exit status is 1 if there is a failure.
 """
 
 import argparse

@@ -102,7 +102,7 @@ def interruptible(line: str) -> Iterator[None]:
 
 @contextmanager
 def terminable() -> Iterator[None]:
-    """End a job at SIGTERM by `SystemExit`, which deletes its unfinished files, as long as the block lasts."""
+    """End a job at SIGTERM by `SystemExit`, which deletes its unfinished files, while the block lasts."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -120,8 +120,8 @@ def terminable() -> Iterator[None]:
 def end_study_with_jobs() -> None:
     """From now on, end this process and its jobs at Ctrl-C and SIGTERM, whatever it is doing then.
 
-    A thread waits for the signals, of which the operating system's part of Python tells by a pipe. The jobs that
-    the process starts do not see Ctrl-C: they are ended by the thread.
+    A thread waits for the signals, whose numbers Python writes into a pipe at once. The jobs that the process
+    starts do not see Ctrl-C: they are ended by the thread.
     """
     if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
         return
@@ -136,7 +136,7 @@ def end_study_with_jobs() -> None:
 
 
 def leave_jobs_to_cluster() -> None:
-    """From now on, raise `KeyboardInterrupt` at both signals: Snakemake then cancels its jobs on the cluster."""
+    """From now on, raise `KeyboardInterrupt` at both signals: Snakemake then cancels its cluster jobs."""
     if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
         return
 
@@ -202,7 +202,7 @@ def _end_jobs() -> None:
 
 
 def _running(programs: list[Any]) -> list[Any]:
-    """Programs that have not ended, without those of which the operating system only keeps the exit status."""
+    """Programs that have not ended, without those of which only the exit status is kept."""
     found = []
     for program in programs:
         with suppress(Exception):  # of any kind, if it ends meanwhile
