@@ -105,7 +105,7 @@ def main() -> None:
     parser.add_argument("--cores", type=int, default=os.cpu_count())
     chosen = parser.parse_args()
     try:
-        with interruptible(INTERRUPTED):
+        with interruptible(INTERRUPTED, last=True):
             print(verify(chosen.results, chosen.cores))
     except Interrupted as interrupted:
         print(INTERRUPTED, file=sys.stderr)

@@ -13,6 +13,11 @@ from asperity.runtime.preflight import BASE_PACKAGES, PACKAGES, REMEDY, require_
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status.
 
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        By default those of this process, which then ends with the command.
+
     Returns
     -------
     status : int
@@ -20,7 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         ends the process with 2 and one line, as argparse does.
     """
     try:
-        with interruptible(f"asperity: {COMMAND_LINE}"):
+        with interruptible(f"asperity: {COMMAND_LINE}", last=arguments is None):
             require_packages(BASE_PACKAGES)
             from asperity.cli.parser import make_parser
 

@@ -53,12 +53,18 @@ def status_after(number: int) -> int:
 
 
 @contextmanager
-def interruptible(line: str) -> Iterator[None]:
+def interruptible(line: str, *, last: bool = False) -> Iterator[None]:
     """Raise `Interrupted` at Ctrl-C and SIGTERM, as long as the block lasts.
 
     Whatever exception a library makes of it, `Interrupted` leaves the block; where a library ignores it, it
     is raised again. A process that has not ended some seconds later, as a long call is under way, deletes its
     unfinished files, prints the line and ends.
+
+    Parameters
+    ----------
+    line : str
+    last : bool, optional
+        The process only ends after the block: then it ignores the signals.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -93,11 +99,12 @@ def interruptible(line: str) -> Iterator[None]:
         raise
     finally:
         for number, handler in earlier.items():
-            signal.signal(number, signal.SIG_IGN if came else handler)
+            signal.signal(number, signal.SIG_IGN if came or last else handler)
         ended.set()
         sys.unraisablehook = hook
-        for number, handler in earlier.items():
-            signal.signal(number, handler)
+        if not last:
+            for number, handler in earlier.items():
+                signal.signal(number, handler)
 
 
 @contextmanager
