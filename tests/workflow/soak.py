@@ -3,9 +3,9 @@
     python tests/workflow/soak.py --minutes 60 --seed 1
 
 Faults: all processes are killed; the study is interrupted; its files may not grow beyond some size, as on a
-full disk; results are lost; a result is damaged; a setting is changed and changed back. Prints a line for each
-fault and a table by kind. Ends with exit status 1 if a study did not finish, if a damage was not named, if an
-interrupt took too long, or if a result differs from that of the undisturbed run.
+full disk; results are lost; a result is damaged; a setting is changed and changed back. Prints a line for
+each fault and a table by kind. Ends with exit status 1 if a study did not finish, if a damage was not
+named, if an interrupt took too long, or if a result differs from that of the undisturbed run.
 """
 
 import argparse
