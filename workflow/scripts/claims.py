@@ -23,8 +23,8 @@ with log_to(snakemake.log[0], snakemake.output), ProgressBar("claims"), style(sn
         for nodes, names in params.resolutions.items()
     }
     findings, limits = decide(CLAIMS, study, finer), report.continuum_table(HEADLINES, finer)
-    report.frame(findings, params.nodes).to_csv(output.table, index=False)
+    dataset.write_text(output.table, report.frame(findings, params.nodes).to_csv(index=False))
     text = report.markdown(findings, params.seeds, params.nodes, limits)
-    Path(output.text).write_text(text, encoding="utf-8")
-    Path(output.page).write_text(report.page(findings, limits), encoding="utf-8")
+    dataset.write_text(output.text, text)
+    dataset.write_text(output.page, report.page(findings, limits))
     save(overview.draw(findings), *output.picture)

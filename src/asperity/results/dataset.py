@@ -151,6 +151,18 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
         _unfinished.discard(unfinished)
 
 
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text file atomically.
+
+    Raises
+    ------
+    DatasetError
+        If the file cannot be written.
+    """
+    with atomic_write(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+
+
 def delete_unfinished() -> None:
     """Delete the temporary files of this process, which is about to end."""
     for path in list(_unfinished):
