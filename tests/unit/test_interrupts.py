@@ -12,6 +12,7 @@ import pytest
 from bad_input import make_chain
 
 from asperity.cli.main import main
+from asperity.config import __main__ as checking
 from asperity.runtime.interrupts import COMMAND_LINE
 
 MAP = "{map} --unit um --physical-size 16um 16um --orientation 'peaks up'"
@@ -79,6 +80,12 @@ def test_a_signal_ends_a_command(command, files, tmp_path, capfd):
         assert call(Calls(int(share * calls.count), number)) == 128 + number
         assert capfd.readouterr().err.splitlines()[-1] == f"asperity: {COMMAND_LINE}"
         assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_a_signal_ends_the_check_of_a_configuration(monkeypatch, capfd):
+    monkeypatch.setattr(checking, "_check", lambda _: signal.raise_signal(signal.SIGTERM))
+    assert checking.main(["check", "mine.yaml"]) == 143
+    assert capfd.readouterr().err == "config: interrupted; run the same command again\n"
 
 
 IGNORING = """
