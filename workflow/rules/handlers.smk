@@ -1,43 +1,8 @@
 # Before the run: checks, and an announcement of what it takes. After it: where the results are.
 # What fails in between is told by the logger plugin (src/snakemake_logger_plugin_asperity).
-from snakemake.logging import logger
-
 from asperity.runtime.interrupts import leave_jobs_to_cluster
 from asperity.runtime.preflight import claim, require_memory, require_space, require_undamaged
-from asperity.runtime.snakemake_internals import jobs_at_once, jobs_to_run, memory_limit, runs_locally
-
-
-def memory_needs(jobs, limit):
-    """First file that each job makes → memory in MB that the job needs.
-
-    Snakemake reduces what a job declares to the limit: then the rule is asked again.
-    """
-    needs = {job.output[0]: job.resources.get("mem_mb", 0) for job in jobs if job.output}
-    return needs | {
-        job.output[0]: COSTS[job.rule](job.wildcards).memory / 1e6
-        for job in jobs
-        if job.rule in COSTS and limit is not None and needs[job.output[0]] >= limit
-    }
-
-
-def earlier_results(jobs):
-    """Result files of earlier runs that these jobs read."""
-    made = {file for job in jobs for file in job.output}
-    read = {file for job in jobs for file in job.input if file.startswith(f"{RESULTS}/")}
-    return sorted(file for file in read - made if os.path.exists(file))
-
-
-def announce_run(jobs):
-    """Print how many jobs there are, the time and memory they take, and whether the library is compiled."""
-    # Imported here, as it takes time: on a cluster every job reads this file.
-    from asperity.accuracy.resources import announce
-
-    ahead = [(job.rule, COSTS[job.rule](job.wildcards)) for job in jobs if job.rule in COSTS]
-    if ahead:
-        logger.info(announce(ahead, jobs_at_once(workflow)))
-    if any(job.rule == "machine_code" for job in jobs):
-        seconds = COSTS["machine_code"](None).seconds
-        logger.info(f"study: compiling the library first, once for all jobs: about {seconds:.0f} s")
+from asperity.runtime.snakemake_internals import jobs_to_run, memory_limit, runs_locally
 
 
 onstart:

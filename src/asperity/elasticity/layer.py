@@ -106,6 +106,16 @@ class Layer:
     ------
     TypeError, ValueError
         If an argument is not a number or is out of range.
+
+    Examples
+    --------
+    >>> steel = asp.Layer(young=210e9, poisson=0.3)  # a half-space, in Pa
+    >>> print(f"{steel.effective_modulus / 1e9:.1f} GPa")
+    230.8 GPa
+    >>> rubber = asp.Layer(young=2e6, poisson=0.5, height=1e-3, bottom="bonded")  # 1 mm on a rigid base
+    >>> wavenumber = np.array([10.0, 1e3, 1e5])  # rad/m
+    >>> np.round(rubber.surface_compliance(wavenumber) * rubber.effective_modulus * wavenumber / 2, 3)
+    array([0.   , 0.241, 1.   ])
     """
 
     young: float

@@ -33,6 +33,13 @@ class Body:
         Height in m of a layer on a rigid base; without it the body is a half-space.
     bottom : "bonded", "frictionless" or "free"
         Lower face of the layer.
+
+    Examples
+    --------
+    >>> steel = Body(young=210e9, poisson=0.3, yield_stress=1.5e9)  # Pa
+    >>> coating = Body(young=2e9, poisson=0.4, height=5e-6)  # 5 µm on a rigid base
+    >>> coating.layer.height
+    5e-06
     """
 
     young: float

@@ -53,6 +53,12 @@ class MapSettings:
         Radius in m of a sphere whose form is added to the roughness, its lowest point in the middle.
     option : callable
         Gives the name of a setting in the interface of the user, for messages.
+
+    Examples
+    --------
+    >>> settings = MapSettings(despike=8, wavelength_short=16e-6, points=192)
+    >>> MapSettings(boundary="free", radius=5e-3).boundary  # a rough ball
+    'free'
     """
 
     unit: str | None = None

@@ -227,6 +227,21 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     ------
     DatasetError
         If the file is missing, damaged, changed since it was written, or not a result of asperity.
+
+    Examples
+    --------
+    The command line, here called in this process, writes such files:
+
+    >>> import tempfile
+    >>> from asperity.cli.main import main
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> command = "surface --points 64 --hurst 0.8 --wavelength-long 0.5 --wavelength-short 0.125"
+    >>> status = main(f"{command} --rms-height 0.001 --out {folder.name}/surface.nc".split())
+    /.../surface.nc: 64 × 64 nodes, rms height 0.001 cell lengths, ...
+    >>> surface = asp.read_result(f"{folder.name}/surface.nc")
+    >>> surface["height"].dims, round(float(surface["height"].std()), 6)
+    (('y', 'x'), 0.001)
+    >>> folder.cleanup()
     """
     with _opened(path) as opened:
         dataset = opened.load()

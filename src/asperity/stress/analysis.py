@@ -97,6 +97,17 @@ def analyse_stress(
     ------
     ValueError, TypeError
         If an argument is out of range.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> stress = asp.analyse_stress(contact, poisson=[0.0, 0.3, 0.5], quantities=("von_mises", "zz"))
+    >>> deepest = stress["largest_von_mises"].sel(poisson=0.3).argmax("plane")
+    >>> bool(0 < stress["plane_depth"][deepest] < 0.05)  # the largest stress lies below the surface
+    True
+    >>> print(*stress["quantity"].values)
+    von_mises zz
     """
     pressure, _ = checked_contact(contact)
     if depths is None:

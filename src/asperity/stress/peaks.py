@@ -102,6 +102,19 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0) -> Peaks:
     ------
     ValueError
         If the field does not have the shape of the grid or is not finite, or `floor` is negative.
+
+    Examples
+    --------
+    >>> grid = asp.Grid((32, 32))
+    >>> y, x = grid.coordinates()
+    >>> wave = np.cos(2 * np.pi * (x - 0.3)) * np.cos(2 * np.pi * (y[:, None] - 0.4))
+    >>> peaks = asp.plane_peaks(wave, grid)
+    >>> for value, y, x in zip(peaks.value, peaks.y, peaks.x):
+    ...     print(f"{value:+.2f} at y = {y:.2f}, x = {x:.2f}")
+    +1.00 at y = 0.40, x = 0.30
+    -1.00 at y = 0.40, x = 0.80
+    -1.00 at y = 0.90, x = 0.30
+    +1.00 at y = 0.90, x = 0.80
     """
     checked_nodes(grid)
     field = checked_field("field", field, grid)
@@ -137,6 +150,16 @@ def find_peaks(
     ------
     ValueError
         If the planes do not have the field or the Poisson's ratio, do not rise in depth, or are not finite.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> planes = asp.stress_planes(contact, np.linspace(0, 0.1, 21), fields=("largest_shear",))
+    >>> peaks = asp.find_peaks(planes, "largest_shear", floor=0.1 * contact.max_pressure)
+    >>> highest = peaks.value.argmax()
+    >>> bool(0.25 < peaks.value[highest] / contact.max_pressure < 0.35)  # 0.31 under a ball
+    True
     """
     finder = PeakFinder()
     floor = checked_floor(floor)

@@ -251,6 +251,16 @@ def stress_planes(
     ------
     ValueError, TypeError
         If an argument is out of range.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), mean_pressure=1e-3)
+    >>> for plane in asp.stress_planes(contact, depths=[0.0, 0.1, 0.5], fields=("zz", "von_mises")):
+    ...     print(f"{plane.depth:.1f} {plane.fields['zz'].shape} {plane.fields['zz'].mean():.6f}")
+    0.0 (1, 64, 64) -0.001000
+    0.1 (1, 60, 60) -0.001000
+    0.5 (1, 16, 16) -0.001000
     """
     names = checked_names("fields", fields, FIELDS)
     planes = linear_planes(

@@ -38,6 +38,19 @@ class PressedSolid:
     layer : Layer
     boundary : "periodic" | "free"
         The cell repeats sideways, or lies alone on a half-space, with a uniform pressure on every pixel.
+
+    Examples
+    --------
+    Hertz's pressure on a circle of radius 0.3, for which the largest von Mises stress is 0.620 of the largest
+    pressure, 0.48 radii deep:
+
+    >>> grid = asp.Grid((64, 64))
+    >>> y, x = grid.coordinates()
+    >>> pressure = np.sqrt(np.maximum(1 - ((x - 0.5) ** 2 + (y[:, None] - 0.5) ** 2) / 0.3**2, 0))
+    >>> pressed = asp.PressedSolid(pressure, grid, asp.Layer(young=1.0, poisson=0.3), boundary="free")
+    >>> (plane,) = asp.stress_planes(pressed, [0.48 * 0.3])
+    >>> round(float(plane.fields["von_mises"].max()), 2)
+    0.62
     """
 
     pressure: Array

@@ -133,6 +133,20 @@ def stress_box(
     ------
     ValueError, TypeError
         If an argument is out of range.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> depths = [0.0, 0.01, 0.02]
+    >>> box = asp.stress_box(contact, depths, y=(0.2, 0.5), x=(0.2, 0.5), fields=("zz", "von_mises"))
+    >>> dict(box.dataset().sizes)
+    {'poisson': 1, 'depth': 3, 'y': 20, 'x': 20}
+    >>> for plane in box.planes():  # the same, one plane in memory
+    ...     print(plane["zz"].shape)
+    (1, 20, 20)
+    (1, 20, 20)
+    (1, 20, 20)
     """
     checked_contact(contact)
     names = checked_names("fields", fields, FIELDS)
@@ -181,6 +195,16 @@ def stress_section(
     ------
     ValueError, TypeError
         If an argument is out of range.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> section = asp.stress_section(contact, along="x", depths=np.linspace(0, 0.1, 11), fields=("xx", "zz"))
+    >>> dict(section.sizes)
+    {'poisson': 1, 'depth': 11, 'x': 64}
+    >>> bool(abs(section["zz"].min() + contact.max_pressure) < 1e-5)  # σ_zz = −p at the surface
+    True
     """
     checked_name("along", along, ("x", "y"))
     pressure, _ = checked_contact(contact)

@@ -56,9 +56,14 @@ def peaks(
 
     Examples
     --------
-    The von Mises peaks below the contacts for ν = 0.33, as a table of pandas:
+    The von Mises peaks below the contacts, as a table of pandas:
 
-    >>> asp.peaks(stress, "von_mises", poisson=0.33, selection="under_contact").to_dataframe()
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.33), area_fraction=0.1)
+    >>> stress = asp.analyse_stress(contact, quantities=("von_mises",))
+    >>> table = asp.peaks(stress, "von_mises", poisson=0.33, selection="under_contact").to_dataframe()
+    >>> list(table.columns[:4]), bool(table["peak_depth"].min() > 0)
+    (['peak_value', 'peak_depth', 'peak_y', 'peak_x'], True)
     """
     names, own_ratios = _labels(stress)
     checked_name("quantity", quantity, [str(name) for name in stress["quantity"].values])

@@ -121,6 +121,15 @@ def plot_section(
     ------
     ValueError, TypeError
         If an argument is out of range, or the result does not describe a solid under a pressure.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> figure = asp.plot_section(contact, y=0.5, depth=0.1)
+    >>> figure.savefig("section.png")  # doctest: +SKIP
+    >>> len(figure.axes) >= 2
+    True
     """
     sections = [
         _section(source, y, x, depth, field, poisson, progress) for source in sources(contact, unit_system)
@@ -176,6 +185,15 @@ def plot_plane(
     ------
     ValueError, TypeError
         If an argument is out of range, or the result does not describe a solid under a pressure.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> figure = asp.plot_plane(contact, depth=0.02, field="largest_shear")
+    >>> figure.savefig("plane.png")  # doctest: +SKIP
+    >>> len(figure.axes)  # the map and its colour bar
+    2
     """
     maps = [_plane(source, depth, field, poisson, y, x, progress) for source in sources(contact, unit_system)]
     return draw_maps(maps, _look(field), axes)

@@ -67,6 +67,15 @@ def plot_peaks(
     ------
     ValueError, TypeError
         If a result is of another stage, or has not the quantity or the ratio.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> stress = asp.analyse_stress(contact, quantities=("von_mises",))
+    >>> figure = asp.plot_peaks(stress, "von_mises")
+    >>> len(figure.axes)
+    1
     """
     given = _titled(stress)
     if not given:
