@@ -80,6 +80,7 @@ def announce_run(jobs):
     ahead = [(job.rule, COSTS[job.rule](job.wildcards)) for job in jobs if job.rule in COSTS]
     if ahead:
         logger.info(announce(ahead, jobs_at_once(workflow)))
-    if "machine_code" in [job.rule for job in jobs]:
+    compiling = "machine_code" in [job.rule for job in jobs]
+    if compiling:
         seconds = COSTS["machine_code"](None).seconds
         logger.info(f"study: compiling the library first, once for all jobs: about {seconds:.0f} s")
