@@ -16,7 +16,7 @@ COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --u
 	--extra study --extra maps --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick verify test lint check fuzz wheel-test test-oldest test-python test-faults test-slurm bad-input report docs bench tradeoff calculix lock clean
+.PHONY: help study quick verify test lint check fuzz fuzz-study wheel-test test-oldest test-python test-faults soak test-slurm bad-input report docs bench tradeoff calculix lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -60,8 +60,14 @@ test-python: ## Run the unit tests with another Python: make test-python PYTHON=
 unit-tests: $(VENV)/ready
 	pytest --numprocesses logical $(PYTEST) tests/unit
 
+fuzz-study: $(VENV)/ready ## Run random configurations that the check accepts to their end, for MINUTES=10 from SEED=0
+	python tests/fuzz/fuzz_study.py --minutes $(MINUTES) --seed $(SEED)
+
 test-faults: $(VENV)/ready ## Kill a small study at fifty random moments and run it again; table in results/faults.md
 	python tests/workflow/faults.py --kills 50
+
+soak: $(VENV)/ready ## Disturb a small study again and again, for MINUTES=10 from SEED=0, and compare its results each time
+	python tests/workflow/soak.py --minutes $(MINUTES) --seed $(SEED)
 
 test-slurm: $(VENV)/ready ## Run the quick study on a SLURM started for it (apt install slurmctld slurmd slurm-client munge)
 	pytest -m slurm tests/slurm

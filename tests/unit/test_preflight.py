@@ -132,6 +132,6 @@ def test_the_first_damaged_result_is_named(tmp_path):
     good, damaged = str(tmp_path / "good.nc"), tmp_path / "damaged.nc"
     dataset.write(xr.Dataset({"rms_height": 1.0}), good, "Good", {})
     damaged.write_bytes(b"not a result")
-    require_undamaged([good])
+    require_undamaged([good], tmp_path)
     with pytest.raises(PreflightError, match=rf"^{re.escape(str(damaged))}: "):
-        require_undamaged([good, damaged])
+        require_undamaged([good, damaged], tmp_path)

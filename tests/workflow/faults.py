@@ -11,7 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from base64 import urlsafe_b64decode
+from base64 import urlsafe_b64decode, urlsafe_b64encode
 from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
@@ -93,6 +93,13 @@ def recorded(folder, kind):
         path.relative_to(records).as_posix().replace("/@", "").lstrip("@") for path in records.rglob("*")
     )
     return {urlsafe_b64decode(name).decode() for name in names if name != "migration_underway"}
+
+
+def mark_unfinished(folder, name):
+    """Record an output as Snakemake does while its job runs, until it has seen that the job has ended."""
+    record = folder / ".snakemake/incomplete" / urlsafe_b64encode(name.encode()).decode()
+    record.parent.mkdir(parents=True, exist_ok=True)
+    record.write_text('{"external_jobid": null}', encoding="utf-8")
 
 
 def finished(folder):

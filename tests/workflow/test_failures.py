@@ -75,10 +75,52 @@ def flip_a_bit(path):
     path.write_bytes(content)
 
 
+def empty(path):
+    path.write_bytes(b"")
+
+
 def test_a_damaged_result_is_named_before_a_job_reads_it(folder):
     flip_a_bit(folder / CONTACT)
     line = refused(folder)
     assert line.startswith(f"study: {CONTACT}: ")
+    assert line.endswith("; delete it and run again")
+
+
+def test_every_damaged_file_is_named(folder):
+    verify = ("python", "workflow/verify.py", RESULTS)
+    kinds = {
+        path.relative_to(folder / RESULTS).parts[0] + path.suffix: path
+        for path in (folder / RESULTS).rglob("*.*")
+        if path.is_file() and not {"log", "benchmark", ".running"} & set(path.parts)
+    }
+    assert {"statistics.nc", "surface.nc", "verification.csv", "figures.png", "figures.pdf"} <= kinds.keys()
+    assert subprocess.run(verify, cwd=folder, env=environment(folder)).returncode == 0
+    for change in (flip_a_bit, empty):
+        kept = {path: path.read_bytes() for path in kinds.values()}
+        for path in kinds.values():
+            change(path)
+        found = subprocess.run(verify, cwd=folder, env=environment(folder), capture_output=True, text=True)
+        assert found.returncode == 1
+        named = {line.split(": ")[1] for line in found.stderr.splitlines()}
+        assert named == {str(path.relative_to(folder)) for path in kinds.values()}
+        for path, content in kept.items():
+            path.write_bytes(content)
+
+
+def test_a_damaged_record_of_a_job_is_named(folder):
+    for record in (folder / ".snakemake/metadata").iterdir():
+        empty(record)
+    verify = ("python", "workflow/verify.py", RESULTS)
+    found = subprocess.run(verify, cwd=folder, env=environment(folder), capture_output=True, text=True)
+    assert found.returncode == 1
+    assert f"damaged record of {CONTACT}; delete {CONTACT} and run again" in found.stderr
+
+
+@pytest.mark.parametrize("damage", ["flip_a_bit", "empty"])
+def test_no_job_is_forced_to_read_a_damaged_file(folder, damage):
+    globals()[damage](folder / STATISTICS)
+    line = refused(folder, *study("--forcerun", "figure"))
+    assert line.startswith(f"study: {STATISTICS}: ")
     assert line.endswith("; delete it and run again")
 
 

@@ -4,7 +4,10 @@ import re
 from functools import cache
 from pathlib import Path
 
+from snakemake.logging import logger
+
 import asperity
+from asperity.runtime.snakemake_internals import jobs_at_once
 
 
 def library_folder():
@@ -59,3 +62,37 @@ def sources_of(module):
 def any_of(names):
     """Pattern of a wildcard that is one of these names; without names one that nothing matches."""
     return "|".join(map(re.escape, names)) or "(?!)"
+
+
+def memory_needs(jobs, limit):
+    """First file that each job makes → memory in MB that the job needs.
+
+    Snakemake reduces what a job declares to the limit: then the rule is asked again.
+    """
+    needs = {job.output[0]: job.resources.get("mem_mb", 0) for job in jobs if job.output}
+    return needs | {
+        job.output[0]: COSTS[job.rule](job.wildcards).memory / 1e6
+        for job in jobs
+        if job.rule in COSTS and limit is not None and needs[job.output[0]] >= limit
+    }
+
+
+def earlier_results(jobs):
+    """Result files of earlier runs that these jobs read."""
+    made = {file for job in jobs for file in job.output}
+    read = {file for job in jobs for file in job.input if file.startswith(f"{RESULTS}/")}
+    return sorted(file for file in read - made if os.path.exists(file))
+
+
+def announce_run(jobs):
+    """Print how many jobs there are, the time and memory they take, and whether the library is compiled."""
+    # Imported here, as it takes time: on a cluster every job reads this file.
+    from asperity.accuracy.resources import announce
+
+    ahead = [(job.rule, COSTS[job.rule](job.wildcards)) for job in jobs if job.rule in COSTS]
+    if ahead:
+        logger.info(announce(ahead, jobs_at_once(workflow)))
+    compiling = "machine_code" in [job.rule for job in jobs]
+    if compiling:
+        seconds = COSTS["machine_code"](None).seconds
+        logger.info(f"study: compiling the library first, once for all jobs: about {seconds:.0f} s")

@@ -35,4 +35,4 @@ rule figure:
 
 rule figures:
     input:
-        expand(f"{RESULTS}/figures/{{figure}}.png", figure=FIGURES),
+        expand(rules.figure.output, figure=FIGURES),

@@ -29,6 +29,14 @@ def results_of_seeds(stage):
     ]
 
 
+STAGE_RESULTS = [
+    f"{RESULTS}/{stage}/{surface}/seed{seed}.nc"
+    for surface in sorted(STUDIED | CONTINUUM)
+    for seed in seeds_of(surface)
+    for stage in ("surface", "contact", "stress")
+] + [f"{RESULTS}/statistics/{surface}.nc" for surface in sorted(STUDIED | CONTINUUM)]
+
+
 def figure_results(figure):
     """Results that a figure is drawn from: stage -> (study ->) surface or dataset -> file.
 

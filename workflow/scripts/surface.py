@@ -5,7 +5,7 @@ from asperity.results import dataset
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
-with log_to(snakemake.log[0]), ProgressBar(f"surface {snakemake.wildcards.surface}"):
+with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"surface {snakemake.wildcards.surface}"):
     seed, parameters = int(snakemake.wildcards.seed), snakemake.params.surface
     if "file" in parameters:
         entry = f"measured.{snakemake.wildcards.surface}"

@@ -9,33 +9,37 @@ from importlib import import_module
 
 from asperity.errors import ConvergenceError, DatasetError, InputError, PreflightError, fail
 from asperity.packages import BASE, NAMES, PACKAGES, message, require
-
-INTERRUPTED = 130
-"""Exit status after Ctrl-C, as shells give it: 128 and the number of the signal."""
+from asperity.runtime.interrupts import COMMAND_LINE, Interrupted, interruptible
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status.
 
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        By default those of this process, which then ends with the command.
+
     Returns
     -------
     status : int
-        0 on success, 1 with a line for each problem on stderr otherwise, 130 if interrupted. Wrong usage
-        ends the process with 2, as argparse does.
+        0 on success, 1 with a line for each problem on stderr otherwise, 130 after Ctrl-C and 143 after
+        SIGTERM. Wrong usage ends the process with 2, as argparse does.
     """
     for stream in (sys.stdout, sys.stderr):  # a console that cannot show µ or ² shows ? there
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
     try:
-        require(PACKAGES[BASE])
-        from asperity.cli.parser import make_parser
+        with interruptible(f"asperity: {COMMAND_LINE}", last=arguments is None):
+            require(PACKAGES[BASE])
+            from asperity.cli.parser import make_parser
 
-        options = make_parser().parse_args(arguments)
-        import_module(f"asperity.cli.commands.{options.command}").run(options)
+            options = make_parser().parse_args(arguments)
+            import_module(f"asperity.cli.commands.{options.command}").run(options)
     except InputError as error:
         return max(map(fail, error.lines), default=1)
-    except KeyboardInterrupt:
-        return fail("interrupted", INTERRUPTED)
+    except Interrupted as interrupted:
+        return fail(COMMAND_LINE, interrupted.status)
     except ModuleNotFoundError as error:
         module = (error.name or "").split(".")[0]
         return fail(message([module]) if module in NAMES else str(error))

@@ -46,6 +46,9 @@ MAX_BLOCK = 2**26
 MIN_FREE_SPACE = 2**20
 """A disk with fewer free bytes is called full: the NetCDF library does not say so itself."""
 
+_unfinished: set[Path] = set()
+"""Temporary files of this process."""
+
 _REMEDY = "delete it and run again"
 
 
@@ -137,6 +140,7 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     path = Path(path)
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
+    _unfinished.add(unfinished)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         _delete_abandoned(path)
@@ -147,6 +151,26 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             unfinished.unlink()
+        _unfinished.discard(unfinished)
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text file atomically.
+
+    Raises
+    ------
+    DatasetError
+        If the file cannot be written.
+    """
+    with atomic_write(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+
+
+def delete_unfinished() -> None:
+    """Delete the temporary files of this process, which is about to end."""
+    for path in list(_unfinished):
+        with suppress(OSError):
+            path.unlink()
 
 
 def _delete_abandoned(path: Path) -> None:

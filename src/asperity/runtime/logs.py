@@ -10,6 +10,8 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from asperity.runtime.interrupts import terminable
+from asperity.runtime.written import lines_about
 from asperity.system import peak_memory_with_programs, processor_time
 
 logger = logging.getLogger("asperity")
@@ -21,10 +23,11 @@ _STOPPED = "its job was stopped; memory, disk space or the time allowed may have
 
 
 @contextlib.contextmanager
-def log_to(path: str | os.PathLike[str]) -> Iterator[None]:
+def log_to(path: str | os.PathLike[str], outputs: Iterable[str | os.PathLike[str]] = ()) -> Iterator[None]:
     """Send to the file `path` everything that this process and its programs print, log and warn of.
 
-    An exception is written with its traceback and ends the process with exit status 1. The last line states
+    At the end, the fingerprints of the outputs that the job has written are added. An exception is written
+    with its traceback and ends the process with exit status 1; SIGTERM ends it with 143. The last line states
     the processor time and the memory of the process.
     """
     path = Path(path)
@@ -43,7 +46,10 @@ def log_to(path: str | os.PathLike[str]) -> Iterator[None]:
         logger.setLevel(logging.INFO)
         logging.captureWarnings(True)
         try:
-            yield
+            with terminable():
+                yield
+                for line in lines_about(outputs, path):
+                    logger.info(line)
         except Exception:
             logger.exception("the job failed")
             raise SystemExit(1) from None

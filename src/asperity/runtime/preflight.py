@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from asperity.errors import DatasetError, PreflightError
 from asperity.packages import NAMES, MissingPackageError, require
+from asperity.runtime.written import require_as_written, written
 from asperity.system import available_memory
 
 if TYPE_CHECKING:
@@ -122,15 +123,18 @@ def require_space(folder: str | os.PathLike[str], need: float) -> None:
         )
 
 
-def require_undamaged(paths: Iterable[str | os.PathLike[str]]) -> None:
-    """Raise `PreflightError` for the first result file that is damaged or was changed after it was written.
+def require_undamaged(paths: Iterable[str | os.PathLike[str]], folder: str | os.PathLike[str]) -> None:
+    """Raise `PreflightError` for the first file of a study that is damaged or changed since it was written.
 
-    `dataset` is imported here: this takes a second, and every job on a cluster imports this module.
+    Parameters
+    ----------
+    paths : iterable of paths
+    folder : path
+        Results of the study, whose logs hold the fingerprints of the files.
     """
-    from asperity.results import dataset
-
+    stated = written(folder)
     for path in paths:
         try:
-            dataset.verify(path)
+            require_as_written(path, stated)
         except DatasetError as error:
             raise PreflightError(str(error)) from error

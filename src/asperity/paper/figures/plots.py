@@ -116,21 +116,33 @@ def depth_distributions(
     """
     figure, axes = panels(columns=len(cases), height=66, width=PAGE if len(cases) > 1 else COLUMN)
     densities = [_joint_density(case, unit or case.wavelength_short) for case in cases]
-    highest = max(density.max() for _, _, density in densities)
-    lowest = min(density.min() for _, _, density in densities)
-    norm = LogNorm(max(highest * SMALLEST_SHARE, lowest), highest)
+    shown = [(value, depth, density) for value, depth, density in densities if density.count()]
+    if not shown:
+        return _without_peaks(figure, axes, cases)
+    highest = max(density.max() for _, _, density in shown)
+    lowest = min(density.min() for _, _, density in shown)
+    norm = LogNorm(max(highest * SMALLEST_SHARE, lowest if lowest < highest else 0), highest)
     limit = LARGEST_OVER_MEDIAN * max(
-        _median(value[1:], density.sum(axis=1).filled(0)) for value, _, density in densities
+        _median(value[1:], density.sum(axis=1).filled(0)) for value, _, density in shown
     )
-    reached = [value[1:][density.any(axis=1)] for value, _, density in densities]
+    reached = [value[1:][density.any(axis=1)] for value, _, density in shown]
     widest = max(float(values[values <= limit].max(initial=0.0)) for values in reached)
-    deepest = max(depth[1:][density.any(axis=0)].max() for _, depth, density in densities)
+    deepest = max(depth[1:][density.any(axis=0)].max() for _, depth, density in shown)
     for axis, case, (value, depth, density) in zip(axes, cases, densities, strict=True):
         image = axis.pcolormesh(value, depth, density.T, norm=norm, cmap="viridis_r", rasterized=True)
         axis.set(xlabel=r"$\sigma_\mathrm{VM}^\mathrm{lmax} / E^* \bar{g}_r$", ylabel=f"depth $/ {symbol}$")
         axis.set(xlim=(0, widest), ylim=(min(deepest, LARGEST_DISTANCE), 0))
         axis.set_title(case.title, loc="center")
     figure.colorbar(image, ax=axes, label="joint probability density")
+    return figure
+
+
+def _without_peaks(figure: Figure, axes: Sequence[Axes], cases: Sequence[Case]) -> Figure:
+    """The figure of surfaces under whose contacts no peak was found, as in contacts of a few nodes."""
+    for axis, case in zip(axes, cases, strict=True):
+        axis.set_title(case.title, loc="center")
+        axis.text(0.5, 0.5, "no peaks", ha="center", transform=axis.transAxes)
+        axis.set(xticks=[], yticks=[])
     return figure
 
 
