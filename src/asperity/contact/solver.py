@@ -20,6 +20,7 @@ from asperity.contact.boundaries import response_on
 from asperity.contact.certificate import verify_contact
 from asperity.contact.problem import Control, Problem, State
 from asperity.contact.solution import Contact
+from asperity.contact.units import Units, units_of
 from asperity.elasticity.two_bodies import Solid
 from asperity.errors import ConvergenceError
 from asperity.spectral import Grid
@@ -125,13 +126,18 @@ def solve(
     start = initial.pressure if isinstance(initial, Contact) else initial
     pressure = None if start is None else checked_initial(start, grid)
     begin = time.perf_counter()
-    problem = Problem(values, response)
-    if control.lifts_off(values):
-        position = control.value if control.kind == "approach" else float(values.min())
+    units = units_of(values, solid, grid, control)
+    if units != Units():
+        response = response_on(boundary, units.solid(solid), units.grid(grid), precision, workers)
+        pressure = None if pressure is None else pressure / units.stress
+    problem, control = Problem(units.heights(values), response), units.control(control)
+    if control.lifts_off(problem.height):
+        position = control.value if control.kind == "approach" else float(problem.height.min())
         state = State(np.zeros_like(problem.height), problem.height, position, 0.0, 0.0)
     else:
         state = METHODS[method](problem, control, tolerance, progress, pressure)
-    return _certified(problem, control, state, method, tolerance, time.perf_counter() - begin)
+    found = _certified(problem, control, state, method, tolerance, time.perf_counter() - begin)
+    return units.restored(found, values, solid, grid)
 
 
 def _certified(
