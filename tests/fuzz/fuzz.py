@@ -1,8 +1,8 @@
 """Random search for input that is answered wrongly: python tests/fuzz/fuzz.py --minutes 10 --seed 1
 
 Prints a table of every property of `properties.py` and what became of the inputs that were tried: a result,
-or the exception by which they were refused; and for every defect how often it was met, a smallest example, and
-where it was raised. The exit status is 1 if there is one.
+or the exception by which they were refused; and for every defect how often it was met, a smallest example,
+and where it was raised. The exit status is 1 if there is one.
 
 Results must be finite and keep their promises. Wrong input must be refused by an exception of the package, or
 by a ValueError or TypeError that the package itself raises. No input may take longer than `TIMES` contacts of
@@ -177,7 +177,9 @@ def defect_of(error):
     """
     last = traceback.extract_tb(error.__traceback__)[-1]
     ours = last.filename.startswith(PACKAGE) and (last.line or "").startswith("raise ")
-    if isinstance(error, OWN) or (type(error) in (ValueError, TypeError, MapError) and ours and is_message(error)):
+    if isinstance(error, OWN) or (
+        type(error) in (ValueError, TypeError, MapError) and ours and is_message(error)
+    ):
         return None
     if isinstance(error, PromiseError):
         return f"{error}"

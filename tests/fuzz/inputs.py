@@ -8,7 +8,6 @@ from hypothesis import strategies as st
 
 import asperity as asp
 
-
 LONGEST_MESSAGE = 500
 """Characters of an error message."""
 

@@ -403,7 +403,7 @@ def test_arguments_of_the_wrong_type_are_refused() -> None:
         solve(np.zeros((16, 16)), HALF_SPACE, mean_pressure="1")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="solid = 3"):
         solve(np.zeros((16, 16)), 3, mean_pressure=0.1)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="height = array.*real numbers are needed"):
+    with pytest.raises(TypeError, match=r"height = array.*real numbers are needed"):
         solve(np.zeros((16, 16), complex), HALF_SPACE, mean_pressure=0.1)
     with pytest.raises(ValueError, match="two-dimensional"):
         solve(np.zeros(16), HALF_SPACE, mean_pressure=0.1)

@@ -43,7 +43,7 @@ def checked_height(height: ArrayLike) -> Array:
         raise ValueError(f"height: {bad} of {values.size} nodes are not finite numbers; all must be")
     lowest, highest = float(values.min()), float(values.max())
     if max(-lowest, highest) > LARGEST:
-        raise ValueError(f"height: heights from {-LARGEST:g} to {LARGEST:g} are needed")
+        raise ValueError(f"height: numbers from {-LARGEST:g} to {LARGEST:g} are needed")
     if 0 < highest - lowest < SMALLEST:
         raise ValueError(
             f"height: heights that differ by {SMALLEST:g} or more, or not at all, are needed; they differ by "

@@ -83,7 +83,8 @@ def solve(
     rtol : float
         Error of the pressure relative to its norm, as estimated by the solver.
     dtype : "float64" or "float32"
-        Precision of the fields.
+        Precision of the fields. If `active_set` does not reach the tolerance in single precision, it solves
+        again in double precision, and the fields are rounded at the end.
     threads : int
         Threads of the Fourier transforms; the solution does not depend on it.
     progress : callable, optional
@@ -130,14 +131,31 @@ def solve(
     if units != Units():
         response = response_on(boundary, units.solid(solid), units.grid(grid), precision, workers)
         pressure = None if pressure is None else pressure / units.stress
-    problem, control = Problem(units.heights(values), response), units.control(control)
+    heights, control = units.heights(values), units.control(control)
+    problem = Problem(heights, response)
     if control.lifts_off(problem.height):
         position = control.value if control.kind == "approach" else float(problem.height.min())
         state = State(np.zeros_like(problem.height), problem.height, position, 0.0, 0.0)
     else:
-        state = METHODS[method](problem, control, tolerance, progress, pressure)
+        within_reach = _within_reach(control, heights)
+        try:
+            state = METHODS[method](problem, within_reach, tolerance, progress, pressure)
+        except ConvergenceError:
+            if method != "active_set" or precision == "float64" or tolerance < np.finfo(precision).eps:
+                raise
+            problem_in_double = Problem(heights, response.in_double_precision())
+            state = nested_grids.solve(problem_in_double, within_reach, tolerance, progress, pressure)
+            state.pressure = state.pressure.astype(precision)
     found = _certified(problem, control, state, method, tolerance, time.perf_counter() - begin)
     return units.restored(found, values, solid, grid)
+
+
+def _within_reach(control: Control, height: Array) -> Control:
+    """The control; an imposed area is at least that of the lowest nodes, which all touch at any load."""
+    if control.kind != "area_fraction":
+        return control
+    lowest = np.count_nonzero(height == height.min())
+    return replace(control, value=max(control.value, lowest / height.size))
 
 
 def _certified(

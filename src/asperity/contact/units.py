@@ -1,8 +1,8 @@
 """Units in which a contact of very large or very small numbers is solved.
 
-Lengths in the plane, heights, and stresses may be given in any units. A problem whose numbers are far from one
-is solved in units of its own, powers of two, so that neither squares nor numbers in single precision overflow
-or vanish. Multiplication by a power of two is exact: the solution is the same bit by bit.
+Edges, heights and stresses may be given in any unit. A problem whose numbers are far from one is solved in
+units of its own, powers of two, so that neither squares nor numbers in single precision overflow or vanish.
+Multiplication by a power of two is exact: the solution is the same bit by bit.
 """
 
 from __future__ import annotations
@@ -95,10 +95,10 @@ class Units:
             and np.all(np.isfinite(pressure))
             and bool(np.ptp(restored.height)) == bool(np.ptp(height))
         ):
+            other = "float64 or other units" if pressure.itemsize == 4 else "other units"
             raise ValueError(
-                f"dtype = {pressure.dtype.name!r}: heights of the order of {self.height:.0e} and pressures of "
-                f"that of {self.stress:.0e} cannot be held; "
-                + ("float64 or other units are needed" if pressure.itemsize == 4 else "other units are needed")
+                f"dtype = {pressure.dtype.name!r}: cannot hold heights of about {self.height:.0e} and pressures "
+                f"of about {self.stress:.0e}; {other} are needed"
             )
         return restored
 

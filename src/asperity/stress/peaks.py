@@ -24,6 +24,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asperity.arguments import finite_array
 from asperity.spectral import Grid
 from asperity.stress.arguments import checked_field, checked_floor, checked_name, checked_nodes, checked_ratio
 from asperity.stress.kernels import find_maxima, gather, interpolate
@@ -104,7 +105,7 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0) -> Peaks:
         If the field does not have the shape of the grid or is not finite, or `floor` is negative.
     """
     checked_nodes(grid)
-    field = checked_field("field", field, grid)
+    field = checked_field("field", finite_array("field", field), grid)
     nodes = _plane_maxima(field, checked_floor(floor))
     values = _neighbourhood(field, *nodes)
     refined, y, x = refine_in_plane(_upright(values, values))

@@ -13,7 +13,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from asperity.arguments import finite_array, magnitude, real_array
+from asperity.errors import shown
 from asperity.types import Array
 from asperity.units import to_si
 
@@ -63,6 +66,11 @@ class HeightMap:
         Name of the file.
     channel : str
         Name of the channel in the file.
+
+    Raises
+    ------
+    MapError
+        If an argument is out of range.
     """
 
     height: Array
@@ -72,6 +80,21 @@ class HeightMap:
     unit: str | None = None
     name: str = ""
     channel: str = ""
+
+    def __post_init__(self) -> None:
+        try:
+            object.__setattr__(self, "height", _checked_height(self.height))
+            edges = tuple(self.length) if isinstance(self.length, (tuple, list, np.ndarray)) else ()
+            if len(edges) != 2:
+                raise ValueError(f"length = {shown(self.length)}: a pair (length_y, length_x) is needed")
+            object.__setattr__(self, "length", tuple(magnitude("length", edge) for edge in edges))
+            if self.orientation not in (None, *ORIENTATIONS):
+                accepted = f"{PEAKS_UP!r} or {LOWER_FACE!r}"
+                raise ValueError(f"orientation = {shown(self.orientation)}: {accepted} is needed")
+            if self.unit is not None and not isinstance(self.unit, str):
+                raise TypeError(f"unit = {shown(self.unit)}: the name of a unit of length or None is needed")
+        except (TypeError, ValueError) as error:
+            raise MapError(self.name, [str(error)]) from error
 
     @property
     def missing(self) -> int:
@@ -99,6 +122,15 @@ class HeightMap:
         """The map with all lengths multiplied by a factor; their unit is not known afterwards."""
         length = self.length[0] * factor, self.length[1] * factor
         return replace(self, height=self.height * factor, length=length, unit=None)
+
+
+def _checked_height(height: ArrayLike) -> Array:
+    """The heights as an array [y, x] of real numbers."""
+    values = real_array("height", height)
+    if values.ndim != 2 or min(values.shape) < 2:
+        raise ValueError(f"height has the shape {values.shape}: at least 2 x 2 points [y, x] are needed")
+    finite_array("height", values[np.isfinite(values)])
+    return values
 
 
 def orientation_needed(option: str) -> str:

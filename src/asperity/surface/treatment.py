@@ -45,6 +45,9 @@ DESPIKE = 8.0
 """Threshold that is proposed for spikes, in robust standard deviations from the local median. No point of
 Gaussian self-affine surfaces of 512² points is above it, for Hurst exponents from 0.2 to 0.9."""
 
+MOST_POINTS = 2**16
+"""Most nodes on the longer edge of a map that is resampled: 34 GB."""
+
 # Largest variation, relative to the heights, of a map that is flat but for rounding.
 _ROUNDING = 1e-13
 
@@ -297,8 +300,8 @@ def treatment_problems(
         name = option("despike")
         checks.append((number, (name, treatment.despike, "a number ≥ 3", lambda value: value >= 3)))
     if treatment.points is not None:
-        name = option("points")
-        checks.append((whole_number, (name, treatment.points, "a whole number ≥ 2", lambda n: n >= 2)))
+        name, accepted = option("points"), f"a whole number from 2 to {MOST_POINTS}"
+        checks.append((whole_number, (name, treatment.points, accepted, lambda n: 2 <= n <= MOST_POINTS)))
     for check, arguments in checks:
         try:
             check(*arguments)
