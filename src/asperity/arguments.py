@@ -92,10 +92,7 @@ def finite_array(name: str, values: Any) -> Array:
     # The extremes of an array with NaN are NaN.
     if array.size and not -LARGEST <= float(array.min()) <= float(array.max()) <= LARGEST:
         bad = int(np.count_nonzero(~np.isfinite(array)))
-        told = (
-            f"{bad} of {array.size} are not finite"
-            if bad
-            else f"{float(np.abs(array).max()):g} is among them"
-        )
-        raise ValueError(f"{name}: finite numbers from {-LARGEST:g} to {LARGEST:g} are needed, {told}")
+        if bad:
+            raise ValueError(f"{name}: {bad} of {array.size} nodes are not finite; all must be")
+        raise ValueError(f"{name}: numbers from {-LARGEST:g} to {LARGEST:g} are needed")
     return array

@@ -37,9 +37,13 @@ def require_answer(arguments):
     require(code in (0, 1, 2), f"exit status {code}")
     if code == 0:
         return "done"
-    require(said.startswith("asperity: "), "the error does not begin with asperity:")
-    require(said[:-1].isprintable(), "the error is more than one line")
-    require(len(said) < LONGEST_MESSAGE, "the error is long")
+    lines = said.splitlines()
+    require(lines, "the error has no message")
+    # One line for each thing that is wrong.
+    for line in lines:
+        require(line.startswith("asperity: "), "the error does not begin with asperity:")
+        require(line.isprintable(), "the error has unprintable characters")
+        require(len(line) < LONGEST_MESSAGE, "the error is long")
     return "refused"
 
 

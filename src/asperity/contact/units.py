@@ -97,8 +97,8 @@ class Units:
         ):
             other = "float64 or other units" if pressure.itemsize == 4 else "other units"
             raise ValueError(
-                f"dtype = {pressure.dtype.name!r}: cannot hold heights of about {self.height:.0e} and pressures "
-                f"of about {self.stress:.0e}; {other} are needed"
+                f"dtype = {pressure.dtype.name!r}: cannot hold heights of about {self.height:.0e} and "
+                f"pressures of about {self.stress:.0e}; {other} are needed"
             )
         return restored
 

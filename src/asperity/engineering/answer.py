@@ -86,7 +86,7 @@ class BodyAnswer:
     ----------
     body : Body
     largest_von_mises, depth, y, x : float
-        Largest von Mises stress and its place on the map.
+        Largest von Mises stress and its place on the map; the place is NaN if the stress has no maximum.
     peak_percentiles : dict
         Percentage → percentile of the von Mises peaks below the contacts.
     peak_count : int

@@ -13,7 +13,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from asperity.arguments import finite_array, magnitude, real_array
 from asperity.errors import shown
@@ -66,11 +65,6 @@ class HeightMap:
         Name of the file.
     channel : str
         Name of the channel in the file.
-
-    Raises
-    ------
-    MapError
-        If an argument is out of range.
     """
 
     height: Array
@@ -81,13 +75,17 @@ class HeightMap:
     name: str = ""
     channel: str = ""
 
-    def __post_init__(self) -> None:
+    def check(self) -> None:
+        """Raise `MapError` if the heights are no array of numbers [y, x], or an edge or a name is wrong."""
         try:
-            object.__setattr__(self, "height", _checked_height(self.height))
-            edges = tuple(self.length) if isinstance(self.length, (tuple, list, np.ndarray)) else ()
-            if len(edges) != 2:
+            values = real_array("height", self.height)
+            if values.ndim != 2 or min(values.shape) < 2:
+                raise ValueError(f"height has the shape {values.shape}: at least 2 x 2 points are needed")
+            finite_array("height", values[np.isfinite(values)])
+            if not isinstance(self.length, (tuple, list)) or len(self.length) != 2:
                 raise ValueError(f"length = {shown(self.length)}: a pair (length_y, length_x) is needed")
-            object.__setattr__(self, "length", tuple(magnitude("length", edge) for edge in edges))
+            for edge in self.length:
+                magnitude("length", edge)
             if self.orientation not in (None, *ORIENTATIONS):
                 accepted = f"{PEAKS_UP!r} or {LOWER_FACE!r}"
                 raise ValueError(f"orientation = {shown(self.orientation)}: {accepted} is needed")
@@ -122,15 +120,6 @@ class HeightMap:
         """The map with all lengths multiplied by a factor; their unit is not known afterwards."""
         length = self.length[0] * factor, self.length[1] * factor
         return replace(self, height=self.height * factor, length=length, unit=None)
-
-
-def _checked_height(height: ArrayLike) -> Array:
-    """The heights as an array [y, x] of real numbers."""
-    values = real_array("height", height)
-    if values.ndim != 2 or min(values.shape) < 2:
-        raise ValueError(f"height has the shape {values.shape}: at least 2 x 2 points [y, x] are needed")
-    finite_array("height", values[np.isfinite(values)])
-    return values
 
 
 def orientation_needed(option: str) -> str:

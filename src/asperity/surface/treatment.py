@@ -291,7 +291,14 @@ def treatment_problems(
     option: OptionName = str,
     periodicities: Sequence[str] = WITHOUT_PERIOD,
 ) -> list[str]:
-    """Everything that a map and settings lack to be treated, before anything is computed."""
+    """Everything that a map and settings lack to be treated, before anything is computed.
+
+    Raises
+    ------
+    MapError
+        If the map itself is none.
+    """
+    surface.check()
     problems: list[str] = []
     checks: list[tuple[Any, tuple[Any, ...]]] = [(choice, (option("detrend"), treatment.detrend, DETRENDS))]
     if treatment.periodic is not None:
