@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.arguments import LARGEST, SMALLEST, number, real_array, whole_number
+from asperity.arguments import LARGEST, SMALLEST, finite_array, number, real_array, whole_number
 from asperity.contact.problem import Control
 from asperity.contact.response import Response
 from asperity.elasticity.layer import Layer
@@ -80,11 +80,9 @@ def checked_control(height: Array, response: Response, **imposed: float | None) 
 
 def checked_initial(pressure: ArrayLike, grid: Grid) -> Array:
     """Return the pressure to start from, finite and of the shape of the surface."""
-    values = real_array("initial", pressure).astype(float, copy=False)
+    values = finite_array("initial", pressure).astype(float, copy=False)
     if values.shape != grid.shape:
         raise ValueError(f"initial has the shape {values.shape}: that of height, {grid.shape}, is needed")
-    if not np.all(np.isfinite(values)):
-        raise ValueError("initial: finite pressures are needed")
     return values
 
 

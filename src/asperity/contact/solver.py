@@ -138,14 +138,16 @@ def solve(
         state = State(np.zeros_like(problem.height), problem.height, position, 0.0, 0.0)
     else:
         within_reach = _within_reach(control, heights)
-        try:
-            state = METHODS[method](problem, within_reach, tolerance, progress, pressure)
-        except ConvergenceError:
-            if method != "active_set" or precision == "float64" or tolerance < np.finfo(precision).eps:
-                raise
-            problem_in_double = Problem(heights, response.in_double_precision())
-            state = nested_grids.solve(problem_in_double, within_reach, tolerance, progress, pressure)
-            state.pressure = state.pressure.astype(precision)
+        # A given start may overflow: what comes of it is checked in the end.
+        with np.errstate(over="ignore", invalid="ignore"):
+            try:
+                state = METHODS[method](problem, within_reach, tolerance, progress, pressure)
+            except ConvergenceError:
+                if method != "active_set" or precision == "float64" or tolerance < np.finfo(precision).eps:
+                    raise
+                in_double = Problem(heights, response.in_double_precision())
+                state = nested_grids.solve(in_double, within_reach, tolerance, progress, pressure)
+                state.pressure = state.pressure.astype(precision)
     found = _certified(problem, control, state, method, tolerance, time.perf_counter() - begin)
     return units.restored(found, values, solid, grid)
 

@@ -12,6 +12,7 @@ from asperity.cli.arguments import flag, section
 from asperity.cli.files import check_out, is_result, read_result, write_result
 from asperity.config.defaults import complete_map
 from asperity.config.reader import is_file
+from asperity.contact.solution import SHOWN_ERROR
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.surface import read_surface
 from asperity.results import dataset
@@ -28,8 +29,10 @@ def run(options: argparse.Namespace) -> None:
         result = solve_contact(surface, layer, contact, progress=progress)
     settings |= {"layer": layer, "contact": contact}
     write_result(result, options.out, "Contact with rough surface", settings)
+    wanted, reached = contact["area_fraction"], float(result["area_fraction"])
+    missed = f" ({wanted:g} was asked for, the surface allows no nearer area)"
     print(
-        f"area fraction {float(result['area_fraction']):.6g}, "
+        f"area fraction {reached:.6g}{missed if abs(reached / wanted - 1) > SHOWN_ERROR else ''}, "
         f"mean pressure {float(result['mean_pressure']):.6g} E*, approach {float(result['approach']):.6g}, "
         f"rms gradient in contact {float(result['gradient_rms_contact']):.6g}; {result.attrs['solid']}"
     )
