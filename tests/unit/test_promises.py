@@ -169,3 +169,14 @@ def test_values_that_differ_by_rounding_have_a_finite_density():
     density = asp.probability_density(values, 100)
     assert density.counts.sum() == 4
     assert np.all(np.isfinite(density.density))
+
+
+def test_a_long_and_narrow_cell_takes_no_longer_than_its_nodes():
+    """Rings of wavenumbers between those of the modes are left out: here 16 million of 16 million."""
+    pressure = np.random.default_rng(0).random((16, 16))
+    long, wide = (
+        asp.PressedSolid(field, asp.Grid((16, 16), length), HALF_SPACE)
+        for field, length in ((pressure, (1.0, 1e-6)), (pressure.T, (1e-6, 1.0)))
+    )
+    one, other = (next(iter(asp.stress_planes(solid, [1e-7], fields=["zz"]))) for solid in (long, wide))
+    np.testing.assert_allclose(one.fields["zz"][0].T, other.fields["zz"][0], rtol=1e-9)

@@ -13,6 +13,7 @@ from asperity.surface.height_map import HeightMap, MapError
 from asperity.surface.measured import missing_settings
 from asperity.surface.reading import Inspected, Reading, inspect_map
 from asperity.surface.treatment import TreatedMap, Treatment, treat_map
+from asperity.surface.unpacked_size import DEFAULT_LIMIT
 from asperity.types import Array
 from asperity.units import shown_si
 
@@ -51,6 +52,8 @@ class MapSettings:
         The surface repeats sideways, or nothing surrounds the map.
     radius : float, optional
         Radius in m of a sphere whose form is added to the roughness, its lowest point in the middle.
+    max_memory : float
+        Largest size in GiB to which the file may unpack.
     option : callable
         Gives the name of a setting in the interface of the user, for messages.
     """
@@ -68,6 +71,7 @@ class MapSettings:
     points: int | None = None
     boundary: str = "periodic"
     radius: float | None = None
+    max_memory: float = DEFAULT_LIMIT
     option: Callable[[str], str] = field(default=str, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -88,6 +92,7 @@ class MapSettings:
             unit=self.unit,
             channel=self.channel,
             orientation=self.orientation,
+            max_memory=self.max_memory,
         )
 
     def treatment(self, surface: HeightMap) -> Treatment:
