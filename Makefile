@@ -13,7 +13,7 @@ FOLDER = $$(python -m asperity.config results $(FILES))
 VENV := .venv
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick verify test lint check fuzz test-faults test-slurm bad-input report bench tradeoff calculix lock clean
+.PHONY: help study quick verify test lint check fuzz test-faults test-slurm bad-input report docs bench tradeoff calculix lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -57,6 +57,9 @@ bad-input: $(VENV)/ready ## Print some two hundred wrong configurations, command
 report: study ## Write the study as one page that needs no network, report.html among its results; CONFIG=, RESULTS= as for study
 	snakemake --cores 1 $(STUDY) --report "$(FOLDER)/report.html"
 
+docs: $(VENV)/ready ## Build the documentation site with its gallery, without a network, into docs/_build/html
+	MPLBACKEND=Agg python -m sphinx -b html -W --keep-going -n docs docs/_build/html
+
 bench: $(VENV)/ready ## Measure the speed and accuracy of layer, contact and stress, beside other programs where installed
 	python benchmarks/layer.py
 	python benchmarks/contact.py
@@ -73,11 +76,11 @@ calculix: $(VENV)/ready ## Compare with CalculiX too, which must be installed, a
 
 lock: ## Update requirements.lock from pyproject.toml, keeping versions that still fit (needs uv)
 	uv pip compile pyproject.toml --output-file requirements.lock --custom-compile-command 'make lock' \
-		--universal --python-version 3.11 --extra study --extra maps --extra slurm --extra build --extra test \
+		--universal --python-version 3.11 --extra study --extra maps --extra slurm --extra build --extra test --extra docs \
 		--generate-hashes --no-emit-index-url --quiet
 
-clean: ## Delete the results (the environment stays)
-	rm -rf results .snakemake
+clean: ## Delete the results and the documentation site (the environment stays)
+	rm -rf results .snakemake docs/_build docs/api docs/gallery
 
 $(VENV)/ready: requirements.lock
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \

@@ -23,6 +23,16 @@ class ConvergenceError(RuntimeError):
         Number of applications of the compliance operator, on all grids.
     load : float
         Mean pressure when the solver stopped.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((32, 32), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> sheet = asp.Layer(young=1.0, poisson=0.3, height=0.01, bottom="free")  # bends between contacts
+    >>> try:
+    ...     asp.solve(height, sheet, mean_pressure=1e-4)
+    ... except asp.ConvergenceError as error:
+    ...     print("not solved:", error.residual > error.tolerance)
+    not solved: True
     """
 
     def __init__(

@@ -41,7 +41,7 @@ def an_answer(numbers=(), indenter=(), body=(), bodies=1, fine=None, imposed_are
     return SimpleNamespace(
         numbers=SimpleNamespace(**(plain | dict(numbers))),
         indenter=SimpleNamespace(**(shown | dict(indenter))),
-        case=SimpleNamespace(load=SimpleNamespace(kind="area_fraction", value=imposed_area)),
+        load=SimpleNamespace(kind="area_fraction", value=imposed_area),
         bodies=dict.fromkeys(("lower", "upper")[:bodies], stress),
         fine=fine or coarse,
         coarse=coarse,

@@ -9,7 +9,13 @@ from asperity.runtime.compiling import PARTS
 
 NAMES = "from asperity.runtime.compiling import compiled_functions as found; print(*found(), sep='\\n')"
 
-NOT_IN_THE_STUDY = ("principal.", "kernels.add_sliding_stress")
+NOT_IN_THE_STUDY = (
+    "principal.",
+    "kernels.add_sliding_stress",
+    "kernels.fill_shear_kernels",
+    "kernels.bonded_shear_kernels",
+    "kernels.half_space_shear_kernels",
+)
 """Functions of fields that no stage of the study computes."""
 
 

@@ -82,6 +82,19 @@ def section(options: argparse.Namespace, name: str) -> dict[str, Any]:
     return {key: value for key, value in values.items() if value is not None}
 
 
+def sliding(options: argparse.Namespace) -> dict[str, Any]:
+    """Friction and direction of sliding that are given, as arguments of `asperity.plot_section`."""
+    given = section(options, "engineering")
+    if "sliding_direction" in given:
+        given["sliding_direction"] = direction(given["sliding_direction"])
+    return given
+
+
+def direction(text: str) -> str | float:
+    """Direction of sliding from text that the schema accepts: ``x``, ``y`` or degrees."""
+    return text if text in ("x", "y") else float(text)
+
+
 def flag(name: str) -> str:
     """Argument of the command line that sets a parameter: ``--physical-size`` for ``physical_size``."""
     return f"--{name.replace('_', '-')}"

@@ -12,7 +12,7 @@ from pathlib import Path
 from asperity.errors import DatasetError
 
 _OWN_FILES = re.compile(
-    r"(surface|contact|stress(_lower|_upper)?)\.nc|(height|pressure|(section|plane|peaks)(_lower|_upper)?)\.png"
+    r"(surface|contact|stress(_lower|_upper)?)\.nc|(height|pressure|(section|plane|peaks)(_[a-z0-9_]+)?)\.png"
     r"|(peaks|answer)\.csv|report\.html"
 )
 """Names of files that a folder of an answer holds; a folder with any other is not written over."""

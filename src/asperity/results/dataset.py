@@ -11,6 +11,7 @@ from __future__ import annotations
 import errno
 import hashlib
 import json
+import math
 import os
 import re
 import shutil
@@ -23,7 +24,7 @@ import numpy as np
 import xarray as xr
 
 import asperity
-from asperity.errors import DatasetError
+from asperity.errors import DatasetError, shown
 from asperity.results.variables import STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
 from asperity.spectral import Grid
 
@@ -210,6 +211,21 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     ------
     DatasetError
         If the file is missing, damaged, changed since it was written, or not a result of asperity.
+
+    Examples
+    --------
+    The command line, here called in this process, writes such files:
+
+    >>> import tempfile
+    >>> from asperity.cli.main import main
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> command = "surface --points 64 --hurst 0.8 --wavelength-long 0.5 --wavelength-short 0.125"
+    >>> status = main(f"{command} --rms-height 0.001 --out {folder.name}/surface.nc".split())
+    /.../surface.nc: 64 × 64 nodes, rms height 0.001 cell lengths, ...
+    >>> surface = asp.read_result(f"{folder.name}/surface.nc")
+    >>> surface["height"].dims, round(float(surface["height"].std()), 6)
+    (('y', 'x'), 0.001)
+    >>> folder.cleanup()
     """
     with _opened(path) as opened:
         _check_size(opened, path)
@@ -270,8 +286,8 @@ def _check_size(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     size = dataset.nbytes / 2**30
     if size > limit:
         raise DatasetError(
-            f"{path}: {MAX_MEMORY} = {limit:g} GiB: the file holds {size:.3g} GiB of data when it is unpacked; "
-            f"set that environment variable to {math.ceil(size)} or more if that is right"
+            f"{path}: {MAX_MEMORY} = {limit:g} GiB: the file holds {size:.3g} GiB of data when it is "
+            f"unpacked; set that environment variable to {math.ceil(size)} or more if that is right"
         )
 
 

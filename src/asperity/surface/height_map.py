@@ -37,6 +37,16 @@ class MapError(ValueError):
     ----------
     problems : tuple of str
         Everything that is wrong or missing, each with the argument or option that it needs.
+
+    Examples
+    --------
+    >>> flat = asp.HeightMap(np.zeros((8, 8)), length=(1e-3, 1e-3), name="flat")
+    >>> try:
+    ...     asp.treat_map(flat)
+    ... except asp.MapError as error:
+    ...     print(error)
+    flat: periodic: the file does not say that the map is one period; set periodic to declared,
+    mirrored, windowed or none (for a free boundary)
     """
 
     def __init__(self, source: str, problems: Sequence[str]) -> None:
@@ -65,6 +75,15 @@ class HeightMap:
         Name of the file.
     channel : str
         Name of the channel in the file.
+
+    Examples
+    --------
+    >>> heights = np.array([[0.0, 1.0, 0.5], [0.2, np.nan, 0.1]]) * 1e-6
+    >>> surface = asp.HeightMap(heights, length=(2e-6, 3e-6))
+    >>> surface.missing, [f"{step:.1e}" for step in surface.spacing]
+    (1, ['1.0e-06', '1.0e-06'])
+    >>> float(np.nanmin(surface.as_indenter()))  # turned upside down: the highest peak touches first
+    -1e-06
     """
 
     height: Array

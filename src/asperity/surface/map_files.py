@@ -56,6 +56,13 @@ class Reading:
         Meaning of the heights, for files that do not say it.
     max_memory : float
         Largest size of the unpacked file in GiB.
+
+    Examples
+    --------
+    For an array of numpy, which says neither size nor unit nor which way is up:
+
+    >>> asp.Reading(physical_size=("80 um", "80 um"), unit="nm", orientation="peaks up").unit
+    'nm'
     """
 
     physical_size: tuple[float | str, float | str] | None = None

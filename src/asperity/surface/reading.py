@@ -83,6 +83,17 @@ def read_map(
         If the file is not a rectangular height map, if it does not contain what is needed and no argument
         gives it, if an argument contradicts it, or if it unpacks to more than `max_memory`. The message names
         all of this at once.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "map.npy"
+    ...     np.save(path, np.random.default_rng(1).normal(size=(40, 60)))
+    ...     surface = asp.read_map(path, ("80 um", "120 um"), unit="nm", orientation="peaks up")
+    >>> surface.height.shape, [round(edge, 9) for edge in surface.length], surface.periodic
+    ((40, 60), [8e-05, 0.00012], False)
     """
     given = Reading(physical_size, height_factor, unit, channel, orientation, max_memory)
     found = inspect_map(path, given)

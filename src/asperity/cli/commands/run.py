@@ -7,7 +7,7 @@ import sys
 from collections.abc import Mapping
 from typing import Any
 
-from asperity.cli.arguments import converted, flag
+from asperity.cli.arguments import converted, direction, flag
 from asperity.cli.run_options import RUN_MAP_OPTIONS, RUN_OPTIONS, Option
 from asperity.config.check import needed_instead
 from asperity.config.reader import is_file, load
@@ -18,8 +18,24 @@ from asperity.units import to_si
 WRONG_USAGE = 2
 """Exit status for arguments that are not accepted, as argparse has it."""
 
-_MAP_NAMES = (*(option.key.rpartition(".")[2] for option in RUN_MAP_OPTIONS), "boundary")
+_MAP_NAMES = (
+    *(option.key.rpartition(".")[2] for option in RUN_MAP_OPTIONS),
+    "boundary",
+    "form",
+    "cylinder_axis",
+)
 """Settings that `MapSettings` takes as they are."""
+
+_COUNTER_NAMES = tuple(f"counter_{name}" for name in ("young", "poisson", "yield", "layer_height", "bottom"))
+"""Settings of an elastic counter body."""
+
+_NEEDS = {
+    "form": "radius",
+    "counter_turned_about": "counter_map",
+    "counter_shift": "counter_map",
+    "sliding_direction": "friction",
+}
+"""Setting → the one without which it has no meaning."""
 
 _LOADS = {
     "pressure": ("mean_pressure", "pressure"),
@@ -53,7 +69,10 @@ def run(options: argparse.Namespace) -> None:
             lower,
             upper,
             friction=values.get("friction", 0.0),
+            sliding_direction=direction(values.get("sliding_direction", "x")),
+            counter_map=_counter_map(values),
             map_settings=settings,
+            fields=values.get("fields", ("von_mises",)),
             progress=progress,
             **_load(values),
         )
@@ -83,9 +102,12 @@ def _values(options: argparse.Namespace) -> tuple[dict[str, Any], list[str]]:
 
 def _converted(option: Option, given: str | list[str]) -> Any:
     entry = setting(option.key)
-    if isinstance(given, list):
-        return [converted(entry["items"], text) for text in given]
-    return converted(entry, given)
+    if not isinstance(given, list):
+        return converted(entry, given)
+    values = [converted(entry["items"], text) for text in given]
+    if needed := needed_instead(values, entry):
+        raise argparse.ArgumentTypeError(f"{' '.join(given)}: {needed} is needed")
+    return values
 
 
 def _configured(path: str | None, problems: list[str]) -> dict[str, Any]:
@@ -139,7 +161,7 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any]) -> l
             f"{', '.join(map(flag, _LOADS))}: exactly one of them is needed, "
             f"{' and '.join(loads) if loads else 'none'} given"
         )
-    counter = [name for name in ("counter_young", "counter_poisson", "counter_yield") if name in known]
+    counter = [name for name in _COUNTER_NAMES if name in known]
     if options.rigid and counter:
         problems.append(f"--rigid: not accepted together with {', '.join(map(flag, counter))}")
     elif counter:
@@ -148,12 +170,21 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any]) -> l
             for name in ("counter_young", "counter_poisson")
             if name not in known
         ]
-    if "friction" in known and "layer_height" in known:
-        problems.append("--friction: accepted for half-spaces only, not with --layer-height")
-    if values.get("boundary") == "free" and "layer_height" in known:
-        problems.append("--boundary free: accepted for half-spaces only, not with --layer-height")
-    if "bottom" in known and "layer_height" not in known:
-        problems.append("--bottom: needs --layer-height, a half-space has no lower face")
+    for prefix in ("", "counter_"):
+        height, bottom = flag(f"{prefix}layer_height"), flag(f"{prefix}bottom")
+        if f"{prefix}bottom" in known and f"{prefix}layer_height" not in known:
+            problems.append(f"{bottom}: needs {height}, a half-space has no far face")
+        if values.get("friction") and values.get(f"{prefix}bottom") == "frictionless":
+            problems.append(f"--friction: not accepted with {bottom} frictionless, which bears no shear")
+        if values.get("boundary") == "free" and f"{prefix}layer_height" in known:
+            problems.append(f"--boundary free: accepted for half-spaces only, not with {height}")
+    for name, needs in _NEEDS.items():
+        if name in known and needs not in known:
+            problems.append(f"{flag(name)}: needs {flag(needs)}")
+    if "cylinder_axis" in known and values.get("form") != "cylinder":
+        problems.append("--cylinder-axis: needs --form cylinder")
+    if "counter_map" in values and not is_file(values["counter_map"]):
+        problems.append(f"--counter-map {values['counter_map']}: no such file")
     if options.out is None:
         problems.append("--out: missing; the name of a folder is needed")
     elif problem := folder_problem(options.out):
@@ -178,8 +209,23 @@ def _bodies(values: Mapping[str, Any]) -> tuple[Any, Any]:
         to_si(values["counter_young"], "pressure"),
         values["counter_poisson"],
         _si(values.get("counter_yield"), "pressure"),
+        _si(values.get("counter_layer_height"), "length"),
+        values.get("counter_bottom", "bonded"),
     )
     return lower, upper
+
+
+def _counter_map(values: Mapping[str, Any]) -> Any:
+    from asperity.engineering import CounterMap
+
+    if "counter_map" not in values:
+        return None
+    shift = values.get("counter_shift", ("0 m", "0 m"))
+    return CounterMap(
+        values["counter_map"],
+        turned_about=values.get("counter_turned_about", "y"),
+        shift=(to_si(shift[0], "length"), to_si(shift[1], "length")),
+    )
 
 
 def _load(values: Mapping[str, Any]) -> dict[str, float]:

@@ -10,7 +10,7 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.cli.arguments import section
+from asperity.cli.arguments import flag, section, sliding
 from asperity.cli.files import check_out, stage_of
 from asperity.cli.parser import VIEWS
 from asperity.cli.places import is_si, length, places, span
@@ -94,6 +94,7 @@ def _draw(
     poisson = section(options, "layer").get("poisson")
     if view in _MAPS:
         _refuse(view, field=options.field, poisson=poisson)
+        _refuse_sliding(view, options)
         parts: dict[str, Any] = {name: span(name, text, si) for name, text in given.items()}
         return _MAPS[view](results, **parts)
     field = options.field or "von_mises"
@@ -101,8 +102,9 @@ def _draw(
     if field not in known:
         raise ValueError(f"--field {shown(field)}: one of {', '.join(known)} is needed")
     if view == "peaks":
+        _refuse_sliding(view, options)
         return plot_peaks(results, field, poisson)
-    chosen: dict[str, Any] = {"field": field, "poisson": poisson}
+    chosen: dict[str, Any] = {"field": field, "poisson": poisson, "body": options.body, **sliding(options)}
     if view == "section":
         for name, text in given.items():
             chosen[name] = _place(name, text, si)
@@ -119,6 +121,14 @@ def _refuse(view: str, **given: Any) -> None:
     for name, value in given.items():
         if value is not None:
             raise ValueError(f"--{name}: not for {view}, only for section, plane and peaks")
+
+
+def _refuse_sliding(view: str, options: argparse.Namespace) -> None:
+    """Raise `ValueError` for a body or friction with a view that shows no stress computed here."""
+    if options.body != "lower":
+        raise ValueError(f"--body: not for {view}, only for section and plane")
+    for name in sliding(options):
+        raise ValueError(f"{flag(name)}: not for {view}, only for section and plane")
 
 
 def _place(name: str, text: str, si: bool) -> float | tuple[float, float]:
