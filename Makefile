@@ -2,7 +2,7 @@
 PYTHON ?= python3
 CORES ?= 2
 MINUTES ?= 10
-SEED ?= 0
+SEED ?=
 CONFIG ?=
 RESULTS ?=
 UPDATE ?=
@@ -45,8 +45,8 @@ lint: $(VENV)/ready ## Check style, types, the workflow, and that imports go dow
 check: $(VENV)/ready ## Compare the numbers of the quick study with tests/reference; UPDATE=1 replaces the reference
 	python workflow/check.py --cores $(CORES) $(if $(UPDATE),--update)
 
-fuzz: $(VENV)/ready ## Try random input on everything a user calls, for MINUTES=10 from SEED=0
-	python tests/fuzz/fuzz.py --minutes $(MINUTES) --seed $(SEED)
+fuzz: $(VENV)/ready ## Try random input on everything a user calls, for MINUTES=10; SEED=1 repeats a search
+	python tests/fuzz/fuzz.py --minutes $(MINUTES) $(if $(SEED),--seed $(SEED))
 
 wheel-test: $(VENV)/ready ## Install the wheel in empty environments from the package index and use it, with a small study
 	pytest -m wheel tests/wheel

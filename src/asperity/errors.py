@@ -36,10 +36,18 @@ class ConvergenceError(RuntimeError):
     not solved: True
     """
 
-    def __init__(self, reason: str, residual: float, tolerance: float, iterations: int, load: float) -> None:
+    def __init__(
+        self,
+        reason: str,
+        residual: float,
+        tolerance: float,
+        iterations: int,
+        load: float,
+        remedy: str = "",
+    ) -> None:
         super().__init__(
             f"{reason}: residual {residual:.3g}, tolerance {tolerance:.3g}, "
-            f"{iterations} iterations, mean pressure {load:.6g}"
+            f"{iterations} iterations, mean pressure {load:.6g}" + (f"; {remedy}" if remedy else "")
         )
         self.residual = residual
         self.tolerance = tolerance

@@ -77,5 +77,6 @@ RUN_MAP_OPTIONS = (
     _map_option("detrend", "tilt"),
     _map_option("periodic", "mirrored, unless the file calls itself periodic or the boundary is free"),
     _map_option("points", "those of the map"),
+    _map_option("max_memory"),
 )
 """Options that are settings of a measured map of the study."""

@@ -9,6 +9,7 @@ import math
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
 
+from asperity.contact.solution import SHOWN_ERROR
 from asperity.engineering.findings import BodyAnswer, Findings
 from asperity.units import shown_si
 
@@ -171,6 +172,18 @@ def large_area(answer: Findings) -> Iterator[Advice]:
         )
 
 
+def missed_area(answer: Findings) -> Iterator[Advice]:
+    """An imposed area that the surface does not allow."""
+    load, area = answer.load, answer.numbers.area_fraction
+    if load.kind == "area_fraction" and abs(area / load.value - 1) > SHOWN_ERROR:
+        yield Advice(
+            WARNING,
+            "another real contact",
+            f"{100 * load.value:.3g} % of the area was asked for, {100 * area:.3g} % is the nearest that "
+            "this map allows: many of its lowest points have the same height, or it has too few points.",
+        )
+
+
 def edges(answer: Findings) -> Iterator[Advice]:
     """Steps where opposite edges of the period meet."""
     step = answer.indenter.edge_step
@@ -311,6 +324,7 @@ RULES: tuple[Rule, ...] = (
     few_nodes,
     resolution,
     steep_slopes,
+    missed_area,
     large_area,
     edges,
     load_on_edges,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import NamedTuple
 
-from asperity.engineering.case import Body
+from asperity.engineering.case import Body, Load
 from asperity.engineering.indenter import Indenter
 
 
@@ -151,6 +151,7 @@ class Findings:
     Parameters
     ----------
     indenter : Indenter
+    load : Load
     numbers : ContactNumbers
     bodies : dict
         ``lower`` and, if it is elastic, ``upper`` → `BodyAnswer`.
@@ -159,6 +160,7 @@ class Findings:
     """
 
     indenter: Indenter
+    load: Load
     numbers: ContactNumbers
     bodies: dict[str, BodyAnswer]
     fine: Numbers

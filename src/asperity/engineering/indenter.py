@@ -17,6 +17,7 @@ from asperity.surface.levelling import mirrored as mirror_images
 from asperity.surface.measured import missing_settings
 from asperity.surface.reading import Inspected, Reading, inspect_map
 from asperity.surface.treatment import TreatedMap, Treatment, treat_map
+from asperity.surface.unpacked_size import DEFAULT_LIMIT
 from asperity.types import Array
 from asperity.units import shown_si
 
@@ -63,6 +64,8 @@ class MapSettings:
         What the radius is of.
     cylinder_axis : "y" or "x"
         Direction of the axis of a cylinder.
+    max_memory : float
+        Largest size in GiB to which the file may unpack.
     option : callable
         Gives the name of a setting in the interface of the user, for messages.
 
@@ -88,6 +91,7 @@ class MapSettings:
     radius: float | None = None
     form: str = "sphere"
     cylinder_axis: str = "y"
+    max_memory: float = DEFAULT_LIMIT
     option: Callable[[str], str] = field(default=str, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -110,6 +114,7 @@ class MapSettings:
             unit=self.unit,
             channel=self.channel,
             orientation=self.orientation,
+            max_memory=self.max_memory,
         )
 
     def treatment(self, surface: HeightMap) -> Treatment:

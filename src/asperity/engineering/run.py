@@ -183,6 +183,7 @@ def assemble(
     """The answer from the results of all stages, with the advice on them."""
     findings = Findings(
         indenter=indenter,
+        load=case.load,
         numbers=contact_numbers(indenter, contact),
         bodies={name: body_answer(case.bodies[name], stress, indenter) for name, stress in stresses.items()},
         fine=main_numbers(contact, stresses["lower"].dataset),

@@ -11,6 +11,7 @@ from __future__ import annotations
 import errno
 import hashlib
 import json
+import math
 import os
 import re
 import shutil
@@ -23,7 +24,7 @@ import numpy as np
 import xarray as xr
 
 import asperity
-from asperity.errors import DatasetError
+from asperity.errors import DatasetError, shown
 from asperity.results.variables import ORIENTATION, STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
 from asperity.spectral import Grid
 from asperity.system import is_running
@@ -212,6 +213,13 @@ def grid_of(dataset: xr.Dataset) -> Grid:
     return Grid(shape, (shape[0] * steps[0], shape[1] * steps[1]))
 
 
+MAX_MEMORY = "ASPERITY_MAX_MEMORY"
+"""Environment variable with the largest size, in GiB, to which a result may unpack."""
+
+DEFAULT_MAX_MEMORY = 16.0
+"""The same without the variable: ten times a contact of 8192² nodes."""
+
+
 def read(path: str | os.PathLike[str]) -> xr.Dataset:
     """Read a result file into memory, after checking its names, units and fingerprint.
 
@@ -236,6 +244,7 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     >>> folder.cleanup()
     """
     with _opened(path) as opened:
+        _check_size(opened, path)
         dataset = opened.load()
     _check(dataset, path)
     return dataset
@@ -279,6 +288,23 @@ def _opened(path: str | os.PathLike[str]) -> Iterator[xr.Dataset]:
         if ours:
             raise DatasetError(f"{path}: damaged ({error}); {_REMEDY}") from error
         raise DatasetError(f"{path}: damaged, or not a result of asperity ({error})") from error
+
+
+def _check_size(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Raise `DatasetError` for a file that is no result, or that unpacks to more than is accepted."""
+    if FINGERPRINT not in dataset.attrs:
+        raise DatasetError(f"{path}: not a result of asperity, it has no attribute {FINGERPRINT}")
+    raw = os.environ.get(MAX_MEMORY, "")
+    try:
+        limit = float(raw) if raw else DEFAULT_MAX_MEMORY
+    except ValueError as error:
+        raise DatasetError(f"{MAX_MEMORY} = {shown(raw)}: a number of GiB is needed") from error
+    size = dataset.nbytes / 2**30
+    if size > limit:
+        raise DatasetError(
+            f"{path}: {MAX_MEMORY} = {limit:g} GiB: the file holds {size:.3g} GiB of data when it is "
+            f"unpacked; set that environment variable to {math.ceil(size)} or more if that is right"
+        )
 
 
 def _check(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:

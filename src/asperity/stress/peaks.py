@@ -25,6 +25,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asperity.arguments import finite_array
 from asperity.spectral import Grid
 from asperity.stress.arguments import (
     BOUNDARIES,
@@ -131,7 +132,7 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "p
     +1.00 at y = 0.90, x = 0.80
     """
     checked_nodes(grid)
-    field = checked_field("field", field, grid)
+    field = checked_field("field", finite_array("field", field), grid)
     periodic = checked_name("boundary", boundary, BOUNDARIES) == "periodic"
     nodes = _plane_maxima(field, checked_floor(floor), periodic)
     values = _neighbourhood(field, *nodes, periodic)

@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from asperity.errors import shown
 from asperity.stress.arguments import (
     FIELDS,
     boundary_of,
@@ -36,6 +37,9 @@ LAGRANGE_NODES = 10
 
 LARGEST_DATASET = 2**31
 """Most bytes of a box as a dataset; a larger one can still be streamed."""
+
+MOST_NODES = 100_000
+"""Most nodes along an edge of the cell that a box may have."""
 
 ON_A_NODE = 1e-9
 """A position nearer to a node than this share of a spacing is on it."""
@@ -236,18 +240,21 @@ def _positions(name: str, extent: Any, contact: ContactLike, axis: int, spacing:
     """Positions of the nodes of a box along one axis."""
     length, step = contact.grid.length[axis], contact.grid.spacing[axis]
     if spacing is not None:
-        step = checked_number("spacing", spacing, "a positive finite number", lambda value: value > 0)
+        least = length / MOST_NODES
+        step = checked_number(
+            "spacing", spacing, f"a number of at least {least:.3g}", lambda value: value >= least
+        )
     if extent is None:
         first, last = 0.0, length - step if length > step else 0.0
     else:
         accepted = f"a pair (first, last) of rising positions from 0 to {length:g}"
-        if np.shape(extent) != (2,):
-            raise ValueError(f"{name} = {extent!r}: {accepted} is needed")
+        if not isinstance(extent, (tuple, list, np.ndarray)) or len(extent) != 2:
+            raise ValueError(f"{name} = {shown(extent)}: {accepted} is needed")
         first, last = (
             checked_number(name, edge, accepted, lambda value: 0 <= value <= length) for edge in extent
         )
         if last < first:
-            raise ValueError(f"{name} = {extent!r}: {accepted} is needed")
+            raise ValueError(f"{name} = {shown(extent)}: {accepted} is needed")
     return first + step * np.arange(int((last - first) / step + 1 + ON_A_NODE))
 
 

@@ -14,7 +14,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from asperity.errors import InputError
+from asperity.arguments import finite_array, magnitude, real_array
+from asperity.errors import InputError, shown
 from asperity.types import Array
 from asperity.units import to_si
 
@@ -88,6 +89,25 @@ class HeightMap:
     unit: str | None = None
     name: str = ""
     channel: str = ""
+
+    def check(self) -> None:
+        """Raise `MapError` if the heights are no array of numbers [y, x], or an edge or a name is wrong."""
+        try:
+            values = real_array("height", self.height)
+            if values.ndim != 2 or min(values.shape) < 2:
+                raise ValueError(f"height has the shape {values.shape}: at least 2 x 2 points are needed")
+            finite_array("height", values[np.isfinite(values)])
+            if not isinstance(self.length, (tuple, list)) or len(self.length) != 2:
+                raise ValueError(f"length = {shown(self.length)}: a pair (length_y, length_x) is needed")
+            for edge in self.length:
+                magnitude("length", edge)
+            if self.orientation not in (None, *ORIENTATIONS):
+                accepted = f"{PEAKS_UP!r} or {LOWER_FACE!r}"
+                raise ValueError(f"orientation = {shown(self.orientation)}: {accepted} is needed")
+            if self.unit is not None and not isinstance(self.unit, str):
+                raise TypeError(f"unit = {shown(self.unit)}: the name of a unit of length or None is needed")
+        except (TypeError, ValueError) as error:
+            raise MapError(self.name, [str(error)]) from error
 
     @property
     def missing(self) -> int:

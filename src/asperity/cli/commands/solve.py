@@ -16,6 +16,7 @@ from asperity.cli.files import check_out, is_result, read_result, write_result
 from asperity.config.check import check_section
 from asperity.config.defaults import complete_map
 from asperity.config.reader import is_file
+from asperity.contact.solution import SHOWN_ERROR
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.surface import read_surface
 from asperity.results import dataset
@@ -43,9 +44,11 @@ def run(options: argparse.Namespace) -> None:
         settings["young"] = young
     write_result(result, options.out, "Contact with rough surface", settings)
     pressure, approach = float(result["mean_pressure"]), float(result["approach"])
+    wanted, reached = contact["area_fraction"], float(result["area_fraction"])
+    missed = f" ({wanted:g} was asked for, the surface allows no nearer area)"
     print(
-        f"area fraction {float(result['area_fraction']):.6g}, mean pressure "
-        f"{shown_si(pressure, 'Pa') if young else f'{pressure:.6g} E*'}, "
+        f"area fraction {reached:.6g}{missed if abs(reached / wanted - 1) > SHOWN_ERROR else ''}, "
+        f"mean pressure {shown_si(pressure, 'Pa') if young else f'{pressure:.6g} E*'}, "
         f"approach {shown_si(approach, 'm') if young else f'{approach:.6g}'}, "
         f"rms gradient in contact {float(result['gradient_rms_contact']):.6g}; {result.attrs['solid']}"
     )
