@@ -51,6 +51,7 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/verification.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/tradeoff.smk"
+include: "workflow/rules/ensemble.smk"
 include: "workflow/rules/handlers.smk"
 
 
@@ -61,4 +62,5 @@ rule all:
         rules.validation_table.output if VALIDATIONS else [],
         rules.verified.input,
         rules.claims.output if config["claims"] else [],
+        rules.ensemble.output if ENSEMBLE["claims"] else [],
         expand(rules.tradeoff.output, extent=["reduced"] if "reduced" in config["tradeoff"] else []),
