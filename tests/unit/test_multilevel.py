@@ -149,7 +149,7 @@ def test_no_other_numbers_of_seeds_are_cheaper():
 
 
 def test_a_level_without_correlation_is_left_out():
-    found = allocate(exact_samples([[1, 0.02, 0.02], [0.02, 1, 0.99], [0.02, 0.99, 1]]), [1, 5, 60], 0.05, 4)
+    found = allocate(exact_samples([[1, 0.02, 0.02], [0.02, 1, 0.99], [0.02, 0.99, 1]]), [4, 5, 60], 0.05, 4)
     assert found.seeds[0] == 0
     assert found.seeds[1] > found.seeds[2] >= 4
 

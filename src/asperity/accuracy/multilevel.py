@@ -26,7 +26,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import combinations, pairwise
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +38,12 @@ from asperity.types import Array
 
 FEWEST_FOR_SLOPE = 6
 """Seeds from which a slope is fitted; with fewer it is one between equal quantities."""
+
+SAVING = 0.2
+"""Least share of the processor time that leaving out levels has to save."""
+
+CLEAR = 2.0
+"""A difference between grids shows the order of convergence if it is this many times its standard error."""
 
 ORDERS = (0.5, 2.0)
 """Smallest and largest order of convergence by which the bias is judged."""
@@ -214,8 +220,9 @@ def allocate(samples: Sequence[ArrayLike], seconds: Sequence[float], error: floa
 
     With the variance V[l] of what remains of level l after regression on the coarser one, carried to the
     finest level, and its time C[l] a seed, the numbers of seeds are those of Giles (2008), proportional to
-    √(V/C). All choices of levels are compared, since a level that is badly correlated costs more than it
-    saves; the choice is the best one for a small error, whatever the error asked for.
+    √(V/C). Levels that are badly correlated are left out if that saves more than `SAVING` for a small error:
+    the first level, or coarse grids. More choices, or smaller savings, would favour whatever a few seeds
+    happen to fit well, and the standard error would be judged too small.
 
     Parameters
     ----------
@@ -232,24 +239,41 @@ def allocate(samples: Sequence[ArrayLike], seconds: Sequence[float], error: floa
         raise ValueError(f"error = {shown(error)}: a number > 0 is needed")
     levels, times = _checked(samples), np.asarray(seconds, float)
     finest = len(levels) - 1
-    choices = [
-        [*coarser, finest] for size in range(finest + 1) for coarser in combinations(range(finest), size)
-    ]
-    # Processor time times variance; the number of seeds for any error follows from it.
+    grids = [list(range(start, finest + 1)) for start in range(1, max(finest, 2))]
+    choices = [[0, *rest] for rest in grids] + grids if finest else [[0]]
+    variances = [_remaining_variances([levels[level] for level in used]) for used in choices]
+    shares = [_proportions(each, times[used]) for each, used in zip(variances, choices, strict=True)]
+    # Time times variance, from which the time for any error follows.
     work = [
-        np.sqrt(_remaining_variances([levels[level] for level in used]) * times[used]).sum()
-        for used in choices
+        float((share @ times[used]) * (each / share).sum())
+        for each, share, used in zip(variances, shares, choices, strict=True)
     ]
     best = int(np.argmin(work))
-    used = choices[best]
-    remaining = _remaining_variances([levels[level] for level in used])
-    wanted = np.ceil(np.sqrt(remaining / times[used]) * work[best] / error**2 - 1e-9)
+    best = best if work[best] < (1 - SAVING) * work[0] else 0
+    used, share = choices[best], shares[best]
+    wanted = np.ceil(share * (variances[best] / share).sum() / error**2 - 1e-9)
     number = np.zeros(finest + 1, int)
-    number[used] = np.maximum.accumulate(np.maximum(wanted, fewest)[::-1])[::-1]
-    variance = float(_remaining_variances(levels).sum())
+    number[used] = np.maximum(wanted, fewest)
+    variance = float(variances[0].sum())
     plain = max(math.ceil(variance / error**2 - 1e-9), 2)
-    gain = variance * times[-1] / max(work[best] ** 2, 1e-300)
+    gain = variance * times[-1] / max(work[best], 1e-300)
     return Allocation(number, float(number @ times), plain, plain * float(times[-1]), gain)
+
+
+def _proportions(variances: Array, times: Array) -> Array:
+    """Numbers of seeds √(V/C) of levels, up to a factor, never rising from coarse to fine.
+
+    Levels for which they would rise share the number that is best for them together.
+    """
+    groups: list[tuple[float, float, int]] = []
+    for variance, time in zip(variances, times, strict=True):
+        group = float(variance), float(time), 1
+        while groups and groups[-1][0] * group[1] <= group[0] * groups[-1][1]:
+            before = groups.pop()
+            group = before[0] + group[0], before[1] + group[1], before[2] + group[2]
+        groups.append(group)
+    share = np.concatenate([np.full(size, np.sqrt(v / t)) for v, t, size in groups])
+    return np.maximum(share, 1e-12 * max(share.max(), 1e-300))
 
 
 def _remaining_variances(levels: Sequence[Array]) -> Array:
@@ -272,7 +296,7 @@ class Bias(NamedTuple):
     ----------
     value : float
     order : float
-        Order of convergence that the differences show, limited to `ORDERS`; one where they change sign.
+        Order of convergence that the differences show, limited to `ORDERS`; one where they show none.
     """
 
     value: float
@@ -282,8 +306,10 @@ class Bias(NamedTuple):
 def bias(nodes: Sequence[float], samples: Sequence[ArrayLike]) -> Bias:
     """Bias of the finest grid from the differences between grids, by Richardson's extrapolation.
 
-    The difference between the two finest grids is that of the seeds of both. It is not taken smaller than the
-    difference before it lets one expect, as Giles (2015, section 3) does, nor than its own standard error.
+    The difference between the two finest grids is that of the seeds of both. It is not taken smaller than
+    the difference before it lets one expect, as Giles (2015, section 3) does, nor than its own standard
+    error. The order is the smallest within one standard error of both differences, since a bias that is
+    judged too small is worse than one judged too large.
 
     Parameters
     ----------
@@ -298,14 +324,16 @@ def bias(nodes: Sequence[float], samples: Sequence[ArrayLike]) -> Bias:
             f"nodes = {shown(list(nodes))}: {len(levels)} rising numbers are needed, two or more"
         )
     differences = [fine - coarse[: len(fine)] for coarse, fine in pairwise(levels)]
-    means = [float(difference.mean()) for difference in differences]
-    last, size, order = means[-1], abs(means[-1]), 1.0
-    if len(means) > 1 and (before := means[-2]):
-        if last / before > 0:
-            order = float(np.clip(_order(nodes[-3:], last / before), *ORDERS))
-        size = max(size, abs(before) * _decay(nodes[-3:], order))
-    size = max(size, float(differences[-1].std(ddof=1) / np.sqrt(len(differences[-1]))))
-    return Bias(float(np.copysign(size, last)) / ((nodes[-1] / nodes[-2]) ** order - 1), order)
+    means = [abs(float(difference.mean())) for difference in differences]
+    errors = [float(each.std(ddof=1) / np.sqrt(len(each))) for each in differences]
+    size, order = max(means[-1], errors[-1]), 1.0
+    if len(means) > 1:
+        if means[-2] > CLEAR * errors[-2]:
+            decay = (means[-1] + errors[-1]) / (means[-2] - errors[-2])
+            order = float(np.clip(_order(nodes[-3:], decay), *ORDERS))
+        size = max(size, means[-2] * _decay(nodes[-3:], order))
+    sign = np.sign(differences[-1].mean()) or 1.0
+    return Bias(float(sign * size / ((nodes[-1] / nodes[-2]) ** order - 1)), order)
 
 
 def _decay(nodes: Sequence[float], order: float) -> float:
