@@ -33,8 +33,8 @@ def surface_gradient(seed):
 
 
 # %%
-# Levels: the surface alone with 400 seeds, then grids of 4, 8 and 16 nodes on the shortest wavelength with fewer
-# and fewer seeds. The seeds of a grid are the first ones of the coarser grid.
+# Levels: the surface alone with 400 seeds, then grids of 4, 8 and 16 nodes on the shortest wavelength with
+# fewer and fewer seeds. The seeds of a grid are the first ones of the coarser grid.
 levels = {"surface alone": (surface_gradient, 400)}
 for points, seeds in ((64, 64), (128, 16), (256, 6)):
     levels[f"{points // 16} nodes"] = (lambda seed, points=points: gradient(points, seed), seeds)

@@ -7,7 +7,7 @@ from project import run
 from asperity.results import dataset
 
 CLAIM = "one_and_a_half"
-OVERLAY = "ensemble: {nodes: [4, 8], pilot: 4}\n"
+OVERLAY = "results: results/tiny\nensemble: {nodes: [4, 8], pilot: 4}\n"
 
 
 def ensemble(folder, *arguments):

@@ -36,7 +36,7 @@ from scipy.special import stdtrit
 from asperity.errors import shown
 from asperity.types import Array
 
-FEWEST_FOR_SLOPE = 6
+FEWEST_FOR_SLOPE = 8
 """Seeds from which a slope is fitted; with fewer it is one between equal quantities."""
 
 SAVING = 0.2
@@ -254,10 +254,20 @@ def allocate(samples: Sequence[ArrayLike], seconds: Sequence[float], error: floa
     wanted = np.ceil(share * (variances[best] / share).sum() / error**2 - 1e-9)
     number = np.zeros(finest + 1, int)
     number[used] = np.maximum(wanted, fewest)
-    variance = float(variances[0].sum())
+    variance = finest_variance(samples)
     plain = max(math.ceil(variance / error**2 - 1e-9), 2)
     gain = variance * times[-1] / max(work[best], 1e-300)
     return Allocation(number, float(number @ times), plain, plain * float(times[-1]), gain)
+
+
+def finest_variance(samples: Sequence[ArrayLike]) -> float:
+    """Variance of one seed on the finest level, from the seeds of all levels.
+
+    It is what the regressions explain, with the variance of the coarse levels, and what they leave over: more
+    certain than the variance of the few seeds of the finest level. Parameters are those of `multilevel_mean`,
+    with one quantity on all levels but the first.
+    """
+    return float(_remaining_variances(_checked(samples)).sum())
 
 
 def _proportions(variances: Array, times: Array) -> Array:

@@ -303,7 +303,7 @@ VARIABLES: dict[str, Variable] = {
     # ensemble
     "seed_seconds": Variable(_TIME, "processor time of one seed, all stages"),
     "grid_nodes": Variable(_NUMBER, "nodes on the shortest wavelength; 0 for the surface alone, no contact"),
-    "grid_used": Variable("", "level is used in the estimate, not only in its bias"),
+    "grid_used": Variable(_NUMBER, "1 if the level is used in the estimate, 0 if only in its bias"),
     "grid_seeds": Variable(_NUMBER, "number of seeds"),
     "grid_mean": Variable(_NUMBER, "mean over the seeds of the grid"),
     "grid_deviation": Variable(_NUMBER, "standard deviation over seeds"),

@@ -20,6 +20,7 @@ from asperity.accuracy.multilevel import allocate, bias, multilevel_mean
 from asperity.accuracy.tables import minutes
 from asperity.paper.ensemble.samples import Samples
 from asperity.pipeline.ensemble import SURFACE_ALONE, SURFACE_SEEDS, block_size
+from asperity.types import Array
 
 PILOT_GRIDS = 3
 """Grids of the pilot: as many as show the order of convergence."""
@@ -85,8 +86,9 @@ class Plan:
     @classmethod
     def of_entries(cls, entries: Mapping[str, Any]) -> Plan:
         """The plan of `as_entries`."""
-        values = {name: tuple(v) if isinstance(v, list) else v for name, v in entries.items()}
-        return cls(**{name: math.nan if v is None else v for name, v in values.items()})
+        known = {name: math.nan if v is None else v for name, v in entries.items()}
+        values: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in known.items()}
+        return cls(**values)
 
 
 def pilot(nodes: Sequence[float], seeds: int, wavelengths: Sequence[float]) -> Plan:
@@ -144,7 +146,7 @@ def next_plan(
             seconds = [*seconds, seconds[-1] * (nodes[-1] / nodes[-2]) ** 2]
             used = np.append(used, True)
         elif found.error > allowed:
-            seeds = _more_seeds(plan.seeds, allocation.seeds, (found.error / allowed) ** 2)
+            seeds = _more_seeds(np.array(plan.seeds), allocation.seeds, (found.error / allowed) ** 2)
     whole = _whole_blocks(nodes, seeds, wavelengths)
     done = whole == plan.seeds
     lines = [
@@ -165,11 +167,11 @@ def next_plan(
     return Plan(plan.round + 1, tuple(nodes), whole, tuple(map(bool, used)), done, total, plain, tuple(lines))
 
 
-def _more_seeds(present: Sequence[int], wanted: Sequence[int], growth: float) -> list[int]:
+def _more_seeds(present: Array, wanted: Array, growth: float) -> list[int]:
     """Seeds of the next round: those of the allocation, or more of all if there are that many already."""
-    if np.all(np.array(wanted) <= present):
-        wanted = np.where(np.array(wanted) > 0, np.ceil(np.array(present) * min(growth, 2.0)), 0).astype(int)
-    grown = np.minimum(wanted, LARGEST_GROWTH * np.array(present))
+    if np.all(wanted <= present):
+        wanted = np.where(wanted > 0, np.ceil(present * min(growth, 2.0)), 0).astype(int)
+    grown = np.minimum(wanted, LARGEST_GROWTH * present)
     return np.maximum(grown, present).tolist()
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from asperity.accuracy.multilevel import Estimate, bias, multilevel_mean
+from asperity.accuracy.multilevel import Estimate, bias, finest_variance, multilevel_mean
 from asperity.accuracy.tables import minutes
 from asperity.paper.ensemble.planning import Plan, grid_name
 from asperity.paper.ensemble.samples import Samples
@@ -37,7 +37,7 @@ def result(plan: Plan, samples: Samples) -> xr.Dataset:
     dataset
         Along `grid`, the levels; along `course` and `plain_course`, errors and times of parts of the samples.
         Plain Monte Carlo is the mean over the seeds of the finest grid. Its time for the standard error of
-        the estimate follows from its measured deviation and time a seed.
+        the estimate follows from the measured time of a seed and the variance that all levels show.
     """
     kept = samples.first(plan.seeds)
     used = [number if use else 0 for number, use in zip(plan.seeds, plan.used, strict=True)]
@@ -48,8 +48,7 @@ def result(plan: Plan, samples: Samples) -> xr.Dataset:
     finest, times = samples.values[-1], samples.times[-1]
     plain = multilevel_mean([finest])
     seconds = sum(float(level.sum()) for level in chosen.times)
-    course = [_part(chosen, part) for part in PARTS]
-    course = [point for point in course if point is not None]
+    course = [point for part in PARTS if (point := _part(chosen, part)) is not None]
     counts = _halvings(len(finest))
     return xr.Dataset(
         {
@@ -65,7 +64,7 @@ def result(plan: Plan, samples: Samples) -> xr.Dataset:
             "plain_estimate": plain.value,
             "plain_error": plain.error,
             "plain_seconds": float(times.sum()),
-            "plain_seconds_same_error": float(times.mean() * finest.var(ddof=1) / found.error**2),
+            "plain_seconds_same_error": float(times.mean() * finest_variance(chosen.values) / found.error**2),
             "course_seeds": ("course", [point[0] for point in course]),
             "course_seconds": ("course", [point[1] for point in course]),
             "course_error": ("course", [point[2].error for point in course]),
@@ -85,7 +84,7 @@ def _levels(samples: Samples, used: Sequence[bool]) -> dict[str, tuple[str, obje
     alone = [values.ndim > 1 for values in samples.values]
     columns: dict[str, object] = {
         "grid_nodes": list(samples.nodes),
-        "grid_used": list(used),
+        "grid_used": [int(use) for use in used],
         "grid_seeds": [len(values) for values in samples.values],
         "grid_mean": [np.nan if a else v.mean() for a, v in zip(alone, samples.values, strict=True)],
         "grid_deviation": [
