@@ -100,7 +100,7 @@ _LINES = {
     "tradeoff": _Line(330, 300, seconds=8, time_per_node=95),
     "tradeoff figures": _Line(300, seconds=8),
     "claims": _Line(380, seconds=10),
-    "ensemble samples": _Line(330, 200, seconds=4),
+    "ensemble samples": _Line(330, 215, seconds=4),
     "ensemble plan": _Line(300, seconds=5),
     "ensemble result": _Line(380, seconds=8),
     "validation": _Line(300, seconds=25),
