@@ -15,7 +15,6 @@ import faulthandler
 import gc
 import os
 import random
-import resource
 import signal
 import sys
 import time
@@ -25,11 +24,17 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
+import psutil
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis.errors import Flaky
 from properties import PROPERTIES, ROOT, PromiseError
 
 from asperity import errors
+
+try:
+    import resource
+except ImportError:  # Windows, where inputs are tried without limits
+    resource = None
 
 EXAMPLES = 40
 """Inputs that one round tries of each property."""
@@ -69,7 +74,10 @@ def stop(*_):
 @contextlib.contextmanager
 def limits(seconds, size):
     """Raise `SlowError` or `MemoryError` in a block that takes more time, or more memory than before."""
-    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    if resource is None:
+        yield
+        return
+    used = psutil.Process().memory_info().vms
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     signal.signal(signal.SIGALRM, stop)
     signal.setitimer(signal.ITIMER_REAL, seconds)

@@ -276,7 +276,7 @@ COMMANDS = [
     ("solve s.nc --out x.nc --points 1000000000", 2, "'1000000000': a whole number ≥ 8 and ≤ 32768"),
     (f"solve s.nc --out x.nc --points {HUGE}", 2, "999...: a whole number ≥ 8 and ≤ 32768 is needed"),
     ("solve s.nc --out x.nc --physical-size 1", 2, "--physical-size: expected 2 arguments"),
-    ("solve s.nc --out x.nc --physical-size 1 0", 2, "--physical-size: '0': a number > 0 is needed"),
+    ("solve s.nc --out x.nc --physical-size 1 0", 2, "--physical-size: '0': a length > 0 with its unit"),
     (
         "solve s.nc --out x.nc --detrend \u00fc\x1b[31m",
         2,
@@ -291,13 +291,13 @@ COMMANDS = [
     ("plot 19 s.nc --out x.png", 2, "'19': one of 1, 2"),
     ("plot ../../etc/passwd s.nc --out x.png", 2, "'../../etc/passwd': one of 1, 2"),
     ("solve {folder}/none.nc --out {folder}/x.nc", 1, "none.nc: no such file"),
-    ("solve {folder} --out {folder}/x.nc", 1, "no such file"),
+    ("solve {folder} --out {folder}/x.nc", 1, "a folder, a file is needed"),
     ("solve {contact} --out {folder}/x.nc", 1, "a result of contact, one of surface is needed"),
     ("solve {surface} --detrend tilt --out {folder}/x.nc", 1, "--detrend: for height maps"),
     (
         "solve {surface} --precision float32 --tolerance 1e-14 --out {folder}/x.nc",
         1,
-        "tolerance = 1e-14: at least",
+        "--tolerance = 1e-14: a number ≥ 1e-6 with precision float32",
     ),
     ("solve {surface} --out {folder}", 1, "a folder, the name of a file is needed"),
     ("solve {surface} --out {surface}", 1, "surface.nc: is read too, another name is needed"),
@@ -436,7 +436,7 @@ MAPS = [
         "bare.asc",
         matrix(ROWS, ""),
         MIRRORED,
-        "the file does not say the edges (y, x) of the map; set --physical-size; --orientation",
+        "the file does not say the edges (y, x) of the map; set --physical-size\n",
     ),
     (
         "size.asc",

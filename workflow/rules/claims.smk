@@ -15,7 +15,7 @@ rule claims:
             ),
         ),
         validation=[f"{RESULTS}/validation/{name}.nc" for name in DATASETS if name in config["validation"]],
-        style="src/asperity/views/style.mplstyle",
+        style=STYLE,
         machine_code=MACHINE_CODE,
         code=code("claims"),
     output:
@@ -49,6 +49,6 @@ rule claims:
         roles=ROLES,
         resolutions=RESOLUTIONS,
         seeds=config["seeds"],
-        nodes=min(s["points"] * s["wavelength_short"] for s in SURFACES.values()),
+        nodes=min((s["points"] * s["wavelength_short"] for s in SURFACES.values()), default=0),
     script:
         "../scripts/claims.py"

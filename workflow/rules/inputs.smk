@@ -1,19 +1,15 @@
 # Surfaces, seeds and figures of the configuration, their settings, and the result files that belong to them.
 from pathlib import Path
 from asperity.paper.claims.sources import resolutions
-from asperity.paper.figures import describe_all
+from asperity.paper.figures import figures_of, surfaces_with_contact
 
 STUDIES = config["studies"]
 STUDIED = {name for names in STUDIES.values() for name in names}
 RESOLUTIONS = resolutions(SURFACES) if config["claims"] else {}
 CONTINUUM = {name for by_role in RESOLUTIONS.values() for name in by_role.values()}
 CONTINUUM_SEEDS = config["seeds"][:2]
-FIGURES = describe_all(
-    STUDIES,
-    config["validation"],
-    paper=config["figures"] == "paper",
-    several_ratios=len(config["stress"]["poisson"]) > 1,
-)
+FIGURES = figures_of(config)
+WITH_LOAD_AREA = surfaces_with_contact(config)
 
 
 def seeds_of(surface):
@@ -31,6 +27,14 @@ def results_of_seeds(stage):
     return lambda wildcards: [
         f"{RESULTS}/{stage}/{wildcards.surface}/seed{seed}.nc" for seed in seeds_of(wildcards.surface)
     ]
+
+
+STAGE_RESULTS = [
+    f"{RESULTS}/{stage}/{surface}/seed{seed}.nc"
+    for surface in sorted(STUDIED | CONTINUUM)
+    for seed in seeds_of(surface)
+    for stage in ("surface", "contact", "stress")
+] + [f"{RESULTS}/statistics/{surface}.nc" for surface in sorted(STUDIED | CONTINUUM)]
 
 
 def figure_results(figure):
@@ -84,6 +88,6 @@ def surface_settings(wildcards):
 
 def contact_settings(wildcards):
     """Section contact, without the load-area curve where no figure shows it."""
-    if any(wildcards.surface in figure.surfaces(STUDIES, "contact") for figure in FIGURES.values()):
+    if wildcards.surface in WITH_LOAD_AREA:
         return config["contact"]
     return {**config["contact"], "path_area_fractions": []}

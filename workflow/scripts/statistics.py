@@ -6,7 +6,7 @@ from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
 surface, files, section = snakemake.wildcards.surface, snakemake.input, snakemake.params.statistics
-with log_to(snakemake.log[0]), ProgressBar(f"statistics {surface}"):
+with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"statistics {surface}"):
     results = map(SeedResults.read, files.surface, files.contact, files.stress)
     statistics = surface_statistics(results, **section)
     settings = dataset.settings_of(dataset.read(files.stress[0])) | {"statistics": section}

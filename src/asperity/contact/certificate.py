@@ -108,6 +108,16 @@ def verify_contact(
     -------
     Certificate
         Without iterations, pairs and seconds.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> solid = asp.Layer(young=1.0, poisson=0.3)
+    >>> contact = asp.solve(height, solid, mean_pressure=1e-3)
+    >>> asp.verify_contact(height, contact.pressure, solid, mean_pressure=1e-3).worst < 1e-5
+    True
+    >>> asp.verify_contact(height, 1.01 * contact.pressure, solid, mean_pressure=1e-3).worst < 1e-5
+    False
     """
     grid = Grid(np.shape(pressure), length)  # type: ignore[arg-type]
     pressure = np.asarray(pressure, dtype=float)

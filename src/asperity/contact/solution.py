@@ -67,6 +67,17 @@ class Contact:
         if several nodes touch at the same load, or one node is more than the area asked for.
     method : str
     rtol : float
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> round(contact.area_fraction, 3), contact.pressure.shape
+    (0.1, (64, 64))
+    >>> bool(contact.gap[contact.pressure > 0].max() < 1e-8)  # closed where there is pressure
+    True
+    >>> contact.certificate.worst < 1e-5
+    True
     """
 
     height: Array

@@ -104,6 +104,22 @@ def solve(
     Notes
     -----
     The methods are described in `asperity.contact.active_set` and `asperity.contact.gfmd`.
+
+    Examples
+    --------
+    A rough surface on steel, in SI units, and a ball on a flat, which compare with Hertz:
+
+    >>> steel = asp.Layer(young=210e9, poisson=0.3)  # Pa
+    >>> height = asp.self_affine((64, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)  # m
+    >>> contact = asp.solve(height, steel, length=2e-4, mean_pressure=20e6)
+    >>> print(f"{contact.area_fraction:.3f} of the area, at most {contact.max_pressure / 1e9:.2f} GPa")
+    0.024 of the area, at most 1.91 GPa
+
+    >>> ball = asp.add_sphere(np.zeros((64, 64)), 3e-4, radius=10e-3)
+    >>> contact = asp.solve(ball, steel, 3e-4, force=20.0, boundary="free")
+    >>> hertz = (6 * 20.0 * steel.effective_modulus**2 / (np.pi**3 * 10e-3**2)) ** (1 / 3)
+    >>> bool(abs(contact.max_pressure / hertz - 1) < 0.01)
+    True
     """
     values = checked_height(height)
     grid = Grid(values.shape, length)  # type: ignore[arg-type]

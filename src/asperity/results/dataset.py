@@ -24,8 +24,9 @@ import xarray as xr
 
 import asperity
 from asperity.errors import DatasetError
-from asperity.results.variables import STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
+from asperity.results.variables import ORIENTATION, STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
 from asperity.spectral import Grid
+from asperity.system import is_running
 
 CONVENTIONS = "CF-1.11"
 PAPER = (
@@ -44,6 +45,9 @@ MAX_BLOCK = 2**26
 
 MIN_FREE_SPACE = 2**20
 """A disk with fewer free bytes is called full: the NetCDF library does not say so itself."""
+
+_unfinished: set[Path] = set()
+"""Temporary files of this process."""
 
 _REMEDY = "delete it and run again"
 
@@ -112,6 +116,8 @@ def _attributes(name: str, dtype: np.dtype[Any], system: str) -> dict[str, str]:
     units = units_of(name, system) if dtype.kind in "fiu" else ""
     variable = VARIABLES[name]
     attributes = {"units": units, "long_name": variable.long_name, "comment": variable.comment}
+    if name == "height":
+        attributes["orientation"] = ORIENTATION
     return {key: value for key, value in attributes.items() if value}
 
 
@@ -134,6 +140,7 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     path = Path(path)
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
+    _unfinished.add(unfinished)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         _delete_abandoned(path)
@@ -144,6 +151,26 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             unfinished.unlink()
+        _unfinished.discard(unfinished)
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text file atomically.
+
+    Raises
+    ------
+    DatasetError
+        If the file cannot be written.
+    """
+    with atomic_write(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+
+
+def delete_unfinished() -> None:
+    """Delete the temporary files of this process, which is about to end."""
+    for path in list(_unfinished):
+        with suppress(OSError):
+            path.unlink()
 
 
 def _delete_abandoned(path: Path) -> None:
@@ -153,17 +180,6 @@ def _delete_abandoned(path: Path) -> None:
         found = pattern.fullmatch(left.name)
         if found and not is_running(int(found[1])):
             left.unlink(missing_ok=True)
-
-
-def is_running(process: int) -> bool:
-    """True if there is a process of this number."""
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return True
 
 
 def _cause_and_remedy(error: Exception, path: Path) -> str:
@@ -203,6 +219,21 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     ------
     DatasetError
         If the file is missing, damaged, changed since it was written, or not a result of asperity.
+
+    Examples
+    --------
+    The command line, here called in this process, writes such files:
+
+    >>> import tempfile
+    >>> from asperity.cli.main import main
+    >>> folder = tempfile.TemporaryDirectory()
+    >>> command = "surface --points 64 --hurst 0.8 --wavelength-long 0.5 --wavelength-short 0.125"
+    >>> status = main(f"{command} --rms-height 0.001 --out {folder.name}/surface.nc".split())
+    /.../surface.nc: 64 × 64 nodes, rms height 0.001 cell lengths, ...
+    >>> surface = asp.read_result(f"{folder.name}/surface.nc")
+    >>> surface["height"].dims, round(float(surface["height"].std()), 6)
+    (('y', 'x'), 0.001)
+    >>> folder.cleanup()
     """
     with _opened(path) as opened:
         dataset = opened.load()

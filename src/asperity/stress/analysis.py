@@ -8,7 +8,7 @@ far is kept, and the few planes above the final reference are computed again.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -64,6 +64,7 @@ def analyse_stress(
     work: Work | None = None,
     friction: float = 0.0,
     sliding_direction: str | float = "x",
+    observe: Callable[[LinearPlane], None] | None = None,
 ) -> xr.Dataset:
     """Peaks, depth profile and covariances of the stress under a contact.
 
@@ -83,6 +84,9 @@ def analyse_stress(
         are ripples of the interpolated pressure between the nodes, away from the contacts.
     progress : callable, optional
         Called as progress(done, total).
+    observe : callable, optional
+        Called with every plane of the stream, a `asperity.stress.planes.LinearPlane`, from the surface
+        downward, for numbers that are not in the result. It must not keep the plane.
 
     Returns
     -------
@@ -97,6 +101,17 @@ def analyse_stress(
     ------
     ValueError, TypeError
         If an argument is out of range.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> stress = asp.analyse_stress(contact, poisson=[0.0, 0.3, 0.5], quantities=("von_mises", "zz"))
+    >>> deepest = stress["largest_von_mises"].sel(poisson=0.3).argmax("plane")
+    >>> bool(0 < stress["plane_depth"][deepest] < 0.05)  # the largest stress lies below the surface
+    True
+    >>> print(*stress["quantity"].values)
+    von_mises zz
     """
     pressure, _ = checked_contact(contact)
     if depths is None:
@@ -119,7 +134,7 @@ def analyse_stress(
     analysis = _StressAnalysis(
         PressedSolid(pressure, contact.grid, contact.layer, boundary_of(contact)), settings
     )
-    analysis.run(progress)
+    analysis.run(progress, observe)
     return _dataset(analysis)
 
 
@@ -147,11 +162,12 @@ class _PeakSearch:
         Fields in which peaks are sought.
     poisson : float
         Poisson's ratio with which the fields are computed.
+    boundary : "periodic" | "free"
     """
 
-    def __init__(self, names: Iterable[str], poisson: float) -> None:
+    def __init__(self, names: Iterable[str], poisson: float, boundary: str) -> None:
         self.poisson = poisson
-        self.finders = {name: PeakFinder() for name in names}
+        self.finders = {name: PeakFinder(boundary) for name in names}
 
     def add(self, number: int, plane: LinearPlane, floor: float) -> None:
         """Add the next plane downward; maxima of a magnitude at or below `floor` are left out."""
@@ -179,8 +195,8 @@ class _RatioAnalysis(_PeakSearch):
     reference : ReferencePlane
     """
 
-    def __init__(self, names: Iterable[str], poisson: float, settings: _Settings) -> None:
-        super().__init__(names, poisson)
+    def __init__(self, names: Iterable[str], poisson: float, settings: _Settings, boundary: str) -> None:
+        super().__init__(names, poisson, boundary)
         planes = settings.depths.size
         self.mean, self.largest = np.zeros(planes), np.zeros(planes)
         self.reference = ReferencePlane(planes, settings.threads, settings.work)
@@ -221,16 +237,20 @@ class _StressAnalysis:
         alike = INDEPENDENT_OF_POISSON if contact.layer.height is None else ()
         fields = [name for name in settings.quantities if name != "pressure"]
         own = [name for name in fields if name not in alike]
-        self.independent = _PeakSearch([name for name in fields if name in alike], settings.ratios[0])
-        self.dependent = [_RatioAnalysis(own, nu, settings) for nu in settings.ratios]
+        boundary = boundary_of(contact)
+        shared = [name for name in fields if name in alike]
+        self.independent = _PeakSearch(shared, settings.ratios[0], boundary)
+        self.dependent = [_RatioAnalysis(own, nu, settings, boundary) for nu in settings.ratios]
         self.points = np.zeros(settings.depths.size, np.int64)
         self.peaks: dict[tuple[str, float], Peaks] = {}
 
-    def run(self, progress: Progress | None) -> None:
+    def run(self, progress: Progress | None, observe: Callable[[LinearPlane], None] | None) -> None:
         """Let all planes pass, and those above the reference planes once more."""
         with ThreadPoolExecutor(self.settings.threads) as pool:
             for number, plane in enumerate(self._planes(self.settings.depths)):
                 self._add(number, plane, pool)
+                if observe is not None:
+                    observe(plane)
                 if progress is not None:
                     progress(plane.done, 1.0)
         self._collect_peaks()
@@ -272,7 +292,9 @@ class _StressAnalysis:
                 for ratio in self.dependent:
                     self.peaks[name, ratio.poisson] = ratio.finders.pop(name).peaks()
         if "pressure" in self.settings.quantities:
-            self.peaks["pressure", np.nan] = plane_peaks(self.contact.pressure, self.contact.grid)
+            self.peaks["pressure", np.nan] = plane_peaks(
+                self.contact.pressure, self.contact.grid, boundary=boundary_of(self.contact)
+            )
 
 
 def _dataset(analysis: _StressAnalysis) -> xr.Dataset:

@@ -29,7 +29,7 @@ from asperity.stress.arguments import (
 from asperity.stress.depths import depth_grid
 from asperity.stress.planes import LinearPlane, linear_planes
 from asperity.stress.pressed import ContactLike
-from asperity.types import Array
+from asperity.types import Array, Progress
 
 LAGRANGE_NODES = 10
 """Nodes of the interpolation over a free boundary: its error is below 1e-4 for waves of seven nodes."""
@@ -65,16 +65,23 @@ class StressBox:
     _contact: ContactLike = field(repr=False)
     _settings: dict[str, Any] = field(repr=False)
 
-    def planes(self) -> Iterator[dict[str, Array]]:
+    def planes(self, progress: Progress | None = None) -> Iterator[dict[str, Array]]:
         """The fields of one depth after the other: name → (ratios, ny, nx) array."""
         periodic = boundary_of(self._contact) == "periodic"
         stream = linear_planes(self._contact, self.depth, self.poisson, self.fields, **self._settings)
         for plane in stream:
             found = _interpolated(plane, self.y, self.x, periodic)
             yield {name: np.stack([found.field(name, nu) for nu in self.poisson]) for name in self.fields}
+            if progress is not None:
+                progress(plane.done, 1.0)
 
-    def dataset(self) -> xr.Dataset:
+    def dataset(self, progress: Progress | None = None) -> xr.Dataset:
         """All fields, along `poisson`, `depth`, `y` and `x`.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called as progress(done, total) after each plane.
 
         Raises
         ------
@@ -90,7 +97,7 @@ class StressBox:
                 "at a time by planes()"
             )
         values = {name: np.empty(shape) for name in self.fields}
-        for number, plane in enumerate(self.planes()):
+        for number, plane in enumerate(self.planes(progress)):
             for name in self.fields:
                 values[name][:, number] = plane[name]
         dimensions = ("poisson", "depth", "y", "x")
@@ -133,6 +140,20 @@ def stress_box(
     ------
     ValueError, TypeError
         If an argument is out of range.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> depths = [0.0, 0.01, 0.02]
+    >>> box = asp.stress_box(contact, depths, y=(0.2, 0.5), x=(0.2, 0.5), fields=("zz", "von_mises"))
+    >>> dict(box.dataset().sizes)
+    {'poisson': 1, 'depth': 3, 'y': 20, 'x': 20}
+    >>> for plane in box.planes():  # the same, one plane in memory
+    ...     print(plane["zz"].shape)
+    (1, 20, 20)
+    (1, 20, 20)
+    (1, 20, 20)
     """
     checked_contact(contact)
     names = checked_names("fields", fields, FIELDS)
@@ -154,6 +175,8 @@ def stress_section(
     depths: ArrayLike | None = None,
     fields: Sequence[str] = ("von_mises",),
     poisson: float | Sequence[float] | None = None,
+    *,
+    progress: Progress | None = None,
     **settings: Any,
 ) -> xr.Dataset:
     """Fields of the stress in a vertical section through the solid.
@@ -168,6 +191,8 @@ def stress_section(
         Position of the section on the other axis, within the cell; by default that of the largest pressure.
     depths : (planes,) array, optional
         By default those of `depth_grid`.
+    progress : callable, optional
+        Called as progress(done, total) after each plane.
     **settings
         As for `stress_box`.
 
@@ -181,6 +206,16 @@ def stress_section(
     ------
     ValueError, TypeError
         If an argument is out of range.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> section = asp.stress_section(contact, along="x", depths=np.linspace(0, 0.1, 11), fields=("xx", "zz"))
+    >>> dict(section.sizes)
+    {'poisson': 1, 'depth': 11, 'x': 64}
+    >>> bool(abs(section["zz"].min() + contact.max_pressure) < 1e-5)  # σ_zz = −p at the surface
+    True
     """
     checked_name("along", along, ("x", "y"))
     pressure, _ = checked_contact(contact)
@@ -194,7 +229,7 @@ def stress_section(
         depths = depth_grid(contact.grid, contact.layer.height)
     y, x = ((at, at), None) if along == "x" else (None, (at, at))
     box = stress_box(contact, depths, y, x, fields, poisson, **settings)
-    return box.dataset().isel({"y" if along == "x" else "x": 0})
+    return box.dataset(progress).isel({"y" if along == "x" else "x": 0})
 
 
 def _positions(name: str, extent: Any, contact: ContactLike, axis: int, spacing: float | None) -> Array:

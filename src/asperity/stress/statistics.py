@@ -46,6 +46,13 @@ def probability_density(values: Array, bins: int = 100, limits: tuple[float, flo
     ------
     ValueError
         If `bins` is less than one, a value is not finite, or the limits do not rise.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1.0, seed=1)
+    >>> density = asp.probability_density(height, bins=20)
+    >>> density.density.size, round(float(np.sum(density.density * np.diff(density.edges))), 12)
+    (20, 1.0)
     """
     values = np.asarray(values, dtype=float).ravel()
     if not np.all(np.isfinite(values)):
@@ -80,9 +87,10 @@ def joint_counts(values: Array, depths: Array, value_edges: Array, depth_edges: 
 
 
 def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tuple[Array, Array]:
-    """Autocovariance of a plane field, averaged over directions (Eq. 22 within a plane, not normalised).
+    """Autocovariance of a plane field, averaged over directions.
 
-    Computed from the power spectrum without the mean (theorem of Wiener and Khinchin).
+    This is Eq. 22 within a plane, not normalised. It is computed from the power spectrum without the mean
+    (theorem of Wiener and Khinchin).
 
     Parameters
     ----------
@@ -96,6 +104,14 @@ def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tup
     lag, covariance : (lags,) arrays
         Averages over rings of lag vectors, each ring one spacing of `finest` wide, from lag 0 (the
         variance) to half the shorter edge of the cell.
+
+    Examples
+    --------
+    >>> grid = asp.Grid((64, 64))
+    >>> height = asp.self_affine(grid.shape, 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> lag, covariance = asp.autocorrelation(height, grid)
+    >>> print(f"{covariance[0]:.3e}, to half at {np.interp(-0.5, -covariance / covariance[0], lag):.2f}")
+    1.000e-06, to half at 0.07
     """
     finest = grid if finest is None else finest
     power = np.abs(Fourier(grid).forward(field)) ** 2

@@ -102,8 +102,8 @@ class Truncation:
 def envelope_of(layer: Layer, poisson: float, friction: float = 0.0) -> float:
     """The constant K for all ratios ≥ `poisson`, under pressure and a shear traction `friction` times it."""
     lateral = 1 - 2 * poisson
-    pressure = max(np.sqrt(3.0), lateral) * (1.0 if layer.height is None else 2.0)
-    return float(pressure + friction * max(np.sqrt(5.0), np.sqrt(3.0 + lateral**2)))
+    half_space = max(np.sqrt(3.0), lateral) + friction * max(np.sqrt(5.0), np.sqrt(3.0 + lateral**2))
+    return float(half_space * (1.0 if layer.height is None else 2.0))
 
 
 def coarser_grids(grid: Grid) -> list[Grid]:

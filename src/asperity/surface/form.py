@@ -44,6 +44,14 @@ def add_sphere(
     ------
     TypeError, ValueError
         If an argument is of the wrong kind or out of range.
+
+    Examples
+    --------
+    >>> ball = asp.add_sphere(np.zeros((3, 3)), 3e-3, radius=0.05)  # 3 x 3 nodes, 1 mm apart
+    >>> np.round(ball * 1e6, 3)  # µm
+    array([[20., 10., 20.],
+           [10.,  0., 10.],
+           [20., 10., 20.]])
     """
     heights, grid = _surface(height, length)
     radius = magnitude("radius", radius)
@@ -68,6 +76,14 @@ def add_cylinder(
     ----------
     axis : "y" | "x"
         Direction of the axis, along which the cylinder does not curve.
+
+    Examples
+    --------
+    >>> roller = asp.add_cylinder(np.zeros((3, 5)), (2e-3, 4e-3), radius=0.1, axis="y")  # curves along x
+    >>> np.round(roller * 1e6, 3)  # µm
+    array([[12.8,  3.2,  0. ,  3.2, 12.8],
+           [12.8,  3.2,  0. ,  3.2, 12.8],
+           [12.8,  3.2,  0. ,  3.2, 12.8]])
     """
     heights, grid = _surface(height, length)
     radius = magnitude("radius", radius)

@@ -9,11 +9,12 @@ numbers (NPY, MATLAB, HDF5, text without a header) can be either, and its reader
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from asperity.errors import InputError
 from asperity.types import Array
 from asperity.units import to_si
 
@@ -28,18 +29,24 @@ OptionName = Callable[[str], str]
 _UNIT_NAMES = {"A": "angstrom", "Å": "angstrom", "\u212b": "angstrom", "~m": "um"}
 
 
-class MapError(ValueError):
-    """Raised for a height map that cannot be read or used as asked; the message is one line.
+class MapError(InputError):
+    """Raised for a height map that cannot be read or used as asked; the message has a line a problem.
 
     Attributes
     ----------
     problems : tuple of str
         Everything that is wrong or missing, each with the argument or option that it needs.
-    """
 
-    def __init__(self, source: str, problems: Sequence[str]) -> None:
-        self.problems = tuple(problems)
-        super().__init__(": ".join(part for part in (source, "; ".join(problems)) if part))
+    Examples
+    --------
+    >>> flat = asp.HeightMap(np.zeros((8, 8)), length=(1e-3, 1e-3), name="flat")
+    >>> try:
+    ...     asp.treat_map(flat)
+    ... except asp.MapError as error:
+    ...     print(error)
+    flat: periodic: the file does not say that the map is one period; set periodic to declared,
+    mirrored, windowed or none (for a free boundary)
+    """
 
 
 @dataclass(frozen=True)
@@ -63,6 +70,15 @@ class HeightMap:
         Name of the file.
     channel : str
         Name of the channel in the file.
+
+    Examples
+    --------
+    >>> heights = np.array([[0.0, 1.0, 0.5], [0.2, np.nan, 0.1]]) * 1e-6
+    >>> surface = asp.HeightMap(heights, length=(2e-6, 3e-6))
+    >>> surface.missing, [f"{step:.1e}" for step in surface.spacing]
+    (1, ['1.0e-06', '1.0e-06'])
+    >>> float(np.nanmin(surface.as_indenter()))  # turned upside down: the highest peak touches first
+    -1e-06
     """
 
     height: Array

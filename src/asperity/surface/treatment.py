@@ -73,6 +73,11 @@ class Treatment:
     points : int, optional
         Number of nodes on the longer edge of the map, or of the cell if it is mirrored, at least 2. By
         default that of the map.
+
+    Examples
+    --------
+    >>> asp.Treatment(periodic="mirrored", despike=8, wavelength_short=16e-6).detrend
+    'tilt'
     """
 
     detrend: str = "tilt"
@@ -238,6 +243,15 @@ def treat_map(
     ------
     MapError
         If a setting is out of range or missing, or if the map is flat; the message says all that is wrong.
+
+    Examples
+    --------
+    >>> heights = asp.self_affine((40, 40), 0.8, 60e-6, 10e-6, rms_height=1e-7, seed=1, length=80e-6)
+    >>> heights[3, 5] = np.nan  # a point without data
+    >>> surface = asp.HeightMap(heights, length=(80e-6, 80e-6))
+    >>> made = asp.treat_map(surface, asp.Treatment(periodic="mirrored", undefined="harmonic"))
+    >>> made.height.shape, bool(np.isfinite(made.height).all())
+    ((80, 80), True)
     """
     treatment = treatment or Treatment()
     if problems := treatment_problems(surface, treatment, option, periodicities):

@@ -18,6 +18,9 @@ _COLUMNS = 2
 def draw(results: Mapping[str, xr.Dataset]) -> Figure:
     """Draw a panel for each result: standard error over the value against processor time.
 
+    Points are measured from parts of the samples. The dashed lines fall as one over the root of the time; that of
+    plain Monte Carlo has the variance of a seed on the finest grid that all levels show.
+
     Parameters
     ----------
     results : mapping
@@ -30,23 +33,26 @@ def draw(results: Mapping[str, xr.Dataset]) -> Figure:
     for axis, (title, data) in zip(axes, results.items(), strict=False):
         _draw_panel(axis, data)
         axis.set_title(title, fontsize="small")
-    axes[0].legend(loc="lower left")
+    axes[0].legend(loc="upper right")
     return figure
 
 
 def _draw_panel(axis: Axes, data: xr.Dataset) -> None:
-    value = abs(float(data["estimate"]))
-    kinds = (("plain_course", "plain Monte Carlo", "s", "C1"), ("course", "multilevel", "o", "C0"))
-    end = max(float(data["plain_seconds_same_error"]), float(data["plain_seconds"])) * 1.5
-    for prefix, name, marker, colour in kinds:
+    value, bias = abs(float(data["estimate"])), abs(float(data["estimate_bias"] / data["estimate"]))
+    reached, same = float(data["estimate_error"]) / value, float(data["plain_seconds_same_error"])
+    kinds = (
+        ("plain_course", "plain Monte Carlo", "s", "C1", same),
+        ("course", "multilevel", "o", "C0", float(data["estimate_seconds"])),
+    )
+    for prefix, name, marker, colour, spent in kinds:
         seconds, error = data[f"{prefix}_seconds"].values, data[f"{prefix}_error"].values / value
         axis.plot(seconds, error, marker, color=colour, ms=4, label=name)
-        line = np.array([seconds[-1], max(end, seconds[-1])]) if prefix == "plain_course" else seconds
-        axis.plot(line, error[-1] * np.sqrt(seconds[-1] / line), color=colour, lw=0.8, ls="--")
-    axis.axhline(abs(float(data["estimate_bias"])) / value, color="0.6", lw=0.8)
+        line = np.array([seconds[0], max(spent * 1.5, seconds[-1])])
+        axis.plot(line, reached * np.sqrt(spent / line), color=colour, lw=0.8, ls="--")
+    axis.axhline(bias, color="0.6", lw=0.8)
     axis.annotate(
         "bias",
-        (1, abs(float(data["estimate_bias"])) / value),
+        (1, bias),
         xycoords=("axes fraction", "data"),
         xytext=(-2, 2),
         textcoords="offset points",
@@ -55,6 +61,8 @@ def _draw_panel(axis: Axes, data: xr.Dataset) -> None:
         color="0.4",
     )
     axis.set(xscale="log", yscale="log", xlabel="processor time, s", ylabel="standard error over value")
-    axis.yaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
-    axis.yaxis.set_major_formatter(FuncFormatter(lambda part, _: f"{100 * part:g} %"))
-    axis.yaxis.set_minor_formatter(NullFormatter())
+    for one, text in ((axis.xaxis, "{:g}"), (axis.yaxis, "{:g} %")):
+        factor = 100 if one is axis.yaxis else 1
+        one.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        one.set_major_formatter(FuncFormatter(lambda x, _, text=text, factor=factor: text.format(factor * x)))
+        one.set_minor_formatter(NullFormatter())
