@@ -24,8 +24,8 @@ def make_parser() -> Parser:
         "measured map, materials and a load with their units. The others have lengths in units of the longer "
         "edge of the periodic cell, stresses in units of the effective modulus E/(1 - poisson^2).",
         epilog="From a map to an answer: run. The steps of a calculation: surface, solve, stress, peaks, "
-        "plot. Its cost and error beforehand: plan. Means over random surfaces: ensemble. Pictures and tables "
-        "of its results: view, export. The study of the paper: study.",
+        "plot. Its cost and error beforehand: plan. Means over random surfaces: ensemble. Pictures and "
+        "tables of its results: view, export. The study of the paper: study.",
     )
     parser.add_argument("--version", action="version", version=f"asperity {asperity.__version__}")
     commands = parser.add_subparsers(title="commands", required=True, dest="command", metavar="COMMAND")

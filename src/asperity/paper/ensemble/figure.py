@@ -18,8 +18,8 @@ _COLUMNS = 2
 def draw(results: Mapping[str, xr.Dataset]) -> Figure:
     """Draw a panel for each result: standard error over the value against processor time.
 
-    Points are measured from parts of the samples. The dashed lines fall as one over the root of the time; that of
-    plain Monte Carlo has the variance of a seed on the finest grid that all levels show.
+    Points are measured from parts of the samples. The dashed lines fall as one over the root of the time;
+    that of plain Monte Carlo has the variance of a seed on the finest grid that all levels show.
 
     Parameters
     ----------
