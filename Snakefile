@@ -43,6 +43,7 @@ wildcard_constraints:
 
 include: "workflow/rules/common.smk"
 include: "workflow/rules/inputs.smk"
+include: "workflow/rules/ensemble_inputs.smk"
 include: "workflow/rules/resources.smk"
 include: "workflow/rules/machine_code.smk"
 include: "workflow/rules/surface.smk"
