@@ -8,6 +8,11 @@ STUDIED = {name for names in STUDIES.values() for name in names}
 RESOLUTIONS = resolutions(SURFACES) if config["claims"] else {}
 CONTINUUM = {name for by_role in RESOLUTIONS.values() for name in by_role.values()}
 CONTINUUM_SEEDS = config["seeds"][:2]
+# What the readings of the claims need besides the study: other conditions of the uniform mode, other components.
+OTHER_LATERALS = [name for name in config["readings"]["lateral"] if name != config["layer"]["lateral"]]
+OTHER_COMPONENTS = [name for name in config["readings"]["shear"] if name != "xz"]
+if not config["claims"]:
+    OTHER_LATERALS, OTHER_COMPONENTS = [], []
 FIGURES = describe_all(
     STUDIES,
     config["validation"],
@@ -30,6 +35,15 @@ def results_of_seeds(stage):
     """Results of a stage for all seeds of a surface."""
     return lambda wildcards: [
         f"{RESULTS}/{stage}/{wildcards.surface}/seed{seed}.nc" for seed in seeds_of(wildcards.surface)
+    ]
+
+
+def other_stresses_of_seeds(wildcards):
+    """Stresses of all seeds of a surface under the other conditions of the uniform mode, one condition by one."""
+    return [
+        f"{RESULTS}/readings/{name}/stress/{wildcards.surface}/seed{seed}.nc"
+        for name in OTHER_LATERALS
+        for seed in seeds_of(wildcards.surface)
     ]
 
 
