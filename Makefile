@@ -13,7 +13,7 @@ FOLDER = $$(python -m asperity.config results $(FILES))
 VENV := .venv
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick verify test lint check fuzz test-faults test-slurm bad-input report bench tradeoff calculix lock clean
+.PHONY: help study quick claims verify test lint check fuzz test-faults test-slurm bad-input report bench tradeoff calculix lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -24,6 +24,10 @@ study: $(VENV)/ready ## Make every figure of the paper, in results/figures; CONF
 
 quick: $(VENV)/ready ## Run every rule of the study on small cells, into results/quick (one minute)
 	snakemake --cores $(CORES) --configfile config/quick.yaml
+
+claims: $(VENV)/ready ## Test the paper's statements on the ensemble (an hour on two cores) and write what README and docs say of them
+	snakemake --cores $(CORES) --configfile config/ensemble.yaml -- results/ensemble/claims.md
+	python -m asperity.paper.claims results/ensemble
 
 verify: $(VENV)/ready ## Check the fingerprint of every result of a study and name the damaged ones; CONFIG=, RESULTS= as for study
 	python workflow/verify.py "$(FOLDER)"

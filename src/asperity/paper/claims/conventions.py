@@ -2,10 +2,10 @@
 
 A set of conventions takes one option of every choice in `CONVENTIONS`. It reproduces a statement with the
 probability that the number lies in the region predicted, given its estimate and its interval. Choices that
-are no convention of a computation, such as thresholds, are averaged over. A statement may be wrong for another
-reason with probability `SLIP`, so that none counts for everything. The likelihood of a set is the product
-over the statements; that of one option is the largest over all sets that take it. Statements about the same
-surfaces are not independent, so the ratios of likelihoods overstate; `CLEAR` is set accordingly.
+are no convention of a computation, such as thresholds, are averaged over. A statement may be wrong for
+another reason with probability `SLIP`, so that none counts for everything. The likelihood of a set is the
+product over the statements; that of one option is the largest over all sets that take it. Statements about
+the same surfaces are not independent, so the ratios of likelihoods overstate; `CLEAR` is set accordingly.
 """
 
 from __future__ import annotations
