@@ -406,8 +406,8 @@ def test_skewed_surfaces_of_another_delta_are_found_by_their_parameters():
         "p3": skew(1.25, 3.0),
         "n3": skew(-1.25, 3.0, hurst=0.5),
     }
-    studies = {"skewness": ["n", "g", "p"]}
-    found = deltas(studies, surfaces, [1.0, 2.0, 3.0])
+    own = roles({"skewness": ["n", "g", "p"]}, surfaces)
+    found = deltas(own, surfaces, [1.0, 2.0, 3.0])
     assert list(found) == [1.0, 2.0]
     assert found[2.0] == {"skew_negative": "n2", "skew_positive": "p2"}
     assert deltas({}, surfaces, [2.0]) == {}

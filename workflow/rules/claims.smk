@@ -4,7 +4,7 @@ from asperity.paper.claims.sources import DATASETS, deltas, role_of_delta, roles
 
 # The statements are about the surfaces of the paper: a surface of another name has no role in them.
 ROLES = roles(STUDIES, {name: SURFACES[name] for name in load(PAPER)["surfaces"] if name in SURFACES})
-DELTAS = deltas(STUDIES, SURFACES, config["readings"].get("delta", []))
+DELTAS = deltas(ROLES, SURFACES, config["readings"].get("delta", []))
 ROLES_OF_DELTA = {
     **ROLES,
     **{role_of_delta(role, delta): name for delta, names in DELTAS.items() for role, name in names.items()},

@@ -52,7 +52,7 @@ def role_of_delta(role: str, delta: float) -> str:
 
 
 def deltas(
-    studies: Mapping[str, Sequence[str]],
+    by_role: Mapping[str, str],
     surfaces: Mapping[str, Mapping[str, Any]],
     wanted: Sequence[float],
 ) -> dict[float, dict[str, str]]:
@@ -60,8 +60,10 @@ def deltas(
 
     Parameters
     ----------
-    studies, surfaces : mappings
-        Sections of these names of the configuration.
+    by_role : mapping
+        Role → name of a surface, as of `roles`.
+    surfaces : mapping
+        Section of this name of the configuration.
     wanted : sequence of float
         Values of δ, besides that of the study.
 
@@ -71,7 +73,7 @@ def deltas(
         δ, that of the study first → role → name of a surface; empty without such a study. Values for which
         surfaces are missing are left out.
     """
-    own = {role: name for role, name in roles(studies, surfaces).items() if role in SKEWED}
+    own = {role: name for role, name in by_role.items() if role in SKEWED}
     if not own or not all("johnson" in surfaces[name] for name in own.values()):
         return {}
     found = {surfaces[own[SKEWED[0]]]["johnson"]["delta"]: own}
