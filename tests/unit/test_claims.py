@@ -309,7 +309,7 @@ def test_the_readings_that_tell_two_verdicts_apart_are_the_nearest_ones():
     assert (finding.verdict, finding.choices) == (DEPENDS, ("peaks",))
     assert [one.verdict for one in finding.shown] == [FAILS, HOLDS]
     assert verdict_in_words(finding) == (
-        "**depends on peaks**: peaks below 0.5 (0.3 to 0.7) does not hold; peaks with 1.5 (1.3 to 1.7) holds"
+        "**depends on peaks**: peaks below: 0.5 (0.3 to 0.7) does not hold; peaks with: 1.5 (1.3 to 1.7) holds"
     )
 
 

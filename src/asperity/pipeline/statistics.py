@@ -291,9 +291,9 @@ def _of_counted_peaks(
     for c, p in np.ndindex(shape):
         name, selection = list(COUNTED.items())[c]
         found = peaks(stress, "von_mises", float(ratios[p]), selection)
-        if name == "highest_of_patch":
+        if name in ("highest_of_patch", "large_patches"):
             found = found.isel(peak=under.highest(found))
-        elif name == "large_patches":
+        if name == "large_patches":
             found = found.isel(peak=under.larger(found, large))
         count[c, p] = found.sizes["peak"]
         if not count[c, p]:

@@ -305,7 +305,7 @@ VARIABLES: dict[str, Variable] = {
         _NUMBER,
         "von Mises peaks that are counted",
         "below_surface: those below the surface under a contact; with_surface: also those in it; "
-        "highest_of_patch: the highest below each patch of contact; large_patches: those below large patches",
+        "highest_of_patch: the highest below each patch of contact; large_patches: that of each large patch",
     ),
     "seed_counted_count": Variable(_NUMBER, "number of the counted peaks"),
     "seed_counted_deviation": Variable(_SCALED, "standard deviation of the counted peaks"),

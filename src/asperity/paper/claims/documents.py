@@ -64,7 +64,7 @@ def readme(found: Sequence[Finding]) -> str:
         DEPENDS: "depend on the reading",
         UNDECIDED: "are not decided",
         UNTESTABLE: "cannot be tested here",
-        NO_DATA: "lack a surface",
+        NO_DATA: "have no data",
     }
     told = ", ".join(f"{counts[verdict]} {text}" for verdict, text in words.items() if counts[verdict])
     seeds = max(f.own.seeds for f in found)

@@ -123,10 +123,10 @@ def _judgement_of(row: Mapping[str, Any]) -> Judgement:
 
 
 def in_words(one: Judgement, choices: Sequence[str]) -> str:
-    """A judgement under the options of some choices: ``lateral free 1.56 (1.54 to 1.59) holds``."""
+    """A judgement under the options of some choices: ``lateral free: 1.56 (1.54 to 1.59) holds``."""
     options = ", ".join(f"{name} {option_in_words(one.options[name])}" for name in choices)
     interval = f" ({one.low:.4g} to {one.high:.4g})" if np.isfinite(one.low) else ""
-    return f"{options} {one.value:.4g}{interval} {one.verdict}".strip()
+    return f"{options}: {one.value:.4g}{interval} {one.verdict}".removeprefix(": ")
 
 
 def option_in_words(option: object) -> str:
@@ -139,7 +139,7 @@ def verdict_in_words(finding: Finding) -> str:
     if finding.verdict == DEPENDS:
         head = f"**depends on {', '.join(finding.choices)}**"
     elif finding.verdict == UNDECIDED and finding.choices:
-        head = f"**{UNDECIDED}** under every {', '.join(finding.choices)}"
+        head = f"**{UNDECIDED}** under every option of {', '.join(finding.choices)}"
     else:
         reason = finding.own.missing or (finding.claim.untestable if finding.verdict == UNTESTABLE else "")
         return f"**{finding.verdict}**" + (f" ({reason})" if reason else "")
