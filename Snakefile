@@ -6,12 +6,15 @@ try:
     from asperity.runtime.preflight import require_packages
 
     require_packages()
+    from asperity.runtime.interrupts import end_study_with_jobs
+    from asperity.runtime.snakemake_internals import is_main_process
+
+    if is_main_process(workflow):
+        end_study_with_jobs()
     from asperity.config.study import read_study
     from asperity.runtime.snakemake_internals import overlays, settings_given
 except ImportError as error:
-    sys.exit(
-        f"study: not installed: {error.name}; install everything with: pip install --requirement requirements.lock"
-    )
+    sys.exit(f'study: not installed: {error.name}; install with: pip install "asperity[study]"')
 except PreflightError as error:
     sys.exit(f"study: {error}")
 
@@ -57,6 +60,8 @@ include: "workflow/rules/handlers.smk"
 rule all:
     default_target: True
     input:
+        # Results that are lost are made again, also those that only others are made from.
+        STAGE_RESULTS,
         rules.figures.input,
         rules.validation_table.output if VALIDATIONS else [],
         rules.verified.input,

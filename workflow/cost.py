@@ -101,8 +101,7 @@ def main() -> None:
         sys.exit(f"{logs}: no finished job; run the study first")
     if options.declared:
         memory = declared_memory(options.configfile)
-        # A dry run shows a job of a rule with a message by that message alone, without its resources.
-        jobs = {path: job._replace(declared=memory.get(path, job.memory)) for path, job in jobs.items()}
+        jobs = {path: job._replace(declared=memory[path]) for path, job in jobs.items() if path in memory}
     print(table(jobs, logs, options.declared))
     if options.declared and (lines := wrongly_declared(jobs, logs)):
         sys.exit("\n".join([f"measured and declared memory differ by more than {TOLERANCE:.0%}:", *lines]))

@@ -6,6 +6,7 @@ The message of a refused argument or key names it, shows its value and says what
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 # Characters of a value that a message shows at most.
@@ -23,12 +24,30 @@ class ConvergenceError(RuntimeError):
         Number of applications of the compliance operator, on all grids.
     load : float
         Mean pressure when the solver stopped.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((32, 32), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> sheet = asp.Layer(young=1.0, poisson=0.3, height=0.01, bottom="free")  # bends between contacts
+    >>> try:
+    ...     asp.solve(height, sheet, mean_pressure=1e-4)
+    ... except asp.ConvergenceError as error:
+    ...     print("not solved:", error.residual > error.tolerance)
+    not solved: True
     """
 
-    def __init__(self, reason: str, residual: float, tolerance: float, iterations: int, load: float) -> None:
+    def __init__(
+        self,
+        reason: str,
+        residual: float,
+        tolerance: float,
+        iterations: int,
+        load: float,
+        remedy: str = "",
+    ) -> None:
         super().__init__(
             f"{reason}: residual {residual:.3g}, tolerance {tolerance:.3g}, "
-            f"{iterations} iterations, mean pressure {load:.6g}"
+            f"{iterations} iterations, mean pressure {load:.6g}" + (f"; {remedy}" if remedy else "")
         )
         self.residual = residual
         self.tolerance = tolerance
@@ -45,6 +64,28 @@ class ConfigError(ValueError):
 
     def __init__(self, message: str) -> None:
         super().__init__(one_line(message))
+
+
+class InputError(ValueError):
+    """Raised for input with one or several problems.
+
+    Attributes
+    ----------
+    source : str
+        File that has the problems; may be empty.
+    problems : tuple of str
+        Everything that is wrong or missing, each with the argument or option that it needs.
+    """
+
+    def __init__(self, source: str, problems: Sequence[str]) -> None:
+        self.source = source
+        self.problems = tuple(problems)
+        super().__init__(self.lines[0] if len(self.lines) == 1 else "\n  ".join([f"{source}:", *problems]))
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """A message for each problem."""
+        return tuple(": ".join(filter(None, (self.source, problem))) for problem in self.problems)
 
 
 class PlanError(ValueError):

@@ -73,6 +73,15 @@ class Grid:
     ------
     TypeError, ValueError
         If `shape` is not a pair of whole numbers, or an edge is not a number from 1e-75 to 1e75.
+
+    Examples
+    --------
+    >>> grid = asp.Grid((64, 128), (1e-3, 2e-3))  # 64 nodes on 1 mm along y, 128 on 2 mm along x
+    >>> [f"{step:.4g}" for step in grid.spacing], grid.size
+    (['1.563e-05', '1.563e-05'], 8192)
+    >>> y, x = grid.coordinates()
+    >>> y.shape, x.shape
+    ((64,), (128,))
     """
 
     shape: tuple[int, int]

@@ -180,3 +180,40 @@ def test_gfmd_is_fastest_near_the_critical_damping_of_the_slowest_mode(fraction:
     critical = steps(gfmd.DAMPING_FRACTION)
     assert steps(0.3) > 1.5 * critical
     assert steps(2.0) > 1.5 * critical
+
+
+ROUGH = {"hurst": 0.8, "wavelength_long": 1 / 4, "wavelength_short": 8 / 128, "rms_height": 1e-3}
+
+
+def error_against_a_tight_tolerance(height: np.ndarray, layer: Layer, **arguments: object) -> float:
+    """Relative error of the pressure, in units of the tolerance, against the same load at 1e-11."""
+    contact = solve(height, layer, **arguments)  # type: ignore[arg-type]
+    converged = solve(height, layer, mean_pressure=contact.mean_pressure, rtol=1e-11)
+    difference = np.linalg.norm(contact.pressure - converged.pressure) / np.linalg.norm(converged.pressure)
+    return float(difference) / contact.rtol
+
+
+@pytest.mark.parametrize("rtol", [1e-4, 1e-6])
+@pytest.mark.parametrize("load", [1e-4, 1e-3, 1e-1])
+def test_gfmd_reaches_its_tolerance_at_small_loads(load: float, rtol: float) -> None:
+    # The load is in units of E* × rms gradient. The tolerance bounds the solver's error alone.
+    height = asp.self_affine((128, 128), seed=1, **ROUGH)
+    gradient = float(np.hypot(*np.gradient(height, 1 / 128)).std())
+    error = error_against_a_tight_tolerance(
+        height, Layer(1.0, 0.0), mean_pressure=load * gradient, method="gfmd", rtol=rtol
+    )
+    assert error < 1
+
+
+@pytest.mark.parametrize("method", ["active_set", "gfmd"])
+@pytest.mark.parametrize("area_fraction", [0.1, 0.97, 0.999, 0.9995])
+def test_an_approach_near_full_contact_gives_the_load_of_its_area(area_fraction: float, method: str) -> None:
+    # Ten open nodes are a thousand times stiffer than the rest; the bound is that of the solver's tolerance.
+    height = asp.self_affine((128, 128), seed=1, **ROUGH)
+    layer = Layer(1.0, 0.3)
+    near = solve(height, layer, area_fraction=area_fraction)
+    expected = solve(height, layer, mean_pressure=near.mean_pressure, rtol=1e-11)
+    contact = solve(height, layer, approach=expected.approach, method=method)
+    difference = np.linalg.norm(contact.pressure - expected.pressure) / np.linalg.norm(expected.pressure)
+    assert difference < 1.5 * contact.rtol
+    assert contact.certificate.iterations < 1000

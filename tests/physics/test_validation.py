@@ -23,9 +23,10 @@ from asperity.validation.finite_elements import (
     compare_elements,
     largest_differences,
 )
+from asperity.validation.held_out import edge_tension, elliptic_contacts, layer_indentation, wave_asymptotes
 from asperity.validation.indenter import CURVATURE_RADIUS, fitted_contact_radius, paraboloid
 from asperity.validation.pointwise import displacement_and_stress
-from asperity.validation.table import BOUNDS, markdown, table_rows
+from asperity.validation.table import BOUNDS, markdown, relative_error, table_rows
 
 
 def test_fields_at_points_are_those_of_a_mode() -> None:
@@ -206,3 +207,83 @@ def test_table_holds_and_shows_an_exceeded_bound(
     assert "exceeded" not in text
     datasets["load_area"] = hertz.assign(solved_contact_radius=1.1 * hertz.solved_contact_radius)
     assert "**exceeded**" in markdown(table_rows(datasets))
+
+
+@pytest.fixture(scope="module")
+def ellipses() -> xr.Dataset:
+    return elliptic_contacts()
+
+
+@pytest.mark.xdist_group("ellipses")
+def test_elliptic_pressure(ellipses: xr.Dataset) -> None:
+    """Grid."""
+    assert relative_error(ellipses, "largest_pressure").max() < BOUNDS["elliptic_pressure"]
+
+
+@pytest.mark.xdist_group("ellipses")
+@pytest.mark.parametrize("name", ["von_mises", "largest_shear"])
+def test_elliptic_stress(ellipses: xr.Dataset, name: str) -> None:
+    """Grid."""
+    assert relative_error(ellipses, name).max() < BOUNDS["elliptic_stress"]
+
+
+@pytest.mark.xdist_group("ellipses")
+@pytest.mark.parametrize("name", ["von_mises", "largest_shear"])
+def test_elliptic_depth(ellipses: xr.Dataset, name: str) -> None:
+    """Grid, and the parabola through three depths."""
+    assert relative_error(ellipses, f"{name}_depth").max() < BOUNDS["elliptic_depth"]
+
+
+def test_edge_tension() -> None:
+    """Grid. The stress has an infinite slope inside the edge of contact, so that its error falls slowly."""
+    found = edge_tension()
+    difference = np.abs(found.solved_tension - found.exact_tension)
+    assert difference.max() < BOUNDS["edge_tension"]
+    assert difference.sel(poisson=0.5).max() < 1e-12  # no radial stress: rounding
+    assert float(found.solved_tension.sel(poisson=0.0).max()) > 0.32
+
+
+@pytest.fixture(scope="module")
+def layers() -> xr.Dataset:
+    return layer_indentation()
+
+
+@pytest.mark.xdist_group("layers")
+def test_layer_punch_load(layers: xr.Dataset) -> None:
+    """Grid: the pressure is singular at the edge."""
+    errors = relative_error(layers, "load").sel(indenter="flat punch")
+    assert errors.max() < BOUNDS["layer_punch_load"]
+
+
+@pytest.mark.xdist_group("layers")
+def test_layer_paraboloid_load(layers: xr.Dataset) -> None:
+    """Grid, and for the thickest incompressible layer the neighbours."""
+    errors = relative_error(layers, "load").sel(indenter="paraboloid")
+    assert errors.max() < BOUNDS["layer_paraboloid_load"]
+
+
+@pytest.mark.xdist_group("layers")
+def test_layer_contact_radius(layers: xr.Dataset) -> None:
+    """Grid: a count of nodes, 26 to the radius."""
+    assert relative_error(layers, "contact_radius").max() < BOUNDS["layer_contact_radius"]
+
+
+@pytest.fixture(scope="module")
+def waves() -> xr.Dataset:
+    return wave_asymptotes()
+
+
+@pytest.mark.xdist_group("waves")
+def test_wave_small_contact(waves: xr.Dataset) -> None:
+    """The asymptote's own error, which falls with the load."""
+    errors = relative_error(waves, "contact_radius")
+    assert errors[0] < BOUNDS["wave_small_contact"]
+    assert errors[0] < 0.3 * errors[1]
+
+
+@pytest.mark.xdist_group("waves")
+def test_wave_nearly_complete(waves: xr.Dataset) -> None:
+    """The asymptote's own error, which falls with the part out of contact, and the grid."""
+    errors = relative_error(waves, "mean_gap")
+    assert errors[-1] < BOUNDS["wave_nearly_complete"]
+    assert errors[-1] < 0.3 * errors[0]

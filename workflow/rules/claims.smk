@@ -23,7 +23,7 @@ rule claims:
         statistics=[f"{RESULTS}/statistics/{surface}.nc" for surface in CLAIMED],
         validation=[f"{RESULTS}/validation/{name}.nc" for name in DATASETS if name in config["validation"]],
         others=[file for files in OTHERS.values() for file in files],
-        style="src/asperity/views/style.mplstyle",
+        style=STYLE,
         machine_code=MACHINE_CODE,
         code=code("claims"),
     output:
@@ -60,6 +60,6 @@ rule claims:
         others=OTHERS,
         readings=READINGS,
         seeds=config["seeds"],
-        nodes=min(s["points"] * s["wavelength_short"] for s in SURFACES.values()),
+        nodes=min((s["points"] * s["wavelength_short"] for s in SURFACES.values()), default=0),
     script:
         "../scripts/claims.py"

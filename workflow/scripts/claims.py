@@ -12,7 +12,7 @@ from asperity.runtime.progress import ProgressBar
 from asperity.views.style import save, style
 
 params, output = snakemake.params, snakemake.output
-with log_to(snakemake.log[0]), ProgressBar("claims"), style(snakemake.input.style):
+with log_to(snakemake.log[0], snakemake.output), ProgressBar("claims"), style(snakemake.input.style):
     statistics, validation = (
         {Path(file).stem: dataset.read(file) for file in files}
         for files in (snakemake.input.statistics, snakemake.input.validation)
@@ -33,9 +33,9 @@ with log_to(snakemake.log[0]), ProgressBar("claims"), style(snakemake.input.styl
     finer = {nodes: evidence(names) for nodes, names in params.resolutions.items()}
     findings = decide(CLAIMS, study, finer, params.readings)
     limits = report.continuum_table(HEADLINES, finer)
-    report.frame(findings, params.nodes).to_csv(output.table, index=False)
-    report.frame_of_readings(findings).to_csv(output.readings, index=False)
+    dataset.write_text(output.table, report.frame(findings, params.nodes).to_csv(index=False))
+    dataset.write_text(output.readings, report.frame_of_readings(findings).to_csv(index=False))
     text = report.markdown(findings, params.seeds, params.nodes, limits)
-    Path(output.text).write_text(text, encoding="utf-8")
-    Path(output.page).write_text(report.page(findings, limits), encoding="utf-8")
+    dataset.write_text(output.text, text)
+    dataset.write_text(output.page, report.page(findings, limits))
     save(overview.draw(findings), *output.picture)

@@ -6,7 +6,7 @@ from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
 surface, files, params = snakemake.wildcards.surface, snakemake.input, snakemake.params
-with log_to(snakemake.log[0]), ProgressBar(f"statistics {surface}"):
+with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"statistics {surface}"):
     results = map(SeedResults.read, files.surface, files.contact, files.stress)
     statistics = surface_statistics(results, **params.statistics, patch_nodes=params.patch_nodes)
     settings = dataset.settings_of(dataset.read(files.stress[0])) | {

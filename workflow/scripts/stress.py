@@ -6,7 +6,7 @@ from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
 surface, seed = snakemake.wildcards.surface, snakemake.wildcards.seed
-with log_to(snakemake.log[0]), ProgressBar(f"stress {surface}") as progress:
+with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"stress {surface}") as progress:
     contact = dataset.read(snakemake.input.contact)
     settings = dataset.settings_of(contact) | {"stress": snakemake.params.stress}
     found = compute_stresses(

@@ -1,7 +1,5 @@
 """Rule verification: the results of one surface against the laws that they must obey."""
 
-from pathlib import Path
-
 from asperity.pipeline.statistics import SeedResults
 from asperity.pipeline.verification import verify
 from asperity.results import dataset, markup
@@ -9,10 +7,10 @@ from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
 surface, files = snakemake.wildcards.surface, snakemake.input
-with log_to(snakemake.log[0]), ProgressBar(f"verification {surface}") as progress:
+with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"verification {surface}") as progress:
     results = map(SeedResults.read, files.surface, files.contact, files.stress)
     checks = verify(surface, results, dataset.read(files.statistics), progress)
-    checks.to_csv(snakemake.output.table, index=False)
+    dataset.write_text(snakemake.output.table, checks.to_csv(index=False))
     rows = markup.rows_of(checks.drop(columns="surface"))
     page = markup.page(f"Verification of {surface}", {"": rows})
-    Path(snakemake.output.page).write_text(page, encoding="utf-8")
+    dataset.write_text(snakemake.output.page, page)

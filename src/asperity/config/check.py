@@ -71,6 +71,25 @@ def needed_instead(value: Any, entry: Entry) -> str:
     return "" if error is None else _needed(error)
 
 
+def check_section(name: str, values: Mapping[str, Any], option: Callable[[str], str]) -> None:
+    """Raise `ConfigError` for the first value that one section of a configuration does not accept.
+
+    Parameters
+    ----------
+    name : str
+        Of the section, such as ``contact``.
+    values : mapping
+    option : callable
+        Gives the name of a setting in the interface of the user, for the message.
+    """
+    errors = _validator(())(setting(name), format_checker=_FORMATS).iter_errors(values)
+    error = next((error for error in errors if error.absolute_path), None)
+    if error is not None:
+        raise ConfigError(
+            f"{option(str(error.absolute_path[0]))} = {shown(error.instance)}: {_needed(error)} is needed"
+        )
+
+
 @_FORMATS.checks("label", raises=ValueError)
 def _is_label(text: object) -> bool:
     """True for a label that a figure can show; a `ValueError` says what is needed instead."""

@@ -47,7 +47,7 @@ def complete(config: Mapping[str, Any]) -> dict[str, Any]:
     whole["readings"].setdefault("lateral", [whole["layer"]["lateral"]])
     whole["measured"] = {name: complete_map(surface) for name, surface in whole["measured"].items()}
     for surface in (*whole.get("surfaces", {}).values(), *whole["measured"].values()):
-        if "wavelength_short" in surface:
+        if isinstance(surface.get("wavelength_short"), (int, float)):  # not for a length with its unit
             surface.setdefault("points", preset.points(surface["wavelength_short"]))
     return whole
 

@@ -27,7 +27,6 @@ and changes of the set. New here are
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,6 +37,7 @@ from asperity.contact.assembly import JOIN_STIFFNESS, Assembler
 from asperity.contact.inner_solve import ContactSystem, InnerAccuracy, InnerSolver
 from asperity.contact.problem import Control, Problem, State
 from asperity.contact.safeguard import SafeguardedStep, Stagnation
+from asperity.contact.soft_mode import SoftMode
 from asperity.contact.solver_progress import ConvergenceProgress
 from asperity.contact.tangent import Tangent
 from asperity.types import Progress
@@ -79,6 +79,7 @@ class ActiveSet:
         self._inner = InnerSolver(problem)
         self._assembler = Assembler(problem, self._inner.preconditioner)
         self._step = SafeguardedStep(problem)
+        self._soft = SoftMode(problem, self._inner)
         self._area = None
         if control.kind == "area_fraction":
             self._area = AreaControl(control.value, problem.grid.size, rule.tolerance, rule.area_tolerance)
@@ -109,7 +110,7 @@ class ActiveSet:
                 stagnation.forget_error()
                 continue
             if converged:
-                if self._control.fixes_load or not self._balance(state, system):
+                if self._control.fixes_load or not self._soft.balance(state, system, self._rule.tolerance):
                     return True
                 self._step.forget()
                 continue
@@ -193,24 +194,3 @@ class ActiveSet:
         approach = state.approach + self._unit * float(change)
         kernels.add_penetrating_nodes(pressure, gap, displacement, approach, self._unit, JOIN_STIFFNESS)
         kernels.add_and_release(pressure, tangent.contact_nodes, tangent.pressure, change)
-
-    def _balance(self, state: State, system: ContactSystem) -> bool:
-        """Remove the mean residual by a uniform pressure on the contact; True if that changed the pressure.
-
-        A solid without uniform displacement is the softer for a uniform pressure on the contact, the fewer
-        nodes are out of contact. The preconditioner, and with it the error estimate, does not account for
-        that. It matters at a given approach.
-        """
-        pressure, nodes = state.pressure.reshape(-1), system.contact_nodes
-        uniform = np.zeros_like(pressure)
-        uniform[nodes] = 1
-        response = self._problem.displacement(uniform.reshape(self._problem.grid.shape)).reshape(-1)
-        state.iterations += 1
-        compliance = float(response[nodes].sum(dtype=float)) / self._unit
-        change = float(system.residual.sum(dtype=float)) / compliance if compliance > 0 else 0.0
-        error = abs(change) * math.sqrt(nodes.size) / float(np.linalg.norm(pressure))
-        if error <= self._rule.tolerance:
-            return False
-        state.error = error
-        pressure[nodes] = np.maximum(pressure[nodes] + change, 0)
-        return True

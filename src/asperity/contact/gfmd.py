@@ -19,8 +19,9 @@ therefore has no elastic stiffness. It is stabilised by the growth of the contac
 (half the rms height).
 
 Under an imposed approach, a solid without uniform displacement has to keep the mean of its displacement at
-zero. A spring pulls the mean back, and a load is adjusted until the spring is relaxed. How much the load is
-still wrong is estimated from its last change per change of the mean, and counts in the error.
+zero. A spring pulls the mean back, and a load is adjusted until the spring is relaxed. The change of the load
+per change of the mean is estimated along the way. It sets the speed of the adjustment, and how much the load
+is still wrong, which counts in the error.
 """
 
 from __future__ import annotations
@@ -44,12 +45,11 @@ TIME_STEP_FRACTION = 0.9
 DAMPING_FRACTION = 0.99
 
 # Stiffness of the spring that holds the mean displacement at zero, over that of the softest mode. Found by
-# trial: with half of it 1.4 times the steps are needed, with twice as much some incompressible layers do not
-# come to rest.
+# trial: with half of it or twice as much 1.1 times the steps are needed.
 MEAN_SPRING = 4
 
-# Change of the load per step, over damping × force of that spring. Found by trial: with half of it twice the
-# steps are needed, with four times as much small contacts need twice the steps.
+# Change of the load per step, over damping × mean displacement × estimated change of the load per change of
+# the mean. Found by trial: with half of it or twice as much twice the steps are needed.
 LOAD_GAIN = 0.25
 
 # Relaxation times of the slowest mode after a change of the load, before the area is taken again. Found by
@@ -76,8 +76,8 @@ def solve(
     problem : Problem
     control : Control
     rtol : float
-        Norm of the traction outside the contact and of the tension on it, relative to the norm of the
-        pressure, to be reached.
+        Error of the pressure relative to its norm to be reached, as estimated by
+        `DampedDynamics.pressure_and_error`.
     progress : callable, optional
     initial : (ny, nx) array, optional
         Start from the displacement under this pressure.
@@ -102,12 +102,12 @@ def solve(
         state.iterations = step
         if step % STEPS_BETWEEN_CHECKS:
             continue
-        state.pressure, unbalanced = dynamics.pressure(state.load)
-        if not math.isfinite(unbalanced):
+        state.pressure, error = dynamics.pressure_and_error(state.load)
+        if not math.isfinite(error):
             break
-        unbalanced = max(unbalanced, dynamics.missing_load(state.load))
+        error = max(error, dynamics.missing_load(state.load))
         norm = math.sqrt(float(np.sum(np.square(state.pressure), dtype=float)))
-        state.error = unbalanced / norm if norm else (0.0 if unbalanced == 0 else math.inf)
+        state.error = error / norm if norm else (0.0 if error == 0 else math.inf)
         report(state.error)
         # A change of the load takes effect within the relaxation time of the slowest mode.
         if step < next_check:
@@ -129,6 +129,7 @@ def solve(
         rtol,
         state.iterations,
         state.load,
+        "method = 'active_set' or a larger rtol is needed",
     )
 
 
@@ -166,6 +167,8 @@ class DampedDynamics:
         if problem.compliance[0, 0] == 0 and not control.fixes_load:
             stiffness[0, 0] = self._spring = MEAN_SPRING * softest
         self._stiffness = stiffness
+        # Estimated change of the load per change of the mean displacement, never below the spring's.
+        self._growth = self._spring
         self._last_load_and_mean = (0.0, 0.0)
         self._displacement = self._first_displacement(initial)
         self._now = problem.fourier.forward(self._displacement)
@@ -177,7 +180,7 @@ class DampedDynamics:
         kappa = self._slowest_kappa(state.load)
         gamma = self._damping_fraction * 2 * math.sqrt(kappa - kappa**2 / 4)
         if self._spring:
-            change = LOAD_GAIN * gamma * self._spring * float(self._now[0, 0].real)
+            change = LOAD_GAIN * gamma * self._growth * float(self._now[0, 0].real)
             state.load = max(state.load + change, 0.0)
         _advance_modes(
             self._now,
@@ -191,25 +194,36 @@ class DampedDynamics:
         np.maximum(self._displacement, self._wall, out=self._displacement)
         self._now, self._before = fourier.forward(self._displacement, self._before), self._now
 
-    def pressure(self, load: float) -> tuple[Array, float]:
-        """Pressure on the contact nodes, and norm of all other tractions, which vanish in equilibrium."""
+    def pressure_and_error(self, load: float) -> tuple[Array, float]:
+        """Pressure on the contact nodes, and the norm of its error, estimated from all other tractions.
+
+        The other tractions vanish in equilibrium. Those that are spread evenly over all nodes are still to be
+        carried by the contact nodes alone, which multiplies their norm by the root of the ratio of the
+        numbers of nodes.
+        """
         traction = self._problem.fourier.inverse(self._stiffness * self._now, overwrite=True)
         if load:
             traction += traction.dtype.type(load)
         pressure = np.where((self._displacement == self._wall) & (traction > 0), traction, 0)
-        return pressure, math.sqrt(float(np.sum(np.square(traction - pressure), dtype=float)))
+        unbalanced = math.sqrt(float(np.sum(np.square(traction - pressure), dtype=float)))
+        nodes_in_contact = max(int(np.count_nonzero(pressure)), 1)
+        return pressure, unbalanced * math.sqrt(pressure.size / nodes_in_contact)
 
     def missing_load(self, load: float) -> float:
         """Norm of the pressure that the load lacks to hold the mean displacement at zero.
 
-        Estimated from the change of the load per change of the mean since the last call.
+        Estimated from the change of the load per change of the mean since the last call, which is allowed
+        to halve or double the last estimate. It also sets how fast the load follows the mean: near full
+        contact a small change of the mean needs a large change of the load.
         """
         if not self._spring:
             return 0.0
         mean, (last_load, last_mean) = float(self._now[0, 0].real), self._last_load_and_mean
-        growth = abs((load - last_load) / (mean - last_mean)) if mean != last_mean else 0.0
+        if mean != last_mean and (growth := (last_load - load) / (mean - last_mean)) > 0:
+            slowest, fastest = max(self._spring, 0.5 * self._growth), 2 * self._growth
+            self._growth = min(max(growth, slowest), fastest)
         self._last_load_and_mean = (load, mean)
-        return max(self._spring, growth) * abs(mean) * math.sqrt(self._problem.grid.size)
+        return self._growth * abs(mean) * math.sqrt(self._problem.grid.size)
 
     def slowest_frequency(self, load: float) -> float:
         """Angular frequency of the slowest mode under a load, times the time step."""

@@ -42,6 +42,16 @@ def solve_path(
     Yields
     ------
     Contact
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> solid = asp.Layer(young=1.0, poisson=0.3)
+    >>> for contact in asp.solve_path(height, solid, mean_pressures=[1e-4, 2e-4, 4e-4]):
+    ...     print(f"load {contact.mean_pressure:.0e}, area {contact.area_fraction:.3f}")
+    load 1e-04, area 0.016
+    load 2e-04, area 0.026
+    load 4e-04, area 0.050
     """
     paths = {
         "area_fraction": area_fractions,

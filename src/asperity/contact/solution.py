@@ -15,6 +15,9 @@ from asperity.errors import shown
 from asperity.spectral import Grid
 from asperity.types import Array
 
+SHOWN_ERROR = 0.01
+"""Relative error of an imposed area above which the summary of a contact tells it."""
+
 
 @dataclass(frozen=True, eq=False)
 class PressedBody:
@@ -64,9 +67,21 @@ class Contact:
         Violations of the conditions of contact, evaluated anew from the pressure, and the work spent.
     control_error : float
         Relative difference between the imposed area or load and the one reached. Only an area can be missed:
-        if several nodes touch at the same load, or one node is more than the area asked for.
+        if several nodes touch at the same load, as the lowest ones of a flat or stepped surface, or if one
+        node is more than the area asked for. Then the area is the nearest that the surface allows.
     method : str
     rtol : float
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> round(contact.area_fraction, 3), contact.pressure.shape
+    (0.1, (64, 64))
+    >>> bool(contact.gap[contact.pressure > 0].max() < 1e-8)  # closed where there is pressure
+    True
+    >>> contact.certificate.worst < 1e-5
+    True
     """
 
     height: Array
@@ -86,8 +101,10 @@ class Contact:
 
     def __repr__(self) -> str:
         ny, nx = self.grid.shape
+        missed = f" (imposed area missed by {100 * self.control_error:.2g} %)"
         return (
-            f"<Contact of {ny} × {nx} nodes: area fraction {self.area_fraction:.4g}, "
+            f"<Contact of {ny} × {nx} nodes: area fraction {self.area_fraction:.4g}"
+            f"{missed if self.control_error > SHOWN_ERROR else ''}, "
             f"mean pressure {self.mean_pressure:.4g}, largest pressure {self.max_pressure:.4g}, "
             f"approach {self.approach:.4g}>"
         )

@@ -31,6 +31,16 @@ class TwoBodies:
     ------
     TypeError
         If one of them is not a `Layer`.
+
+    Examples
+    --------
+    >>> pair = asp.TwoBodies(lower=asp.Layer(210e9, 0.3), upper=asp.Layer(110e9, 0.34))  # steel, bronze
+    >>> print(f"{pair.effective_modulus / 1e9:.1f} GPa")
+    80.8 GPa
+    >>> height = asp.self_affine((64, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
+    >>> contact = asp.solve(height, pair, 2e-4, mean_pressure=20e6)
+    >>> contact.in_body("upper").layer.poisson
+    0.34
     """
 
     lower: Layer

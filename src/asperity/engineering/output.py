@@ -35,6 +35,17 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
         If the folder holds other files.
     DatasetError
         If it cannot be written; an earlier answer is still there then.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> height = asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
+    >>> surface = asp.HeightMap(height, (2e-4, 2e-4), periodic=True, unit="m", name="ground")
+    >>> answer = run(surface, Body(young=210e9, poisson=0.3), mean_pressure=50e6)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     names = {path.name for path in write_answer(answer, f"{folder}/ground")}
+    >>> names >= {"report.html", "answer.csv", "peaks.csv", "contact.nc"}
+    True
     """
     with atomic_folder(folder) as unfinished:
         settings = settings_of(answer)

@@ -133,6 +133,10 @@ UNIT_SYSTEMS: dict[str, UnitSystem] = {
 """Systems of units of result files by name."""
 
 
+ORIENTATION = "lower face"
+"""Attribute ``orientation`` of every height: an indenter's lower face, not a map with its peaks upward."""
+
+
 def units_of(name: str, system: str = STUDY_UNITS) -> str:
     """Text of the CF attribute ``units`` of a variable in a system of units."""
     return UNIT_SYSTEMS[system].units[VARIABLES[name].dimension]
@@ -153,6 +157,12 @@ def _both(name: str, dimension: str, long_name: str) -> dict[str, Variable]:
         f"{name}_spectral": Variable(dimension, f"{long_name}, spectral solver"),
         f"{name}_elements": Variable(dimension, f"{long_name}, finite elements"),
     }
+
+
+def _compared(name: str, dimension: str, long_name: str) -> dict[str, Variable]:
+    """The same quantity of the solver and of a closed form."""
+    cases = {"solved": "found by the solver", "exact": "closed form"}
+    return {f"{case}_{name}": Variable(dimension, f"{long_name}, {words}") for case, words in cases.items()}
 
 
 def _punch(name: str, dimension: str, long_name: str) -> dict[str, Variable]:
@@ -326,9 +336,7 @@ VARIABLES: dict[str, Variable] = {
     "hertz_area_fraction": Variable(_NUMBER, "area fraction of the closed form"),
     "imposed_mean_pressure_young": Variable(_YOUNG, "load over nominal area of the closed form, imposed"),
     "solved_area_fraction": Variable(_NUMBER, "area fraction found by the solver, nodes counted"),
-    "solved_contact_radius": Variable(
-        _LENGTH, "radius of contact found by the solver, fitted to the pressure"
-    ),
+    **_compared("contact_radius", _LENGTH, "radius of contact"),
     "curve_area_fraction": Variable(_NUMBER, "area fraction of the closed form, along the drawn curve"),
     "curve_mean_pressure_young": Variable(_YOUNG, "load over nominal area, along the drawn curve"),
     "curve_mean_pressure": Variable(_STRESS, "load over nominal area, along the drawn curve"),
@@ -382,6 +390,21 @@ VARIABLES: dict[str, Variable] = {
     **_punch("peak_depth", _LENGTH, "depth of the largest von Mises stress"),
     "largest_pressure": Variable(_STRESS, "largest pressure of the closed form"),
     "largest_pressure_spectral": Variable(_STRESS, "largest pressure, spectral solver"),
+    "axis_ratio": Variable(_NUMBER, "semi-axes b/a of the ellipse of contact"),
+    **_compared("largest_pressure", _STRESS, "largest pressure"),
+    **_compared("area", _NUMBER, "area of contact over area of the map"),
+    **_compared("von_mises", _STRESS, "largest von Mises stress on the axis"),
+    **_compared("von_mises_depth", _LENGTH, "depth of the largest von Mises stress on the axis"),
+    **_compared("largest_shear", _STRESS, "largest shear stress on the axis"),
+    **_compared("largest_shear_depth", _LENGTH, "depth of the largest shear stress on the axis"),
+    "radial_distance": Variable(_NUMBER, "distance from the indenter's axis over the radius of contact"),
+    **_compared("tension", _NUMBER, "radial stress of the surface over the largest pressure"),
+    "indenter": Variable(_NUMBER, "indenter"),
+    "contact_ratio": Variable(_NUMBER, "radius of contact over height of the layer"),
+    **_compared("load", _STRESS, "load over the area of the cell"),
+    "small_load": Variable(_NUMBER, "load over the smallest one of complete contact"),
+    "nearly_complete_load": Variable(_NUMBER, "load over the smallest one of complete contact"),
+    **_compared("mean_gap", _LENGTH, "mean gap over the cell"),
     "error": Variable(_NUMBER, "error over the scale of the quantity"),
     "scaled_wavenumber": Variable(_NUMBER, "wavenumber times height of the layer"),
     "formula": Variable(_NUMBER, "how the quantity was computed"),

@@ -11,7 +11,7 @@ the contact. `analyse_lateral_conditions` analyses several conditions in the sam
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -71,6 +71,7 @@ def analyse_stress(
     work: Work | None = None,
     friction: float = 0.0,
     sliding_direction: str | float = "x",
+    observe: Callable[[LinearPlane], None] | None = None,
 ) -> xr.Dataset:
     """Peaks, depth profile and covariances of the stress under a contact.
 
@@ -90,6 +91,9 @@ def analyse_stress(
         are ripples of the interpolated pressure between the nodes, away from the contacts.
     progress : callable, optional
         Called as progress(done, total).
+    observe : callable, optional
+        Called with every plane of the stream, a `asperity.stress.planes.LinearPlane`, from the surface
+        downward, for numbers that are not in the result. It must not keep the plane.
 
     Returns
     -------
@@ -104,6 +108,17 @@ def analyse_stress(
     ------
     ValueError, TypeError
         If an argument is out of range.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> stress = asp.analyse_stress(contact, poisson=[0.0, 0.3, 0.5], quantities=("von_mises", "zz"))
+    >>> deepest = stress["largest_von_mises"].sel(poisson=0.3).argmax("plane")
+    >>> bool(0 < stress["plane_depth"][deepest] < 0.05)  # the largest stress lies below the surface
+    True
+    >>> print(*stress["quantity"].values)
+    von_mises zz
     """
     own = contact.layer.lateral
     return analyse_lateral_conditions(
@@ -119,6 +134,7 @@ def analyse_stress(
         work=work,
         friction=friction,
         sliding_direction=sliding_direction,
+        observe=observe,
     )[own]
 
 
@@ -136,6 +152,7 @@ def analyse_lateral_conditions(
     work: Work | None = None,
     friction: float = 0.0,
     sliding_direction: str | float = "x",
+    observe: Callable[[LinearPlane], None] | None = None,
 ) -> dict[str, xr.Dataset]:
     """The analysis of `analyse_stress` for several conditions of the uniform mode, in one stream of planes.
 
@@ -145,7 +162,7 @@ def analyse_lateral_conditions(
         Conditions as of `Layer.lateral`, among them that of the contact's layer.
     contact, depths, poisson, quantities, tolerance, floor, threads, progress, work
         As for `analyse_stress`.
-    friction, sliding_direction
+    friction, sliding_direction, observe
         As for `analyse_stress`.
 
     Returns
@@ -184,7 +201,7 @@ def analyse_lateral_conditions(
     analysis = _StressAnalysis(
         PressedSolid(pressure, contact.grid, contact.layer, boundary_of(contact)), settings, laterals
     )
-    analysis.run(progress)
+    analysis.run(progress, observe)
     return {lateral: _dataset(analysis, lateral) for lateral in laterals}
 
 
@@ -212,11 +229,12 @@ class _PeakSearch:
         Fields in which peaks are sought.
     poisson : float
         Poisson's ratio with which the fields are computed.
+    boundary : "periodic" | "free"
     """
 
-    def __init__(self, names: Iterable[str], poisson: float) -> None:
+    def __init__(self, names: Iterable[str], poisson: float, boundary: str) -> None:
         self.poisson = poisson
-        self.finders = {name: PeakFinder() for name in names}
+        self.finders = {name: PeakFinder(boundary) for name in names}
 
     def add(self, number: int, plane: LinearPlane, floor: float) -> None:
         """Add the next plane downward; maxima of a magnitude at or below `floor` are left out."""
@@ -244,8 +262,8 @@ class _RatioAnalysis(_PeakSearch):
     reference : ReferencePlane
     """
 
-    def __init__(self, names: Iterable[str], poisson: float, settings: _Settings) -> None:
-        super().__init__(names, poisson)
+    def __init__(self, names: Iterable[str], poisson: float, settings: _Settings, boundary: str) -> None:
+        super().__init__(names, poisson, boundary)
         planes = settings.depths.size
         self.mean, self.largest = np.zeros(planes), np.zeros(planes)
         self.reference = ReferencePlane(planes, settings.threads, settings.work)
@@ -288,8 +306,10 @@ class _StressAnalysis:
         alike = INDEPENDENT_OF_POISSON if contact.layer.height is None else ()
         fields = [name for name in settings.quantities if name != "pressure"]
         own = [name for name in fields if name not in alike]
-        self.independent = _PeakSearch([name for name in fields if name in alike], settings.ratios[0])
-        first = [_RatioAnalysis(own, nu, settings) for nu in settings.ratios]
+        boundary = boundary_of(contact)
+        shared = [name for name in fields if name in alike]
+        self.independent = _PeakSearch(shared, settings.ratios[0], boundary)
+        first = [_RatioAnalysis(own, nu, settings, boundary) for nu in settings.ratios]
         self.dependent = {contact.layer.lateral: first}
         changed = [name for name in own if name not in INDEPENDENT_OF_LATERAL]
         for lateral in laterals:
@@ -297,7 +317,7 @@ class _StressAnalysis:
                 self.dependent[lateral] = [
                     one
                     if self._uniform(lateral, nu) == self._uniform(contact.layer.lateral, nu)
-                    else _RatioAnalysis(changed, nu, settings)
+                    else _RatioAnalysis(changed, nu, settings, boundary)
                     for one, nu in zip(first, settings.ratios, strict=True)
                 ]
         self.points = np.zeros(settings.depths.size, np.int64)
@@ -319,11 +339,13 @@ class _StressAnalysis:
                 found.setdefault(id(one), (one, here))
         return list(found.values())
 
-    def run(self, progress: Progress | None) -> None:
+    def run(self, progress: Progress | None, observe: Callable[[LinearPlane], None] | None) -> None:
         """Let all planes pass, and those above the reference planes once more."""
         with ThreadPoolExecutor(self.settings.threads) as pool:
             for number, plane in enumerate(self._planes(self.settings.depths)):
                 self._add(number, plane, pool)
+                if observe is not None:
+                    observe(plane)
                 if progress is not None:
                     progress(plane.done, 1.0)
         self._collect_peaks()
@@ -368,7 +390,9 @@ class _StressAnalysis:
                 for ratio in first[1]:
                     peaks[name, ratio.poisson] = ratio.finders.pop(name).peaks()
         if "pressure" in self.settings.quantities:
-            peaks["pressure", np.nan] = plane_peaks(self.contact.pressure, self.contact.grid)
+            peaks["pressure", np.nan] = plane_peaks(
+                self.contact.pressure, self.contact.grid, boundary=boundary_of(self.contact)
+            )
         for lateral, ratios in others:
             self.peaks[lateral] = dict(peaks)
             for ratio in ratios:  # one that both conditions share has no finders any more

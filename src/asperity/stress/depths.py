@@ -36,6 +36,14 @@ def depth_grid(grid: Grid, height: float | None = None, spacing: float = 0.5, gr
     ------
     ValueError, TypeError
         If an argument is not a positive finite number, or more than `MAX_PLANES` planes would be needed.
+
+    Examples
+    --------
+    >>> depths = asp.depth_grid(asp.Grid((64, 64)), height=0.5)
+    >>> depths[:4] * 64  # in spacings of the grid
+    array([0. , 0.5, 1. , 1.5])
+    >>> depths.size, float(depths[-1])
+    (27, 0.5)
     """
     positive = "a positive finite number"
     spacing = checked_number("spacing", spacing, positive, lambda value: value > 0)

@@ -81,6 +81,21 @@ def pool_peaks(
     ------
     ValueError
         If the analyses do not fit together or a setting is out of range.
+
+    Examples
+    --------
+    >>> stresses, gradients = [], []
+    >>> for seed in (1, 2, 3):
+    ...     height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=seed)
+    ...     contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    ...     depths = asp.depth_grid(contact.grid, height=0.25)
+    ...     stresses.append(asp.analyse_stress(contact, depths, quantities=("von_mises",)))
+    ...     gradients.append(contact.gradient_rms_contact)
+    >>> pooled = asp.pool_peaks(stresses, gradients, bins=20, resamples=100)
+    >>> density = pooled["peak_density"].sel(selection="under_contact", quantity="von_mises", poisson=0.3)
+    >>> width = np.diff(pooled["bin_edge"].sel(quantity="von_mises"))
+    >>> round(float((density * width).sum()), 6)
+    1.0
     """
     stresses, scale = _checked(stresses, gradients, resamples, confidence)
     bootstrap = _Bootstrap(len(stresses), resamples, confidence, seed)

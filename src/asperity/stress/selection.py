@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.errors import one_line, shown
-from asperity.stress.arguments import checked_name, checked_ratio
+from asperity.stress.arguments import boundary_of, checked_name, checked_ratio
 from asperity.stress.peak_kinds import SELECTIONS
 from asperity.stress.peaks import Peaks
 from asperity.stress.pressed import ContactLike
@@ -56,9 +56,14 @@ def peaks(
 
     Examples
     --------
-    The von Mises peaks below the contacts for ν = 0.33, as a table of pandas:
+    The von Mises peaks below the contacts, as a table of pandas:
 
-    >>> asp.peaks(stress, "von_mises", poisson=0.33, selection="under_contact").to_dataframe()
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.33), area_fraction=0.1)
+    >>> stress = asp.analyse_stress(contact, quantities=("von_mises",))
+    >>> table = asp.peaks(stress, "von_mises", poisson=0.33, selection="under_contact").to_dataframe()
+    >>> list(table.columns[:4]), bool(table["peak_depth"].min() > 0)
+    (['peak_value', 'peak_depth', 'peak_y', 'peak_x'], True)
     """
     names, own_ratios = _labels(stress)
     checked_name("quantity", quantity, [str(name) for name in stress["quantity"].values])
@@ -87,7 +92,7 @@ def peak_dataset(found: Mapping[tuple[str, float], Peaks], contact: ContactLike)
     ----------
     found : mapping
         Quantity and Poisson's ratio (NaN: the same for every one) → its peaks.
-    contact : object with ``pressure`` and ``grid``
+    contact : object with ``pressure``, ``grid`` and ``layer``
         Decides whether a peak is under contact.
     """
     every = Peaks.join(found.values())
@@ -98,7 +103,7 @@ def peak_dataset(found: Mapping[tuple[str, float], Peaks], contact: ContactLike)
         "y": every.y,
         "x": every.x,
         "interior": every.interior,
-        "under_contact": every.under_contact(contact.pressure, contact.grid),
+        "under_contact": every.under_contact(contact.pressure, contact.grid, boundary_of(contact)),
     }
     labels = {
         "peak_quantity": np.repeat([quantity for quantity, _ in found], sizes),

@@ -9,11 +9,13 @@ numbers (NPY, MATLAB, HDF5, text without a header) can be either, and its reader
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from asperity.arguments import finite_array, magnitude, real_array
+from asperity.errors import InputError, shown
 from asperity.types import Array
 from asperity.units import to_si
 
@@ -28,18 +30,24 @@ OptionName = Callable[[str], str]
 _UNIT_NAMES = {"A": "angstrom", "Å": "angstrom", "\u212b": "angstrom", "~m": "um"}
 
 
-class MapError(ValueError):
-    """Raised for a height map that cannot be read or used as asked; the message is one line.
+class MapError(InputError):
+    """Raised for a height map that cannot be read or used as asked; the message has a line a problem.
 
     Attributes
     ----------
     problems : tuple of str
         Everything that is wrong or missing, each with the argument or option that it needs.
-    """
 
-    def __init__(self, source: str, problems: Sequence[str]) -> None:
-        self.problems = tuple(problems)
-        super().__init__(": ".join(part for part in (source, "; ".join(problems)) if part))
+    Examples
+    --------
+    >>> flat = asp.HeightMap(np.zeros((8, 8)), length=(1e-3, 1e-3), name="flat")
+    >>> try:
+    ...     asp.treat_map(flat)
+    ... except asp.MapError as error:
+    ...     print(error)
+    flat: periodic: the file does not say that the map is one period; set periodic to declared,
+    mirrored, windowed or none (for a free boundary)
+    """
 
 
 @dataclass(frozen=True)
@@ -63,6 +71,15 @@ class HeightMap:
         Name of the file.
     channel : str
         Name of the channel in the file.
+
+    Examples
+    --------
+    >>> heights = np.array([[0.0, 1.0, 0.5], [0.2, np.nan, 0.1]]) * 1e-6
+    >>> surface = asp.HeightMap(heights, length=(2e-6, 3e-6))
+    >>> surface.missing, [f"{step:.1e}" for step in surface.spacing]
+    (1, ['1.0e-06', '1.0e-06'])
+    >>> float(np.nanmin(surface.as_indenter()))  # turned upside down: the highest peak touches first
+    -1e-06
     """
 
     height: Array
@@ -72,6 +89,25 @@ class HeightMap:
     unit: str | None = None
     name: str = ""
     channel: str = ""
+
+    def check(self) -> None:
+        """Raise `MapError` if the heights are no array of numbers [y, x], or an edge or a name is wrong."""
+        try:
+            values = real_array("height", self.height)
+            if values.ndim != 2 or min(values.shape) < 2:
+                raise ValueError(f"height has the shape {values.shape}: at least 2 x 2 points are needed")
+            finite_array("height", values[np.isfinite(values)])
+            if not isinstance(self.length, (tuple, list)) or len(self.length) != 2:
+                raise ValueError(f"length = {shown(self.length)}: a pair (length_y, length_x) is needed")
+            for edge in self.length:
+                magnitude("length", edge)
+            if self.orientation not in (None, *ORIENTATIONS):
+                accepted = f"{PEAKS_UP!r} or {LOWER_FACE!r}"
+                raise ValueError(f"orientation = {shown(self.orientation)}: {accepted} is needed")
+            if self.unit is not None and not isinstance(self.unit, str):
+                raise TypeError(f"unit = {shown(self.unit)}: the name of a unit of length or None is needed")
+        except (TypeError, ValueError) as error:
+            raise MapError(self.name, [str(error)]) from error
 
     @property
     def missing(self) -> int:

@@ -43,6 +43,18 @@ def prepare_map(
     MapError
         If the file cannot be used; the message names everything that is wrong or missing, also that its unit
         is not known.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> heights = asp.self_affine((40, 40), 0.8, 60e-6, 10e-6, rms_height=1e-7, seed=1, length=80e-6)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     np.save(Path(folder) / "map.npy", heights * 1e9)
+    ...     what = asp.Reading(physical_size=("80 um", "80 um"), unit="nm", orientation="peaks up")
+    ...     made = asp.prepare_map(Path(folder) / "map.npy", what, asp.Treatment(periodic="windowed"))
+    >>> made.height.shape, [round(edge, 9) for edge in made.grid.length]
+    ((40, 40), [8e-05, 8e-05])
     """
     surface = checked_map(path, reading, treatment, option)
     return treat_map(surface, treatment, option)
@@ -80,7 +92,10 @@ def missing_settings(
     if not for_cell and found.map.unit is None and not any(p.startswith(unit) for p in problems):
         problems.append(unit_missing(unit))
     periodicities = PERIODICITIES if for_cell else WITHOUT_PERIOD
-    needed = treatment_problems(found.map, treatment, option, periodicities)
+    try:
+        needed = treatment_problems(found.map, treatment, option, periodicities)
+    except MapError as error:
+        needed = [] if problems else list(error.problems)
     return problems + [problem for problem in needed if problem not in problems]
 
 
@@ -116,8 +131,18 @@ def make_periodic(
     ------
     MapError
         As for `asperity.surface.treatment.treat_map`.
+
+    Examples
+    --------
+    >>> edges = 80e-6, 120e-6
+    >>> heights = asp.self_affine((40, 60), 0.8, 60e-6, 10e-6, rms_height=1e-7, seed=1, length=edges)
+    >>> surface = asp.HeightMap(heights, edges)
+    >>> made = asp.make_periodic(surface, detrend="tilt", periodic="mirrored")
+    >>> made.height.shape, made.grid.length  # four mirror images; the longer edge is 1
+    ((80, 120), (0.6666666666666667, 1.0))
     """
     treatment = Treatment(detrend, periodic, undefined, despike, wavelength_short, points)
+    surface.check()
     return treat_map(surface.scaled(1 / cell_edge(surface, periodic)), treatment, option, PERIODICITIES)
 
 

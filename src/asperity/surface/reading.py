@@ -83,6 +83,17 @@ def read_map(
         If the file is not a rectangular height map, if it does not contain what is needed and no argument
         gives it, if an argument contradicts it, or if it unpacks to more than `max_memory`. The message names
         all of this at once.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "map.npy"
+    ...     np.save(path, np.random.default_rng(1).normal(size=(40, 60)))
+    ...     surface = asp.read_map(path, ("80 um", "120 um"), unit="nm", orientation="peaks up")
+    >>> surface.height.shape, [round(edge, 9) for edge in surface.length], surface.periodic
+    ((40, 60), [8e-05, 0.00012], False)
     """
     given = Reading(physical_size, height_factor, unit, channel, orientation, max_memory)
     found = inspect_map(path, given)
@@ -133,9 +144,9 @@ def _combined(content: FileContent, given: Reading, option: OptionName, problems
         problems.append(orientation_needed(option("orientation")))
     scale = size_of_unit if size_of_unit is not None else 1.0
     height = content.height if factor * scale == 1 else content.height * (factor * scale)
-    known = length is not None
+    known = length is not None and all(math.isfinite(edge) and edge > 0 for edge in length)
     edges = length or tuple(map(float, height.shape))
-    if known and not all(math.isfinite(edge) and edge > 0 for edge in edges):
+    if length is not None and not known:
         problems.append(f"edges > 0 are needed, not {edges[0]:g} and {edges[1]:g}")
     finite = np.isfinite(height)
     if not finite.any():

@@ -45,6 +45,9 @@ DESPIKE = 8.0
 """Threshold that is proposed for spikes, in robust standard deviations from the local median. No point of
 Gaussian self-affine surfaces of 512² points is above it, for Hurst exponents from 0.2 to 0.9."""
 
+MOST_POINTS = 2**16
+"""Most nodes on the longer edge of a map that is resampled: 34 GB."""
+
 # Largest variation, relative to the heights, of a map that is flat but for rounding.
 _ROUNDING = 1e-13
 
@@ -73,6 +76,11 @@ class Treatment:
     points : int, optional
         Number of nodes on the longer edge of the map, or of the cell if it is mirrored, at least 2. By
         default that of the map.
+
+    Examples
+    --------
+    >>> asp.Treatment(periodic="mirrored", despike=8, wavelength_short=16e-6).detrend
+    'tilt'
     """
 
     detrend: str = "tilt"
@@ -238,6 +246,15 @@ def treat_map(
     ------
     MapError
         If a setting is out of range or missing, or if the map is flat; the message says all that is wrong.
+
+    Examples
+    --------
+    >>> heights = asp.self_affine((40, 40), 0.8, 60e-6, 10e-6, rms_height=1e-7, seed=1, length=80e-6)
+    >>> heights[3, 5] = np.nan  # a point without data
+    >>> surface = asp.HeightMap(heights, length=(80e-6, 80e-6))
+    >>> made = asp.treat_map(surface, asp.Treatment(periodic="mirrored", undefined="harmonic"))
+    >>> made.height.shape, bool(np.isfinite(made.height).all())
+    ((80, 80), True)
     """
     treatment = treatment or Treatment()
     if problems := treatment_problems(surface, treatment, option, periodicities):
@@ -288,7 +305,14 @@ def treatment_problems(
     option: OptionName = str,
     periodicities: Sequence[str] = WITHOUT_PERIOD,
 ) -> list[str]:
-    """Everything that a map and settings lack to be treated, before anything is computed."""
+    """Everything that a map and settings lack to be treated, before anything is computed.
+
+    Raises
+    ------
+    MapError
+        If the map itself is none.
+    """
+    surface.check()
     problems: list[str] = []
     checks: list[tuple[Any, tuple[Any, ...]]] = [(choice, (option("detrend"), treatment.detrend, DETRENDS))]
     if treatment.periodic is not None:
@@ -297,8 +321,8 @@ def treatment_problems(
         name = option("despike")
         checks.append((number, (name, treatment.despike, "a number ≥ 3", lambda value: value >= 3)))
     if treatment.points is not None:
-        name = option("points")
-        checks.append((whole_number, (name, treatment.points, "a whole number ≥ 2", lambda n: n >= 2)))
+        name, accepted = option("points"), f"a whole number from 2 to {MOST_POINTS}"
+        checks.append((whole_number, (name, treatment.points, accepted, lambda n: 2 <= n <= MOST_POINTS)))
     for check, arguments in checks:
         try:
             check(*arguments)

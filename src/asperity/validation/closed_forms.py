@@ -19,6 +19,7 @@ from asperity.validation.indenter import (
     INDENTATION,
     bonded_slab,
     fitted_contact_radius,
+    largest_sample,
     paraboloid,
 )
 from asperity.validation.pointwise import displacement_and_stress
@@ -216,8 +217,8 @@ def punch(
         _, stress = displacement_and_stress(contact.pressure, grid, layer, 0.5, 0.5, axis_depth)
         for name, lateral in (("free", 0.0), ("confined", nu / (1 - nu)), ("array", 0.5 + nu)):
             uniform = -lateral * array.mean_pressure * np.array([1, 1, 0, 0, 0, 0])
-            peaks[name].append(_peak(von_mises(stress[:, 0] + uniform), axis_depth))
-        peaks["closed_form"].append(_peak(single.stress(0.0, axis_depth, nu).von_mises, axis_depth))
+            peaks[name].append(largest_sample(von_mises(stress[:, 0] + uniform), axis_depth))
+        peaks["closed_form"].append(largest_sample(single.stress(0.0, axis_depth, nu).von_mises, axis_depth))
         layer = Layer(1 - nu**2, nu)
         middle = np.full(len(x), 0.5)
         _, stress = displacement_and_stress(contact.pressure, grid, layer, middle, x + 0.5, depth)
@@ -248,12 +249,3 @@ def _periodic_pressures(radii: Array, effective_modulus: float = 1.0) -> Array:
     """Mean pressure of the periodic Hertz contact at each contact radius."""
     contacts = (PeriodicHertz(radius, CURVATURE_RADIUS, 1.0, effective_modulus) for radius in radii)
     return np.array([contact.mean_pressure for contact in contacts])
-
-
-def _peak(values: Array, depth: Array) -> tuple[float, float]:
-    """Height and depth of the maximum of evenly sampled values, by a parabola through three samples."""
-    i = int(np.clip(values.argmax(), 1, len(values) - 2))
-    below, here, above = values[i - 1 : i + 2]
-    bend = below - 2 * here + above
-    shift = 0.5 * (below - above) / bend
-    return here - 0.25 * (below - above) * shift, depth[i] + shift * (depth[1] - depth[0])

@@ -10,6 +10,7 @@ from asperity.validation.closed_forms import load_area, punch, slab_load_area
 from asperity.validation.convergence import grid_convergence, mesh_convergence
 from asperity.validation.extremes import outcome_matrix
 from asperity.validation.finite_elements import compare_elements
+from asperity.validation.held_out import edge_tension, elliptic_contacts, layer_indentation, wave_asymptotes
 from asperity.validation.rounding import rounding_errors
 
 COMPARISONS: Mapping[str, Callable[..., xr.Dataset]] = {
@@ -19,6 +20,10 @@ COMPARISONS: Mapping[str, Callable[..., xr.Dataset]] = {
     "elements": compare_elements,
     "mesh_convergence": mesh_convergence,
     "punch": punch,
+    "elliptic_contacts": elliptic_contacts,
+    "edge_tension": edge_tension,
+    "layer_indentation": layer_indentation,
+    "wave_asymptotes": wave_asymptotes,
     "stability": rounding_errors,
     "extremes": outcome_matrix,
 }

@@ -53,3 +53,12 @@ def slab_contact(points: int, approach: float, poisson: float = 0.33, rtol: floa
     """Contact of the paraboloid with the bonded cubic slab at an approach, by the spectral solver."""
     height = paraboloid(Grid((points, points)), CURVATURE_RADIUS)
     return solve(height, bonded_slab(poisson), approach=approach, rtol=rtol)
+
+
+def largest_sample(values: Array, depth: Array) -> tuple[float, float]:
+    """Height and depth of the maximum of evenly sampled values, by a parabola through three samples."""
+    i = int(np.clip(values.argmax(), 1, len(values) - 2))
+    below, here, above = values[i - 1 : i + 2]
+    bend = below - 2 * here + above
+    shift = 0.5 * (below - above) / bend
+    return here - 0.25 * (below - above) * shift, depth[i] + shift * (depth[1] - depth[0])

@@ -24,6 +24,15 @@ BOUNDS = {
     "calculix_away": 0.02,
     "punch_peak": 0.01,
     "punch_depth": 0.01,
+    "elliptic_pressure": 1e-4,
+    "elliptic_stress": 2e-4,
+    "elliptic_depth": 5e-4,
+    "edge_tension": 3e-4,
+    "layer_punch_load": 0.015,
+    "layer_paraboloid_load": 3e-4,
+    "layer_contact_radius": 0.01,
+    "wave_small_contact": 5e-3,
+    "wave_nearly_complete": 5e-3,
 }
 """Upper bounds of the errors, and a lower bound of the convergence order ``wave_pressure_rate``.
 
@@ -53,8 +62,9 @@ def table_rows(datasets: Mapping[str, xr.Dataset]) -> list[Row]:
     Parameters
     ----------
     datasets : mapping
-        Results of the comparisons ``load_area``, ``grid_convergence``, ``elements``, ``calculix`` and
-        ``punch``, as many as were made; others are ignored.
+        Results of the comparisons ``load_area``, ``grid_convergence``, ``elements``, ``calculix``, ``punch``,
+        ``elliptic_contacts``, ``edge_tension``, ``layer_indentation`` and ``wave_asymptotes``, as many as
+        were made; others are ignored.
     """
     rows: dict[str, Callable[[xr.Dataset], Iterable[Row]]] = {
         "load_area": lambda found: [_load_area_row(found)],
@@ -62,6 +72,10 @@ def table_rows(datasets: Mapping[str, xr.Dataset]) -> list[Row]:
         "elements": lambda found: _element_rows("elements", found),
         "calculix": lambda found: _element_rows("calculix", found),
         "punch": _punch_rows,
+        "elliptic_contacts": _elliptic_rows,
+        "edge_tension": lambda found: [_edge_tension_row(found)],
+        "layer_indentation": _layer_rows,
+        "wave_asymptotes": _wave_rows,
     }
     return [row for name, rows_of in rows.items() if name in datasets for row in rows_of(datasets[name])]
 
@@ -144,6 +158,57 @@ def _punch_rows(found: xr.Dataset) -> Iterator[Row]:
         yield _row(f"largest von Mises stress, ν = {nu:g}", "Hertz, Huber", grid, source, error, "punch_peak")
         error = one.peak_depth_array / one.peak_depth_closed_form - 1
         yield _row(f"its depth, ν = {nu:g}", "Hertz, Huber", grid, source, error, "punch_depth")
+
+
+def _elliptic_rows(found: xr.Dataset) -> Iterator[Row]:
+    """Rows of the elliptic contacts, each the largest error of all ratios of the semi-axes."""
+    ratios = found.axis_ratio.values
+    grid, against = (
+        f"{found.attrs['grid_points']}²",
+        f"elliptic Hertz, b/a = {ratios.min():g}…{ratios.max():g}",
+    )
+    for quantity, name, bound in (
+        ("largest pressure", "largest_pressure", "elliptic_pressure"),
+        ("largest von Mises stress on the axis", "von_mises", "elliptic_stress"),
+        ("its depth", "von_mises_depth", "elliptic_depth"),
+        ("largest shear stress on the axis", "largest_shear", "elliptic_stress"),
+        ("its depth", "largest_shear_depth", "elliptic_depth"),
+    ):
+        yield _row(quantity, against, grid, "grid", relative_error(found, name).max(), bound)
+
+
+def _edge_tension_row(found: xr.Dataset) -> Row:
+    """Row of the tension outside the edge of contact, relative to the largest pressure."""
+    error = np.abs(found.solved_tension - found.exact_tension).max()
+    grid = f"{found.attrs['grid_points']}²"
+    return _row("tension at the edge, over p₀", "(1 − 2ν)/3 p₀ a²/r²", grid, "grid", error, "edge_tension")
+
+
+def _layer_rows(found: xr.Dataset) -> Iterator[Row]:
+    """Rows of the bonded layers, each the largest error of all layers."""
+    grid, against = f"{found.attrs['grid_points']}²", "bonded layer, Fredholm equation"
+    loads = relative_error(found, "load").max(("contact_ratio", "poisson"))
+    for indenter, name in (("flat punch", "layer_punch_load"), ("paraboloid", "layer_paraboloid_load")):
+        yield _row(f"load of a layer, {indenter}", against, grid, "grid", loads.sel(indenter=indenter), name)
+    radius = relative_error(found, "contact_radius").max()
+    yield _row("contact radius, paraboloid", against, grid, "grid", radius, "layer_contact_radius")
+
+
+def _wave_rows(found: xr.Dataset) -> Iterator[Row]:
+    """Rows of the bisinusoidal wave, at the load nearest to each asymptote."""
+    grid, source = f"{found.attrs['grid_points']}²", "asymptote, grid"
+    for quantity, name, load, end, bound in (
+        ("contact radius", "contact_radius", "small_load", 0, "wave_small_contact"),
+        ("mean gap", "mean_gap", "nearly_complete_load", -1, "wave_nearly_complete"),
+    ):
+        value = float(found[load][end])
+        error = relative_error(found, name).isel({load: end})
+        yield _row(f"{quantity} at p̄/p* = {value:g}", "bisinusoidal wave", grid, source, error, bound)
+
+
+def relative_error(found: xr.Dataset, name: str) -> xr.DataArray:
+    """Magnitude of the relative difference between ``solved_`` and ``exact_`` values of a quantity."""
+    return abs(found[f"solved_{name}"] / found[f"exact_{name}"] - 1)
 
 
 def _symbol(field: str) -> str:

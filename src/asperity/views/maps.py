@@ -104,6 +104,15 @@ def plot_height(
         Lengths and stresses are in units with sensible prefixes if the result is in SI, in cell lengths and
         E* if it is dimensionless. Colours leave single outliers out; the panel says how many, and their
         extreme.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> figure = asp.plot_height(contact, x=(0, 0.5))  # the left half
+    >>> figure.savefig("height.png")  # doctest: +SKIP
+    >>> len(figure.axes)  # the map and its colour bar
+    2
     """
     return _plot(result, "height", HEIGHT, y, x, axes, unit_system)
 
@@ -116,7 +125,18 @@ def plot_pressure(
     axes: Axes | Sequence[Axes] | None = None,
     unit_system: str | None = None,
 ) -> Figure:
-    """Map of the contact pressure, white where there is no contact; arguments as for `plot_height`."""
+    """Map of the contact pressure, white where there is no contact; arguments as for `plot_height`.
+
+    Examples
+    --------
+    Two contacts beside each other, in the same colours:
+
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> path = asp.solve_path(height, asp.Layer(young=1.0, poisson=0.3), area_fractions=[0.05, 0.1])
+    >>> figure = asp.plot_pressure(dict(zip(("5 %", "10 %"), path)))
+    >>> len(figure.axes)  # two maps and a colour bar
+    3
+    """
     return _plot(result, "pressure", PRESSURE, y, x, axes, unit_system)
 
 
@@ -128,7 +148,16 @@ def plot_gap(
     axes: Axes | Sequence[Axes] | None = None,
     unit_system: str | None = None,
 ) -> Figure:
-    """Map of the gap between the faces, with the outlines of the contacts; arguments as for `plot_height`."""
+    """Map of the gap between the faces, with the outlines of the contacts; arguments as for `plot_height`.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> figure = asp.plot_gap(contact)
+    >>> len(figure.axes)  # the map and its colour bar
+    2
+    """
     return _plot(result, "gap", GAP, y, x, axes, unit_system)
 
 

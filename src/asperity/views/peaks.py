@@ -67,6 +67,15 @@ def plot_peaks(
     ------
     ValueError, TypeError
         If a result is of another stage, or has not the quantity or the ratio.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> stress = asp.analyse_stress(contact, quantities=("von_mises",))
+    >>> figure = asp.plot_peaks(stress, "von_mises")
+    >>> len(figure.axes)
+    1
     """
     given = _titled(stress)
     if not given:
@@ -78,7 +87,8 @@ def plot_peaks(
     limits = robust_limits(sizes, 0.0)
     # Small peaks lie at the surface around the contacts, and far below them: large ones set the depth shown.
     large = [size >= LARGE_PEAK * size.max(initial=0.0) for size in sizes]
-    deepest = robust_limits([depth[kept] for depth, kept in zip(depths, large, strict=True)], 0.0)
+    shown = [depth[kept] for depth, kept in zip(depths, large, strict=True)]
+    deepest = robust_limits(shown if any(depth.any() for depth in shown) else depths, 0.0)
     unit = measure(limits.high, "stress", system)
     length = measure(deepest.high, "length", system)
     in_surface = not any(depth.any() for depth in depths)

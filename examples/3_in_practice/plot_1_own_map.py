@@ -1,0 +1,45 @@
+r"""
+Your own map: ground steel on aluminium
+=======================================
+
+From the height map of an instrument, two materials and a load to an answer in µm and MPa. The command line
+does the same with ``asperity run steel.x3p --young "210 GPa" --poisson 0.3 …``.
+"""
+
+import matplotlib.pyplot as plt
+
+import asperity as asp
+from asperity.engineering import Body, MapSettings, run
+
+# %%
+# Any format that SurfaceTopography reads. This map is part of the repository: 40 × 48 pixels of 2 µm, with
+# spikes and points without data. Put the name of your own file in its place.
+surface = asp.read_map("../../tests/data/steel.x3p")
+size = " × ".join(f"{edge * 1e6:g}" for edge in surface.length)
+print(f"{surface.name}: {size} µm, {surface.missing} points without data, period: {surface.periodic}")
+
+# %%
+# The bodies, the load, and what is done to the map: spikes are removed, waves shorter than eight pixels are
+# filtered, and the cell is refined so that the contacts are resolved.
+steel = Body(young=210e9, poisson=0.3, yield_stress=1.5e9)
+aluminium = Body(young=70e9, poisson=0.33, yield_stress=300e6)
+treatment = MapSettings(despike=8, wavelength_short=16e-6, points=192)
+answer = run(surface, steel, aluminium, mean_pressure=20e6, map_settings=treatment)
+print(answer)
+
+# %%
+figure, axes = plt.subplots(1, 2, figsize=(10, 4.6), layout="compressed")
+asp.plot_height(answer.contact, axes=axes[0], unit_system="SI")
+asp.plot_pressure(answer.contact, axes=axes[1], unit_system="SI")
+plt.show()
+
+# %%
+# **Check**: the load is the one asked for, both bodies carry the pressure of one contact, and the estimate
+# of the error from pixels twice as large is there.
+assert abs(answer.numbers.nominal_pressure / 20e6 - 1) < 1e-6
+assert answer.numbers.violation < 1e-4
+largest = {name: body.largest_von_mises for name, body in answer.bodies.items()}
+assert abs(largest["lower"] / largest["upper"] - 1) < 0.1
+assert all(0.3 < value / answer.numbers.largest_pressure < 0.9 for value in largest.values())
+changes = answer.fine.changes_from(answer.coarse)
+assert abs(changes["largest_pressure"]) < 0.2
