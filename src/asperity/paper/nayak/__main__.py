@@ -1,0 +1,4 @@
+import sys
+from asperity.config.study import read_study
+from asperity.paper.nayak.collection import collect
+collect(read_study(sys.argv[1:]))
