@@ -99,7 +99,9 @@ def limit(nodes: Sequence[float], levels: Sequence[Array]) -> Limit:
     added = found.limit - means[-1]
     gain = added / (means[-1] - means[-2]) if means[-1] != means[-2] else 0.0
     weights = [1.0] * len(differences) + [1 + gain]
-    variances = [w**2 * v.var(ddof=1) / v.size for w, v in zip(weights, [levels[0], *differences], strict=True)]
+    variances = [
+        w**2 * v.var(ddof=1) / v.size for w, v in zip(weights, [levels[0], *differences], strict=True)
+    ]
     return Limit(found.limit, math.sqrt(sum(variances)), abs(added))
 
 
@@ -129,6 +131,7 @@ def table(config: Mapping[str, Any], samples: Mapping[str, Mapping[float, xr.Dat
                 "ratio": surface["wavelength_long"] / short,
                 "cell": 1 / surface["wavelength_long"],
                 "load": index + 1,
+                "pressure": config["nayak"]["loads"][index],
                 "nayak": nayak.mean(),
                 "nayak_error": nayak.std(ddof=1) / math.sqrt(nayak.size),
                 "seeds": "/".join(str(of_grids[n].sizes["seed"]) for n in nodes),
@@ -142,9 +145,13 @@ def table(config: Mapping[str, Any], samples: Mapping[str, Mapping[float, xr.Dat
                     nodes, [grid[key].values[:, index] for grid in numbers[False]]
                 ).value
             rows.append(row)
-    found = pd.DataFrame(rows)
-    return found.assign(
-        ln_nayak=np.log(found["nayak"]), ln_ratio=np.log(found["ratio"]), ln_area=np.log(found["area"])
+    return with_logarithms(pd.DataFrame(rows))
+
+
+def with_logarithms(rows: pd.DataFrame) -> pd.DataFrame:
+    """The table with the columns that only regressions use."""
+    return rows.assign(
+        ln_nayak=np.log(rows["nayak"]), ln_ratio=np.log(rows["ratio"]), ln_area=np.log(rows["area"])
     )
 
 

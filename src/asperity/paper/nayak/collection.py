@@ -47,7 +47,13 @@ def collect(config: Mapping[str, Any]) -> dict[str, dict[float, xr.Dataset]]:
             )
             path = Path(config["results"]) / "samples" / name / f"nodes{nodes:g}.nc"
             band = {key: value for key, value in surface.items() if key not in ("label", "points")}
-            made_from = {"name": name, "surface": band, "nodes": nodes, "seeds": count, "loads": settings["loads"]}
+            made_from = {
+                "name": name,
+                "surface": band,
+                "nodes": nodes,
+                "seeds": count,
+                "loads": settings["loads"],
+            }
             found.setdefault(name, {})[nodes] = _sampled(path, made_from)
     return found
 
@@ -64,5 +70,7 @@ def _sampled(path: Path, made_from: dict[str, Any]) -> xr.Dataset:
     with ProgressBar(f"{name}, {nodes:g} nodes") as progress:
         seeds = range(1, made_from["seeds"] + 1)
         found = sample(made_from["surface"], nodes, seeds, made_from["loads"], progress)
-    dataset.write(found, path, f"Contact of surface {name}, {nodes:g} nodes on its shortest wavelength", made_from)
+    dataset.write(
+        found, path, f"Contact of surface {name}, {nodes:g} nodes on its shortest wavelength", made_from
+    )
     return dataset.read(path)
