@@ -25,6 +25,8 @@ TAIL = 0.99
 
 _KEPT = (
     "seed_area_fraction",
+    "seed_mean_pressure",
+    "seed_rms_gradient",
     "seed_gradient_rms_contact",
     "seed_patch_radius",
     "seed_peak_quantile",

@@ -1,0 +1,118 @@
+"""Scales of the von Mises peaks: lengths of a contact, collapse of made numbers, a tiny run, the kept page."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from asperity.config.study import read_study
+from asperity.paper.claims.documents import with_section
+from asperity.paper.master_curve.analysis import (
+    DEPTH_SCALES,
+    HEIGHT_SCALES,
+    exponents,
+    hertz_peak,
+    of_poisson,
+    scatter,
+    table,
+)
+from asperity.paper.master_curve.figure import draw
+from asperity.paper.master_curve.page import best, sections, verdict
+from asperity.paper.master_curve.samples import collect, contact_lengths
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_lengths_of_a_wave():
+    """Full contact with one wave: pressure halves at the first root of J0 = 1/2; moments are those of the wave."""
+    points, waves = 256, 4
+    x = np.arange(points) / points
+    height = np.cos(2 * np.pi * waves * x)[None, :] + np.cos(2 * np.pi * waves * x)[:, None]
+    coordinates = {"y": x, "x": x}
+    contact = xr.Dataset({"pressure": (("y", "x"), height + 3)}, coords=coordinates)
+    contact["pressure"][0, 0] = 0.0  # one node out of contact gives the boundary four edges
+    found = contact_lengths(height, contact)
+    wavenumber = 2 * np.pi * waves
+    # Each profile moment over the next is 1/q² for two waves at right angles, of the slope along one of them.
+    assert found["seed_height_length"] == pytest.approx(np.sqrt(2) / wavenumber, rel=1e-3)
+    assert found["seed_hydraulic_radius"] == pytest.approx(8 / np.pi * points / 4, rel=1e-3)
+    assert found["seed_curvature_length"] == pytest.approx(np.sqrt(4 / 3) / wavenumber, rel=1e-3)
+    # The mean over directions of cos(q r cos φ) is J0(q r), which is one half at 1.5211.
+    assert found["seed_pressure_length"] == pytest.approx(1.5211 / wavenumber, rel=0.02)
+
+
+def test_hertz_peaks():
+    """Johnson, Contact Mechanics (1985), section 3.4: at ν = 0.3 the largest τ is 0.31 p0 at 0.48 a."""
+    height, depth = hertz_peak(0.3)
+    assert height == pytest.approx(2 * 0.31 * 1.5, rel=2e-3)
+    assert depth == pytest.approx(0.48, abs=5e-3)
+
+
+def made_rows(noise: float) -> pd.DataFrame:
+    """Numbers that collapse with ℓ_p and E*ḡ_r, up to noise of each surface, and fall with the area otherwise."""
+    rng = np.random.default_rng(3)
+    factor = {0.0: 0.75, 0.33: 1.0, 0.5: 1.1}
+    rows = []
+    for number in range(8):
+        shift = np.exp(noise * rng.standard_normal())
+        for area in (0.02, 0.05, 0.2):
+            for poisson, of_nu in factor.items():
+                row = {"surface": f"s{number}", "hurst": (0.2, 0.8)[number % 2], "ratio": 8.0 * 2 ** (number % 3)}
+                row |= {"skewed": number == 7, "area": area, "poisson": poisson, "seeds": 3}
+                for key in (*HEIGHT_SCALES, *DEPTH_SCALES):
+                    power = 0.0 if key in ("height_gradient_contact", "depth_pressure_length") else -0.2
+                    row[key] = of_nu * shift * area**power
+                    row[f"{key}_error"] = 0.01
+                rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def test_collapse_of_made_numbers():
+    """The scale that made the numbers has no scatter; another one shows its power of the area."""
+    rows = made_rows(0.0)
+    assert scatter(rows, "depth_pressure_length").value < 1e-12
+    spread = np.log([0.02, 0.05, 0.2]).std() * 0.2
+    assert scatter(rows, "depth_wavelength").value == pytest.approx(spread)
+    assert exponents(rows, "depth_wavelength", ["ln A"])["ln A"].value == pytest.approx(-0.2)
+    assert of_poisson(rows, "depth_pressure_length")[0.0].value == pytest.approx(0.75)
+    rows = made_rows(0.02)
+    found = scatter(rows, "depth_pressure_length")
+    assert found.value == pytest.approx(0.02, abs=3 * found.error)
+    assert best(rows, DEPTH_SCALES) == "depth_pressure_length"
+    assert verdict(rows).startswith("**There is one curve for both")
+    assert verdict(made_rows(0.2)).startswith("**There is no curve for all")
+    with pytest.raises(ValueError, match="2 surfaces: 3 or more are needed"):
+        scatter(rows[rows["surface"].isin(["s0", "s1"])], "depth_wavelength")
+
+
+def test_tiny_run(tmp_path):
+    """Three small surfaces from contact to page; a second run reads the files of the first."""
+    config = read_study([ROOT / "config/master_curve.yaml"])
+    config["results"], config["seeds"] = str(tmp_path), [1, 2]
+    surface = config["surfaces"]["hurst_08_ratio_8"] | {
+        "points": 64,
+        "wavelength_long": 0.5,
+        "wavelength_short": 0.125,
+    }
+    config["surfaces"] = {f"s{hurst}": surface | {"hurst": hurst} for hurst in (0.2, 0.5, 0.8)}
+    config["contact"] = config["contact"] | {"path_area_fractions": [0.3]}
+    config["stress"] = config["stress"] | {"poisson": [0.0, 0.33]}
+    rows = table(collect(config))
+    files = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nc")}
+    assert len(files) == 3
+    assert table(collect(config)).equals(rows)
+    assert files == {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nc")}
+    assert len(rows) == 3 * 2 * 2
+    assert np.isfinite(rows.select_dtypes("number")).all(axis=None)
+    assert (rows.loc[rows["poisson"] == 0, "height_gradient_contact"] > 1).all()
+    assert len(draw(rows).axes) == 4
+
+
+def test_kept_page():
+    """The sections of docs/master_curve.md are those of the table that is kept beside it."""
+    rows = pd.read_csv(ROOT / "docs/master_curve.csv")
+    text = (ROOT / "docs/master_curve.md").read_text(encoding="utf-8")
+    for name, section in sections(rows).items():
+        assert with_section(text, name, section) == text
