@@ -59,7 +59,11 @@ def made_rows(noise: float) -> pd.DataFrame:
         shift = np.exp(noise * rng.standard_normal())
         for area in (0.02, 0.05, 0.2):
             for poisson, of_nu in factor.items():
-                row = {"surface": f"s{number}", "hurst": (0.2, 0.8)[number % 2], "ratio": 8.0 * 2 ** (number % 3)}
+                row = {
+                    "surface": f"s{number}",
+                    "hurst": (0.2, 0.8)[number % 2],
+                    "ratio": 8.0 * 2 ** (number % 3),
+                }
                 row |= {"skewed": number == 7, "area": area, "poisson": poisson, "seeds": 3}
                 for key in (*HEIGHT_SCALES, *DEPTH_SCALES):
                     power = 0.0 if key in ("height_gradient_contact", "depth_pressure_length") else -0.2

@@ -8,7 +8,7 @@ import pytest
 
 from asperity import Grid, Layer, solve
 from asperity.paper.claims.documents import with_section
-from asperity.paper.nayak.analysis import STRIP, limit, regress, table, with_logarithms
+from asperity.paper.nayak.analysis import STRIP, limit, means, order_of, regress, table, with_logarithms
 from asperity.paper.nayak.collection import collect, seeds_on
 from asperity.paper.nayak.figure import draw
 from asperity.paper.nayak.page import effect, main_rows, regressions, sections
@@ -67,10 +67,12 @@ def test_limit_from_nested_seeds():
     rng = np.random.default_rng(1)
     seeds = 2.0 + 0.01 * rng.standard_normal(200)
     levels = [seeds[:n] + 0.3 / nodes**1.5 for n, nodes in ((200, 8), (50, 16), (5, 32))]
-    found = limit([8, 16, 32], levels)
+    assert order_of([means(levels)]) == pytest.approx(1.5)
+    assert order_of([np.array([1.0, 2.0, 4.0])]) == 1
+    assert order_of([np.array([1.0, 2.0])]) == 1
+    found = limit(levels, 1.5)
     assert found.value == pytest.approx(seeds.mean(), rel=1e-10)
     assert found.scatter == pytest.approx(seeds.std(ddof=1) / np.sqrt(200), rel=1e-6)
-    assert found.grid == pytest.approx(0.3 / 32**1.5, rel=1e-6)
 
 
 def made_rows(noise: float, seed: int = 0) -> pd.DataFrame:
@@ -88,7 +90,8 @@ def made_rows(noise: float, seed: int = 0) -> pd.DataFrame:
                 | {"pressure": area / 2, "area": area, "cell": 4.0, "seeds": "2/2"}
                 | numbers
                 | {f"{key}_{kind}": 0.004 for key in numbers for kind in ("error", "scatter")}
-                | {f"{key}_uncorrected": value * 1.02 for key, value in numbers.items()}
+                | {f"{key}{kind}_order": 1.0 for key in numbers for kind in ("", "_uncorrected")}
+                | {f"{key}{kind}_coarsest": v for key, v in numbers.items() for kind in ("", "_uncorrected")}
             )
     return with_logarithms(pd.DataFrame(rows))
 

@@ -69,7 +69,9 @@ def _draw_scatter(axis: Axes, values: Mapping[str, float], rows: pd.DataFrame) -
     order = [*HEIGHT_SCALES, *DEPTH_SCALES]
     errors = [100 * scatter(rows, key).error for key in order]
     colours = ["C0"] * len(HEIGHT_SCALES) + ["C1"] * len(DEPTH_SCALES)
-    axis.barh(range(len(order)), [values[key] for key in order], xerr=errors, color=colours, alpha=0.7, height=0.7)
+    axis.barh(
+        range(len(order)), [values[key] for key in order], xerr=errors, color=colours, alpha=0.7, height=0.7
+    )
     axis.set_yticks(range(len(order)), [_SHORT[key] for key in order], fontsize="x-small")
     axis.invert_yaxis()
     axis.set_xlabel("scatter, %")

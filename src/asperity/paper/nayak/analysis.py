@@ -18,7 +18,7 @@ import pandas as pd
 import xarray as xr
 from scipy.special import stdtrit
 
-from asperity.paper.claims.continuum import extrapolate
+from asperity.paper.claims.continuum import ORDERS
 from asperity.types import Array
 
 STRIP = (math.pi - 1 + math.log(2)) / 24
@@ -26,6 +26,8 @@ STRIP = (math.pi - 1 + math.log(2)) / 24
 
 NUMBERS = {"kappa": "κ", "kappa_r": "κ_r"}
 """Column of the table → its symbol."""
+
+_KEYS = ("area", *NUMBERS)
 
 TERMS = {
     "ln_nayak": "ln α",
@@ -37,25 +39,10 @@ TERMS = {
 
 
 class Limit(NamedTuple):
-    """A number at vanishing grid spacing.
-
-    Parameters
-    ----------
-    value : float
-    scatter : float
-        Standard error over seeds.
-    grid : float
-        Error of the extrapolation: what it adds to the value on the finest grid.
-    """
+    """A mean over seeds at vanishing grid spacing, and its standard error over seeds."""
 
     value: float
     scatter: float
-    grid: float
-
-    @property
-    def error(self) -> float:
-        """Both errors together."""
-        return math.hypot(self.scatter, self.grid)
 
 
 def proportionality(sample: xr.Dataset, spacing: float, corrected: bool = True) -> dict[str, xr.DataArray]:
@@ -81,32 +68,56 @@ def proportionality(sample: xr.Dataset, spacing: float, corrected: bool = True) 
     }
 
 
-def limit(nodes: Sequence[float], levels: Sequence[Array]) -> Limit:
-    """Limit of a mean over seeds from nested grids: many seeds on coarse ones, their first on finer ones.
+def means(levels: Sequence[Array]) -> Array:
+    """Mean over seeds on nested grids: many seeds on coarse ones, their first on finer ones.
 
-    The mean on a grid is that on the next coarser one plus the mean difference of the seeds that both have; the
-    limit is that of `asperity.paper.claims.continuum.extrapolate`.
+    The mean on a grid is that on the next coarser one plus the mean difference of the seeds that both have.
 
     Parameters
     ----------
-    nodes : (grids,) rising numbers
-        Nodes on the shortest wavelength, each twice the one before.
     levels : sequence of (seeds,) arrays, coarse to fine
     """
+    differences = [(fine - coarse[: fine.size]).mean() for coarse, fine in pairwise(levels)]
+    return np.cumsum([levels[0].mean(), *differences])
+
+
+def order_of(found: Sequence[Array]) -> float:
+    """Order of convergence that the means of several numbers on the same grids show together.
+
+    It is that of the sum of their relative changes over the last three grids, limited to
+    `asperity.paper.claims.continuum.ORDERS`; it is one with two grids, or where the changes do not shrink.
+    """
+    relative = np.sum([np.diff(one) / one[-1] for one in found], axis=0)
+    if relative.size < 2 or not relative[-2] or not 0 < relative[-1] / relative[-2] < 1:
+        return 1.0
+    return float(np.clip(-np.log2(relative[-1] / relative[-2]), *ORDERS))
+
+
+def limit(levels: Sequence[Array], order: float) -> Limit:
+    """Limit of a mean over seeds from nested grids, each with half the spacing of the one before (Richardson).
+
+    Parameters
+    ----------
+    levels : sequence of (seeds,) arrays, coarse to fine
+    order : float
+        Of convergence.
+    """
+    gain = 1 / (2**order - 1)
+    found = means(levels)
     differences = [fine - coarse[: fine.size] for coarse, fine in pairwise(levels)]
-    means = np.cumsum([levels[0].mean(), *(d.mean() for d in differences)])
-    found = extrapolate(nodes, means[None, :])
-    added = found.limit - means[-1]
-    gain = added / (means[-1] - means[-2]) if means[-1] != means[-2] else 0.0
     weights = [1.0] * len(differences) + [1 + gain]
     variances = [
         w**2 * v.var(ddof=1) / v.size for w, v in zip(weights, [levels[0], *differences], strict=True)
     ]
-    return Limit(found.limit, math.sqrt(sum(variances)), abs(added))
+    return Limit(float(found[-1] + gain * (found[-1] - found[-2])), math.sqrt(sum(variances)))
 
 
 def table(config: Mapping[str, Any], samples: Mapping[str, Mapping[float, xr.Dataset]]) -> pd.DataFrame:
     """Limits of κ, κ_r and the area of all surfaces under all loads, a row each.
+
+    With and without the strip along the boundary the numbers converge in different ways to one limit. Each of
+    the two has one order of convergence for all rows (`order_of`). The error of the grid is the difference of
+    the two limits, and the error that of the grid and of the seeds together.
 
     Parameters
     ----------
@@ -115,36 +126,40 @@ def table(config: Mapping[str, Any], samples: Mapping[str, Mapping[float, xr.Dat
     samples : mapping
         As of `asperity.paper.nayak.collection.collect`.
     """
-    rows = []
+    rows, levels = [], {(key, corrected): [] for key in _KEYS for corrected in (True, False)}
     for name, of_grids in samples.items():
         surface, nodes = config["surfaces"][name], sorted(of_grids)
-        short = surface["wavelength_short"]
-        numbers = {
-            corrected: [proportionality(of_grids[n], short / n, corrected) for n in nodes]
-            for corrected in (True, False)
-        }
-        nayak = of_grids[nodes[0]]["seed_nayak"].values
-        for index in range(of_grids[nodes[0]].sizes["load"]):
-            row = {
-                "surface": name,
-                "hurst": surface["hurst"],
-                "ratio": surface["wavelength_long"] / short,
-                "cell": 1 / surface["wavelength_long"],
-                "load": index + 1,
-                "pressure": config["nayak"]["loads"][index],
-                "nayak": nayak.mean(),
-                "nayak_error": nayak.std(ddof=1) / math.sqrt(nayak.size),
-                "seeds": "/".join(str(of_grids[n].sizes["seed"]) for n in nodes),
-            }
-            for key in ("area", *NUMBERS):
-                found = limit(nodes, [grid[key].values[:, index] for grid in numbers[True]])
-                row |= {key: found.value, f"{key}_error": found.error, f"{key}_scatter": found.scatter}
-                row[f"{key}_finest"] = found.value - found.grid
-            for key in NUMBERS:
-                row[f"{key}_uncorrected"] = limit(
-                    nodes, [grid[key].values[:, index] for grid in numbers[False]]
-                ).value
-            rows.append(row)
+        short, coarsest = surface["wavelength_short"], of_grids[nodes[0]]
+        nayak = coarsest["seed_nayak"].values
+        for index in range(coarsest.sizes["load"]):
+            rows.append(
+                {
+                    "surface": name,
+                    "hurst": surface["hurst"],
+                    "ratio": surface["wavelength_long"] / short,
+                    "cell": 1 / surface["wavelength_long"],
+                    "load": index + 1,
+                    "pressure": config["nayak"]["loads"][index],
+                    "nayak": nayak.mean(),
+                    "nayak_error": nayak.std(ddof=1) / math.sqrt(nayak.size),
+                    "seeds": "/".join(str(of_grids[n].sizes["seed"]) for n in nodes),
+                }
+            )
+            for corrected in (True, False):
+                numbers = [proportionality(of_grids[n], short / n, corrected) for n in nodes]
+                for key in _KEYS:
+                    levels[key, corrected].append([grid[key].values[:, index] for grid in numbers])
+    for (key, corrected), of_rows in levels.items():
+        order = order_of([means(one) for one in of_rows])
+        for row, one in zip(rows, of_rows, strict=True):
+            found, kind = limit(one, order), "" if corrected else "_uncorrected"
+            row |= {f"{key}{kind}": found.value, f"{key}{kind}_order": order}
+            row |= {f"{key}{kind}_coarsest": means(one)[0]}
+            if corrected:
+                row[f"{key}_scatter"] = found.scatter
+    for row in rows:
+        for key in _KEYS:
+            row[f"{key}_error"] = math.hypot(row[f"{key}_scatter"], row[key] - row[f"{key}_uncorrected"])
     return with_logarithms(pd.DataFrame(rows))
 
 

@@ -136,11 +136,15 @@ def _grids(rows: pd.DataFrame) -> str:
     for key, symbol in NUMBERS.items():
         relative = 100 * rows[f"{key}_error"] / rows[key]
         scatter = 100 * rows[f"{key}_scatter"] / rows[key]
-        raw = 100 * (rows[f"{key}_uncorrected"] / rows[key] - 1).abs()
+        above = [
+            100 * (rows[f"{key}{kind}_coarsest"] / rows[key] - 1).mean() for kind in ("_uncorrected", "")
+        ]
+        orders = [rows[f"{key}{kind}_order"].iloc[0] for kind in ("_uncorrected", "")]
         parts.append(
-            f"{symbol}: error at most {relative.max():.2f} %, in the mean {relative.mean():.2f} %, of which the "
-            f"scatter of the seeds at most {scatter.max():.2f} %; the limit from nodes without the correction of "
-            f"the boundary differs by {raw.mean():.2f} % in the mean, at most {raw.max():.2f} %"
+            f"{symbol}: error {relative.mean():.2f} % in the mean, at most {relative.max():.2f} %, of which the "
+            f"scatter of the seeds {scatter.mean():.2f} %, at most {scatter.max():.2f} %; the coarsest grid is "
+            f"{above[0]:+.1f} % from the limit without the correction of the boundary and {above[1]:+.1f} % with "
+            f"it, the orders of convergence are {orders[0]:.2f} and {orders[1]:.2f}"
         )
     return ". ".join(parts) + "."
 
