@@ -1,4 +1,4 @@
-"""Scales of the von Mises peaks: lengths of a contact, collapse of made numbers, a tiny run, the kept page."""
+"""Scales of von Mises peaks: lengths of a contact, collapse of made numbers, a tiny run, the kept page."""
 
 from pathlib import Path
 
@@ -26,7 +26,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_lengths_of_a_wave():
-    """Full contact with one wave: pressure halves at the first root of J0 = 1/2; moments are those of the wave."""
+    """Full contact with one wave: the pressure halves where J0 = 1/2; moments are those of the wave."""
     points, waves = 256, 4
     x = np.arange(points) / points
     height = np.cos(2 * np.pi * waves * x)[None, :] + np.cos(2 * np.pi * waves * x)[:, None]
@@ -51,7 +51,7 @@ def test_hertz_peaks():
 
 
 def made_rows(noise: float) -> pd.DataFrame:
-    """Numbers that collapse with ℓ_p and E*ḡ_r, up to noise of each surface, and fall with the area otherwise."""
+    """Numbers that collapse with ℓ_p and E*ḡ_r, up to noise, and fall with the area otherwise."""
     rng = np.random.default_rng(3)
     factor = {0.0: 0.75, 0.33: 1.0, 0.5: 1.1}
     rows = []

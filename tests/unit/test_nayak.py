@@ -1,4 +1,4 @@
-"""Contact area against Nayak's parameter: moments, boundary, limits, regression, a tiny sweep, the kept page."""
+"""Contact area against Nayak's parameter: moments, boundary, limits, regression, a tiny sweep, the page."""
 
 from pathlib import Path
 
@@ -63,7 +63,7 @@ def test_corrected_area_of_a_sphere():
 
 
 def test_limit_from_nested_seeds():
-    """Numbers with an error of known order have their limit exactly; the scatter is that of the coarse seeds."""
+    """Numbers with an error of known order have their limit exactly; their scatter is that of all seeds."""
     rng = np.random.default_rng(1)
     seeds = 2.0 + 0.01 * rng.standard_normal(200)
     levels = [seeds[:n] + 0.3 / nodes**1.5 for n, nodes in ((200, 8), (50, 16), (5, 32))]
@@ -76,7 +76,7 @@ def test_limit_from_nested_seeds():
 
 
 def made_rows(noise: float, seed: int = 0) -> pd.DataFrame:
-    """Twelve surfaces under three loads, κ falling with ln α and κ_r constant, with noise for each surface."""
+    """Twelve surfaces under three loads, κ falling with ln α, κ_r constant, noise for each surface."""
     rng = np.random.default_rng(seed)
     rows = []
     for number in range(12):
@@ -101,7 +101,7 @@ def _of_noise(seed):
 
 
 def test_regression_on_made_numbers():
-    """Slopes are found, their intervals hold them about as often as they say; a term that does not act has an interval around zero."""
+    """Slopes are found and held by their intervals as often as these say; without effect they hold zero."""
     exact = regress(made_rows(0.0), "kappa", ["ln_nayak", "ln_area"])
     np.testing.assert_allclose(exact.slopes, [-0.15, -0.05], rtol=1e-9)
     assert exact.explained == pytest.approx(1)
@@ -117,7 +117,7 @@ def test_regression_on_made_numbers():
 
 
 def test_tiny_sweep(tmp_path):
-    """Six surfaces on small grids, from the samples to the figure; a second run reads the files of the first."""
+    """Six surfaces on small grids, from samples to figure; a second run reads the files of the first."""
     surfaces = {
         f"s{number}": {
             "label": "",

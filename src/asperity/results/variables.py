@@ -287,7 +287,7 @@ VARIABLES: dict[str, Variable] = {
     "seed_pressure_length": Variable(_LENGTH, "distance at which the autocovariance of the pressure halves"),
     "seed_hydraulic_radius": Variable(_LENGTH, "twice the area of contact over the length of its boundary"),
     "seed_height_length": Variable(_LENGTH, "rms height over rms profile slope over the contact"),
-    "seed_curvature_length": Variable(_LENGTH, "rms profile slope over rms profile curvature over the contact"),
+    "seed_curvature_length": Variable(_LENGTH, "rms profile slope over rms curvature over the contact"),
     "seed_skewness": Variable(_NUMBER, "skewness of the heights"),
     "seed_kurtosis": Variable(_NUMBER, "kurtosis of the heights"),
     "seed_rms_gradient": Variable(_NUMBER, "root-mean-square gradient of the whole surface"),

@@ -1,4 +1,4 @@
-"""Compute peaks and lengths of the surfaces of a configuration and write docs/master_curve.md with its figure.
+"""Compute peaks and lengths of the surfaces of a configuration and write docs/master_curve.md and its figure.
 
     python -m asperity.paper.master_curve config/master_curve.yaml
 

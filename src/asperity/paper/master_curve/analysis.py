@@ -1,7 +1,7 @@
-"""How well scales of the contact bring height and depth of the von Mises peaks of all surfaces onto one curve.
+"""How well scales of the contact bring height and depth of von Mises peaks of all surfaces onto one curve.
 
-A number y over its scale s is one curve if ln(y/s) depends on Poisson's ratio alone. The *scatter* of a scale is
-the root mean square of what is left of ln(y/s) after subtracting the mean of each Poisson's ratio, over all
+A number y over its scale s is one curve if ln(y/s) depends on Poisson's ratio alone. The *scatter* of a
+scale is the root mean square of what is left of ln(y/s) after subtracting the mean of each Poisson's ratio, over all
 surfaces and areas.
 """
 
@@ -156,7 +156,7 @@ def exponents(rows: pd.DataFrame, key: str, terms: Sequence[str]) -> dict[str, S
 
 
 def of_poisson(rows: pd.DataFrame, key: str) -> dict[float, Scatter]:
-    """Geometric mean of a number at each Poisson's ratio, over all surfaces and areas, and its standard error."""
+    """Geometric mean of a number over surfaces and areas at each Poisson's ratio, and its standard error."""
     ratios = np.sort(rows["poisson"].unique())
 
     def means(some: pd.DataFrame) -> Array:
@@ -167,7 +167,7 @@ def of_poisson(rows: pd.DataFrame, key: str) -> dict[float, Scatter]:
 
 
 def hertz_peak(poisson: float) -> tuple[float, float]:
-    """Largest von Mises stress on the axis of a Hertzian contact over its mean pressure, and its depth over a."""
+    """Largest von Mises stress on the axis of a Hertzian contact over its mean pressure, and depth over a."""
     contact = Hertz.from_approach(1e-2, 1.0)
     radius = math.sqrt(1e-2)
     depth = np.linspace(0, 1.5, 3001) * radius

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -37,8 +37,8 @@ _KEPT = (
 def collect(config: Mapping[str, Any]) -> dict[str, xr.Dataset]:
     """Samples of all surfaces of the configuration, read from their files or computed.
 
-    The areas are those of ``contact.path_area_fractions`` and ``contact.area_fraction``. A file made from other
-    settings is computed anew.
+    The areas are those of ``contact.path_area_fractions`` and ``contact.area_fraction``. A file made from
+    other settings is computed anew.
     """
     found = {}
     for name, surface in config["surfaces"].items():
@@ -103,8 +103,8 @@ def contact_lengths(height: np.ndarray, contact: xr.Dataset) -> dict[str, float]
     dict
         ``seed_pressure_length``: distance at which the autocovariance of the pressure falls to half;
         ``seed_hydraulic_radius``: twice the area over the length of its boundary, the radius of a circle;
-        ``seed_height_length``: rms height over rms gradient of the rough surface over the contact, √(m₀/m₂)_r;
-        ``seed_curvature_length``: rms gradient over rms curvature over the contact, √(m₂/m₄)_r.
+        ``seed_height_length``: rms height over rms profile slope over the contact, √(m₀/m₂)_r;
+        ``seed_curvature_length``: rms profile slope over curvature over the contact, √(m₂/m₄)_r.
     """
     grid, pressure = dataset.grid_of(contact), contact["pressure"].values
     touching = pressure > 0

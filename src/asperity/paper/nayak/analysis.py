@@ -94,7 +94,7 @@ def order_of(found: Sequence[Array]) -> float:
 
 
 def limit(levels: Sequence[Array], order: float) -> Limit:
-    """Limit of a mean over seeds from nested grids, each with half the spacing of the one before (Richardson).
+    """Limit of a mean over seeds, from nested grids with half the spacing of the one before (Richardson).
 
     Parameters
     ----------
@@ -126,7 +126,10 @@ def table(config: Mapping[str, Any], samples: Mapping[str, Mapping[float, xr.Dat
     samples : mapping
         As of `asperity.paper.nayak.collection.collect`.
     """
-    rows, levels = [], {(key, corrected): [] for key in _KEYS for corrected in (True, False)}
+    rows: list[dict[str, Any]] = []
+    levels: dict[tuple[str, bool], list[list[Array]]] = {
+        (key, corrected): [] for key in _KEYS for corrected in (True, False)
+    }
     for name, of_grids in samples.items():
         surface, nodes = config["surfaces"][name], sorted(of_grids)
         short, coarsest = surface["wavelength_short"], of_grids[nodes[0]]

@@ -30,8 +30,8 @@ def collect(config: Mapping[str, Any]) -> dict[str, dict[float, xr.Dataset]]:
     Parameters
     ----------
     config : mapping
-        Configuration, as of `asperity.config.study.read_study`. The files are in the folder ``samples`` of its
-        results. A file made from other settings is computed anew.
+        Configuration, as of `asperity.config.study.read_study`. The files are in the folder ``samples`` of
+        its results. A file made from other settings is computed anew.
 
     Returns
     -------

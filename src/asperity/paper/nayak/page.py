@@ -106,8 +106,8 @@ def verdict(rows: pd.DataFrame) -> str:
     of_kappa, of_kappa_r = changes["kappa"]["ln_nayak"], changes["kappa_r"]["ln_nayak"]
     falls = of_kappa.clear and of_kappa.change < 0
     first = (
-        f"With ḡ of the whole surface, κ {'falls' if falls else 'does not clearly fall'} with the logarithm of "
-        f"Nayak's parameter ({told('kappa', 'ln_nayak')} from α = {low:.1f} to {high:.0f})"
+        f"With ḡ of the whole surface, κ {'falls' if falls else 'does not clearly fall'} with the logarithm "
+        f"of Nayak's parameter ({told('kappa', 'ln_nayak')} from α = {low:.1f} to {high:.0f})"
     )
     clear = [TERMS[term] for term in STRUCTURE if changes["kappa_r"][term].clear]
     second = (
@@ -141,10 +141,10 @@ def _grids(rows: pd.DataFrame) -> str:
         ]
         orders = [rows[f"{key}{kind}_order"].iloc[0] for kind in ("_uncorrected", "")]
         parts.append(
-            f"{symbol}: error {relative.mean():.2f} % in the mean, at most {relative.max():.2f} %, of which the "
-            f"scatter of the seeds {scatter.mean():.2f} %, at most {scatter.max():.2f} %; the coarsest grid is "
-            f"{above[0]:+.1f} % from the limit without the correction of the boundary and {above[1]:+.1f} % with "
-            f"it, the orders of convergence are {orders[0]:.2f} and {orders[1]:.2f}"
+            f"{symbol}: error {relative.mean():.2f} % in the mean, at most {relative.max():.2f} %, of which "
+            f"the scatter of the seeds {scatter.mean():.2f} %, at most {scatter.max():.2f} %; the coarsest grid "
+            f"is {above[0]:+.1f} % from the limit without the correction of the boundary and "
+            f"{above[1]:+.1f} % with it, the orders of convergence are {orders[0]:.2f} and {orders[1]:.2f}"
         )
     return ". ".join(parts) + "."
 

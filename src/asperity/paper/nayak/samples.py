@@ -92,7 +92,7 @@ def sample(
         rms_gradient = float(np.sqrt(squared.mean()))
         path = solve_path(height, HALF_SPACE, mean_pressures=[load * rms_gradient for load in loads])
         states = [_numbers(state, squared, grid) for state in path]
-        numbers = {name: ("load", [state[name] for state in states]) for name in states[0]}
+        numbers: dict[str, Any] = {name: ("load", [state[name] for state in states]) for name in states[0]}
         numbers |= {"seed_nayak": nayak_parameter(height, grid), "seed_rms_gradient": rms_gradient}
         found.append(xr.Dataset({**numbers, "seed_seconds": time.process_time() - begin}))
         if progress is not None:
