@@ -13,13 +13,14 @@ from asperity.paper.master_curve.analysis import (
     DEPTH_SCALES,
     HEIGHT_SCALES,
     exponents,
+    held_out,
     hertz_peak,
     of_poisson,
     scatter,
     table,
 )
 from asperity.paper.master_curve.figure import draw
-from asperity.paper.master_curve.page import best, sections, verdict
+from asperity.paper.master_curve.page import best_height, best_length, sections, verdict
 from asperity.paper.master_curve.samples import collect, contact_lengths
 
 ROOT = Path(__file__).parents[2]
@@ -56,6 +57,7 @@ def made_rows(noise: float) -> pd.DataFrame:
     factor = {0.0: 0.75, 0.33: 1.0, 0.5: 1.1}
     rows = []
     for number in range(8):
+        hurst_factor = (1.0, 1.5)[number % 2]
         shift = np.exp(noise * rng.standard_normal())
         for area in (0.02, 0.05, 0.2):
             for poisson, of_nu in factor.items():
@@ -65,28 +67,34 @@ def made_rows(noise: float) -> pd.DataFrame:
                     "ratio": 8.0 * 2 ** (number % 3),
                 }
                 row |= {"skewed": number == 7, "area": area, "poisson": poisson, "seeds": 3}
-                for key in (*HEIGHT_SCALES, *DEPTH_SCALES):
-                    power = 0.0 if key in ("height_gradient_contact", "depth_pressure_length") else -0.2
-                    row[key] = of_nu * shift * area**power
-                    row[f"{key}_error"] = 0.01
-                rows.append(row)
+                length = 0.3 * area**0.2 * hurst_factor
+                row |= dict.fromkeys((*HEIGHT_SCALES, *DEPTH_SCALES), of_nu * shift * area ** (-0.2))
+                row["height_gradient_contact"] = of_nu * shift
+                row["depth_wavelength"] = of_nu * shift * length**0.6
+                row["depth_pressure_length"] = row["depth_wavelength"] / length
+                rows.append(row | {f"{key}_error": 0.01 for key in (*HEIGHT_SCALES, *DEPTH_SCALES)})
     return pd.DataFrame(rows)
 
 
 def test_collapse_of_made_numbers():
-    """The scale that made the numbers has no scatter; another one shows its power of the area."""
+    """The scales that made the numbers leave no scatter, and their exponents are found."""
     rows = made_rows(0.0)
-    assert scatter(rows, "depth_pressure_length").value < 1e-12
+    assert scatter(rows, "height_gradient_contact").value < 1e-12
     spread = np.log([0.02, 0.05, 0.2]).std() * 0.2
-    assert scatter(rows, "depth_wavelength").value == pytest.approx(spread)
-    assert exponents(rows, "depth_wavelength", ["ln A"])["ln A"].value == pytest.approx(-0.2)
-    assert of_poisson(rows, "depth_pressure_length")[0.0].value == pytest.approx(0.75)
+    assert scatter(rows, "height_contact_pressure").value == pytest.approx(spread)
+    assert exponents(rows, "height_contact_pressure", ["ln A"])["ln A"].value == pytest.approx(-0.2)
+    assert of_poisson(rows, "height_gradient_contact")[0.0].value == pytest.approx(0.75)
+    term = "ln depth_pressure_length"
+    assert exponents(rows, "depth_wavelength", [term])[term].value == pytest.approx(0.6)
+    assert held_out(rows, "depth_wavelength", [term]) < 1e-12
     rows = made_rows(0.02)
-    found = scatter(rows, "depth_pressure_length")
+    found = scatter(rows, "height_gradient_contact")
     assert found.value == pytest.approx(0.02, abs=3 * found.error)
-    assert best(rows, DEPTH_SCALES) == "depth_pressure_length"
-    assert verdict(rows).startswith("**There is one curve for both")
-    assert verdict(made_rows(0.2)).startswith("**There is no curve for all")
+    assert held_out(rows, "height_gradient_contact", []) > found.value
+    assert best_height(rows) == "height_gradient_contact"
+    assert best_length(rows) == "depth_pressure_length"
+    assert verdict(rows).startswith("**Height and depth lie on one curve each")
+    assert verdict(made_rows(0.2)).startswith("**Neither height nor depth")
     with pytest.raises(ValueError, match="2 surfaces: 3 or more are needed"):
         scatter(rows[rows["surface"].isin(["s0", "s1"])], "depth_wavelength")
 

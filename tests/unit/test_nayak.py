@@ -11,7 +11,7 @@ from asperity.paper.claims.documents import with_section
 from asperity.paper.nayak.analysis import STRIP, limit, means, order_of, regress, table, with_logarithms
 from asperity.paper.nayak.collection import collect, seeds_on
 from asperity.paper.nayak.figure import draw
-from asperity.paper.nayak.page import effect, main_rows, regressions, sections
+from asperity.paper.nayak.page import effect, regressions, sections
 from asperity.paper.nayak.samples import boundary_integral, nayak_parameter
 
 ROOT = Path(__file__).parents[2]
@@ -159,4 +159,4 @@ def test_kept_page():
     text = (ROOT / "docs/nayak.md").read_text(encoding="utf-8")
     for name, section in sections(rows).items():
         assert with_section(text, name, section) == text
-    assert len(main_rows(rows)["surface"].unique()) >= 12
+    assert rows["surface"].nunique() >= 12

@@ -1,8 +1,8 @@
 """How well scales of the contact bring height and depth of von Mises peaks of all surfaces onto one curve.
 
-A number y over its scale s is one curve if ln(y/s) depends on Poisson's ratio alone. The *scatter* of a
-scale is the root mean square of what is left of ln(y/s) after subtracting the mean of each Poisson's ratio, over all
-surfaces and areas.
+A number y over its scale s is one curve if ln(y/s) depends on Poisson's ratio alone. The *scatter* of a scale
+is the root mean square of what is left of ln(y/s) after subtracting the mean of each Poisson's ratio, over
+all surfaces and areas.
 """
 
 from __future__ import annotations
@@ -99,6 +99,17 @@ def _left(rows: pd.DataFrame, key: str, terms: Sequence[str]) -> Array:
     return value - matrix @ np.linalg.lstsq(matrix, value, rcond=None)[0]
 
 
+def held_out(rows: pd.DataFrame, key: str, terms: Sequence[str]) -> float:
+    """Root mean square error with which a fit to all other surfaces predicts the logarithm for a surface."""
+    squares = []
+    for name in rows["surface"].unique():
+        chosen = (rows["surface"] == name).to_numpy()
+        matrix, value = _design(rows, terms), np.log(rows[key].to_numpy())
+        found = np.linalg.lstsq(matrix[~chosen], value[~chosen], rcond=None)[0]
+        squares.append((value - matrix @ found)[chosen] ** 2)
+    return float(np.sqrt(np.concatenate(squares).mean()))
+
+
 def _design(rows: pd.DataFrame, terms: Sequence[str]) -> Array:
     """Columns of least squares: one for each Poisson's ratio, then the terms."""
     ratios = np.sort(rows["poisson"].unique())
@@ -110,8 +121,12 @@ _TERMS: Mapping[str, Callable[[pd.DataFrame], Array]] = {
     "ln A": lambda rows: np.log(rows["area"].to_numpy()),
     "H": lambda rows: rows["hurst"].to_numpy(),
     "ln λ_l/λ_s": lambda rows: np.log(rows["ratio"].to_numpy()),
+    **{
+        f"ln {key}": lambda rows, key=key: np.log((rows["depth_wavelength"] / rows[key]).to_numpy())
+        for key in DEPTH_SCALES
+    },
 }
-"""Terms of a fit by name."""
+"""Terms of a fit by name; ``"ln depth_…"`` is the logarithm of that length over λ_s."""
 
 
 def _jackknife(rows: pd.DataFrame, function: Callable[[pd.DataFrame], Array]) -> tuple[Array, Array]:
@@ -134,7 +149,7 @@ def scatter(rows: pd.DataFrame, key: str, terms: Sequence[str] = ()) -> Scatter:
     key : str
         Column.
     terms : sequence of names
-        ``"ln A"``, ``"H"``, ``"ln λ_l/λ_s"``.
+        ``"ln A"``, ``"H"``, ``"ln λ_l/λ_s"``, or ``"ln "`` and a key of `DEPTH_SCALES`: that length over λ_s.
     """
 
     def root_mean_square(some: pd.DataFrame) -> Array:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import pandas as pd
 
 from asperity.paper.claims.report import with_error
@@ -13,6 +11,7 @@ from asperity.paper.master_curve.analysis import (
     HEIGHT_SCALES,
     REFERENCE,
     exponents,
+    held_out,
     hertz_peak,
     of_poisson,
     scatter,
@@ -22,12 +21,20 @@ from asperity.results import markup
 INPUTS = ("ln A", "H", "ln λ_l/λ_s")
 """Terms of the fit in what is known before the contact is computed."""
 
-BEST_HEIGHT = "height_gradient_contact"
+WAVELENGTH = "depth_wavelength"
+
+LENGTHS = tuple(key for key in DEPTH_SCALES if key != WAVELENGTH)
+"""Lengths ℓ of the contact."""
 
 
-def best(rows: pd.DataFrame, scales: Mapping[str, str]) -> str:
-    """Scale with the smallest scatter."""
-    return min(scales, key=lambda key: scatter(rows, key).value)
+def best_height(rows: pd.DataFrame) -> str:
+    """Scale of the height with the smallest scatter."""
+    return min(HEIGHT_SCALES, key=lambda key: scatter(rows, key).value)
+
+
+def best_length(rows: pd.DataFrame) -> str:
+    """Length ℓ with the smallest scatter of the depth over λ_s around a power of ℓ/λ_s."""
+    return min(LENGTHS, key=lambda key: scatter(rows, WAVELENGTH, [f"ln {key}"]).value)
 
 
 def _percent(value: float, error: float) -> str:
@@ -35,24 +42,35 @@ def _percent(value: float, error: float) -> str:
 
 
 def _scales(rows: pd.DataFrame) -> str:
-    lines = [["number", "scale", "scatter", "exponent of A", "scatter with it"]]
-    for number, scales in (("height", HEIGHT_SCALES), ("depth", DEPTH_SCALES)):
-        for key, text in scales.items():
-            power = exponents(rows, key, ["ln A"])["ln A"]
-            lines.append(
-                [
-                    number,
-                    text,
-                    _percent(*scatter(rows, key)),
-                    with_error(*power, signed=True),
-                    _percent(*scatter(rows, key, ["ln A"])),
-                ]
-            )
+    head = [
+        "number",
+        "scale s",
+        "scatter over s",
+        "exponent b",
+        "scatter",
+        "predicted for a surface left out",
+    ]
+    lines = [[*head[:3], "fitted beside", *head[3:]]]
+    fits = [("height", key, key, "ln A", "A^b") for key in HEIGHT_SCALES]
+    fits += [("depth", key, WAVELENGTH, f"ln {key}", "λ_s (s/λ_s)^b") for key in LENGTHS]
+    fits.append(("depth", WAVELENGTH, WAVELENGTH, "ln A", "A^b"))
+    for number, key, over, term, form in fits:
+        lines.append(
+            [
+                number,
+                {**HEIGHT_SCALES, **DEPTH_SCALES}[key],
+                _percent(*scatter(rows, key)),
+                form,
+                with_error(*exponents(rows, over, [term])[term], signed=True),
+                _percent(*scatter(rows, over, [term])),
+                f"{100 * held_out(rows, over, [term]):.1f} %",
+            ]
+        )
     return markup.markdown(lines)
 
 
 def _of_poisson(rows: pd.DataFrame) -> str:
-    height, depth = best(rows, HEIGHT_SCALES), best(rows, DEPTH_SCALES)
+    height, depth = best_height(rows), best_length(rows)
     heights, depths = of_poisson(rows, height), of_poisson(rows, depth)
     own = hertz_peak(REFERENCE)
     names = [HEIGHT_SCALES[height].split(",")[0], DEPTH_SCALES[depth].split(",")[0]]
@@ -78,7 +96,10 @@ def _inputs(rows: pd.DataFrame) -> str:
     """Fit of the depth over λ_s and of the height in what is known before the contact is computed."""
     plain = rows[~rows["skewed"]]
     parts = []
-    for key, text in ((BEST_HEIGHT, "height over E\\*ḡ_r"), ("depth_wavelength", "depth over λ_s")):
+    for key, text in (
+        ("height_gradient_contact", "height over E\\*ḡ_r"),
+        ("depth_wavelength", "depth over λ_s"),
+    ):
         slopes = exponents(plain, key, INPUTS)
         told = ", ".join(f"{name}: {with_error(*one, signed=True)}" for name, one in slopes.items())
         parts.append(f"{text}: {told}, scatter {_percent(*scatter(plain, key, INPUTS))}")
@@ -87,28 +108,27 @@ def _inputs(rows: pd.DataFrame) -> str:
 
 def verdict(rows: pd.DataFrame) -> str:
     """One paragraph: whether height and depth lie on one curve."""
-    parts, collapsed = [], []
-    for name, scales in (("height", HEIGHT_SCALES), ("depth", DEPTH_SCALES)):
-        key = best(rows, scales)
-        found, scale = scatter(rows, key), scales[key]
-        own = of_poisson(rows, key)[REFERENCE]
-        collapsed.append(found.value + found.error <= COLLAPSED)
-        worst = max(scales, key=lambda other: scatter(rows, other).value)
-        parts.append(
-            f"the {name} is {with_error(*own)} times {scale} at ν = {REFERENCE:g}, with a scatter of "
-            f"{_percent(*found)} (worst: {scales[worst]}, {_percent(*scatter(rows, worst))})"
-        )
+    height, length = best_height(rows), best_length(rows)
+    of_height, of_depth = scatter(rows, height), scatter(rows, WAVELENGTH, [f"ln {length}"])
+    one_curve = [found.value + found.error <= COLLAPSED for found in (of_height, of_depth)]
     limit = f"{100 * COLLAPSED:g} %"
     start = {
-        (True, True): f"**There is one curve for both, within {limit}**",
-        (True, False): f"**There is one curve for the height within {limit}, but not for the depth**",
-        (False, True): f"**There is one curve for the depth within {limit}, but not for the height**",
-        (False, False): f"**There is no curve for all surfaces within {limit}**",
-    }[collapsed[0], collapsed[1]]
-    surfaces, areas = rows["surface"].nunique(), sorted(rows["area"].round(2).unique())
+        (True, True): f"**Height and depth lie on one curve each, within {limit}**",
+        (True, False): f"**The height lies on one curve within {limit}, the depth does not**",
+        (False, True): f"**The depth lies on one curve within {limit}, the height does not**",
+        (False, False): f"**Neither height nor depth lies on one curve within {limit}**",
+    }[one_curve[0], one_curve[1]]
+    power = exponents(rows, WAVELENGTH, [f"ln {length}"])[f"ln {length}"]
+    areas = sorted(rows["area"].round(2).unique())
     return (
-        f"{start}: {'; '.join(parts)}; {surfaces} surfaces, A from {areas[0]:g} to {areas[-1]:g}, and one "
-        f"factor for each Poisson's ratio."
+        f"{start} ({rows['surface'].nunique()} surfaces, A from {areas[0]:g} to {areas[-1]:g}, one factor for "
+        f"each ν). The depth is d = C(ν) λ_s (ℓ/λ_s)^b with b = {with_error(*power)} and ℓ = "
+        f"{DEPTH_SCALES[length]}: scatter {_percent(*of_depth)}, "
+        f"{100 * held_out(rows, WAVELENGTH, [f'ln {length}']):.1f} % for a surface left out of the fit. The "
+        f"height is best divided by {HEIGHT_SCALES[height]}: "
+        f"{with_error(*of_poisson(rows, height)[REFERENCE])} at "
+        f"ν = {REFERENCE:g}, scatter {_percent(*of_height)}, {100 * held_out(rows, height, []):.1f} % for a "
+        f"surface left out."
     )
 
 

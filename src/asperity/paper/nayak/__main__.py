@@ -17,7 +17,7 @@ from asperity.paper.claims.documents import with_section
 from asperity.paper.nayak.analysis import table, with_logarithms
 from asperity.paper.nayak.collection import collect
 from asperity.paper.nayak.figure import draw
-from asperity.paper.nayak.page import main_rows, sections
+from asperity.paper.nayak.page import sections
 from asperity.views.style import save, style
 
 TABLE, PAGE, PICTURE = Path("docs/nayak.csv"), Path("docs/nayak.md"), Path("docs/nayak.png")
@@ -33,7 +33,7 @@ except (ConfigError, DatasetError) as error:
     sys.exit(f"nayak: {error}")
 rows = with_logarithms(pd.read_csv(TABLE))
 with style():
-    save(draw(main_rows(rows)), PICTURE)
+    save(draw(rows), PICTURE)
 text = PAGE.read_text(encoding="utf-8")
 for name, section in sections(rows).items():
     text = with_section(text, name, section)

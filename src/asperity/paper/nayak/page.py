@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
 import pandas as pd
 
 from asperity.paper.claims.report import with_error
 from asperity.paper.nayak.analysis import NUMBERS, TERMS, Regression, regress
 from asperity.results import markup
-
-NARROW = "narrow"
-"""Beginning of the names of surfaces that repeat others in a cell of fewer wavelengths."""
 
 STRUCTURE = ("ln_nayak", "hurst", "ln_ratio")
 """Terms that describe the surface, each tried beside the area."""
@@ -28,11 +24,6 @@ class Effect(NamedTuple):
     def clear(self) -> bool:
         """Whether the interval excludes zero."""
         return abs(self.change) > self.error
-
-
-def main_rows(rows: pd.DataFrame) -> pd.DataFrame:
-    """Rows of the surfaces without those that repeat others in a narrow cell."""
-    return rows[~rows["surface"].str.startswith(NARROW)]
 
 
 def effect(rows: pd.DataFrame, found: Regression, number: str, term: str) -> Effect:
@@ -142,37 +133,17 @@ def _grids(rows: pd.DataFrame) -> str:
         orders = [rows[f"{key}{kind}_order"].iloc[0] for kind in ("_uncorrected", "")]
         parts.append(
             f"{symbol}: error {relative.mean():.2f} % in the mean, at most {relative.max():.2f} %, of which "
-            f"the scatter of the seeds {scatter.mean():.2f} %, at most {scatter.max():.2f} %; the coarsest grid "
-            f"is {above[0]:+.1f} % from the limit without the correction of the boundary and "
+            f"the scatter of the seeds {scatter.mean():.2f} %, at most {scatter.max():.2f} %; the coarsest "
+            f"grid is {above[0]:+.1f} % from the limit without the correction of the boundary and "
             f"{above[1]:+.1f} % with it, the orders of convergence are {orders[0]:.2f} and {orders[1]:.2f}"
         )
     return ". ".join(parts) + "."
 
 
-def _cells(rows: pd.DataFrame) -> str:
-    """What a cell of fewer long wavelengths changes."""
-    narrow = rows[rows["surface"].str.startswith(NARROW)]
-    keys = ["hurst", "ratio", "load"]
-    pairs = narrow.merge(main_rows(rows), on=keys, suffixes=("_narrow", ""))
-    if pairs.empty:
-        return ""
-    parts = []
-    for key, symbol in NUMBERS.items():
-        change = 100 * (pairs[f"{key}_narrow"] / pairs[key] - 1)
-        error = 100 * np.hypot(pairs[f"{key}_scatter_narrow"], pairs[f"{key}_scatter"]) / pairs[key]
-        weight = 1 / error**2
-        parts.append(
-            f"{symbol} by {np.average(change, weights=weight):+.2f} ± {2 / np.sqrt(weight.sum()):.2f} %"
-        )
-    few, many = pairs["cell_narrow"].iloc[0], pairs["cell"].iloc[0]
-    return f"A cell of {few:g} λ_l instead of {many:g} changes {' and '.join(parts)} (95 %, ratio of 16)."
-
-
 def sections(rows: pd.DataFrame) -> dict[str, str]:
     """Generated sections of the page by the name of their marks."""
-    main = main_rows(rows)
     return {
-        "verdict": verdict(main),
-        "limits": _table(main) + "\n\n" + _grids(main) + " " + _cells(rows),
-        "regressions": _regression_table(main),
+        "verdict": verdict(rows),
+        "limits": _table(rows) + "\n\n" + _grids(rows),
+        "regressions": _regression_table(rows),
     }
