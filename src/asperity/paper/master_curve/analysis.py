@@ -117,14 +117,16 @@ def _design(rows: pd.DataFrame, terms: Sequence[str]) -> Array:
     return np.column_stack([constants, *(_TERMS[term](rows) for term in terms)])
 
 
+def _logarithm_of_length(key: str) -> Callable[[pd.DataFrame], Array]:
+    """Function for the logarithm of a length over λ_s, from the depth over both."""
+    return lambda rows: np.log((rows["depth_wavelength"] / rows[key]).to_numpy())
+
+
 _TERMS: Mapping[str, Callable[[pd.DataFrame], Array]] = {
     "ln A": lambda rows: np.log(rows["area"].to_numpy()),
     "H": lambda rows: rows["hurst"].to_numpy(),
     "ln λ_l/λ_s": lambda rows: np.log(rows["ratio"].to_numpy()),
-    **{
-        f"ln {key}": lambda rows, key=key: np.log((rows["depth_wavelength"] / rows[key]).to_numpy())
-        for key in DEPTH_SCALES
-    },
+    **{f"ln {key}": _logarithm_of_length(key) for key in DEPTH_SCALES},
 }
 """Terms of a fit by name; ``"ln depth_…"`` is the logarithm of that length over λ_s."""
 

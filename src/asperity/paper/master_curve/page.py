@@ -121,8 +121,8 @@ def verdict(rows: pd.DataFrame) -> str:
     power = exponents(rows, WAVELENGTH, [f"ln {length}"])[f"ln {length}"]
     areas = sorted(rows["area"].round(2).unique())
     return (
-        f"{start} ({rows['surface'].nunique()} surfaces, A from {areas[0]:g} to {areas[-1]:g}, one factor for "
-        f"each ν). The depth is d = C(ν) λ_s (ℓ/λ_s)^b with b = {with_error(*power)} and ℓ = "
+        f"{start} ({rows['surface'].nunique()} surfaces, A from {areas[0]:g} to {areas[-1]:g}, one factor "
+        f"for each ν). The depth is d = C(ν) λ_s (ℓ/λ_s)^b with b = {with_error(*power)} and ℓ = "
         f"{DEPTH_SCALES[length]}: scatter {_percent(*of_depth)}, "
         f"{100 * held_out(rows, WAVELENGTH, [f'ln {length}']):.1f} % for a surface left out of the fit. The "
         f"height is best divided by {HEIGHT_SCALES[height]}: "
