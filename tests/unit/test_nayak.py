@@ -130,7 +130,7 @@ def test_tiny_sweep(tmp_path):
     }
     settings = {"loads": [0.02, 0.06], "nodes": [4, 8], "grid_nodes": 3 * 64**2, "most_seeds": 4}
     config = {"results": str(tmp_path), "surfaces": surfaces, "nayak": settings}
-    assert seeds_on(0.125, 8, settings["grid_nodes"], 4) == 3
+    assert seeds_on(0.125, [4, 8], settings["grid_nodes"], 40) == [40, 3]
     rows = table(config, collect(config))
     files = {path: path.stat().st_mtime_ns for path in tmp_path.rglob("*.nc")}
     assert len(files) == 12

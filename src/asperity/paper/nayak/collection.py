@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +18,18 @@ FEWEST_SEEDS = 2
 """Seeds of a surface on its finest grid, from which its scatter is known."""
 
 
-def seeds_on(wavelength_short: float, nodes: float, grid_nodes: int, most_seeds: int) -> int:
-    """Number of seeds of a surface on one grid: as many as have `grid_nodes` nodes together."""
-    several = grid_nodes // grid_points(wavelength_short, nodes) ** 2
-    return max(FEWEST_SEEDS, min(most_seeds, several))
+COARSEST = 4
+"""Share of the coarsest grid, from which most of the scatter comes, over that of any other."""
+
+
+def seeds_on(wavelength_short: float, nodes: Sequence[float], grid_nodes: int, most_seeds: int) -> list[int]:
+    """Number of seeds of a surface on each grid, coarse to fine.
+
+    All seeds of one grid have `grid_nodes` nodes together, those of the coarsest `COARSEST` times as many.
+    """
+    share = [grid_nodes * (COARSEST if n == min(nodes) else 1) for n in sorted(nodes)]
+    several = [s // grid_points(wavelength_short, n) ** 2 for s, n in zip(share, sorted(nodes), strict=True)]
+    return [max(FEWEST_SEEDS, min(most_seeds, number)) for number in several]
 
 
 def collect(config: Mapping[str, Any]) -> dict[str, dict[float, xr.Dataset]]:
@@ -41,10 +49,9 @@ def collect(config: Mapping[str, Any]) -> dict[str, dict[float, xr.Dataset]]:
     settings = config["nayak"]
     found: dict[str, dict[float, xr.Dataset]] = {}
     for name, surface in config["surfaces"].items():
-        for nodes in sorted(settings["nodes"]):
-            count = seeds_on(
-                surface["wavelength_short"], nodes, settings["grid_nodes"], settings["most_seeds"]
-            )
+        grids = sorted(settings["nodes"])
+        seeds = seeds_on(surface["wavelength_short"], grids, settings["grid_nodes"], settings["most_seeds"])
+        for nodes, count in zip(grids, seeds, strict=True):
             path = Path(config["results"]) / "samples" / name / f"nodes{nodes:g}.nc"
             band = {key: value for key, value in surface.items() if key not in ("label", "points")}
             made_from = {
