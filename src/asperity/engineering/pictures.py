@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, NamedTuple
 from asperity.engineering.answer import Answer, body_title
 from asperity.engineering.datasets import contact_dataset, stress_dataset
 from asperity.units import shown_si
-from asperity.views.inside import POSITIVE, field_words, plot_plane, plot_section
 from asperity.views.maps import plot_height, plot_pressure
 from asperity.views.peaks import plot_peaks
+from asperity.views.plane import plot_plane
+from asperity.views.section import plot_section
+from asperity.views.stress_field import POSITIVE, field_words
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
