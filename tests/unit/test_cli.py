@@ -1,6 +1,7 @@
 """The command line: commands in a row, files that figures accept, arguments, errors in one line."""
 
 import os
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -17,6 +18,7 @@ from asperity.config.defaults import default
 from asperity.config.schema import setting
 from asperity.packages import BASE, PACKAGES
 from asperity.results import dataset
+from asperity.runtime.interrupts import COMMAND_LINE
 
 COSINE = np.cos(2 * np.pi * np.arange(16) / 16)
 HEADER = "# Channel: Height\n# Width: 16 m\n# Height: 16 m\n# Value units: m\n"
@@ -139,12 +141,12 @@ def test_help_does_not_wait_for_numerical_libraries():
 
 def test_an_interrupt_is_one_line(files, monkeypatch, capsys, tmp_path):
     def interrupt(*_):
-        raise KeyboardInterrupt
+        signal.raise_signal(signal.SIGINT)
 
     monkeypatch.setattr(peaks, "read_result", interrupt)
     command = ["peaks", files["stress"], "--contact", files["contact"], "--out", str(tmp_path / "again.nc")]
     assert main(command) == 130
-    assert capsys.readouterr().err == "asperity: interrupted\n"
+    assert capsys.readouterr().err == f"asperity: {COMMAND_LINE}\n"
 
 
 @pytest.mark.parametrize(
