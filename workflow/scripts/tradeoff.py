@@ -5,8 +5,9 @@ from pathlib import Path
 from asperity.accuracy.measured import as_json
 from asperity.accuracy.measurement import measure
 from asperity.accuracy.reduction import reduce_runs
-from asperity.accuracy.tables import error_rows, preset_rows
+from asperity.accuracy.tables import errors_for_reader, errors_frame, presets_for_reader, presets_frame
 from asperity.results import dataset, markup
+from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
@@ -21,7 +22,10 @@ with log_to(snakemake.log[0]), ProgressBar("tradeoff") as progress:
     )
     measured = reduce_runs(runs)
     Path(snakemake.output.measured).write_text(as_json(measured), encoding="utf-8")
-    tables = {"Presets": preset_rows(measured), "One parameter at a time": error_rows(measured)}
+    presets, errors = presets_frame(measured), errors_frame(measured)
+    write_table(presets, "presets", snakemake.output.presets)
+    write_table(errors, "tradeoff", snakemake.output.errors)
+    tables = {"Presets": presets_for_reader(presets), "One parameter at a time": errors_for_reader(errors)}
     text = "\n\n".join(map(markup.markdown, tables.values()))
     Path(snakemake.output.table).write_text(f"{text}\n", encoding="utf-8")
     Path(snakemake.output.page).write_text(markup.page("Speed and accuracy", tables), encoding="utf-8")

@@ -15,6 +15,7 @@ from asperity.cli.places import is_si, length, span
 from asperity.errors import shown
 from asperity.results import dataset
 from asperity.results.export import export_units, make_box, write_box, write_peaks
+from asperity.results.tables import SUFFIXES
 from asperity.runtime.preflight import require_space
 from asperity.runtime.progress import ProgressBar
 from asperity.stress.arguments import FIELDS, checked_ratios
@@ -31,8 +32,9 @@ def run(options: argparse.Namespace) -> None:
         raise ValueError("nothing to export: --peaks FILE.csv or --field NAMES:DEPTHS FILE.vti is needed")
     check_out(outs, options.results)
     for path in outs:
-        if Path(path).suffix != (needed := ".csv" if path == options.peaks else ".vti"):
-            raise ValueError(f"{path}: a name that ends in {needed} is needed")
+        accepted = SUFFIXES if path == options.peaks else (".vti",)
+        if Path(path).suffix not in accepted:
+            raise ValueError(f"{path}: a name that ends in {' or '.join(accepted)} is needed")
     given = _by_stage(options.results)
     if options.peaks:
         count = write_peaks(_needed(given, "stress", "--peaks"), options.peaks)

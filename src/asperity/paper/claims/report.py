@@ -12,7 +12,6 @@ from asperity.paper.claims.continuum import continuum
 from asperity.paper.claims.evidence import Evidence, Measure
 from asperity.paper.claims.verdicts import CONFIDENCE, Finding, tally
 from asperity.results import markup
-from asperity.results.markup import Rows
 
 _RULE = f"""\
 A statement holds if the {100 * CONFIDENCE:g} % interval of the mean over seeds (Student's t, paired by
@@ -50,7 +49,7 @@ def frame(findings: Sequence[Finding], nodes: float) -> pd.DataFrame:
     )
 
 
-def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> dict[str, Rows]:
+def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> dict[str, pd.DataFrame]:
     """The findings for a reader: a heading for each section of the paper → a table.
 
     A last table shows `limits`, the result of `continuum_table`, unless it is empty.
@@ -59,7 +58,7 @@ def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> d
     for f in findings:
         names = f.claim.section.split(", ")
         section = next((name for name in names if name[0].isdigit()), names[0])
-        found.setdefault(f"Section {section}", [list(_HEAD)]).append(
+        found.setdefault(f"Section {section}", []).append(
             [
                 f.claim.sentence,
                 f.claim.quantity,
@@ -69,9 +68,9 @@ def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> d
                 with_error(f.shift, f.shift_error, signed=True),
             ]
         )
-    every: dict[str, Rows] = {heading: found[heading] for heading in sorted(found)}
+    every = {heading: pd.DataFrame(found[heading], columns=list(_HEAD)) for heading in sorted(found)}
     if limits is not None and not limits.empty:
-        every["Towards the continuum"] = markup.rows_of(limits)
+        every["Towards the continuum"] = limits
     return every
 
 
@@ -109,8 +108,8 @@ def markdown(
         f"asperity {asperity.__version__}.",
         _RULE,
     ]
-    for heading, rows in tables(findings, limits).items():
-        parts += [f"## {heading}", markup.markdown(rows)]
+    for heading, table in tables(findings, limits).items():
+        parts += [f"## {heading}", markup.markdown(table)]
     return "\n\n".join(parts) + "\n"
 
 
