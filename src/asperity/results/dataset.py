@@ -23,7 +23,7 @@ import numpy as np
 import xarray as xr
 
 import asperity
-from asperity.errors import DatasetError
+from asperity.errors import DatasetError, NewerFileError
 from asperity.results.variables import STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
 from asperity.spectral import Grid
 
@@ -38,6 +38,12 @@ UNIT_SYSTEM = "unit_system"
 
 FINGERPRINT = "content_digest"
 """Attribute that holds the fingerprint of a file's content."""
+
+FORMAT = "format_version"
+"""Attribute that holds the version of the file format; a file without it has version 1."""
+
+FORMAT_VERSION = 1
+"""Version that is written, and the newest that is read: it rises when an older asperity would misread a file."""
 
 MAX_BLOCK = 2**26
 """Bytes of a variable that are read at once to compute a fingerprint."""
@@ -92,12 +98,13 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
         "title": title,
         **({"summary": STAGES[stage].summary} if stage else {}),
         "source": f"asperity {asperity.__version__}",
+        FORMAT: FORMAT_VERSION,
         UNIT_SYSTEM: system,
         "comment": UNIT_SYSTEMS[system].comment,
         "references": PAPER,
         "settings": json.dumps(settings, sort_keys=True),
         "settings_digest": digest(settings),
-        **dataset.attrs,
+        **{name: value for name, value in dataset.attrs.items() if name != FORMAT},
     }
     described.attrs[FINGERPRINT] = fingerprint(described)
     encoding = {
@@ -202,7 +209,8 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     Raises
     ------
     DatasetError
-        If the file is missing, damaged, changed since it was written, or not a result of asperity.
+        If the file is missing, damaged, changed since it was written, not a result of asperity, or written
+        by a newer asperity in a format that this one does not know.
 
     Examples
     --------
@@ -236,6 +244,8 @@ def verify(path: str | os.PathLike[str]) -> None:
     try:
         with _opened(path) as opened:
             _check(opened, path)
+    except NewerFileError:
+        raise
     except DatasetError as error:
         message = str(error)
         if not Path(path).is_file() or message.endswith(_REMEDY):
@@ -269,6 +279,11 @@ def _check(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Raise `DatasetError` if names, units or fingerprint are not those of a result."""
     if FINGERPRINT not in dataset.attrs:
         raise DatasetError(f"{path}: not a result of asperity, it has no attribute {FINGERPRINT}")
+    if (version := int(dataset.attrs.get(FORMAT, 1))) > FORMAT_VERSION:
+        raise NewerFileError(
+            f"{path}: {FORMAT} = {version}, at most {FORMAT_VERSION} is read by asperity "
+            f"{asperity.__version__}; install a newer asperity"
+        )
     system = unit_system(dataset)
     if system not in UNIT_SYSTEMS:
         raise DatasetError(f"{path}: unknown {UNIT_SYSTEM} {system!r}; {_REMEDY}")
