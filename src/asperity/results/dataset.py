@@ -23,9 +23,12 @@ import numpy as np
 import xarray as xr
 
 import asperity
+from asperity import accessor
 from asperity.errors import DatasetError, NewerFileError
 from asperity.results.variables import STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
-from asperity.spectral import Grid
+from asperity.spectral import grid_of as grid_of
+
+accessor.register()
 
 CONVENTIONS = "CF-1.11"
 PAPER = (
@@ -59,8 +62,13 @@ def digest(settings: Any) -> str:
     return hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, settings: Mapping[str, Any]) -> None:
-    """Write a result file atomically.
+def write(
+    dataset: xr.Dataset,
+    path: str | os.PathLike[str],
+    title: str,
+    settings: Mapping[str, Any] | None = None,
+) -> None:
+    """Write a result file atomically, which `read_result` reads.
 
     Parameters
     ----------
@@ -70,9 +78,9 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
     path : path
     title : str
         Says in one line what the file holds.
-    settings : mapping
+    settings : mapping, optional
         Settings from which the file can be made again, a tree of plain values; stored as JSON, with its
-        fingerprint.
+        fingerprint. By default those that the dataset has.
 
     Raises
     ------
@@ -82,6 +90,18 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
         If the system of units is not in `UNIT_SYSTEMS`.
     DatasetError
         If the file cannot be written; an earlier file of the same name is still there then.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> height = asp.self_affine((64, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
+    >>> contact = asp.solve(height, asp.Layer(210e9, 0.3), 2e-4, mean_pressure=20e6)
+    >>> stress = asp.analyse_stress(contact).assign_attrs(unit_system="SI")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     asp.write_result(stress, f"{folder}/stress.nc", "Stress under a rough surface")
+    ...     found = asp.read_result(f"{folder}/stress.nc")
+    >>> found["peak_value"].attrs["units"], found.attrs["format_version"] >= 1
+    ('Pa', True)
     """
     path = Path(path)
     system = unit_system(dataset)
@@ -93,6 +113,8 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
             raise KeyError(f"variable {name!r} of {path.name} is not in asperity.results.variables.VARIABLES")
         described[name].attrs.update(_attributes(str(name), described[name].dtype, system))
     stage = stage_of(dataset)
+    if settings is None:
+        settings = settings_of(dataset) if "settings" in dataset.attrs else {}
     described.attrs = {
         "Conventions": CONVENTIONS,
         "title": title,
@@ -194,13 +216,6 @@ def stage_of(dataset: xr.Dataset) -> str | None:
 def unit_system(dataset: xr.Dataset) -> str:
     """System of units of a dataset: its attribute ``unit_system``, by default that of the study."""
     return str(dataset.attrs.get(UNIT_SYSTEM, STUDY_UNITS))
-
-
-def grid_of(dataset: xr.Dataset) -> Grid:
-    """The grid of a result with coordinates y and x."""
-    shape = dataset.sizes["y"], dataset.sizes["x"]
-    steps = [float(dataset[axis][1]) if dataset.sizes[axis] > 1 else 1.0 for axis in ("y", "x")]
-    return Grid(shape, (shape[0] * steps[0], shape[1] * steps[1]))
 
 
 def read(path: str | os.PathLike[str]) -> xr.Dataset:

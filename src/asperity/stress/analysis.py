@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from asperity import accessor
 from asperity.spectral import Work
 from asperity.stress.arguments import (
     FIELDS,
@@ -40,6 +41,8 @@ from asperity.stress.pressed import ContactLike, PressedSolid
 from asperity.stress.selection import peak_dataset
 from asperity.stress.statistics import autocorrelation
 from asperity.types import Array, Progress
+
+accessor.register()
 
 QUANTITIES = ("pressure", *FIELDS)
 """Quantities whose peaks can be sought."""

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from asperity.notebook import picture, table
 from asperity.types import Array
 from asperity.units import to_si
 
@@ -52,7 +53,7 @@ class MapError(ValueError):
         super().__init__(": ".join(part for part in (source, "; ".join(problems)) if part))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class HeightMap:
     """A rectangular height map as measured.
 
@@ -91,6 +92,24 @@ class HeightMap:
     unit: str | None = None
     name: str = ""
     channel: str = ""
+
+    def __repr__(self) -> str:
+        ny, nx = self.height.shape
+        edges = f"{self.length[0]:.4g} × {self.length[1]:.4g}{' m' if self.unit else ''}"
+        periodic = ", periodic" if self.periodic else ""
+        return f"<HeightMap {self.name or 'without a name'}: {ny} × {nx} points, {edges}, {self.orientation}{periodic}>"
+
+    def _repr_html_(self) -> str:
+        ny, nx = self.height.shape
+        unit = " m" if self.unit else ""
+        rows = [
+            ("points", f"{ny} × {nx}, {self.missing} missing"),
+            ("edges", f"{self.length[0]:.4g} × {self.length[1]:.4g}{unit}"),
+            ("heights", f"{np.nanmin(self.height):.4g} to {np.nanmax(self.height):.4g}{unit}"),
+            ("which way is up", self.orientation or "not known"),
+            ("periodic", "yes" if self.periodic else "not said"),
+        ]
+        return table(f"HeightMap {self.name}", rows, picture(self.height, "heights"))
 
     @property
     def missing(self) -> int:

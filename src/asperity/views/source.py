@@ -10,12 +10,11 @@ import xarray as xr
 
 from asperity.elasticity.layer import Layer
 from asperity.errors import shown
-from asperity.results.dataset import grid_of, settings_of
+from asperity.results.dataset import settings_of
 from asperity.results.window import Span, Window, window
-from asperity.spectral import Grid
-from asperity.stress.pressed import PressedSolid
+from asperity.spectral import Grid, grid_of
+from asperity.stress.pressed import PressedSolid, layer_of
 from asperity.types import Array
-from asperity.units import to_si
 from asperity.views.measures import STUDY, told
 from asperity.views.style import label
 
@@ -164,21 +163,6 @@ def _source_of_dataset(data: xr.Dataset, title: str | None) -> Source:
         height = data["gap"] - data["displacement"] + data["approach"]
         fields.setdefault("height", (height - height.mean()).values)
     title = title_of(data) if title is None else title
-    layer = _layer_of(data) if "pressure" in data and "solid" in data.attrs else None
+    layer = layer_of(data) if "pressure" in data and "solid" in data.attrs else None
     boundary = str(data.attrs.get("boundary", "periodic"))
     return Source(title, grid_of(data), system_of(data), fields, layer, boundary)
-
-
-def _layer_of(contact: xr.Dataset) -> Layer:
-    """The solid of a contact, with E* = 1: its stress depends on the pressure and not on the modulus."""
-    poisson = float(contact.attrs["poisson_contact"])
-    lateral = str(contact.attrs["uniform_mode"]).removeprefix("laterally ")
-    young = (1 - poisson) * (1 + poisson)
-    solid = str(contact.attrs["solid"])
-    if solid == "half-space":
-        return Layer(young, poisson, lateral=lateral)
-    height = settings_of(contact)["layer"]["height"]
-    if isinstance(height, str):
-        height = to_si(height, "length", "layer.height")
-    bottom = solid.removeprefix("layer, ").removesuffix(" bottom")
-    return Layer(young, poisson, height, bottom, lateral)
