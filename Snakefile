@@ -62,3 +62,6 @@ rule all:
         rules.verified.input,
         rules.claims.output if config["claims"] else [],
         expand(rules.tradeoff.output, extent=["reduced"] if "reduced" in config["tradeoff"] else []),
+
+
+include: "workflow/rules/report_page.smk"

@@ -23,7 +23,8 @@ def table(title: str, rows: Iterable[tuple[str, str]], picture: str = "") -> str
         f'<td style="text-align:left">{html.escape(value)}</td></tr>'
         for name, value in rows
     )
-    text = f'<table><thead><tr><th colspan="2" style="text-align:left">{html.escape(title)}</th></tr></thead>{cells}</table>'
+    head = f'<tr><th colspan="2" style="text-align:left">{html.escape(title)}</th></tr>'
+    text = f"<table><thead>{head}</thead>{cells}</table>"
     if not picture:
         return f"<div>{text}</div>"
     return f'<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start">{text}{picture}</div>'

@@ -75,6 +75,7 @@ COSTS = {
     "claims": lambda wildcards: job_cost("claims"),
     "tradeoff": tradeoff_cost,
     "tradeoff_figures": lambda wildcards: job_cost("tradeoff figures"),
+    "report_page": lambda wildcards: job_cost("report page"),
 }
 
 

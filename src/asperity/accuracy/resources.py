@@ -103,6 +103,7 @@ _LINES = {
     "claims": _Line(380, seconds=10),
     "validation": _Line(300, seconds=25),
     "validation table": _Line(240, seconds=5),
+    "report page": _Line(260, seconds=5, disk=20),
     "calculix": _Line(500, seconds=320, disk=4),
 }
 

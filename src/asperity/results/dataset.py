@@ -46,7 +46,7 @@ FORMAT = "format_version"
 """Attribute that holds the version of the file format; a file without it has version 1."""
 
 FORMAT_VERSION = 1
-"""Version that is written, and the newest that is read: it rises when an older asperity would misread a file."""
+"""Version that is written, and the newest that is read. It rises when an older asperity would misread a file."""
 
 MAX_BLOCK = 2**26
 """Bytes of a variable that are read at once to compute a fingerprint."""
@@ -100,7 +100,7 @@ def write(
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     asp.write_result(stress, f"{folder}/stress.nc", "Stress under a rough surface")
     ...     found = asp.read_result(f"{folder}/stress.nc")
-    >>> found["peak_value"].attrs["units"], found.attrs["format_version"] >= 1
+    >>> found["peak_value"].attrs["units"], int(found.attrs["format_version"]) >= 1
     ('Pa', True)
     """
     path = Path(path)

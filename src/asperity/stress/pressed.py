@@ -83,8 +83,8 @@ class PressedSolid:
     def __repr__(self) -> str:
         ny, nx = self.grid.shape
         return (
-            f"<PressedSolid of {ny} × {nx} nodes, {self.boundary}: largest pressure {self.pressure.max():.4g}, "
-            f"{self.layer!r}>"
+            f"<PressedSolid of {ny} × {nx} nodes, {self.boundary}: "
+            f"largest pressure {self.pressure.max():.4g}, {self.layer!r}>"
         )
 
     def _repr_html_(self) -> str:

@@ -96,8 +96,9 @@ class HeightMap:
     def __repr__(self) -> str:
         ny, nx = self.height.shape
         edges = f"{self.length[0]:.4g} × {self.length[1]:.4g}{' m' if self.unit else ''}"
+        name = self.name or "without a name"
         periodic = ", periodic" if self.periodic else ""
-        return f"<HeightMap {self.name or 'without a name'}: {ny} × {nx} points, {edges}, {self.orientation}{periodic}>"
+        return f"<HeightMap {name}: {ny} × {nx} points, {edges}, {self.orientation}{periodic}>"
 
     def _repr_html_(self) -> str:
         ny, nx = self.height.shape
