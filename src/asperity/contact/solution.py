@@ -142,7 +142,7 @@ class Contact:
         return asperity.stress_section(self.in_body("lower"), along=along, at=at, **settings)
 
     def to_dataset(self, unit_system: str = "SI") -> xr.Dataset:
-        """Pressure, displacement and gap over y and x, and the numbers of the contact; the solid as attributes.
+        """Fields over y and x and numbers of the contact; the solid as attributes.
 
         Of two bodies, the attributes describe the lower one.
 

@@ -46,7 +46,7 @@ FORMAT = "format_version"
 """Attribute that holds the version of the file format; a file without it has version 1."""
 
 FORMAT_VERSION = 1
-"""Version that is written, and the newest that is read. It rises when an older asperity would misread a file."""
+"""Version that is written, and the newest that is read; a new one is what an older asperity would misread."""
 
 MAX_BLOCK = 2**26
 """Bytes of a variable that are read at once to compute a fingerprint."""
