@@ -2,7 +2,7 @@
 PYTHON ?= python3
 CORES ?= 2
 MINUTES ?= 10
-SEED ?= 0
+SEED ?=
 CONFIG ?=
 RESULTS ?=
 UPDATE ?=
@@ -11,9 +11,12 @@ STUDY = $(if $(CONFIG),--configfile $(CONFIG)) $(if $(RESULTS),--config "results
 FILES = $(CONFIG) $(if $(RESULTS),--results "$(RESULTS)")
 FOLDER = $$(python -m asperity.config results $(FILES))
 VENV := .venv
+LOCK := requirements.lock
+COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --universal --python-version 3.11 \
+	--extra study --extra maps --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick verify test lint check fuzz test-faults test-slurm bad-input report docs bench tradeoff calculix lock clean
+.PHONY: help study quick claims verify test lint check fuzz fuzz-study wheel-test test-oldest test-python test-faults soak test-slurm bad-input report docs bench tradeoff calculix lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -24,6 +27,10 @@ study: $(VENV)/ready ## Make every figure of the paper, in results/figures; CONF
 
 quick: $(VENV)/ready ## Run every rule of the study on small cells, into results/quick (one minute)
 	snakemake --cores $(CORES) --configfile config/quick.yaml
+
+claims: $(VENV)/ready ## Test the paper's statements on the ensemble (an hour on two cores) and write what README and docs say of them
+	snakemake --cores $(CORES) --configfile config/ensemble.yaml -- results/ensemble/claims.md
+	python -m asperity.paper.claims results/ensemble
 
 verify: $(VENV)/ready ## Check the fingerprint of every result of a study and name the damaged ones; CONFIG=, RESULTS= as for study
 	python workflow/verify.py "$(FOLDER)"
@@ -42,11 +49,29 @@ lint: $(VENV)/ready ## Check style, types, the workflow, and that imports go dow
 check: $(VENV)/ready ## Compare the numbers of the quick study with tests/reference; UPDATE=1 replaces the reference
 	python workflow/check.py --cores $(CORES) $(if $(UPDATE),--update)
 
-fuzz: $(VENV)/ready ## Try random input on everything a user calls, for MINUTES=10 from SEED=0
-	python tests/fuzz/fuzz.py --minutes $(MINUTES) --seed $(SEED)
+fuzz: $(VENV)/ready ## Try random input on everything a user calls, for MINUTES=10; SEED=1 repeats a search
+	python tests/fuzz/fuzz.py --minutes $(MINUTES) $(if $(SEED),--seed $(SEED))
+
+wheel-test: $(VENV)/ready ## Install the wheel in empty environments from the package index and use it, with a small study
+	pytest -m wheel tests/wheel
+
+test-oldest: ## Run the unit tests with the oldest versions of all dependencies (requirements-oldest.lock)
+	$(MAKE) VENV=.venv-oldest LOCK=requirements-oldest.lock PYTEST="-W default" unit-tests
+
+test-python: ## Run the unit tests with another Python: make test-python PYTHON=python3.13
+	$(MAKE) VENV=.venv-$$($(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])') unit-tests
+
+unit-tests: $(VENV)/ready
+	pytest --numprocesses logical $(PYTEST) tests/unit
+
+fuzz-study: $(VENV)/ready ## Run random configurations that the check accepts to their end, for MINUTES=10 from SEED=0
+	python tests/fuzz/fuzz_study.py --minutes $(MINUTES) --seed $(SEED)
 
 test-faults: $(VENV)/ready ## Kill a small study at fifty random moments and run it again; table in results/faults.md
 	python tests/workflow/faults.py --kills 50
+
+soak: $(VENV)/ready ## Disturb a small study again and again, for MINUTES=10 from SEED=0, and compare its results each time
+	python tests/workflow/soak.py --minutes $(MINUTES) --seed $(SEED)
 
 test-slurm: $(VENV)/ready ## Run the quick study on a SLURM started for it (apt install slurmctld slurmd slurm-client munge)
 	pytest -m slurm tests/slurm
@@ -74,18 +99,17 @@ calculix: $(VENV)/ready ## Compare with CalculiX too, which must be installed, a
 	snakemake --cores $(CORES) results/validation/calculix.nc
 	snakemake --cores $(CORES) --forcerun validation_table -- results/validation/table.md
 
-lock: ## Update requirements.lock from pyproject.toml, keeping versions that still fit (needs uv)
-	uv pip compile pyproject.toml --output-file requirements.lock --custom-compile-command 'make lock' \
-		--universal --python-version 3.11 --extra study --extra maps --extra slurm --extra build --extra test --extra docs \
-		--generate-hashes --no-emit-index-url --quiet
+lock: ## Update requirements.lock from pyproject.toml, keeping versions that still fit, and requirements-oldest.lock (needs uv)
+	$(COMPILE) --output-file requirements.lock --extra slurm --extra lint --extra docs
+	$(COMPILE) --output-file requirements-oldest.lock --resolution lowest-direct
 
-clean: ## Delete the results and the documentation site (the environment stays)
+clean: ## Delete the results and the documentation site (the environments stay)
 	rm -rf results .snakemake docs/_build docs/api docs/gallery
 
-$(VENV)/ready: requirements.lock
+$(VENV)/ready: $(LOCK)
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' \
 		|| { echo "Python 3.11 or newer is needed; try: make PYTHON=python3.12 study"; exit 1; }
 	$(PYTHON) -m venv --clear $(VENV)
-	$(VENV)/bin/pip install --quiet --disable-pip-version-check --require-hashes --requirement requirements.lock
+	$(VENV)/bin/pip install --quiet --disable-pip-version-check --require-hashes --requirement $(LOCK)
 	$(VENV)/bin/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	@touch $@

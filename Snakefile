@@ -6,12 +6,15 @@ try:
     from asperity.runtime.preflight import require_packages
 
     require_packages()
+    from asperity.runtime.interrupts import end_study_with_jobs
+    from asperity.runtime.snakemake_internals import is_main_process
+
+    if is_main_process(workflow):
+        end_study_with_jobs()
     from asperity.config.study import read_study
     from asperity.runtime.snakemake_internals import overlays, settings_given
 except ImportError as error:
-    sys.exit(
-        f"study: not installed: {error.name}; install everything with: pip install --requirement requirements.lock"
-    )
+    sys.exit(f'study: not installed: {error.name}; install with: pip install "asperity[study]"')
 except PreflightError as error:
     sys.exit(f"study: {error}")
 
@@ -40,6 +43,7 @@ wildcard_constraints:
 
 include: "workflow/rules/common.smk"
 include: "workflow/rules/inputs.smk"
+include: "workflow/rules/ensemble_inputs.smk"
 include: "workflow/rules/resources.smk"
 include: "workflow/rules/machine_code.smk"
 include: "workflow/rules/surface.smk"
@@ -51,16 +55,20 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/verification.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/tradeoff.smk"
+include: "workflow/rules/ensemble.smk"
 include: "workflow/rules/handlers.smk"
 
 
 rule all:
     default_target: True
     input:
+        # Results that are lost are made again, also those that only others are made from.
+        STAGE_RESULTS,
         rules.figures.input,
         rules.validation_table.output if VALIDATIONS else [],
         rules.verified.input,
         rules.claims.output if config["claims"] else [],
+        rules.ensemble.output if ENSEMBLE["claims"] else [],
         expand(rules.tradeoff.output, extent=["reduced"] if "reduced" in config["tradeoff"] else []),
 
 

@@ -7,7 +7,6 @@ its `boussinesq_gradient` and `hooke` compute the same planes for comparison.
 """
 
 import argparse
-import resource
 import time
 from itertools import pairwise
 
@@ -18,6 +17,7 @@ import asperity as asp
 from asperity.elasticity.layer import COMPONENTS
 from asperity.spectral import Fourier, Work, resample
 from asperity.stress.planes import linear_planes
+from asperity.system import peak_memory
 
 QUANTITIES = ("pressure", "von_mises", "xx", "zz", "xz")
 RATIOS = [0.0, 0.1, 0.25, 0.33, 0.5]
@@ -64,7 +64,7 @@ def whole_slab(contact, threads, tolerance):
             contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=tolerance, threads=threads, work=work
         )
     )
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 2**20
+    memory = 1e6 * peak_memory() / 2**30
     even = np.arange(contact.grid.shape[0] + 1) / contact.grid.shape[0]
     _, even_wall, even_processor = timed(
         lambda: asp.analyse_stress(contact, even, RATIOS, QUANTITIES, tolerance=tolerance, threads=threads)

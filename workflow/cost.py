@@ -77,7 +77,6 @@ def main() -> None:
     parser.add_argument("--configfile", help="overlay that the study was run with")
     options = parser.parse_args()
     logs = options.results / "log"
-    # A dry run shows a job of a rule with a message by that message alone, without its resources.
     jobs = job_costs(logs, declared_memory(options.configfile) if options.declared else None)
     if jobs.empty:
         sys.exit(f"{logs}: no finished job; run the study first")

@@ -2,9 +2,9 @@
 
     python workflow/crate.py [results] [--configfile FILE ...]
 
-Writes ro-crate-metadata.json beside the results: the workflow, its run, the settings, and every result file with
-its title, what it was made from, and its fingerprint. Repositories such as Zenodo and WorkflowHub read it. Needs
-the package rocrate (pip install "asperity[crate]").
+Writes ro-crate-metadata.json beside the results: the workflow, its run, the settings, and every result file
+with its title and fingerprint. Repositories such as Zenodo and WorkflowHub read it. Needs the package rocrate:
+pip install "asperity[crate]".
 """
 
 import argparse

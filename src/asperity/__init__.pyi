@@ -21,6 +21,7 @@ from .stress.section import stress_section as stress_section
 from .stress.selection import peaks as peaks
 from .stress.statistics import autocorrelation as autocorrelation
 from .stress.statistics import probability_density as probability_density
+from .surface.face_to_face import face_to_face as face_to_face
 from .surface.form import add_cylinder as add_cylinder
 from .surface.form import add_sphere as add_sphere
 from .surface.height_map import HeightMap as HeightMap

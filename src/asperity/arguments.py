@@ -84,3 +84,15 @@ def real_array(name: str, values: Any) -> Array:
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name} = {shown(values)}: real numbers are needed")
     return array if array.dtype in REAL_TYPES else array.astype(np.float64)
+
+
+def finite_array(name: str, values: Any) -> Array:
+    """An array as `real_array` returns it, of numbers whose magnitude is at most `LARGEST`."""
+    array = real_array(name, values)
+    # The extremes of an array with NaN are NaN.
+    if array.size and not -LARGEST <= float(array.min()) <= float(array.max()) <= LARGEST:
+        bad = int(np.count_nonzero(~np.isfinite(array)))
+        if bad:
+            raise ValueError(f"{name}: {bad} of {array.size} nodes are not finite; all must be")
+        raise ValueError(f"{name}: numbers from {-LARGEST:g} to {LARGEST:g} are needed")
+    return array

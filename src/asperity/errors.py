@@ -6,6 +6,7 @@ The message of a refused argument or key names it, shows its value and says what
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
 from typing import Any
 
 # Characters of a value that a message shows at most.
@@ -35,10 +36,18 @@ class ConvergenceError(RuntimeError):
     not solved: True
     """
 
-    def __init__(self, reason: str, residual: float, tolerance: float, iterations: int, load: float) -> None:
+    def __init__(
+        self,
+        reason: str,
+        residual: float,
+        tolerance: float,
+        iterations: int,
+        load: float,
+        remedy: str = "",
+    ) -> None:
         super().__init__(
             f"{reason}: residual {residual:.3g}, tolerance {tolerance:.3g}, "
-            f"{iterations} iterations, mean pressure {load:.6g}"
+            f"{iterations} iterations, mean pressure {load:.6g}" + (f"; {remedy}" if remedy else "")
         )
         self.residual = residual
         self.tolerance = tolerance
@@ -59,6 +68,28 @@ class ConfigError(ValueError):
 
     def __init__(self, message: str) -> None:
         super().__init__(one_line(message))
+
+
+class InputError(ValueError):
+    """Raised for input with one or several problems.
+
+    Attributes
+    ----------
+    source : str
+        File that has the problems; may be empty.
+    problems : tuple of str
+        Everything that is wrong or missing, each with the argument or option that it needs.
+    """
+
+    def __init__(self, source: str, problems: Sequence[str]) -> None:
+        self.source = source
+        self.problems = tuple(problems)
+        super().__init__(self.lines[0] if len(self.lines) == 1 else "\n  ".join([f"{source}:", *problems]))
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """A message for each problem."""
+        return tuple(": ".join(filter(None, (self.source, problem))) for problem in self.problems)
 
 
 class PlanError(ValueError):

@@ -172,9 +172,9 @@ def test_a_configuration_can_say_the_materials(path, tmp_path, capsys):
     assert "engineering.colour: unknown key" in errors
 
 
-def test_commands_of_the_study_refuse_results_in_si_units(folder, tmp_path, capsys):
+def test_the_commands_of_single_stages_refuse_results_of_a_run(folder, tmp_path, capsys):
     assert main(["stress", str(folder / "contact.nc"), "--out", str(tmp_path / "stress.nc")]) == 1
-    assert "in SI units" in capsys.readouterr().err
+    assert "a result of asperity run, which makes those of all stages itself" in capsys.readouterr().err
 
 
 def test_ten_lines_of_python_give_the_same_as_the_command(steel, tmp_path, folder, path):

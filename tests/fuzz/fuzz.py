@@ -1,12 +1,12 @@
 """Random search for input that is answered wrongly: python tests/fuzz/fuzz.py --minutes 10 --seed 1
 
-Prints for every property of `properties.py` how many inputs were tried and what became of them, and for
-every defect how often it was met, a smallest example, and where it was raised. The exit status is 1 if there
-is one.
+Prints a table of every property of `properties.py` and what became of the inputs that were tried: a result,
+or the exception by which they were refused; and for every defect how often it was met, a smallest example,
+and where it was raised. The exit status is 1 if there is one.
 
 Results must be finite and keep their promises. Wrong input must be refused by an exception of the package, or
-by a ValueError or TypeError that the package itself raises. No input may take longer than a minute, or more
-than four gigabytes of memory.
+by a ValueError or TypeError that the package itself raises. No input may take longer than `TIMES` contacts of
+64 × 64 nodes, measured on the machine as it is at that moment, or more than four gigabytes of memory.
 """
 
 import argparse
@@ -15,7 +15,7 @@ import faulthandler
 import gc
 import os
 import random
-import resource
+import re
 import signal
 import sys
 import time
@@ -25,11 +25,20 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
+import psutil
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis.errors import Flaky
-from properties import PROPERTIES, ROOT, PromiseError
+from inputs import LONGEST_MESSAGE, PromiseError
+from properties import PROPERTIES
 
+import asperity as asp
 from asperity import errors
+from asperity.surface.height_map import MapError
+
+try:
+    import resource
+except ImportError:  # Windows, where inputs are tried without limits
+    resource = None
 
 EXAMPLES = 40
 """Inputs that one round tries of each property."""
@@ -37,13 +46,16 @@ EXAMPLES = 40
 LARGEST_SHARE = 0.2
 """Part of the whole time that one round may take to find the smallest example of a defect."""
 
-SECONDS = 60
-"""Time that one input may take."""
+TIMES = 3000
+"""Time that one input may take, in times of one contact of 64 × 64 nodes."""
+
+LEAST_SECONDS = 30
+"""The same, at least: compiling a function takes longer than a contact."""
 
 BYTES = 4 * 2**30
 """Memory that one input may take."""
 
-PACKAGE = str(ROOT / "src" / "asperity")
+PACKAGE = str(Path(asp.__file__).parent)
 OWN = (
     errors.ConfigError,
     errors.ConvergenceError,
@@ -63,13 +75,24 @@ class SlowError(BaseException):
 
 def stop(*_):
     """Signal handler that ends an input that takes too long."""
-    raise SlowError(f"longer than {SECONDS} s")
+    raise SlowError("longer than is accepted")
+
+
+def accepted_seconds():
+    """Seconds that one input may take while the machine is as busy as it is now."""
+    height = np.random.default_rng(0).standard_normal((64, 64))
+    begin = time.perf_counter()
+    asp.solve(height, asp.Layer(1.0, 0.3), area_fraction=0.1)
+    return max(LEAST_SECONDS, TIMES * (time.perf_counter() - begin))
 
 
 @contextlib.contextmanager
 def limits(seconds, size):
     """Raise `SlowError` or `MemoryError` in a block that takes more time, or more memory than before."""
-    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    if resource is None:
+        yield
+        return
+    used = psutil.Process().memory_info().vms
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     signal.signal(signal.SIGALRM, stop)
     signal.setitimer(signal.ITIMER_REAL, seconds)
@@ -93,11 +116,13 @@ class Search:
         self.kinds = {}  # a class of exception for each defect: hypothesis tells defects apart by it
         self.known = set()
         self.ends = 0.0
+        self.seconds = float(LEAST_SECONDS)
 
     def round(self, number, ends):
         """Try some inputs, and find the smallest that show defects which no earlier round has shown."""
         self.ends = ends
         self.known = set(self.defects)
+        self.seconds = accepted_seconds()
         seen = {}
 
         @seed(number)
@@ -136,14 +161,12 @@ class Search:
     def attempt(self, case):
         """Try an input; its defect as one line, or None."""
         try:
-            with limits(SECONDS, BYTES), np.errstate(all="ignore"):
+            with limits(self.seconds, BYTES), np.errstate(all="ignore"):
                 outcome = self.function(case)
         except (Exception, SlowError) as error:
             defect = defect_of(error)
             if defect is None:
-                self.outcomes[
-                    "not converged" if isinstance(error, errors.ConvergenceError) else "refused"
-                ] += 1
+                self.outcomes[type(error).__name__] += 1
                 return None
             if isinstance(error, MemoryError):
                 gc.collect()
@@ -155,10 +178,16 @@ class Search:
 
 
 def defect_of(error):
-    """A defect as one line: its kind, and where it was raised; None for a refusal of the package's own."""
+    """A defect as one line: its kind, and where it was raised; None for a refusal of the package's own.
+
+    A ValueError or TypeError is the package's own if one of its lines raises it: those of compiled functions
+    of Python and NumPy have a line of the package as their last one too, which calls them.
+    """
     last = traceback.extract_tb(error.__traceback__)[-1]
-    ours = last.filename.startswith(PACKAGE)
-    if isinstance(error, OWN) or (type(error) in (ValueError, TypeError) and ours and is_message(error)):
+    ours = last.filename.startswith(PACKAGE) and (last.line or "").startswith("raise ")
+    if isinstance(error, OWN) or (
+        type(error) in (ValueError, TypeError, MapError) and ours and is_message(error)
+    ):
         return None
     if isinstance(error, PromiseError):
         return f"{error}"
@@ -166,22 +195,29 @@ def defect_of(error):
         frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.startswith(PACKAGE)
     ]
     place = f"{Path(frames[-1].filename).relative_to(PACKAGE)}:{frames[-1].name}" if frames else "outside"
-    first = str(error).splitlines()[0][:80] if str(error) else ""
+    first = re.sub(r"[0-9]+", "0", str(error).splitlines()[0])[:80] if str(error) else ""
     return f"{type(error).__name__} in {place}: {first}"
 
 
 def is_message(error):
-    """True for one line, as the package's own messages are, and not of Python's own about a wrong operand."""
+    """True for one line that is not too long, as all messages of the package are."""
     text = str(error)
-    return text.isprintable() and 0 < len(text) < 500
+    return text.isprintable() and 0 < len(text) < LONGEST_MESSAGE
 
 
 def report(searches):
     """Outcomes and defects as text."""
-    lines = [f"{'property':10} {'tried':>7}  outcomes"]
-    for search in searches:
-        told = ", ".join(f"{count} {name}" for name, count in search.outcomes.most_common())
-        lines.append(f"{search.name:10} {sum(search.outcomes.values()):7}  {told}")
+    outcomes = sum((search.outcomes for search in searches), Counter())
+    columns = [name for name, _ in outcomes.most_common()]
+    widths = [max(len(name), 6) for name in columns]
+    lines = [
+        "  ".join(["property   ", " tried", *(f"{c:>{w}}" for c, w in zip(columns, widths, strict=True))])
+    ]
+    for search in [*searches, None]:
+        counts = outcomes if search is None else search.outcomes
+        cells = (f"{counts[c] or '':>{w}}" for c, w in zip(columns, widths, strict=True))
+        name = "all" if search is None else search.name
+        lines.append("  ".join([f"{name:11}", f"{sum(counts.values()):6}", *cells]))
     for search in searches:
         for defect, count in search.defects.most_common():
             lines += [

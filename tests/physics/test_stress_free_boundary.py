@@ -12,6 +12,7 @@ from asperity.stress.analysis import analyse_stress
 from asperity.stress.arguments import FIELDS
 from asperity.stress.planes import stress_planes
 from asperity.stress.pressed import PressedSolid
+from asperity.stress.selection import peaks
 
 RATIOS = [0.0, 0.3, 0.5]
 HALF_SPACE = Layer(young=1.0, poisson=0.3)
@@ -117,6 +118,43 @@ def test_peaks_of_a_free_map_are_those_of_the_sphere():
     assert float(strongest["peak_value"]) == pytest.approx(0.620, rel=0.01)
     assert float(strongest["peak_depth"]) == pytest.approx(0.481 * radius, rel=0.03)
     assert (float(strongest["peak_y"]), float(strongest["peak_x"])) == pytest.approx((0.5, 0.5), abs=1e-3)
+
+
+def test_nodes_at_opposite_edges_of_a_free_map_are_no_neighbours():
+    """Two contacts at opposite edges: both have their peaks, and the higher hides the other in a period."""
+    pressure = np.zeros((48, 48))
+    pressure[24, 0], pressure[24, 47] = 1.0, 0.8
+    grid = Grid(pressure.shape, 1.0)
+    found = {
+        boundary: analyse_stress(
+            PressedSolid(pressure, grid, HALF_SPACE, boundary),
+            poisson=0.3,
+            quantities=("pressure", "von_mises"),
+        )
+        for boundary in ("free", "periodic")
+    }
+    for quantity in ("pressure", "von_mises"):
+        places = {
+            boundary: np.sort(peaks(data, quantity, selection="at_contact")["peak_x"].values)
+            for boundary, data in found.items()
+        }
+        assert places["free"][[0, -1]] == pytest.approx([0.0, 47 / 48])
+        assert np.abs(places["periodic"] - 47 / 48).min() > 0.01
+
+
+def test_peaks_of_a_free_map_are_found_across_grids_of_planes():
+    """A hundred random contacts: the deep planes are coarse, and coarse planes find the same peaks."""
+    draw = np.random.default_rng(3)
+    pressure = np.zeros((160, 160))
+    pressure[draw.integers(0, 160, 40), draw.integers(0, 160, 40)] = draw.uniform(0.5, 1, 40)
+    solid = PressedSolid(pressure, Grid(pressure.shape, 1.0), HALF_SPACE, "free")
+    sets = []
+    for tolerance in (0.0, 1e-6):
+        data = analyse_stress(solid, poisson=0.3, quantities=("von_mises",), tolerance=tolerance)
+        sets.append(np.sort(peaks(data, "von_mises")["peak_value"].values)[-40:])
+        coarsest = int(data["plane_points"].min())
+    assert coarsest < 160
+    np.testing.assert_allclose(sets[1], sets[0], rtol=1e-4)
 
 
 def test_a_layer_and_an_unknown_boundary_are_refused():

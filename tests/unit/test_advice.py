@@ -9,7 +9,7 @@ from asperity.engineering.answer import Numbers
 from asperity.spectral import Grid
 
 
-def an_answer(numbers=(), indenter=(), body=(), bodies=1, fine=None, **material):
+def an_answer(numbers=(), indenter=(), body=(), bodies=1, fine=None, imposed_area=0.05, **material):
     """An answer about which nothing is to be said, with some of its values replaced."""
     plain = {
         "area_fraction": 0.05,
@@ -41,6 +41,7 @@ def an_answer(numbers=(), indenter=(), body=(), bodies=1, fine=None, **material)
     return SimpleNamespace(
         numbers=SimpleNamespace(**(plain | dict(numbers))),
         indenter=SimpleNamespace(**(shown | dict(indenter))),
+        load=SimpleNamespace(kind="area_fraction", value=imposed_area),
         bodies=dict.fromkeys(("lower", "upper")[:bodies], stress),
         fine=fine or coarse,
         coarse=coarse,
@@ -63,7 +64,8 @@ def test_nothing_is_warned_of_in_a_sound_answer():
         ({"body": {"largest_von_mises": 5e9}, "yield_stress": None}, "stress beyond any yield stress"),
         ({"fine": Numbers(0.05, 3e9, 1.2e9, 8e8, 9e8)}, "limited by the resolution of the map"),
         ({"numbers": {"rms_gradient": 1.5}}, "steep slopes"),
-        ({"numbers": {"area_fraction": 0.4}}, "large real contact"),
+        ({"numbers": {"area_fraction": 0.4}, "imposed_area": 0.4}, "large real contact"),
+        ({"numbers": {"area_fraction": 0.25}}, "another real contact"),
         ({"indenter": {"edge_step": 8.0}}, "edges do not match"),
         (
             {"numbers": {"load_on_edges": 0.2}, "indenter": {"boundary": "free"}},

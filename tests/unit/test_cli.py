@@ -15,13 +15,15 @@ from asperity.cli.main import main
 from asperity.cli.parser import make_parser
 from asperity.config.defaults import default
 from asperity.config.schema import setting
+from asperity.packages import BASE, PACKAGES
 from asperity.results import dataset
-from asperity.runtime.preflight import BASE_PACKAGES, PACKAGES
 
 COSINE = np.cos(2 * np.pi * np.arange(16) / 16)
 HEADER = "# Channel: Height\n# Width: 16 m\n# Height: 16 m\n# Value units: m\n"
 WAVES = "".join(" ".join(f"{0.01 * (a + b):.9f}" for b in COSINE) + "\n" for a in COSINE)
 """Height map of waves along x and y, whose highest node is the first."""
+
+STEEL = ROOT / "tests/data/steel.x3p"
 
 
 @pytest.fixture(scope="module")
@@ -158,8 +160,10 @@ def test_every_command_has_help(capsys, command):
 @pytest.mark.parametrize(
     ("name", "command"),
     [
-        *((name, "--version") for name in BASE_PACKAGES),
+        *((name, "--version") for name in PACKAGES[BASE]),
         ("matplotlib", "plot 9 a.nc --out b.png"),
+        ("SurfaceTopography", f"run {STEEL} --young 1GPa --poisson 0.3 --pressure 1MPa --out new"),
+        ("SurfaceTopography", f"info {STEEL}"),
     ],
 )
 def test_a_missing_package_is_one_line(tmp_path, name, command):
@@ -171,8 +175,8 @@ def test_a_missing_package_is_one_line(tmp_path, name, command):
         text=True,
     )
     assert found.returncode == 1
-    assert found.stderr == (
-        f"asperity: not installed: {PACKAGES[name]}; install everything with: "
-        "pip install --requirement requirements.lock\n"
-    )
+    extra = next(extra for extra, modules in PACKAGES.items() if name in modules)
+    command = f'pip install "asperity[{extra}]"' if extra else "pip install asperity"
+    package = PACKAGES[extra][name]
+    assert found.stderr == f"asperity: not installed: {package}; install with: {command}\n"
     assert not found.stdout

@@ -93,5 +93,5 @@ def test_a_missing_package_is_one_line(tmp_path, name, package):
     environment = os.environ | {"PYTHONPATH": path}
     found = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     assert found.returncode == 1
-    assert found.stderr.startswith(f"config: not installed: {package}; install everything with: pip install")
+    assert found.stderr.startswith(f"config: not installed: {package}; install with: pip install")
     assert found.stderr.count("\n") == 1

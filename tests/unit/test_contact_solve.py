@@ -381,7 +381,10 @@ def test_certificate_exposes_changed_pressures() -> None:
         ({"mean_pressure": 0.1, "threads": 0}, "threads = 0"),
         ({"mean_pressure": 0.1, "dtype": "int32"}, "dtype = 'int32'"),
         ({"mean_pressure": 0.1, "initial": np.zeros((3, 3))}, "initial has the shape"),
-        ({"mean_pressure": 0.1, "initial": np.full((16, 16), np.inf)}, "initial: finite"),
+        (
+            {"mean_pressure": 0.1, "initial": np.full((16, 16), np.inf)},
+            "initial: 256 of 256 nodes",
+        ),
         ({"mean_pressure": 0.1, "length": -1.0}, "length = -1.0"),
     ],
 )
@@ -403,7 +406,7 @@ def test_arguments_of_the_wrong_type_are_refused() -> None:
         solve(np.zeros((16, 16)), HALF_SPACE, mean_pressure="1")  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="solid = 3"):
         solve(np.zeros((16, 16)), 3, mean_pressure=0.1)  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="height has the type"):
+    with pytest.raises(TypeError, match=r"height = array.*real numbers are needed"):
         solve(np.zeros((16, 16), complex), HALF_SPACE, mean_pressure=0.1)
     with pytest.raises(ValueError, match="two-dimensional"):
         solve(np.zeros(16), HALF_SPACE, mean_pressure=0.1)
@@ -497,5 +500,5 @@ def test_summary_of_a_contact_is_one_line() -> None:
 def test_anything_else_than_a_solid_is_refused() -> None:
     with pytest.raises(TypeError, match=r"^solid = 3: a Layer or TwoBodies is needed"):
         solve(rough(), 3, mean_pressure=1e-4)
-    with pytest.raises(ValueError, match=r"^force = -1.0: a number ≥ 0 is needed"):
+    with pytest.raises(ValueError, match=r"^force = -1.0: 0 or a number from 1e-150 to 1e\+150 is needed"):
         solve(rough(), SLAB, force=-1.0)

@@ -7,7 +7,10 @@ import pytest
 
 import asperity as asp
 from asperity.engineering import Body, MapSettings, run
+from asperity.engineering.extremes import stress_in
 from asperity.engineering.pictures import pictures
+from asperity.reference.hertz import Hertz
+from asperity.reference.sliding_sphere import SlidingSphere
 from asperity.surface.height_map import HeightMap
 
 EDGE, POINTS, RADIUS, FORCE = 160e-6, 160, 1e-3, 1.0
@@ -107,6 +110,121 @@ def test_sliding_raises_the_stress_and_brings_it_to_the_surface():
     assert sliding.bodies["lower"].x - middle == pytest.approx(
         middle - sliding.bodies["upper"].x, abs=EDGE / POINTS
     )
+
+
+def test_a_sliding_sphere_is_as_hamilton_and_goodman_say():
+    """All extreme values, through run, for sliding along y; pixels of a fifteenth of the radius."""
+    radius, largest = hertz(STEEL)
+    free = MapSettings(detrend="none", boundary="free")
+    answer = run(a_sphere(), STEEL, force=FORCE, friction=0.3, sliding_direction="y", map_settings=free)
+    curvature = 2 * radius * STEEL.layer.effective_modulus / (np.pi * largest)
+    sphere = SlidingSphere(Hertz(radius, curvature_radius=curvature), 0.3)
+    place = radius * np.linspace(-1.5, 1.5, 61)
+    depth = radius * np.concatenate([[0.0], np.linspace(0.05, 1.2, 47)])
+    stress = sphere.stress(place[:, None], place, depth[:, None, None], STEEL.poisson)
+    xx, yy, zz, yz, xz, xy = np.moveaxis(stress * STEEL.layer.effective_modulus, -1, 0)
+    tensor = np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=-1).reshape(*xx.shape, 3, 3)
+    principal = np.linalg.eigvalsh(tensor)
+    differences = (principal - np.roll(principal, 1, axis=-1)) ** 2
+    expected = {
+        "von_mises": np.sqrt(differences.sum(axis=-1) / 2).max(),
+        "largest_shear": (principal[..., 2] - principal[..., 0]).max() / 2,
+        "principal_1": principal.max(),
+        "principal_3": principal.min(),
+        "hydrostatic": principal.mean(axis=-1).min(),
+    }
+    found = answer.bodies["lower"].largest
+    for field, value in expected.items():
+        # The tension behind the contact has a cusp at its edge, which the pixels cut off.
+        assert found[field].value == pytest.approx(value, rel=0.2 if field == "principal_1" else 0.02), field
+    # Behind the contact: the traction on the lower body points along y.
+    assert found["principal_1"].y - EDGE / 2 == pytest.approx(-radius, rel=0.15)
+    assert found["principal_1"].x == pytest.approx(EDGE / 2, abs=1.5 * EDGE / POINTS)
+
+
+@pytest.mark.parametrize("axis", ["y", "x"])
+def test_a_cylinder_is_as_hertz_says(axis):
+    """Line contact (K. L. Johnson, Contact Mechanics, 1985, Eqs. 4.43 to 4.46): 0.300 p0 at 0.786 a.
+
+    The strips beside it add half the difference of the mean stresses along z and x, p̄ and p̄ ν/(1 − ν).
+    """
+    modulus, edge = STEEL.layer.effective_modulus, 200e-6
+    half_width = 10e-6
+    per_length = np.pi * modulus * half_width**2 / (4 * RADIUS)
+    shape, length = ((8, 256), (edge / 32, edge)) if axis == "y" else ((256, 8), (edge, edge / 32))
+    flat = HeightMap(1e-14 * np.random.default_rng(1).normal(size=shape), length)
+    settings = MapSettings(
+        detrend="none", periodic="declared", radius=RADIUS, form="cylinder", cylinder_axis=axis
+    )
+    answer = run(flat, STEEL, mean_pressure=per_length / edge, map_settings=settings)
+    largest = 2 * per_length / (np.pi * half_width)
+    assert answer.numbers.largest_pressure == pytest.approx(largest, rel=0.01)  # images at 20 half-widths
+    assert answer.numbers.area_fraction == pytest.approx(2 * half_width / edge, rel=0.1)  # two pixels
+    shear = answer.bodies["lower"].largest["largest_shear"]
+    images = 0.5 * per_length / edge * (1 - STEEL.poisson / (1 - STEEL.poisson))
+    assert shear.value == pytest.approx(0.300 * largest + images, rel=0.02)
+    assert shear.depth == pytest.approx(0.786 * half_width, rel=0.1)  # distance of the planes
+    assert getattr(shear, "x" if axis == "y" else "y") == pytest.approx(edge / 2, abs=1.5 * edge / 256)
+
+
+def test_the_ball_is_in_the_middle_of_a_mirrored_map():
+    """Four balls in the cell: each image of the map has its own, and carries the load of the map."""
+    flat = HeightMap(1e-12 * np.random.default_rng(1).normal(size=(80, 80)), (EDGE, EDGE))
+    answer = run(flat, STEEL, force=FORCE, map_settings=MapSettings(detrend="none", radius=RADIUS))
+    _, largest = hertz(STEEL)
+    assert answer.numbers.patches == 4
+    assert answer.numbers.force == pytest.approx(FORCE, rel=1e-5)
+    assert answer.numbers.largest_pressure == pytest.approx(largest, rel=0.02)
+    body = answer.bodies["lower"]
+    assert (body.y, body.x) == pytest.approx((EDGE / 2, EDGE / 2), abs=EDGE / 80)
+
+
+@pytest.fixture(scope="module")
+def both_rough():
+    lower, upper = a_rough_map(seed=1), a_rough_map(seed=2)
+    return lower, upper, run(lower, STEEL, ALUMINIUM, counter_map=upper, mean_pressure=100e6)
+
+
+def test_two_rough_maps_touch_at_the_sum_of_their_heights(both_rough):
+    """Turned over about y, the peaks of the upper map lie at the other side of it."""
+    lower, upper, answer = both_rough
+    face = -(lower.height + upper.height[:, ::-1])
+    one = HeightMap(face, lower.length, orientation="lower face")
+    again = run(one, STEEL, ALUMINIUM, mean_pressure=100e6)
+    assert again.numbers.contact_area == pytest.approx(answer.numbers.contact_area, rel=0.01)
+    assert again.numbers.largest_pressure == pytest.approx(answer.numbers.largest_pressure, rel=1e-3)
+    assert any("turned over about the axis y" in line for line in answer.indenter.done)
+
+
+def test_swapped_rough_bodies_have_the_mirrored_contact(both_rough):
+    """From the side of the other body left and right are exchanged; the stresses go with the materials."""
+    lower, upper, answer = both_rough
+    swapped = run(upper, ALUMINIUM, STEEL, counter_map=lower, mean_pressure=100e6)
+    quarter = np.s_[:64, :64]
+    np.testing.assert_allclose(
+        swapped.contact.pressure[quarter][:, ::-1],
+        answer.contact.pressure[quarter],
+        atol=1e-4 * answer.numbers.largest_pressure,
+    )
+    for one, other in (("lower", "upper"), ("upper", "lower")):
+        mine, its = swapped.bodies[one].largest, answer.bodies[other].largest
+        for field in mine:
+            assert mine[field].value == pytest.approx(its[field].value, rel=1e-3)
+        assert mine["von_mises"].x == pytest.approx(63e-6 - its["von_mises"].x, abs=1e-6)
+
+
+def test_the_stress_in_two_rough_bodies_is_that_of_their_own_ratio(both_rough):
+    """Against the stress of the common pressure in one half-space with the ratio of each body."""
+    *_, answer = both_rough
+    contact = answer.contact
+    for name, body in (("lower", STEEL), ("upper", ALUMINIUM)):
+        alone = asp.PressedSolid(contact.pressure, contact.grid, asp.Layer(1.0, body.poisson))
+        planes = asp.stress_planes(alone, answer.stresses[name]["plane_depth"].values)
+        largest = max(float(plane.fields["von_mises"].max()) for plane in planes)
+        found = stress_in(contact, answer.case, name).extremes["von_mises"]
+        assert found.value == pytest.approx(largest, rel=1e-4)
+        # Between the nodes of patches of few pixels, the stress is larger.
+        assert largest <= answer.bodies[name].largest_von_mises < 1.25 * largest
 
 
 def test_two_materials_are_as_hertz_says(pair):
@@ -214,7 +332,8 @@ def test_a_stiff_counter_body_is_as_good_as_rigid_also_for_a_layer():
 def test_peaks_and_numbers_are_tables(rough):
     peaks, frame = rough.peaks(), rough.frame()
     von_mises = peaks[peaks["quantity"] == "von_mises"]
-    assert von_mises["value_Pa"].iloc[0] == rough.bodies["lower"].largest_von_mises
+    # The largest stress may lie on the edge of a mirrored map, between two equal nodes, where no peak is.
+    assert 0.8 < von_mises["value_Pa"].iloc[0] / rough.bodies["lower"].largest_von_mises <= 1
     assert set(frame.columns) == {"group", "name", "value", "unit"}
     pressure = frame.set_index("name").loc["largest pressure"]
     assert (pressure["value"], pressure["unit"]) == (rough.numbers.largest_pressure, "Pa")
@@ -232,3 +351,33 @@ def test_pictures_are_labelled_in_micrometres_and_megapascals(sphere):
         assert "µm" in text, name
         assert "E^" not in text, name
         assert name == "height" or "Pa" in text, name
+
+
+def test_fields_that_are_asked_for_are_listed_and_drawn():
+    free = MapSettings(detrend="none", boundary="free")
+    answer = run(
+        a_sphere(),
+        STEEL,
+        ALUMINIUM,
+        force=FORCE,
+        friction=0.2,
+        map_settings=free,
+        fields=("largest_shear", "xx"),
+    )
+    assert set(answer.peaks()["quantity"]) == {"pressure", "largest_shear", "xx"}
+    names = {picture.name for picture in pictures(answer)}
+    inside = {
+        f"{kind}_{field}_{body}"
+        for kind in ("section", "plane", "peaks")
+        for field in ("largest_shear", "xx")
+        for body in ("lower", "upper")
+    }
+    assert names == {"height", "pressure"} | inside
+
+
+def test_layers_slide_if_they_are_bonded():
+    layer = Body(STEEL.young, STEEL.poisson, height=5e-6)
+    still, sliding = (run(a_rough_map(), layer, mean_pressure=100e6, friction=mu) for mu in (0.0, 0.4))
+    assert sliding.bodies["lower"].largest_von_mises > still.bodies["lower"].largest_von_mises
+    with pytest.raises(ValueError, match="frictionless bottom, which bears no shear"):
+        run(a_rough_map(), replace(layer, bottom="frictionless"), mean_pressure=1e6, friction=0.4)

@@ -7,6 +7,7 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
+import xarray as xr
 from bad_input import make_chain
 
 import asperity as asp
@@ -18,6 +19,8 @@ from asperity.results.export import (
     peak_table,
     write_box,
 )
+from asperity.results.export_surface import surface_fields, write_surface_image, write_surface_table
+from asperity.results.window import window
 
 EDGE, PRESSURE = (512e-6, 256e-6), 50e6
 Q = 2 * np.pi / EDGE[1]
@@ -124,6 +127,42 @@ def test_memory_does_not_grow_with_the_planes(tmp_path):
     assert (tmp_path / "box.vti").stat().st_size > 64 * 64 * 64 * 4
 
 
+def contact_in_si():
+    """A contact of a wave in SI, as stage contact writes it."""
+    solid = wave()
+    y, x = solid.grid.coordinates()
+    fields = {"pressure": solid.pressure, "gap": 1e-7 + 0 * solid.pressure}
+    data = {name: (("y", "x"), values) for name, values in fields.items()}
+    return xr.Dataset(data, coords={"y": y, "x": x}, attrs={"unit_system": "SI"}), solid
+
+
+def test_fields_over_the_surface_are_an_image_of_one_layer(tmp_path):
+    data, solid = contact_in_si()
+    part = window(solid.grid, y=(64e-6, 320e-6))
+    fields = surface_fields(data, height=2e-6 + 0 * solid.pressure)
+    write_surface_image(data, tmp_path / "surface.vti", fields, part)
+    (x, y, z), found = read_image(tmp_path / "surface.vti")
+    np.testing.assert_allclose(x, 1e6 * part.x, rtol=1e-12)
+    np.testing.assert_allclose(y, 1e6 * part.y, rtol=1e-12)
+    assert z.tolist() == [0.0]
+    assert list(found) == ["height_um", "pressure_MPa", "gap_um"]
+    np.testing.assert_allclose(found["pressure_MPa"][0], solid.pressure[part.rows] / 1e6, rtol=1e-6)
+    assert found["height_um"] == pytest.approx(2.0)
+
+
+def test_fields_over_the_surface_are_a_table_written_in_blocks(tmp_path, monkeypatch):
+    data, solid = contact_in_si()
+    monkeypatch.setattr("asperity.results.export_surface.ROWS_AT_ONCE", 3)
+    count = write_surface_table(data, tmp_path / "s.csv", surface_fields(data), window(solid.grid))
+    with open(tmp_path / "s.csv", newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == count == solid.grid.size
+    assert list(rows[0]) == ["y_um", "x_um", "pressure_MPa", "gap_um"]
+    found = np.array([float(row["pressure_MPa"]) for row in rows]).reshape(solid.grid.shape)
+    np.testing.assert_allclose(found, solid.pressure / 1e6, rtol=1e-6)
+    assert float(rows[33]["x_um"]) == pytest.approx(1e6 * solid.grid.spacing[1])
+
+
 def test_an_image_that_fails_leaves_no_file(tmp_path):
     solid = wave()
     layer = asp.PressedSolid(solid.pressure, solid.grid, asp.Layer(210e9, 0.3, height=50e-6))
@@ -206,10 +245,10 @@ def test_the_command_writes_table_and_images(files, tmp_path, capsys):
 @pytest.mark.parametrize(
     ("command", "message"),
     [
-        ("{contact}", "nothing to export: --peaks FILE.csv or --field NAMES:DEPTHS FILE.vti is needed"),
+        ("{contact}", "nothing to export: --peaks FILE.csv, --surface FILE.vti,"),
         ("{contact} --peaks p.csv", "--peaks: a stress file (of asperity stress) is needed, none is given"),
         ("{stress} --field xx:0-1 f.vti", "--field: a contact file (of asperity solve) is needed"),
-        ("{surface} --peaks p.csv", "a result of surface, one of contact or stress is needed"),
+        ("{surface} --peaks p.csv", "--peaks: a stress file (of asperity stress) is needed, none is given"),
         ("{stress} {stress} --peaks p.csv", "a second result of stress, one is needed"),
         ("{stress} --peaks p.xlsx", "p.xlsx: a name that ends in .csv or .parquet is needed"),
         ("{contact} --field xx:0-1 f.vtk", "f.vtk: a name that ends in .vti is needed"),

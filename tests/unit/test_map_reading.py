@@ -153,7 +153,7 @@ def test_all_problems_are_reported_at_once_with_the_names_of_the_interface():
         prepare_map(DATA / "steel.npy", Reading(), Treatment(), option=flag)
     starts = [problem.split(":")[0] for problem in caught.value.problems]
     assert starts == ["--physical-size", "--orientation", "--unit", "--periodic", "--undefined"]
-    assert "\n" not in str(caught.value)
+    assert str(caught.value).splitlines()[1:] == [f"  {problem}" for problem in caught.value.problems]
 
 
 def points(spots, values, header="", separator=" "):

@@ -123,7 +123,7 @@ def test_short_waves_are_removed_and_more_points_change_nothing_else():
         ({"periodic": "yes"}, "periodic = 'yes': one of declared, mirrored, windowed is needed"),
         ({"wavelength_short": 0.01}, "wavelength_short = 0.01: a number ≥ 0.0625"),
         ({"wavelength_short": 2.0}, "wavelength_short = 2.0"),
-        ({"points": 1}, "points = 1: a whole number ≥ 2"),
+        ({"points": 1}, "points = 1: a whole number from 2 to 65536"),
     ],
 )
 def test_an_argument_out_of_range_is_named(change, line):

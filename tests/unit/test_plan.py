@@ -17,11 +17,13 @@ from asperity.accuracy.measured import load
 from asperity.accuracy.measurement import CONVERGED
 from asperity.accuracy.outputs import OUTPUTS
 from asperity.accuracy.plan import Target, assess, candidates, propose
+from asperity.accuracy.scenes import read, scenes
 from asperity.accuracy.tables import describe_presets
 from asperity.cli.main import main
 from asperity.config.check import check
 from asperity.config.presets import PRESETS
 from asperity.errors import PlanError
+from asperity.paper.figures import surfaces_with_contact
 
 ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
@@ -167,3 +169,12 @@ def test_a_new_measurement_changes_the_presets_in_the_readme_and_nothing_else():
     changed = with_table(text, replace(load(), presets=presets))
     different = [line for line in changed.splitlines() if line not in text.splitlines()]
     assert different == ["| processor time of one surface (s) | 9.75 | 9.75 | 9.75 |"]
+
+
+def test_loads_are_counted_for_every_surface_whose_contact_a_figure_shows():
+    band = "hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.03125, rms_height: 0.001"
+    text = f"surfaces: {{ground: {{label: a, {band}}}, lapped: {{label: b, {band}}}}}"
+    contact = "contact: {path_area_fractions: [0.02, 0.05, 0.1]}"
+    whole = read([text, contact])
+    found, _ = scenes(whole, surfaces_with_contact(whole))
+    assert {name: scene.number_of_loads for name, scene in found.items()} == {"ground": 3, "lapped": 3}

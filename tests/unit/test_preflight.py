@@ -1,7 +1,6 @@
 """Checks before a study: each passes where it should, and otherwise names what is wrong."""
 
 import ast
-import os
 import re
 import subprocess
 import sys
@@ -11,9 +10,10 @@ from pathlib import Path
 import pytest
 import xarray as xr
 
+from asperity import packages, system
 from asperity.errors import PreflightError
 from asperity.results import dataset
-from asperity.runtime import preflight, system
+from asperity.runtime import preflight
 from asperity.runtime.preflight import (
     claim,
     require_memory,
@@ -37,22 +37,42 @@ def imported(path):
 def test_packages_are_those_that_the_library_and_the_scripts_import():
     paths = [*(ROOT / "src/asperity").rglob("*.py"), *(ROOT / "workflow/scripts").glob("*.py")]
     found = {name for path in paths for name in imported(path)} - sys.stdlib_module_names - {"asperity"}
-    assert found - {"mpl_toolkits"} == preflight.PACKAGES.keys() - {"netCDF4"}  # of matplotlib; by xarray
+    by_others = {"netCDF4", "pygments", "snakemake", "snakemake_interface_logger_plugins"}
+    assert found - {"mpl_toolkits"} == packages.NAMES.keys() - by_others  # the first is of matplotlib
 
 
-def test_missing_packages_are_named_by_what_is_to_be_installed(monkeypatch):
+@pytest.mark.parametrize(
+    ("hidden", "message"),
+    [
+        (("yaml",), "not installed: pyyaml; install with: pip install asperity"),
+        (("matplotlib",), 'not installed: matplotlib; install with: pip install "asperity[plot]"'),
+        (
+            ("h5py", "matplotlib"),
+            'not installed: matplotlib, h5py; install with: pip install "asperity[maps]"',
+        ),
+        (("skfem", "yaml"), 'not installed: pyyaml, scikit-fem; install with: pip install "asperity[study]"'),
+    ],
+)
+def test_missing_packages_are_named_with_the_extra_that_brings_all(monkeypatch, hidden, message):
     require_packages()
-    monkeypatch.setattr(preflight, "find_spec", lambda name: None if name in ("skfem", "yaml") else name)
-    with pytest.raises(
-        PreflightError, match="not installed: scikit-fem, pyyaml; install everything with: pip"
-    ):
+    monkeypatch.setattr(packages, "find_spec", lambda name: None if name in hidden else name)
+    with pytest.raises(PreflightError, match=f"^{re.escape(message)}$"):
         require_packages()
 
 
-def test_base_packages_are_those_that_the_library_declares():
-    declared = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
-    names = {name.partition(">")[0] for name in declared}
-    assert names == {preflight.PACKAGES[module] for module in preflight.BASE_PACKAGES}
+def test_extras_are_those_that_the_project_declares():
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = declared["optional-dependencies"]
+    named = {
+        extra: {re.match(r"[\w-]+", name)[0] for name in extras.get(extra, declared["dependencies"])}
+        for extra in packages.PACKAGES
+    }
+    of_maps = {"h5py", "olefile", "tifffile"}  # required by SurfaceTopography
+    held = set()
+    for extra, modules in packages.PACKAGES.items():
+        names = set(modules.values()) - of_maps
+        assert named[extra] == (names if extra == packages.BASE else names | held)
+        held |= names if extra else set()
 
 
 HOLDER = """
@@ -72,9 +92,7 @@ def test_a_folder_is_reserved_until_the_process_ends(tmp_path):
         with pytest.raises(PreflightError, match=f"another study is running here .process {other.pid} on"):
             claim(tmp_path)
         other.kill()
-    descriptor = claim(tmp_path)
-    assert not os.get_inheritable(descriptor)
-    os.close(descriptor)
+    claim(tmp_path).release()
 
 
 def test_a_folder_that_is_a_file_cannot_be_claimed(tmp_path):
@@ -114,6 +132,6 @@ def test_the_first_damaged_result_is_named(tmp_path):
     good, damaged = str(tmp_path / "good.nc"), tmp_path / "damaged.nc"
     dataset.write(xr.Dataset({"rms_height": 1.0}), good, "Good", {})
     damaged.write_bytes(b"not a result")
-    require_undamaged([good])
+    require_undamaged([good], tmp_path)
     with pytest.raises(PreflightError, match=rf"^{re.escape(str(damaged))}: "):
-        require_undamaged([good, damaged])
+        require_undamaged([good, damaged], tmp_path)

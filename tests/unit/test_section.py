@@ -113,7 +113,7 @@ def test_bad_section_names_argument_value_and_range(changes, message):
         ({"y": (0.5, 0.1)}, r"y = \(0\.5, 0\.1\): a pair \(first, last\) of rising positions from 0 to 0\.8"),
         ({"x": 0.5}, r"x = 0\.5: a pair"),
         ({"x": (0.0, 2.0)}, r"x = 2\.0: a pair"),
-        ({"spacing": 0.0}, r"spacing = 0\.0: a positive finite number"),
+        ({"spacing": 0.0}, r"spacing = 0\.0: a number of at least"),
     ],
 )
 def test_bad_box_names_argument_value_and_range(changes, message):

@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.cli.commands.surface import LENGTHS, POWERS
+from asperity.cli.commands.surface import LENGTHS
 from asperity.cli.main import main
 from asperity.config.presets import PRESETS
 from asperity.results import dataset
-from asperity.results.variables import units_of
+from asperity.results.systems import POWERS
+from asperity.results.variables import VARIABLES, units_of
 
 BAND = "--hurst 0.8 --wavelength-long 0.25 --wavelength-short 0.05 --rms-height 0.001"
 SI_BAND = "--hurst 0.8 --wavelength-long 20um --wavelength-short 4000nm --rms-height 8e-5mm --length 80um"
@@ -35,20 +36,21 @@ def test_lengths_with_units_make_the_same_surface_in_metres(tmp_path, capsys):
     plain, si = make(tmp_path, f"{BAND} --points 64"), make(tmp_path, f"{SI_BAND} --points 64")
     assert si.attrs["unit_system"] == "SI"
     for name in plain.variables:
-        factor = 80e-6 ** POWERS.get(str(name), 0)
+        factor = 80e-6 ** POWERS.get(VARIABLES[str(name)].dimension, (0, 0))[0]
         assert np.allclose(si[name].values, factor * plain[name].values, rtol=1e-12, atol=0), name
     settings = dataset.settings_of(si)["surface"]
-    assert [settings[name] for name in (*LENGTHS, "length")] == pytest.approx([20e-6, 4e-6, 80e-9, 80e-6])
+    assert [settings[name] for name in LENGTHS] == pytest.approx([20e-6, 4e-6, 80e-9])
+    assert si.attrs["cell_length"] == pytest.approx(80e-6)
     assert "rms height 80 nm" in capsys.readouterr().out
     again = asp.self_affine((64, 64), 0.8, 20e-6, 4e-6, 80e-9, seed=1, length=80e-6)
     assert np.allclose(si["height"].values, again, rtol=0, atol=1e-18)
 
 
-def test_powers_of_length_are_those_of_the_units_of_the_study(tmp_path):
-    surface = make(tmp_path, BAND)
-    words = {"cell_length": 1, "1/cell_length": -1, "cell_length^4": 4}
-    found = {str(name): words.get(units_of(str(name)), 0) for name in surface.variables}
-    assert found == {name: POWERS.get(name, 0) for name in found}
+def test_powers_of_length_and_stress_are_those_of_the_units_in_si():
+    words = {"m": (1, 0), "m-1": (-1, 0), "m4": (4, 0), "Pa": (0, 1), "Pa2": (0, 2), "N": (2, 1)}
+    for name, variable in VARIABLES.items():
+        unit = units_of(name, "SI")
+        assert POWERS.get(variable.dimension, (0, 0)) == words.get(unit, (0, 0)), name
 
 
 def test_without_points_the_grid_is_that_of_the_default_preset(tmp_path):
@@ -68,7 +70,28 @@ def test_skewness_and_kurtosis_are_those_asked_for(tmp_path):
 def test_a_surface_in_si_is_not_taken_for_one_in_cell_lengths(tmp_path, capsys):
     make(tmp_path, SI_BAND)
     assert main(["solve", str(tmp_path / "s.nc"), "--out", str(tmp_path / "c.nc")]) == 1
-    assert "in SI units; a result in cell lengths" in capsys.readouterr().err
+    assert "--young: missing" in capsys.readouterr().err
+
+
+def test_the_stages_in_si_units_are_those_of_the_study_in_other_units(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, band, young in (("si", SI_BAND, ["--young", "210 GPa"]), ("study", BAND, [])):
+        make(tmp_path, band).close()
+        assert main(["solve", "s.nc", "--poisson", "0.3", *young, "--out", f"{name}_contact.nc"]) == 0
+        assert main(["stress", f"{name}_contact.nc", "--out", f"{name}_stress.nc"]) == 0
+        given = [f"{name}_stress.nc", "--contact", f"{name}_contact.nc"]
+        assert main(["peaks", *given, "--out", f"{name}_peaks.nc"]) == 0
+    modulus = 210e9 / (1 - 0.3**2)
+    edge = float(dataset.read("si_contact.nc").attrs["cell_length"])
+    for stage, units in {
+        "contact": {"pressure": modulus, "gap": edge, "x": edge, "area_fraction": 1.0},
+        "stress": {"peak_value": modulus, "peak_depth": edge, "covariance_depth": modulus**2},
+        "peaks": {"peak_percentile": 1.0, "plane_depth": 1.0, "scaled_largest_von_mises": 1.0},
+    }.items():
+        si, study = (dataset.read(f"{name}_{stage}.nc") for name in ("si", "study"))
+        assert si.attrs["unit_system"] == ("SI" if stage != "peaks" else study.attrs["unit_system"])
+        for variable, unit in units.items():  # the tolerance of the contact is 1e-6
+            np.testing.assert_allclose(si[variable] / unit, study[variable], rtol=1e-5, atol=1e-8)
 
 
 @pytest.mark.parametrize(

@@ -227,6 +227,37 @@ def test_the_plane_of_the_largest_stress_of_a_wave_is_found():
     assert np.abs(image(figure)).max() == pytest.approx(PRESSURE / 1e6 / np.e, rel=0.01)
 
 
+@pytest.mark.parametrize("body", ["lower", "upper"])
+@pytest.mark.parametrize("boundary", ["free", "periodic"])
+def test_sections_and_planes_show_the_body_its_boundary_and_sliding(body, boundary):
+    """Against the planes of the body; the traction on the upper one has the opposite direction."""
+    grid = asp.Grid((32, 40), (1e-3, 1.2e-3))
+    y, x = grid.coordinates()
+    height = ((x - 5e-4) ** 2 + (y[:, None] - 4e-4) ** 2) / (2 * 5e-3)
+    solid = asp.TwoBodies(asp.Layer(210e9, 0.3), asp.Layer(70e9, 0.1))
+    contact = asp.solve(height, solid, grid.length, force=200.0, boundary=boundary)
+    chosen = {"field": "xx", "body": body, "friction": 0.4, "sliding_direction": "x", "unit_system": SI}
+    angle = 0.0 if body == "lower" else 180.0
+    expected = list(
+        asp.stress_planes(
+            contact.in_body(body),
+            [0.0, 1e-4],
+            fields=("xx",),
+            tolerance=0,
+            friction=0.4,
+            sliding_direction=angle,
+        )
+    )
+    plane = asp.plot_plane(contact, 1e-4, **chosen)
+    np.testing.assert_allclose(image(plane), expected[1].fields["xx"][0] / 1e6, rtol=1e-6)
+    row = 13
+    section = asp.plot_section(contact, y=row * grid.spacing[0], depth=2e-4, **chosen)
+    (mesh,) = (found for found in section.axes[0].collections if isinstance(found, QuadMesh))
+    shown = np.asarray(mesh.get_array()).reshape(-1, 40)[0]
+    surface = expected[0].fields["xx"][0, row] / 1e6
+    np.testing.assert_allclose(shown, surface, atol=1e-4 * np.abs(surface).max())
+
+
 def test_a_plane_under_a_ball_shows_the_shear_of_hertz():
     """Free boundary: the largest shear is 0.310 p0 at a depth of 0.48 a for ν = 0.3 (Johnson 1985, 3.45)."""
     grid = asp.Grid((64, 64), 1e-3)

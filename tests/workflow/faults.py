@@ -5,18 +5,18 @@ did not finish, if a finished job was repeated, or if a result differs from that
 """
 
 import argparse
-import os
 import random
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
 import time
-from base64 import urlsafe_b64decode
+from base64 import urlsafe_b64decode, urlsafe_b64encode
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
+import psutil
 from project import TINY, copy_project, environment
 
 from asperity.results import dataset
@@ -53,8 +53,16 @@ class Run(NamedTuple):
     text: str
 
 
+def kill_with_programs(number):
+    """Kill a process and all that it has started, at any depth."""
+    process = psutil.Process(number)
+    for one in (process, *process.children(recursive=True)):
+        with suppress(psutil.NoSuchProcess):
+            one.kill()
+
+
 def run_study(folder, kill_when=None, cores=2):
-    """Run the study in its own process group, which is killed as soon as `kill_when(seconds)` is true."""
+    """Run the study, which is killed with all its processes as soon as `kill_when(seconds)` is true."""
     log = folder / "study.log"
     began = time.monotonic()
     killed = False
@@ -65,11 +73,10 @@ def run_study(folder, kill_when=None, cores=2):
             env=environment(folder),
             stdout=file,
             stderr=subprocess.STDOUT,
-            start_new_session=True,
         )
         while process.poll() is None:
             if kill_when is not None and kill_when(time.monotonic() - began):
-                os.killpg(process.pid, signal.SIGKILL)
+                kill_with_programs(process.pid)
                 process.wait()
                 killed = True
             time.sleep(0.01)
@@ -86,6 +93,13 @@ def recorded(folder, kind):
         path.relative_to(records).as_posix().replace("/@", "").lstrip("@") for path in records.rglob("*")
     )
     return {urlsafe_b64decode(name).decode() for name in names if name != "migration_underway"}
+
+
+def mark_unfinished(folder, name):
+    """Record an output as Snakemake does while its job runs, until it has seen that the job has ended."""
+    record = folder / ".snakemake/incomplete" / urlsafe_b64encode(name.encode()).decode()
+    record.parent.mkdir(parents=True, exist_ok=True)
+    record.write_text('{"external_jobid": null}', encoding="utf-8")
 
 
 def finished(folder):

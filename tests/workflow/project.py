@@ -18,6 +18,7 @@ PARTS = (
     "tests/reference",
     "tests/workflow/tiny.yaml",
     "tests/workflow/own.yaml",
+    "tests/workflow/soak.yaml",
 )
 QUICK = ("--configfile", "config/quick.yaml")
 TINY = ("--configfile", "config/quick.yaml", "tests/workflow/tiny.yaml")

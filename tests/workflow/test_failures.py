@@ -36,7 +36,9 @@ def contents(folder):
     return {
         path.relative_to(folder): (path.read_bytes(), path.stat().st_mtime_ns)
         for path in (folder / RESULTS).rglob("*")
-        if path.is_file() and path.name != ".running" and not {"log", "benchmark"} & set(path.parts)
+        if path.is_file()
+        and not path.name.startswith(".running")
+        and not {"log", "benchmark"} & set(path.parts)
     }
 
 
@@ -56,6 +58,8 @@ def refused(folder, *command, **variables):
 @contextlib.contextmanager
 def mounted(folder, *arguments):
     """A mount over a folder, for as long as the block lasts."""
+    if not shutil.which("mount"):
+        pytest.skip("there is no command mount here")
     done = subprocess.run(["mount", *arguments, str(folder)], capture_output=True, text=True)
     if done.returncode:
         pytest.skip(f"mounting is not permitted here: {done.stderr.strip()}")
@@ -71,10 +75,52 @@ def flip_a_bit(path):
     path.write_bytes(content)
 
 
+def empty(path):
+    path.write_bytes(b"")
+
+
 def test_a_damaged_result_is_named_before_a_job_reads_it(folder):
     flip_a_bit(folder / CONTACT)
     line = refused(folder)
     assert line.startswith(f"study: {CONTACT}: ")
+    assert line.endswith("; delete it and run again")
+
+
+def test_every_damaged_file_is_named(folder):
+    verify = ("python", "workflow/verify.py", RESULTS)
+    kinds = {
+        path.relative_to(folder / RESULTS).parts[0] + path.suffix: path
+        for path in (folder / RESULTS).rglob("*.*")
+        if path.is_file() and not {"log", "benchmark", ".running", ".running.lock"} & set(path.parts)
+    }
+    assert {"statistics.nc", "surface.nc", "verification.csv", "figures.png", "figures.pdf"} <= kinds.keys()
+    assert subprocess.run(verify, cwd=folder, env=environment(folder)).returncode == 0
+    for change in (flip_a_bit, empty):
+        kept = {path: path.read_bytes() for path in kinds.values()}
+        for path in kinds.values():
+            change(path)
+        found = subprocess.run(verify, cwd=folder, env=environment(folder), capture_output=True, text=True)
+        assert found.returncode == 1
+        named = {line.split(": ")[1] for line in found.stderr.splitlines()}
+        assert named == {str(path.relative_to(folder)) for path in kinds.values()}
+        for path, content in kept.items():
+            path.write_bytes(content)
+
+
+def test_a_damaged_record_of_a_job_is_named(folder):
+    for record in (folder / ".snakemake/metadata").iterdir():
+        empty(record)
+    verify = ("python", "workflow/verify.py", RESULTS)
+    found = subprocess.run(verify, cwd=folder, env=environment(folder), capture_output=True, text=True)
+    assert found.returncode == 1
+    assert f"damaged record of {CONTACT}; delete {CONTACT} and run again" in found.stderr
+
+
+@pytest.mark.parametrize("damage", ["flip_a_bit", "empty"])
+def test_no_job_is_forced_to_read_a_damaged_file(folder, damage):
+    globals()[damage](folder / STATISTICS)
+    line = refused(folder, *study("--forcerun", "figure"))
+    assert line.startswith(f"study: {STATISTICS}: ")
     assert line.endswith("; delete it and run again")
 
 
@@ -151,11 +197,11 @@ def test_a_read_only_folder_is_named(folder):
 @pytest.mark.parametrize("name", ["tqdm", "jsonschema"])
 def test_a_missing_package_is_named_before_the_run(folder, name):
     line = refused(folder, PYTHONPATH=f"{hide(name, folder / 'hidden')}{os.pathsep}{folder / 'src'}")
-    assert line.startswith(f"study: not installed: {name}; install everything with: pip install")
+    assert line.startswith(f"study: not installed: {name}; install with: pip install asperity")
 
 
 def test_a_second_study_in_the_same_folder_is_refused(folder):
-    descriptor = claim(folder / RESULTS)
+    lock = claim(folder / RESULTS)
     line = refused(folder)
-    os.close(descriptor)
+    lock.release()
     assert line.startswith(f"study: {RESULTS}: another study is running here (process {os.getpid()} on ")

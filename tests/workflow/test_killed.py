@@ -4,7 +4,7 @@ import os
 import shutil
 
 import pytest
-from faults import RESULTS, differences, finished, kill_and_run_again, run_study, study
+from faults import RESULTS, differences, finished, kill_and_run_again, mark_unfinished, run_study, study
 from project import copy_project, run
 
 from asperity.errors import PreflightError
@@ -54,6 +54,18 @@ def test_a_partial_file_would_be_noticed(kills, tiny_study):
     path.write_bytes(b"half")
     assert differences(folder, tiny_study.folder) == ("stress/hurst_08/.seed1.nc.99999999.unfinished",)
     path.unlink()
+
+
+def test_a_kill_between_the_end_of_the_compiler_and_its_record_leaves_no_job_out(tiny_study, tmp_path):
+    folder = shutil.copytree(tiny_study.folder, tmp_path / "project")
+    for path in (folder / RESULTS).iterdir():
+        if path.is_dir() and path.name != "machine_code":
+            shutil.rmtree(path)
+    for path in (folder / RESULTS / "machine_code").iterdir():
+        mark_unfinished(folder, str(path.relative_to(folder)))
+    plan = run(folder, *study("--dry-run"))
+    jobs = {line.split()[0] for line in (plan.stdout + plan.stderr).splitlines() if len(line.split()) == 2}
+    assert {"machine_code", "surface", "contact", "stress", "statistics", "figure", "verification"} <= jobs
 
 
 def test_one_core_gives_the_same_results_and_compiles_nothing_anew(tiny_study, tmp_path):

@@ -64,6 +64,21 @@ def test_two_surfaces_and_four_seeds_make_their_own_jobs_alone(project):
     assert figures == {f"{name}_all.png" for name in OWN_FIGURES}
 
 
+def test_a_study_of_measured_maps_alone_reads_them_before_its_first_job(project):
+    shutil.copy(ROOT / "tests/data/steel.npy", project)
+    options = config_in(
+        project, "maps.yaml", {"measured": {"steel": {"label": "steel", "file": "steel.npy"}}}
+    )
+    assert Counter(rule for rule, _, _ in jobs(project, *options))["contact"] == 1
+    found = snakemake(project, *options)
+    assert found.returncode != 0
+    lines = [line for line in found.stderr.splitlines() if line.startswith("config: ")]
+    names = ("physical_size", "orientation", "periodic", "undefined")
+    starts = tuple(line.split(":")[2].strip() for line in lines)
+    assert starts == tuple(f"measured.steel.{name}" for name in names)
+    assert not list((project / "results").rglob("*.nc"))
+
+
 def test_validation_and_tradeoff_are_made_as_far_as_they_are_asked_for(project):
     config = {
         "surfaces": {"a": SURFACE},

@@ -6,9 +6,12 @@ If a test fails after an update of Snakemake, the attribute that the function re
 
 import json
 import re
+from pathlib import Path
 
 import pytest
 from project import ROOT, run
+
+from asperity.runtime.snakemake_internals import record_of
 
 SNAKEFILE = """
 import json
@@ -26,6 +29,7 @@ onstart:
     found.update({
         "jobs": [(*job[:1], dict(job.wildcards), *job[2:]) for job in internals.jobs_to_run(workflow)],
         "local": internals.runs_locally(workflow),
+        "main": internals.is_main_process(workflow),
         "at once": internals.jobs_at_once(workflow),
         "limit": internals.memory_limit(workflow),
     })
@@ -52,7 +56,7 @@ def found(tmp_path_factory):
     )
     ran = run(folder, "env", f"PYTHONPATH={ROOT / 'src'}", "snakemake", *options, "--", "made_one.txt")
     assert ran.returncode == 0, f"a function of snakemake_internals fails:\n{ran.stderr}"
-    return json.loads(ran.stdout.splitlines()[0])
+    return json.loads(ran.stdout.splitlines()[0]) | {"record": folder / record_of(Path("made_one.txt"))}
 
 
 def test_overlays_are_those_of_the_command_line(found):
@@ -79,3 +83,9 @@ def test_no_other_place_reads_undocumented_attributes():
     sources += [path for path in (ROOT / "src").rglob("*.py") if path.stem != "snakemake_internals"]
     read = {name for path in sources for name in re.findall(r"\bworkflow\.([a-z]\w*)", path.read_text())}
     assert read - {"tradeoff"} <= documented
+
+
+def test_this_was_the_main_process_and_its_jobs_are_recorded(found):
+    assert found["main"] is True
+    assert "made_one" not in found["record"].name  # encoded
+    assert json.loads(found["record"].read_text())["rule"] == "made"

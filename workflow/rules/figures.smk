@@ -1,7 +1,7 @@
 rule figure:
     input:
         results=lambda wildcards: leaves(figure_results(wildcards.figure)),
-        style="src/asperity/views/style.mplstyle",
+        style=STYLE,
         code=lambda wildcards: code("figure", f"asperity.paper.figures.{FIGURES[wildcards.figure].module}"),
     output:
         png=report(
@@ -35,4 +35,4 @@ rule figure:
 
 rule figures:
     input:
-        expand(f"{RESULTS}/figures/{{figure}}.png", figure=FIGURES),
+        expand(rules.figure.output, figure=FIGURES),

@@ -1,19 +1,20 @@
 # Surfaces, seeds and figures of the configuration, their settings, and the result files that belong to them.
 from pathlib import Path
 from asperity.paper.claims.sources import resolutions
-from asperity.paper.figures import describe_all
+from asperity.paper.figures import figures_of, surfaces_with_contact
 
 STUDIES = config["studies"]
 STUDIED = {name for names in STUDIES.values() for name in names}
 RESOLUTIONS = resolutions(SURFACES) if config["claims"] else {}
 CONTINUUM = {name for by_role in RESOLUTIONS.values() for name in by_role.values()}
 CONTINUUM_SEEDS = config["seeds"][:2]
-FIGURES = describe_all(
-    STUDIES,
-    config["validation"],
-    paper=config["figures"] == "paper",
-    several_ratios=len(config["stress"]["poisson"]) > 1,
-)
+FIGURES = figures_of(config)
+WITH_LOAD_AREA = surfaces_with_contact(config)
+# What the readings of the claims need besides the study: other conditions of the uniform mode, other components.
+OTHER_LATERALS = [name for name in config["readings"]["lateral"] if name != config["layer"]["lateral"]]
+OTHER_COMPONENTS = [name for name in config["readings"]["shear"] if name != "xz"]
+if not config["claims"]:
+    OTHER_LATERALS, OTHER_COMPONENTS = [], []
 
 
 def seeds_of(surface):
@@ -33,6 +34,27 @@ def results_of_seeds(stage):
     ]
 
 
+def other_stresses_of_seeds(wildcards):
+    """Stresses of all seeds of a surface under the other conditions of the uniform mode, one condition by one."""
+    return [
+        f"{RESULTS}/readings/{name}/stress/{wildcards.surface}/seed{seed}.nc"
+        for name in OTHER_LATERALS
+        for seed in seeds_of(wildcards.surface)
+    ]
+
+
+STAGE_RESULTS = [
+    f"{RESULTS}/{stage}/{surface}/seed{seed}.nc"
+    for surface in sorted(STUDIED | CONTINUUM)
+    for seed in seeds_of(surface)
+    for stage in ("surface", "contact", "stress", *(f"readings/{name}/stress" for name in OTHER_LATERALS))
+] + [
+    f"{RESULTS}/{stage}/{surface}.nc"
+    for surface in sorted(STUDIED | CONTINUUM)
+    for stage in ("statistics", *(f"readings/{name}/statistics" for name in OTHER_LATERALS))
+]
+
+
 def figure_results(figure):
     """Results that a figure is drawn from: stage -> (study ->) surface or dataset -> file.
 
@@ -50,6 +72,15 @@ def figure_results(figure):
 def leaves(tree):
     """The files of a tree of files."""
     return [tree] if isinstance(tree, str) else [file for branch in tree.values() for file in leaves(branch)]
+
+
+def leaves_of_lists(tree):
+    """The files of a tree whose leaves are lists of files."""
+    return (
+        tree
+        if isinstance(tree, list)
+        else [file for branch in tree.values() for file in leaves_of_lists(branch)]
+    )
 
 
 def surface_labels(wildcards):
@@ -75,6 +106,6 @@ def surface_settings(wildcards):
 
 def contact_settings(wildcards):
     """Section contact, without the load-area curve where no figure shows it."""
-    if any(wildcards.surface in figure.surfaces(STUDIES, "contact") for figure in FIGURES.values()):
+    if wildcards.surface in WITH_LOAD_AREA:
         return config["contact"]
     return {**config["contact"], "path_area_fractions": []}

@@ -1,7 +1,7 @@
 # Machine code of the numba functions, compiled once for all jobs that call them: these jobs then need less memory, and
-# do not compile the same functions side by side. The rule has no inputs and runs only if its output is missing. If it
-# ran again, Snakemake would not see what else is new to the later jobs, of which its output is an ancient() input.
-# Functions changed later are compiled by the jobs that call them.
+# do not compile the same functions side by side. The rule has no inputs: functions changed later are compiled by the
+# jobs that call them. Its output must be a plain input of these jobs. Of an ancient() one, Snakemake would not look at
+# them in a run in which this rule itself is new or was cut off, and would end as if they were made.
 PARTS = ("contact", "stress")
 
 
@@ -20,10 +20,8 @@ rule machine_code:
         mem_mb=memory("machine_code"),
         disk_mb=disk("machine_code"),
         runtime=minutes("machine_code"),
-    message:
-        f"compiling the functions of the {{wildcards.part}}, once for all jobs: about {job_cost('machine code').seconds:.0f} s"
     script:
         "../scripts/machine_code.py"
 
 
-MACHINE_CODE = ancient(expand(rules.machine_code.output, part=PARTS))
+MACHINE_CODE = expand(rules.machine_code.output, part=PARTS)

@@ -5,7 +5,7 @@ from dataclasses import asdict
 rule report_page:
     input:
         rules.all.input,
-        template="src/asperity/paper/page.html.j2",
+        template=(LIBRARY / "asperity/paper/page.html.j2").as_posix(),
         code=code("report_page"),
     output:
         f"{RESULTS}/report.html",

@@ -35,7 +35,7 @@ rule tradeoff:
 rule tradeoff_figures:
     input:
         runs=rules.tradeoff.output.runs,
-        style="src/asperity/views/style.mplstyle",
+        style=STYLE,
         code=code("tradeoff_figures"),
     output:
         report(

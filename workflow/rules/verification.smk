@@ -29,4 +29,4 @@ rule verification:
 
 rule verified:
     input:
-        expand(f"{RESULTS}/verification/{{surface}}.csv", surface=sorted(STUDIED)),
+        expand(rules.verification.output, surface=sorted(STUDIED)),

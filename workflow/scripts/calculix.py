@@ -5,7 +5,7 @@ from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 from asperity.validation.finite_elements import compare_calculix
 
-with log_to(snakemake.log[0]), ProgressBar("validation calculix"):
+with log_to(snakemake.log[0], snakemake.output), ProgressBar("validation calculix"):
     compared = compare_calculix(snakemake.params.folder)
     dataset.write(
         compared,

@@ -5,7 +5,10 @@ from asperity.results import dataset
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
-with log_to(snakemake.log[0]), ProgressBar(f"contact {snakemake.wildcards.surface}") as progress:
+with (
+    log_to(snakemake.log[0], snakemake.output),
+    ProgressBar(f"contact {snakemake.wildcards.surface}") as progress,
+):
     surface = dataset.read(snakemake.input.surface)
     layer, contact = snakemake.params.layer, snakemake.params.contact
     dataset.write(

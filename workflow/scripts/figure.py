@@ -1,7 +1,5 @@
 """Rule figure: a picture from its datasets, and its caption."""
 
-from pathlib import Path
-
 from asperity.paper.figures import caption, draw
 from asperity.results import dataset
 from asperity.runtime.logs import log_to
@@ -16,9 +14,9 @@ def read(tree, name=""):
     return dataset.read(tree).assign_attrs({"label": labels[name]} if name in labels else {})
 
 
-with log_to(snakemake.log[0]), style(snakemake.input.style):
+with log_to(snakemake.log[0], snakemake.output), style(snakemake.input.style):
     params = snakemake.params
     module, results = params.module, read(params.results)
     save(draw(module, results), snakemake.output.png, snakemake.output.pdf)
     text = caption(module, results, numbered=not params.own)
-    Path(snakemake.output.caption).write_text(text, encoding="utf-8")
+    dataset.write_text(snakemake.output.caption, text)

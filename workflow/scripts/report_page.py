@@ -6,7 +6,7 @@ from asperity.paper.figures import Description
 from asperity.paper.page import write_page
 from asperity.runtime.logs import log_to
 
-with log_to(snakemake.log[0]):
+with log_to(snakemake.log[0], snakemake.output):
     figures = {name: Description(**found) for name, found in snakemake.params.figures.items()}
     page = Path(snakemake.output[0])
     write_page(page, page.parent, figures, snakemake.params.study)

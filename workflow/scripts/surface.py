@@ -5,10 +5,11 @@ from asperity.results import dataset
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
-with log_to(snakemake.log[0]), ProgressBar(f"surface {snakemake.wildcards.surface}"):
+with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"surface {snakemake.wildcards.surface}"):
     seed, parameters = int(snakemake.wildcards.seed), snakemake.params.surface
     if "file" in parameters:
-        surface, made = read_surface(parameters), "Measured"
+        entry = f"measured.{snakemake.wildcards.surface}"
+        surface, made = read_surface(parameters, lambda name: f"{entry}.{name}"), "Measured"
         parameters = {**parameters, "wavelength_short": surface.attrs["wavelength_short"]}
     else:
         surface, made = make_surface(parameters, seed), "Rough"

@@ -1,7 +1,5 @@
 """Rule tradeoff: errors and costs of every parameter of accuracy, and the tables that plans are made from."""
 
-from pathlib import Path
-
 from asperity.accuracy.measured import as_json
 from asperity.accuracy.measurement import measure
 from asperity.accuracy.reduction import reduce_runs
@@ -11,7 +9,7 @@ from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
-with log_to(snakemake.log[0]), ProgressBar("tradeoff") as progress:
+with log_to(snakemake.log[0], snakemake.output), ProgressBar("tradeoff") as progress:
     settings = snakemake.params.settings
     runs = measure(**settings, progress=progress)
     dataset.write(
@@ -21,11 +19,11 @@ with log_to(snakemake.log[0]), ProgressBar("tradeoff") as progress:
         settings={"tradeoff": settings},
     )
     measured = reduce_runs(runs)
-    Path(snakemake.output.measured).write_text(as_json(measured), encoding="utf-8")
+    dataset.write_text(snakemake.output.measured, as_json(measured))
     presets, errors = presets_frame(measured), errors_frame(measured)
     write_table(presets, "presets", snakemake.output.presets)
     write_table(errors, "tradeoff", snakemake.output.errors)
     tables = {"Presets": presets_for_reader(presets), "One parameter at a time": errors_for_reader(errors)}
     text = "\n\n".join(map(markup.markdown, tables.values()))
-    Path(snakemake.output.table).write_text(f"{text}\n", encoding="utf-8")
-    Path(snakemake.output.page).write_text(markup.page("Speed and accuracy", tables), encoding="utf-8")
+    dataset.write_text(snakemake.output.table, f"{text}\n")
+    dataset.write_text(snakemake.output.page, markup.page("Speed and accuracy", tables))

@@ -6,7 +6,7 @@ from asperity.runtime.progress import ProgressBar
 from asperity.validation.comparisons import COMPARISONS, title
 
 name, settings = snakemake.wildcards.validation, snakemake.params.settings
-with log_to(snakemake.log[0]), ProgressBar(f"validation {name}") as progress:
+with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"validation {name}") as progress:
     dataset.write(
         COMPARISONS[name](**settings, progress=progress),
         snakemake.output[0],

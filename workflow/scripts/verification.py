@@ -1,7 +1,5 @@
 """Rule verification: the results of one surface against the laws that they must obey."""
 
-from pathlib import Path
-
 from asperity.pipeline.statistics import SeedResults
 from asperity.pipeline.verification import verify
 from asperity.results import dataset, markup
@@ -10,9 +8,9 @@ from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
 surface, files = snakemake.wildcards.surface, snakemake.input
-with log_to(snakemake.log[0]), ProgressBar(f"verification {surface}") as progress:
+with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"verification {surface}") as progress:
     results = map(SeedResults.read, files.surface, files.contact, files.stress)
     checks = verify(surface, results, dataset.read(files.statistics), progress)
     write_table(checks, "verification", snakemake.output.table)
     page = markup.page(f"Verification of {surface}", {"": checks.drop(columns="surface")})
-    Path(snakemake.output.page).write_text(page, encoding="utf-8")
+    dataset.write_text(snakemake.output.page, page)

@@ -6,12 +6,9 @@ transform at that moment is stored with it.
 
 from __future__ import annotations
 
-import resource
-import sys
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,6 +23,7 @@ from asperity.pipeline.solid import solid
 from asperity.pipeline.statistics import LEVELS, seed_statistics
 from asperity.pipeline.stress import compute_stress
 from asperity.pipeline.surface import make_surface
+from asperity.system import peak_memory, reset_peak_memory
 from asperity.types import Array
 
 POISSON = 0.33
@@ -69,8 +67,11 @@ class Scene:
         return len({*self.loads, self.area_fraction})
 
 
-def scene_of(config: Mapping[str, Any], name: str) -> Scene:
-    """The scene of an entry of ``surfaces`` in a complete configuration."""
+def scene_of(config: Mapping[str, Any], name: str, load_area: bool) -> Scene:
+    """The scene of an entry of ``surfaces`` in a complete configuration.
+
+    With `load_area` its contact is solved at all loads of the load-area curve.
+    """
     surface, contact = config["surfaces"][name], config["contact"]
     return Scene(
         hurst=surface["hurst"],
@@ -78,7 +79,7 @@ def scene_of(config: Mapping[str, Any], name: str) -> Scene:
         wavelength_short=surface["wavelength_short"],
         area_fraction=contact["area_fraction"],
         layer_height=config["layer"]["height"],
-        loads=tuple(contact["path_area_fractions"] if name in config["studies"]["hurst"] else ()),
+        loads=tuple(contact["path_area_fractions"] if load_area else ()),
         poisson=tuple(config["stress"]["poisson"]),
     )
 
@@ -146,7 +147,7 @@ def evaluate(scene: Scene, accuracy: AccuracySettings, mean_pressure: float | No
         If the contact does not reach its tolerance.
     """
     settings = stage_settings(scene, accuracy)
-    _reset_peak_memory()
+    reset_peak_memory()
     clock = [time.process_time()]
     surface = make_surface(settings["surface"], scene.seed)
     clock.append(time.process_time())
@@ -159,7 +160,7 @@ def evaluate(scene: Scene, accuracy: AccuracySettings, mean_pressure: float | No
     costs: dict[str, float] = dict(zip(names, np.diff(clock).tolist(), strict=True))
     costs["contact_pairs"] = contact.attrs["certificate_pairs"]
     costs["full_planes"] = float(np.sum((stress["plane_points"] / points) ** 2))
-    costs["peak_memory"] = _peak_memory()
+    costs["peak_memory"] = 1e6 * peak_memory()
     costs["transform_seconds"] = transform_seconds(points)
     area = float(contact["area_fraction"])
     if mean_pressure is not None:
@@ -235,20 +236,3 @@ def _area_at(
         dtype=settings["contact"]["precision"],
         initial=contact["pressure"].values,
     ).area_fraction
-
-
-def _reset_peak_memory() -> None:
-    """Reset the peak of the resident memory of this process, on systems that allow it (Linux)."""
-    counter = Path("/proc/self/clear_refs")
-    if counter.exists():
-        counter.write_text("5", encoding="ascii")
-
-
-def _peak_memory() -> float:
-    """Largest resident memory of this process in bytes, since the last reset."""
-    status = Path("/proc/self/status")
-    if status.exists():
-        lines = dict(line.split(":", 1) for line in status.read_text(encoding="ascii").splitlines())
-        return 1024.0 * float(lines["VmHWM"].split()[0])
-    unit = 1 if sys.platform == "darwin" else 1024
-    return float(unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)

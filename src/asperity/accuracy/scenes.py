@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 from asperity.accuracy.evaluation import Scene, scene_of
@@ -11,7 +11,7 @@ from asperity.config.defaults import complete
 from asperity.config.presets import AccuracySettings, accuracy_of
 from asperity.config.reader import is_file, load, merged, parse
 from asperity.config.schema import schema
-from asperity.config.study import with_base
+from asperity.config.study import ALL_SURFACES, with_base
 from asperity.errors import ConfigError, shown
 
 NEEDED = ("surfaces", "hurst", "wavelength_long", "wavelength_short")
@@ -45,20 +45,23 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
     if area_fraction is not None:
         config = merged(config, {"contact": {"area_fraction": area_fraction}})
     whole = complete(config)
-    whole["studies"] = {"hurst": [], **whole.get("studies", {})}
+    whole.setdefault("studies", {ALL_SURFACES: list(whole["surfaces"])})
     return whole
 
 
-def scenes(config: Mapping[str, Any]) -> tuple[dict[str, Scene], AccuracySettings]:
+def scenes(
+    config: Mapping[str, Any], load_area: Collection[str]
+) -> tuple[dict[str, Scene], AccuracySettings]:
     """Scenes of a complete configuration, and settings of accuracy.
 
     The scenes are the random surfaces of all studies, or all surfaces if no study names any. The settings are
-    those of the surface with the fewest nodes per wavelength.
+    those of the surface with the fewest nodes per wavelength. A figure shows the load-area curves of the
+    surfaces in `load_area`.
     """
     in_studies = {name for names in config["studies"].values() for name in names}
     names = [name for name in config["surfaces"] if name in in_studies] or list(config["surfaces"])
     settings = min((accuracy_of(config, name) for name in names), key=lambda each: each.points_per_wavelength)
-    return {name: scene_of(config, name) for name in names}, settings
+    return {name: scene_of(config, name, name in load_area) for name in names}, settings
 
 
 def _tree(text: str) -> dict[str, Any]:

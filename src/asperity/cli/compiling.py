@@ -2,84 +2,123 @@
 
 from __future__ import annotations
 
+import contextlib
 import sys
-import threading
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numba.core.registry import CPUDispatcher
+from numba.core import event
 
-from asperity.contact import kernels as contact_kernels
-from asperity.engineering import Body, run
+from asperity.errors import ConvergenceError
+from asperity.runtime.compiling import compiled_functions
 from asperity.runtime.progress import ProgressBar
-from asperity.stress import kernels as stress_kernels
-from asperity.surface.height_map import HeightMap
+from asperity.surface.roughness import self_affine
 
-POLL_SECONDS = 0.2
-"""Time between two looks at how many functions are compiled."""
+USED = {"run": 59, "contact": 33, "stress": 29, "planes": 23}
+"""What a command computes → number of compiled functions that it calls, for the bar."""
 
-USED_SHARE = 0.95
-"""Share of the compiled functions of the imported modules that one run uses."""
-
-_MARKS = (contact_kernels.residual, stress_kernels.von_mises)
-"""Functions of the two parts that every run calls."""
+NOTICE = "compiling, at the first use only"
 
 
-def compile_visibly(body: Body) -> None:
-    """Compile what a run needs, unless an earlier one has; says so on stderr.
+def compile_visibly(what: str, small: Callable[[], object]) -> None:
+    """Compile what a command needs, unless an earlier one has; says so on stderr.
 
     Parameters
     ----------
-    body : Body
-        The half-space or layer of the run.
+    what : str
+        A key of `USED`.
+    small : callable
+        Does what the command does on a small surface, with the same types. What it refuses, the command
+        itself refuses too.
     """
-    if all(_is_stored(function) for function in _MARKS):
-        return
-    if not sys.stderr.isatty():
-        print("asperity: compiling, at the first use only, about 30 s", file=sys.stderr, flush=True)
-    with ProgressBar("compiling, at the first use only") as progress:
-        ended = threading.Event()
-        watch = threading.Thread(target=_report, args=(progress, ended), daemon=True)
-        watch.start()
-        try:
-            _run_small(body)
-        finally:
-            ended.set()
-            watch.join()
+    with (
+        event.install_listener("numba:compile", _Notice(USED[what])) as notice,
+        contextlib.closing(notice),
+        contextlib.suppress(ValueError, ConvergenceError),
+    ):
+        small()
 
 
-def _is_stored(function: Any) -> bool:
-    """True if the machine code of a function is stored by an earlier process."""
-    try:
-        return bool(function._cache._cache_file._load_index())
-    except AttributeError:  # another version of numba: nothing is said about compiling
-        return True
+class _Notice(event.Listener):
+    """Says that functions are compiled when the first one is, and shows how many are done."""
+
+    def __init__(self, used: int) -> None:
+        self._used = used
+        self._bar: ProgressBar | None = None
+
+    def on_start(self, event: event.Event) -> None:
+        if self._bar is None:
+            if not sys.stderr.isatty():
+                print(f"asperity: {NOTICE}, about 30 s", file=sys.stderr, flush=True)
+            self._bar = ProgressBar(NOTICE).__enter__()
+
+    def on_end(self, event: event.Event) -> None:
+        done = sum(bool(function.signatures) for function in compiled_functions().values())
+        if self._bar is not None:
+            self._bar(min(done, self._used), self._used)
+
+    def close(self) -> None:
+        """Remove the bar."""
+        if self._bar is not None:
+            self._bar.__exit__(None)
 
 
-def _report(progress: ProgressBar, ended: threading.Event) -> None:
-    """Report the share of compiled functions until the end."""
-    functions = _functions()
-    while not ended.wait(POLL_SECONDS):
-        compiled = sum(bool(function.signatures) for function in functions)
-        progress(min(compiled / (USED_SHARE * len(functions)), 0.99), 1.0)
+def run_small(lower: Any, upper: Any, map_settings: Any, friction: float) -> None:
+    """A run of ``asperity run`` on a small surface."""
+    from asperity.engineering import Body, MapSettings, run
+    from asperity.surface.height_map import HeightMap
 
-
-def _functions() -> list[Any]:
-    """Compiled functions of the physics."""
-    parts = ("asperity.contact", "asperity.elasticity", "asperity.stress")
-    modules = [module for name, module in list(sys.modules.items()) if name.startswith(parts)]
-    found = {
-        id(value): value
-        for module in modules
-        for value in list(vars(module).values())
-        if isinstance(value, CPUDispatcher)
-    }
-    return list(found.values())
-
-
-def _run_small(body: Body) -> None:
-    """A run on a small surface, with the types of a large one."""
-    edge = body.height or 1e-3
+    edge = lower.height or 1e-3
     height = np.random.default_rng(1).normal(size=(16, 16)) * 1e-3 * edge
-    limited = Body(body.young, body.poisson, 1e-3 * body.young, body.height, body.bottom)
-    run(HeightMap(height, (edge, edge)), limited, area_fraction=0.2)
+    limited = Body(lower.young, lower.poisson, 1e-3 * lower.young, lower.height, lower.bottom)
+    run(
+        HeightMap(height, (edge, edge)),
+        limited,
+        upper,
+        area_fraction=0.2,
+        friction=friction,
+        map_settings=MapSettings(boundary=map_settings.boundary),
+    )
+
+
+def solve_small(layer: Mapping[str, Any], contact: Mapping[str, Any]) -> None:
+    """A contact of ``asperity solve`` on a small surface."""
+    from asperity.pipeline.contact import solve_contact
+
+    settings = {**contact, "tolerance": max(contact["tolerance"], 1e-4), "path_area_fractions": []}
+    solve_contact(_small_surface(), layer, settings)
+
+
+def stress_small(layer: Mapping[str, Any], stress: Mapping[str, Any]) -> None:
+    """An analysis of ``asperity stress`` under a small contact."""
+    from asperity.pipeline.stress import compute_stress
+
+    contact = _small_surface().rename(height="pressure")
+    contact["pressure"] = np.maximum(-contact["pressure"], 0)
+    from asperity.pipeline.solid import SOLID_ATTRIBUTES
+
+    contact = contact.assign(gradient_rms_contact=1.0).assign_attrs(dict.fromkeys(SOLID_ATTRIBUTES, 0.0))
+    compute_stress(contact, layer, stress)
+
+
+def planes_small(solid: Any, fields: Sequence[str], poisson: float | None) -> None:
+    """Planes of the stress, as views and exports compute them, under a small contact."""
+    from asperity.spectral import Grid
+    from asperity.stress.planes import stress_planes
+    from asperity.stress.pressed import PressedSolid
+
+    edge = max(solid.grid.length)
+    pressure = np.maximum(-_small_surface()["height"].values, 0).astype(solid.pressure.dtype)
+    small = PressedSolid(pressure, Grid(pressure.shape, (edge, edge)), solid.layer, solid.boundary)
+    for tolerance in (0.0, 1e-4):
+        for _ in stress_planes(small, [0.0, 0.01 * edge], poisson, fields, tolerance=tolerance):
+            pass
+
+
+def _small_surface() -> Any:
+    import xarray as xr
+
+    height = self_affine((32, 32), 0.8, 0.5, 0.125, 1e-3, seed=1)
+    place = np.arange(32) / 32
+    return xr.Dataset({"height": (("y", "x"), height)}, coords={"y": place, "x": place})

@@ -10,6 +10,7 @@ import xarray as xr
 
 from asperity.config.reader import is_file
 from asperity.results import dataset
+from asperity.results.systems import in_cell_lengths
 from asperity.results.variables import STUDY_UNITS
 
 _MARKS = {"surface": "spectrum", "contact": "pressure", "stress": "peak_value", "statistics": "peak_density"}
@@ -22,14 +23,25 @@ def read_result(path: str | Path, stage: str) -> xr.Dataset:
     Raises
     ------
     ValueError
-        If it is a result of another stage, or in SI units.
+        If it is a result of another stage, or of ``asperity run``.
     DatasetError
         If it is missing or damaged.
     """
-    data = read_dimensionless(path)
+    data = dataset.read(path)
     if (found := stage_of(data)) != stage:
         raise ValueError(f"{path}: a result of {found or 'no stage'}, one of {stage} is needed")
+    if "map" in dataset.settings_of(data):
+        raise ValueError(
+            f"{path}: a result of asperity run, which makes those of all stages itself; one of asperity "
+            "surface, solve or stress is needed"
+        )
     return data
+
+
+def read_in_cell_lengths(path: str | Path, stage: str) -> tuple[xr.Dataset, dict[str, Any]]:
+    """A result file of one stage and its settings in units of the study; raises as `read_result`."""
+    data = read_result(path, stage)
+    return in_cell_lengths(data, dataset.settings_of(data))
 
 
 def read_dimensionless(path: str | Path) -> xr.Dataset:

@@ -2,36 +2,47 @@
 
 from __future__ import annotations
 
+import io
+import sys
 from collections.abc import Sequence
 from importlib import import_module
 
-from asperity.errors import ConvergenceError, DatasetError, PreflightError, fail
-from asperity.runtime.preflight import BASE_PACKAGES, PACKAGES, REMEDY, require_packages
-
-INTERRUPTED = 130
-"""Exit status after Ctrl-C, as shells give it: 128 and the number of the signal."""
+from asperity.errors import ConvergenceError, DatasetError, InputError, PreflightError, fail
+from asperity.packages import BASE, NAMES, PACKAGES, message, require
+from asperity.runtime.interrupts import COMMAND_LINE, Interrupted, interruptible
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return the exit status.
 
+    Parameters
+    ----------
+    arguments : sequence of str, optional
+        By default those of this process, which then ends with the command.
+
     Returns
     -------
     status : int
-        0 on success, 1 with one line on stderr otherwise, 130 if interrupted. Wrong usage ends the process
-        with 2 and one line, as argparse does.
+        0 on success, 1 with a line for each problem on stderr otherwise, 130 after Ctrl-C and 143 after
+        SIGTERM. Wrong usage ends the process with 2, as argparse does.
     """
+    for stream in (sys.stdout, sys.stderr):  # a console that cannot show µ or ² shows ? there
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="replace")
     try:
-        require_packages(BASE_PACKAGES)
-        from asperity.cli.parser import make_parser
+        with interruptible(f"asperity: {COMMAND_LINE}", last=arguments is None):
+            require(PACKAGES[BASE])
+            from asperity.cli.parser import make_parser
 
-        options = make_parser().parse_args(arguments)
-        import_module(f"asperity.cli.commands.{options.command}").run(options)
-    except KeyboardInterrupt:
-        return fail("interrupted", INTERRUPTED)
+            options = make_parser().parse_args(arguments)
+            import_module(f"asperity.cli.commands.{options.command}").run(options)
+    except InputError as error:
+        return max(map(fail, error.lines), default=1)
+    except Interrupted as interrupted:
+        return fail(COMMAND_LINE, interrupted.status)
     except ModuleNotFoundError as error:
-        package = PACKAGES.get((error.name or "").split(".")[0])
-        return fail(f"not installed: {package}; {REMEDY}" if package else str(error))
+        module = (error.name or "").split(".")[0]
+        return fail(message([module]) if module in NAMES else str(error))
     except (ValueError, TypeError, OSError, ImportError, MemoryError) as error:
         return fail(str(error) or type(error).__name__)
     except (DatasetError, ConvergenceError, PreflightError) as error:

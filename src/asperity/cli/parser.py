@@ -24,7 +24,8 @@ def make_parser() -> Parser:
         "measured map, materials and a load with their units. The others have lengths in units of the longer "
         "edge of the periodic cell, stresses in units of the effective modulus E/(1 - poisson^2).",
         epilog="From a map to an answer: run. The steps of a calculation: surface, solve, stress, peaks, "
-        "plot. Its cost and error beforehand: plan. Pictures and tables of its results: view, export.",
+        "plot. Its cost and error beforehand: plan. Means over random surfaces: ensemble. Pictures and "
+        "tables of its results: view, export. The study of the paper: study.",
     )
     parser.add_argument("--version", action="version", version=f"asperity {asperity.__version__}")
     commands = parser.add_subparsers(title="commands", required=True, dest="command", metavar="COMMAND")
@@ -47,8 +48,19 @@ def _add_run(parser: Parser) -> None:
     body.add_argument("--rigid", action="store_true", help="the counter body is rigid, as it is by default")
     load = parser.add_argument_group("load", "Exactly one of these is needed.")
     maps = parser.add_argument_group("map")
+    counter = parser.add_argument_group(
+        "map of the counter body",
+        "Its peaks are upward as measured: it is turned over and laid on the other map, middle on middle.",
+    )
+    groups = {
+        "body": body,
+        "load": load,
+        "map": maps,
+        "counter": counter,
+        "stress": parser.add_argument_group("stress"),
+    }
     for option in (*RUN_OPTIONS, *RUN_MAP_OPTIONS):
-        group = {"body": body, "load": load, "map": maps}[option.group]
+        group = groups[option.group]
         # The command itself checks the texts, so that it can report everything that is wrong at once.
         add_setting(
             group, option.flag, option.key, left_out=option.left_out, type=str, action="store", **option.shown
@@ -65,6 +77,13 @@ def _add_solve(parser: Parser) -> None:
     add("--layer-height", "layer.height")
     add("--bottom", "layer.bottom")
     add("--lateral", "layer.lateral")
+    add(
+        "--young",
+        "engineering.young",
+        left_out="the result is dimensionless, in cell lengths and effective moduli",
+        dest="young",
+        metavar="PRESSURE",
+    )
     add("--half-space-tolerance", "layer.half_space_tolerance")
     add("--method", "contact.method")
     add("--tolerance", "contact.tolerance")
@@ -161,6 +180,37 @@ def _add_plan(parser: Parser) -> None:
     )
 
 
+def _add_ensemble(parser: Parser) -> None:
+    parser.add_argument(
+        "--claim",
+        required=True,
+        metavar="NAME",
+        help="identifier of a claim, such as one_and_a_half, or a number of one surface, such as "
+        "von_mises_p99_large_hurst; an unknown name lists all",
+    )
+    parser.add_argument(
+        "--error",
+        metavar="SHARE",
+        help="standard error and bias together, over the value, such as 0.5%% (default: that of the "
+        "configuration)",
+    )
+    parser.add_argument(
+        "--config", nargs="+", metavar="FILE", help="configuration, then overlays (default: the paper's)"
+    )
+    parser.add_argument(
+        "--results", metavar="FOLDER", help="folder of results, instead of the configured one"
+    )
+    parser.add_argument(
+        "--plan", action="store_true", help="compute the pilot only; print the seeds and the time to go"
+    )
+    parser.add_argument(
+        "snakemake",
+        nargs="*",
+        metavar="OPTION",
+        help="options of Snakemake, after --, such as -- --profile profiles/slurm",
+    )
+
+
 def _add_surface(parser: Parser) -> None:
     parser.add_argument("--out", required=True, metavar="FILE.nc", help="surface file to write")
     add = partial(add_setting, parser)
@@ -207,6 +257,7 @@ def _add_view(parser: Parser) -> None:
         "--field", metavar="NAME", help="stress that is drawn, such as von_mises or xx (default: von_mises)"
     )
     add_setting(parser, "--poisson", "layer.poisson", left_out="that of the contact")
+    _add_body(parser)
     parser.add_argument(
         "--out",
         nargs="+",
@@ -215,8 +266,23 @@ def _add_view(parser: Parser) -> None:
     )
 
 
+def _add_body(parser: Parser) -> None:
+    """Add the arguments that say in which body and under which friction the stress is computed."""
+    parser.add_argument(
+        "--body",
+        choices=("lower", "upper"),
+        default="lower",
+        help="body of two elastic ones whose stress is shown (default: lower)",
+    )
+    add = partial(add_setting, parser, left_out="that of the result")
+    add("--friction", "engineering.friction")
+    add("--sliding-direction", "engineering.sliding_direction", metavar="DIRECTION")
+
+
 def _add_export(parser: Parser) -> None:
-    parser.add_argument("results", nargs="+", metavar="RESULT", help="a contact file, a stress file, or both")
+    parser.add_argument(
+        "results", nargs="+", metavar="RESULT", help="a contact or surface file, a stress file, or both"
+    )
     parser.add_argument(
         "--peaks",
         metavar="FILE.csv",
@@ -230,12 +296,33 @@ def _add_export(parser: Parser) -> None:
         help="fields of the stress under the contact file in a box, such as von_mises,xx:0-40um field.vti, "
         "for ParaView or pyvista; may be given several times",
     )
+    parser.add_argument(
+        "--surface",
+        action="append",
+        metavar="FILE",
+        help="height, contact pressure, gap and displacement over the surface: FILE.vti for ParaView, "
+        "FILE.csv with a row for each node; may be given several times",
+    )
+    parser.add_argument(
+        "--profile",
+        nargs=2,
+        action="append",
+        metavar=("PLACE", "FILE.csv"),
+        help="the same fields along a line, such as y=205um line.csv; may be given several times",
+    )
     parser.add_argument("--y", metavar="RANGE", help="part of the cell along y, such as 0-100um")
     parser.add_argument("--x", metavar="RANGE", help="part of the cell along x")
     parser.add_argument(
         "--spacing", metavar="LENGTH", help="distance between planes (default: that between nodes)"
     )
     add_setting(parser, "--poisson", "layer.poisson", left_out="that of the contact")
+    _add_body(parser)
+
+
+def _add_study(parser: Parser) -> None:
+    parser.usage = "asperity study init FOLDER"
+    parser.add_argument("action", choices=("init",), help="write the study into a folder")
+    parser.add_argument("folder", metavar="FOLDER", help="new or empty folder")
 
 
 _COMMANDS: dict[str, tuple[Callable[[Parser], None], str]] = {
@@ -264,8 +351,17 @@ _COMMANDS: dict[str, tuple[Callable[[Parser], None], str]] = {
         _add_plan,
         "Predict cost and error of a calculation. With a target, propose settings that reach it.",
     ),
+    "ensemble": (
+        _add_ensemble,
+        "Estimate the mean of a number over random surfaces to a given error. Few seeds on fine grids and "
+        "many on coarse ones are computed as jobs of the study, and kept for the next call.",
+    ),
     "view": (_add_view, "Draw results: surfaces, contacts, and the stress below them."),
     "export": (_add_export, "Export results as tables (CSV) and as fields for ParaView (VTK)."),
+    "study": (
+        _add_study,
+        "Write the study of the paper into a folder. There `snakemake --cores 2` makes every figure.",
+    ),
 }
 
 

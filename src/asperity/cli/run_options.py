@@ -14,7 +14,7 @@ class Option(NamedTuple):
         Such as ``--young``.
     key : str
         Dotted key of the setting.
-    group : "body", "load" or "map"
+    group : "body", "load", "map", "counter" or "stress"
         Heading of the help under which it stands.
     shown : dict
         Arguments of `argparse` in place of what the schema says.
@@ -47,13 +47,22 @@ RUN_OPTIONS = (
     _option("counter_young", "body", "PRESSURE"),
     _option("counter_poisson", "body"),
     _option("counter_yield", "body", "PRESSURE"),
+    _option("counter_layer_height", "body", "LENGTH"),
+    _option("counter_bottom", "body"),
     _option("pressure", "load", "PRESSURE"),
     _option("force", "load", "FORCE"),
     _option("approach", "load", "LENGTH"),
     _option("area_fraction", "load"),
     _option("friction", "load"),
+    _option("sliding_direction", "load", "DIRECTION"),
     _option("boundary", "map"),
     _option("radius", "map", "LENGTH"),
+    _option("form", "map"),
+    _option("cylinder_axis", "map"),
+    _option("counter_map", "counter", "FILE"),
+    _option("counter_turned_about", "counter"),
+    _option("counter_shift", "counter", ("Y", "X"), nargs=2),
+    _option("fields", "stress", "FIELD", nargs="+"),
     _option("physical_size", "map", ("Y", "X"), nargs=2),
     _option("wavelength_short", "map", "LENGTH"),
 )
@@ -68,5 +77,6 @@ RUN_MAP_OPTIONS = (
     _map_option("detrend", "tilt"),
     _map_option("periodic", "mirrored, unless the file calls itself periodic or the boundary is free"),
     _map_option("points", "those of the map"),
+    _map_option("max_memory"),
 )
 """Options that are settings of a measured map of the study."""

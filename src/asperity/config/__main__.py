@@ -15,7 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from asperity.errors import ConfigError, PreflightError, one_line
+from asperity.runtime.interrupts import Interrupted, interruptible
 from asperity.runtime.preflight import require_packages
+
+_INTERRUPTED = "config: interrupted; run the same command again"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -37,8 +40,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     describing.set_defaults(run=_describe)
     options = parser.parse_args(arguments)
     try:
-        require_packages(("jsonschema", "matplotlib", "yaml"))
-        options.run(options)
+        with interruptible(_INTERRUPTED, last=arguments is None):
+            require_packages(("jsonschema", "matplotlib", "yaml"))
+            options.run(options)
+    except Interrupted as interrupted:
+        print(_INTERRUPTED, file=sys.stderr)
+        return interrupted.status
     except (ConfigError, PreflightError, OSError) as error:
         print(f"config: {one_line(str(error))}", file=sys.stderr)
         return 1

@@ -53,6 +53,7 @@ def check(config: Mapping[str, Any], needed: tuple[str, ...] | None = None) -> N
     _check_studies(whole)
     _check_claims(whole)
     _check_tradeoff(whole)
+    _check_ensemble(whole)
     _check_solid(whole)
 
 
@@ -69,6 +70,25 @@ def needed_instead(value: Any, entry: Entry) -> str:
         return accepted(entry)
     error = next(_validator(None)(entry, format_checker=_FORMATS).iter_errors(value), None)
     return "" if error is None else _needed(error)
+
+
+def check_section(name: str, values: Mapping[str, Any], option: Callable[[str], str]) -> None:
+    """Raise `ConfigError` for the first value that one section of a configuration does not accept.
+
+    Parameters
+    ----------
+    name : str
+        Of the section, such as ``contact``.
+    values : mapping
+    option : callable
+        Gives the name of a setting in the interface of the user, for the message.
+    """
+    errors = _validator(())(setting(name), format_checker=_FORMATS).iter_errors(values)
+    error = next((error for error in errors if error.absolute_path), None)
+    if error is not None:
+        raise ConfigError(
+            f"{option(str(error.absolute_path[0]))} = {shown(error.instance)}: {_needed(error)} is needed"
+        )
 
 
 @_FORMATS.checks("label", raises=ValueError)
@@ -220,6 +240,12 @@ def _check_tradeoff(config: Mapping[str, Any]) -> None:
             )
 
 
+def _check_ensemble(config: Mapping[str, Any]) -> None:
+    nodes = config["ensemble"]["nodes"]
+    if nodes != sorted(nodes):
+        raise ConfigError(f"ensemble.nodes = {shown(nodes)}: rising numbers are needed")
+
+
 def _check_height(config: Mapping[str, Any]) -> None:
     """Raise `ConfigError` for a layer too thin for the planes of the stress under a surface."""
     height, spacing = config["layer"]["height"], config["stress"]["depth_spacing"]
@@ -240,6 +266,11 @@ def _check_solid(config: Mapping[str, Any]) -> None:
     ratios, own = config["stress"]["poisson"], config["layer"]["poisson"]
     if own not in ratios:
         raise ConfigError(f"stress.poisson = {shown(ratios)}: layer.poisson = {own!r} must be one of them")
+    laterals, lateral = config["readings"]["lateral"], config["layer"]["lateral"]
+    if lateral not in laterals:
+        raise ConfigError(
+            f"readings.lateral = {shown(laterals)}: layer.lateral = {lateral!r} must be one of them"
+        )
 
 
 def _one_line(error: ValidationError) -> str:

@@ -6,6 +6,7 @@ content, so that a file from someone else does no harm.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,8 +15,11 @@ import yaml
 
 from asperity.errors import ConfigError, shown
 
-_MAX_FILE_SIZE = 2**20
-"""Bytes of a file; the configuration of the paper has four thousand."""
+_MAX_FILE_SIZE = 2**17
+"""Bytes of a file, which are read in three seconds; the configuration of the paper has four thousand."""
+
+_MAX_SCALAR = 2000
+"""Characters of a text or number; long numbers, above all to base 60, take long to convert."""
 
 _MAX_VALUES = 100_000
 """Values in a file, each alias counted as all that it stands for; aliases of aliases grow without bound."""
@@ -28,8 +32,8 @@ class _Loader(yaml.SafeLoader):
     """Reader of YAML that refuses a key given twice."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        keys = [key.value for key, _ in node.value if key.tag != "tag:yaml.org,2002:merge"]
-        twice = next((str(key) for number, key in enumerate(keys) if key in keys[:number]), None)
+        keys = Counter(str(key.value) for key, _ in node.value if key.tag != "tag:yaml.org,2002:merge")
+        twice = next((key for key, count in keys.items() if count > 1), None)
         if twice is not None:
             raise yaml.constructor.ConstructorError(
                 None, None, f"{shown(twice)} is given twice", node.start_mark
@@ -91,7 +95,9 @@ def parse(content: str | bytes, name: str) -> dict[str, Any]:
         raise ConfigError(f"{name}: YAML is needed; {error.problem or error.context}{where}") from error
     except yaml.YAMLError as error:
         raise ConfigError(f"{name}: YAML in UTF-8 is needed; {str(error).splitlines()[0]}") from error
-    except (ValueError, RecursionError) as error:
+    except RecursionError as error:
+        raise ConfigError(f"{name}: at most {_MAX_DEPTH} levels are accepted") from error
+    except ValueError as error:
         raise ConfigError(f"{name}: {str(error).split(';')[0]}") from error
 
 
@@ -100,6 +106,11 @@ def _size(node: yaml.Node, sizes: dict[int, int], depth: int) -> int:
     if depth > _MAX_DEPTH:
         raise ValueError(
             f"at most {_MAX_DEPTH} levels are accepted, line {node.start_mark.line + 1} has more"
+        )
+    if isinstance(node, yaml.ScalarNode) and len(node.value) > _MAX_SCALAR:
+        raise ValueError(
+            f"at most {_MAX_SCALAR} characters are accepted in a value, line {node.start_mark.line + 1} has "
+            f"{len(node.value)}"
         )
     if id(node) not in sizes:
         children: list[yaml.Node] = []

@@ -126,7 +126,7 @@ def _folder_given(folder: Any) -> str:
         raise ConfigError(
             f"results = {shown(folder)}: a folder is needed, without braces, of at most 1000 characters"
         )
-    return os.path.normpath(os.path.expanduser(folder))
+    return Path(os.path.normpath(os.path.expanduser(folder))).as_posix()  # as in a Snakefile, also on Windows
 
 
 def _is_paper(path: str | Path) -> bool:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from asperity.arguments import number, real_array
 from asperity.contact import kernels
 from asperity.contact.boundaries import response_on
 from asperity.elasticity.two_bodies import Solid
@@ -121,7 +122,12 @@ def verify_contact(
     Returns
     -------
     Certificate
-        Without iterations, pairs and seconds.
+        Without iterations, pairs and seconds; infinite if a number overflows.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is out of range.
 
     Examples
     --------
@@ -133,9 +139,16 @@ def verify_contact(
     >>> asp.verify_contact(height, 1.01 * contact.pressure, solid, mean_pressure=1e-3).worst < 1e-5
     False
     """
-    grid = Grid(np.shape(pressure), length)  # type: ignore[arg-type]
-    pressure = np.asarray(pressure, dtype=float)
-    height = np.asarray(height, dtype=float)
+    height, pressure = _checked("height", height), _checked("pressure", pressure)
+    if height.shape != pressure.shape:
+        raise ValueError(
+            f"pressure has the shape {pressure.shape}: {height.shape}, that of height, is needed"
+        )
+    grid = Grid(pressure.shape, length)  # type: ignore[arg-type]
+    if approach is not None:
+        approach = number("approach", approach, "a finite number", np.isfinite)
+    if mean_pressure is not None:
+        mean_pressure = number("mean_pressure", mean_pressure, "a finite number", np.isfinite)
     gap = response_on(boundary, solid, grid, "float64", threads).displacement(pressure)
     gap += height
     contact = pressure > 0
@@ -162,3 +175,11 @@ def verify_contact(
         / (float(contact_pressure.sum()) or 1.0)
         / scale,
     )
+
+
+def _checked(name: str, values: Array) -> Array:
+    """A field [y, x] in double precision."""
+    array = real_array(name, values).astype(float, copy=False)
+    if array.ndim != 2 or array.size == 0:
+        raise ValueError(f"{name} has the shape {array.shape}: a two-dimensional array [y, x] is needed")
+    return array

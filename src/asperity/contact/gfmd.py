@@ -129,6 +129,7 @@ def solve(
         rtol,
         state.iterations,
         state.load,
+        "method = 'active_set' or a larger rtol is needed",
     )
 
 

@@ -68,6 +68,7 @@ def solve(
             rtol,
             state.iterations,
             float(state.pressure.mean(dtype=float)),
+            "a larger rtol is needed, or numbers that differ less in magnitude",
         )
     return state
 

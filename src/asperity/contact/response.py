@@ -69,6 +69,11 @@ class Response(ABC):
         fourier = type(outer)(outer.grid, np.float32, outer.threads, outer.work)
         return type(self)(self.solid, fourier, (self.compliance / unit).astype(np.float32))
 
+    def in_double_precision(self) -> Self:
+        """The same response for fields in double precision."""
+        outer = self.fourier
+        return type(self)(self.solid, type(outer)(outer.grid, np.float64, outer.threads, outer.work))
+
     @classmethod
     @abstractmethod
     def on(cls, solid: Solid, grid: Grid, dtype: object, threads: int = 1) -> Self:

@@ -22,6 +22,8 @@ from asperity.types import Array
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+SHOWN_ERROR = 0.01
+"""Relative error of an imposed area above which the summary of a contact tells it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +74,8 @@ class Contact:
         Violations of the conditions of contact, evaluated anew from the pressure, and the work spent.
     control_error : float
         Relative difference between the imposed area or load and the one reached. Only an area can be missed:
-        if several nodes touch at the same load, or one node is more than the area asked for.
+        if several nodes touch at the same load, as the lowest ones of a flat or stepped surface, or if one
+        node is more than the area asked for. Then the area is the nearest that the surface allows.
     method : str
     rtol : float
 
@@ -110,8 +113,10 @@ class Contact:
 
     def __repr__(self) -> str:
         ny, nx = self.grid.shape
+        missed = f" (imposed area missed by {100 * self.control_error:.2g} %)"
         return (
-            f"<Contact of {ny} × {nx} nodes: area fraction {self.area_fraction:.4g}, "
+            f"<Contact of {ny} × {nx} nodes: area fraction {self.area_fraction:.4g}"
+            f"{missed if self.control_error > SHOWN_ERROR else ''}, "
             f"mean pressure {self.mean_pressure:.4g}, largest pressure {self.max_pressure:.4g}, "
             f"approach {self.approach:.4g}>"
         )

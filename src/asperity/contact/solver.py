@@ -20,6 +20,7 @@ from asperity.contact.boundaries import response_on
 from asperity.contact.certificate import verify_contact
 from asperity.contact.problem import Control, Problem, State
 from asperity.contact.solution import Contact
+from asperity.contact.units import Units, units_of
 from asperity.elasticity.two_bodies import Solid
 from asperity.errors import ConvergenceError
 from asperity.spectral import Grid
@@ -82,7 +83,8 @@ def solve(
     rtol : float
         Error of the pressure relative to its norm, as estimated by the solver.
     dtype : "float64" or "float32"
-        Precision of the fields.
+        Precision of the fields. If `active_set` does not reach the tolerance in single precision, it solves
+        again in double precision, and the fields are rounded at the end.
     threads : int
         Threads of the Fourier transforms; the solution does not depend on it.
     progress : callable, optional
@@ -141,13 +143,37 @@ def solve(
     start = initial.pressure if isinstance(initial, Contact) else initial
     pressure = None if start is None else checked_initial(start, grid)
     begin = time.perf_counter()
-    problem = Problem(values, response)
-    if control.lifts_off(values):
-        position = control.value if control.kind == "approach" else float(values.min())
+    units = units_of(values, solid, grid, control)
+    if units != Units():
+        response = response_on(boundary, units.solid(solid), units.grid(grid), precision, workers)
+        pressure = None if pressure is None else pressure / units.stress
+    heights, control = units.heights(values), units.control(control)
+    problem = Problem(heights, response)
+    if control.lifts_off(problem.height):
+        position = control.value if control.kind == "approach" else float(problem.height.min())
         state = State(np.zeros_like(problem.height), problem.height, position, 0.0, 0.0)
     else:
-        state = METHODS[method](problem, control, tolerance, progress, pressure)
-    return _certified(problem, control, state, method, tolerance, time.perf_counter() - begin)
+        within_reach = _within_reach(control, heights)
+        # A given start may overflow: what comes of it is checked in the end.
+        with np.errstate(over="ignore", invalid="ignore"):
+            try:
+                state = METHODS[method](problem, within_reach, tolerance, progress, pressure)
+            except ConvergenceError:
+                if method != "active_set" or precision == "float64" or tolerance < np.finfo(precision).eps:
+                    raise
+                in_double = Problem(heights, response.in_double_precision())
+                state = nested_grids.solve(in_double, within_reach, tolerance, progress, pressure)
+                state.pressure = state.pressure.astype(precision)
+    found = _certified(problem, control, state, method, tolerance, time.perf_counter() - begin)
+    return units.restored(found, values, solid, grid)
+
+
+def _within_reach(control: Control, height: Array) -> Control:
+    """The control; an imposed area is at least that of the lowest nodes, which all touch at any load."""
+    if control.kind != "area_fraction":
+        return control
+    lowest = np.count_nonzero(height == height.min())
+    return replace(control, value=max(control.value, lowest / height.size))
 
 
 def _certified(

@@ -6,7 +6,8 @@ All are in closed form; the equations stand in ``docs/method.md``. In the names 
     m = 1 − 2ν,     m1 = 2 − 2ν,   k = 3 − 4ν.
 
 Z, L, T, V and W are the five kernels of `asperity.elasticity.layer`: stresses per unit pressure, and
-displacements in units of (1 + ν)/(E q) per unit pressure.
+displacements in units of (1 + ν)/(E q) per unit pressure. N, M, X, P and Q are the stresses per unit shear
+traction.
 
 Floating point
 --------------
@@ -219,6 +220,35 @@ def _thin_bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values
     return normal, longitudinal, shear, along, downward
 
 
+@_compiled
+def half_space_shear_kernels(d: float) -> Values:
+    """N, M, X, P and Q of the half-space under a shear traction."""
+    a = np.exp(-d)
+    return d * a, (2.0 - d) * a, (1.0 - d) * a, a, a
+
+
+@_compiled
+def bonded_shear_kernels(h: float, t: float, d: float, poisson: float) -> Values:
+    """N, M, X, P and Q of a layer bonded to a rigid support, under a shear traction; for any h."""
+    m = 1.0 - 2.0 * poisson
+    m1 = 1.0 + m
+    k = m1 + m
+    e2t, c2t = _decay(2.0 * t)
+    e2h, c2h = _decay(2.0 * h)
+    _, c2d = _decay(2.0 * d)
+    decay = np.exp(-d)
+    scale = decay / (k * c2h * c2h + 4.0 * e2h * (h * h + m1 * m1))
+    chch, shsh = (1.0 + e2h) * (1.0 + e2t), c2h * c2t
+    shch, chsh = c2h * (1.0 + e2t), (1.0 + e2h) * c2t
+    cd, sd = 2.0 * (e2t + e2h), 2.0 * e2t * c2d
+    far = d * (m1 * chch + m * shsh) + h * t * sd
+    normal = scale * (m1 * m * sd + far)
+    longitudinal = scale * (m1 * (1.0 + m1) * chsh + (1.0 - m) * m * shch + 2.0 * h * cd - far)
+    shear = scale * ((m1 * m1 + h * t) * cd + k * shsh - h * sd - d * (m1 * chsh + m * shch))
+    across = decay / (1.0 + e2h)
+    return normal, longitudinal, shear, across * (1.0 + e2t), across * c2t
+
+
 # Modes that are evaluated together. A block with q height < 1 throughout takes a loop without branches.
 _BLOCK_MODES = 256
 
@@ -289,6 +319,26 @@ def _fill_any(
             values = bonded_kernels(wavenumber * height, t, d, poisson)
         else:
             values = frictionless_kernels(wavenumber * height, t, d, poisson)
+        out[0, n], out[1, n], out[2, n], out[3, n], out[4, n] = values
+
+
+@_compiled
+def fill_shear_kernels(kind: int, q: Any, depth: float, height: float, poisson: float, out: Any) -> None:
+    """Write the kernels of a shear traction of all modes at one depth to the rows of `out`.
+
+    The solid is the half-space or bonded. At q = 0 they are those of a traction on a layer of any height.
+    """
+    for n in range(q.size):
+        wavenumber = float(q[n])
+        d, t = wavenumber * depth, wavenumber * (height - depth)
+        if wavenumber == 0.0:
+            values = (0.0, 0.0, 1.0, 1.0, 0.0)
+        elif d > _DEEPEST:
+            values = (0.0, 0.0, 0.0, 0.0, 0.0)
+        elif kind == HALF_SPACE or t > _BOTTOM_OUT_OF_REACH:
+            values = half_space_shear_kernels(d)
+        else:
+            values = bonded_shear_kernels(wavenumber * height, t, d, poisson)
         out[0, n], out[1, n], out[2, n], out[3, n], out[4, n] = values
 
 

@@ -14,7 +14,13 @@ Five real kernels of (q, depth) describe a pressure mode. With l along the wavev
     u_l = i p (1 + ν)/(E q) V,    u_z = −p (1 + ν)/(E q) W,    u_t = σ_lt = σ_tz = 0.
 
 In a half-space, with d = q depth, Z = (1 + d) e^(−d), L = (1 − d) e^(−d), T = d e^(−d). The kernels of a
-layer are in ``docs/method.md``.
+layer are in ``docs/method.md``. Five more describe the stress of a shear traction on the top, t_l along and
+t_t across the wavevector:
+
+    σ_zz = i t_l N,   σ_ll = i t_l M,   σ_tt = ν (σ_zz + σ_ll),
+    σ_lz = t_l X,     σ_tz = t_t P,     σ_lt = i t_t Q.
+
+In a half-space N = d e^(−d), M = (2 − d) e^(−d), X = (1 − d) e^(−d), P = Q = e^(−d).
 
 The mode q = 0
 --------------
@@ -54,6 +60,7 @@ from asperity.elasticity.kernels import (
     HALF_SPACE,
     fill_face_compliance,
     fill_kernels,
+    fill_shear_kernels,
     fill_surface_compliance,
 )
 from asperity.notebook import table
@@ -83,6 +90,24 @@ class Kernels(NamedTuple):
     shear: Array
     displacement_longitudinal: Array
     displacement_normal: Array
+
+
+class ShearKernels(NamedTuple):
+    """The five real kernels of a mode of shear traction, arrays of one shape: stresses per traction.
+
+    Attributes
+    ----------
+    normal, longitudinal, shear : array
+        N, M and X: of the traction along the wavevector.
+    transverse, in_plane : array
+        P and Q: of the traction across the wavevector.
+    """
+
+    normal: Array
+    longitudinal: Array
+    shear: Array
+    transverse: Array
+    in_plane: Array
 
 
 @dataclass(frozen=True)
@@ -260,6 +285,37 @@ class Layer:
         )
         return Kernels(*out)
 
+    def shear_kernels(self, q: ArrayLike, depth: float) -> ShearKernels:
+        """The five real kernels of a mode of shear traction, defined in the description of the module.
+
+        Parameters
+        ----------
+        q : array
+            As for `kernels`.
+        depth : float
+            From 0 to the height.
+
+        Returns
+        -------
+        ShearKernels
+            Arrays of the shape and the type of q.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If a wavenumber or the depth is not a number or out of range, or the bottom is frictionless or
+            free: it bears no shear, so that no state of rest exists under a mean traction.
+        """
+        if self._kind not in (HALF_SPACE, BONDED):
+            raise ValueError(f"bottom = {self.bottom!r}: bonded is needed, because this one bears no shear")
+        q = _wavenumbers(q)
+        depth = float(self._depths(_one_depth(depth)))
+        out = np.empty((5, *q.shape), q.dtype)
+        fill_shear_kernels(
+            self._kind, q.reshape(-1), depth, self.height or 0.0, self.poisson, out.reshape(5, -1)
+        )
+        return ShearKernels(*out)
+
     def stress(self, qx: ArrayLike, qy: ArrayLike, depth: ArrayLike) -> Array:
         """Stress of the pressure mode p̂(q) = 1.
 
@@ -414,6 +470,10 @@ class Layer:
         The row −ky equals the row ky: `mirror_rows` expands the result to all stored rows.
         """
         return self.kernels(_half_wavenumber(grid, dtype), _one_depth(depth))
+
+    def grid_shear_kernels(self, grid: Grid, depth: float, dtype: DTypeLike = "float64") -> ShearKernels:
+        """`shear_kernels` at one depth, for the rows of `grid_kernels`."""
+        return self.shear_kernels(_half_wavenumber(grid, dtype), depth)
 
     def grid_stress(self, grid: Grid, depth: float, dtype: DTypeLike = "float64") -> Array:
         """`stress` at one depth of every stored mode of a grid, (ny, nx // 2 + 1, 6), by the Nyquist rule."""

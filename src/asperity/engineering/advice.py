@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+from asperity.contact.solution import SHOWN_ERROR
+from asperity.engineering.findings import BodyAnswer, Findings
 from asperity.units import shown_si
-
-if TYPE_CHECKING:
-    from asperity.engineering.answer import Answer, BodyAnswer
 
 WARNING, NOTE = "warning", "note"
 
@@ -78,13 +77,13 @@ class Advice(NamedTuple):
     text: str
 
 
-def advise(answer: Answer) -> list[Advice]:
+def advise(answer: Findings) -> list[Advice]:
     """All warnings and notes on an answer, warnings first."""
     found = [advice for rule in RULES for advice in rule(answer)]
     return sorted(found, key=lambda advice: advice.level != WARNING)
 
 
-def stress_beyond_yield(answer: Answer) -> Iterator[Advice]:
+def stress_beyond_yield(answer: Findings) -> Iterator[Advice]:
     """Stress above the yield stress, or above what any material stands."""
     for name, body in answer.bodies.items():
         limit, stress = body.body.yield_stress, body.largest_von_mises
@@ -108,7 +107,7 @@ def stress_beyond_yield(answer: Answer) -> Iterator[Advice]:
             )
 
 
-def resolution(answer: Answer) -> Iterator[Advice]:
+def resolution(answer: Findings) -> Iterator[Advice]:
     """Size of the error from the pixels, from a second solution at half the resolution."""
     changes = answer.fine.changes_from(answer.coarse)
     names = {
@@ -146,7 +145,7 @@ def resolution(answer: Answer) -> Iterator[Advice]:
         )
 
 
-def steep_slopes(answer: Answer) -> Iterator[Advice]:
+def steep_slopes(answer: Findings) -> Iterator[Advice]:
     """Slopes beyond the linear theory."""
     slope = answer.numbers.rms_gradient
     if slope > STEEP:
@@ -161,7 +160,7 @@ def steep_slopes(answer: Answer) -> Iterator[Advice]:
         )
 
 
-def large_area(answer: Answer) -> Iterator[Advice]:
+def large_area(answer: Findings) -> Iterator[Advice]:
     """Real contact so large that contacts merge."""
     area = answer.numbers.area_fraction
     if area > LARGE_AREA:
@@ -173,7 +172,19 @@ def large_area(answer: Answer) -> Iterator[Advice]:
         )
 
 
-def edges(answer: Answer) -> Iterator[Advice]:
+def missed_area(answer: Findings) -> Iterator[Advice]:
+    """An imposed area that the surface does not allow."""
+    load, area = answer.load, answer.numbers.area_fraction
+    if load.kind == "area_fraction" and abs(area / load.value - 1) > SHOWN_ERROR:
+        yield Advice(
+            WARNING,
+            "another real contact",
+            f"{100 * load.value:.3g} % of the area was asked for, {100 * area:.3g} % is the nearest that "
+            "this map allows: many of its lowest points have the same height, or it has too few points.",
+        )
+
+
+def edges(answer: Findings) -> Iterator[Advice]:
     """Steps where opposite edges of the period meet."""
     step = answer.indenter.edge_step
     if step > EDGE_STEP:
@@ -185,7 +196,7 @@ def edges(answer: Answer) -> Iterator[Advice]:
         )
 
 
-def load_on_edges(answer: Answer) -> Iterator[Advice]:
+def load_on_edges(answer: Findings) -> Iterator[Advice]:
     """Contact at the edges of a map that nothing surrounds."""
     share = answer.numbers.load_on_edges
     if answer.indenter.boundary == "free" and share > EDGE_LOAD:
@@ -197,7 +208,7 @@ def load_on_edges(answer: Answer) -> Iterator[Advice]:
         )
 
 
-def altered_map(answer: Answer) -> Iterator[Advice]:
+def altered_map(answer: Findings) -> Iterator[Advice]:
     """Share of the map that a window or a filling altered."""
     for share, text in (
         (
@@ -210,7 +221,7 @@ def altered_map(answer: Answer) -> Iterator[Advice]:
             yield Advice(NOTE, "altered heights", f"{100 * share:.0f} % of the map {text}.")
 
 
-def spikes(answer: Answer) -> Iterator[Advice]:
+def spikes(answer: Findings) -> Iterator[Advice]:
     """Load on single pixels."""
     share = answer.numbers.load_on_small_patches
     if share > SMALL_PATCH_SHARE and answer.numbers.typical_patch_nodes <= 4:
@@ -223,7 +234,7 @@ def spikes(answer: Answer) -> Iterator[Advice]:
         )
 
 
-def few_nodes(answer: Answer) -> Iterator[Advice]:
+def few_nodes(answer: Findings) -> Iterator[Advice]:
     """Patches of contact of too few pixels for their stress."""
     nodes = answer.numbers.typical_patch_nodes
     if 0 < nodes < FEW_NODES_IN_PATCH:
@@ -236,13 +247,13 @@ def few_nodes(answer: Answer) -> Iterator[Advice]:
         )
 
 
-def no_contact(answer: Answer) -> Iterator[Advice]:
+def no_contact(answer: Findings) -> Iterator[Advice]:
     """Bodies that do not touch."""
     if not answer.numbers.contact_nodes:
         yield Advice(WARNING, "no contact", "the bodies do not touch.")
 
 
-def impossible_heights(answer: Answer) -> Iterator[Advice]:
+def impossible_heights(answer: Findings) -> Iterator[Advice]:
     """Heights larger than the map."""
     height, edge = answer.numbers.peak_to_valley, min(answer.indenter.grid.length)
     if height > 0.5 * edge:
@@ -254,7 +265,7 @@ def impossible_heights(answer: Answer) -> Iterator[Advice]:
         )
 
 
-def implausible_materials(answer: Answer) -> Iterator[Advice]:
+def implausible_materials(answer: Findings) -> Iterator[Advice]:
     """Constants that hardly a material has."""
     for name, part in answer.bodies.items():
         body, where = part.body, _where(answer, name)
@@ -291,7 +302,7 @@ def implausible_materials(answer: Answer) -> Iterator[Advice]:
             )
 
 
-def doubtful_solution(answer: Answer) -> Iterator[Advice]:
+def doubtful_solution(answer: Findings) -> Iterator[Advice]:
     """Conditions of contact that the solution violates."""
     violation = answer.numbers.violation
     if not violation <= ACCEPTED_VIOLATION:
@@ -302,7 +313,7 @@ def doubtful_solution(answer: Answer) -> Iterator[Advice]:
         )
 
 
-Rule = Callable[["Answer"], Iterator[Advice]]
+Rule = Callable[[Findings], Iterator[Advice]]
 
 RULES: tuple[Rule, ...] = (
     no_contact,
@@ -313,6 +324,7 @@ RULES: tuple[Rule, ...] = (
     few_nodes,
     resolution,
     steep_slopes,
+    missed_area,
     large_area,
     edges,
     load_on_edges,
@@ -330,7 +342,7 @@ def _m(value: float) -> str:
     return shown_si(value, "m", 3)
 
 
-def _where(answer: Answer, name: str) -> str:
+def _where(answer: Findings, name: str) -> str:
     return f" of the {name} body" if len(answer.bodies) > 1 else ""
 
 

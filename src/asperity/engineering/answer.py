@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
@@ -11,9 +11,10 @@ import pandas as pd
 import xarray as xr
 
 from asperity.contact import Contact
-from asperity.engineering.advice import Advice, advise
+from asperity.engineering.advice import Advice
 from asperity.engineering.case import CONTROL_UNITS, Body, Case
-from asperity.engineering.indenter import Indenter, MapSettings
+from asperity.engineering.findings import BodyAnswer, ContactNumbers, Extreme, Numbers
+from asperity.engineering.indenter import CounterMap, Indenter, MapSettings
 from asperity.notebook import picture, table
 from asperity.units import scaled_unit, shown_si
 
@@ -23,115 +24,16 @@ LOAD_WORDS = {
     "approach": "approach imposed",
     "area_fraction": "real contact area imposed",
 }
-PEAK_QUANTITIES = ("pressure", "von_mises")
-"""Quantities whose peaks `Answer.peaks` lists."""
+EXTREME_WORDS = {
+    "largest_shear": "largest shear stress (Tresca)",
+    "principal_1": "largest tensile stress",
+    "principal_3": "largest compressive stress",
+    "hydrostatic": "largest hydrostatic pressure",
+}
+"""Field → name of its extreme value among the numbers, beside the von Mises stress."""
 
-
-@dataclass(frozen=True)
-class ContactNumbers:
-    """Numbers of a contact, in SI units.
-
-    Parameters
-    ----------
-    nominal_area, area_fraction, contact_area : float
-        Area of the map, real over nominal contact area, and real contact area of the map.
-    nominal_pressure, mean_pressure, largest_pressure : float
-        Load over nominal area, load over real contact area, and the largest pressure at a node.
-    force : float
-        Load on the area of the map.
-    approach, mean_gap : float
-        Approach of the bodies since their first touch, and mean distance of the deformed surfaces.
-    rms_height, peak_to_valley, rms_gradient : float
-        Of the surface that was pressed.
-    gradient_rms_contact : float
-        Rms gradient of the deformed surface over the real contact.
-    contact_nodes, patches : int
-        Nodes under pressure, and connected patches of them.
-    typical_patch_nodes : float
-        Patches of more nodes carry half of the load.
-    load_of_largest_node, load_on_small_patches : float
-        Share of the load on one node, and on patches of at most four nodes.
-    load_on_edges : float
-        Share of the load on the outermost nodes.
-    violation : float
-        Largest violation of the conditions of contact; see `asperity.contact.Certificate`.
-    """
-
-    nominal_area: float
-    area_fraction: float
-    contact_area: float
-    nominal_pressure: float
-    mean_pressure: float
-    largest_pressure: float
-    force: float
-    approach: float
-    mean_gap: float
-    rms_height: float
-    peak_to_valley: float
-    rms_gradient: float
-    gradient_rms_contact: float
-    contact_nodes: int
-    patches: int
-    typical_patch_nodes: float
-    load_of_largest_node: float
-    load_on_small_patches: float
-    load_on_edges: float
-    violation: float
-
-
-@dataclass(frozen=True)
-class BodyAnswer:
-    """Numbers of the stress in one body, in SI units.
-
-    Parameters
-    ----------
-    body : Body
-    largest_von_mises, depth, y, x : float
-        Largest von Mises stress and its place on the map.
-    peak_percentiles : dict
-        Percentage → percentile of the von Mises peaks below the contacts.
-    peak_count : int
-    volume_above_yield : float or None
-        Volume under the map whose von Mises stress is above yield; None without a yield stress.
-    depths_above_yield : (first, last) or None
-        Depths between which planes contain such points.
-    fraction_above_yield : float or None
-        That volume over the volume from the surface to the last of these depths.
-    """
-
-    body: Body
-    largest_von_mises: float
-    depth: float
-    y: float
-    x: float
-    peak_percentiles: dict[int, float]
-    peak_count: int
-    volume_above_yield: float | None
-    depths_above_yield: tuple[float, float] | None
-    fraction_above_yield: float | None
-
-
-@dataclass(frozen=True)
-class Numbers:
-    """The numbers whose change with the resolution is reported; stresses in Pa, of the lower body.
-
-    Parameters
-    ----------
-    area_fraction, largest_pressure, largest_von_mises : float
-    peaks_90, peaks_99 : float
-        Percentiles of the von Mises peaks below the contacts.
-    """
-
-    area_fraction: float
-    largest_pressure: float
-    largest_von_mises: float
-    peaks_90: float
-    peaks_99: float
-
-    def changes_from(self, other: Numbers) -> dict[str, float]:
-        """Relative difference of every number to that of another; NaN where that is zero or unknown."""
-        mine, its = asdict(self), asdict(other)
-        return {name: mine[name] / its[name] - 1 if its[name] else float("nan") for name in mine}
+COMPRESSIVE = ("principal_3", "hydrostatic")
+"""Fields whose extreme value is shown as a compression."""
 
 
 class Row(NamedTuple):
@@ -163,6 +65,12 @@ class Answer:
         The same names → dataset of the stress in SI units.
     fine, coarse : Numbers
         Main numbers, and those with pixels twice as large.
+    advice : list of Advice
+        Warnings and notes, warnings first.
+    fields : tuple of str
+        Fields of the stress whose peaks are listed and that are drawn.
+    counter_map : CounterMap or None
+        Map of the upper body, if that is rough too.
     """
 
     indenter: Indenter
@@ -174,11 +82,9 @@ class Answer:
     stresses: dict[str, xr.Dataset]
     fine: Numbers
     coarse: Numbers
-
-    @cached_property
-    def advice(self) -> list[Advice]:
-        """Warnings and notes, warnings first."""
-        return advise(self)
+    advice: list[Advice]
+    fields: tuple[str, ...] = ("von_mises",)
+    counter_map: CounterMap | None = None
 
     @cached_property
     def rows(self) -> list[Row]:
@@ -193,7 +99,7 @@ class Answer:
         return pd.DataFrame([row[:4] for row in self.rows], columns=["group", "name", "value", "unit"])
 
     def peaks(self) -> pd.DataFrame:
-        """Peaks of the contact pressure and of the von Mises stress, the largest first.
+        """Peaks of the contact pressure and of the fields of the answer, those of largest magnitude first.
 
         Columns: body, quantity, value_Pa, depth_m, y_m, x_m, in_solid, under_contact. Positions are those of
         the cell that was computed; a mirrored map lies in its first quarter.
@@ -214,9 +120,11 @@ class Answer:
                     "interior": "in_solid",
                 }
             )
-            table = table[table["quantity"].isin(PEAK_QUANTITIES)].drop(columns="poisson")
+            table = table[table["quantity"].isin(("pressure", *self.fields))].drop(columns="poisson")
             table.insert(0, "body", body)
-            tables.append(table.sort_values(["quantity", "value_Pa"], ascending=[False, False]))
+            order = table.assign(size=table["value_Pa"].abs())
+            order = order.sort_values(["quantity", "size"], ascending=[False, False], kind="stable")
+            tables.append(table.loc[order.index])
         frame = pd.concat(tables, ignore_index=True)
         order = ["body", "quantity", "value_Pa", "depth_m", "y_m", "x_m", "in_solid", "under_contact"]
         return frame[order]
@@ -257,7 +165,9 @@ def case_in_words(case: Case) -> str:
         else shown_si(load.value, CONTROL_UNITS[load.kind])
     )
     upper = "a rigid body" if case.upper is None else _material(case.upper)
-    sliding = f", sliding along x with friction {case.friction:g}" if case.friction else ""
+    direction = case.sliding_direction
+    along = direction if isinstance(direction, str) else f"{direction:g}° from x"
+    sliding = f", sliding along {along} with friction {case.friction:g}" if case.friction else ""
     return f"{_material(case.lower)} against {upper}, {LOAD_WORDS[load.kind]}: {value}{sliding}"
 
 
@@ -309,6 +219,7 @@ def _body_rows(group: str, body: BodyAnswer) -> list[Row]:
     factor, symbol = scaled_unit([body.x, body.y], "m")
     for axis, position in (("x", body.x), ("y", body.y)):
         rows.append(Row(group, f"at {axis}", position, "m", f"{position / factor:.4g} {symbol}"))
+    rows += [_extreme_row(group, field, body.largest[field]) for field in EXTREME_WORDS]
     for percent, value in body.peak_percentiles.items():
         if np.isfinite(value):
             rows.append(_row(group, f"{percent} % of the peaks below", value, "Pa", 3))
@@ -316,6 +227,14 @@ def _body_rows(group: str, body: BodyAnswer) -> list[Row]:
         rows.append(_row(group, "yield stress", body.body.yield_stress, "Pa"))
         rows += _yield_rows(group, body)
     return rows
+
+
+def _extreme_row(group: str, field: str, found: Extreme) -> Row:
+    """Line of an extreme value with its depth."""
+    value = -found.value if field in COMPRESSIVE else found.value
+    depth = f"at depth {shown_si(found.depth, 'm', 4)}" if found.depth else "in the surface"
+    shown = f"{shown_si(value, 'Pa', 4)} {depth}" if value > 0 else "none"
+    return Row(group, EXTREME_WORDS[field], max(value, 0.0), "Pa", shown)
 
 
 def _yield_rows(group: str, body: BodyAnswer) -> list[Row]:

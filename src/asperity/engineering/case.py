@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 from asperity.arguments import choice, magnitude, number
 from asperity.elasticity.layer import BOTTOMS, Layer
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.errors import shown
+from asperity.stress.arguments import checked_sliding
+from asperity.stress.pressed import traction_direction
 
 CONTROLS = ("mean_pressure", "force", "approach", "area_fraction")
 """Quantities of which one is imposed."""
@@ -107,23 +110,33 @@ class Case:
         None: rigid. Which of the bodies is rough does not matter as long as the slopes are small.
     load : Load
     friction : float
-        Coefficient μ of full sliding along x, with the shear traction μ p; the pressure stays that of the
-        contact without friction. Half-spaces only.
+        Coefficient μ of full sliding, with the shear traction μ p; the pressure stays that of the contact
+        without friction. Half-spaces, and layers bonded to a rigid base.
+    sliding_direction : "x", "y" or float
+        Direction in which the upper body moves over the lower one, that of the traction on the lower body; a
+        number is an angle in degrees from x towards y.
     """
 
     lower: Body
     upper: Body | None
     load: Load
     friction: float = 0.0
+    sliding_direction: str | float = "x"
 
     def __post_init__(self) -> None:
         if not isinstance(self.lower, Body):
             raise TypeError(f"lower = {shown(self.lower)}: a Body is needed")
         if self.upper is not None and not isinstance(self.upper, Body):
             raise TypeError(f"upper = {shown(self.upper)}: a Body or None (rigid) is needed")
-        number("friction", self.friction, "a finite number ≥ 0", lambda value: value >= 0)
-        if self.friction and any(body.height is not None for body in self.bodies.values()):
-            raise ValueError(f"friction = {self.friction:g}: 0 is needed in a layer of finite height")
+        for body in self.bodies.values():
+            checked_sliding(self.friction, self.sliding_direction, body.layer)
+
+    def sliding_of(self, body: str) -> dict[str, Any]:
+        """Friction and direction of the traction on a body, as arguments of `asperity.stress_planes`."""
+        return {
+            "friction": self.friction,
+            "sliding_direction": traction_direction(self.sliding_direction, body),
+        }
 
     @property
     def bodies(self) -> dict[str, Body]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from dataclasses import asdict
 from typing import Any
 
@@ -11,6 +12,7 @@ import xarray as xr
 from asperity.engineering.answer import Answer
 from asperity.engineering.indenter import MapSettings
 from asperity.results.variables import SI_UNITS
+from asperity.surface.height_map import HeightMap
 from asperity.surface.roughness import roughness_parameters, spectrum
 
 
@@ -34,11 +36,14 @@ def settings_of(answer: Answer) -> dict[str, Any]:
     return {
         "name": answer.indenter.name,
         "map": _plain(answer.map_settings),
+        "counter_map": _counter(answer),
         "layer": {"height": case.lower.height, "poisson": case.lower.poisson},
         "lower": asdict(case.lower),
         "upper": None if case.upper is None else asdict(case.upper),
         "load": {case.load.kind: case.load.value},
         "friction": case.friction,
+        "sliding_direction": case.sliding_direction,
+        "fields": list(answer.fields),
     }
 
 
@@ -48,6 +53,20 @@ def _plain(settings: MapSettings) -> dict[str, Any]:
         name: list(value) if isinstance(value, tuple) else value
         for name, value in vars(settings).items()
         if value is not None and name != "option"
+    }
+
+
+def _counter(answer: Answer) -> dict[str, Any] | None:
+    """Name and settings of the map of the counter body, as plain values."""
+    counter = answer.counter_map
+    if counter is None:
+        return None
+    source = counter.source.name if isinstance(counter.source, HeightMap) else os.fspath(counter.source)
+    return {
+        "source": source,
+        "settings": None if counter.settings is None else _plain(counter.settings),
+        "turned_about": counter.turned_about,
+        "shift": list(counter.shift),
     }
 
 
@@ -76,8 +95,8 @@ def surface_dataset(answer: Answer) -> xr.Dataset:
     )
 
 
-def contact_dataset(answer: Answer, body: str = "lower") -> xr.Dataset:
-    """Pressure, displacement and gap; the attributes describe one of the bodies."""
+def contact_dataset(answer: Answer) -> xr.Dataset:
+    """Pressure, displacement and gap; the attributes describe the lower body, the settings both."""
     contact, numbers = answer.contact, answer.numbers
     y, x = contact.grid.coordinates()
     plane = ("y", "x")
@@ -104,7 +123,7 @@ def contact_dataset(answer: Answer, body: str = "lower") -> xr.Dataset:
             "effective_modulus": answer.case.solid.effective_modulus,
             "force": numbers.force,
             "approach_since_first_touch": numbers.approach,
-            **_solid(answer, body),
+            **_solid(answer, "lower"),
             **certificate,
         },
     )

@@ -10,9 +10,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from asperity.errors import DatasetError
+from asperity.system import is_running
 
 _OWN_FILES = re.compile(
-    r"(surface|contact|stress(_lower|_upper)?)\.nc|(height|pressure|(section|plane|peaks)(_lower|_upper)?)\.png"
+    r"(surface|contact|stress(_lower|_upper)?)\.nc|(height|pressure|(section|plane|peaks)(_[a-z0-9_]+)?)\.png"
     r"|(peaks|answer)\.csv|report\.html"
 )
 """Names of files that a folder of an answer holds; a folder with any other is not written over."""
@@ -65,8 +66,6 @@ def _replace(path: Path, new: Path) -> None:
 
 def _delete_abandoned(path: Path) -> None:
     """Delete temporary folders of `path` whose processes have ended."""
-    from asperity.results.dataset import is_running  # libraries that an early check does not wait for
-
     pattern = re.compile(rf"\.{re.escape(path.name)}\.(\d+)\.(unfinished|earlier)")
     for left in path.parent.iterdir():
         found = pattern.fullmatch(left.name)

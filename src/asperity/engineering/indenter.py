@@ -6,18 +6,26 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
+import numpy as np
+
 from asperity.arguments import choice
 from asperity.spectral import Grid
-from asperity.surface.form import add_sphere
-from asperity.surface.height_map import HeightMap, MapError
+from asperity.surface.face_to_face import face_to_face
+from asperity.surface.form import AXES, add_cylinder, add_sphere
+from asperity.surface.height_map import PEAKS_UP, HeightMap, MapError
+from asperity.surface.levelling import mirrored as mirror_images
 from asperity.surface.measured import missing_settings
 from asperity.surface.reading import Inspected, Reading, inspect_map
 from asperity.surface.treatment import TreatedMap, Treatment, treat_map
+from asperity.surface.unpacked_size import DEFAULT_LIMIT
 from asperity.types import Array
 from asperity.units import shown_si
 
 BOUNDARIES = ("periodic", "free")
 """The surface repeats sideways, or nothing surrounds it."""
+
+FORMS = ("sphere", "cylinder")
+"""Forms that can be added to the roughness."""
 
 DEFAULT_PERIODICITY = {"periodic": "mirrored", "free": "none"}
 """How a map that does not call itself periodic is treated for each boundary: no height is altered."""
@@ -50,7 +58,14 @@ class MapSettings:
     boundary : "periodic" or "free"
         The surface repeats sideways, or nothing surrounds the map.
     radius : float, optional
-        Radius in m of a sphere whose form is added to the roughness, its lowest point in the middle.
+        Radius in m of a sphere or cylinder whose form is added to the roughness, its lowest point or line in
+        the middle of the map.
+    form : "sphere" or "cylinder"
+        What the radius is of.
+    cylinder_axis : "y" or "x"
+        Direction of the axis of a cylinder.
+    max_memory : float
+        Largest size in GiB to which the file may unpack.
     option : callable
         Gives the name of a setting in the interface of the user, for messages.
 
@@ -74,10 +89,15 @@ class MapSettings:
     points: int | None = None
     boundary: str = "periodic"
     radius: float | None = None
+    form: str = "sphere"
+    cylinder_axis: str = "y"
+    max_memory: float = DEFAULT_LIMIT
     option: Callable[[str], str] = field(default=str, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         choice(self.option("boundary"), self.boundary, BOUNDARIES)
+        choice(self.option("form"), self.form, FORMS)
+        choice(self.option("cylinder_axis"), self.cylinder_axis, AXES)
         if self.boundary == "free" and self.periodic not in (None, "none"):
             raise ValueError(
                 f"{self.option('periodic')} = {self.periodic!r}: not accepted with a free boundary, which "
@@ -94,6 +114,7 @@ class MapSettings:
             unit=self.unit,
             channel=self.channel,
             orientation=self.orientation,
+            max_memory=self.max_memory,
         )
 
     def treatment(self, surface: HeightMap) -> Treatment:
@@ -107,6 +128,29 @@ class MapSettings:
             wavelength_short=self.wavelength_short,
             points=self.points,
         )
+
+
+@dataclass(frozen=True)
+class CounterMap:
+    """A map of the upper body, and how it is laid on that of the lower one.
+
+    Parameters
+    ----------
+    source : path or HeightMap
+        File of a map, or a map in metres, with its peaks upward as measured.
+    settings : MapSettings, optional
+        What is known of the file, and how trend, spikes and points without data are treated; by default as
+        for the other map.
+    turned_about : "y" or "x"
+        Axis about which the map is turned over, to face down.
+    shift : (y, x)
+        Position in m of the middle of this map over that of the other one.
+    """
+
+    source: str | os.PathLike[str] | HeightMap
+    settings: MapSettings | None = None
+    turned_about: str = "y"
+    shift: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -167,49 +211,100 @@ def _folded(position: float, length: float, spacing: float) -> float:
     return position if position < length - spacing / 2 else abs(2 * length - spacing - position)
 
 
-def read_indenter(source: str | os.PathLike[str] | HeightMap, settings: MapSettings) -> Indenter:
-    """Read a map and prepare it.
+def read_indenter(
+    source: str | os.PathLike[str] | HeightMap, settings: MapSettings, counter: CounterMap | None = None
+) -> Indenter:
+    """Read a map and prepare it, with the map of the counter body if that is rough too.
 
     Parameters
     ----------
     source : path or HeightMap
         A height map is in metres.
     settings : MapSettings
+    counter : CounterMap, optional
 
     Raises
     ------
-    MapError
-        If the map cannot be read, has no unit, or needs a setting that is not given.
+    MapError, TypeError, ValueError
+        If a map cannot be read, has no unit, or needs a setting that is not given, or if the two do not go
+        together.
     """
+    name, surface = _read(source, settings)
+    if counter is None:
+        treated = treat_map(surface, settings.treatment(surface), settings.option)
+        record = treated.treatment
+        return _indenter(name, treated, settings, record.filled_fraction, record.lines())
+    own = counter.settings or settings
+    counter_name, counter_surface = _read(counter.source, own)
+    map_face, map_filled, map_done = _levelled(surface, settings)
+    counter_face, counter_filled, counter_done = _levelled(counter_surface, own)
+    pair = face_to_face(map_face, counter_face, counter.turned_about, counter.shift)
+    treatment = replace(settings.treatment(pair.map), despike=None)
+    treated = treat_map(pair.map, treatment, settings.option)
+    levelled = () if pair.whole else ("levelled",)
+    done = [
+        *(f"map: {line}" for line in map_done),
+        *(f"counter map: {line}" for line in counter_done),
+        *pair.lines(),
+        *(line for line in treated.treatment.lines()[1:] if not line.startswith("levelled") or levelled),
+    ]
+    return _indenter(f"{name} on {counter_name}", treated, settings, map_filled + counter_filled, done)
+
+
+def _read(source: str | os.PathLike[str] | HeightMap, settings: MapSettings) -> tuple[str, HeightMap]:
+    """Name and heights of a map that has all that its treatment needs."""
     if isinstance(source, HeightMap):
         found = Inspected(replace(source, unit=source.unit or "m"), [], [])
         name, path = source.name or "map", source.name
     else:
         found = inspect_map(source, settings.reading, settings.option)
         name, path = os.path.splitext(os.path.basename(os.fspath(source)))[0], os.fspath(source)
-    treatment = settings.treatment(found.map)
-    if problems := missing_settings(found, treatment, settings.option):
+    if problems := missing_settings(found, settings.treatment(found.map), settings.option):
         raise MapError(path, problems)
-    return _indenter(name, treat_map(found.map, treatment, settings.option), settings)
+    return name, found.map
 
 
-def _indenter(name: str, treated: TreatedMap, settings: MapSettings) -> Indenter:
+def _levelled(surface: HeightMap, settings: MapSettings) -> tuple[HeightMap, float, list[str]]:
+    """A map without spikes, missing points and trend; the share that was filled, and what was done."""
+    treatment = replace(settings.treatment(surface), periodic="none", wavelength_short=None, points=None)
+    treated = treat_map(surface, treatment, settings.option)
+    height = -treated.height if surface.orientation == PEAKS_UP else treated.height
+    done = [line for line in treated.treatment.lines()[1:] if not line.startswith("not made periodic")]
+    return replace(surface, height=height), treated.treatment.filled_fraction, done
+
+
+def _indenter(
+    name: str, treated: TreatedMap, settings: MapSettings, filled_share: float, done: list[str]
+) -> Indenter:
     record, grid = treated.treatment, treated.grid
     factor = 2 if record.periodic == "mirrored" else 1
-    free = settings.boundary == "free"
-    done, height = record.lines(), treated.height
-    if settings.radius is not None:
-        height = add_sphere(height, grid, settings.radius)
-        done.append(f"form of a sphere of radius {shown_si(settings.radius, 'm')} added")
-    return Indenter(
+    indenter = Indenter(
         name=name,
-        height=height,
+        height=treated.height,
         grid=grid,
         map_length=(grid.length[0] / factor, grid.length[1] / factor),
         wavelength_short=treated.wavelength_short,
         boundary=settings.boundary,
         altered_share=record.altered_fraction,
-        edge_step=0.0 if free else record.edge_step,
-        filled_share=record.filled_fraction,
+        edge_step=0.0 if settings.boundary == "free" else record.edge_step,
+        filled_share=filled_share,
         done=tuple(done),
     )
+    return indenter if settings.radius is None else _with_form(indenter, settings, settings.radius)
+
+
+def _with_form(indenter: Indenter, settings: MapSettings, radius: float) -> Indenter:
+    """The surface with the form of a sphere or cylinder, on every mirror image of the map."""
+    grid, length = indenter.grid, indenter.map_length
+    mirrored = length != grid.length
+    part = Grid((grid.shape[0] // 2, grid.shape[1] // 2), length) if mirrored else grid
+    flat = np.zeros(part.shape)
+    if settings.form == "sphere":
+        form, word = add_sphere(flat, part, radius), "a sphere"
+    else:
+        form = add_cylinder(flat, part, radius, axis=settings.cylinder_axis)
+        word = f"a cylinder along {settings.cylinder_axis}"
+    line = f"form of {word} of radius {shown_si(radius, 'm')} added"
+    if mirrored:
+        form = mirror_images(form)
+    return replace(indenter, height=indenter.height + form, done=(*indenter.done, line))

@@ -5,12 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
 from asperity.engineering.answer import Answer, body_title
 from asperity.engineering.datasets import contact_dataset, stress_dataset
 from asperity.units import shown_si
-from asperity.views.inside import plot_plane, plot_section
+from asperity.views.inside import POSITIVE, field_words, plot_plane, plot_section
 from asperity.views.maps import plot_height, plot_pressure
 from asperity.views.peaks import plot_peaks
 
@@ -40,39 +38,42 @@ def pictures(answer: Answer) -> Iterator[Picture]:
         plot_height(contact, y=y, x=x),
     )
     yield Picture("pressure", "Contact pressure.", plot_pressure(contact, y=y, x=x))
-    for name, body in answer.bodies.items():
-        suffix = "" if len(answer.bodies) == 1 else f"_{name}"
-        if not np.isfinite(body.depth):
-            continue
-        if answer.indenter.boundary == "periodic" and not answer.case.friction:
-            yield from _inside(answer, name)
-        title = body_title(answer.case, name)
+    for name in answer.bodies:
+        for field in answer.fields:
+            yield from _inside(answer, name, field)
+
+
+def _inside(answer: Answer, name: str, field: str) -> Iterator[Picture]:
+    """Section and plane through the extreme value of a field in a body, and its peaks."""
+    found = answer.bodies[name].largest[field]
+    suffix = "" if field == "von_mises" else f"_{field}"
+    suffix += "" if len(answer.bodies) == 1 else f"_{name}"
+    length_y, length_x = answer.indenter.map_length
+    y, x = (0.0, length_y), (0.0, length_x)
+    pressed = {answer.indenter.name: contact_dataset(answer)}
+    title = body_title(answer.case, name)
+    word = field_words(field)
+    extreme = "largest" if field in POSITIVE else "extreme"
+    if answer.numbers.contact_nodes:
+        yield Picture(
+            f"section{suffix}",
+            f"{_capital(word)} in the vertical section at y = {shown_si(found.y, 'm', 4)}, through its "
+            f"{extreme} value; {title}.",
+            plot_section(pressed, y=found.y, x=x, field=field, body=name),
+        )
+        yield Picture(
+            f"plane{suffix}",
+            f"{_capital(word)} at the depth of its {extreme} value, {shown_si(found.depth, 'm', 3)}; "
+            f"{title}.",
+            plot_plane(pressed, found.depth, field, y=y, x=x, body=name),
+        )
+    if (answer.stresses[name]["peak_quantity"] == field).any():
         yield Picture(
             f"peaks{suffix}",
-            f"Peaks of the von Mises stress and their depth; {title}.",
-            plot_peaks({answer.indenter.name: stress_dataset(answer, name)}),
+            f"Peaks of the {word} and their depth; {title}.",
+            plot_peaks({answer.indenter.name: stress_dataset(answer, name)}, field),
         )
 
 
-def _inside(answer: Answer, name: str) -> Iterator[Picture]:
-    """Section and plane through the largest von Mises stress of a body.
-
-    `asperity.views` draws them from the pressure of a periodic contact without friction.
-    """
-    body = answer.bodies[name]
-    suffix = "" if len(answer.bodies) == 1 else f"_{name}"
-    length_y, length_x = answer.indenter.map_length
-    y, x = (0.0, length_y), (0.0, length_x)
-    pressed = {answer.indenter.name: contact_dataset(answer, name)}
-    title = body_title(answer.case, name)
-    yield Picture(
-        f"section{suffix}",
-        f"Von Mises stress in the vertical section at y = {shown_si(body.y, 'm', 4)}, through its "
-        f"largest value; {title}.",
-        plot_section(pressed, y=body.y, x=x),
-    )
-    yield Picture(
-        f"plane{suffix}",
-        f"Von Mises stress at the depth of its largest value, {shown_si(body.depth, 'm', 3)}; {title}.",
-        plot_plane(pressed, body.depth, y=y, x=x),
-    )
+def _capital(text: str) -> str:
+    return text[0].upper() + text[1:]

@@ -206,7 +206,7 @@ def _validation(results: Path) -> str:
     if not path.exists():
         return ""
     table = pd.read_csv(path, keep_default_na=False).drop(columns="holds")
-    return html_table(for_reader([Row(**row) for row in table.to_dict("records")]))  # type: ignore[misc]
+    return html_table(for_reader([Row(**row) for row in table.to_dict("records")]))
 
 
 def _tradeoff(results: Path) -> dict[str, Any] | None:

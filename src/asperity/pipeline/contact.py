@@ -14,9 +14,6 @@ from asperity.pipeline.solid import solid
 from asperity.results.dataset import grid_of
 from asperity.types import Progress
 
-SMALLEST_SINGLE_TOLERANCE = 1e-6
-"""Smallest tolerance of a contact that is solved in single precision."""
-
 
 def solve_contact(
     surface: xr.Dataset,
@@ -44,14 +41,9 @@ def solve_contact(
 
     Raises
     ------
-    ValueError
-        If the tolerance is too small for single precision.
     ConvergenceError
         If the contact at an area fraction does not converge.
     """
-    tolerance = contact_settings["tolerance"]
-    if contact_settings["precision"] == "float32" and tolerance < SMALLEST_SINGLE_TOLERANCE:
-        raise ValueError(f"tolerance = {tolerance!r}: at least 1e-6 is needed in float32")
     layer, record = solid(layer_settings)
     chosen = contact_settings["area_fraction"]
     fractions = sorted({*contact_settings["path_area_fractions"], chosen})
@@ -61,7 +53,7 @@ def solve_contact(
         grid_of(surface).length,
         area_fractions=fractions,
         method=contact_settings["method"],
-        rtol=tolerance,
+        rtol=contact_settings["tolerance"],
         dtype=contact_settings["precision"],
         progress=progress,
     )

@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 
 from asperity.spectral import Fourier, Grid
-from asperity.surface.height_map import OptionName
+from asperity.surface.height_map import HeightMap, MapError, OptionName
 from asperity.surface.measured import cell_edge, checked_map, make_periodic
-from asperity.surface.reading import Reading
+from asperity.surface.reading import Reading, unit_missing
 from asperity.surface.roughness import (
     johnson,
     roughness_parameters,
@@ -22,7 +22,9 @@ from asperity.surface.roughness import (
 )
 from asperity.surface.treatment import Treatment
 from asperity.types import Array
+from asperity.units import to_si
 
+_BAND = ("hurst", "wavelength_long", "wavelength_short", "rms_height")
 _READING = ("physical_size", "height_factor", "unit", "channel", "orientation", "max_memory")
 _TREATMENT = ("detrend", "periodic", "undefined", "despike", "wavelength_short", "points")
 
@@ -45,12 +47,8 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
         before the transform.
     """
     grid = Grid((parameters["points"], parameters["points"]))
-    band = {name: parameters[name] for name in ("hurst", "wavelength_long", "wavelength_short", "rms_height")}
-    gaussian = height = self_affine(grid.shape, seed=seed, **band)
-    if "johnson" in parameters:
-        height = johnson(height, **parameters["johnson"])
-    elif "moments" in parameters:
-        height = with_moments(height, **parameters["moments"])
+    band = {name: parameters[name] for name in _BAND}
+    gaussian, height = random_heights(parameters, grid, seed)
     dataset = _surface_dataset(height, grid)
     dataset["spectrum_target"] = ("wavenumber", target_spectrum(grid, **band)[1])
     if height is gaussian:
@@ -60,6 +58,19 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
     return dataset
 
 
+def random_heights(parameters: Mapping[str, Any], grid: Grid, seed: int) -> tuple[Array, Array]:
+    """Heights of a random surface before and after their transform, which are one array without a transform.
+
+    Parameters are those of `make_surface`, with the nodes of `grid`.
+    """
+    gaussian = self_affine(grid.shape, seed=seed, **{name: parameters[name] for name in _BAND})
+    if "johnson" in parameters:
+        return gaussian, johnson(gaussian, **parameters["johnson"])
+    if "moments" in parameters:
+        return gaussian, with_moments(gaussian, **parameters["moments"])
+    return gaussian, gaussian
+
+
 def read_surface(parameters: Mapping[str, Any], option: OptionName = str) -> xr.Dataset:
     """The measured surface of one entry of the configuration, in units of the longer edge of its cell.
 
@@ -67,7 +78,8 @@ def read_surface(parameters: Mapping[str, Any], option: OptionName = str) -> xr.
     ----------
     parameters : mapping
         Entry of section ``measured`` of the configuration: file, detrend, and optionally what
-        `asperity.surface.reading.Reading` and `asperity.surface.measured.make_periodic` take.
+        `asperity.surface.reading.Reading` and `asperity.surface.measured.make_periodic` take; a shortest
+        wavelength may also have its unit.
     option : callable
         Gives the name of a parameter in the interface of the user, for messages.
 
@@ -83,12 +95,7 @@ def read_surface(parameters: Mapping[str, Any], option: OptionName = str) -> xr.
     MapError
         If the map cannot be used; the message names everything that is wrong or missing.
     """
-    said = {name: parameters[name] for name in _READING if name in parameters}
-    settings = {name: parameters[name] for name in _TREATMENT if name in parameters}
-    wavelength = settings.pop("wavelength_short", None)  # in units of the cell: checked by make_periodic
-    surface = checked_map(parameters["file"], Reading(**said), Treatment(**settings), option, for_cell=True)
-    if wavelength is not None:
-        settings["wavelength_short"] = wavelength
+    surface, settings = _checked(parameters, option)
     kept = make_periodic(surface, **settings, option=option)
     record = kept.treatment.attributes()
     if surface.unit is not None:
@@ -96,6 +103,41 @@ def read_surface(parameters: Mapping[str, Any], option: OptionName = str) -> xr.
     return _surface_dataset(kept.height, kept.grid).assign_attrs(
         wavelength_short=kept.wavelength_short, edge_step=kept.treatment.edge_step, **record
     )
+
+
+def map_problems(parameters: Mapping[str, Any], option: OptionName = str) -> tuple[str, ...]:
+    """Everything for which `read_surface` would refuse a map before it computes; parameters are the same."""
+    try:
+        _checked(parameters, option)
+    except MapError as error:
+        return error.lines
+    return ()
+
+
+def _checked(parameters: Mapping[str, Any], option: OptionName) -> tuple[HeightMap, dict[str, Any]]:
+    """The map of an entry of the configuration, and the settings of its treatment."""
+    said = {name: parameters[name] for name in _READING if name in parameters}
+    settings = {name: parameters[name] for name in _TREATMENT if name in parameters}
+    wavelength = settings.pop("wavelength_short", None)  # in units of the cell: checked by make_periodic
+    surface = checked_map(parameters["file"], Reading(**said), Treatment(**settings), option, for_cell=True)
+    if wavelength is not None:
+        settings["wavelength_short"] = _in_cell(wavelength, surface, settings.get("periodic"), option)
+    return surface, settings
+
+
+def _in_cell(wavelength: float | str, surface: HeightMap, periodic: str | None, option: OptionName) -> float:
+    """A wavelength in units of the longer edge of the cell; one with a unit keeps its length in any cell.
+
+    Raises
+    ------
+    MapError
+        If it has a unit, and the map none.
+    """
+    if not isinstance(wavelength, str):
+        return wavelength
+    if surface.unit is None:
+        raise MapError(surface.name, [unit_missing(option("unit"))])
+    return to_si(wavelength, "length", option("wavelength_short")) / cell_edge(surface, periodic)
 
 
 def moment_errors(

@@ -100,18 +100,23 @@ def press(
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     deck = folder / "slab.inp"
-    deck.write_text(write_deck(plane, column, young, poisson, curvature_radius, approach, penalty))
+    deck.write_text(
+        write_deck(plane, column, young, poisson, curvature_radius, approach, penalty), encoding="ascii"
+    )
     environment = {**os.environ, "OMP_NUM_THREADS": str(threads)}
     done = subprocess.run(
         [program, deck.stem], cwd=folder, env=environment, capture_output=True, text=True, check=False
     )
     log = folder / "slab.log"
-    log.write_text(done.stdout + done.stderr)
+    log.write_text(done.stdout + done.stderr, encoding="utf-8")
     if done.returncode or "Job finished" not in done.stdout:
         raise RuntimeError(f"CalculiX failed; its log is {log}")
     version = re.search(r"Version\s+(\S+)", done.stdout)
     return read_result(
-        (folder / "slab.dat").read_text(), plane, column, version.group(1).rstrip(",") if version else "?"
+        (folder / "slab.dat").read_text(encoding="ascii"),
+        plane,
+        column,
+        version.group(1).rstrip(",") if version else "?",
     )
 
 

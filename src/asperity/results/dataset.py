@@ -11,6 +11,7 @@ from __future__ import annotations
 import errno
 import hashlib
 import json
+import math
 import os
 import re
 import shutil
@@ -24,9 +25,10 @@ import xarray as xr
 
 import asperity
 from asperity import accessor
-from asperity.errors import DatasetError, NewerFileError
-from asperity.results.variables import STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
+from asperity.errors import DatasetError, NewerFileError, shown
+from asperity.results.variables import ORIENTATION, STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
 from asperity.spectral import grid_of as grid_of
+from asperity.system import is_running
 
 accessor.register()
 
@@ -53,6 +55,9 @@ MAX_BLOCK = 2**26
 
 MIN_FREE_SPACE = 2**20
 """A disk with fewer free bytes is called full: the NetCDF library does not say so itself."""
+
+_unfinished: set[Path] = set()
+"""Temporary files of this process."""
 
 _REMEDY = "delete it and run again"
 
@@ -141,6 +146,8 @@ def _attributes(name: str, dtype: np.dtype[Any], system: str) -> dict[str, str]:
     units = units_of(name, system) if dtype.kind in "fiu" else ""
     variable = VARIABLES[name]
     attributes = {"units": units, "long_name": variable.long_name, "comment": variable.comment}
+    if name == "height":
+        attributes["orientation"] = ORIENTATION
     return {key: value for key, value in attributes.items() if value}
 
 
@@ -163,6 +170,7 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     path = Path(path)
     unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
+    _unfinished.add(unfinished)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         _delete_abandoned(path)
@@ -173,6 +181,26 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
     finally:
         with suppress(OSError):
             unfinished.unlink()
+        _unfinished.discard(unfinished)
+
+
+def write_text(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text file atomically.
+
+    Raises
+    ------
+    DatasetError
+        If the file cannot be written.
+    """
+    with atomic_write(path) as unfinished:
+        unfinished.write_text(text, encoding="utf-8")
+
+
+def delete_unfinished() -> None:
+    """Delete the temporary files of this process, which is about to end."""
+    for path in list(_unfinished):
+        with suppress(OSError):
+            path.unlink()
 
 
 def _delete_abandoned(path: Path) -> None:
@@ -182,17 +210,6 @@ def _delete_abandoned(path: Path) -> None:
         found = pattern.fullmatch(left.name)
         if found and not is_running(int(found[1])):
             left.unlink(missing_ok=True)
-
-
-def is_running(process: int) -> bool:
-    """True if there is a process of this number."""
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return True
 
 
 def _cause_and_remedy(error: Exception, path: Path) -> str:
@@ -216,6 +233,13 @@ def stage_of(dataset: xr.Dataset) -> str | None:
 def unit_system(dataset: xr.Dataset) -> str:
     """System of units of a dataset: its attribute ``unit_system``, by default that of the study."""
     return str(dataset.attrs.get(UNIT_SYSTEM, STUDY_UNITS))
+
+
+MAX_MEMORY = "ASPERITY_MAX_MEMORY"
+"""Environment variable with the largest size, in GiB, to which a result may unpack."""
+
+DEFAULT_MAX_MEMORY = 16.0
+"""The same without the variable: ten times a contact of 8192² nodes."""
 
 
 def read(path: str | os.PathLike[str]) -> xr.Dataset:
@@ -243,6 +267,7 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     >>> folder.cleanup()
     """
     with _opened(path) as opened:
+        _check_size(opened, path)
         dataset = opened.load()
     _check(dataset, path)
     return dataset
@@ -288,6 +313,23 @@ def _opened(path: str | os.PathLike[str]) -> Iterator[xr.Dataset]:
         if ours:
             raise DatasetError(f"{path}: damaged ({error}); {_REMEDY}") from error
         raise DatasetError(f"{path}: damaged, or not a result of asperity ({error})") from error
+
+
+def _check_size(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
+    """Raise `DatasetError` for a file that is no result, or that unpacks to more than is accepted."""
+    if FINGERPRINT not in dataset.attrs:
+        raise DatasetError(f"{path}: not a result of asperity, it has no attribute {FINGERPRINT}")
+    raw = os.environ.get(MAX_MEMORY, "")
+    try:
+        limit = float(raw) if raw else DEFAULT_MAX_MEMORY
+    except ValueError as error:
+        raise DatasetError(f"{MAX_MEMORY} = {shown(raw)}: a number of GiB is needed") from error
+    size = dataset.nbytes / 2**30
+    if size > limit:
+        raise DatasetError(
+            f"{path}: {MAX_MEMORY} = {limit:g} GiB: the file holds {size:.3g} GiB of data when it is "
+            f"unpacked; set that environment variable to {math.ceil(size)} or more if that is right"
+        )
 
 
 def _check(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:

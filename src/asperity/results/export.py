@@ -15,7 +15,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 import pandas as pd
@@ -183,6 +183,7 @@ def write_box(
     poisson: float | None = None,
     units: ExportUnits = DIMENSIONLESS,
     progress: Progress | None = None,
+    **sliding: Any,
 ) -> int:
     """Write fields of the stress in a box as VTK image data, in single precision.
 
@@ -199,6 +200,8 @@ def write_box(
     units : ExportUnits
         The unit of stress is in that of the pressure.
     progress : callable, optional
+    **sliding
+        ``friction`` and ``sliding_direction`` of `asperity.stress_planes`.
 
     Returns
     -------
@@ -209,14 +212,14 @@ def write_box(
     plane_bytes = 4 * shape[1] * shape[2]
     field_bytes = plane_bytes * shape[0]
     names = [f"{name}_{units.stress_name}" for name in fields]
-    head = _description(box, names, units, field_bytes)
+    head = image_head(box, names, units, field_bytes)
     with atomic_write(path) as unfinished, open(unfinished, "wb") as file:
         file.write(head)
         begins = [len(head) + number * (8 + field_bytes) for number in range(len(fields))]
         for begin in begins:
             file.seek(begin)
             file.write(np.uint64(field_bytes).astype("<u8").tobytes())
-        planes = planes_on_grid(contact, box.depths, fields, poisson, progress)
+        planes = planes_on_grid(contact, box.depths, fields, poisson, progress, **sliding)
         for number, plane in enumerate(planes):
             # z rises upward, so that the deepest plane comes first.
             place = 8 + (shape[0] - 1 - number) * plane_bytes
@@ -234,6 +237,7 @@ def planes_on_grid(
     fields: Sequence[str],
     poisson: float | None = None,
     progress: Progress | None = None,
+    **sliding: Any,
 ) -> Iterator[dict[str, Array]]:
     """Stream fields of the stress on the grid of the contact, in the unit of its pressure.
 
@@ -243,13 +247,16 @@ def planes_on_grid(
         As for `asperity.stress_planes`.
     poisson : float, optional
         By default that of the contact.
+    **sliding
+        ``friction`` and ``sliding_direction`` of `asperity.stress_planes`.
 
     Yields
     ------
     fields : dict
         Name → array [y, x] of one plane.
     """
-    for plane in stress_planes(contact, depths, poisson, fields, tolerance=0.0, progress=progress):
+    planes = stress_planes(contact, depths, poisson, fields, tolerance=0.0, progress=progress, **sliding)
+    for plane in planes:
         yield {name: values[0] for name, values in plane.fields.items()}
 
 
@@ -258,17 +265,36 @@ def _write_at(file: BinaryIO, place: int, values: Array) -> None:
     file.write(np.ascontiguousarray(values, "<f4").data)
 
 
-def _description(box: Box, names: Sequence[str], units: ExportUnits, field_bytes: int) -> bytes:
-    """The XML of an image up to its data: nodes, and name and place of every field."""
+def image_head(box: Box, names: Sequence[str], units: ExportUnits, field_bytes: int) -> bytes:
+    """The XML of an image up to its data: nodes, and name and place of every field.
+
+    Parameters
+    ----------
+    box : Box
+    names : sequence of str
+        Names of the fields, with their units.
+    units : ExportUnits
+    field_bytes : int
+        Bytes of each field.
+    """
     from uvw import ImageData
 
-    positions = (box.window.x, box.window.y, -box.depths[::-1])
-    image = ImageData(
-        None,
-        ranges=[(float(nodes[0]) / units.length, float(nodes[-1]) / units.length) for nodes in positions],
-        points=[nodes.size for nodes in positions],
-        vtk_version="1.0",
-    )
+    positions = [box.window.x, box.window.y, *([-box.depths[::-1]] if box.depths.size > 1 else [])]
+    ranges = [(float(nodes[0]) / units.length, float(nodes[-1]) / units.length) for nodes in positions]
+    image = ImageData(None, ranges, [nodes.size for nodes in positions], vtk_version="1.0")
+    if box.depths.size == 1:
+        # uvw leaves out the third of the numbers that VTK needs for a single layer of nodes.
+        step = [
+            (last - first) / (nodes.size - 1) for (first, last), nodes in zip(ranges, positions, strict=True)
+        ]
+        origin = ranges[0][0], ranges[1][0], -float(box.depths[0]) / units.length
+        image.writer.setDataNodeAttributes(
+            {
+                "WholeExtent": image.extent,
+                "Spacing": f"{step[0]} {step[1]} 1.0",
+                "Origin": " ".join(map(str, origin)),
+            }
+        )
     image.writer.root.setAttribute("header_type", "UInt64")
     image.point_data.setAttributes({"Scalars": names[0]})
     for number, name in enumerate(names):

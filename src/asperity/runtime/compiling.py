@@ -22,7 +22,9 @@ from asperity.contact import METHODS, solve
 from asperity.elasticity.layer import Layer
 from asperity.spectral import Grid
 from asperity.stress.analysis import analyse_stress
+from asperity.stress.arguments import FIELDS
 from asperity.stress.depths import depth_grid
+from asperity.stress.planes import stress_planes
 from asperity.stress.pressed import PressedSolid
 from asperity.surface.roughness import self_affine
 
@@ -65,6 +67,9 @@ def compile_stress() -> None:
         contact = PressedSolid(np.maximum(-height, 0.0), grid, layer)
         depths = depth_grid(grid, layer.height, spacing=2.0)
         analyse_stress(contact, depths, None if layer.height else (0.0, 0.5), tolerance=tolerance)
+        friction = 0.0 if layer.bottom == "frictionless" else 0.3
+        for _ in stress_planes(contact, depths[:2], fields=FIELDS, tolerance=tolerance, friction=friction):
+            pass
     wavenumbers = np.array([1.0, 2.0])
     layer.compliance(wavenumbers, 0.0)
     layer.stress(wavenumbers[:, None], 0.0, np.zeros((2, 2)))

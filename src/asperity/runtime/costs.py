@@ -30,7 +30,7 @@ def job_costs(logs: Path, declared: Mapping[Path, float] | None = None) -> pd.Da
     -------
     data frame
         log (a path); rule; job, the rule with the surface; processor_minutes; memory_MB; and declared_MB if
-        given, where it is not known that of the job.
+        given; then jobs without it are left out.
     """
     rows = []
     for path in sorted(logs.rglob("*.log")):
@@ -49,9 +49,8 @@ def job_costs(logs: Path, declared: Mapping[Path, float] | None = None) -> pd.Da
             )
     frame = pd.DataFrame(rows, columns=["log", "rule", "job", "processor_minutes", "memory_MB"])
     if declared is not None:
-        frame["declared_MB"] = [
-            declared.get(path, memory) for path, memory in zip(frame["log"], frame["memory_MB"], strict=True)
-        ]
+        frame = frame[[path in declared for path in frame["log"]]].reset_index(drop=True)
+        frame["declared_MB"] = [declared[path] for path in frame["log"]]
     return frame
 
 

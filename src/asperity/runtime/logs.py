@@ -10,21 +10,24 @@ import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from asperity.runtime.system import peak_memory, processor_time
+from asperity.runtime.interrupts import terminable
+from asperity.runtime.written import lines_about
+from asperity.system import peak_memory_with_programs, processor_time
 
 logger = logging.getLogger("asperity")
 
-_ERROR = re.compile(r"^([\w.]*(?:Error|Exception|Warning|Interrupt)): (.+)$", re.MULTILINE)
-"""Last line of a traceback: the name of the exception, and its message."""
+_ERROR = re.compile(r"^([\w.]*(?:Error|Exception|Warning|Interrupt)): (.+(?:\n  \S.*)*)$", re.MULTILINE)
+"""End of a traceback: the name of the exception, and its message, of which further lines are indented."""
 
 _STOPPED = "its job was stopped; memory, disk space or the time allowed may have run out"
 
 
 @contextlib.contextmanager
-def log_to(path: str | os.PathLike[str]) -> Iterator[None]:
+def log_to(path: str | os.PathLike[str], outputs: Iterable[str | os.PathLike[str]] = ()) -> Iterator[None]:
     """Send to the file `path` everything that this process and its programs print, log and warn of.
 
-    An exception is written with its traceback and ends the process with exit status 1. The last line states
+    At the end, the fingerprints of the outputs that the job has written are added. An exception is written
+    with its traceback and ends the process with exit status 1; SIGTERM ends it with 143. The last line states
     the processor time and the memory of the process.
     """
     path = Path(path)
@@ -43,12 +46,19 @@ def log_to(path: str | os.PathLike[str]) -> Iterator[None]:
         logger.setLevel(logging.INFO)
         logging.captureWarnings(True)
         try:
-            yield
+            with terminable():
+                yield
+                for line in lines_about(outputs, path):
+                    logger.info(line)
         except Exception:
             logger.exception("the job failed")
             raise SystemExit(1) from None
         finally:
-            logger.info("took %.1f s of processor time, %.0f MB of memory", processor_time(), peak_memory())
+            logger.info(
+                "took %.1f s of processor time, %.0f MB of memory",
+                processor_time(),
+                peak_memory_with_programs(),
+            )
             logging.captureWarnings(False)
             for each in loggers:
                 each.removeHandler(handler)
@@ -69,6 +79,8 @@ def error_in(logs: Iterable[str | os.PathLike[str]], output: str) -> str | None:
         text = Path(log).read_text(encoding="utf-8", errors="replace")
         if errors := _ERROR.findall(text):
             name, message = errors[-1]
+            first, *further = message.split("\n  ")
+            message = f"{first} {'; '.join(further)}".rstrip()
             stated = message if name.startswith("asperity.") else f"{message} ({name})"
             return f"{stated} [{log}]" if name.endswith(".DatasetError") else f"{output}: {stated} [{log}]"
     return None

@@ -10,67 +10,37 @@ import os
 import shutil
 import socket
 from collections.abc import Iterable, Mapping
-from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from asperity.errors import DatasetError, PreflightError
-from asperity.runtime.system import available_memory, lock
+from asperity.packages import NAMES, MissingPackageError, require
+from asperity.runtime.written import require_as_written, written
+from asperity.system import available_memory
 
-PACKAGES = {
-    "SurfaceTopography": "SurfaceTopography",
-    "ducc0": "ducc0",
-    "h5py": "h5py",
-    "jinja2": "jinja2",
-    "jsonschema": "jsonschema",
-    "lazy_loader": "lazy-loader",
-    "matplotlib": "matplotlib",
-    "mpmath": "mpmath",
-    "netCDF4": "netCDF4",
-    "numba": "numba",
-    "numpy": "numpy",
-    "olefile": "olefile",
-    "pandas": "pandas",
-    "pint": "pint",
-    "scipy": "scipy",
-    "skfem": "scikit-fem",
-    "tifffile": "tifffile",
-    "tqdm": "tqdm",
-    "uvw": "uvw",
-    "xarray": "xarray",
-    "yaml": "pyyaml",
-}
-"""Modules that the jobs of the study import → name of the package that provides them."""
+if TYPE_CHECKING:
+    from filelock import BaseFileLock
 
-BASE_PACKAGES = (
-    "ducc0",
-    "jinja2",
-    "jsonschema",
-    "lazy_loader",
-    "netCDF4",
-    "numba",
-    "numpy",
-    "pandas",
-    "pint",
-    "scipy",
-    "tqdm",
-    "xarray",
-    "yaml",
-)
-"""Modules that the library itself imports."""
+OWNER = ".running"
+"""File in the folder of results of every study: number and machine of the process that uses it."""
 
-REMEDY = "install everything with: pip install --requirement requirements.lock"
+LOCK = ".running.lock"
+"""Empty file that this process keeps locked. Apart from the owner, which others cannot read in a file that
+Windows has locked."""
 
-_LOCK_FILE = ".running"
+_CLAIMED: list[BaseFileLock] = []
+"""Locks of this process: a lock ends with its object."""
 
 
-def require_packages(modules: Iterable[str] = tuple(PACKAGES)) -> None:
-    """Raise `PreflightError` if one of the modules is not installed."""
-    missing = [PACKAGES[module] for module in modules if find_spec(module) is None]
-    if missing:
-        raise PreflightError(f"not installed: {', '.join(missing)}; {REMEDY}")
+def require_packages(modules: Iterable[str] = tuple(NAMES)) -> None:
+    """Raise `PreflightError` if one of the modules is not installed, by default of all that a study needs."""
+    try:
+        require(modules)
+    except MissingPackageError as error:
+        raise PreflightError(str(error)) from error
 
 
-def claim(folder: str | os.PathLike[str]) -> int:
+def claim(folder: str | os.PathLike[str]) -> BaseFileLock:
     """Reserve a results folder for this process, until the process ends in whatever way.
 
     Parameters
@@ -80,39 +50,46 @@ def claim(folder: str | os.PathLike[str]) -> int:
 
     Returns
     -------
-    descriptor : int
-        Open file ``.running`` in the folder. The operating system frees the folder when the file is closed.
+    lock : filelock.BaseFileLock
+        Lock of the folder, for who releases it earlier.
 
     Raises
     ------
     PreflightError
         If the folder cannot be written, or another process has reserved it.
     """
-    path = Path(folder) / _LOCK_FILE
+    from filelock import FileLock, Timeout
+
+    owner = Path(folder) / OWNER
+    lock = FileLock(owner.with_name(LOCK))
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        # Python opens files so that programs started by this process do not inherit them, nor the lock.
-        descriptor = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
-    except OSError as error:
+        owner.parent.mkdir(parents=True, exist_ok=True)
+        lock.acquire(blocking=False)
+    except Timeout as error:
         raise PreflightError(
-            f"{folder}: cannot be written ({error.strerror}); make it writable or set another as results"
-        ) from error
-    try:
-        lock(descriptor)
-    except OSError as error:
-        owner = os.read(descriptor, 200).decode(errors="replace").strip() or "of unknown number"
-        os.close(descriptor)
-        raise PreflightError(
-            f"{folder}: another study is running here (process {owner}); wait until it ends, "
+            f"{folder}: another study is running here (process {_read_owner(owner)}); wait until it ends, "
             f"or set another folder as results"
         ) from error
+    except (OSError, NotImplementedError) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise PreflightError(
+            f"{folder}: cannot be written ({reason}); make it writable or set another as results"
+        ) from error
     try:
-        os.ftruncate(descriptor, 0)
-        os.write(descriptor, f"{os.getpid()} on {socket.gethostname()}\n".encode())
+        owner.write_text(f"{os.getpid()} on {socket.gethostname()}\n", encoding="utf-8")
     except OSError as error:
-        os.close(descriptor)
-        raise PreflightError(f"{path}: cannot be written ({error.strerror}); free some space") from error
-    return descriptor
+        lock.release()
+        raise PreflightError(f"{owner}: cannot be written ({error.strerror}); free some space") from error
+    _CLAIMED.append(lock)
+    return lock
+
+
+def _read_owner(path: Path) -> str:
+    """Number and machine of the process that a file of the owner names."""
+    try:
+        return path.read_text(encoding="utf-8", errors="replace").strip() or "of unknown number"
+    except OSError:
+        return "of unknown number"
 
 
 def require_memory(needs: Mapping[str, float], limit: float | None = None) -> None:
@@ -146,15 +123,18 @@ def require_space(folder: str | os.PathLike[str], need: float) -> None:
         )
 
 
-def require_undamaged(paths: Iterable[str | os.PathLike[str]]) -> None:
-    """Raise `PreflightError` for the first result file that is damaged or was changed after it was written.
+def require_undamaged(paths: Iterable[str | os.PathLike[str]], folder: str | os.PathLike[str]) -> None:
+    """Raise `PreflightError` for the first file of a study that is damaged or changed since it was written.
 
-    `dataset` is imported here: this takes a second, and every job on a cluster imports this module.
+    Parameters
+    ----------
+    paths : iterable of paths
+    folder : path
+        Results of the study, whose logs hold the fingerprints of the files.
     """
-    from asperity.results import dataset
-
+    stated = written(folder)
     for path in paths:
         try:
-            dataset.verify(path)
+            require_as_written(path, stated)
         except DatasetError as error:
             raise PreflightError(str(error)) from error

@@ -2,14 +2,20 @@
 
 Snakemake documents `config`, `workflow.cores`, `workflow.source_path` and the handlers `onstart`, `onsuccess`
 and `onerror` for use in a Snakefile. The study also needs the facts below. Every function here reads one
-attribute of Snakemake's `Workflow` object, and imports nothing of Snakemake. If an attribute moves in a later
-version, `tests/workflow/test_snakemake_internals.py` fails and names the function to repair.
+attribute of Snakemake's `Workflow` object or names one of its files, and imports nothing of Snakemake. If one
+of them moves in a later version, `tests/workflow/test_snakemake_internals.py` fails and names the function to
+repair.
 """
 
 from __future__ import annotations
 
+from base64 import urlsafe_b64encode
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, NamedTuple
+
+_LONGEST_NAME = 255
+"""Characters of a file name on common file systems."""
 
 
 class Job(NamedTuple):
@@ -46,6 +52,11 @@ def jobs_to_run(workflow: Any) -> list[Job]:
     ]
 
 
+def is_main_process(workflow: Any) -> bool:
+    """True in the process that the user has started, False in those of Snakemake for single jobs."""
+    return workflow.is_main_process
+
+
 def runs_locally(workflow: Any) -> bool:
     """True if jobs run on this machine, False if they are sent to a cluster."""
     return workflow.local_exec
@@ -60,3 +71,12 @@ def memory_limit(workflow: Any) -> float | None:
     """Memory in MB that ``--resources mem_mb=…`` allows the jobs; None without such a limit."""
     limit = getattr(workflow.global_resources.get("mem_mb"), "value", None)
     return None if limit is None else float(limit)
+
+
+def record_of(output: Path) -> Path | None:
+    """File in which Snakemake records how an output was made; None if its name would need several folders.
+
+    Snakemake is run in this folder, and names the output as it is named here.
+    """
+    name = urlsafe_b64encode(str(output).encode()).decode()
+    return Path(".snakemake", "metadata", name) if len(name) < _LONGEST_NAME else None

@@ -197,10 +197,10 @@ def checked_sliding(friction: Any, direction: Any, layer: Layer) -> tuple[float,
             raise ValueError(f"sliding_direction = {_told(direction)}: {_DIRECTIONS} is needed")
     else:
         degrees = checked_number("sliding_direction", direction, _DIRECTIONS, lambda value: True)
-    if friction and layer.height is not None:
+    if friction and layer.height is not None and layer.bottom != "bonded":
         raise ValueError(
-            f"friction = {friction:g}: 0 is needed in a layer of finite height; the stress under a shear "
-            "traction is available for the half-space"
+            f"friction = {friction:g}: 0 is needed in a layer with a {layer.bottom} bottom, which bears no "
+            "shear"
         )
     if degrees % 90 == 0:  # exact zeros
         cosine, sine = ((1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0))[int(degrees % 360) // 90]

@@ -44,6 +44,16 @@ class PlaneKernels(NamedTuple):
     shear: Any
 
 
+class TractionKernels(NamedTuple):
+    """Kernels N, M, X, P and Q of `Layer.grid_shear_kernels` at one depth, arrays as in `PlaneKernels`."""
+
+    normal: Any
+    longitudinal: Any
+    shear: Any
+    transverse: Any
+    in_plane: Any
+
+
 class Wavevectors(NamedTuple):
     """Components of the wavevectors of a grid, those of odd factors with the Nyquist mode zero (`Grid`)."""
 
@@ -115,19 +125,17 @@ def add_sliding_stress(
 ) -> None:
     """Add to `out` the coefficients of a A + b B of one stress component under a shear traction.
 
-    The traction on the surface of a half-space is t = (friction_x, friction_y) p. Its kernels are
-    combinations of those of the pressure, e^(−d) = (Z + L)/2 and d e^(−d) = T; the equations are in
-    ``docs/method.md``.
+    The traction on the surface is t = (friction_x, friction_y) p; the equations are in ``docs/method.md``.
 
     Parameters
     ----------
-    component, pressure, kernels, wavevectors, out
+    component, pressure, wavevectors, out
         As for `mode_stress`.
     a, b : float
         The uniform mode is that of a A: σ_xz = t_x and σ_yz = t_y.
     friction_x, friction_y : float
+    kernels : TractionKernels
     """
-    normal, longitudinal, shear = kernels
     qx, qy, odd_qx, odd_qy = wavevectors
     rows, columns = out.shape
     for j in range(rows):
@@ -143,28 +151,29 @@ def add_sliding_stress(
                 continue
             q = np.sqrt(square)
             cc, ss = qx[i] * qx[i] / square, qy[j] * qy[j] / square
-            e = 0.5 * (normal[mirrored, i] + longitudinal[mirrored, i])
-            t = shear[mirrored, i]
-            # Odd in one component of the wavevector, or in both: zero in a Nyquist mode.
-            x, y = friction_x * odd_qx[i] / q, friction_y * odd_qy[j] / q
             if component in (_XZ, _YZ):
-                both = odd_qx[i] * odd_qy[j] / square * t
+                x, t = kernels.shear[mirrored, i], kernels.transverse[mirrored, i]
+                both = odd_qx[i] * odd_qy[j] / square * (x - t)
                 if component == _XZ:
-                    factor = a * (friction_x * (e - cc * t) - friction_y * both)
+                    factor = a * (friction_x * (cc * x + ss * t) + friction_y * both)
                 else:
-                    factor = a * (friction_y * (e - ss * t) - friction_x * both)
+                    factor = a * (friction_y * (ss * x + cc * t) + friction_x * both)
                 out[j, i] += factor * p
                 continue
+            # Odd in one component of the wavevector, or in both: zero in a Nyquist mode.
+            x, y = friction_x * odd_qx[i] / q, friction_y * odd_qy[j] / q
+            n, m = kernels.normal[mirrored, i], kernels.longitudinal[mirrored, i]
+            turn = kernels.in_plane[mirrored, i]
             if component == _ZZ:
-                factor = a * (x + y) * t
+                factor = a * (x + y) * n
             elif component == _XX:
-                factor = a * (2.0 * x * e - (x + y) * cc * t) + b * (x + y) * 2.0 * ss * e
+                factor = a * ((x + y) * cc * m + 2.0 * (x * ss - y * cc) * turn) + b * (x + y) * ss * (n + m)
             elif component == _YY:
-                factor = a * (2.0 * y * e - (x + y) * ss * t) + b * (x + y) * 2.0 * cc * e
+                factor = a * ((x + y) * ss * m + 2.0 * (y * cc - x * ss) * turn) + b * (x + y) * cc * (n + m)
             else:
                 across_x, across_y = friction_y * odd_qx[i] / q, friction_x * odd_qy[j] / q
-                factor = across_y * (a * (e - cc * t) - b * 2.0 * cc * e)
-                factor += across_x * (a * (e - ss * t) - b * 2.0 * ss * e)
+                along = across_y * cc + across_x * ss
+                factor = a * (along * m + (cc - ss) * (across_x - across_y) * turn) - b * along * (n + m)
             out[j, i] += complex(-factor * p.imag, factor * p.real)
 
 
@@ -221,22 +230,23 @@ def moments(one: Any, two: Any) -> tuple[float, float, float]:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def find_maxima(field: Any, floor: float, found: Any) -> int:
+def find_maxima(field: Any, floor: float, periodic: bool, found: Any) -> int:
     """Fill `found` with the flat indices of the maxima of |field| in its plane; return their number.
 
-    A maximum is above `floor` and strictly above its 8 neighbours. The plane is periodic.
+    A maximum is above `floor` and strictly above its 8 neighbours. Across an edge lie those of the opposite
+    edge, or with `periodic` false the mirror image of the plane about its outermost nodes.
     """
     rows, columns = field.shape
     count = 0
     for j in range(rows):
-        before = rows - 1 if j == 0 else j - 1
-        after = 0 if j == rows - 1 else j + 1
+        before = _neighbour(j - 1, rows, periodic)
+        after = _neighbour(j + 1, rows, periodic)
         for i in range(columns):
             value = abs(field[j, i])
             if not value > floor:
                 continue
-            left = columns - 1 if i == 0 else i - 1
-            right = 0 if i == columns - 1 else i + 1
+            left = _neighbour(i - 1, columns, periodic)
+            right = _neighbour(i + 1, columns, periodic)
             if (
                 value > abs(field[j, left])
                 and value > abs(field[j, right])
@@ -253,18 +263,30 @@ def find_maxima(field: Any, floor: float, found: Any) -> int:
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def gather(field: Any, row: Any, column: Any, out: Any) -> None:
-    """Fill `out`, (nodes, 3, 3), with the values at and around nodes of a periodic plane."""
-    rows, columns = field.shape
-    for n in range(row.size):
-        for a in range(3):
-            line = (row[n] + a - 1) % rows
-            for b in range(3):
-                out[n, a, b] = field[line, (column[n] + b - 1) % columns]
+def _neighbour(node: int, nodes: int, periodic: bool) -> int:
+    """Index of a node at most one beyond the edges: on the opposite edge, or its mirror image."""
+    if node < 0:
+        return nodes - 1 if periodic else 1
+    if node >= nodes:
+        return 0 if periodic else nodes - 2
+    return node
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def interpolate(field: Any, row: Any, column: Any, ratio_y: float, ratio_x: float, out: Any) -> None:
+def gather(field: Any, row: Any, column: Any, periodic: bool, out: Any) -> None:
+    """Fill `out`, (nodes, 3, 3), with the values at and around nodes; across edges as in `find_maxima`."""
+    rows, columns = field.shape
+    for n in range(row.size):
+        for a in range(3):
+            line = _neighbour(row[n] + a - 1, rows, periodic)
+            for b in range(3):
+                out[n, a, b] = field[line, _neighbour(column[n] + b - 1, columns, periodic)]
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def interpolate(
+    field: Any, row: Any, column: Any, ratio_y: float, ratio_x: float, other: Any, periodic: bool, out: Any
+) -> None:
     """Fill `out`, (nodes, 3, 3), with the values at and around nodes of another grid of the same cell.
 
     The interpolation is Lagrange's on the six nearest nodes along each axis.
@@ -276,6 +298,10 @@ def interpolate(field: Any, row: Any, column: Any, ratio_y: float, ratio_x: floa
         Nodes of the other grid.
     ratio_y, ratio_x : float
         Spacing of the other grid over that of the field.
+    other : (rows, columns)
+        Shape of the other grid.
+    periodic : bool
+        As in `find_maxima`.
     out : (nodes, 3, 3) array
     """
     rows, columns = field.shape
@@ -283,14 +309,14 @@ def interpolate(field: Any, row: Any, column: Any, ratio_y: float, ratio_x: floa
     place_x = np.empty((3, 6), np.int64)
     for n in range(row.size):
         for b in range(3):
-            position = (column[n] + b - 1) * ratio_x
-            base = int(np.floor(position))
+            position = _unless_periodic(column[n] + b - 1, other[1], periodic) * ratio_x
+            base = _stencil(position, columns, periodic)
             _lagrange_weights(position - base, weight_x[b])
             for m in range(6):
                 place_x[b, m] = (base + m - 2) % columns
         for a in range(3):
-            position = (row[n] + a - 1) * ratio_y
-            base = int(np.floor(position))
+            position = _unless_periodic(row[n] + a - 1, other[0], periodic) * ratio_y
+            base = _stencil(position, rows, periodic)
             _lagrange_weights(position - base, weight_y)
             out[n, a, :] = 0.0
             for k in range(6):
@@ -300,6 +326,19 @@ def interpolate(field: Any, row: Any, column: Any, ratio_y: float, ratio_x: floa
                     for m in range(6):
                         part += weight_x[b, m] * line[place_x[b, m]]
                     out[n, a, b] += weight_y[k] * part
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _unless_periodic(node: int, nodes: int, periodic: bool) -> int:
+    """The index itself, or over a free boundary that of its mirror image."""
+    return node if periodic else _neighbour(node, nodes, periodic)
+
+
+@njit(cache=True, error_model="numpy", nogil=True)
+def _stencil(position: float, nodes: int, periodic: bool) -> int:
+    """Third of the six nodes from which a position is interpolated, all of them within an isolated map."""
+    base = int(np.floor(position))
+    return base if periodic else max(2, min(base, nodes - 4))
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

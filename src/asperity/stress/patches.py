@@ -8,12 +8,14 @@ from scipy import ndimage
 from asperity.types import Array
 
 
-def contact_patches(contact: Array) -> tuple[Array, Array]:
-    """Connected patches of contact in a periodic cell; nodes are neighbours along edges and diagonals.
+def contact_patches(contact: Array, periodic: bool = True) -> tuple[Array, Array]:
+    """Connected patches of contact; nodes are neighbours along edges and diagonals.
 
     Parameters
     ----------
     contact : (ny, nx) boolean array
+    periodic : bool
+        True if opposite edges of the cell are neighbours.
 
     Returns
     -------
@@ -31,7 +33,8 @@ def contact_patches(contact: Array) -> tuple[Array, Array]:
         return i
 
     # Join the patches that meet across the periodic edges: union-find over the nodes on opposite edges.
-    for first, last in ((number[0], number[-1]), (number[:, 0], number[:, -1])):
+    edges = ((number[0], number[-1]), (number[:, 0], number[:, -1])) if periodic else ()
+    for first, last in edges:
         for shift in (-1, 0, 1):
             moved = np.roll(last, shift)
             for one, other in zip(first, moved, strict=True):

@@ -4,8 +4,9 @@ Neighbours
 ----------
 A node of a plane has the 8 nodes around it, and in each of the two adjacent planes the 9 values at the same
 lateral positions: 26 in all. If an adjacent plane has another grid, the values there are interpolated (six
-nodes along each axis, periodic). A peak is strictly larger than all its neighbours. In the surface, the plane
-at depth 0, there are none above. Any other first plane and the last plane have no peaks.
+nodes along each axis). A peak is strictly larger than all its neighbours. In the surface, the plane at depth
+0, there are none above. Any other first plane and the last plane have no peaks. Over a periodic boundary, a
+node at an edge has neighbours at the opposite edge. Over a free boundary it has none across its edge.
 
 Where the grid changes between two planes, each plane compares on its own nodes, so that both or neither could
 claim a peak between them. There, two maxima that face each other (within a spacing of the coarser grid) are
@@ -24,8 +25,16 @@ from dataclasses import dataclass, fields
 import numpy as np
 from scipy.spatial import cKDTree
 
+from asperity.arguments import finite_array
 from asperity.spectral import Grid
-from asperity.stress.arguments import checked_field, checked_floor, checked_name, checked_nodes, checked_ratio
+from asperity.stress.arguments import (
+    BOUNDARIES,
+    checked_field,
+    checked_floor,
+    checked_name,
+    checked_nodes,
+    checked_ratio,
+)
 from asperity.stress.kernels import find_maxima, gather, interpolate
 from asperity.stress.planes import Gather, StressPlane
 from asperity.stress.refinement import refine_in_plane, refine_in_solid
@@ -66,10 +75,14 @@ class Peaks:
         """Number of peaks."""
         return self.value.size
 
-    def under_contact(self, pressure: Array, grid: Grid) -> Array:
+    def under_contact(self, pressure: Array, grid: Grid, boundary: str = "periodic") -> Array:
         """True where the surface node nearest above a peak carries pressure."""
-        row = np.rint(self.y / grid.spacing[0]).astype(np.int64) % grid.shape[0]
-        column = np.rint(self.x / grid.spacing[1]).astype(np.int64) % grid.shape[1]
+        row = np.rint(self.y / grid.spacing[0]).astype(np.int64)
+        column = np.rint(self.x / grid.spacing[1]).astype(np.int64)
+        if boundary == "periodic":
+            row, column = row % grid.shape[0], column % grid.shape[1]
+        else:
+            row, column = np.clip(row, 0, grid.shape[0] - 1), np.clip(column, 0, grid.shape[1] - 1)
         return np.asarray(pressure)[row, column] > 0
 
     @classmethod
@@ -82,8 +95,8 @@ class Peaks:
         return cls(*(np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(cls)))
 
 
-def plane_peaks(field: Array, grid: Grid, floor: float = 0.0) -> Peaks:
-    """Maxima of |field| strictly above their 8 neighbours in a periodic plane.
+def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "periodic") -> Peaks:
+    """Maxima of |field| strictly above their 8 neighbours in a plane.
 
     Parameters
     ----------
@@ -92,6 +105,8 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0) -> Peaks:
         With at least three nodes on each axis.
     floor : float
         Maxima of a magnitude at or below it are left out.
+    boundary : "periodic" | "free"
+        The plane repeats sideways, or has no neighbours across its edges.
 
     Returns
     -------
@@ -117,21 +132,26 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0) -> Peaks:
     +1.00 at y = 0.90, x = 0.80
     """
     checked_nodes(grid)
-    field = checked_field("field", field, grid)
-    nodes = _plane_maxima(field, checked_floor(floor))
-    values = _neighbourhood(field, *nodes)
+    field = checked_field("field", finite_array("field", field), grid)
+    periodic = checked_name("boundary", boundary, BOUNDARIES) == "periodic"
+    nodes = _plane_maxima(field, checked_floor(floor), periodic)
+    values = _neighbourhood(field, *nodes, periodic)
     refined, y, x = refine_in_plane(_upright(values, values))
     return Peaks(
         refined * np.sign(values[:, 1, 1]),
         np.zeros(nodes[0].size),
-        *_positions(nodes, y, x, grid),
+        *_positions(nodes, y, x, grid, periodic),
         values[:, 1, 1],
         np.zeros(nodes[0].size, bool),
     )
 
 
 def find_peaks(
-    planes: Iterable[StressPlane], name: str, poisson: float | None = None, floor: float = 0.0
+    planes: Iterable[StressPlane],
+    name: str,
+    poisson: float | None = None,
+    floor: float = 0.0,
+    boundary: str = "periodic",
 ) -> Peaks:
     """Maxima of |field| strictly above their 26 neighbours in a stream of planes.
 
@@ -145,6 +165,8 @@ def find_peaks(
         One of the Poisson's ratios of the planes, needed if they have several.
     floor : float
         Maxima of a magnitude at or below it are left out.
+    boundary : "periodic" | "free"
+        That of the contact.
 
     Raises
     ------
@@ -161,7 +183,7 @@ def find_peaks(
     >>> bool(0.25 < peaks.value[highest] / contact.max_pressure < 0.35)  # 0.31 under a ball
     True
     """
-    finder = PeakFinder()
+    finder = PeakFinder(checked_name("boundary", boundary, BOUNDARIES))
     floor = checked_floor(floor)
     for plane in planes:
         fields = plane.fields[checked_name("name", name, list(plane.fields))]
@@ -205,24 +227,36 @@ class _AdjacentPlane:
     grid : Grid
     sample : callable
         Returns values of the field, made from what the function it is given gathers of the plane's arrays.
+    periodic : bool
+        True if opposite edges are neighbours.
     """
 
     depth: float
     grid: Grid
     sample: Callable[[Gather], Array]
+    periodic: bool
 
     def values_around(self, nodes: Nodes, grid: Grid) -> Array:
         """The nine values at and around nodes of `grid`, (nodes, 3, 3)."""
         if self.grid.shape == grid.shape:
-            return self.sample(lambda array: _neighbourhood(array, *nodes))
-        ratio_y, ratio_x = (mine / its for mine, its in zip(self.grid.shape, grid.shape, strict=True))
-        return self.sample(lambda array: _interpolated_neighbourhood(array, *nodes, ratio_y, ratio_x))
+            return self.sample(lambda array: _neighbourhood(array, *nodes, self.periodic))
+        y, x = (mine / its for mine, its in zip(self.grid.shape, grid.shape, strict=True))
+        return self.sample(
+            lambda array: _interpolated_neighbourhood(array, *nodes, y, x, grid.shape, self.periodic)
+        )
 
 
 class PeakFinder:
-    """Finds the maxima of one field as its planes are added one by one; keeps one plane in memory."""
+    """Finds the maxima of one field as its planes are added one by one; keeps one plane in memory.
 
-    def __init__(self) -> None:
+    Parameters
+    ----------
+    boundary : "periodic" | "free"
+        That of the contact.
+    """
+
+    def __init__(self, boundary: str = "periodic") -> None:
+        self._periodic = boundary == "periodic"
         self._found: list[Peaks] = []
         self._last: _AdjacentPlane | None = None
         self._depth_above: float | None = None
@@ -255,9 +289,9 @@ class PeakFinder:
             Returns values of the field, made from what the function it is given gathers of arrays like
             `field`. It is kept until the next plane, and `field` is not; by default the field itself is kept.
         """
-        plane = _AdjacentPlane(float(depth), grid, sample or (lambda take: take(field)))
-        nodes = _plane_maxima(field, floor)
-        here = _neighbourhood(field, *nodes)
+        plane = _AdjacentPlane(float(depth), grid, sample or (lambda take: take(field)), self._periodic)
+        nodes = _plane_maxima(field, floor, self._periodic)
+        here = _neighbourhood(field, *nodes, self._periodic)
         last = self._last
         if last is None:
             candidates = _Candidates(nodes, here, here, np.full(nodes[0].size, plane.depth == 0))
@@ -277,7 +311,7 @@ class PeakFinder:
         below = plane.values_around(upper.nodes, last.grid)
         upper.kept = _exceeds(upper.here, below)
         if last.grid.shape != plane.grid.shape:
-            _keep_one_of_each_pair(upper, last.grid, lower, plane.grid)
+            _keep_one_of_each_pair(upper, last.grid, lower, plane.grid, self._periodic)
         peaks, below = upper.select(upper.kept), below[upper.kept]
         depths = None if self._depth_above is None else (self._depth_above, last.depth, plane.depth)
         for start in range(0, len(below), PEAKS_AT_ONCE):
@@ -286,7 +320,7 @@ class PeakFinder:
 
 
 def _keep_one_of_each_pair(
-    upper: _Candidates, upper_grid: Grid, lower: _Candidates, lower_grid: Grid
+    upper: _Candidates, upper_grid: Grid, lower: _Candidates, lower_grid: Grid, periodic: bool
 ) -> None:
     """Keep one of every two maxima that face each other across a change of grid."""
     if not (upper.nodes[0].size and lower.nodes[0].size):
@@ -295,11 +329,14 @@ def _keep_one_of_each_pair(
     value_low, y_low, x_low = refine_in_plane(_upright(lower.here, lower.here))
     scale = np.maximum(upper_grid.spacing, lower_grid.spacing)
     box = np.array(upper_grid.length) / scale
-    place_up = np.stack(_positions(upper.nodes, y_up, x_up, upper_grid), axis=1) / scale
-    place_low = np.stack(_positions(lower.nodes, y_low, x_low, lower_grid), axis=1) / scale
-    tree_up, tree_low = cKDTree(place_up % box, boxsize=box), cKDTree(place_low % box, boxsize=box)
-    distance, facing = tree_low.query(place_up % box, p=np.inf)
-    back = np.asarray(tree_up.query(place_low % box, p=np.inf)[1])
+    place_up = np.stack(_positions(upper.nodes, y_up, x_up, upper_grid, periodic), axis=1) / scale
+    place_low = np.stack(_positions(lower.nodes, y_low, x_low, lower_grid, periodic), axis=1) / scale
+    around = None
+    if periodic:
+        around, place_up, place_low = box, place_up % box, place_low % box
+    tree_up, tree_low = cKDTree(place_up, boxsize=around), cKDTree(place_low, boxsize=around)
+    distance, facing = tree_low.query(place_up, p=np.inf)
+    back = np.asarray(tree_up.query(place_low, p=np.inf)[1])
     pair = np.flatnonzero((np.asarray(distance) <= 1.0) & (back[facing] == np.arange(upper.nodes[0].size)))
     partner = np.asarray(facing)[pair]
     wins = value_up[pair] > value_low[partner]
@@ -321,7 +358,7 @@ def _refined(
     return Peaks(
         value * np.sign(here[:, 1, 1]),
         depth,
-        *_positions(candidates.nodes, y, x, plane.grid),
+        *_positions(candidates.nodes, y, x, plane.grid, plane.periodic),
         here[:, 1, 1],
         np.full(y.size, depths is not None),
     )
@@ -337,32 +374,38 @@ def _exceeds(here: Array, other: Array) -> Array:
     return np.abs(here[:, 1, 1]) > np.abs(other).max(axis=(1, 2), initial=0.0)
 
 
-def _positions(nodes: Nodes, y: Array, x: Array, grid: Grid) -> tuple[Array, Array]:
-    """Positions within the cell of points at the offsets y, x (in spacings) from nodes."""
-    return (
-        (nodes[0] + y) % grid.shape[0] * grid.spacing[0],
-        (nodes[1] + x) % grid.shape[1] * grid.spacing[1],
-    )
+def _positions(nodes: Nodes, y: Array, x: Array, grid: Grid, periodic: bool) -> tuple[Array, Array]:
+    """Positions of points at the offsets y, x (in spacings) from nodes; within the cell if it is periodic."""
+    row, column = nodes[0] + y, nodes[1] + x
+    if periodic:
+        row, column = row % grid.shape[0], column % grid.shape[1]
+    return row * grid.spacing[0], column * grid.spacing[1]
 
 
-def _neighbourhood(field: Array, row: Array, column: Array) -> Array:
+def _neighbourhood(field: Array, row: Array, column: Array, periodic: bool) -> Array:
     """The nine values at and around nodes, (nodes, 3, 3)."""
     out = np.empty((row.size, 3, 3))
-    gather(field, row, column, out)
+    gather(field, row, column, periodic, out)
     return out
 
 
 def _interpolated_neighbourhood(
-    field: Array, row: Array, column: Array, ratio_y: float, ratio_x: float
+    field: Array,
+    row: Array,
+    column: Array,
+    ratio_y: float,
+    ratio_x: float,
+    other: tuple[int, int],
+    periodic: bool,
 ) -> Array:
     """The nine values at and around nodes of a grid whose spacing is `ratio` times larger, (nodes, 3, 3)."""
     out = np.empty((row.size, 3, 3))
-    interpolate(field, row, column, ratio_y, ratio_x, out)
+    interpolate(field, row, column, ratio_y, ratio_x, other, periodic, out)
     return out
 
 
-def _plane_maxima(field: Array, floor: float) -> Nodes:
+def _plane_maxima(field: Array, floor: float, periodic: bool) -> Nodes:
     """Nodes whose magnitude is above the floor and strictly above its 8 neighbours."""
-    found = np.empty(field.size // 4 + 1, np.int64)
-    count = find_maxima(field, float(floor), found)
+    found = np.empty((field.shape[0] + 1) * (field.shape[1] + 1) // 4 + 1, np.int64)
+    count = find_maxima(field, float(floor), periodic, found)
     return found[:count] // field.shape[1], found[:count] % field.shape[1]

@@ -62,6 +62,7 @@ from asperity.stress.kernels import (
     Components,
     PlaneKernels,
     Slopes,
+    TractionKernels,
     Wavevectors,
     add_sliding_stress,
     combine,
@@ -243,7 +244,8 @@ def stress_planes(
     work : Work, optional
         Where the transforms are counted.
     friction : float
-        Coefficient of friction μ ≥ 0: the shear traction is μ times the pressure. Half-space only.
+        Coefficient of friction μ ≥ 0: the shear traction is μ times the pressure. On a half-space, or a layer
+        bonded to a rigid base.
     sliding_direction : "x", "y" or float
         Direction of the traction on this solid; a number is an angle in degrees from x towards y.
 
@@ -447,14 +449,22 @@ class _PlaneTransform:
         self._pressure, self._fourier, self._traction = pressure, fourier, traction
         self._kernels = PlaneKernels(kernels.normal, kernels.longitudinal, kernels.shear)
         self._wavevectors = Wavevectors(grid.qx, grid.qy, grid.odd_qx, grid.odd_qy)
+        self._traction_kernels = None
+        if any(traction):
+            self._traction_kernels = TractionKernels(*layer.grid_shear_kernels(grid, depth, fourier.real))
 
     def __call__(self, part: Part) -> Array:
         """The field of one part, (ny, nx)."""
         coefficients = np.empty(self._fourier.grid.half_shape, self._fourier.complex)
         kind = COMPONENTS.index(part.component), part.constant, part.slope
         mode_stress(*kind, self._pressure, self._kernels, self._wavevectors, coefficients)
-        if any(self._traction):
+        if self._traction_kernels is not None:
             add_sliding_stress(
-                *kind, *self._traction, self._pressure, self._kernels, self._wavevectors, coefficients
+                *kind,
+                *self._traction,
+                self._pressure,
+                self._traction_kernels,
+                self._wavevectors,
+                coefficients,
             )
         return self._fourier.inverse(coefficients, overwrite=True)

@@ -113,3 +113,26 @@ def layer_of(contact: xr.Dataset) -> Layer:
         height = to_si(height, "length", "layer.height")
     bottom = solid.removeprefix("layer, ").removesuffix(" bottom")
     return Layer(young, poisson, height, bottom, lateral)
+
+
+@dataclass(frozen=True)
+class Sliding:
+    """Full sliding of a body: friction, and the direction of the traction on it; see `stress_planes`."""
+
+    friction: float = 0.0
+    sliding_direction: str | float = "x"
+
+
+def traction_direction(sliding_direction: str | float, body: str = "lower") -> str | float:
+    """Direction of the shear traction on a body, as `asperity.stress_planes` takes it.
+
+    Parameters
+    ----------
+    sliding_direction : "x", "y" or float
+        Direction in which the upper body moves over the lower one; a number is an angle in degrees.
+    body : "lower" | "upper"
+        The traction on the upper body has the opposite direction.
+    """
+    if body == "lower":
+        return sliding_direction
+    return {"x": 0.0, "y": 90.0}.get(sliding_direction, sliding_direction) + 180.0  # type: ignore

@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from asperity.errors import shown
 from asperity.stress.arguments import (
     FIELDS,
     boundary_of,
@@ -29,13 +30,16 @@ from asperity.stress.arguments import (
 from asperity.stress.depths import depth_grid
 from asperity.stress.planes import LinearPlane, linear_planes
 from asperity.stress.pressed import ContactLike
-from asperity.types import Array
+from asperity.types import Array, Progress
 
 LAGRANGE_NODES = 10
 """Nodes of the interpolation over a free boundary: its error is below 1e-4 for waves of seven nodes."""
 
 LARGEST_DATASET = 2**31
 """Most bytes of a box as a dataset; a larger one can still be streamed."""
+
+MOST_NODES = 100_000
+"""Most nodes along an edge of the cell that a box may have."""
 
 ON_A_NODE = 1e-9
 """A position nearer to a node than this share of a spacing is on it."""
@@ -69,16 +73,23 @@ class StressBox:
         shape = " × ".join(str(axis.size) for axis in (self.depth, self.y, self.x))
         return f"<StressBox of {shape} nodes along depth, y, x: {', '.join(self.fields)}>"
 
-    def planes(self) -> Iterator[dict[str, Array]]:
+    def planes(self, progress: Progress | None = None) -> Iterator[dict[str, Array]]:
         """The fields of one depth after the other: name → (ratios, ny, nx) array."""
         periodic = boundary_of(self._contact) == "periodic"
         stream = linear_planes(self._contact, self.depth, self.poisson, self.fields, **self._settings)
         for plane in stream:
             found = _interpolated(plane, self.y, self.x, periodic)
             yield {name: np.stack([found.field(name, nu) for nu in self.poisson]) for name in self.fields}
+            if progress is not None:
+                progress(plane.done, 1.0)
 
-    def dataset(self) -> xr.Dataset:
+    def dataset(self, progress: Progress | None = None) -> xr.Dataset:
         """All fields, along `poisson`, `depth`, `y` and `x`.
+
+        Parameters
+        ----------
+        progress : callable, optional
+            Called as progress(done, total) after each plane.
 
         Raises
         ------
@@ -94,7 +105,7 @@ class StressBox:
                 "at a time by planes()"
             )
         values = {name: np.empty(shape) for name in self.fields}
-        for number, plane in enumerate(self.planes()):
+        for number, plane in enumerate(self.planes(progress)):
             for name in self.fields:
                 values[name][:, number] = plane[name]
         dimensions = ("poisson", "depth", "y", "x")
@@ -172,6 +183,8 @@ def stress_section(
     depths: ArrayLike | None = None,
     fields: Sequence[str] = ("von_mises",),
     poisson: float | Sequence[float] | None = None,
+    *,
+    progress: Progress | None = None,
     **settings: Any,
 ) -> xr.Dataset:
     """Fields of the stress in a vertical section through the solid.
@@ -186,6 +199,8 @@ def stress_section(
         Position of the section on the other axis, within the cell; by default that of the largest pressure.
     depths : (planes,) array, optional
         By default those of `depth_grid`.
+    progress : callable, optional
+        Called as progress(done, total) after each plane.
     **settings
         As for `stress_box`.
 
@@ -222,25 +237,28 @@ def stress_section(
         depths = depth_grid(contact.grid, contact.layer.height)
     y, x = ((at, at), None) if along == "x" else (None, (at, at))
     box = stress_box(contact, depths, y, x, fields, poisson, **settings)
-    return box.dataset().isel({"y" if along == "x" else "x": 0})
+    return box.dataset(progress).isel({"y" if along == "x" else "x": 0})
 
 
 def _positions(name: str, extent: Any, contact: ContactLike, axis: int, spacing: float | None) -> Array:
     """Positions of the nodes of a box along one axis."""
     length, step = contact.grid.length[axis], contact.grid.spacing[axis]
     if spacing is not None:
-        step = checked_number("spacing", spacing, "a positive finite number", lambda value: value > 0)
+        least = length / MOST_NODES
+        step = checked_number(
+            "spacing", spacing, f"a number of at least {least:.3g}", lambda value: value >= least
+        )
     if extent is None:
         first, last = 0.0, length - step if length > step else 0.0
     else:
         accepted = f"a pair (first, last) of rising positions from 0 to {length:g}"
-        if np.shape(extent) != (2,):
-            raise ValueError(f"{name} = {extent!r}: {accepted} is needed")
+        if not isinstance(extent, (tuple, list, np.ndarray)) or len(extent) != 2:
+            raise ValueError(f"{name} = {shown(extent)}: {accepted} is needed")
         first, last = (
             checked_number(name, edge, accepted, lambda value: 0 <= value <= length) for edge in extent
         )
         if last < first:
-            raise ValueError(f"{name} = {extent!r}: {accepted} is needed")
+            raise ValueError(f"{name} = {shown(extent)}: {accepted} is needed")
     return first + step * np.arange(int((last - first) / step + 1 + ON_A_NODE))
 
 

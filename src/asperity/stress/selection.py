@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.errors import one_line, shown
-from asperity.stress.arguments import checked_name, checked_ratio
+from asperity.stress.arguments import boundary_of, checked_name, checked_ratio
 from asperity.stress.peak_kinds import SELECTIONS
 from asperity.stress.peaks import Peaks
 from asperity.stress.pressed import ContactLike
@@ -92,7 +92,7 @@ def peak_dataset(found: Mapping[tuple[str, float], Peaks], contact: ContactLike)
     ----------
     found : mapping
         Quantity and Poisson's ratio (NaN: the same for every one) → its peaks.
-    contact : object with ``pressure`` and ``grid``
+    contact : object with ``pressure``, ``grid`` and ``layer``
         Decides whether a peak is under contact.
     """
     every = Peaks.join(found.values())
@@ -103,7 +103,7 @@ def peak_dataset(found: Mapping[tuple[str, float], Peaks], contact: ContactLike)
         "y": every.y,
         "x": every.x,
         "interior": every.interior,
-        "under_contact": every.under_contact(contact.pressure, contact.grid),
+        "under_contact": every.under_contact(contact.pressure, contact.grid, boundary_of(contact)),
     }
     labels = {
         "peak_quantity": np.repeat([quantity for quantity, _ in found], sizes),

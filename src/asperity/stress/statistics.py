@@ -9,11 +9,16 @@ from typing import NamedTuple
 
 import numpy as np
 
+from asperity.arguments import LARGEST, finite_array, number, whole_number
+from asperity.errors import shown
 from asperity.spectral import Fourier, Grid, resample
 from asperity.types import Array
 
 NARROWEST_BIN = 1e-300
 """Smallest width of a bin whose density is still finite."""
+
+MOST_BINS = 10_000_000
+"""Most bins of a density."""
 
 
 class Density(NamedTuple):
@@ -45,7 +50,7 @@ def probability_density(values: Array, bins: int = 100, limits: tuple[float, flo
     Raises
     ------
     ValueError
-        If `bins` is less than one, a value is not finite, or the limits do not rise.
+        If `bins` is out of range, a value is not finite or larger than 1e75, or the limits do not rise.
 
     Examples
     --------
@@ -54,25 +59,34 @@ def probability_density(values: Array, bins: int = 100, limits: tuple[float, flo
     >>> density.density.size, round(float(np.sum(density.density * np.diff(density.edges))), 12)
     (20, 1.0)
     """
-    values = np.asarray(values, dtype=float).ravel()
-    if not np.all(np.isfinite(values)):
-        raise ValueError(f"values: {np.sum(~np.isfinite(values))} are not finite, all must be")
+    values = finite_array("values", values).ravel()
     edges = bin_edges(values, bins, limits)
     counts = np.histogram(values, edges)[0]
     return Density(counts, edges, normalised(counts, edges))
 
 
 def bin_edges(values: Array, bins: int, limits: tuple[float, float] | None = None) -> Array:
-    """Edges of bins of equal width between limits, by default from the smallest to the largest value."""
-    if bins != int(bins) or bins < 1:
-        raise ValueError(f"bins = {bins!r}: a whole number of at least 1 is needed")
+    """Edges of bins of equal width between limits, by default from the smallest to the largest value.
+
+    Values so close together that bins between them would have no width count as equal.
+    """
+    bins = whole_number(
+        "bins", bins, f"a whole number from 1 to {MOST_BINS}", lambda count: 1 <= count <= MOST_BINS
+    )
     if limits is None:
-        # Values so close together that a density would overflow count as equal.
-        alike = values.size and np.ptp(values) < bins * NARROWEST_BIN
-        return np.histogram_bin_edges(values[:1] if alike else values, int(bins))
-    if not (np.all(np.isfinite(limits)) and limits[0] < limits[1]):
-        raise ValueError(f"limits = {limits!r}: two finite rising numbers are needed")
-    return np.linspace(limits[0], limits[1], int(bins) + 1)
+        width = max(NARROWEST_BIN, float(np.spacing(np.abs(values).max()))) if values.size else 0.0
+        alike = values.size and np.ptp(values) < 2 * bins * width
+        if not alike:
+            return np.histogram_bin_edges(values, bins)
+        half = max(0.5, bins * width)
+        return np.linspace(values[0] - half, values[0] + half, bins + 1)
+    accepted = "a pair of finite rising numbers, farther apart than their rounding,"
+    if not isinstance(limits, (tuple, list, np.ndarray)) or len(limits) != 2:
+        raise ValueError(f"limits = {shown(limits)}: {accepted} is needed")
+    first, last = (number("limits", limit, accepted, lambda size: abs(size) <= LARGEST) for limit in limits)
+    if not last - first > 2 * bins * max(NARROWEST_BIN, float(np.spacing(max(abs(first), abs(last))))):
+        raise ValueError(f"limits = {shown(limits)}: {accepted} is needed")
+    return np.linspace(first, last, bins + 1)
 
 
 def normalised(counts: Array, edges: Array) -> Array:
@@ -105,6 +119,11 @@ def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tup
         Averages over rings of lag vectors, each ring one spacing of `finest` wide, from lag 0 (the
         variance) to half the shorter edge of the cell.
 
+    Raises
+    ------
+    ValueError, TypeError
+        If the field does not have the shape of the grid, or a value is not finite or larger than 1e75.
+
     Examples
     --------
     >>> grid = asp.Grid((64, 64))
@@ -114,6 +133,9 @@ def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tup
     1.000e-06, to half at 0.07
     """
     finest = grid if finest is None else finest
+    field = finite_array("field", field)
+    if field.shape != grid.shape:
+        raise ValueError(f"field has the shape {field.shape}: that of its grid, {grid.shape}, is needed")
     power = np.abs(Fourier(grid).forward(field)) ** 2
     power[0, 0] = 0.0
     power = resample(power.astype(complex), grid, finest)
@@ -128,19 +150,19 @@ def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tup
     return width * np.arange(rings), total / count
 
 
-def half_length(distance: Array, correlation: Array) -> float:
-    """Distance at which a correlation first falls to one half, by linear interpolation; NaN if never."""
-    fallen = np.flatnonzero(correlation <= 0.5)
+def half_length(distance: Array, correlation: Array, share: float = 0.5) -> float:
+    """Distance at which a correlation first falls to a share, by linear interpolation; NaN if never."""
+    fallen = np.flatnonzero(correlation <= share)
     if not fallen.size or fallen[0] == 0:
         return float("nan")
     i = int(fallen[0])
-    return float(np.interp(0.5, correlation[[i, i - 1]], distance[[i, i - 1]]))
+    return float(np.interp(share, correlation[[i, i - 1]], distance[[i, i - 1]]))
 
 
 def decay_lengths(
-    depth: Array, along_depth: Array, lag: Array, in_plane: Array, reference: float
+    depth: Array, along_depth: Array, lag: Array, in_plane: Array, reference: float, share: float = 0.5
 ) -> tuple[float, float]:
-    """Distances over which the covariance of Eq. 22 falls to half, below the reference plane and in it.
+    """Distances over which the covariance of Eq. 22 falls to a share, below the reference plane and in it.
 
     Parameters
     ----------
@@ -150,10 +172,11 @@ def decay_lengths(
         Distance in the reference plane and the covariance there; the first is the variance.
     reference : float
         Depth of the reference plane.
+    share : float
     """
     below = depth >= reference
     variance = in_plane[0]
     return (
-        half_length(depth[below] - reference, along_depth[below] / variance),
-        half_length(lag, in_plane / variance),
+        half_length(depth[below] - reference, along_depth[below] / variance, share),
+        half_length(lag, in_plane / variance, share),
     )

@@ -63,9 +63,15 @@ class Truncation:
         self._layer = layer
         self._envelope = envelope
         width = 2 * np.pi / max(grid.length)
-        ring = (grid.wavenumber() / width).astype(np.int64)
-        rings = int(ring.max()) + 1
-        self._wavenumber = width * np.arange(rings)
+        numbers = np.floor(grid.wavenumber() / width)
+        if numbers.max() < numbers.size:
+            ring = numbers.astype(np.int64)
+            occupied = np.arange(int(ring.max()) + 1)
+        else:  # most rings of a long and narrow cell hold no mode
+            occupied, ring = np.unique(numbers, return_inverse=True)
+            ring = ring.reshape(numbers.shape)
+        rings = occupied.size
+        self._width, self._wavenumber = width, width * occupied
         amplitude = np.abs(pressure) * grid.multiplicity
         self._power = np.bincount(ring.ravel(), (amplitude * np.abs(pressure)).ravel(), rings)
         self._mean_square = float(np.abs(pressure[0, 0]) ** 2)
@@ -81,8 +87,7 @@ class Truncation:
 
         The modes of a ring of wavenumbers are taken to decay as at its outer edge.
         """
-        outer = self._wavenumber + self._wavenumber[1] if self._wavenumber.size > 1 else self._wavenumber + 1
-        normal = np.asarray(self._layer.kernels(outer, depth).normal)
+        normal = np.asarray(self._layer.kernels(self._wavenumber + self._width, depth).normal)
         return float(np.sqrt(self._mean_square + np.sum(self._power * normal**2)))
 
     def bounds(self, depth: float) -> Array:
@@ -102,8 +107,8 @@ class Truncation:
 def envelope_of(layer: Layer, poisson: float, friction: float = 0.0) -> float:
     """The constant K for all ratios ≥ `poisson`, under pressure and a shear traction `friction` times it."""
     lateral = 1 - 2 * poisson
-    pressure = max(np.sqrt(3.0), lateral) * (1.0 if layer.height is None else 2.0)
-    return float(pressure + friction * max(np.sqrt(5.0), np.sqrt(3.0 + lateral**2)))
+    half_space = max(np.sqrt(3.0), lateral) + friction * max(np.sqrt(5.0), np.sqrt(3.0 + lateral**2))
+    return float(half_space * (1.0 if layer.height is None else 2.0))
 
 
 def coarser_grids(grid: Grid) -> list[Grid]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.arguments import choice, magnitude, number, real_array
+from asperity.arguments import LARGEST, choice, finite_array, magnitude, number
 from asperity.errors import shown
 from asperity.spectral import Grid
 from asperity.types import Array
@@ -95,7 +95,7 @@ def add_cylinder(
 
 def _surface(height: ArrayLike, length: Grid | float | tuple[float, float]) -> tuple[Array, Grid]:
     """The heights, and the grid on which they are given."""
-    heights = real_array("height", height)
+    heights = finite_array("height", height)
     if heights.ndim != 2 or heights.size == 0:
         raise ValueError(f"height of shape {heights.shape}: an array (ny, nx) is needed")
     if not isinstance(length, Grid):
@@ -112,8 +112,10 @@ def _from_centre(grid: Grid, centre: tuple[float, float] | None) -> tuple[Array,
     y, x = grid.coordinates()
     if centre is None:
         return y - 0.5 * y[-1], x - 0.5 * x[-1]
-    accepted = "None or a pair (y, x) of finite numbers"
-    if np.shape(centre) != (2,):
+    accepted = f"None or a pair (y, x) of numbers from {-LARGEST:g} to {LARGEST:g}"
+    if not isinstance(centre, (tuple, list, np.ndarray)) or len(centre) != 2:
         raise ValueError(f"centre = {shown(centre)}: {accepted} is needed")
-    middle_y, middle_x = (number("centre", value, accepted, np.isfinite) for value in centre)
+    middle_y, middle_x = (
+        number("centre", value, accepted, lambda place: abs(place) <= LARGEST) for value in centre
+    )
     return y - middle_y, x - middle_x

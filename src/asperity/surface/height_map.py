@@ -9,11 +9,13 @@ numbers (NPY, MATLAB, HDF5, text without a header) can be either, and its reader
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from asperity.arguments import finite_array, magnitude, real_array
+from asperity.errors import InputError, shown
 from asperity.notebook import picture, table
 from asperity.types import Array
 from asperity.units import to_si
@@ -29,8 +31,8 @@ OptionName = Callable[[str], str]
 _UNIT_NAMES = {"A": "angstrom", "Å": "angstrom", "\u212b": "angstrom", "~m": "um"}
 
 
-class MapError(ValueError):
-    """Raised for a height map that cannot be read or used as asked; the message is one line.
+class MapError(InputError):
+    """Raised for a height map that cannot be read or used as asked; the message has a line a problem.
 
     Attributes
     ----------
@@ -47,10 +49,6 @@ class MapError(ValueError):
     flat: periodic: the file does not say that the map is one period; set periodic to declared,
     mirrored, windowed or none (for a free boundary)
     """
-
-    def __init__(self, source: str, problems: Sequence[str]) -> None:
-        self.problems = tuple(problems)
-        super().__init__(": ".join(part for part in (source, "; ".join(problems)) if part))
 
 
 @dataclass(frozen=True, repr=False)
@@ -111,6 +109,25 @@ class HeightMap:
             ("periodic", "yes" if self.periodic else "not said"),
         ]
         return table(f"HeightMap {self.name}", rows, picture(self.height, "heights"))
+
+    def check(self) -> None:
+        """Raise `MapError` if the heights are no array of numbers [y, x], or an edge or a name is wrong."""
+        try:
+            values = real_array("height", self.height)
+            if values.ndim != 2 or min(values.shape) < 2:
+                raise ValueError(f"height has the shape {values.shape}: at least 2 x 2 points are needed")
+            finite_array("height", values[np.isfinite(values)])
+            if not isinstance(self.length, (tuple, list)) or len(self.length) != 2:
+                raise ValueError(f"length = {shown(self.length)}: a pair (length_y, length_x) is needed")
+            for edge in self.length:
+                magnitude("length", edge)
+            if self.orientation not in (None, *ORIENTATIONS):
+                accepted = f"{PEAKS_UP!r} or {LOWER_FACE!r}"
+                raise ValueError(f"orientation = {shown(self.orientation)}: {accepted} is needed")
+            if self.unit is not None and not isinstance(self.unit, str):
+                raise TypeError(f"unit = {shown(self.unit)}: the name of a unit of length or None is needed")
+        except (TypeError, ValueError) as error:
+            raise MapError(self.name, [str(error)]) from error
 
     @property
     def missing(self) -> int:

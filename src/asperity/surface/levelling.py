@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from asperity.packages import require
 from asperity.spectral import Fourier, Grid, resample
 from asperity.types import Array
 
@@ -142,6 +143,7 @@ def fill_harmonic(height: Array, missing: Array) -> Array:
     """The heights with a harmonic function at the missing points: their Laplacian is zero there."""
     if not missing.any():
         return height
+    require(("SurfaceTopography",))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of packages that are not installed and not needed here
         from SurfaceTopography import Topography

@@ -19,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from asperity.errors import one_line, shown
+from asperity.packages import require
 from asperity.surface.height_map import LOWER_FACE, ORIENTATIONS, PEAKS_UP, MapError, OptionName, metres
 from asperity.surface.scattered import find_points, grid_points
 from asperity.surface.unpacked_size import DEFAULT_LIMIT, check_size, gunzipped, require_size
@@ -131,7 +132,8 @@ def read_content(
     """
     name = os.fspath(path)
     if not os.path.isfile(path):
-        raise MapError("", [f"file = {name!r}: no such file"])
+        what = "a folder, a file is needed" if os.path.isdir(path) else "no such file"
+        raise MapError(name, [what])
     try:
         check_size(path, given.max_memory, option("max_memory"))
         with ExitStack() as stack:
@@ -234,14 +236,10 @@ def _point_list(path: Path) -> FileContent | None:
 
 def _instrument_map(path: Path, given: Reading, option: OptionName) -> tuple[FileContent, list[Channel]]:
     """A map in a format that SurfaceTopography reads."""
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            from SurfaceTopography.IO import open_topography
-    except ImportError as error:
-        raise ImportError(
-            "SurfaceTopography is needed to read measured maps: pip install SurfaceTopography"
-        ) from error
+    require(("SurfaceTopography",))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        from SurfaceTopography.IO import open_topography
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:

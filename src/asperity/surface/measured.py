@@ -92,7 +92,10 @@ def missing_settings(
     if not for_cell and found.map.unit is None and not any(p.startswith(unit) for p in problems):
         problems.append(unit_missing(unit))
     periodicities = PERIODICITIES if for_cell else WITHOUT_PERIOD
-    needed = treatment_problems(found.map, treatment, option, periodicities)
+    try:
+        needed = treatment_problems(found.map, treatment, option, periodicities)
+    except MapError as error:
+        needed = [] if problems else list(error.problems)
     return problems + [problem for problem in needed if problem not in problems]
 
 
@@ -139,6 +142,7 @@ def make_periodic(
     ((80, 120), (0.6666666666666667, 1.0))
     """
     treatment = Treatment(detrend, periodic, undefined, despike, wavelength_short, points)
+    surface.check()
     return treat_map(surface.scaled(1 / cell_edge(surface, periodic)), treatment, option, PERIODICITIES)
 
 

@@ -144,9 +144,9 @@ def _combined(content: FileContent, given: Reading, option: OptionName, problems
         problems.append(orientation_needed(option("orientation")))
     scale = size_of_unit if size_of_unit is not None else 1.0
     height = content.height if factor * scale == 1 else content.height * (factor * scale)
-    known = length is not None
+    known = length is not None and all(math.isfinite(edge) and edge > 0 for edge in length)
     edges = length or tuple(map(float, height.shape))
-    if known and not all(math.isfinite(edge) and edge > 0 for edge in edges):
+    if length is not None and not known:
         problems.append(f"edges > 0 are needed, not {edges[0]:g} and {edges[1]:g}")
     finite = np.isfinite(height)
     if not finite.any():

@@ -45,6 +45,9 @@ DESPIKE = 8.0
 """Threshold that is proposed for spikes, in robust standard deviations from the local median. No point of
 Gaussian self-affine surfaces of 512² points is above it, for Hurst exponents from 0.2 to 0.9."""
 
+MOST_POINTS = 2**16
+"""Most nodes on the longer edge of a map that is resampled: 34 GB."""
+
 # Largest variation, relative to the heights, of a map that is flat but for rounding.
 _ROUNDING = 1e-13
 
@@ -306,7 +309,14 @@ def treatment_problems(
     option: OptionName = str,
     periodicities: Sequence[str] = WITHOUT_PERIOD,
 ) -> list[str]:
-    """Everything that a map and settings lack to be treated, before anything is computed."""
+    """Everything that a map and settings lack to be treated, before anything is computed.
+
+    Raises
+    ------
+    MapError
+        If the map itself is none.
+    """
+    surface.check()
     problems: list[str] = []
     checks: list[tuple[Any, tuple[Any, ...]]] = [(choice, (option("detrend"), treatment.detrend, DETRENDS))]
     if treatment.periodic is not None:
@@ -315,8 +325,8 @@ def treatment_problems(
         name = option("despike")
         checks.append((number, (name, treatment.despike, "a number ≥ 3", lambda value: value >= 3)))
     if treatment.points is not None:
-        name = option("points")
-        checks.append((whole_number, (name, treatment.points, "a whole number ≥ 2", lambda n: n >= 2)))
+        name, accepted = option("points"), f"a whole number from 2 to {MOST_POINTS}"
+        checks.append((whole_number, (name, treatment.points, accepted, lambda n: 2 <= n <= MOST_POINTS)))
     for check, arguments in checks:
         try:
             check(*arguments)

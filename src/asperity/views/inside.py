@@ -14,6 +14,8 @@ from asperity.results.export import planes_on_grid
 from asperity.results.window import Span
 from asperity.stress.depths import depth_grid
 from asperity.stress.planes import stress_planes
+from asperity.stress.pressed import PressedSolid
+from asperity.stress.section import stress_section
 from asperity.types import Array, Progress
 from asperity.views.colours import SIGNED, STRESS, Limits, robust_limits
 from asperity.views.maps import Look, Map, draw_maps, largest_magnitude
@@ -40,7 +42,12 @@ SEARCH_TOLERANCE = 1e-4
 MOST_DEPTH = 100
 """Largest depth of a plane over the longer edge of the cell; all waves have vanished far above it."""
 
-_POSITIVE = ("von_mises", "largest_shear")
+SECTION_TOLERANCE = 1e-5
+"""Largest relative error of the planes of a section."""
+
+POSITIVE = ("von_mises", "largest_shear")
+"""Fields without a sign."""
+
 _NAMES = {
     "von_mises": "von Mises stress",
     "largest_shear": "largest shear stress",
@@ -49,6 +56,40 @@ _NAMES = {
     "principal_2": "middle principal stress",
     "principal_3": "smallest principal stress",
 }
+
+
+class Stress(NamedTuple):
+    """A field of the stress in a body under a contact.
+
+    Parameters
+    ----------
+    source : Source
+    solid : PressedSolid
+    field : str
+    poisson : float or None
+    sliding : dict
+        As of `Source.sliding_of`.
+    """
+
+    source: Source
+    solid: PressedSolid
+    field: str
+    poisson: float | None
+    sliding: dict[str, Any]
+
+    @classmethod
+    def of(
+        cls,
+        source: Source,
+        field: str,
+        poisson: float | None,
+        body: str,
+        friction: float | None,
+        sliding_direction: str | float | None,
+    ) -> Stress:
+        """The field in one of the bodies of a result, with its own friction if none is given."""
+        sliding = source.sliding_of(body, friction, sliding_direction)
+        return cls(source, source.pressed(body), field, poisson, sliding)
 
 
 class Section(NamedTuple):
@@ -92,6 +133,9 @@ def plot_section(
     field: str = "von_mises",
     poisson: float | None = None,
     *,
+    body: str = "lower",
+    friction: float | None = None,
+    sliding_direction: str | float | None = None,
     axes: Axes | Sequence[Axes] | None = None,
     unit_system: str | None = None,
     progress: Progress | None = None,
@@ -112,6 +156,11 @@ def plot_section(
         As for `asperity.stress_planes`.
     poisson : float, optional
         By default that of the contact.
+    body : "lower" | "upper"
+        The body whose stress is drawn, if the contact has two; depth counts from its surface.
+    friction, sliding_direction : float, str or float, optional
+        Full sliding, as for `asperity.stress_planes`, in the direction in which the upper body moves over the
+        lower one; by default that of the result.
     axes, unit_system
         As for `asperity.plot_height`.
     progress : callable, optional
@@ -131,9 +180,11 @@ def plot_section(
     >>> len(figure.axes) >= 2
     True
     """
-    sections = [
-        _section(source, y, x, depth, field, poisson, progress) for source in sources(contact, unit_system)
+    stresses = [
+        Stress.of(source, field, poisson, body, friction, sliding_direction)
+        for source in sources(contact, unit_system)
     ]
+    sections = [_section(stress, y, x, depth, progress) for stress in stresses]
     look = _look(field)
     limits = robust_limits((section.values for section in sections), look.low)
     if look.signed:
@@ -164,6 +215,9 @@ def plot_plane(
     *,
     y: Span | None = None,
     x: Span | None = None,
+    body: str = "lower",
+    friction: float | None = None,
+    sliding_direction: str | float | None = None,
     axes: Axes | Sequence[Axes] | None = None,
     unit_system: str | None = None,
     progress: Progress | None = None,
@@ -176,7 +230,7 @@ def plot_plane(
         Results of stage contact; several are drawn beside each other in the same colours.
     depth : float or "max"
         Depth of the plane; "max": that of the largest magnitude of the field, of each result.
-    field, poisson, axes, unit_system, progress
+    field, poisson, body, friction, sliding_direction, axes, unit_system, progress
         As for `plot_section`.
     y, x : (first, last), optional
         Part of the cell.
@@ -195,19 +249,32 @@ def plot_plane(
     >>> len(figure.axes)  # the map and its colour bar
     2
     """
-    maps = [_plane(source, depth, field, poisson, y, x, progress) for source in sources(contact, unit_system)]
+    stresses = [
+        Stress.of(source, field, poisson, body, friction, sliding_direction)
+        for source in sources(contact, unit_system)
+    ]
+    maps = [_plane(stress, depth, y, x, progress) for stress in stresses]
     return draw_maps(maps, _look(field), axes)
 
 
-def depth_of_largest(
-    source: Source, field: str, poisson: float | None = None, progress: Progress | None = None
-) -> float:
+def depth_of_largest(stress: Stress, progress: Progress | None = None) -> float:
     """Depth of the plane in which the magnitude of a field is largest, of those of `depth_grid`."""
-    solid = source.pressed()
-    depths = depth_grid(solid.grid, solid.layer.height)
-    ratio = None if poisson is None else [poisson]
-    planes = stress_planes(solid, depths, ratio, (field,), SEARCH_TOLERANCE, progress=progress)
+    solid, field = stress.solid, stress.field
+    planes = stress_planes(
+        solid,
+        depth_grid(solid.grid, solid.layer.height),
+        stress.poisson,
+        (field,),
+        SEARCH_TOLERANCE,
+        progress=progress,
+        **stress.sliding,
+    )
     return max((float(np.abs(plane.fields[field]).max()), -plane.depth) for plane in planes)[1] * -1
+
+
+def field_words(field: str) -> str:
+    """Name of a field of the stress in plain text."""
+    return _NAMES.get(field, f"stress σ_{field}")
 
 
 def field_name(field: str) -> str:
@@ -219,25 +286,19 @@ def field_name(field: str) -> str:
 
 def _look(field: str) -> Look:
     name = field_name(field)
-    if field in _POSITIVE:
+    if field in POSITIVE:
         return Look(name, "stress", STRESS, "white", np.max, low=0.0)
     return Look(name, "stress", SIGNED, "black", largest_magnitude, signed=True)
 
 
 def _plane(
-    source: Source,
-    depth: float | str,
-    field: str,
-    poisson: float | None,
-    y: Span | None,
-    x: Span | None,
-    progress: Progress | None,
+    stress: Stress, depth: float | str, y: Span | None, x: Span | None, progress: Progress | None
 ) -> Map:
+    source, solid = stress.source, stress.solid
     part = source.window(y, x)
-    solid = source.pressed()
     where = "depth"
     if depth == "max":
-        depth = depth_of_largest(source, field, poisson, progress)
+        depth = depth_of_largest(stress, progress)
         where = "depth of the largest"
     place = float(depth)
     deepest = solid.layer.height or MOST_DEPTH * max(solid.grid.length)
@@ -245,35 +306,43 @@ def _plane(
         raise ValueError(
             f"depth = {source.told(place)}: max or a depth from 0 to {source.told(deepest)} is needed"
         )
-    (plane,) = planes_on_grid(solid, np.array([place]), (field,), poisson)
+    (plane,) = planes_on_grid(solid, np.array([place]), (stress.field,), stress.poisson, **stress.sliding)
     shown = measure(place, "length", source.system).text(place)
     title = ", ".join(line for line in (source.title, f"{where}: {shown}") if line)
-    return Map(title, source.system, part, part.of(plane[field]), solid.pressure > 0)
+    return Map(title, source.system, part, part.of(plane[stress.field]), solid.pressure > 0)
 
 
 def _section(
-    source: Source,
+    stress: Stress,
     y: float | Span | None,
     x: float | Span | None,
     depth: float | None,
-    field: str,
-    poisson: float | None,
     progress: Progress | None,
 ) -> Section:
-    solid = source.pressed()
+    source, solid = stress.source, stress.solid
     across, place, span = _cut(source, y, x)
     axis = "yx".index(across)
     along = "xy"[axis]
     node = round(place / solid.grid.spacing[axis]) % solid.grid.shape[axis]
     part = source.window(**{along: span})
-    line = (node, part.columns) if along == "x" else (part.rows, node)
+    kept = part.columns if along == "x" else part.rows
     position = part.x if along == "x" else part.y
-    depths = depth_grid(solid.grid, _bottom(source, depth, float(np.ptp(position))))
-    planes = planes_on_grid(solid, depths, (field,), poisson, progress)
-    values = np.stack([plane[field][line] for plane in planes])
     exact = float(node * solid.grid.spacing[axis])
+    found = stress_section(
+        solid,
+        along,
+        exact,
+        depth_grid(solid.grid, _bottom(source, solid.layer.height, depth, float(np.ptp(position)))),
+        (stress.field,),
+        stress.poisson,
+        tolerance=SECTION_TOLERANCE,
+        progress=progress,
+        **stress.sliding,
+    )
+    values = found[stress.field].values[0][:, kept]
+    touching = solid.pressure[node, kept] if along == "x" else solid.pressure[kept, node]
     return Section(
-        source.title, source.system, along, exact, position, depths, values, solid.pressure[line] > 0
+        source.title, source.system, along, exact, position, found["depth"].values, values, touching > 0
     )
 
 
@@ -288,9 +357,8 @@ def _cut(source: Source, y: float | Span | None, x: float | Span | None) -> tupl
     span = given["x" if across == "y" else "y"]
     axis = "yx".index(across)
     if not numbers:
-        solid = source.pressed()
-        largest = np.unravel_index(solid.pressure.argmax(), solid.grid.shape)[axis]
-        return across, float(largest * solid.grid.spacing[axis]), span  # type: ignore[return-value]
+        largest = np.unravel_index(source.field("pressure").argmax(), source.grid.shape)[axis]
+        return across, float(largest * source.grid.spacing[axis]), span  # type: ignore[return-value]
     place, edge = float(given[across]), source.grid.length[axis]  # type: ignore[arg-type]
     if not 0 <= place <= edge:
         raise ValueError(
@@ -299,9 +367,8 @@ def _cut(source: Source, y: float | Span | None, x: float | Span | None) -> tupl
     return across, place, span  # type: ignore[return-value]
 
 
-def _bottom(source: Source, depth: float | None, length: float) -> float:
-    """Depth of the lower end of a section of some length."""
-    height = source.pressed().layer.height
+def _bottom(source: Source, height: float | None, depth: float | None, length: float) -> float:
+    """Depth of the lower end of a section of some length through a solid of some height."""
     if depth is None:
         return min(SECTION_SHAPE * length, height or np.inf)
     if not 0 < depth <= (height or np.inf):

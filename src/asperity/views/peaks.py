@@ -87,7 +87,8 @@ def plot_peaks(
     limits = robust_limits(sizes, 0.0)
     # Small peaks lie at the surface around the contacts, and far below them: large ones set the depth shown.
     large = [size >= LARGE_PEAK * size.max(initial=0.0) for size in sizes]
-    deepest = robust_limits([depth[kept] for depth, kept in zip(depths, large, strict=True)], 0.0)
+    shown = [depth[kept] for depth, kept in zip(depths, large, strict=True)]
+    deepest = robust_limits(shown if any(depth.any() for depth in shown) else depths, 0.0)
     unit = measure(limits.high, "stress", system)
     length = measure(deepest.high, "length", system)
     in_surface = not any(depth.any() for depth in depths)

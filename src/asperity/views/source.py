@@ -9,16 +9,19 @@ from typing import Any
 import xarray as xr
 
 from asperity.elasticity.layer import Layer
+from asperity.elasticity.two_bodies import TwoBodies
 from asperity.errors import shown
 from asperity.results.dataset import settings_of
 from asperity.results.window import Span, Window, window
 from asperity.spectral import Grid, grid_of
-from asperity.stress.pressed import PressedSolid, layer_of
+from asperity.stress.pressed import PressedSolid, Sliding, layer_of, traction_direction
 from asperity.types import Array
 from asperity.views.measures import STUDY, told
 from asperity.views.style import label
 
 FIELDS = ("height", "pressure", "gap")
+
+NO_SLIDING = Sliding()
 
 
 @dataclass(frozen=True)
@@ -34,18 +37,22 @@ class Source:
         Unit system, None if it is not known.
     fields : dict
         Those of `FIELDS` that the result has, as arrays [y, x].
-    layer : Layer or None
-        The solid, if the result is a contact and describes it.
+    layers : dict
+        ``lower`` and, of two elastic bodies, ``upper`` → the solid, if the result is a contact and describes
+        it.
     boundary : "periodic" | "free"
         As of a `Contact`.
+    sliding : Sliding
+        Of the lower body.
     """
 
     title: str
     grid: Grid
     system: str | None
     fields: dict[str, Array]
-    layer: Layer | None
+    layers: dict[str, Layer]
     boundary: str = "periodic"
+    sliding: Sliding = NO_SLIDING
 
     def field(self, name: str) -> Array:
         """One of the fields.
@@ -68,18 +75,38 @@ class Source:
         """The part between two positions along each axis, by default all of it."""
         return window(self.grid, y, x, self.told)
 
-    def pressed(self) -> PressedSolid:
-        """The solid under its contact pressure.
+    def pressed(self, body: str = "lower") -> PressedSolid:
+        """A body under its contact pressure.
 
         Raises
         ------
         ValueError
-            If the result is no contact, or does not describe its solid.
+            If the result is no contact, does not describe its solid, or has no such body.
         """
-        if self.layer is None or "pressure" not in self.fields:
+        if not self.layers or "pressure" not in self.fields:
             raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
+        if body not in self.layers:
+            raise ValueError(f"body = {shown(body)}: {' or '.join(self.layers)} is needed")
         pressure = self.fields["pressure"].astype(float)
-        return PressedSolid(pressure, self.grid, self.layer, self.boundary)
+        return PressedSolid(pressure, self.grid, self.layers[body], self.boundary)
+
+    def sliding_of(
+        self, body: str = "lower", friction: float | None = None, direction: str | float | None = None
+    ) -> dict[str, Any]:
+        """Friction and direction of the traction on a body, as arguments of `asperity.stress_planes`.
+
+        Parameters
+        ----------
+        body : "lower" | "upper"
+        friction, direction : float, str or float, optional
+            Coefficient, and direction in which the upper body moves over the lower one; by default those of
+            the result.
+        """
+        direction = self.sliding.sliding_direction if direction is None else direction
+        return {
+            "friction": self.sliding.friction if friction is None else friction,
+            "sliding_direction": traction_direction(direction, body),
+        }
 
 
 def sources(results: Any, unit_system: str | None = None) -> list[Source]:
@@ -149,10 +176,15 @@ def _source(result: Any, unit_system: str | None, title: str | None = None) -> S
             f"result = {shown(result)}: a result of stage surface or contact, or an object with grid and "
             "height or pressure, such as a Contact, is needed"
         )
-    layer = getattr(result, "layer", None)
+    solid = getattr(result, "solid", None)
+    if isinstance(solid, TwoBodies):
+        layers = {"lower": solid.lower, "upper": solid.upper}
+    else:
+        layer = getattr(result, "layer", None)
+        layers = {"lower": layer} if isinstance(layer, Layer) else {}
     system = getattr(result, "unit_system", unit_system)
     boundary = getattr(result, "boundary", "periodic")
-    return Source(title or "", grid, system, fields, layer if isinstance(layer, Layer) else None, boundary)
+    return Source(title or "", grid, system, fields, layers, boundary)
 
 
 def _source_of_dataset(data: xr.Dataset, title: str | None) -> Source:
@@ -163,6 +195,19 @@ def _source_of_dataset(data: xr.Dataset, title: str | None) -> Source:
         height = data["gap"] - data["displacement"] + data["approach"]
         fields.setdefault("height", (height - height.mean()).values)
     title = title_of(data) if title is None else title
-    layer = layer_of(data) if "pressure" in data and "solid" in data.attrs else None
+    layers = _layers_of(data) if "pressure" in data and "solid" in data.attrs else {}
     boundary = str(data.attrs.get("boundary", "periodic"))
-    return Source(title, grid_of(data), system_of(data), fields, layer, boundary)
+    settings = settings_of(data) if "settings" in data.attrs else {}
+    sliding = Sliding(settings.get("friction", 0.0), settings.get("sliding_direction", "x"))
+    return Source(title, grid_of(data), system_of(data), fields, layers, boundary, sliding)
+
+
+def _layers_of(contact: xr.Dataset) -> dict[str, Layer]:
+    """The elastic bodies of a contact; the stress in each depends on the pressure and not on its modulus."""
+    lower, upper = layer_of(contact), settings_of(contact).get("upper")
+    if upper is None:
+        return {"lower": lower}
+    return {
+        "lower": lower,
+        "upper": Layer(*(upper[name] for name in ("young", "poisson", "height", "bottom"))),
+    }

@@ -1,4 +1,7 @@
-"""Style of pictures and figures: sizes, panels, labels, and files that are the same bytes in every run."""
+"""Style of pictures and figures: sizes, panels, labels, and files that are the same bytes in every run.
+
+matplotlib is imported when it is needed: labels are needed without it too.
+"""
 
 from __future__ import annotations
 
@@ -7,13 +10,15 @@ import os
 from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-import matplotlib as mpl
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from asperity.results.dataset import settings_of
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 MILLIMETRE = 1 / 25.4
 PAGE = 170 * MILLIMETRE
@@ -25,6 +30,8 @@ _FORMATS = (".png", ".pdf", ".svg")
 @contextlib.contextmanager
 def style(path: str | os.PathLike[str] | None = None) -> Iterator[None]:
     """Draw with a style file of matplotlib, by default that of the package."""
+    import matplotlib as mpl
+
     chosen = os.fspath(path) if path else str(files("asperity.views") / "style.mplstyle")
     with mpl.rc_context():
         mpl.rcdefaults()
@@ -36,6 +43,8 @@ def panels(
     columns: int = 2, rows: int = 1, height: float = 62.0, width: float = PAGE
 ) -> tuple[Figure, list[Axes]]:
     """A figure with lettered panels, row by row; `height` of a row in millimetres, `width` in inches."""
+    from matplotlib.figure import Figure
+
     figure = Figure(figsize=(width, rows * height * MILLIMETRE))
     axes = [figure.add_subplot(rows, columns, number + 1) for number in range(rows * columns)]
     for letter, axis in zip("abcdefgh", axes, strict=False):

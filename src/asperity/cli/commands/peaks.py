@@ -7,9 +7,10 @@ import argparse
 import xarray as xr
 
 from asperity.cli.arguments import section
-from asperity.cli.files import check_out, read_result, write_result
+from asperity.cli.files import check_out, read_in_cell_lengths, read_result, write_result
 from asperity.pipeline.statistics import SeedResults, surface_statistics
 from asperity.results import dataset
+from asperity.results.systems import in_cell_lengths
 from asperity.runtime.progress import ProgressBar
 from asperity.stress.peak_kinds import selection_for
 from asperity.surface.roughness import roughness_parameters
@@ -25,18 +26,17 @@ def run(options: argparse.Namespace) -> None:
             f"--contact: one for each stress is needed, "
             f"{len(options.contact)} for {len(options.stress)} given"
         )
-    stresses = [read_result(path, "stress") for path in options.stress]
-    contacts = [read_result(path, "contact") for path in options.contact]
-    for path, stress, contact in zip(options.stress, stresses, contacts, strict=True):
+    read = [read_in_cell_lengths(path, "stress") for path in options.stress]
+    beside = [read_result(path, "contact") for path in options.contact]
+    for path, contact in zip(options.stress, beside, strict=True):
+        stress = read_result(path, "stress")
         made_from = {key: value for key, value in dataset.settings_of(stress).items() if key != "stress"}
         if made_from != dataset.settings_of(contact):
             raise ValueError(f"{path}: not made from the contact beside it; give both in the same order")
     chosen = section(options, "statistics")
-    settings = dataset.settings_of(stresses[0])
-    settings |= {
-        "statistics": chosen,
-        "seed": [dataset.settings_of(stress)["seed"] for stress in stresses],
-    }
+    stresses = [stress for stress, _ in read]
+    contacts = [in_cell_lengths(contact, {})[0] for contact in beside]
+    settings = read[0][1] | {"statistics": chosen, "seed": [each["seed"] for _, each in read]}
     results = map(SeedResults, settings["seed"], map(_surface, contacts), contacts, stresses)
     with ProgressBar(f"peaks {settings['name']}"):
         result = surface_statistics(results, **chosen)

@@ -7,6 +7,7 @@ import argparse
 from asperity.accuracy.plan import PEAKS, Target, assess, propose, report
 from asperity.accuracy.scenes import read, scenes
 from asperity.cli.arguments import section
+from asperity.paper.figures import surfaces_with_contact
 
 _GIB = 2**30
 
@@ -14,7 +15,7 @@ _GIB = 2**30
 def run(options: argparse.Namespace) -> None:
     """Print cost and error of the settings that are given, or of the settings proposed for a target."""
     config = read(options.config, section(options, "contact").get("area_fraction"))
-    surfaces, accuracy = scenes(config)
+    surfaces, accuracy = scenes(config, surfaces_with_contact(config))
     outputs = options.output or PEAKS
     memory = None if options.memory is None else options.memory * _GIB
     if options.error is None and options.seconds is None and memory is None:

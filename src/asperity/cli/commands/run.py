@@ -3,23 +3,42 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
-from asperity.cli.arguments import converted, flag
+from asperity.cli.arguments import converted, direction, flag
 from asperity.cli.run_options import RUN_MAP_OPTIONS, RUN_OPTIONS, Option
 from asperity.config.check import needed_instead
 from asperity.config.reader import is_file, load
 from asperity.config.schema import setting
-from asperity.errors import ConfigError, fail, shown
-from asperity.units import to_si
+from asperity.errors import ConfigError, InputError, fail, shown
+from asperity.packages import require
+from asperity.units import shown_si, to_si
 
 WRONG_USAGE = 2
 """Exit status for arguments that are not accepted, as argparse has it."""
 
-_MAP_NAMES = (*(option.key.rpartition(".")[2] for option in RUN_MAP_OPTIONS), "boundary")
+_MAP_NAMES = (
+    *(option.key.rpartition(".")[2] for option in RUN_MAP_OPTIONS),
+    "boundary",
+    "form",
+    "cylinder_axis",
+)
 """Settings that `MapSettings` takes as they are."""
+
+_COUNTER_NAMES = tuple(f"counter_{name}" for name in ("young", "poisson", "yield", "layer_height", "bottom"))
+"""Settings of an elastic counter body."""
+
+_NEEDS = {
+    "form": "radius",
+    "counter_turned_about": "counter_map",
+    "counter_shift": "counter_map",
+    "sliding_direction": "friction",
+}
+"""Setting → the one without which it has no meaning."""
 
 _LOADS = {
     "pressure": ("mean_pressure", "pressure"),
@@ -32,28 +51,34 @@ _LOADS = {
 
 def run(options: argparse.Namespace) -> None:
     """Compute the answer, print it, and write results, pictures and report."""
+    require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
     values, problems = _values(options)
+    refused = [problem.split(" ")[0] for problem in problems]
     problems += _contradictions(options, values)
+    indenter = _indenter(options.map, values, refused, problems)
     if problems:
         for problem in problems:
             fail(problem)
         sys.exit(WRONG_USAGE)
 
-    from asperity.cli.compiling import compile_visibly
+    from asperity.cli.compiling import compile_visibly, run_small
     from asperity.engineering import run as answer_of
     from asperity.engineering import write_answer
     from asperity.runtime.progress import ProgressBar
 
     lower, upper = _bodies(values)
-    settings = _map_settings(values)
-    compile_visibly(lower)
+    settings, friction = _map_settings(values), values.get("friction", 0.0)
+    compile_visibly("run", partial(run_small, lower, upper, settings, friction))
     with ProgressBar(f"run {options.map}") as progress:
         answer = answer_of(
-            options.map,
+            indenter,
             lower,
             upper,
-            friction=values.get("friction", 0.0),
+            friction=friction,
+            sliding_direction=direction(values.get("sliding_direction", "x")),
+            counter_map=_counter_map(values),
             map_settings=settings,
+            fields=values.get("fields", ("von_mises",)),
             progress=progress,
             **_load(values),
         )
@@ -63,6 +88,43 @@ def run(options: argparse.Namespace) -> None:
     results = " ".join(str(path) for path in files if path.suffix in (".nc", ".csv"))
     report = next(path for path in files if path.suffix == ".html")
     print(f"\npictures  {pictures}\nresults   {results}\nreport    {report}")
+
+
+def _indenter(path: str, values: Mapping[str, Any], refused: Sequence[str], problems: list[str]) -> Any:
+    """The map as it is pressed, or both maps, or None; what is wrong with it is added to `problems`.
+
+    A map that needs an option whose value is `refused` already is not blamed for it again.
+    """
+    if not is_file(path) or not is_file(values.get("counter_map", path)):
+        return None
+    from asperity.engineering.indenter import read_indenter
+
+    try:
+        indenter = read_indenter(path, _map_settings(values), _counter_map(values))
+    except InputError as error:
+        for problem, line in zip(error.problems, error.lines, strict=True):
+            if not problem.startswith(tuple(refused)):
+                problems.append(line)
+        return None
+    except ValueError as error:
+        problems.append(str(error))
+        return None
+    if problem := _too_deep(values, indenter):
+        problems.append(problem)
+    return indenter
+
+
+def _too_deep(values: Mapping[str, Any], indenter: Any) -> str:
+    """Message on an approach that no pressure on a periodic half-space causes; empty if there is none."""
+    if "approach" not in values or "layer_height" in values or indenter.boundary == "free":
+        return ""
+    most = -float(indenter.height.min())
+    if to_si(values["approach"], "length") < most:
+        return ""
+    return (
+        f"--approach = {values['approach']}: less than {shown_si(most, 'm')} is needed, the height of the "
+        "mean plane above the point that touches first; there a periodic half-space is in full contact"
+    )
 
 
 def _values(options: argparse.Namespace) -> tuple[dict[str, Any], list[str]]:
@@ -83,9 +145,12 @@ def _values(options: argparse.Namespace) -> tuple[dict[str, Any], list[str]]:
 
 def _converted(option: Option, given: str | list[str]) -> Any:
     entry = setting(option.key)
-    if isinstance(given, list):
-        return [converted(entry["items"], text) for text in given]
-    return converted(entry, given)
+    if not isinstance(given, list):
+        return converted(entry, given)
+    values = [converted(entry["items"], text) for text in given]
+    if needed := needed_instead(values, entry):
+        raise argparse.ArgumentTypeError(f"{' '.join(given)}: {needed} is needed")
+    return values
 
 
 def _configured(path: str | None, problems: list[str]) -> dict[str, Any]:
@@ -125,7 +190,8 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any]) -> l
     known = {*values, *refused}
     problems = []
     if not is_file(options.map):
-        problems.append(f"{options.map}: no such file")
+        what = "a folder, a height map is needed" if os.path.isdir(options.map) else "no such file"
+        problems.append(f"{options.map}: {what}")
     problems += [
         f"--{name}: missing; {setting(f'engineering.{name}')['accepts']} is needed"
         if name == "young"
@@ -139,7 +205,7 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any]) -> l
             f"{', '.join(map(flag, _LOADS))}: exactly one of them is needed, "
             f"{' and '.join(loads) if loads else 'none'} given"
         )
-    counter = [name for name in ("counter_young", "counter_poisson", "counter_yield") if name in known]
+    counter = [name for name in _COUNTER_NAMES if name in known]
     if options.rigid and counter:
         problems.append(f"--rigid: not accepted together with {', '.join(map(flag, counter))}")
     elif counter:
@@ -148,12 +214,21 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any]) -> l
             for name in ("counter_young", "counter_poisson")
             if name not in known
         ]
-    if "friction" in known and "layer_height" in known:
-        problems.append("--friction: accepted for half-spaces only, not with --layer-height")
-    if values.get("boundary") == "free" and "layer_height" in known:
-        problems.append("--boundary free: accepted for half-spaces only, not with --layer-height")
-    if "bottom" in known and "layer_height" not in known:
-        problems.append("--bottom: needs --layer-height, a half-space has no lower face")
+    for prefix in ("", "counter_"):
+        height, bottom = flag(f"{prefix}layer_height"), flag(f"{prefix}bottom")
+        if f"{prefix}bottom" in known and f"{prefix}layer_height" not in known:
+            problems.append(f"{bottom}: needs {height}, a half-space has no far face")
+        if values.get("friction") and values.get(f"{prefix}bottom") == "frictionless":
+            problems.append(f"--friction: not accepted with {bottom} frictionless, which bears no shear")
+        if values.get("boundary") == "free" and f"{prefix}layer_height" in known:
+            problems.append(f"--boundary free: accepted for half-spaces only, not with {height}")
+    for name, needs in _NEEDS.items():
+        if name in known and needs not in known:
+            problems.append(f"{flag(name)}: needs {flag(needs)}")
+    if "cylinder_axis" in known and values.get("form") != "cylinder":
+        problems.append("--cylinder-axis: needs --form cylinder")
+    if "counter_map" in values and not is_file(values["counter_map"]):
+        problems.append(f"--counter-map {values['counter_map']}: no such file")
     if options.out is None:
         problems.append("--out: missing; the name of a folder is needed")
     elif problem := folder_problem(options.out):
@@ -178,8 +253,23 @@ def _bodies(values: Mapping[str, Any]) -> tuple[Any, Any]:
         to_si(values["counter_young"], "pressure"),
         values["counter_poisson"],
         _si(values.get("counter_yield"), "pressure"),
+        _si(values.get("counter_layer_height"), "length"),
+        values.get("counter_bottom", "bonded"),
     )
     return lower, upper
+
+
+def _counter_map(values: Mapping[str, Any]) -> Any:
+    from asperity.engineering import CounterMap
+
+    if "counter_map" not in values:
+        return None
+    shift = values.get("counter_shift", ("0 m", "0 m"))
+    return CounterMap(
+        values["counter_map"],
+        turned_about=values.get("counter_turned_about", "y"),
+        shift=(to_si(shift[0], "length"), to_si(shift[1], "length")),
+    )
 
 
 def _load(values: Mapping[str, Any]) -> dict[str, float]:

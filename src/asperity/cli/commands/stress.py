@@ -3,19 +3,23 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 
 from asperity.cli.arguments import section
+from asperity.cli.compiling import compile_visibly, stress_small
 from asperity.cli.files import check_out, read_result, write_result
 from asperity.pipeline.stress import compute_stress
 from asperity.results import dataset
+from asperity.results.systems import cell_length, in_cell_lengths, in_si
 from asperity.runtime.progress import ProgressBar
+from asperity.units import shown_si
 
 
 def run(options: argparse.Namespace) -> None:
     """Analyse the stress, write it, and print the largest von Mises stress and its depth."""
     check_out([options.out], [options.contact])
-    contact = read_result(options.contact, "contact")
-    settings = dataset.settings_of(contact)
+    given = read_result(options.contact, "contact")
+    contact, settings = in_cell_lengths(given, dataset.settings_of(given))
     own = settings["layer"]["poisson"]
     chosen = {"poisson": [own], **section(options, "stress")}
     if contact.attrs["solid"] != "half-space" and chosen["poisson"] != [own]:
@@ -23,12 +27,19 @@ def run(options: argparse.Namespace) -> None:
             f"--poisson {' '.join(f'{nu:g}' for nu in chosen['poisson'])}: only {own:g} is accepted, "
             f"the ratio of the layer on which the contact was solved"
         )
+    compile_visibly("stress", partial(stress_small, settings["layer"], chosen))
     with ProgressBar(f"stress {settings['name']}") as progress:
         result = compute_stress(contact, settings["layer"], chosen, progress=progress)
-    write_result(result, options.out, "Stress under rough surface", settings | {"stress": chosen})
+    si = given is not contact
+    if si:
+        result, _ = in_si(result, settings, cell_length(given), given.attrs["effective_modulus"])
+    whole = dataset.settings_of(given) | {"stress": chosen}
+    write_result(result, options.out, "Stress under rough surface", whole)
     for nu in result["poisson"].values:
         of_ratio = result.sel(poisson=nu)
+        largest, depth = float(of_ratio["largest_von_mises"].max()), float(of_ratio["reference_depth"])
         print(
-            f"poisson {nu:g}: largest von Mises stress {float(of_ratio['largest_von_mises'].max()):.6g} E* "
-            f"at depth {float(of_ratio['reference_depth']):.6g}"
+            f"poisson {nu:g}: largest von Mises stress "
+            f"{shown_si(largest, 'Pa') if si else f'{largest:.6g} E*'} "
+            f"at depth {shown_si(depth, 'm') if si else f'{depth:.6g}'}"
         )

@@ -6,8 +6,6 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-import xarray as xr
-
 from asperity.cli.arguments import section
 from asperity.cli.files import check_out, write_result
 from asperity.config.check import needed_instead
@@ -16,22 +14,11 @@ from asperity.config.presets import PRESETS
 from asperity.config.schema import setting
 from asperity.errors import shown
 from asperity.pipeline.surface import make_surface
+from asperity.results.systems import in_si
 from asperity.units import shown_si, to_si
 
 LENGTHS = ("wavelength_long", "wavelength_short", "rms_height")
 """Settings that are lengths."""
-
-POWERS = {
-    "y": 1,
-    "x": 1,
-    "height": 1,
-    "rms_height": 1,
-    "wavenumber": -1,
-    "spectrum": 4,
-    "spectrum_target": 4,
-    "spectrum_before": 4,
-}
-"""Variable of a surface → its dimension as a power of length; all others are numbers."""
 
 _ROUNDING = 1e-9
 """Two nodes on the shortest wavelength may be missed by this much."""
@@ -52,10 +39,9 @@ def run(options: argparse.Namespace) -> None:
     name = Path(options.out).stem
     parameters.setdefault("label", f"H = {parameters['hurst']:g}")
     surface = make_surface(parameters, options.seed)
-    if edge is not None:
-        surface = _in_metres(surface, edge)
-        parameters |= {name: parameters[name] * edge for name in LENGTHS} | {"length": edge}
     settings = {"name": name, "seed": options.seed, "surface": parameters}
+    if edge is not None:
+        surface, settings = in_si(surface, settings, edge)
     write_result(surface, options.out, "Rough surface", settings)
     height, gradient = float(surface["rms_height"]), float(surface["rms_gradient"])
     print(
@@ -118,14 +104,6 @@ def _check_band(parameters: dict[str, Any], given: dict[str, Any]) -> None:
             f"--points = {points}: at least {round(2 / short)} are needed, two on --wavelength-short = "
             f"{given['wavelength_short']}"
         )
-
-
-def _in_metres(surface: xr.Dataset, edge: float) -> xr.Dataset:
-    """A surface in cell lengths as one in SI, on a cell with an edge in metres."""
-    scaled = {name: surface[name] * edge ** POWERS[str(name)] for name in surface.variables if name in POWERS}
-    coordinates = {name: values.values for name, values in scaled.items() if name in surface.coords}
-    fields = {name: values.variable for name, values in scaled.items() if name not in surface.coords}
-    return surface.assign(fields).assign_coords(coordinates).assign_attrs(unit_system="SI")
 
 
 def _flag(name: str) -> str:

@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.cli.arguments import section
+from asperity.cli.arguments import flag, section, sliding
+from asperity.cli.compiling import compile_visibly, planes_small
 from asperity.cli.files import check_out, stage_of
 from asperity.cli.parser import VIEWS
 from asperity.cli.places import is_si, length, places, span
@@ -22,7 +24,7 @@ from asperity.stress.arguments import FIELDS
 from asperity.views.inside import plot_plane, plot_section
 from asperity.views.maps import plot_gap, plot_height, plot_pressure
 from asperity.views.peaks import plot_peaks
-from asperity.views.source import title_of
+from asperity.views.source import sources, title_of
 from asperity.views.style import save, style
 
 _STAGES = {
@@ -94,6 +96,7 @@ def _draw(
     poisson = section(options, "layer").get("poisson")
     if view in _MAPS:
         _refuse(view, field=options.field, poisson=poisson)
+        _refuse_sliding(view, options)
         parts: dict[str, Any] = {name: span(name, text, si) for name, text in given.items()}
         return _MAPS[view](results, **parts)
     field = options.field or "von_mises"
@@ -101,14 +104,17 @@ def _draw(
     if field not in known:
         raise ValueError(f"--field {shown(field)}: one of {', '.join(known)} is needed")
     if view == "peaks":
+        _refuse_sliding(view, options)
         return plot_peaks(results, field, poisson)
-    chosen: dict[str, Any] = {"field": field, "poisson": poisson}
+    chosen: dict[str, Any] = {"field": field, "poisson": poisson, "body": options.body, **sliding(options)}
     if view == "section":
         for name, text in given.items():
             chosen[name] = _place(name, text, si)
     else:
         for name, text in given.items():
             chosen[name] = span(name, text, si) if name != "depth" else _depth(text, si)
+    for source in sources(list(results.values())):
+        compile_visibly("planes", partial(planes_small, source.pressed(), [field], poisson))
     plot = plot_section if view == "section" else plot_plane
     with ProgressBar(view) as progress:
         return plot(results, **chosen, progress=progress)
@@ -119,6 +125,14 @@ def _refuse(view: str, **given: Any) -> None:
     for name, value in given.items():
         if value is not None:
             raise ValueError(f"--{name}: not for {view}, only for section, plane and peaks")
+
+
+def _refuse_sliding(view: str, options: argparse.Namespace) -> None:
+    """Raise `ValueError` for a body or friction with a view that shows no stress computed here."""
+    if options.body != "lower":
+        raise ValueError(f"--body: not for {view}, only for section and plane")
+    for name in sliding(options):
+        raise ValueError(f"{flag(name)}: not for {view}, only for section and plane")
 
 
 def _place(name: str, text: str, si: bool) -> float | tuple[float, float]:

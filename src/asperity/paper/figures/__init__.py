@@ -174,6 +174,22 @@ def describe_all(
     return {one.name: one for one in (*numbered, *supplement, *own)}
 
 
+def figures_of(config: Mapping[str, Any]) -> dict[str, Description]:
+    """Descriptions of the figures of a complete configuration, by name."""
+    return describe_all(
+        config["studies"],
+        config["validation"],
+        paper=config["figures"] == "paper",
+        several_ratios=len(config["stress"]["poisson"]) > 1,
+    )
+
+
+def surfaces_with_contact(config: Mapping[str, Any]) -> set[str]:
+    """Surfaces of which a figure shows the contact: these need the load-area curve."""
+    figures = figures_of(config).values()
+    return {name for figure in figures for name in figure.surfaces(config["studies"], "contact")}
+
+
 @cache
 def paper_studies() -> set[str]:
     """Names of the studies of the paper and its supplement."""

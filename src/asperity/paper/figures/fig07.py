@@ -21,6 +21,10 @@ OWN = "pressure"
 PIXELS = 512
 """Smallest number of pixels along an edge, where the grid has as many nodes."""
 
+WIDEST = 4.0
+"""Largest end of the colours over that of the surface with the smallest pressure: one surface with spikes
+does not make the others pale."""
+
 
 def draw(contact: Mapping[str, xr.Dataset]) -> Figure:
     """Draw the pressure over E* times the rms gradient of the true contact; white where there is no contact.
@@ -34,7 +38,8 @@ def draw(contact: Mapping[str, xr.Dataset]) -> Figure:
         for name, data in contact.items()
     }
     figure, axes = panels(columns=len(maps), height=76, width=PAGE if len(maps) > 1 else COLUMN)
-    largest = max(np.percentile(values[values > 0], 99.5) for values in maps.values())
+    ends = [np.percentile(values[values > 0], 99.5) for values in maps.values()]
+    largest = min(max(ends), WIDEST * min(ends))
     for axis, (name, values) in zip(axes, maps.items(), strict=True):
         height, width = grid_of(contact[name]).length
         image = axis.imshow(

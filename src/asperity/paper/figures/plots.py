@@ -29,6 +29,11 @@ SMALLEST_DENSITY = 2e-3
 """Smallest density, over the largest, to which the axis of a density extends."""
 
 
+LARGEST_OVER_MEDIAN = 10.0
+"""Largest value of a peak drawn, over the largest median of the cases. Spikes of a measured map have peaks
+far above, which would flatten all curves; those of random surfaces stay below 6."""
+
+
 def height_densities(axis: Axes, titles: Iterable[str], statistics: Iterable[xr.Dataset]) -> None:
     """Draw the probability density of the heights over their rms, all seeds, one curve for each title."""
     for title, data in zip(titles, statistics, strict=True):
@@ -61,13 +66,34 @@ def folded_density(values: Array, edges: Array, folded_edges: Array) -> Array:
 
 
 def finish_densities(axis: Axes, symbol: str) -> None:
-    """Label the axes of densities of scaled peaks, limit them to what can be seen, and add the legend."""
+    """Label the axes of densities of scaled peaks, limit them to what can be seen, and add the legend.
+
+    If peaks lie beyond the axis (`LARGEST_OVER_MEDIAN`), the legend says which share of them.
+    """
     scaled = rf"{symbol}^\mathrm{{lmax}} / E^* \bar{{g}}_r"
     lines = [(np.asarray(line.get_xdata()), np.asarray(line.get_ydata())) for line in axis.lines]
     visible = SMALLEST_DENSITY * max(float(y.max()) for _, y in lines)
-    largest = max(float(x[y > visible].max(initial=0.0)) for x, y in lines)
+    limit = LARGEST_OVER_MEDIAN * max(_median(x, y) for x, y in lines)
+    largest = max(float(x[(y > visible) & (x <= limit)].max(initial=0.0)) for x, y in lines)
     axis.set(xlabel=f"${scaled}$", ylabel=rf"PDF$\,[{scaled}]$", xlim=(0, 1.02 * largest), ylim=(0, None))
-    axis.legend()
+    beyond = max(float(y[x > 1.02 * largest].sum() / max(y.sum(), 1e-300)) for x, y in lines)
+    spikes = any(np.any((y > visible) & (x > limit)) for x, y in lines)
+    axis.legend(title=_beyond(beyond) if spikes else None)
+
+
+def _median(values: Array, weights: Array) -> float:
+    """Median of the positive values, each with its weight; zero if there are none."""
+    order = np.argsort(values)
+    order = order[values[order] > 0]
+    cumulative = np.cumsum(weights[order])
+    if not cumulative.size or not cumulative[-1] > 0:
+        return 0.0
+    return float(values[order][np.searchsorted(cumulative, 0.5 * cumulative[-1])])
+
+
+def _beyond(share: float) -> str:
+    """Text on the share of the peaks that lie beyond an axis."""
+    return f"{100 * share:.2g} % beyond the axis"
 
 
 def von_mises_densities(axis: Axes, cases: Sequence[Case]) -> None:
@@ -90,17 +116,33 @@ def depth_distributions(
     """
     figure, axes = panels(columns=len(cases), height=66, width=PAGE if len(cases) > 1 else COLUMN)
     densities = [_joint_density(case, unit or case.wavelength_short) for case in cases]
-    highest = max(density.max() for _, _, density in densities)
-    lowest = min(density.min() for _, _, density in densities)
-    norm = LogNorm(max(highest * SMALLEST_SHARE, lowest), highest)
-    widest = max(value[1:][density.any(axis=1)].max() for value, _, density in densities)
-    deepest = max(depth[1:][density.any(axis=0)].max() for _, depth, density in densities)
+    shown = [(value, depth, density) for value, depth, density in densities if density.count()]
+    if not shown:
+        return _without_peaks(figure, axes, cases)
+    highest = max(density.max() for _, _, density in shown)
+    lowest = min(density.min() for _, _, density in shown)
+    norm = LogNorm(max(highest * SMALLEST_SHARE, lowest if lowest < highest else 0), highest)
+    limit = LARGEST_OVER_MEDIAN * max(
+        _median(value[1:], density.sum(axis=1).filled(0)) for value, _, density in shown
+    )
+    reached = [value[1:][density.any(axis=1)] for value, _, density in shown]
+    widest = max(float(values[values <= limit].max(initial=0.0)) for values in reached)
+    deepest = max(depth[1:][density.any(axis=0)].max() for _, depth, density in shown)
     for axis, case, (value, depth, density) in zip(axes, cases, densities, strict=True):
         image = axis.pcolormesh(value, depth, density.T, norm=norm, cmap="viridis_r", rasterized=True)
         axis.set(xlabel=r"$\sigma_\mathrm{VM}^\mathrm{lmax} / E^* \bar{g}_r$", ylabel=f"depth $/ {symbol}$")
         axis.set(xlim=(0, widest), ylim=(min(deepest, LARGEST_DISTANCE), 0))
         axis.set_title(case.title, loc="center")
     figure.colorbar(image, ax=axes, label="joint probability density")
+    return figure
+
+
+def _without_peaks(figure: Figure, axes: Sequence[Axes], cases: Sequence[Case]) -> Figure:
+    """The figure of surfaces under whose contacts no peak was found, as in contacts of a few nodes."""
+    for axis, case in zip(axes, cases, strict=True):
+        axis.set_title(case.title, loc="center")
+        axis.text(0.5, 0.5, "no peaks", ha="center", transform=axis.transAxes)
+        axis.set(xticks=[], yticks=[])
     return figure
 
 

@@ -1,0 +1,122 @@
+"""From a measured map to an answer: the same steel in every file format, and the time for a map of 512².
+
+``python benchmarks/own_map.py`` prints two tables. The first runs ``asperity run`` and the same in Python on
+the files of ``tests/data``, which hold one surface. The second is the processor time and the memory of
+``asperity run`` on a map of 512 × 512 points in X3P, compiled, with all files and pictures written: 10 s and
+1 GB are allowed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from asperity.engineering import Body, MapSettings, run
+
+DATA = Path(__file__).parents[1] / "tests" / "data"
+FILES = (
+    "steel.x3p",
+    "steel.gwy",
+    "steel.sdf",
+    "steel_bcr.sdf",
+    "steel.asc",
+    "steel.nc",
+    "steel.xyz",
+    "steel.npy",
+)
+NEEDED = {"steel.npy": {"unit": "um", "physical_size": (80e-6, 96e-6), "orientation": "peaks up"}}
+"""What a file does not say."""
+
+NUMBERS = {
+    "real contact": "1",
+    "largest pressure": "Pa",
+    "largest von Mises stress": "Pa",
+    "approach since first touch": "m",
+}
+"""Rows of ``answer.csv`` that are compared."""
+
+MOST_SECONDS, MOST_MEGABYTES = 10.0, 1000.0
+
+
+def answer_in_python(name: str) -> dict[str, float]:
+    """The numbers from `asperity.engineering.run`."""
+    settings = MapSettings(despike=8, **NEEDED.get(name, {}))
+    answer = run(DATA / name, Body(210e9, 0.3), mean_pressure=50e6, map_settings=settings)
+    frame = answer.frame().set_index("name")["value"]
+    return {number: float(frame[number]) for number in NUMBERS}
+
+
+def command(path: Path, out: Path, **needed: object) -> list[str]:
+    """The command that gives the same answer."""
+    given = ["--young", "210 GPa", "--poisson", "0.3", "--pressure", "50 MPa", "--despike", "8"]
+    for option, value in needed.items():
+        values = [f"{1e6 * edge:g} um" for edge in value] if isinstance(value, tuple) else [str(value)]
+        given += [f"--{option.replace('_', '-')}", *values]
+    return [sys.executable, "-m", "asperity.cli", "run", str(path), *given, "--out", str(out)]
+
+
+def answer_of_command(name: str, folder: Path) -> dict[str, float]:
+    """The numbers from ``answer.csv`` of ``asperity run``."""
+    out = folder / name
+    subprocess.run(command(DATA / name, out, **NEEDED.get(name, {})), check=True, stdout=subprocess.DEVNULL)
+    with open(out / "answer.csv", encoding="utf-8", newline="") as file:
+        rows = {row["name"]: row["value"] for row in csv.DictReader(file)}
+    return {number: float(rows[number]) for number in NUMBERS}
+
+
+def print_families(folder: Path) -> None:
+    """Print the answers of all files, by both interfaces."""
+    print(f"{'file':<14}{'interface':<10}" + "".join(f"{name:>28}" for name in NUMBERS))
+    for name in FILES:
+        for interface, numbers in (
+            ("command", answer_of_command(name, folder)),
+            ("Python", answer_in_python(name)),
+        ):
+            print(f"{name:<14}{interface:<10}" + "".join(f"{value:>28.9g}" for value in numbers.values()))
+
+
+def large_map(path: Path, points: int) -> None:
+    """Write a ground surface of points² pixels of 1 µm as X3P, with a tilt, spikes and gaps."""
+    sys.path.insert(0, str(DATA))
+    import make_maps
+
+    make_maps.SHAPE, make_maps.PIXEL = (points, points), 1e-6
+    height, valid = make_maps.ground_steel()
+    make_maps.write_x3p(path, np.clip(height, -(2**15), 2**15 - 1), valid)
+
+
+def print_time(folder: Path, points: int) -> None:
+    """Print processor time and memory of the command, after a first run has compiled."""
+    path = folder / "large.x3p"
+    large_map(path, points)
+    subprocess.run(command(DATA / FILES[0], folder / "first"), check=True, stdout=subprocess.DEVNULL)
+    process = subprocess.Popen(command(path, folder / "large"), stdout=subprocess.DEVNULL)
+    _, status, used = os.wait4(process.pid, 0)
+    seconds, megabytes = used.ru_utime + used.ru_stime, used.ru_maxrss / 1e3
+    print(
+        f"\n{points} x {points} points: {seconds:.1f} s of processor time (at most {MOST_SECONDS:g}), "
+        f"{megabytes:.0f} MB (at most {MOST_MEGABYTES:g})"
+    )
+    if status or seconds > MOST_SECONDS or megabytes > MOST_MEGABYTES:
+        sys.exit("not reached")
+
+
+def main() -> None:
+    """Print both tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--points", type=int, default=512, help="points on an edge of the large map")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        print_families(Path(folder))
+        print_time(Path(folder), options.points)
+
+
+if __name__ == "__main__":
+    main()

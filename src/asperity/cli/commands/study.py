@@ -1,0 +1,24 @@
+"""``asperity study init``: a folder in which the study of the paper runs."""
+
+from __future__ import annotations
+
+import argparse
+
+from asperity.packages import absent, install_command
+from asperity.runtime.study_folder import make_study_folder
+
+_NEXT = """\
+next:
+    cd {folder}
+    snakemake --cores 2 --configfile config/quick.yaml    # every rule on small cells, one minute
+    snakemake --cores 2                                   # the paper; figures in results/figures
+config/README.md describes every setting"""
+
+
+def run(options: argparse.Namespace) -> None:
+    """Write the folder, and print the commands that run the study."""
+    folder = make_study_folder(options.folder)
+    print(f"{folder}: Snakefile, config, profiles and workflow of the study")
+    if missing := absent():
+        print(f"first:\n    {install_command(missing)}")
+    print(_NEXT.format(folder=folder))

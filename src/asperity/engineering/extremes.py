@@ -1,0 +1,150 @@
+"""Stress in one body of a case: peaks and profiles, extreme values of its fields, and what is above yield.
+
+All come from one stream of planes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+
+from asperity.contact import Contact
+from asperity.elasticity.layer import Layer
+from asperity.engineering.case import Body, Case
+from asperity.engineering.findings import Extreme
+from asperity.stress.analysis import analyse_stress
+from asperity.stress.depths import depth_grid
+from asperity.stress.planes import LinearPlane
+from asperity.stress.pressed import PressedSolid
+from asperity.types import Array, Progress
+
+STRESS_TOLERANCE = 1e-4
+"""Error of a deep plane on a coarser grid, relative to the rms of σ_zz in it."""
+
+DEPTH_SPACING, DEPTH_GROWTH = 0.5, 0.125
+"""Distance of the planes near the surface in grid spacings, and farther down over their depth."""
+
+QUANTITIES = ("pressure", "von_mises", "xx", "zz", "xz")
+"""Quantities whose peaks are always found."""
+
+DIRECTION = {"von_mises": 1, "largest_shear": 1, "principal_1": 1, "principal_3": -1, "hydrostatic": -1}
+"""Field → 1 if its largest value is sought, −1 if its smallest is; of others the largest magnitude."""
+
+
+@dataclass(frozen=True)
+class StressInBody:
+    """Stress in one body.
+
+    Parameters
+    ----------
+    dataset : dataset
+        As of `analyse_stress`, in Pa and m.
+    extremes : dict
+        Field → extreme value at the nodes and its place in the cell, for those of `DIRECTION` and the fields
+        that were asked for.
+    above_yield : (planes,) array or None
+        Share of each plane whose von Mises stress is above yield; None without a yield stress.
+    """
+
+    dataset: xr.Dataset
+    extremes: dict[str, Extreme]
+    above_yield: Array | None
+
+
+def stress_in(
+    contact: Contact,
+    case: Case,
+    name: str,
+    fields: Sequence[str] = (),
+    progress: Progress | None = None,
+) -> StressInBody:
+    """Stress in one body under the contact pressure, with its own modulus and Poisson's ratio, in Pa.
+
+    Parameters
+    ----------
+    contact : Contact
+    case : Case
+    name : "lower" or "upper"
+    fields : names
+        Fields of `asperity.stress_planes` whose peaks are found beside `QUANTITIES`.
+    progress : callable, optional
+    """
+    body = case.bodies[name]
+    scaled, modulus = scaled_solid(contact, body)
+    limit = None if body.yield_stress is None else body.yield_stress / modulus
+    watch = _Extremes(
+        [*DIRECTION, *(field for field in fields if field not in DIRECTION)], body.poisson, limit
+    )
+    dataset = analyse_stress(
+        scaled,
+        depth_grid(contact.grid, body.height, DEPTH_SPACING, DEPTH_GROWTH),
+        quantities=[*QUANTITIES, *(field for field in fields if field not in QUANTITIES)],
+        tolerance=STRESS_TOLERANCE,
+        progress=progress,
+        observe=watch.add,
+        **case.sliding_of(name),
+    )
+    extremes = {field: found._replace(value=found.value * modulus) for field, found in watch.found.items()}
+    above = None if limit is None else np.array(watch.above)
+    return StressInBody(in_pascal(dataset, modulus), extremes, above)
+
+
+def scaled_solid(contact: Contact, body: Body) -> tuple[PressedSolid, float]:
+    """A body under the contact pressure in units of its E*, and that E* in Pa.
+
+    Stresses are computed in these units, in which they are at most of order one.
+    """
+    modulus = body.layer.effective_modulus
+    layer = Layer(1 - body.poisson**2, body.poisson, body.height, body.bottom)
+    return PressedSolid(contact.pressure / modulus, contact.grid, layer, contact.boundary), modulus
+
+
+def in_pascal(dataset: xr.Dataset, modulus: float) -> xr.Dataset:
+    """A stress dataset in units of a modulus as one in Pa."""
+    squared = ("covariance_depth", "covariance_plane")
+    stresses = {"peak_value": 1, "mean_von_mises": 1, "largest_von_mises": 1, **dict.fromkeys(squared, 2)}
+    return dataset.assign({name: dataset[name] * modulus**power for name, power in stresses.items()})
+
+
+class _Extremes:
+    """Extreme values of fields, and the share of each plane above a limit, from a stream of planes.
+
+    Attributes
+    ----------
+    found : dict
+        Field → its extreme value so far, and its place in the cell.
+    above : list of float
+        Share of each plane whose von Mises stress is above the limit.
+    """
+
+    def __init__(self, fields: Sequence[str], poisson: float, limit: float | None) -> None:
+        self.found: dict[str, Extreme] = {}
+        self.above: list[float] = []
+        self._fields, self._poisson, self._limit = fields, poisson, limit
+
+    def add(self, plane: LinearPlane) -> None:
+        """Add the next plane."""
+        room = None
+        for name in self._fields:
+            room = plane.field(name, self._poisson, room)
+            self._compare(name, room, plane)
+            if name == "von_mises" and self._limit is not None:
+                self.above.append(float(np.count_nonzero(room > self._limit) / room.size))
+
+    def _compare(self, name: str, values: Array, plane: LinearPlane) -> None:
+        node = max(
+            (int(values.argmax()), int(values.argmin())), key=lambda n: _rank(name, float(values.flat[n]))
+        )
+        value, earlier = float(values.flat[node]), self.found.get(name)
+        if earlier is None or _rank(name, value) > _rank(name, earlier.value):
+            row, column = divmod(node, plane.grid.shape[1])
+            y, x = row * plane.grid.spacing[0], column * plane.grid.spacing[1]
+            self.found[name] = Extreme(value, plane.depth, y, x)
+
+
+def _rank(name: str, value: float) -> float:
+    """What is largest for the extreme value of a field."""
+    return DIRECTION[name] * value if name in DIRECTION else abs(value)

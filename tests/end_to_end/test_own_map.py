@@ -1,0 +1,177 @@
+"""From the files of every instrument family, by command, configuration and Python, to one answer.
+
+The examples of the pages for users run as they stand.
+"""
+
+import re
+import shlex
+import shutil
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.cli.main import main
+from asperity.config.study import read_study
+from asperity.engineering import Body, MapSettings, run
+from asperity.engineering.indenter import read_indenter
+from asperity.results import dataset
+
+ROOT = Path(__file__).parents[2]
+DATA = ROOT / "tests/data"
+OWN_MAP = (ROOT / "docs/own_map.md").read_text(encoding="utf-8")
+OWN_STUDY = (ROOT / "docs/own_study.md").read_text(encoding="utf-8")
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+
+
+def loaded(path):
+    spec = spec_from_file_location(path.stem, path)
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+benchmark = loaded(ROOT / "benchmarks/own_map.py")
+
+
+@pytest.fixture(scope="module")
+def reference():
+    return benchmark.answer_in_python("steel.x3p")
+
+
+@pytest.mark.parametrize("name", benchmark.FILES[1:])
+def test_every_family_of_files_gives_the_same_answer(name, reference):
+    # steel.npy holds heights in single precision.
+    tolerance = 1e-6 if name == "steel.npy" else 1e-9
+    assert benchmark.answer_in_python(name) == pytest.approx(reference, rel=tolerance)
+
+
+@pytest.fixture
+def answers(monkeypatch, tmp_path):
+    """Answers of the commands that follow, in place of their pictures, which take seconds."""
+    found = []
+
+    def keep(answer, folder):
+        found.append(answer)
+        return [Path(folder) / "report.html"]
+
+    monkeypatch.setattr("asperity.engineering.write_answer", keep)
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(DATA / "steel.x3p", tmp_path)
+    return found
+
+
+COMMAND = ["run", "steel.x3p", "--despike", "8", "--out", "steel"]
+LOADS = {
+    "mean_pressure": ("pressure", "50 MPa", 50e6),
+    "force": ("force", "0.3 N", 0.3),
+    "approach": ("approach", "200 nm", 200e-9),
+    "area_fraction": ("area_fraction", "0.03", 0.03),
+}
+
+
+@pytest.mark.parametrize("kind", LOADS)
+def test_the_load_is_imposed_alike_by_library_configuration_and_command(kind, answers, tmp_path):
+    setting, text, value = LOADS[kind]
+    steel = ["--young", "210 GPa", "--poisson", "0.3"]
+    assert main([*COMMAND, *steel, f"--{setting.replace('_', '-')}", text]) == 0
+    (tmp_path / "steel.yaml").write_text(
+        f"engineering: {{young: 210 GPa, poisson: 0.3, {setting}: {text}}}", encoding="utf-8"
+    )
+    assert main([*COMMAND, "--config", "steel.yaml"]) == 0
+    settings = MapSettings(despike=8)
+    answers.append(run(DATA / "steel.x3p", Body(210e9, 0.3), **{kind: value}, map_settings=settings))
+    found = [answer.contact for answer in answers]
+    indenter = read_indenter(DATA / "steel.x3p", settings)
+    # The library's force is that on the whole cell, its approach the position of the indenter.
+    imposed = {"force": 4 * value, "approach": value + indenter.height.min()}.get(kind, value)
+    layer = asp.Layer(210e9, 0.3)
+    found.append(asp.solve(indenter.height, layer, indenter.grid.length, **{kind: imposed}))
+    for contact in found[1:]:
+        np.testing.assert_allclose(contact.pressure, found[0].pressure, rtol=1e-6)
+    assert answers[0].numbers.area_fraction == pytest.approx(found[-1].area_fraction)
+    reached = getattr(answers[0].numbers, {"mean_pressure": "nominal_pressure"}.get(kind, kind))
+    assert reached == pytest.approx(value, rel=0.05 if kind == "area_fraction" else 1e-5)
+
+
+def test_an_approach_to_full_contact_is_refused_before_anything_is_computed(answers, capsys):
+    with pytest.raises(SystemExit):
+        main([*COMMAND, "--young", "210 GPa", "--poisson", "0.3", "--approach", "1 mm"])
+    (line,) = capsys.readouterr().err.splitlines()
+    assert re.match(r"asperity: --approach = 1 mm: less than [\d.]+ nm is needed", line)
+    assert not answers
+
+
+def test_problems_of_options_and_of_the_map_are_reported_together(capsys):
+    with pytest.raises(SystemExit):
+        main(["run", str(DATA / "steel.npy"), "--young", "210", "--despike", "1", "--orientation", "up"])
+    said = capsys.readouterr().err.splitlines()
+    starts = [re.search(r"(--[a-z-]+)", line)[1] for line in said]
+    wanted = ("young", "despike", "orientation", "poisson", "pressure", "out", "physical-size", "unit")
+    assert sorted(starts) == sorted(f"--{name}" for name in wanted)
+
+
+FIRST_MINUTES = re.findall(r"^    (asperity (?:info|run) .*)$", README + OWN_MAP, re.MULTILINE)
+ADDED = re.findall(r"^\| [^|]+ \| `(--[^|]*)\|", OWN_MAP, re.MULTILINE)
+
+
+def test_the_first_commands_of_the_pages_run(answers, capsys):
+    assert len(FIRST_MINUTES) == 4
+    for line in dict.fromkeys(FIRST_MINUTES):
+        assert main(shlex.split(line)[1:]) == 0
+    printed = capsys.readouterr().out
+    assert "rms gradient" in printed
+    assert "report    steel/report.html" in printed
+    assert len(answers) == 1
+
+
+def test_the_stages_in_si_units_run_one_after_the_other(answers, capsys):
+    stages = re.findall(r"^    (asperity (?:surface|solve|stress|peaks) .*)$", OWN_MAP, re.MULTILINE)
+    assert len(stages) == 4
+    for line in stages:
+        assert main(shlex.split(line)[1:]) == 0
+    printed = capsys.readouterr().out
+    assert "GPa at depth" in printed
+
+
+@pytest.mark.parametrize("added", ADDED)
+def test_every_option_of_the_table_can_be_added(added, answers):
+    base = ["run", "steel.x3p", "--young", "210 GPa", "--poisson", "0.3", "--out", "steel/"]
+    examples = re.findall(r"`(--[^`]+)`", "`" + added)
+    for example in examples:
+        words = shlex.split(example)
+        if words == ["--pressure"]:  # named as what the others replace
+            continue
+        if words[0] == "--config":
+            content = re.search(r"`(engineering: [^`]+)`", added)[1]
+            Path(words[1]).write_text(content, encoding="utf-8")
+        load = [] if {"--force", "--approach", "--area-fraction"} & set(words) else ["--pressure", "50 MPa"]
+        assert main([*base, *words, *load]) == 0
+    assert answers
+
+
+def test_the_example_in_python_runs(monkeypatch, tmp_path, capsys):
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(DATA / "steel.x3p", tmp_path)
+    (example,) = re.findall(r"```python\n(.*?)```", OWN_MAP, re.DOTALL)
+    exec(example, {})
+    assert "real contact" in capsys.readouterr().out
+    assert dataset.read(tmp_path / "steel/contact.nc").attrs["unit_system"] == "SI"
+
+
+def test_the_studies_of_the_pages_are_accepted(monkeypatch, tmp_path):
+    monkeypatch.chdir(ROOT)
+    own, changed = re.findall(r"```yaml\n(.*?)```", OWN_STUDY, re.DOTALL) + re.findall(
+        r"((?:^    (?:based_on|contact):.*\n?)+)", OWN_STUDY, re.MULTILINE
+    )
+    (command,) = re.findall(r"^    printf '(.*)' > half.yaml$", README, re.MULTILINE)
+    for name, text in {"mine": own, "changed": re.sub("^    ", "", changed, flags=re.M)}.items():
+        (tmp_path / f"{name}.yaml").write_text(text, encoding="utf-8")
+    (tmp_path / "half.yaml").write_text(command.replace("\\n", "\n"), encoding="utf-8")
+    mine, *halved = (read_study([tmp_path / f"{name}.yaml"]) for name in ("mine", "changed", "half"))
+    assert mine["studies"] == {"all": ["ground", "lapped"]}
+    assert mine["results"] == "results/mine"
+    assert [study["contact"]["area_fraction"] for study in halved] == [0.05, 0.05]
+    assert halved[1]["results"] == "results/half"

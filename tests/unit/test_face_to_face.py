@@ -1,0 +1,138 @@
+"""Two maps face to face are the sum of their reliefs, one of them turned over."""
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.surface.face_to_face import face_to_face
+from asperity.surface.height_map import LOWER_FACE, HeightMap, MapError
+
+EDGE = (32e-6, 48e-6)
+
+
+def wave(shape=(32, 48), ky=1, kx=2, size=1e-7, length=EDGE, phase=0.4, **more):
+    """A wave at the middles of pixels, which repeats with the edges."""
+    y, x = ((np.arange(n) + 0.5) / n for n in shape)
+    height = size * np.cos(2 * np.pi * (ky * y[:, None] + kx * x) + phase)
+    return HeightMap(height, length, unit="m", **more)
+
+
+def draw(shape, seed, length=EDGE):
+    return HeightMap(1e-7 * np.random.default_rng(seed).normal(size=shape), length, unit="m")
+
+
+@pytest.mark.parametrize(("axis", "turn"), [("y", np.s_[:, ::-1]), ("x", np.s_[::-1])])
+def test_the_upper_map_is_turned_over_about_the_axis(axis, turn):
+    """What lies at the right of the upper map touches the left of the lower one, turned about y."""
+    lower, upper = draw((32, 48), 1), draw((32, 48), 2)
+    pair = face_to_face(lower, upper, axis)
+    expected = -lower.height - upper.height[turn]
+    np.testing.assert_array_equal(pair.map.height, expected - expected.mean())
+    assert (pair.map.orientation, pair.map.length, pair.whole, pair.resampled) == (
+        LOWER_FACE,
+        EDGE,
+        True,
+        False,
+    )
+    assert pair.lines() == [f"counter map turned over about the axis {axis}, and laid on the map"]
+
+
+def test_a_lower_face_is_not_turned():
+    lower, upper = draw((8, 9), 1), draw((8, 9), 2)
+    down = HeightMap(-upper.height[:, ::-1], EDGE, orientation=LOWER_FACE, unit="m")
+    one, other = face_to_face(lower, upper), face_to_face(lower, down)
+    np.testing.assert_array_equal(one.map.height, other.map.height)
+    assert "not turned" in other.lines()[0]
+
+
+def test_exchanged_maps_are_the_same_face_seen_from_the_other_side():
+    """From below left and right are exchanged, if the map is turned about y."""
+    lower, upper = draw((32, 48), 1), draw((32, 48), 2)
+    one, other = face_to_face(lower, upper).map, face_to_face(upper, lower).map
+    np.testing.assert_allclose(other.height[:, ::-1], one.height, atol=1e-22)
+
+
+@pytest.mark.parametrize("shape", [(32, 48), (40, 60), (50, 75)])
+def test_unlike_pixels_are_interpolated_to_those_of_the_lower_map(shape):
+    """Waves with no slope at the edges are exact."""
+    lower = wave(ky=0, kx=1, phase=0.0)
+    upper = wave(shape, ky=2, kx=0, phase=0.0)
+    found = face_to_face(lower, upper)
+    assert found.resampled == (shape != (32, 48))
+    expected = -lower.height - wave((32, 48), ky=2, kx=0, phase=0.0).height
+    np.testing.assert_allclose(found.map.height, expected - expected.mean(), atol=1e-19)
+
+
+def test_waves_shorter_than_two_pixels_of_the_lower_map_are_left_out():
+    lower, upper = wave(ky=0, kx=1, phase=0.0), wave((96, 144), ky=0, kx=60, phase=0.0)
+    found = face_to_face(lower, upper).map
+    np.testing.assert_allclose(found.height, -lower.height, atol=1e-19)
+
+
+def test_a_shift_leaves_the_common_area():
+    lower, upper = draw((32, 48), 1), draw((32, 48), 2)
+    found = face_to_face(lower, upper, shift=(3e-6, -5e-6))
+    expected = -lower.height[3:, :43] - upper.height[:, ::-1][:29, 5:]
+    np.testing.assert_allclose(found.map.height, expected - expected.mean(), atol=1e-22)
+    assert found.origin == pytest.approx((3e-6, 0.0))
+    assert found.map.length == pytest.approx((29e-6, 43e-6))
+    assert "29 µm x 43 µm in common" in found.lines()[1]
+
+
+def test_a_smaller_map_lies_on_the_middle_of_a_larger_one():
+    lower, upper = draw((32, 48), 1), draw((16, 20), 2, (16e-6, 20e-6))
+    found = face_to_face(lower, upper)
+    expected = -lower.height[8:24, 14:34] - upper.height[:, ::-1]
+    np.testing.assert_allclose(found.map.height, expected - expected.mean(), atol=1e-22)
+
+
+@pytest.mark.parametrize("shape", [(32, 48), (64, 72)])
+@pytest.mark.parametrize("shift", [(0.0, 0.0), (2e-6, 7e-6), (1.3e-6, -0.4e-6)])
+def test_periodic_maps_stay_periodic(shape, shift):
+    """Against the shifted wave itself, on nodes and between them."""
+    lower, upper = wave(periodic=True), wave(shape, ky=1, kx=3, phase=1.0, periodic=True)
+    found = face_to_face(lower, upper, shift=shift)
+    phase = 1.0 - 2 * np.pi * (shift[0] / EDGE[0] - 3 * shift[1] / EDGE[1])
+    expected = -lower.height - wave(ky=1, kx=-3, phase=phase).height
+    np.testing.assert_allclose(found.map.height, expected - expected.mean(), atol=1e-20)
+    assert found.map.periodic
+
+
+def test_two_crossed_waves_are_the_bisinusoid_of_the_closed_form():
+    """Full contact needs a mean pressure above the largest tension, E* q a/2 of each of the two waves.
+
+    K. L. Johnson, Contact Mechanics, 1985, Eq. 13.7 for one wave; in full contact the waves superpose.
+    """
+    size, edge = 1e-7, (32e-6, 32e-6)
+    lower = wave((32, 32), 0, 1, size, edge, 0.0, periodic=True)
+    upper = wave((32, 32), 1, 0, size, edge, 0.0, periodic=True)
+    face = face_to_face(lower, upper).map
+    solid = asp.TwoBodies(asp.Layer(210e9, 0.3), asp.Layer(70e9, 0.2))
+    largest = solid.effective_modulus * 2 * np.pi / edge[0] * size
+    full = asp.solve(face.height, solid, edge, mean_pressure=1.02 * largest)
+    np.testing.assert_allclose(
+        full.pressure,
+        1.02 * largest - solid.effective_modulus * np.pi / edge[0] * face.height,
+        rtol=1e-4,
+        atol=1,
+    )
+    assert full.area_fraction == 1.0
+    assert asp.solve(face.height, solid, edge, mean_pressure=0.9 * largest).area_fraction < 1.0
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"turned_about": "z"}, "turned_about = 'z': one of y, x is needed"),
+        ({"shift": 1.0}, "shift = 1.0: a pair"),
+        ({"shift": (0.0, 47e-6)}, "shift along x = 4.7e-05: the maps have 1 nodes in common, at least 4"),
+        ({"upper": HeightMap(np.full((4, 4), np.nan), EDGE, unit="m")}, "upper: 16 points have no data"),
+        ({"upper": HeightMap(np.zeros((4, 4)), EDGE)}, "unit of one map is known"),
+        ({"upper": wave(length=(32e-6, 32e-6), periodic=True)}, "periodic maps of equal edges are needed"),
+        ({"upper": wave(orientation=None)}, "which way is up"),
+    ],
+)
+def test_wrong_maps_are_refused_in_one_line(changes, message):
+    arguments = {"lower": wave(periodic=True), "upper": wave()} | changes
+    with pytest.raises((MapError, ValueError), match=message):
+        face_to_face(**arguments)

@@ -1,0 +1,49 @@
+"""Memory of repeated calculations: it does not grow with their number."""
+
+import gc
+import resource
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from asperity.contact import solve, solve_path
+from asperity.elasticity.layer import Layer
+from asperity.surface.roughness import self_affine
+
+STATUS = Path("/proc/self/statm")
+POINTS = 160
+FIELD = 8 * POINTS**2
+CALLS = 30
+
+pytestmark = pytest.mark.skipif(
+    not STATUS.exists(), reason="this system does not tell the memory of a process"
+)
+
+
+def resident():
+    """Resident memory of this process in bytes."""
+    gc.collect()
+    return int(STATUS.read_text().split()[1]) * resource.getpagesize()
+
+
+def single_calls(height, solid):
+    """Contacts by a call of `solve` each."""
+    for _ in range(2 * CALLS):
+        yield solve(height, solid, area_fraction=0.1)
+
+
+def load_path(height, solid):
+    """Contacts along a long load path."""
+    yield from solve_path(height, solid, area_fractions=np.linspace(0.02, 0.2, 2 * CALLS).tolist())
+
+
+@pytest.mark.parametrize("contacts", [single_calls, load_path])
+def test_memory_does_not_grow_with_the_number_of_contacts(contacts):
+    """If each contact kept half a field, the second half of them would take more."""
+    height = self_affine((POINTS, POINTS), 0.8, 0.5, 0.0625, 1e-3, seed=1)
+    for number, contact in enumerate(contacts(height, Layer(1.0, 0.33, height=1.0))):
+        assert contact.area_fraction > 0
+        if number == CALLS - 1:
+            before = resident()
+    assert resident() - before < CALLS * FIELD / 2

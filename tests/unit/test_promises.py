@@ -1,0 +1,182 @@
+"""A result is finite, certified, and under what was imposed or says that it is not."""
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.surface.height_map import MapError
+
+HALF_SPACE = asp.Layer(1.0, 0.3)
+HUGE = 10**400
+"""A whole number beyond those of floating point."""
+
+
+def rough(points=32, seed=0):
+    return np.random.default_rng(seed).standard_normal((points, points))
+
+
+# Contacts of any scale
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize(("heights", "lengths", "moduli"), [(-200, 0, 0), (200, 100, 0), (0, -180, 200)])
+def test_units_that_are_powers_of_two_change_no_bit_of_a_contact(boundary, heights, lengths, moduli):
+    """Multiplication by a power of two is exact, also far beyond the range of single precision."""
+    height, by = 0.01 * rough(), [2.0**exponent for exponent in (heights, lengths, moduli)]
+    settings = {"area_fraction": 0.1, "boundary": boundary}
+    one = asp.solve(height, HALF_SPACE, **settings)
+    other = asp.solve(height * by[0], asp.Layer(by[2], 0.3), by[1], **settings)
+    np.testing.assert_array_equal(other.pressure, one.pressure * (by[0] / by[1] * by[2]))
+    np.testing.assert_array_equal(other.gap, one.gap * by[0])
+    assert other.approach == one.approach * by[0]
+    assert other.certificate.worst == one.certificate.worst
+
+
+@pytest.mark.parametrize("load", [1e-100, 1e-60, 1e-20, 1e60])
+@pytest.mark.parametrize("offset", [0.0, 5.0])
+def test_a_flat_punch_has_the_same_pressure_under_any_load(load, offset):
+    """Without a height there is no scale but the load's."""
+    one = asp.solve(np.zeros((16, 16)), HALF_SPACE, mean_pressure=1.0, boundary="free")
+    other = asp.solve(np.full((16, 16), offset), HALF_SPACE, mean_pressure=load, boundary="free")
+    np.testing.assert_allclose(other.pressure, load * one.pressure, rtol=1e-4)
+    assert other.approach == pytest.approx(offset + load * one.approach, rel=1e-12)
+
+
+@pytest.mark.parametrize("size", [1e-60, 1e60])
+def test_single_precision_refuses_numbers_that_it_cannot_hold(size):
+    with pytest.raises(ValueError, match=r"^dtype = 'float32': cannot hold heights of about .*float64"):
+        asp.solve(size * rough(), HALF_SPACE, area_fraction=0.1, dtype="float32")
+
+
+def test_single_precision_is_refined_in_double_where_it_does_not_reach_the_tolerance():
+    """The rounding of the heights alone, 1000 × 6e-8 of their rms, is above the tolerance."""
+    height = 1e-3 * (rough() + 1000)
+    single, double = (
+        asp.solve(height, HALF_SPACE, area_fraction=0.1, dtype=dtype) for dtype in ("float32", "float64")
+    )
+    assert single.pressure.dtype == np.float32
+    error = np.linalg.norm(single.pressure - double.pressure) / np.linalg.norm(double.pressure)
+    assert error < 1e-5
+
+
+# An imposed area that the surface does not allow
+
+
+@pytest.mark.parametrize("method", ["active_set", "gfmd"])
+@pytest.mark.parametrize("fraction", [0.001, 0.1])
+def test_the_lowest_level_of_a_stepped_surface_is_the_smallest_area(method, fraction):
+    height = np.random.default_rng(1).integers(0, 2, (8, 8))
+    contact = asp.solve(height, HALF_SPACE, area_fraction=fraction, method=method)
+    np.testing.assert_array_equal(contact.pressure > 0, height == 0)
+    assert contact.control_error == pytest.approx(np.mean(height == 0) / fraction - 1)
+    assert f"(imposed area missed by {100 * contact.control_error:.2g} %)" in repr(contact)
+
+
+@pytest.mark.parametrize("method", ["active_set", "gfmd"])
+@pytest.mark.parametrize("fraction", [0.01, 0.99])
+def test_a_flat_surface_touches_everywhere(method, fraction):
+    contact = asp.solve(np.zeros((2, 2)), HALF_SPACE, area_fraction=fraction, method=method)
+    assert contact.area_fraction == 1
+    assert contact.control_error == pytest.approx(1 / fraction - 1)
+
+
+def test_a_tilted_plane_touches_row_by_row():
+    height = np.tile(1e-3 * np.arange(8.0), (8, 1))
+    contact = asp.solve(height, HALF_SPACE, area_fraction=0.1)
+    assert (contact.area_fraction, contact.control_error) == (0.125, 0.25)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (2, 2)])
+@pytest.mark.parametrize("size", [1.0, 1e30, 1e60])
+def test_a_start_beyond_single_precision_gives_a_finite_pressure_or_an_error(shape, size):
+    height = np.random.default_rng(0).standard_normal(shape)
+    settings = {"area_fraction": 0.99, "method": "gfmd", "dtype": "float32"}
+    try:
+        contact = asp.solve(height, HALF_SPACE, initial=np.full(shape, size), **settings)
+    except asp.ConvergenceError:
+        assert size > 3e38
+    else:
+        assert np.all(np.isfinite(contact.pressure))
+        contact.certificate.check(1e-6)
+
+
+# Arguments
+
+
+def pressed(size=1.0, shape=(8, 8)):
+    pressure = size * np.random.default_rng(0).random(shape)
+    return asp.PressedSolid(pressure, asp.Grid(shape), HALF_SPACE)
+
+
+REFUSED = {
+    "solve area": lambda: asp.solve(rough(8), HALF_SPACE, area_fraction=HUGE),
+    "solve load": lambda: asp.solve(rough(8), HALF_SPACE, mean_pressure=HUGE),
+    "solve force": lambda: asp.solve(rough(8), HALF_SPACE, force=-1),
+    "solve approach": lambda: asp.solve(rough(8), HALF_SPACE, approach=HUGE),
+    "solve rtol": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, rtol=HUGE),
+    "solve threads": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, threads=2**63),
+    "solve no thread": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, threads=True),
+    "solve dtype": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, dtype="x"),
+    "solve initial": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, initial="x"),
+    "solve booleans": lambda: asp.solve(rough(8) > 0, HALF_SPACE, approach=0.1),
+    "solve objects": lambda: asp.solve([[HUGE, 1], [1, 2]], HALF_SPACE, approach=0.1),
+    "solve large": lambda: asp.solve(1e80 * rough(8), HALF_SPACE, area_fraction=0.1),
+    "solve small": lambda: asp.solve(1e-80 * rough(8), HALF_SPACE, area_fraction=0.1),
+    "certificate objects": lambda: asp.verify_contact(np.full((8, 8), HUGE), rough(8), HALF_SPACE),
+    "certificate shapes": lambda: asp.verify_contact(rough(8), rough(4), HALF_SPACE),
+    "layer height": lambda: asp.Layer(1.0, 0.3, 5e-324),
+    "layer modulus": lambda: asp.Layer(HUGE, 0.3),
+    "grid nodes": lambda: asp.Grid((HUGE, 8)),
+    "grid edge": lambda: asp.Grid((8, 8), HUGE),
+    "moments": lambda: asp.with_moments(rough(8), 0.0, 1.0001),
+    "moments of nothing": lambda: asp.with_moments(np.empty((0, 0)), 0.0, 3.0),
+    "johnson of a flat surface": lambda: asp.johnson(np.zeros((4, 4)), 0.5, 1.0),
+    "sphere under holes": lambda: asp.add_sphere(np.full((8, 8), np.nan), 1.0, 1.0),
+    "sphere centre": lambda: asp.add_sphere(rough(8), 1.0, 1.0, (0.0, [1.0])),
+    "planes of a huge pressure": lambda: next(iter(asp.stress_planes(pressed(1e150), [0.0]))),
+    "box spacing": lambda: asp.stress_box(pressed(), [0.0], spacing=5e-324),
+    "box extent": lambda: asp.stress_box(pressed(), [0.0], x=(0.0, [1.0])),
+    "peaks index": lambda: asp.find_peaks(asp.stress_planes(pressed(), [0.0, 0.1]), "von_mises", 99),
+    "peaks of a huge field": lambda: asp.plane_peaks(1e300 * rough(8), asp.Grid((8, 8))),
+    "density bins": lambda: asp.probability_density(rough(8), 2**40),
+    "density no bins": lambda: asp.probability_density(rough(8), np.inf),
+    "density limits": lambda: asp.probability_density(rough(8), 10, (0.0, 5e-324)),
+    "autocorrelation": lambda: asp.autocorrelation(1e300 * rough(8), asp.Grid((8, 8))),
+    "map of a point": lambda: asp.treat_map(asp.HeightMap(np.ones((1, 1)), (1.0, 1.0), True)),
+    "map of a line": lambda: asp.treat_map(asp.HeightMap(np.ones(8), (1.0, 1.0), True)),
+    "map of texts": lambda: asp.treat_map(asp.HeightMap(np.full((8, 8), "a"), (1.0, 1.0), True)),
+    "map edges": lambda: asp.make_periodic(asp.HeightMap(rough(8), ({}, 1.0)), "tilt", "mirrored"),
+    "map points": lambda: asp.treat_map(
+        asp.HeightMap(rough(8), (1.0, 1.0), True), asp.Treatment(points=2**62)
+    ),
+}
+
+
+@pytest.mark.parametrize("call", REFUSED.values(), ids=REFUSED)
+def test_an_argument_beyond_its_range_is_refused_in_one_line_by_the_package(call):
+    with pytest.raises((ValueError, TypeError)) as caught:
+        call()
+    assert caught.type in (ValueError, TypeError, MapError)
+    statement = caught.traceback[-1].statement
+    assert str(statement).lstrip().startswith("raise"), "an exception of Python's or NumPy's own"
+    message = str(caught.value)
+    assert message.isprintable()
+    assert len(message) < 300
+
+
+def test_values_that_differ_by_rounding_have_a_finite_density():
+    values = 1.0 + np.spacing(1.0) * np.arange(4)
+    density = asp.probability_density(values, 100)
+    assert density.counts.sum() == 4
+    assert np.all(np.isfinite(density.density))
+
+
+def test_a_long_and_narrow_cell_takes_no_longer_than_its_nodes():
+    """Rings of wavenumbers between those of the modes are left out: here 16 million of 16 million."""
+    pressure = np.random.default_rng(0).random((16, 16))
+    long, wide = (
+        asp.PressedSolid(field, asp.Grid((16, 16), length), HALF_SPACE)
+        for field, length in ((pressure, (1.0, 1e-6)), (pressure.T, (1e-6, 1.0)))
+    )
+    one, other = (next(iter(asp.stress_planes(solid, [1e-7], fields=["zz"]))) for solid in (long, wide))
+    np.testing.assert_allclose(one.fields["zz"][0].T, other.fields["zz"][0], rtol=1e-9)

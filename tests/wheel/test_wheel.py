@@ -1,0 +1,151 @@
+"""The wheel as a user has it: outside the project, where only what it holds is found.
+
+The environments of the fast tests share the installed packages of the environment of the tests. Those of the
+slow ones (`make wheel-test`) are empty, and pip fills them from the package index.
+"""
+
+import filecmp
+import re
+import subprocess
+import sys
+import tarfile
+import tomllib
+import zipfile
+
+import pytest
+import yaml
+from installed import ROOT, Environment, build
+
+import asperity
+from asperity.packages import PACKAGES
+from asperity.runtime.study_folder import PACKAGED, PARTS
+
+SPECTRUM = "{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.004}"
+SURFACE = "--hurst 0.8 --wavelength-long 0.5 --wavelength-short 0.125 --rms-height 1e-3 --points 64"
+STEEL = ROOT / "tests/data/steel.x3p"
+COMMANDS = (
+    ("", ["plan", SPECTRUM]),
+    ("", f"surface --out s.nc {SURFACE}".split()),
+    ("", ["solve", "s.nc", "--out", "c.nc"]),
+    ("", ["stress", "c.nc", "--out", "t.nc"]),
+    ("", ["peaks", "t.nc", "--contact", "c.nc", "--out", "p.nc"]),
+    ("", ["export", "t.nc", "--peaks", "p.csv"]),
+    ("", ["export", "c.nc", "--field", "von_mises:0-0.1", "f.vti"]),
+    ("", ["study", "init", "study"]),
+    ("plot", ["view", "s.nc", "height"]),
+    ("plot", ["plot", "9", "p.nc", "--out", "f.png"]),
+    ("maps", ["info", str(STEEL)]),
+    ("maps", f"run {STEEL} --young 210GPa --poisson 0.3 --pressure 50MPa --out steel".split()),
+)
+"""Extra that a command needs, and the command; each uses the results of those before."""
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory):
+    """Paths of the source distribution and of the wheel."""
+    return build(tmp_path_factory.mktemp("built"))
+
+
+@pytest.fixture(scope="module")
+def shared(built, tmp_path_factory):
+    """An environment with the wheel and the packages of the environment of the tests."""
+    environment = Environment(tmp_path_factory.mktemp("shared"), "--without-pip")
+    environment.share_packages()
+    pip = [sys.executable, "-m", "pip", "--python", str(environment.scripts / "python")]
+    subprocess.run([*pip, "install", "--quiet", "--no-deps", "--no-index", str(built[1])], check=True)
+    return environment
+
+
+def test_the_version_is_the_same_everywhere(built):
+    version = re.escape(asperity.__version__)
+    citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    assert citation["version"] == asperity.__version__
+    assert re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.M)[1] == (
+        asperity.__version__
+    )
+    assert all(re.match(rf"asperity-{version}(\.tar\.gz|-py3-none-any\.whl)$", path.name) for path in built)
+
+
+def test_the_wheel_takes_the_study_from_the_files_of_the_project():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    included = project["tool"]["hatch"]["build"]["targets"]["wheel"]["force-include"]
+    assert included == {part: f"asperity/{PACKAGED}/{part}" for part in PARTS}
+
+
+def test_both_distributions_hold_every_file_of_the_package(built):
+    source, wheel = built
+    package = ROOT / "src/asperity"
+    needed = {
+        path.relative_to(package.parent).as_posix()
+        for path in package.rglob("*")
+        if path.is_file() and "__pycache__" not in path.parts
+    }
+    with zipfile.ZipFile(wheel) as archive:
+        assert needed <= set(archive.namelist())
+    with tarfile.open(source) as archive:
+        names = {name.partition("/")[2] for name in archive.getnames()}
+    assert {f"src/{name}" for name in needed} <= names
+
+
+def test_commands_work_outside_the_project(shared):
+    version = shared.run("asperity", "--version")
+    assert version.stdout == f"asperity {asperity.__version__}\n"
+    for _, command in COMMANDS[:2]:
+        found = shared.run("asperity", *command)
+        assert found.returncode == 0, found.stderr
+    where = shared.run("python", "-c", "import asperity; print(asperity.__file__)")
+    assert str(shared.packages) in where.stdout
+
+
+def test_the_study_of_the_wheel_is_that_of_the_project_and_can_be_planned(shared):
+    folder = shared.folder / "paper"
+    found = shared.run("asperity", "study", "init", "paper")
+    assert found.returncode == 0, found.stderr
+    for part in PARTS:
+        files = [path for path in (ROOT / part, *(ROOT / part).rglob("*")) if path.is_file()]
+        names = [path.relative_to(ROOT) for path in files if "__pycache__" not in path.parts]
+        assert names
+        assert all(filecmp.cmp(ROOT / name, folder / name, shallow=False) for name in names)
+    again = shared.run("asperity", "study", "init", "paper")
+    assert again.returncode == 1
+    assert again.stderr == "asperity: paper: holds Snakefile; the name of an empty or new folder is needed\n"
+    planned = shared.run("python", "-m", "snakemake", "--dry-run", "--quiet", "rules", folder=folder)
+    assert planned.returncode == 0, planned.stdout + planned.stderr
+
+
+@pytest.mark.wheel
+@pytest.mark.parametrize("extra", ["", "plot", "maps"])
+def test_every_command_works_or_names_the_extra_to_install(built, tmp_path, capsys, extra):
+    environment = Environment(tmp_path)
+    install(environment, built, extra)
+    with capsys.disabled():
+        print(f"\nasperity{f'[{extra}]' if extra else ''}: {environment.megabytes():.0f} MB of packages")
+    extras = list(PACKAGES)
+    for needed, command in COMMANDS:
+        found = environment.run("asperity", *command)
+        if extras.index(needed) <= extras.index(extra):
+            assert found.returncode == 0, f"{command}: {found.stderr}"
+        else:
+            assert found.returncode == 1
+            assert re.fullmatch(rf'asperity: not installed: .*"asperity\[{needed}\]"\n', found.stderr)
+
+
+@pytest.mark.wheel
+def test_a_study_runs_in_the_folder_that_the_wheel_writes(built, tmp_path):
+    environment = Environment(tmp_path)
+    install(environment, built, "study")
+    environment.run("asperity", "study", "init", "study")
+    folder = environment.folder / "study"
+    tiny = ROOT / "tests/workflow/tiny.yaml"
+    options = ["--cores", "2", "--configfile", "config/quick.yaml", str(tiny), "--"]
+    targets = ["results/tiny/figures/fig09.png", "results/tiny/statistics/hurst_08.nc"]
+    found = environment.run("snakemake", *options, *targets, folder=folder)
+    assert found.returncode == 0, found.stdout + found.stderr
+    assert all((folder / target).stat().st_size > 1000 for target in targets)
+
+
+def install(environment, built, extra):
+    """Install the wheel with an extra from the package index."""
+    wheel = f"asperity{f'[{extra}]' if extra else ''} @ {built[1].as_uri()}"
+    found = environment.run("python", "-m", "pip", "install", "--quiet", wheel)
+    assert found.returncode == 0, found.stderr
