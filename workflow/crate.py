@@ -3,7 +3,7 @@
     python workflow/crate.py [results] [--configfile FILE ...]
 
 Writes ro-crate-metadata.json beside the results: the workflow, its run, the settings, and every result file
-with its title and fingerprint. Repositories such as Zenodo and WorkflowHub read it. Needs the package rocrate:
+with its title and fingerprint. Repositories such as Zenodo and WorkflowHub read it. Needs rocrate:
 pip install "asperity[crate]".
 """
 

@@ -67,7 +67,7 @@ def write_crate(results: Path, snakefile: Path, configfiles: Sequence[Path] = ()
     if not found:
         raise FileNotFoundError(f"{results}: no results; run the study first")
     made = datetime.fromtimestamp(max(path.stat().st_mtime for path in found), UTC)
-    crate = ROCrate()
+    crate = ROCrate(version="1.1")
     crate.name = f"Results of {results.name}: stress inside elastic solids pressed against rough surfaces"
     crate.description = f"Made by asperity {asperity.__version__}. The method follows {PAPER}."
     crate.datePublished = made
