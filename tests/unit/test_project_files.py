@@ -56,7 +56,7 @@ def test_links_to_files_of_the_project_lead_somewhere(name):
 
 def test_files_and_targets_that_the_contributing_page_names_exist():
     page = text("CONTRIBUTING.md")
-    for target in re.findall(r"make ([a-z-]+)", page):
+    for target in re.findall(r"(?:`|^    )make ([a-z-]+)", page, re.MULTILINE):
         assert f"\n{target}:" in text("Makefile"), target
     for path in re.findall(r"`((?:tests|docs|workflow)/[\w/.]+)`", page):
         assert (ROOT / path).exists(), path

@@ -11,6 +11,9 @@ import pytest
 
 import asperity as asp
 from asperity.engineering import Body, run
+from asperity.paper.claims.documents import findings
+from asperity.paper.claims.report import frame as frame_of_verdicts
+from asperity.paper.claims.report import frame_of_readings
 from asperity.results import markup
 from asperity.results.export import peak_table
 from asperity.results.tables import TABLES, check_columns, describe_tables, units, write_table
@@ -135,3 +138,9 @@ def test_a_frame_is_a_table_in_markdown_and_html():
     ]
     assert "<td><strong>a</strong> | <code>b</code></td><td>0.3333</td>" in markup.html_table(frame)
     assert "<td>&lt;c&gt;</td>" in markup.html_table(frame)
+
+
+def test_verdicts_have_their_columns():
+    found = findings(DOCS / "ensemble.csv")
+    check_columns(frame_of_verdicts(found, 8.0), "claims")
+    check_columns(frame_of_readings(found), "claims_readings")
