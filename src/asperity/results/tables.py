@@ -134,7 +134,7 @@ TABLES: dict[str, Table] = {
         ),
     ),
     "claims_readings": Table(
-        "`claims_readings.csv` of a study",
+        "`readings.csv` of a study",
         "a statement of the paper under one reading, the study's own first",
         (
             Column("identifier", "", "name of the statement"),
