@@ -21,7 +21,7 @@ from asperity.validation.table import Row, for_reader
 
 CHAINS = (
     ("surface", "contact", "stress", "statistics", "figure"),
-    ("validation", "validation_table"),
+    ("validation",),
     ("tradeoff", "tradeoff_figures"),
 )
 """Rules that follow each other; verification and claims are made from the results of the first chain too."""
@@ -35,7 +35,6 @@ WORDS = {
     "verification": "verification",
     "claims": "claims",
     "validation": "validation",
-    "validation_table": "table of the validation",
     "tradeoff": "speed and accuracy",
     "tradeoff_figures": "its figures",
 }
@@ -225,16 +224,7 @@ def _tradeoff(results: Path) -> dict[str, Any] | None:
 def _chains(jobs: pd.DataFrame) -> list[list[dict[str, Any]]]:
     """The rules that made something for a reader, in their order, with what they took."""
     of_rule = {str(name): group for name, group in jobs.groupby("rule")}
-    # A rule without a surface has the name of its file.
-    aliases = {"validation_table": "table"}
-    first, *others = (
-        [
-            _step(name, of_rule[aliases.get(name, name)])
-            for name in chain
-            if aliases.get(name, name) in of_rule
-        ]
-        for chain in CHAINS
-    )
+    first, *others = ([_step(name, of_rule[name]) for name in chain if name in of_rule] for chain in CHAINS)
     first += [_step(name, of_rule[name]) for name in ("verification", "claims") if name in of_rule]
     return [chain for chain in (first, *others) if chain]
 
