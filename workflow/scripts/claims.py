@@ -23,7 +23,7 @@ with log_to(snakemake.log[0], snakemake.output), ProgressBar("claims"), style(sn
         for nodes, names in params.resolutions.items()
     }
     findings, limits = decide(CLAIMS, study, finer), report.continuum_table(HEADLINES, finer)
-    dataset.write_text(output.table, report.frame(findings, params.nodes).to_csv(index=False))
+    dataset.write_table(report.frame(findings, params.nodes), output.table)
     text = report.markdown(findings, params.seeds, params.nodes, limits)
     dataset.write_text(output.text, text)
     dataset.write_text(output.page, report.page(findings, limits))

@@ -10,7 +10,7 @@ surface, files = snakemake.wildcards.surface, snakemake.input
 with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"verification {surface}") as progress:
     results = map(SeedResults.read, files.surface, files.contact, files.stress)
     checks = verify(surface, results, dataset.read(files.statistics), progress)
-    dataset.write_text(snakemake.output.table, checks.to_csv(index=False))
+    dataset.write_table(checks, snakemake.output.table)
     rows = markup.rows_of(checks.drop(columns="surface"))
     page = markup.page(f"Verification of {surface}", {"": rows})
     dataset.write_text(snakemake.output.page, page)

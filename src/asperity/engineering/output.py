@@ -51,13 +51,13 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
         settings = settings_of(answer)
         for name, (title, data) in result_datasets(answer).items():
             dataset.write(data, unfinished / name, title, settings)
-        answer.peaks().to_csv(unfinished / "peaks.csv", index=False, float_format="%.8g")
-        answer.frame().to_csv(unfinished / "answer.csv", index=False, float_format="%.8g")
+        dataset.write_table(answer.peaks(), unfinished / "peaks.csv", digits=8)
+        dataset.write_table(answer.frame(), unfinished / "answer.csv", digits=8)
         shown = []
         for picture in pictures(answer):
             path = unfinished / f"{picture.name}.png"
             picture.figure.savefig(path, metadata={"Software": None})
             shown.append((picture.caption, path.read_bytes()))
-        (unfinished / REPORT).write_text(report_page(answer, shown), encoding="utf-8")
+        dataset.write_text(unfinished / REPORT, report_page(answer, shown))
         names = sorted(path.name for path in unfinished.iterdir())
     return [Path(folder) / name for name in names]

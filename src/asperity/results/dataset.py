@@ -21,6 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 import asperity
@@ -156,7 +157,7 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text file atomically.
+    """Write a text file atomically, with the same bytes on every system: UTF-8, lines end with a line feed.
 
     Raises
     ------
@@ -164,7 +165,20 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
         If the file cannot be written.
     """
     with atomic_write(path) as unfinished:
-        unfinished.write_text(text, encoding="utf-8")
+        unfinished.write_text(text, encoding="utf-8", newline="\n")
+
+
+def write_table(table: pd.DataFrame, path: str | os.PathLike[str], digits: int | None = None) -> None:
+    """Write a table as CSV, without its index and like `write_text`; numbers with so many digits, else all.
+
+    Raises
+    ------
+    DatasetError
+        If the file cannot be written.
+    """
+    number = None if digits is None else f"%.{digits}g"
+    with atomic_write(path) as unfinished:
+        table.to_csv(unfinished, index=False, float_format=number, lineterminator="\n")
 
 
 def delete_unfinished() -> None:
