@@ -56,6 +56,15 @@ def leaves(tree):
     return [tree] if isinstance(tree, str) else [file for branch in tree.values() for file in leaves(branch)]
 
 
+def leaves_of_lists(tree):
+    """The files of a tree whose leaves are lists of files."""
+    return (
+        tree
+        if isinstance(tree, list)
+        else [file for branch in tree.values() for file in leaves_of_lists(branch)]
+    )
+
+
 def surface_labels(wildcards):
     """Labels of the surfaces that a figure shows: not in their results, so that a new label computes nothing anew."""
     shown = {name for study in FIGURES[wildcards.figure].studies for name in STUDIES[study]}

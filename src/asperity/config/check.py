@@ -53,6 +53,7 @@ def check(config: Mapping[str, Any], needed: tuple[str, ...] | None = None) -> N
     _check_studies(whole)
     _check_claims(whole)
     _check_tradeoff(whole)
+    _check_ensemble(whole)
     _check_solid(whole)
 
 
@@ -237,6 +238,12 @@ def _check_tradeoff(config: Mapping[str, Any]) -> None:
                 f"tradeoff.{extent}.wavelength_short = {short!r}: "
                 f"at most wavelength_long = {long!r} is needed"
             )
+
+
+def _check_ensemble(config: Mapping[str, Any]) -> None:
+    nodes = config["ensemble"]["nodes"]
+    if nodes != sorted(nodes):
+        raise ConfigError(f"ensemble.nodes = {shown(nodes)}: rising numbers are needed")
 
 
 def _check_height(config: Mapping[str, Any]) -> None:
