@@ -10,7 +10,6 @@ import pytest
 from bad_input import SMALL, make_chain
 from project import ROOT, hide
 
-from asperity.cli.commands import peaks
 from asperity.cli.main import main
 from asperity.cli.parser import make_parser
 from asperity.config.defaults import default
