@@ -36,8 +36,9 @@ def contact_cost(wildcards):
 
 
 def stress_cost(wildcards):
-    """Cost of the stress, with the number of its Poisson's ratios."""
-    return job_cost("stress", nodes(wildcards.surface), len(config["stress"]["poisson"]), ACCURACY)
+    """Cost of the stress, with the number of its Poisson's ratios and conditions of the uniform mode."""
+    analyses = len(config["stress"]["poisson"]) * (1 + len(OTHER_LATERALS))
+    return job_cost("stress", nodes(wildcards.surface), analyses, ACCURACY)
 
 
 def figure_cost(wildcards):

@@ -266,6 +266,11 @@ def _check_solid(config: Mapping[str, Any]) -> None:
     ratios, own = config["stress"]["poisson"], config["layer"]["poisson"]
     if own not in ratios:
         raise ConfigError(f"stress.poisson = {shown(ratios)}: layer.poisson = {own!r} must be one of them")
+    laterals, lateral = config["readings"]["lateral"], config["layer"]["lateral"]
+    if lateral not in laterals:
+        raise ConfigError(
+            f"readings.lateral = {shown(laterals)}: layer.lateral = {lateral!r} must be one of them"
+        )
 
 
 def _one_line(error: ValidationError) -> str:

@@ -347,6 +347,27 @@ VARIABLES: dict[str, Variable] = {
     "plain_course_error": Variable(
         _NUMBER, "standard error of the mean over a part of the finest grid alone"
     ),
+    # statistics of each seed, for the readings of the claims
+    "counted": Variable(
+        _NUMBER,
+        "von Mises peaks that are counted",
+        "below_surface: those below the surface under a contact; with_surface: also those in it; "
+        "highest_of_patch: the highest below each patch of contact; large_patches: that of each large patch",
+    ),
+    "seed_counted_count": Variable(_NUMBER, "number of the counted peaks"),
+    "seed_counted_deviation": Variable(_SCALED, "standard deviation of the counted peaks"),
+    "seed_counted_quantile": Variable(_SCALED, "quantile of the counted peaks"),
+    "seed_counted_depth_highest": Variable(_LENGTH, "mean depth of the highest tenth of the counted peaks"),
+    "seed_counted_correlation": Variable(
+        _NUMBER, "rank correlation between the depth of counted peaks and the radius of the patch above"
+    ),
+    "decay": Variable(
+        _NUMBER, "share of its value in the reference plane to which the covariance of Eq. 22 falls"
+    ),
+    "seed_decay_depth": Variable(_LENGTH, "depth over which the covariance of Eq. 22 falls to this share"),
+    "seed_decay_plane": Variable(
+        _LENGTH, "distance in the reference plane over which the covariance of Eq. 22 falls to this share"
+    ),
     # validation
     "hertz_contact_radius": Variable(_LENGTH, "radius of contact of the closed form"),
     "hertz_area_fraction": Variable(_NUMBER, "area fraction of the closed form"),
