@@ -37,7 +37,7 @@ COMMANDS = (
     ("plot", ["plot", "9", "p.nc", "--out", "f.png"]),
     ("maps", ["info", str(STEEL)]),
     ("maps", f"run {STEEL} --young 210GPa --poisson 0.3 --pressure 50MPa --out steel".split()),
-    ("study", "ensemble --claim one_and_a_half --config study/config/quick.yaml".split()),
+    ("study", ["ensemble", "--claim", "one_and_a_half", "--config", "study/config/quick.yaml"]),
 )
 """Extra that a command needs, and the command; each uses the results of those before."""
 
