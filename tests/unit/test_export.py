@@ -24,6 +24,7 @@ from asperity.results.export import (
     write_box,
 )
 from asperity.results.export_surface import surface_fields, write_surface_image, write_surface_table
+from asperity.results.tables import write_table
 from asperity.results.window import window
 
 EDGE, PRESSURE = (512e-6, 256e-6), 50e6
@@ -169,12 +170,13 @@ def test_fields_over_the_surface_are_a_table_written_in_blocks(tmp_path, monkeyp
 
 def test_texts_and_tables_have_the_same_bytes_on_windows(tmp_path, monkeypatch):
     data, solid = contact_in_si()
-    table = pd.DataFrame({"name": ["ν", "a,b"], "value": [1 / 3, 2.0]})
+    columns = ["area_fraction", "parameter", "setting", "output", "error"]
+    table = pd.DataFrame([[0.1, "ν", "a,b", "area", 1 / 3], [0.1, "seeds", "", "area", 2.0]], columns=columns)
 
     def write(folder):
         folder.mkdir()
         dataset.write_text(folder / "text.md", "one\ntwo\n")
-        dataset.write_table(table, folder / "table.csv", digits=3)
+        write_table(table, "tradeoff", folder / "table.csv", "%.3g")
         write_surface_table(data, folder / "fields.csv", surface_fields(data), window(solid.grid))
 
     write(tmp_path / "here")
@@ -188,7 +190,8 @@ def test_texts_and_tables_have_the_same_bytes_on_windows(tmp_path, monkeypatch):
         here, there = ((tmp_path / system / name).read_bytes() for system in ("here", "windows"))
         assert b"\r" not in here
         assert there == here
-    assert (tmp_path / "here/table.csv").read_text("utf-8") == 'name,value\nν,0.333\n"a,b",2\n'
+    rows = (tmp_path / "here/table.csv").read_text("utf-8").splitlines()
+    assert rows[1:] == ['0.1,ν,"a,b",area,0.333', "0.1,seeds,,area,2"]
 
 
 def test_an_image_that_fails_leaves_no_file(tmp_path):
@@ -278,7 +281,7 @@ def test_the_command_writes_table_and_images(files, tmp_path, capsys):
         ("{stress} --field xx:0-1 f.vti", "--field: a contact file (of asperity solve) is needed"),
         ("{surface} --peaks p.csv", "--peaks: a stress file (of asperity stress) is needed, none is given"),
         ("{stress} {stress} --peaks p.csv", "a second result of stress, one is needed"),
-        ("{stress} --peaks p.xlsx", "p.xlsx: a name that ends in .csv is needed"),
+        ("{stress} --peaks p.xlsx", "p.xlsx: a name that ends in .csv or .parquet is needed"),
         ("{contact} --field xx:0-1 f.vtk", "f.vtk: a name that ends in .vti is needed"),
         ("{contact} --field xx f.vti", "--field 'xx': NAMES:DEPTHS, such as von_mises,xx:0-40um, is needed"),
         ("{contact} --field foo:0-1 f.vti", "--field 'foo': each once of xx, yy"),

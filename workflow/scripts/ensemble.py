@@ -11,6 +11,6 @@ output = snakemake.output
 with log_to(snakemake.log[0], output), ProgressBar("ensemble"), style(snakemake.input.style):
     results = dict(zip(snakemake.params.claims, map(dataset.read, snakemake.input.data), strict=True))
     table = summary_frame(results)
-    dataset.write_table(table, output.table)
-    dataset.write_text(output.text, f"{markup.markdown(markup.rows_of(table))}\n")
+    dataset.write_text(output.table, table.to_csv(index=False, lineterminator="\n"))
+    dataset.write_text(output.text, f"{markup.markdown(table)}\n")
     save(figure.draw(results), *output.picture)

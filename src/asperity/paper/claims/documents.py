@@ -83,7 +83,7 @@ def readme(found: Sequence[Finding]) -> str:
         f"**Under no reading**: {'; '.join(map(_numbered, of[FAILS]))}.",
     ]
     text = "\n\n".join(textwrap.fill(part, 118, break_on_hyphens=False) for part in paragraphs)
-    return f"{text}\n\n{markup.markdown(rows)}"
+    return f"{text}\n\n{markup.markdown(_frame(rows))}"
 
 
 def _numbered(finding: Finding) -> str:
@@ -104,6 +104,11 @@ def _plain(option: object) -> object:
     return option.replace("_", " ") if isinstance(option, str) else option
 
 
+def _frame(rows: Sequence[Sequence[str]]) -> pd.DataFrame:
+    """Rows of text, the first the head, as a data frame."""
+    return pd.DataFrame(rows[1:], columns=rows[0])
+
+
 def choices() -> str:
     """Table of all choices with their options, the study's own first, from the schema of the settings."""
     rows = [["choice", "accepts", "default, own first", "meaning"]]
@@ -112,7 +117,7 @@ def choices() -> str:
         if isinstance(own, list):
             own = ", ".join(map(str, own))
         rows.append([f"`{name}`", accepted(entry.get("items", entry)), str(own), entry["description"]])
-    return markup.markdown(rows)
+    return markup.markdown(_frame(rows))
 
 
 def conventions(found: Sequence[Finding]) -> str:
@@ -129,7 +134,11 @@ def conventions(found: Sequence[Finding]) -> str:
         ]
         for one in every
     ]
-    return markup.markdown(rows) + "\n\n" + " ".join(_advice(every, name) for name in CONVENTIONS).strip()
+    return (
+        markup.markdown(_frame(rows))
+        + "\n\n"
+        + " ".join(_advice(every, name) for name in CONVENTIONS).strip()
+    )
 
 
 def _advice(every: Sequence[Support], choice: str) -> str:
