@@ -1,7 +1,6 @@
 """The command line: commands in a row, files that figures accept, arguments, errors in one line."""
 
 import os
-import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -11,14 +10,12 @@ import pytest
 from bad_input import SMALL, make_chain
 from project import ROOT, hide
 
-from asperity.cli.commands import peaks
 from asperity.cli.main import main
 from asperity.cli.parser import make_parser
 from asperity.config.defaults import default
 from asperity.config.schema import setting
 from asperity.packages import BASE, PACKAGES
 from asperity.results import dataset
-from asperity.runtime.interrupts import COMMAND_LINE
 
 COSINE = np.cos(2 * np.pi * np.arange(16) / 16)
 HEADER = "# Channel: Height\n# Width: 16 m\n# Height: 16 m\n# Value units: m\n"
@@ -139,16 +136,6 @@ def test_help_does_not_wait_for_numerical_libraries():
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 
 
-def test_an_interrupt_is_one_line(files, monkeypatch, capsys, tmp_path):
-    def interrupt(*_):
-        signal.raise_signal(signal.SIGINT)
-
-    monkeypatch.setattr(peaks, "read_result", interrupt)
-    command = ["peaks", files["stress"], "--contact", files["contact"], "--out", str(tmp_path / "again.nc")]
-    assert main(command) == 130
-    assert capsys.readouterr().err == f"asperity: {COMMAND_LINE}\n"
-
-
 @pytest.mark.parametrize(
     "command", ["", "surface", "solve", "stress", "peaks", "plot", "plan", "view", "export"]
 )
@@ -171,7 +158,7 @@ def test_every_command_has_help(capsys, command):
 def test_a_missing_package_is_one_line(tmp_path, name, command):
     path = os.pathsep.join([str(hide(name, tmp_path / "dark")), str(ROOT / "src")])
     found = subprocess.run(
-        [sys.executable, "-m", "asperity.cli", *command.split()],
+        [sys.executable, "-m", "asperity", *command.split()],
         env=os.environ | {"PYTHONPATH": path},
         capture_output=True,
         text=True,

@@ -60,6 +60,6 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
             picture.figure.savefig(path, metadata={"Software": None})
             wide = picture.name.startswith("section")
             shown.append(ReportPicture(picture.body, wide, picture.caption, path.read_bytes()))
-        (unfinished / REPORT).write_text(report_page(answer, shown), encoding="utf-8")
+        dataset.write_text(unfinished / REPORT, report_page(answer, shown))
         names = sorted(path.name for path in unfinished.iterdir())
     return [Path(folder) / name for name in names]
