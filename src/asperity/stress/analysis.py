@@ -17,6 +17,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from asperity.finite import require_finite
 from asperity.spectral import Work
 from asperity.stress.arguments import (
     FIELDS,
@@ -135,7 +136,9 @@ def analyse_stress(
         PressedSolid(pressure, contact.grid, contact.layer, boundary_of(contact)), settings
     )
     analysis.run(progress, observe)
-    return _dataset(analysis)
+    found = _dataset(analysis)
+    require_finite("analyse_stress", found.data_vars)
+    return found
 
 
 @dataclass(frozen=True)

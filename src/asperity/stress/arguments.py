@@ -43,6 +43,9 @@ MAX_THREADS = 1024
 MAX_DEPTH = 1e30
 """Largest depth over the longer edge of the cell. Modes vanish below a depth of 120; nothing overflows."""
 
+MAX_FRICTION = 1000.0
+"""Largest coefficient of friction: more than any pair of solids has, and squares of stresses stay finite."""
+
 EDGE_RANGE = (1e-60, 1e60)
 """Edges of the cell that are accepted: squares of wavenumbers stay within double precision."""
 
@@ -190,7 +193,8 @@ def boundary_of(contact: ContactLike) -> str:
 
 def checked_sliding(friction: Any, direction: Any, layer: Layer) -> tuple[float, float]:
     """Shear traction over pressure along x and y."""
-    friction = checked_number("friction", friction, "a finite number ≥ 0", lambda value: value >= 0)
+    accepted = f"a number from 0 to {MAX_FRICTION:g}"
+    friction = checked_number("friction", friction, accepted, lambda value: 0 <= value <= MAX_FRICTION)
     if isinstance(direction, str):
         degrees = {"x": 0.0, "y": 90.0}.get(direction)
         if degrees is None:
