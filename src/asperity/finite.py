@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from asperity.types import Array
 
-def require_finite(function: str, results: Mapping[str, Any], *, undefined: bool = False) -> None:
+
+def require_finite(function: str, results: Mapping[Any, Any], *, undefined: bool = False) -> None:
     """Raise `ValueError` unless all results of a function are finite.
 
     Parameters
@@ -30,7 +32,7 @@ def require_finite(function: str, results: Mapping[str, Any], *, undefined: bool
             )
 
 
-def is_finite(array: np.ndarray, undefined: bool = False) -> bool:
+def is_finite(array: Array, undefined: bool = False) -> bool:
     """True if all elements of an array are finite; NaN counts as finite if it is `undefined`."""
     # The sum of finite numbers is finite unless it overflows, and takes a fraction of the time of the
     # second test.
