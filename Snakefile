@@ -43,6 +43,7 @@ wildcard_constraints:
 
 include: "workflow/rules/common.smk"
 include: "workflow/rules/inputs.smk"
+include: "workflow/rules/ensemble_inputs.smk"
 include: "workflow/rules/resources.smk"
 include: "workflow/rules/machine_code.smk"
 include: "workflow/rules/surface.smk"
@@ -54,6 +55,7 @@ include: "workflow/rules/figures.smk"
 include: "workflow/rules/verification.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/tradeoff.smk"
+include: "workflow/rules/ensemble.smk"
 include: "workflow/rules/handlers.smk"
 
 
@@ -66,4 +68,8 @@ rule all:
         rules.validation_table.output if VALIDATIONS else [],
         rules.verified.input,
         rules.claims.output if config["claims"] else [],
+        rules.ensemble.output if ENSEMBLE["claims"] else [],
         expand(rules.tradeoff.output, extent=["reduced"] if "reduced" in config["tradeoff"] else []),
+
+
+include: "workflow/rules/report_page.smk"

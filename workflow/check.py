@@ -55,6 +55,20 @@ OF_PEAKS = {
 }
 """The same for variables along `quantity` and `poisson`."""
 
+OF_COUNTED = {
+    "count": "seed_counted_count",
+    "deviation": "seed_counted_deviation",
+    "depth_high": "seed_counted_depth_highest",
+    "depth_patch_correlation": "seed_counted_correlation",
+}
+"""The same for variables along `counted` and `poisson`."""
+
+OF_DECAY = {"decay.depth": "seed_decay_depth", "decay.plane": "seed_decay_plane"}
+"""The same for variables along `decay` and `poisson`."""
+
+OF_UNIFORM_MODE = ("von_mises", "xx")
+"""Quantities that another condition of the uniform mode changes."""
+
 PERCENTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "largest": 1.0}
 """Name of a number in the reference → level of the quantiles of the peaks."""
 
@@ -143,14 +157,27 @@ def collect(folder: Path, surfaces: list[str]) -> dict[str, float]:
         if path.exists():
             statistics = dataset.read(path)
             for seed in statistics["seed"].values:
-                found = numbers_of_seed(statistics.sel(seed=seed))
+                one = statistics.sel(seed=seed)
+                found = numbers_of_seed(one) | numbers_of_readings(one)
                 numbers |= {f"{surface}/seed{seed}/{name}": value for name, value in found.items()}
+        for path in sorted(folder.glob(f"readings/*/statistics/{surface}.nc")):
+            statistics, lateral = dataset.read(path).sel(quantity=list(OF_UNIFORM_MODE)), path.parts[-3]
+            for seed in statistics["seed"].values:
+                one = statistics.sel(seed=seed)
+                found = numbers_of_stress(one) | numbers_of_readings(one)
+                numbers |= {f"{surface}/seed{seed}/{lateral}/{name}": value for name, value in found.items()}
     return numbers
 
 
 def numbers_of_seed(statistics: xr.Dataset) -> dict[str, float]:
     """Numbers of one seed by their names in the reference; those along `poisson` end in ``@ratio``."""
     numbers = {name: float(statistics[variable]) for name, variable in OF_SEED.items()}
+    return numbers | numbers_of_stress(statistics)
+
+
+def numbers_of_stress(statistics: xr.Dataset) -> dict[str, float]:
+    """Numbers of the stress of one seed."""
+    numbers = {}
     for ratio in statistics["poisson"].values:
         one = statistics.sel(poisson=ratio)
         numbers |= {f"{name}@{ratio:g}": float(one[variable]) for name, variable in OF_POISSON.items()}
@@ -161,6 +188,26 @@ def numbers_of_seed(statistics: xr.Dataset) -> dict[str, float]:
                 name: peaks["seed_peak_quantile"].sel(level=level) for name, level in PERCENTILES.items()
             }
             numbers |= {f"{quantity}.{name}@{ratio:g}": float(value) for name, value in values.items()}
+    return numbers
+
+
+def numbers_of_readings(statistics: xr.Dataset) -> dict[str, float]:
+    """Numbers of one seed under other readings of the claims than the study's own."""
+    numbers = {}
+    for ratio in statistics["poisson"].values:
+        one = statistics.sel(poisson=ratio)
+        for counted in one["counted"].values[1:]:
+            peaks = one.sel(counted=counted)
+            values = {name: peaks[variable] for name, variable in OF_COUNTED.items()}
+            values |= {
+                name: peaks["seed_counted_quantile"].sel(level=level) for name, level in PERCENTILES.items()
+            }
+            numbers |= {f"{counted}.{name}@{ratio:g}": float(value) for name, value in values.items()}
+        numbers |= {
+            f"{name}.{share:.3g}@{ratio:g}": float(one[variable].sel(decay=share))
+            for name, variable in OF_DECAY.items()
+            for share in one["decay"].values[1:]
+        }
     return numbers
 
 

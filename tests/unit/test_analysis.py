@@ -7,7 +7,7 @@ import xarray as xr
 import asperity as asp
 from asperity.elasticity.layer import Layer
 from asperity.spectral import Fourier, Grid, Work
-from asperity.stress.analysis import QUANTITIES, analyse_stress
+from asperity.stress.analysis import QUANTITIES, analyse_lateral_conditions, analyse_stress
 from asperity.stress.depths import depth_grid
 from asperity.stress.peaks import find_peaks, plane_peaks
 from asperity.stress.planes import stress_planes
@@ -127,6 +127,18 @@ def test_five_ratios_cost_little_more_than_two(contact):
     analyse_stress(contact, poisson=[0.0, 0.1, 0.2, 0.33, 0.5], tolerance=1e-4, work=five)
     assert five.transforms(contact.grid) / 8 < 40
     assert five.nodes < 1.4 * one.nodes
+
+
+def test_both_uniform_modes_in_one_stream_are_those_of_two_analyses(contact, result):
+    both = analyse_lateral_conditions(
+        contact, ("confined", "free"), poisson=RATIOS, quantities=QUANTITIES, tolerance=1e-5
+    )
+    free = replace(contact, layer=replace(contact.layer, lateral="free"))
+    alone = analyse_stress(free, poisson=RATIOS, quantities=QUANTITIES, tolerance=1e-5)
+    xr.testing.assert_identical(both["confined"], result)
+    xr.testing.assert_identical(both["free"], alone)
+    with pytest.raises(ValueError, match="'confined', the layer's, must be one of them"):
+        analyse_lateral_conditions(contact, ("free",))
 
 
 def test_the_same_on_two_threads(contact, result):

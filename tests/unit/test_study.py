@@ -2,12 +2,20 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 from small_study import CONTACT, LAYER, STRESS
 
+import asperity as asp
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.solid import SOLID_ATTRIBUTES, solid
-from asperity.pipeline.statistics import SeedResults, surface_statistics
-from asperity.pipeline.stress import compute_stress
+from asperity.pipeline.statistics import (
+    COUNTED,
+    SeedResults,
+    reading_statistics,
+    seed_statistics,
+    surface_statistics,
+)
+from asperity.pipeline.stress import compute_stress, compute_stresses
 from asperity.pipeline.surface import make_surface
 from asperity.results import dataset
 
@@ -76,6 +84,67 @@ def test_two_seeds_have_bands_and_one_has_none():
     assert two["seed"].values.tolist() == [1, 2]
     assert float((two.height_density * np.diff(two.height_edge)).sum()) == pytest.approx(1)
     assert all(name in two.attrs for name in SOLID_ATTRIBUTES)
+
+
+def filled(contact):
+    """Number of the patch at each node of a periodic contact, by filling one patch after the other."""
+    number = np.zeros(contact.shape, int)
+    for patch, start in enumerate(zip(*np.nonzero(contact), strict=True), start=1):
+        ahead = [start]
+        while ahead:
+            y, x = ahead.pop()
+            if contact[y, x] and not number[y, x]:
+                number[y, x] = patch
+                steps = [(a, b) for a in (-1, 0, 1) for b in (-1, 0, 1)]
+                ahead += [((y + a) % contact.shape[0], (x + b) % contact.shape[1]) for a, b in steps]
+    return number
+
+
+def test_the_counted_peaks_are_those_of_a_search_patch_by_patch():
+    results = run(1)
+    found = seed_statistics(results.surface, results.contact, results.stress, patch_nodes=4)
+    gradient = float(results.contact["gradient_rms_contact"])
+    number = filled(results.contact["pressure"].values > 0)
+    size = np.bincount(number.ravel())
+    under = asp.peaks(results.stress, "von_mises", 0.33, "under_contact")
+    also = asp.peaks(results.stress, "von_mises", 0.33, "at_contact")
+    row, column = (np.rint(under[f"peak_{axis}"].values * 64).astype(int) % 64 for axis in "yx")
+    patch, value = number[row, column], under["peak_value"].values / gradient
+    highest = [value[patch == one].max() for one in np.unique(patch)]
+    expected = {
+        "below_surface": value,
+        "with_surface": also["peak_value"].values / gradient,
+        "highest_of_patch": np.array(highest),
+        "large_patches": np.array(
+            [v for v, one in zip(highest, np.unique(patch), strict=True) if size[one] > 4]
+        ),
+    }
+    assert list(expected) == list(COUNTED)
+    for name, values in expected.items():
+        one = found.sel(counted=name, poisson=0.33)
+        assert int(one["seed_counted_count"]) == values.size
+        assert float(one["seed_counted_quantile"].sel(level=0.9)) == pytest.approx(np.quantile(values, 0.9))
+        assert float(one["seed_counted_deviation"]) == pytest.approx(values.std())
+    below = found.sel(counted="below_surface")
+    np.testing.assert_array_equal(below["seed_counted_correlation"], found["seed_depth_patch_correlation"])
+    half = found.sel(decay=0.5)
+    np.testing.assert_array_equal(half["seed_decay_depth"], found["seed_decay_length_depth"])
+    later = found["seed_decay_depth"].sel(decay=np.exp(-1))
+    assert bool((later > found["seed_decay_length_depth"]).all())
+
+
+def test_a_contact_serves_both_uniform_modes():
+    own = run(1)
+    free = compute_stress(own.contact, LAYER | {"lateral": "free"}, STRESS)
+    both = compute_stresses(own.contact, LAYER, STRESS, ("free",))
+    assert list(both) == ["confined", "free"]
+    xr.testing.assert_equal(both["confined"], own.stress)
+    xr.testing.assert_equal(both["free"], free)
+    assert both["free"].attrs["uniform_mode"] == "laterally free"
+    found = reading_statistics([own._replace(stress=both["free"])])
+    assert found["seed"].values.tolist() == [1]
+    expected = seed_statistics(own.surface, own.contact, free)
+    xr.testing.assert_equal(found.sel(seed=1, drop=True), expected)
 
 
 def test_the_variables_of_every_stage_can_be_written_and_read(tmp_path):

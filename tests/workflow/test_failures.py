@@ -91,7 +91,7 @@ def test_every_damaged_file_is_named(folder):
     kinds = {
         path.relative_to(folder / RESULTS).parts[0] + path.suffix: path
         for path in (folder / RESULTS).rglob("*.*")
-        if path.is_file() and not {"log", "benchmark", ".running"} & set(path.parts)
+        if path.is_file() and not {"log", "benchmark", ".running", ".running.lock"} & set(path.parts)
     }
     assert {"statistics.nc", "surface.nc", "verification.csv", "figures.png", "figures.pdf"} <= kinds.keys()
     assert subprocess.run(verify, cwd=folder, env=environment(folder)).returncode == 0

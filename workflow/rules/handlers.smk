@@ -42,6 +42,7 @@ onsuccess:
         "figures": f"{RESULTS}/figures",
         "claims": f"{RESULTS}/claims.md",
         "validation": f"{RESULTS}/validation/table.md",
+        "ensemble": f"{RESULTS}/ensemble/table.md",
     }
     found = [f"{name} in {path}" for name, path in places.items() if os.path.exists(path)]
     logger.info("; ".join(["study: done", *found]))

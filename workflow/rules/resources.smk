@@ -36,8 +36,9 @@ def contact_cost(wildcards):
 
 
 def stress_cost(wildcards):
-    """Cost of the stress, with the number of its Poisson's ratios."""
-    return job_cost("stress", nodes(wildcards.surface), len(config["stress"]["poisson"]), ACCURACY)
+    """Cost of the stress, with the number of its Poisson's ratios and conditions of the uniform mode."""
+    analyses = len(config["stress"]["poisson"]) * (1 + len(OTHER_LATERALS))
+    return job_cost("stress", nodes(wildcards.surface), analyses, ACCURACY)
 
 
 def figure_cost(wildcards):
@@ -60,6 +61,19 @@ def tradeoff_cost(wildcards):
     return job_cost("tradeoff", max(config["tradeoff"][wildcards.extent]["sizes"]) ** 2)
 
 
+def samples_cost(wildcards):
+    """Cost of the samples of one file: all stages in memory, one seed after the other."""
+    number, edge = int(wildcards.last) - int(wildcards.first) + 1, float(wildcards.nodes)
+    points = grid_points(SURFACES[wildcards.surface]["wavelength_short"], edge)
+    base = job_cost("ensemble samples", points**2)
+    if edge == SURFACE_ALONE:
+        return base
+    ratios = len(config["stress"]["poisson"])
+    stages = [job_cost("surface", points**2), job_cost("contact", points**2, 1, ACCURACY)]
+    stages.append(job_cost("stress", points**2, ratios, ACCURACY))
+    return base._replace(calculation_seconds=number * sum(stage.calculation_seconds for stage in stages))
+
+
 # Rule -> cost of its job. Rules that are not listed take next to no time and memory.
 COSTS = {
     "machine_code": lambda wildcards: job_cost("machine code"),
@@ -73,8 +87,13 @@ COSTS = {
     "calculix": lambda wildcards: job_cost("calculix"),
     "validation_table": lambda wildcards: job_cost("validation table"),
     "claims": lambda wildcards: job_cost("claims"),
+    "ensemble_samples": samples_cost,
+    "ensemble_plan": lambda wildcards: job_cost("ensemble plan"),
+    "ensemble_result": lambda wildcards: job_cost("ensemble result"),
+    "ensemble": lambda wildcards: job_cost("ensemble result"),
     "tradeoff": tradeoff_cost,
     "tradeoff_figures": lambda wildcards: job_cost("tradeoff figures"),
+    "report_page": lambda wildcards: job_cost("report page"),
 }
 
 

@@ -3,9 +3,11 @@ rule statistics:
         surface=results_of_seeds("surface"),
         contact=results_of_seeds("contact"),
         stress=results_of_seeds("stress"),
+        others=other_stresses_of_seeds,
         code=code("statistics"),
     output:
         f"{RESULTS}/statistics/{{surface}}.nc",
+        [f"{RESULTS}/readings/{name}/statistics/{{surface}}.nc" for name in OTHER_LATERALS],
     log:
         f"{RESULTS}/log/statistics/{{surface}}.log",
     benchmark:
@@ -17,5 +19,7 @@ rule statistics:
         runtime=minutes("statistics"),
     params:
         statistics=config["statistics"],
+        patch_nodes=config["readings"]["patch_nodes"],
+        laterals=OTHER_LATERALS,
     script:
         "../scripts/statistics.py"

@@ -5,6 +5,7 @@ rule stress:
         code=code("stress"),
     output:
         f"{RESULTS}/stress/{{surface}}/seed{{seed}}.nc",
+        [f"{RESULTS}/readings/{name}/stress/{{surface}}/seed{{seed}}.nc" for name in OTHER_LATERALS],
     log:
         f"{RESULTS}/log/stress/{{surface}}/seed{{seed}}.log",
     benchmark:
@@ -16,5 +17,7 @@ rule stress:
         runtime=minutes("stress"),
     params:
         stress=config["stress"],
+        laterals=OTHER_LATERALS,
+        quantities=OTHER_COMPONENTS,
     script:
         "../scripts/stress.py"

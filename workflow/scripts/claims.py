@@ -7,6 +7,7 @@ from asperity.paper.claims.evidence import Evidence
 from asperity.paper.claims.statements import CLAIMS, HEADLINES
 from asperity.paper.claims.verdicts import decide
 from asperity.results import dataset
+from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 from asperity.views.style import save, style
@@ -17,13 +18,24 @@ with log_to(snakemake.log[0], snakemake.output), ProgressBar("claims"), style(sn
         {Path(file).stem: dataset.read(file) for file in files}
         for files in (snakemake.input.statistics, snakemake.input.validation)
     )
-    study = Evidence({role: statistics[name] for role, name in params.roles.items()}, validation)
-    finer = {
-        nodes: Evidence({role: statistics[name] for role, name in names.items()})
-        for nodes, names in params.resolutions.items()
+    others = {
+        lateral: {Path(file).stem: dataset.read(file) for file in snakemake.input.others if file in files}
+        for lateral, files in params.others.items()
     }
-    findings, limits = decide(CLAIMS, study, finer), report.continuum_table(HEADLINES, finer)
-    dataset.write_text(output.table, report.frame(findings, params.nodes).to_csv(index=False))
+
+    def evidence(names, validation=None):
+        """Statistics of the surfaces by their role, under every condition of the uniform mode."""
+        laterals = {
+            lateral: {role: of[name] for role, name in names.items()} for lateral, of in others.items()
+        }
+        return Evidence({role: statistics[name] for role, name in names.items()}, validation or {}, laterals)
+
+    study = evidence(params.roles, validation)
+    finer = {nodes: evidence(names) for nodes, names in params.resolutions.items()}
+    findings = decide(CLAIMS, study, finer, params.readings)
+    limits = report.continuum_table(HEADLINES, finer)
+    write_table(report.frame(findings, params.nodes), "claims", output.table)
+    write_table(report.frame_of_readings(findings), "claims_readings", output.readings)
     text = report.markdown(findings, params.seeds, params.nodes, limits)
     dataset.write_text(output.text, text)
     dataset.write_text(output.page, report.page(findings, limits))

@@ -24,8 +24,8 @@ def make_parser() -> Parser:
         "measured map, materials and a load with their units. The others have lengths in units of the longer "
         "edge of the periodic cell, stresses in units of the effective modulus E/(1 - poisson^2).",
         epilog="From a map to an answer: run. The steps of a calculation: surface, solve, stress, peaks, "
-        "plot. Its cost and error beforehand: plan. Pictures and tables of its results: view, export. "
-        "The study of the paper: study.",
+        "plot. Its cost and error beforehand: plan. Means over random surfaces: ensemble. Pictures and "
+        "tables of its results: view, export. The study of the paper: study.",
     )
     parser.add_argument("--version", action="version", version=f"asperity {asperity.__version__}")
     commands = parser.add_subparsers(title="commands", required=True, dest="command", metavar="COMMAND")
@@ -180,6 +180,37 @@ def _add_plan(parser: Parser) -> None:
     )
 
 
+def _add_ensemble(parser: Parser) -> None:
+    parser.add_argument(
+        "--claim",
+        required=True,
+        metavar="NAME",
+        help="identifier of a claim, such as one_and_a_half, or a number of one surface, such as "
+        "von_mises_p99_large_hurst; an unknown name lists all",
+    )
+    parser.add_argument(
+        "--error",
+        metavar="SHARE",
+        help="standard error and bias together, over the value, such as 0.5%% (default: that of the "
+        "configuration)",
+    )
+    parser.add_argument(
+        "--config", nargs="+", metavar="FILE", help="configuration, then overlays (default: the paper's)"
+    )
+    parser.add_argument(
+        "--results", metavar="FOLDER", help="folder of results, instead of the configured one"
+    )
+    parser.add_argument(
+        "--plan", action="store_true", help="compute the pilot only; print the seeds and the time to go"
+    )
+    parser.add_argument(
+        "snakemake",
+        nargs="*",
+        metavar="OPTION",
+        help="options of Snakemake, after --, such as -- --profile profiles/slurm",
+    )
+
+
 def _add_surface(parser: Parser) -> None:
     parser.add_argument("--out", required=True, metavar="FILE.nc", help="surface file to write")
     add = partial(add_setting, parser)
@@ -253,7 +284,9 @@ def _add_export(parser: Parser) -> None:
         "results", nargs="+", metavar="RESULT", help="a contact or surface file, a stress file, or both"
     )
     parser.add_argument(
-        "--peaks", metavar="FILE.csv", help="table of all peaks of the stress file, for pandas or Excel"
+        "--peaks",
+        metavar="FILE.csv",
+        help="table of all peaks of the stress file, .csv or .parquet, for pandas or Excel",
     )
     parser.add_argument(
         "--field",
@@ -317,6 +350,11 @@ _COMMANDS: dict[str, tuple[Callable[[Parser], None], str]] = {
     "plan": (
         _add_plan,
         "Predict cost and error of a calculation. With a target, propose settings that reach it.",
+    ),
+    "ensemble": (
+        _add_ensemble,
+        "Estimate the mean of a number over random surfaces to a given error. Few seeds on fine grids and "
+        "many on coarse ones are computed as jobs of the study, and kept for the next call.",
     ),
     "view": (_add_view, "Draw results: surfaces, contacts, and the stress below them."),
     "export": (_add_export, "Export results as tables (CSV) and as fields for ParaView (VTK)."),

@@ -53,6 +53,7 @@ def check(config: Mapping[str, Any], needed: tuple[str, ...] | None = None) -> N
     _check_studies(whole)
     _check_claims(whole)
     _check_tradeoff(whole)
+    _check_ensemble(whole)
     _check_solid(whole)
 
 
@@ -239,6 +240,12 @@ def _check_tradeoff(config: Mapping[str, Any]) -> None:
             )
 
 
+def _check_ensemble(config: Mapping[str, Any]) -> None:
+    nodes = config["ensemble"]["nodes"]
+    if nodes != sorted(nodes):
+        raise ConfigError(f"ensemble.nodes = {shown(nodes)}: rising numbers are needed")
+
+
 def _check_height(config: Mapping[str, Any]) -> None:
     """Raise `ConfigError` for a layer too thin for the planes of the stress under a surface."""
     height, spacing = config["layer"]["height"], config["stress"]["depth_spacing"]
@@ -259,6 +266,11 @@ def _check_solid(config: Mapping[str, Any]) -> None:
     ratios, own = config["stress"]["poisson"], config["layer"]["poisson"]
     if own not in ratios:
         raise ConfigError(f"stress.poisson = {shown(ratios)}: layer.poisson = {own!r} must be one of them")
+    laterals, lateral = config["readings"]["lateral"], config["layer"]["lateral"]
+    if lateral not in laterals:
+        raise ConfigError(
+            f"readings.lateral = {shown(laterals)}: layer.lateral = {lateral!r} must be one of them"
+        )
 
 
 def _one_line(error: ValidationError) -> str:

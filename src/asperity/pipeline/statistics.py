@@ -2,7 +2,8 @@
 
 `seed_statistics` reduces the results of one seed to numbers, the variables ``seed_…``. `surface_statistics`
 joins those of all seeds along `seed` and adds what is pooled over seeds. Figures, captions, claims and the
-drift check read this dataset; none of them computes such a number again.
+drift check read this dataset; none of them computes such a number again. `reading_statistics` joins the
+numbers of the seeds under another condition of the uniform mode, which only the claims read.
 
 Stresses are divided by E* ḡ, ḡ being the rms gradient over the true contact of the same seed. Lengths and
 depths are in units of the longer edge of the cell.
@@ -29,6 +30,20 @@ from asperity.types import Array
 LEVELS = np.concatenate([np.arange(100) / 100, np.arange(991, 1001) / 1000])
 """Shares of the peaks at which quantiles are kept: every percent, above 99 % every tenth of a percent."""
 
+COUNTED = {
+    "below_surface": "under_contact",
+    "with_surface": "at_contact",
+    "highest_of_patch": "under_contact",
+    "large_patches": "under_contact",
+}
+"""Von Mises peaks that a reading of the claims counts → the selection of `asperity.peaks` they are from."""
+
+DECAYS = {"half": 0.5, "inverse_e": float(np.exp(-1))}
+"""Reading of the decay of Eq. 22 → share of its value in the reference plane to which it falls."""
+
+LARGE_PATCH = 30
+"""Nodes that a large patch of contact exceeds, if nothing else is said."""
+
 _HEIGHT_LIMITS = (-6.0, 6.0)
 """Heights over their rms that are counted: a Gaussian surface has one node in 10⁹ beyond."""
 
@@ -52,7 +67,11 @@ class SeedResults(NamedTuple):
 
 
 def surface_statistics(
-    results: Iterable[SeedResults], bins: int, resamples: int, confidence: float
+    results: Iterable[SeedResults],
+    bins: int,
+    resamples: int,
+    confidence: float,
+    patch_nodes: int = LARGE_PATCH,
 ) -> xr.Dataset:
     """Statistics of one surface over its seeds.
 
@@ -62,6 +81,8 @@ def surface_statistics(
         One seed after the other; the fields of a seed are not kept.
     bins, resamples, confidence
         Section ``statistics`` of the configuration.
+    patch_nodes : int
+        Nodes that a large patch of contact exceeds.
 
     Returns
     -------
@@ -74,7 +95,7 @@ def surface_statistics(
     seeds, each, stresses = [], [], []
     for seed, surface, contact, stress in results:
         heights += np.histogram((surface["height"] / surface["rms_height"]).values, edges)[0]
-        each.append(seed_statistics(surface, contact, stress))
+        each.append(seed_statistics(surface, contact, stress, patch_nodes))
         seeds.append(seed)
         stresses.append(stress)
     of_seeds = xr.concat(each, "seed").assign_coords(seed=seeds)
@@ -87,19 +108,47 @@ def surface_statistics(
     return pooled.merge(of_seeds).assign_attrs({name: stresses[0].attrs[name] for name in SOLID_ATTRIBUTES})
 
 
-def seed_statistics(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset) -> xr.Dataset:
+def reading_statistics(results: Iterable[SeedResults], patch_nodes: int = LARGE_PATCH) -> xr.Dataset:
+    """Numbers of the seeds of one surface, without what is pooled over them.
+
+    Parameters
+    ----------
+    results : iterable of SeedResults
+        With the stress under another condition of the uniform mode than that of the study.
+    patch_nodes : int
+        Nodes that a large patch of contact exceeds.
+
+    Returns
+    -------
+    dataset
+        Variables of `seed_statistics` along `seed`.
+    """
+    each, seeds, attributes = [], [], {}
+    for seed, surface, contact, stress in results:
+        each.append(seed_statistics(surface, contact, stress, patch_nodes))
+        seeds.append(seed)
+        attributes = {name: stress.attrs[name] for name in SOLID_ATTRIBUTES}
+    return xr.concat(each, "seed").assign_coords(seed=seeds).assign_attrs(attributes)
+
+
+def seed_statistics(
+    surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset, patch_nodes: int = LARGE_PATCH
+) -> xr.Dataset:
     """Numbers of one surface and one seed.
 
     Parameters
     ----------
     surface, contact, stress : datasets
         Results of the stages of these names.
+    patch_nodes : int
+        Nodes that a large patch of contact exceeds.
 
     Returns
     -------
     dataset
         Along `quantity` and `poisson`, numbers of the peaks that figures and claims count; along `level`,
-        quantiles of their magnitude. NaN where there is nothing to measure.
+        quantiles of their magnitude. Along `counted` and `poisson`, numbers of the von Mises peaks that the
+        readings of the claims count; along `decay`, lengths of decay. NaN where there is nothing to measure.
     """
     gradient = float(contact["gradient_rms_contact"])
     patches, radii = contact_patches(contact["pressure"].values > 0)
@@ -110,9 +159,16 @@ def seed_statistics(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset
     numbers |= _of_contact(contact, float(surface["rms_gradient"]))
     numbers["seed_patches"] = radii.size
     numbers["seed_patch_radius"] = float(np.sqrt(np.prod(grid.spacing)) * np.average(radii, weights=radii**2))
-    numbers |= _of_peaks(stress, gradient, _UnderPatches(grid, patches, radii))
+    under = _UnderPatches(grid, patches, radii)
+    numbers |= _of_peaks(stress, gradient, under)
+    numbers |= _of_counted_peaks(stress, gradient, under, np.sqrt(patch_nodes / np.pi))
     numbers |= _of_planes(stress, gradient)
-    coordinates = {"quantity": stress["quantity"].values, "poisson": stress["poisson"].values}
+    coordinates = {
+        "quantity": stress["quantity"].values,
+        "poisson": stress["poisson"].values,
+        "counted": list(COUNTED),
+        "decay": list(DECAYS.values()),
+    }
     return xr.Dataset(numbers, coords={**coordinates, "level": LEVELS})
 
 
@@ -158,13 +214,35 @@ class _UnderPatches(NamedTuple):
     patches: Array
     radii: Array
 
-    def correlation(self, peaks: xr.Dataset) -> float:
-        """Rank correlation between the depth of peaks and the radius of the patch above them."""
+    def nodes(self, peaks: xr.Dataset) -> tuple[Array, Array]:
+        """Row and column of the node above each peak."""
         row, column = (
             np.rint(peaks[f"peak_{axis}"].values / step).astype(int)
             for axis, step in zip("yx", self.grid.spacing, strict=True)
         )
+        return row, column
+
+    def correlation(self, peaks: xr.Dataset) -> float:
+        """Rank correlation between the depth of peaks and the radius of the patch above them."""
+        row, column = self.nodes(peaks)
         return depth_patch_correlation(peaks["peak_depth"].values, row, column, self.patches, self.radii)
+
+    def number(self, peaks: xr.Dataset) -> Array:
+        """Number of the patch above each peak, from 1; 0 outside contact."""
+        row, column = self.nodes(peaks)
+        return self.patches[row % self.patches.shape[0], column % self.patches.shape[1]]
+
+    def highest(self, peaks: xr.Dataset) -> Array:
+        """Indices of the highest peak below each patch."""
+        number = self.number(peaks)
+        order = np.lexsort((np.abs(peaks["peak_value"].values), number))
+        last = np.flatnonzero(np.diff(number[order], append=number.size + self.radii.size + 1))
+        return np.sort(order[last][number[order[last]] > 0])
+
+    def larger(self, peaks: xr.Dataset, radius: float) -> Array:
+        """Indices of the peaks below patches whose radius exceeds one, in grid spacings."""
+        number = self.number(peaks)
+        return np.flatnonzero((number > 0) & (np.append(0.0, self.radii)[number] > radius * (1 + 1e-12)))
 
 
 def _of_peaks(stress: xr.Dataset, gradient: float, under: _UnderPatches) -> dict[str, tuple]:
@@ -198,22 +276,64 @@ def _of_peaks(stress: xr.Dataset, gradient: float, under: _UnderPatches) -> dict
     }
 
 
+def _of_counted_peaks(
+    stress: xr.Dataset, gradient: float, under: _UnderPatches, large: float
+) -> dict[str, tuple]:
+    """Size, spread and depth of the von Mises peaks that the readings of the claims count.
+
+    `large` is the radius that a large patch of contact exceeds, in grid spacings.
+    """
+    ratios = stress["poisson"].values
+    shape = len(COUNTED), len(ratios)
+    count = np.zeros(shape, np.int64)
+    deviation, depth_highest, correlation = np.full((3, *shape), np.nan)
+    quantile = np.full((*shape, LEVELS.size), np.nan)
+    for c, p in np.ndindex(shape):
+        name, selection = list(COUNTED.items())[c]
+        found = peaks(stress, "von_mises", float(ratios[p]), selection)
+        if name in ("highest_of_patch", "large_patches"):
+            found = found.isel(peak=under.highest(found))
+        if name == "large_patches":
+            found = found.isel(peak=under.larger(found, large))
+        count[c, p] = found.sizes["peak"]
+        if not count[c, p]:
+            continue
+        magnitude, depths = np.abs(found["peak_value"].values) / gradient, found["peak_depth"].values
+        deviation[c, p], quantile[c, p] = magnitude.std(), np.quantile(magnitude, LEVELS)
+        depth_highest[c, p] = depths[magnitude >= np.quantile(magnitude, 1 - HIGHEST_SHARE)].mean()
+        correlation[c, p] = under.correlation(found)
+    kinds = ("counted", "poisson")
+    return {
+        "seed_counted_count": (kinds, count),
+        "seed_counted_deviation": (kinds, deviation),
+        "seed_counted_quantile": ((*kinds, "level"), quantile),
+        "seed_counted_depth_highest": (kinds, depth_highest),
+        "seed_counted_correlation": (kinds, correlation),
+    }
+
+
 def _of_planes(stress: xr.Dataset, gradient: float) -> dict[str, tuple]:
-    """Largest von Mises stress, its depth, and the lengths over which the stress decays to half (Eq. 22)."""
+    """Largest von Mises stress, its depth, and the lengths over which the stress decays (Eq. 22)."""
     lengths = [
-        decay_lengths(
-            one["plane_depth"].values,
-            one["covariance_depth"].values,
-            one["lag"].values,
-            one["covariance_plane"].values,
-            float(one["reference_depth"]),
-        )
-        for one in (stress.sel(poisson=ratio) for ratio in stress["poisson"].values)
+        [
+            decay_lengths(
+                one["plane_depth"].values,
+                one["covariance_depth"].values,
+                one["lag"].values,
+                one["covariance_plane"].values,
+                float(one["reference_depth"]),
+                share,
+            )
+            for one in (stress.sel(poisson=ratio) for ratio in stress["poisson"].values)
+        ]
+        for share in DECAYS.values()
     ]
-    along_depth, in_plane = np.transpose(lengths)
+    along_depth, in_plane = np.moveaxis(np.array(lengths), -1, 0)
     return {
         "seed_largest_von_mises": ("poisson", stress["largest_von_mises"].max("plane").values / gradient),
         "seed_reference_depth": ("poisson", stress["reference_depth"].values),
-        "seed_decay_length_depth": ("poisson", along_depth),
-        "seed_decay_length_plane": ("poisson", in_plane),
+        "seed_decay_length_depth": ("poisson", along_depth[0]),
+        "seed_decay_length_plane": ("poisson", in_plane[0]),
+        "seed_decay_depth": (("decay", "poisson"), along_depth),
+        "seed_decay_plane": (("decay", "poisson"), in_plane),
     }

@@ -9,10 +9,13 @@ import xarray as xr
 
 from asperity.pipeline.solid import SOLID_ATTRIBUTES, solid
 from asperity.results.dataset import grid_of
-from asperity.stress.analysis import analyse_stress
+from asperity.stress.analysis import analyse_lateral_conditions
 from asperity.stress.depths import depth_grid
 from asperity.stress.pressed import PressedSolid
 from asperity.types import Progress
+
+QUANTITIES = ("pressure", "von_mises", "xx", "zz", "xz")
+"""Quantities whose peaks the study seeks."""
 
 GROWTH_PER_SPACING = 0.25
 """`growth` over `spacing` of `depth_grid`: the setting ``depth_spacing`` scales all distances of planes."""
@@ -45,6 +48,39 @@ def compute_stress(
     ValueError
         If the half-space of the contact does not stand for the layer at another Poisson's ratio.
     """
+    own = layer_settings["lateral"]
+    return compute_stresses(contact, layer_settings, stress_settings, progress=progress)[own]
+
+
+def compute_stresses(
+    contact: xr.Dataset,
+    layer_settings: Mapping[str, Any],
+    stress_settings: Mapping[str, Any],
+    laterals: Sequence[str] = (),
+    quantities: Sequence[str] = QUANTITIES,
+    progress: Progress | None = None,
+) -> dict[str, xr.Dataset]:
+    """Stress under several conditions of the uniform mode, which the same contact serves.
+
+    Parameters
+    ----------
+    contact, layer_settings, stress_settings, progress
+        As for `compute_stress`.
+    laterals : sequence of names
+        Conditions as of ``layer.lateral``, besides that of the layer itself.
+    quantities : sequence of names
+        Quantities whose peaks are sought.
+
+    Returns
+    -------
+    dict
+        Condition of the uniform mode, that of the layer first → dataset as of `compute_stress`.
+
+    Raises
+    ------
+    ValueError
+        If the half-space of the contact does not stand for the layer at another Poisson's ratio.
+    """
     layer, _ = solid(layer_settings)
     grid = grid_of(contact)
     poisson = [layer.poisson]
@@ -52,16 +88,21 @@ def compute_stress(
         poisson = stress_settings["poisson"]
         _check_half_space(layer_settings, poisson)
     spacing = stress_settings["depth_spacing"]
-    dataset = analyse_stress(
+    found = analyse_lateral_conditions(
         PressedSolid(contact["pressure"].values.astype(float), grid, layer),
+        [layer.lateral, *(name for name in laterals if name != layer.lateral)],
         depth_grid(grid, layer_settings["height"], spacing, GROWTH_PER_SPACING * spacing),
         poisson,
+        quantities,
         tolerance=stress_settings["tolerance"],
         progress=progress,
     )
     kept = {name: contact.attrs[name] for name in SOLID_ATTRIBUTES}
     kept["gradient_rms_contact"] = float(contact["gradient_rms_contact"])
-    return dataset.assign_attrs(kept)
+    return {
+        lateral: dataset.assign_attrs(kept, uniform_mode=f"laterally {lateral}")
+        for lateral, dataset in found.items()
+    }
 
 
 def _check_half_space(layer_settings: Mapping[str, Any], ratios: Sequence[float]) -> None:

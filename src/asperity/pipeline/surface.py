@@ -24,6 +24,7 @@ from asperity.surface.treatment import Treatment
 from asperity.types import Array
 from asperity.units import to_si
 
+_BAND = ("hurst", "wavelength_long", "wavelength_short", "rms_height")
 _READING = ("physical_size", "height_factor", "unit", "channel", "orientation", "max_memory")
 _TREATMENT = ("detrend", "periodic", "undefined", "despike", "wavelength_short", "points")
 
@@ -46,12 +47,8 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
         before the transform.
     """
     grid = Grid((parameters["points"], parameters["points"]))
-    band = {name: parameters[name] for name in ("hurst", "wavelength_long", "wavelength_short", "rms_height")}
-    gaussian = height = self_affine(grid.shape, seed=seed, **band)
-    if "johnson" in parameters:
-        height = johnson(height, **parameters["johnson"])
-    elif "moments" in parameters:
-        height = with_moments(height, **parameters["moments"])
+    band = {name: parameters[name] for name in _BAND}
+    gaussian, height = random_heights(parameters, grid, seed)
     dataset = _surface_dataset(height, grid)
     dataset["spectrum_target"] = ("wavenumber", target_spectrum(grid, **band)[1])
     if height is gaussian:
@@ -59,6 +56,19 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
     else:
         dataset["spectrum_before"] = ("wavenumber", spectrum(gaussian)[1])
     return dataset
+
+
+def random_heights(parameters: Mapping[str, Any], grid: Grid, seed: int) -> tuple[Array, Array]:
+    """Heights of a random surface before and after their transform, which are one array without a transform.
+
+    Parameters are those of `make_surface`, with the nodes of `grid`.
+    """
+    gaussian = self_affine(grid.shape, seed=seed, **{name: parameters[name] for name in _BAND})
+    if "johnson" in parameters:
+        return gaussian, johnson(gaussian, **parameters["johnson"])
+    if "moments" in parameters:
+        return gaussian, with_moments(gaussian, **parameters["moments"])
+    return gaussian, gaussian
 
 
 def read_surface(parameters: Mapping[str, Any], option: OptionName = str) -> xr.Dataset:

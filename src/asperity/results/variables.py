@@ -310,6 +310,64 @@ VARIABLES: dict[str, Variable] = {
     "seed_decay_length_plane": Variable(
         _LENGTH, "distance over which the covariance of Eq. 22 falls to half"
     ),
+    # ensemble
+    "seed_seconds": Variable(_TIME, "processor time of one seed, all stages"),
+    "grid_nodes": Variable(_NUMBER, "nodes on the shortest wavelength; 0 for the surface alone, no contact"),
+    "grid_used": Variable(_NUMBER, "1 if the level is used in the estimate, 0 if only in its bias"),
+    "grid_seeds": Variable(_NUMBER, "number of seeds"),
+    "grid_mean": Variable(_NUMBER, "mean over the seeds of the grid"),
+    "grid_deviation": Variable(_NUMBER, "standard deviation over seeds"),
+    "grid_difference": Variable(_NUMBER, "mean difference from the next coarser grid, over common seeds"),
+    "grid_difference_error": Variable(_NUMBER, "standard error of the mean difference"),
+    "grid_correlation": Variable(
+        _NUMBER,
+        "correlation with the next coarser level over common seeds",
+        "With the surface alone: multiple correlation with the rms gradients of the surfaces.",
+    ),
+    "grid_seconds": Variable(_TIME, "processor time of one seed on the grid, median"),
+    "estimate": Variable(_NUMBER, "estimate of the mean on the finest grid"),
+    "estimate_error": Variable(_NUMBER, "standard error of the estimate"),
+    "estimate_low": Variable(_NUMBER, "lower end of the 95 % interval of the mean on the finest grid"),
+    "estimate_high": Variable(_NUMBER, "upper end of the 95 % interval of the mean on the finest grid"),
+    "estimate_bias": Variable(_NUMBER, "what vanishing grid spacing adds to the estimate"),
+    "estimate_order": Variable(_NUMBER, "order of convergence of the grids by which the bias is judged"),
+    "estimate_total_error": Variable(_NUMBER, "root of the squared standard error and the squared bias"),
+    "estimate_seconds": Variable(_TIME, "processor time of all seeds of the estimate"),
+    "plain_estimate": Variable(_NUMBER, "mean over the seeds of the finest grid alone"),
+    "plain_error": Variable(_NUMBER, "its standard error"),
+    "plain_seconds": Variable(_TIME, "processor time of the seeds of the finest grid"),
+    "plain_seconds_same_error": Variable(
+        _TIME, "processor time of plain Monte Carlo on the finest grid for the standard error of the estimate"
+    ),
+    "course_seeds": Variable(_NUMBER, "seeds of the finest grid in a part of the samples"),
+    "course_seconds": Variable(_TIME, "processor time of a part of the samples of all levels"),
+    "course_error": Variable(_NUMBER, "standard error of the estimate from a part of the samples"),
+    "plain_course_seeds": Variable(_NUMBER, "seeds of a part of the finest grid alone"),
+    "plain_course_seconds": Variable(_TIME, "processor time of a part of the seeds of the finest grid alone"),
+    "plain_course_error": Variable(
+        _NUMBER, "standard error of the mean over a part of the finest grid alone"
+    ),
+    # statistics of each seed, for the readings of the claims
+    "counted": Variable(
+        _NUMBER,
+        "von Mises peaks that are counted",
+        "below_surface: those below the surface under a contact; with_surface: also those in it; "
+        "highest_of_patch: the highest below each patch of contact; large_patches: that of each large patch",
+    ),
+    "seed_counted_count": Variable(_NUMBER, "number of the counted peaks"),
+    "seed_counted_deviation": Variable(_SCALED, "standard deviation of the counted peaks"),
+    "seed_counted_quantile": Variable(_SCALED, "quantile of the counted peaks"),
+    "seed_counted_depth_highest": Variable(_LENGTH, "mean depth of the highest tenth of the counted peaks"),
+    "seed_counted_correlation": Variable(
+        _NUMBER, "rank correlation between the depth of counted peaks and the radius of the patch above"
+    ),
+    "decay": Variable(
+        _NUMBER, "share of its value in the reference plane to which the covariance of Eq. 22 falls"
+    ),
+    "seed_decay_depth": Variable(_LENGTH, "depth over which the covariance of Eq. 22 falls to this share"),
+    "seed_decay_plane": Variable(
+        _LENGTH, "distance in the reference plane over which the covariance of Eq. 22 falls to this share"
+    ),
     # validation
     "hertz_contact_radius": Variable(_LENGTH, "radius of contact of the closed form"),
     "hertz_area_fraction": Variable(_NUMBER, "area fraction of the closed form"),

@@ -4,19 +4,24 @@ A plane is computed, reduced and discarded: its fields are searched for peaks, a
 one point of the depth profile and the covariance of Eq. 22 with the reference plane, that of the largest von
 Mises stress. The reference plane is known only when the stream has ended. The plane with the largest value so
 far is kept, and the few planes above the final reference are computed again.
+
+The condition of the uniform mode (`Layer.lateral`) adds a constant to σ_xx and σ_yy and changes nothing of
+the contact. `analyse_lateral_conditions` analyses several conditions in the same stream.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from asperity import accessor
+from asperity.elasticity.layer import LATERALS
 from asperity.finite import require_finite
 from asperity.spectral import Work
 from asperity.stress.arguments import (
@@ -42,11 +47,16 @@ from asperity.stress.selection import peak_dataset
 from asperity.stress.statistics import autocorrelation
 from asperity.types import Array, Progress
 
+accessor.register()
+
 QUANTITIES = ("pressure", *FIELDS)
 """Quantities whose peaks can be sought."""
 
 INDEPENDENT_OF_POISSON = ("zz", "yz", "xz")
 """Fields that are the same for every Poisson's ratio in a half-space."""
+
+INDEPENDENT_OF_LATERAL = ("zz", "yz", "xz", "xy")
+"""Fields that are the same for every condition of the uniform mode."""
 
 ROUNDING = 1e-12
 """Maxima below this share of the root mean square of σ_zz of their plane are rounding."""
@@ -114,6 +124,66 @@ def analyse_stress(
     >>> print(*stress["quantity"].values)
     von_mises zz
     """
+    own = contact.layer.lateral
+    return analyse_lateral_conditions(
+        contact,
+        (own,),
+        depths,
+        poisson,
+        quantities,
+        tolerance=tolerance,
+        floor=floor,
+        threads=threads,
+        progress=progress,
+        work=work,
+        friction=friction,
+        sliding_direction=sliding_direction,
+        observe=observe,
+    )[own]
+
+
+def analyse_lateral_conditions(
+    contact: ContactLike,
+    laterals: Sequence[str],
+    depths: ArrayLike | None = None,
+    poisson: float | Sequence[float] | None = None,
+    quantities: Sequence[str] = ("pressure", "von_mises", "xx", "zz", "xz"),
+    *,
+    tolerance: float = 1e-6,
+    floor: float = 0.01,
+    threads: int = 1,
+    progress: Progress | None = None,
+    work: Work | None = None,
+    friction: float = 0.0,
+    sliding_direction: str | float = "x",
+    observe: Callable[[LinearPlane], None] | None = None,
+) -> dict[str, xr.Dataset]:
+    """The analysis of `analyse_stress` for several conditions of the uniform mode, in one stream of planes.
+
+    Parameters
+    ----------
+    laterals : sequence of names
+        Conditions as of `Layer.lateral`, among them that of the contact's layer.
+    contact, depths, poisson, quantities, tolerance, floor, threads, progress, work
+        As for `analyse_stress`.
+    friction, sliding_direction, observe
+        As for `analyse_stress`.
+
+    Returns
+    -------
+    dict
+        Condition → dataset as of `analyse_stress`.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is out of range.
+    """
+    laterals = checked_names("laterals", laterals, LATERALS)
+    if contact.layer.lateral not in laterals:
+        raise ValueError(
+            f"laterals = {list(laterals)!r}: {contact.layer.lateral!r}, the layer's, must be one of them"
+        )
     pressure, _ = checked_contact(contact)
     if depths is None:
         depths = depth_grid(contact.grid, contact.layer.height)
@@ -133,11 +203,12 @@ def analyse_stress(
         raise ValueError(f"depths[0] = {settings.depths[0]:g}: 0, the surface, is needed")
     checked_nodes(contact.grid)
     analysis = _StressAnalysis(
-        PressedSolid(pressure, contact.grid, contact.layer, boundary_of(contact)), settings
+        PressedSolid(pressure, contact.grid, contact.layer, boundary_of(contact)), settings, laterals
     )
     analysis.run(progress, observe)
-    found = _dataset(analysis)
-    require_finite("analyse_stress", found.data_vars)
+    found = {lateral: _dataset(analysis, lateral) for lateral in laterals}
+    for dataset in found.values():
+        require_finite("analyse_stress", dataset.data_vars)
     return found
 
 
@@ -227,15 +298,17 @@ class _StressAnalysis:
     ----------
     independent : _PeakSearch
         For the fields that do not depend on Poisson's ratio.
-    dependent : list of _RatioAnalysis
-        One for each Poisson's ratio.
+    dependent : dict
+        Condition of the uniform mode, that of the contact first → an analysis for each Poisson's ratio, the
+        same one where both conditions give the same stress.
     points : (planes,) array
         Nodes on the longer edge of each plane's grid.
     peaks : dict
-        Quantity and Poisson's ratio (NaN: the same for every one) → its peaks, when all planes have passed.
+        Condition → quantity and Poisson's ratio (NaN: the same for every one) → its peaks, when all planes
+        have passed.
     """
 
-    def __init__(self, contact: ContactLike, settings: _Settings) -> None:
+    def __init__(self, contact: ContactLike, settings: _Settings, laterals: Sequence[str]) -> None:
         self.contact, self.settings = contact, settings
         alike = INDEPENDENT_OF_POISSON if contact.layer.height is None else ()
         fields = [name for name in settings.quantities if name != "pressure"]
@@ -243,9 +316,35 @@ class _StressAnalysis:
         boundary = boundary_of(contact)
         shared = [name for name in fields if name in alike]
         self.independent = _PeakSearch(shared, settings.ratios[0], boundary)
-        self.dependent = [_RatioAnalysis(own, nu, settings, boundary) for nu in settings.ratios]
+        first = [_RatioAnalysis(own, nu, settings, boundary) for nu in settings.ratios]
+        self.dependent = {contact.layer.lateral: first}
+        changed = [name for name in own if name not in INDEPENDENT_OF_LATERAL]
+        for lateral in laterals:
+            if lateral != contact.layer.lateral:
+                self.dependent[lateral] = [
+                    one
+                    if self._uniform(lateral, nu) == self._uniform(contact.layer.lateral, nu)
+                    else _RatioAnalysis(changed, nu, settings, boundary)
+                    for one, nu in zip(first, settings.ratios, strict=True)
+                ]
         self.points = np.zeros(settings.depths.size, np.int64)
-        self.peaks: dict[tuple[str, float], Peaks] = {}
+        self.peaks: dict[str, dict[tuple[str, float], Peaks]] = {}
+
+    def _uniform(self, lateral: str, poisson: float) -> float:
+        """Uniform part of σ_xx and σ_yy per unit mean pressure."""
+        layer = replace(self.contact.layer, poisson=poisson, lateral=lateral)
+        return float(layer.uniform_stress()[0])
+
+    def _under(self, plane: LinearPlane) -> list[tuple[_RatioAnalysis, LinearPlane]]:
+        """All analyses, each once, with the plane under their condition of the uniform mode."""
+        found: dict[int, tuple[_RatioAnalysis, LinearPlane]] = {}
+        for lateral, analyses in self.dependent.items():
+            own = lateral == self.contact.layer.lateral
+            uniform = {nu: plane.mean_pressure * self._uniform(lateral, nu) for nu in self.settings.ratios}
+            here = plane if own else replace(plane, lateral=uniform)
+            for one in analyses:
+                found.setdefault(id(one), (one, here))
+        return list(found.values())
 
     def run(self, progress: Progress | None, observe: Callable[[LinearPlane], None] | None) -> None:
         """Let all planes pass, and those above the reference planes once more."""
@@ -257,10 +356,10 @@ class _StressAnalysis:
                 if progress is not None:
                     progress(plane.done, 1.0)
         self._collect_peaks()
-        above = max(ratio.reference.number for ratio in self.dependent)
+        above = max(ratio.reference.number for ratios in self.dependent.values() for ratio in ratios)
         for number, plane in enumerate(self._planes(self.settings.depths[:above]) if above else ()):
-            for ratio in self.dependent:
-                ratio.add_again(number, plane)
+            for ratio, here in self._under(plane):
+                ratio.add_again(number, here)
 
     def _planes(self, depths: Array) -> Iterator[LinearPlane]:
         settings = self.settings
@@ -281,28 +380,36 @@ class _StressAnalysis:
         normal = plane.constant["zz"]
         scale = np.sqrt(moments(normal, normal)[2])
         floor = max(plane.bound, self.settings.floor * scale, ROUNDING * scale)
-        for ratio in self.dependent:
+        dependent = self._under(plane)
+        for ratio, _ in dependent:
             ratio.reference.resample_to(plane.grid)
-        searches = [self.independent, *self.dependent]
-        list(pool.map(lambda search: search.add(number, plane, floor), searches))
+        searches = [(self.independent, plane), *dependent]
+        list(pool.map(lambda search: search[0].add(number, search[1], floor), searches))
 
     def _collect_peaks(self) -> None:
         """Take the peaks from the searches, which release the last plane."""
+        first, *others = self.dependent.items()
+        peaks = self.peaks[first[0]] = {}
         for name in self.settings.quantities:
             if name in self.independent.finders:
-                self.peaks[name, np.nan] = self.independent.finders.pop(name).peaks()
+                peaks[name, np.nan] = self.independent.finders.pop(name).peaks()
             elif name != "pressure":
-                for ratio in self.dependent:
-                    self.peaks[name, ratio.poisson] = ratio.finders.pop(name).peaks()
+                for ratio in first[1]:
+                    peaks[name, ratio.poisson] = ratio.finders.pop(name).peaks()
         if "pressure" in self.settings.quantities:
-            self.peaks["pressure", np.nan] = plane_peaks(
+            peaks["pressure", np.nan] = plane_peaks(
                 self.contact.pressure, self.contact.grid, boundary=boundary_of(self.contact)
             )
+        for lateral, ratios in others:
+            self.peaks[lateral] = dict(peaks)
+            for ratio in ratios:  # one that both conditions share has no finders any more
+                for name in list(ratio.finders):
+                    self.peaks[lateral][name, ratio.poisson] = ratio.finders.pop(name).peaks()
 
 
-def _dataset(analysis: _StressAnalysis) -> xr.Dataset:
-    """The dataset of a finished analysis."""
-    settings, contact, ratios = analysis.settings, analysis.contact, analysis.dependent
+def _dataset(analysis: _StressAnalysis, lateral: str) -> xr.Dataset:
+    """The dataset of a finished analysis under one condition of the uniform mode."""
+    settings, contact, ratios = analysis.settings, analysis.contact, analysis.dependent[lateral]
     references = [ratio.reference for ratio in ratios]
     in_plane = []
     for reference in references:
@@ -323,7 +430,7 @@ def _dataset(analysis: _StressAnalysis) -> xr.Dataset:
         "plane_depth": ("plane", settings.depths),
         "lag": lag,
     }
-    found = peak_dataset(analysis.peaks, contact).assign(variables).assign_coords(coordinates)
+    found = peak_dataset(analysis.peaks[lateral], contact).assign(variables).assign_coords(coordinates)
     return found.assign_attrs(
         effective_modulus=contact.layer.effective_modulus,
         friction=float(settings.friction),

@@ -155,19 +155,19 @@ def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tup
     return lag, mean
 
 
-def half_length(distance: Array, correlation: Array) -> float:
-    """Distance at which a correlation first falls to one half, by linear interpolation; NaN if never."""
-    fallen = np.flatnonzero(correlation <= 0.5)
+def half_length(distance: Array, correlation: Array, share: float = 0.5) -> float:
+    """Distance at which a correlation first falls to a share, by linear interpolation; NaN if never."""
+    fallen = np.flatnonzero(correlation <= share)
     if not fallen.size or fallen[0] == 0:
         return float("nan")
     i = int(fallen[0])
-    return float(np.interp(0.5, correlation[[i, i - 1]], distance[[i, i - 1]]))
+    return float(np.interp(share, correlation[[i, i - 1]], distance[[i, i - 1]]))
 
 
 def decay_lengths(
-    depth: Array, along_depth: Array, lag: Array, in_plane: Array, reference: float
+    depth: Array, along_depth: Array, lag: Array, in_plane: Array, reference: float, share: float = 0.5
 ) -> tuple[float, float]:
-    """Distances over which the covariance of Eq. 22 falls to half, below the reference plane and in it.
+    """Distances over which the covariance of Eq. 22 falls to a share, below the reference plane and in it.
 
     Parameters
     ----------
@@ -177,10 +177,11 @@ def decay_lengths(
         Distance in the reference plane and the covariance there; the first is the variance.
     reference : float
         Depth of the reference plane.
+    share : float
     """
     below = depth >= reference
     variance = in_plane[0]
     return (
-        half_length(depth[below] - reference, along_depth[below] / variance),
-        half_length(lag, in_plane / variance),
+        half_length(depth[below] - reference, along_depth[below] / variance, share),
+        half_length(lag, in_plane / variance, share),
     )

@@ -112,6 +112,18 @@ def face_to_face(
         If an argument is out of range, a map has points without data or no orientation, the unit of one map
         alone is known, two periodic maps have different edges, or the maps have fewer than `FEWEST_NODES`
         nodes on an edge in common.
+
+    Examples
+    --------
+    Two ground faces whose lays cross; the solver takes the sum as one indenter:
+
+    >>> length = (1e-4, 1e-4)
+    >>> waves = 1e-7 * np.cos(2 * np.pi * np.arange(64) / 16) * np.ones((64, 1))
+    >>> lower = asp.HeightMap(waves, length, periodic=True, unit="m", orientation="peaks_up")
+    >>> upper = asp.HeightMap(waves.T, length, periodic=True, unit="m", orientation="peaks_up")
+    >>> faced = asp.face_to_face(lower, upper)
+    >>> float(round(np.ptp(faced.map.height) / np.ptp(waves), 6))
+    2.0
     """
     choice("turned_about", turned_about, AXES)
     if np.shape(shift) != (2,):

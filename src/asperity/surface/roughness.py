@@ -289,12 +289,11 @@ def with_moments(height: Array, skewness: float, kurtosis: float) -> Array:
     skewness, kurtosis = _checked_moments(skewness, kurtosis)
     standard = _standardised(heights)
     if (skewness, kurtosis) == (0.0, 3.0):
-        transformed = standard
+        found = _rescaled(standard, heights)
     else:
         curve, gamma, delta = _fitted_curve(skewness, kurtosis)
         with np.errstate(over="ignore", invalid="ignore"):  # refused by _rescaled
-            transformed = curve((standard - gamma) / delta)
-    found = _rescaled(transformed, heights)
+            found = _rescaled(curve((standard - gamma) / delta), heights)
     require_finite("with_moments", {"height": found})
     return found
 

@@ -8,16 +8,29 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity.paper.claims.verdicts import FAILS, HOLDS, NO_DATA, UNDECIDED, Finding, tally
+from asperity.paper.claims.verdicts import (
+    DEPENDS,
+    FAILS,
+    HOLDS,
+    NO_DATA,
+    UNDECIDED,
+    UNTESTABLE,
+    Finding,
+    Judgement,
+    tally,
+)
 from asperity.views.style import MILLIMETRE, PAGE
 
-_COLOUR = {HOLDS: "C0", FAILS: "C1", UNDECIDED: "0.45", NO_DATA: "0.75"}
-_MARKER = {HOLDS: "o", FAILS: "s", UNDECIDED: "D", NO_DATA: "x"}
+_COLOUR = {HOLDS: "C0", FAILS: "C1", DEPENDS: "C2", UNDECIDED: "0.45", UNTESTABLE: "0.6", NO_DATA: "0.75"}
+_MARKER = {HOLDS: "o", FAILS: "s", DEPENDS: "^", UNDECIDED: "D", UNTESTABLE: "+", NO_DATA: "x"}
 _ROW = 4.6
 """Height of a row, in millimetres."""
 
 _LOW, _HIGH = 0.4, 2.5
 """Ends of the axis, in units of the edge or the middle of the region."""
+
+_BESIDE = 0.25
+"""Distance of other readings from the middle of a row, in rows."""
 
 _WIDE = 1.5
 """Ratio of the edges of a region above which its lower edge is the unit, not its middle."""
@@ -26,7 +39,8 @@ _WIDE = 1.5
 def draw(findings: Sequence[Finding]) -> Figure:
     """Draw a row for each claim on a common axis: the number over the edge of its region, or its middle.
 
-    Numbers beyond the axis are drawn at its end as triangles; every number is written at the right.
+    A row shows the study's own reading, and in pale the other readings that show the verdict. Numbers beyond
+    the axis are drawn at its end as triangles; every number is written at the right.
     """
     count = len(findings)
     figure = Figure(figsize=(PAGE, (count * _ROW + 22) * MILLIMETRE))
@@ -47,29 +61,38 @@ def draw(findings: Sequence[Finding]) -> Figure:
             axis.plot(
                 [], [], _MARKER[verdict], color=_COLOUR[verdict], ls="none", label=f"{verdict} ({number})"
             )
-    figure.legend(loc="outside upper right", ncols=4)
+    figure.legend(loc="outside upper right", ncols=3)
     return figure
 
 
 def _draw_row(axis: Axes, row: int, finding: Finding) -> None:
-    """Draw one claim: its region as a bar, its interval as a line, its number as text."""
-    low, high = finding.claim.region
+    """Draw one claim: its region as a bar, its intervals as lines, its number as text."""
+    low, high = finding.own.region
     unit = _unit(low, high)
     left, right = np.clip([low / unit, high / unit], _LOW, _HIGH)
     axis.barh(row, right - left, left=left, height=0.8, color="C4", alpha=0.25, lw=0)
     colour, marker = _COLOUR[finding.verdict], _MARKER[finding.verdict]
     if finding.verdict != NO_DATA:
-        value = finding.value / unit
-        shown = float(np.clip(value, _LOW * 1.02, _HIGH / 1.02))
-        if value != shown:
-            marker = ">" if value > shown else "<"
-        elif np.isfinite(finding.low):
-            axis.plot(
-                np.clip([finding.low / unit, finding.high / unit], _LOW, _HIGH), [row, row], color=colour
-            )
-        axis.plot(shown, row, marker, color=colour, clip_on=False)
-    text = finding.verdict if finding.verdict == NO_DATA else f"{finding.value:.3g}"
+        for other in finding.shown:
+            if other is not finding.own:
+                _draw_judgement(axis, row + _BESIDE, other, unit, colour, marker, alpha=0.4)
+        _draw_judgement(axis, row, finding.own, unit, colour, marker)
+    text = finding.verdict if finding.verdict == NO_DATA else f"{finding.own.value:.3g}"
     axis.text(1.01, row, text, transform=axis.get_yaxis_transform(), va="center", fontsize=5.5, color=colour)
+
+
+def _draw_judgement(
+    axis: Axes, row: float, one: Judgement, unit: float, colour: str, marker: str, alpha: float = 1.0
+) -> None:
+    """Draw the number and the interval under one reading."""
+    value = one.value / unit
+    shown = float(np.clip(value, _LOW * 1.02, _HIGH / 1.02))
+    if value != shown:
+        marker = ">" if value > shown else "<"
+    elif np.isfinite(one.low):
+        interval = np.clip([one.low / unit, one.high / unit], _LOW, _HIGH)
+        axis.plot(interval, [row, row], color=colour, alpha=alpha)
+    axis.plot(shown, row, marker, color=colour, alpha=alpha, clip_on=False)
 
 
 def _unit(low: float, high: float) -> float:

@@ -1,8 +1,10 @@
-"""Tables of the verdicts, as a data frame and for a reader."""
+"""Tables of the verdicts: for a reader, and as data frames from which they can be read again."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -10,20 +12,35 @@ import pandas as pd
 import asperity
 from asperity.paper.claims.continuum import continuum
 from asperity.paper.claims.evidence import Evidence, Measure
-from asperity.paper.claims.verdicts import CONFIDENCE, Finding, tally
+from asperity.paper.claims.verdicts import (
+    CONFIDENCE,
+    DEPENDS,
+    UNDECIDED,
+    UNTESTABLE,
+    Claim,
+    Finding,
+    Judgement,
+    Region,
+    conclude,
+    tally,
+)
 from asperity.results import markup
-from asperity.results.markup import Rows
 
 _RULE = f"""\
-A statement holds if the {100 * CONFIDENCE:g} % interval of the mean over seeds (Student's t, paired by
-seed) lies inside the region predicted; it does not hold if the interval lies outside; otherwise this ensemble
-does not decide it. One seed decides nothing. Values without seeds are those of closed forms and finite
-elements, with their numerical uncertainty. One in twenty intervals of 95 % is expected to miss the truth.
+Under one reading of the paper a statement holds if the {100 * CONFIDENCE:g} % interval of the mean over seeds
+(Student's t, paired by seed) lies inside the region predicted; it does not hold if the interval lies outside;
+otherwise this ensemble does not decide it. Over all readings that the paper's text admits (docs/claims.md) it
+*holds* or *does not hold* if it does under every one, and *depends on* a choice of the reading if it holds
+under one option and not under another. One seed decides nothing. Values without seeds are those of closed
+forms and finite elements, with their numerical uncertainty. One in twenty intervals of 95 % is expected to
+miss the truth.
 
-*Continuum* is what vanishing grid spacing adds to the value: the same statement on the same surfaces in a
-smaller cell at 8, 16 and 32 nodes on the shortest wavelength, extrapolated."""
+The value is that of the study's own reading: the continuum limit, where it is known and differs from the
+number on the study's grid by more than the standard error. *Shift* is what vanishing grid spacing adds: the
+same statement on the same surfaces in a smaller cell at 8, 16 and 32 nodes on the shortest wavelength,
+extrapolated."""
 
-_HEAD = ("the paper says", "measured", "predicted", "value", "verdict", "continuum")
+_HEAD = ("the paper says", "measured", "predicted", "value", "verdict", "shift")
 
 
 def frame(findings: Sequence[Finding], nodes: float) -> pd.DataFrame:
@@ -34,23 +51,107 @@ def frame(findings: Sequence[Finding], nodes: float) -> pd.DataFrame:
             "section": f.claim.section,
             "the paper says": f.claim.sentence,
             "measured": f.claim.quantity,
-            "predicted": str(f.claim.region),
-            "value": f.value,
-            "standard error": f.error,
-            "interval low": f.low,
-            "interval high": f.high,
-            "seeds": f.seeds,
+            "predicted": str(f.own.region),
+            "value": f.own.value,
+            "standard error": f.own.error,
+            "interval low": f.own.low,
+            "interval high": f.own.high,
+            "seeds": f.own.seeds,
             "verdict": f.verdict,
-            "nodes per shortest wavelength": nodes if f.seeds else np.nan,
-            "continuum shift": f.shift,
-            "continuum shift error": f.shift_error,
-            "missing": f.missing,
+            "choices": ", ".join(f.choices),
+            "readings": "; ".join(in_words(one, f.choices) for one in f.shown),
+            "nodes per shortest wavelength": nodes if f.own.seeds else np.nan,
+            "value at nodes": f.own.at_nodes,
+            "continuum shift": f.own.shift,
+            "continuum shift error": f.own.shift_error,
+            "missing": f.own.missing,
         }
         for f in findings
     )
 
 
-def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> dict[str, Rows]:
+def frame_of_readings(findings: Sequence[Finding]) -> pd.DataFrame:
+    """The judgement of every claim under every reading, a row each, the study's own reading first."""
+    return pd.DataFrame(
+        {
+            "identifier": f.claim.identifier,
+            "reading": json.dumps(dict(one.options)),
+            "region low": one.region.low,
+            "region high": one.region.high,
+            "value": one.value,
+            "standard error": one.error,
+            "interval low": one.low,
+            "interval high": one.high,
+            "seeds": one.seeds,
+            "verdict": one.verdict,
+            "value at nodes": one.at_nodes,
+            "continuum shift": one.shift,
+            "continuum shift error": one.shift_error,
+            "missing": one.missing,
+        }
+        for f in findings
+        for one in f.judgements
+    )
+
+
+def findings_of(table: pd.DataFrame, claims: Sequence[Claim]) -> list[Finding]:
+    """The findings from the table of `frame_of_readings`, in the order of the claims."""
+    found = []
+    for claim in claims:
+        rows = table[table["identifier"] == claim.identifier].to_dict("records")
+        if rows:
+            found.append(conclude(claim, [_judgement_of(row) for row in rows]))
+    return found
+
+
+def _judgement_of(row: Mapping[str, Any]) -> Judgement:
+    return Judgement(
+        json.loads(row["reading"]),
+        Region(row["region low"], row["region high"]),
+        row["verdict"],
+        row["value"],
+        row["standard error"],
+        row["interval low"],
+        row["interval high"],
+        int(row["seeds"]),
+        row["missing"] if isinstance(row["missing"], str) else "",
+        row["value at nodes"],
+        row["continuum shift"],
+        row["continuum shift error"],
+    )
+
+
+def in_words(one: Judgement, choices: Sequence[str]) -> str:
+    """A judgement under the options of some choices: ``lateral free: 1.56 (1.54 to 1.59) holds``."""
+    options = ", ".join(f"{name} {option_in_words(one.options[name])}" for name in choices)
+    interval = f" ({one.low:.4g} to {one.high:.4g})" if np.isfinite(one.low) else ""
+    return f"{options}: {one.value:.4g}{interval} {one.verdict}".removeprefix(": ")
+
+
+def option_in_words(option: object) -> str:
+    """An option of a choice as text: numbers in few characters, names without underscores."""
+    return f"{option:g}" if isinstance(option, float | int) else str(option).replace("_", " ")
+
+
+def verdict_in_words(finding: Finding) -> str:
+    """The verdict of a claim with the choices and the readings that show it."""
+    if finding.verdict == DEPENDS:
+        head = f"**depends on {', '.join(finding.choices)}**"
+    elif finding.verdict == UNDECIDED and finding.choices:
+        head = f"**{UNDECIDED}** under every option of {', '.join(finding.choices)}"
+    else:
+        reason = finding.own.missing or (finding.claim.untestable if finding.verdict == UNTESTABLE else "")
+        return f"**{finding.verdict}**" + (f" ({reason})" if reason else "")
+    return f"{head}: " + "; ".join(in_words(one, _told(finding, one)) for one in finding.shown)
+
+
+def _told(finding: Finding, one: Judgement) -> tuple[str, ...]:
+    """Choices whose options tell a reading: those of the verdict, and others than the study's own."""
+    own = finding.own.options
+    return tuple(name for name in own if name in finding.choices or one.options[name] != own[name])
+
+
+def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> dict[str, pd.DataFrame]:
     """The findings for a reader: a heading for each section of the paper → a table.
 
     A last table shows `limits`, the result of `continuum_table`, unless it is empty.
@@ -59,19 +160,19 @@ def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> d
     for f in findings:
         names = f.claim.section.split(", ")
         section = next((name for name in names if name[0].isdigit()), names[0])
-        found.setdefault(f"Section {section}", [list(_HEAD)]).append(
+        found.setdefault(f"Section {section}", []).append(
             [
                 f.claim.sentence,
                 f.claim.quantity,
-                str(f.claim.region),
-                with_error(f.value, f.error),
-                f"**{f.verdict}**" + (f" ({f.missing})" if f.missing else ""),
-                with_error(f.shift, f.shift_error, signed=True),
+                str(f.own.region),
+                with_error(f.own.value, f.own.error),
+                verdict_in_words(f),
+                with_error(f.own.shift, f.own.shift_error, signed=True),
             ]
         )
-    every: dict[str, Rows] = {heading: found[heading] for heading in sorted(found)}
+    every = {heading: pd.DataFrame(found[heading], columns=list(_HEAD)) for heading in sorted(found)}
     if limits is not None and not limits.empty:
-        every["Towards the continuum"] = markup.rows_of(limits)
+        every["Towards the continuum"] = limits
     return every
 
 
@@ -85,6 +186,12 @@ def continuum_table(headlines: Mapping[str, Measure], finer: Mapping[float, Evid
         }
         rows.append({"": name, **values, "limit": with_error(found.limit, found.error)})
     return pd.DataFrame(rows)
+
+
+def count_of(findings: Sequence[Finding]) -> str:
+    """Number of statements with each verdict, in words."""
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in tally(findings).items() if count)
+    return f"{len(findings)} statements: {counts}."
 
 
 def markdown(
@@ -101,16 +208,15 @@ def markdown(
     limits : data frame, optional
         As of `continuum_table`.
     """
-    counts = ", ".join(f"{count} {verdict}" for verdict, count in tally(findings).items() if count)
     parts = [
         "# Does the paper hold?",
-        f"{len(findings)} statements: {counts}.",
+        count_of(findings),
         f"Seeds {', '.join(map(str, seeds))}; {nodes:g} nodes on the shortest wavelength; "
         f"asperity {asperity.__version__}.",
         _RULE,
     ]
-    for heading, rows in tables(findings, limits).items():
-        parts += [f"## {heading}", markup.markdown(rows)]
+    for heading, table in tables(findings, limits).items():
+        parts += [f"## {heading}", markup.markdown(table)]
     return "\n\n".join(parts) + "\n"
 
 

@@ -11,6 +11,9 @@ from typing import Any
 DATASETS = ("load_area", "slab_load_area", "grid_convergence", "elements", "mesh_convergence", "punch")
 """Datasets of stage validation on which claims are decided."""
 
+SKEWED = ("skew_negative", "skew_positive")
+"""Roles of the surfaces of the study of skewness that have a δ."""
+
 
 def roles(studies: Mapping[str, Sequence[str]], surfaces: Mapping[str, Mapping[str, Any]]) -> dict[str, str]:
     """Surfaces of the configuration by their role in the claims, found by their parameters.
@@ -41,6 +44,56 @@ def roles(studies: Mapping[str, Sequence[str]], surfaces: Mapping[str, Mapping[s
         **ranked("kurtosis", cutoffs, lambda s: -s["wavelength_short"]),
         **ranked("moments", ("kurtosis_low", "kurtosis_normal", "kurtosis_high"), _kurtosis),
     }
+
+
+def role_of_delta(role: str, delta: float) -> str:
+    """Role of a skewed surface with a given δ."""
+    return f"{role}, delta {delta:g}"
+
+
+def deltas(
+    by_role: Mapping[str, str],
+    surfaces: Mapping[str, Mapping[str, Any]],
+    wanted: Sequence[float],
+) -> dict[float, dict[str, str]]:
+    """Surfaces of study ``skewness`` and those that differ from them in their δ alone.
+
+    Parameters
+    ----------
+    by_role : mapping
+        Role → name of a surface, as of `roles`.
+    surfaces : mapping
+        Section of this name of the configuration.
+    wanted : sequence of float
+        Values of δ, besides that of the study.
+
+    Returns
+    -------
+    dict
+        δ, that of the study first → role → name of a surface; empty without such a study. Values for which
+        surfaces are missing are left out.
+    """
+    own = {role: name for role, name in by_role.items() if role in SKEWED}
+    if not own or not all("johnson" in surfaces[name] for name in own.values()):
+        return {}
+    found = {surfaces[own[SKEWED[0]]]["johnson"]["delta"]: own}
+    for delta in wanted:
+        twins = {
+            role: name
+            for role, twin in own.items()
+            for name, surface in surfaces.items()
+            if surface.get("johnson", {}).get("delta") == delta
+            and _but_for_delta(surface) == _but_for_delta(surfaces[twin])
+        }
+        if len(twins) == len(SKEWED):
+            found.setdefault(delta, twins)
+    return found
+
+
+def _but_for_delta(surface: Mapping[str, Any]) -> dict[str, Any]:
+    """Entry of a surface without its label and its δ."""
+    johnson = {key: value for key, value in surface.get("johnson", {}).items() if key != "delta"}
+    return {**surface, "label": "", "johnson": johnson}
 
 
 def _gamma(surface: Mapping[str, Any]) -> float:

@@ -1,0 +1,361 @@
+"""Multilevel Monte Carlo: means over random surfaces from many coarse grids and few fine ones.
+
+The mean on the finest grid is that on the coarsest one, taken over many seeds, and corrections from grid to
+grid, each taken over fewer seeds (M. B. Giles, Oper. Res. 56 (2008) 607, doi 10.1287/opre.1070.0496, and
+Acta Numer. 24 (2015) 259, doi 10.1017/S096249291500001X; for the contact area of rough surfaces R. Rey,
+S. Krumscheid and F. Nobile, Int. J. Eng. Sci. 138 (2019) 50, doi 10.1016/j.ijengsci.2019.02.003).
+
+Two things differ from these papers. The seeds are nested: those of a grid are the first of the next coarser
+one, so that no surface is computed twice on one grid. And a coarser value enters with the slope of a linear
+regression in place of one, as in the multifidelity method (B. Peherstorfer, K. Willcox and M. Gunzburger,
+SIAM J. Sci. Comput. 38 (2016) A3163, doi 10.1137/15M1046472): a coarse grid then helps if it is correlated
+with the next finer one, whatever its mean and its scale. The coarsest level may therefore be any other number
+of the same seed, such as the gradient of the surface.
+
+In the mean m of level l, with slope b between levels l − 1 and l, both over the n seeds of level l::
+
+    m[l] = mean(P[l]) + b (m[l-1] − mean(P[l-1])),    m[0] = mean(P[0])
+
+Standard errors are those of the linearised estimator (delta method), with the error of the slopes (W. G.
+Cochran, Sampling Techniques, 1977, section 12.6). Intervals are Student's t, with the degrees of freedom of
+Welch and Satterthwaite.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import stdtrit
+
+from asperity.errors import shown
+from asperity.types import Array
+
+FEWEST_FOR_SLOPE = 8
+"""Seeds from which a slope is fitted; with fewer it is one between equal quantities."""
+
+SAVING = 0.2
+"""Least share of the processor time that leaving out levels has to save."""
+
+CLEAR = 2.0
+"""A difference between grids shows the order of convergence if it is this many times its standard error."""
+
+ORDERS = (0.5, 2.0)
+"""Smallest and largest order of convergence by which the bias is judged."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A mean over surfaces on the finest grid, or a function of such means.
+
+    Parameters
+    ----------
+    value, error : float
+        The estimate and its standard error.
+    degrees : float
+        Degrees of freedom of the standard error.
+    """
+
+    value: float
+    error: float
+    degrees: float
+
+    def interval(self, confidence: float = 0.95) -> tuple[float, float]:
+        """Interval that holds the mean on the finest grid with this confidence."""
+        half = float(stdtrit(self.degrees, 0.5 + confidence / 2)) * self.error
+        return self.value - half, self.value + half
+
+
+def multilevel_mean(
+    samples: Sequence[ArrayLike], function: Callable[[Array], float] | None = None
+) -> Estimate:
+    """Mean of the last level from the samples of all levels, or a function of several means.
+
+    Parameters
+    ----------
+    samples : sequence of (seeds,) or (seeds, quantities) arrays, coarse to fine
+        One row a seed. The seeds of a level are the first ones of the level before.
+    function : callable, optional
+        Takes the means of the quantities and returns a number, such as the ratio of two means; needed if the
+        last level has several quantities.
+
+    Raises
+    ------
+    ValueError
+        If a level has more seeds than a coarser one, or too few for its regression, or if a value is not
+        finite.
+    """
+    levels = _checked(samples)
+    mean = levels[0].mean(axis=0)
+    parts = [_Part(levels[0] - mean, 1, 1.0)]
+    for coarse, fine in pairwise(levels):
+        mean, part, slope = _next_level(coarse[: len(fine)], fine, mean)
+        parts = [_Part(p.residuals @ slope, p.parameters, p.inflation) for p in parts] + [part]
+    if function is None:
+        if mean.size > 1:
+            raise ValueError(f"function: missing; it is needed for the means of {mean.size} quantities")
+        value, gradient = float(mean[0]), np.ones(1)
+    else:
+        value, gradient = float(function(mean)), _gradient(function, mean)
+    return Estimate(value, *_error([p._replace(residuals=p.residuals @ gradient) for p in parts]))
+
+
+def ratio(means: Array) -> float:
+    """First of two means over the second: a function for `multilevel_mean`."""
+    return float(means[0] / means[1])
+
+
+class _Part(NamedTuple):
+    """Residuals of one level, number of fitted parameters, and inflation of the variance by the slopes."""
+
+    residuals: Array
+    parameters: int
+    inflation: float
+
+
+def _checked(samples: Sequence[ArrayLike]) -> list[Array]:
+    levels = [np.asarray(level, float) for level in samples]
+    levels = [level[:, None] if level.ndim == 1 else level for level in levels]
+    if not levels:
+        raise ValueError("samples = []: one level or more is needed")
+    for number, level in enumerate(levels):
+        if not np.isfinite(level).all():
+            raise ValueError(f"samples[{number}]: finite numbers are needed")
+        if number and len(level) > len(levels[number - 1]):
+            raise ValueError(
+                f"samples[{number}]: {len(level)} seeds; at most the {len(levels[number - 1])} of the "
+                f"coarser level are needed"
+            )
+        before = levels[number - 1] if number else level
+        regressors = _regressors(before, level) if number else 0
+        if len(level) < regressors + 2:
+            raise ValueError(f"samples[{number}]: {len(level)} seeds; at least {regressors + 2} are needed")
+    return levels
+
+
+def _regressors(coarse: Array, fine: Array) -> int:
+    """Number of slopes fitted for one quantity of the finer level."""
+    if coarse.shape[1] != fine.shape[1]:
+        return coarse.shape[1]
+    return 1 if len(fine) >= FEWEST_FOR_SLOPE else 0
+
+
+def _next_level(coarse: Array, fine: Array, coarse_mean: Array) -> tuple[Array, _Part, Array]:
+    """Means of a level from those of the coarser one, what its own seeds add, and the slopes."""
+    x, y = coarse - coarse.mean(axis=0), fine - fine.mean(axis=0)
+    gap = coarse_mean - coarse.mean(axis=0)
+    if coarse.shape[1] != fine.shape[1]:
+        slope = np.linalg.lstsq(x, y, rcond=None)[0]
+        inflation = 1 + len(fine) * float(gap @ np.linalg.pinv(x.T @ x) @ gap)
+        parameters = 1 + x.shape[1]
+    elif len(fine) >= FEWEST_FOR_SLOPE:
+        squares = (x**2).sum(axis=0)
+        known = np.where(squares > 0, squares, 1.0)
+        slope = np.diag((x * y).sum(axis=0) / known)
+        inflation = 1 + len(fine) * float(np.max(gap**2 * (squares > 0) / known))
+        parameters = 2
+    else:
+        slope, inflation, parameters = np.eye(x.shape[1]), 1.0, 1
+    return fine.mean(axis=0) + gap @ slope, _Part(y - x @ slope, parameters, inflation), slope
+
+
+def _gradient(function: Callable[[Array], float], mean: Array, step: float = 1e-5) -> Array:
+    """Derivatives of a function of means, by central differences of a relative step."""
+    steps = step * np.where(mean == 0, 1.0, np.abs(mean))
+    return np.array([(function(mean + d) - function(mean - d)) / (2 * d.sum()) for d in np.diag(steps)])
+
+
+def _error(parts: Sequence[_Part]) -> tuple[float, float]:
+    """Standard error of the sum of the parts, and its degrees of freedom.
+
+    A seed that is in several levels counts once, with the sum of its residuals.
+    """
+    influence = np.zeros(max(len(part.residuals) for part in parts))
+    squares, freedoms = [], []
+    for part in parts:
+        seeds, free = len(part.residuals), len(part.residuals) - part.parameters
+        scaled = part.residuals * np.sqrt(part.inflation * seeds / free) / seeds
+        influence[:seeds] += scaled
+        squares.append(float(scaled @ scaled))
+        freedoms.append(free)
+    total = sum(squares)
+    if total == 0:
+        return 0.0, float(min(freedoms))
+    degrees = total**2 / sum(v**2 / f for v, f in zip(squares, freedoms, strict=True))
+    return float(np.sqrt(influence @ influence)), degrees
+
+
+class Allocation(NamedTuple):
+    """Seeds of each level for a given standard error.
+
+    Parameters
+    ----------
+    seeds : (levels,) int array
+        Seeds of each level; 0 for a level that does not help.
+    seconds : float
+        Processor time of all levels.
+    plain_seeds : int
+        Seeds of plain Monte Carlo on the finest level for the same standard error.
+    plain_seconds : float
+        Their processor time.
+    gain : float
+        Processor time of plain Monte Carlo over that of this method for a small error, where neither the
+        rounding to whole seeds nor `fewest` matters.
+    """
+
+    seeds: Array
+    seconds: float
+    plain_seeds: int
+    plain_seconds: float
+    gain: float
+
+
+def allocate(samples: Sequence[ArrayLike], seconds: Sequence[float], error: float, fewest: int) -> Allocation:
+    """Seeds of each level that reach a standard error in the least processor time.
+
+    With the variance V[l] of what remains of level l after regression on the coarser one, carried to the
+    finest level, and its time C[l] a seed, the numbers of seeds are those of Giles (2008), proportional to
+    √(V/C). Levels that are badly correlated are left out if that saves more than `SAVING` for a small error:
+    the first level, or coarse grids. More choices, or smaller savings, would favour whatever a few seeds
+    happen to fit well, and the standard error would be judged too small.
+
+    Parameters
+    ----------
+    samples : sequence of arrays
+        As of `multilevel_mean`, of a pilot; one quantity on all levels but the first.
+    seconds : sequence of float
+        Processor time of one seed on each level.
+    error : float
+        Standard error to reach.
+    fewest : int
+        Least number of seeds of a level in use.
+    """
+    if not error > 0:
+        raise ValueError(f"error = {shown(error)}: a number > 0 is needed")
+    levels, times = _checked(samples), np.asarray(seconds, float)
+    finest = len(levels) - 1
+    grids = [list(range(start, finest + 1)) for start in range(1, max(finest, 2))]
+    choices = [[0, *rest] for rest in grids] + grids if finest else [[0]]
+    variances = [_remaining_variances([levels[level] for level in used]) for used in choices]
+    shares = [_proportions(each, times[used]) for each, used in zip(variances, choices, strict=True)]
+    # Time times variance, from which the time for any error follows.
+    work = [
+        float((share @ times[used]) * (each / share).sum())
+        for each, share, used in zip(variances, shares, choices, strict=True)
+    ]
+    best = int(np.argmin(work))
+    best = best if work[best] < (1 - SAVING) * work[0] else 0
+    used, share = choices[best], shares[best]
+    wanted = np.ceil(share * (variances[best] / share).sum() / error**2 - 1e-9)
+    number = np.zeros(finest + 1, int)
+    number[used] = np.maximum(wanted, fewest)
+    variance = finest_variance(samples)
+    plain = max(math.ceil(variance / error**2 - 1e-9), 2)
+    gain = variance * times[-1] / max(work[best], 1e-300)
+    return Allocation(number, float(number @ times), plain, plain * float(times[-1]), gain)
+
+
+def finest_variance(samples: Sequence[ArrayLike]) -> float:
+    """Variance of one seed on the finest level, from the seeds of all levels.
+
+    It is what the regressions explain, with the variance of the coarse levels, and what they leave over: more
+    certain than the variance of the few seeds of the finest level. Parameters are those of `multilevel_mean`,
+    with one quantity on all levels but the first.
+    """
+    return float(_remaining_variances(_checked(samples)).sum())
+
+
+def _proportions(variances: Array, times: Array) -> Array:
+    """Numbers of seeds √(V/C) of levels, up to a factor, never rising from coarse to fine.
+
+    Levels for which they would rise share the number that is best for them together.
+    """
+    groups: list[tuple[float, float, int]] = []
+    for variance, time in zip(variances, times, strict=True):
+        group = float(variance), float(time), 1
+        while groups and groups[-1][0] * group[1] <= group[0] * groups[-1][1]:
+            before = groups.pop()
+            group = before[0] + group[0], before[1] + group[1], before[2] + group[2]
+        groups.append(group)
+    share = np.concatenate([np.full(size, np.sqrt(v / t)) for v, t, size in groups])
+    return np.maximum(share, 1e-12 * max(share.max(), 1e-300))
+
+
+def _remaining_variances(levels: Sequence[Array]) -> Array:
+    """Variance of each level that the coarser one does not explain, carried to the finest by the slopes."""
+    remaining = [float(np.var(levels[0], axis=0, ddof=1).sum())]
+    for number, (coarse, fine) in enumerate(pairwise(levels)):
+        _, part, slope = _next_level(coarse[: len(fine)], fine, coarse.mean(axis=0))
+        if number == 0:
+            remaining = [float(np.var(coarse @ slope, ddof=1))]
+        else:
+            remaining = [value * float(slope[0, 0]) ** 2 for value in remaining]
+        remaining.append(float((part.residuals**2).sum() / (len(fine) - part.parameters)))
+    return np.array(remaining)
+
+
+class Bias(NamedTuple):
+    """What vanishing grid spacing adds to the mean on the finest grid.
+
+    Parameters
+    ----------
+    value : float
+    order : float
+        Order of convergence that the differences show, limited to `ORDERS`; one where they show none.
+    """
+
+    value: float
+    order: float
+
+
+def bias(nodes: Sequence[float], samples: Sequence[ArrayLike]) -> Bias:
+    """Bias of the finest grid from the differences between grids, by Richardson's extrapolation.
+
+    The difference between the two finest grids is that of the seeds of both. It is not taken smaller than
+    the difference before it lets one expect, as Giles (2015, section 3) does, nor than its own standard
+    error. The order is the smallest within one standard error of both differences, since a bias that is
+    judged too small is worse than one judged too large.
+
+    Parameters
+    ----------
+    nodes : (grids,) rising numbers
+        Nodes on the shortest wavelength.
+    samples : sequence of (seeds,) arrays
+        Of these grids, seeds nested.
+    """
+    levels = [level[:, 0] for level in _checked(samples)]
+    if len(levels) != len(nodes) or len(levels) < 2 or np.any(np.diff(nodes) <= 0):
+        raise ValueError(
+            f"nodes = {shown(list(nodes))}: {len(levels)} rising numbers are needed, two or more"
+        )
+    differences = [fine - coarse[: len(fine)] for coarse, fine in pairwise(levels)]
+    means = [abs(float(difference.mean())) for difference in differences]
+    errors = [float(each.std(ddof=1) / np.sqrt(len(each))) for each in differences]
+    size, order = max(means[-1], errors[-1]), 1.0
+    if len(means) > 1:
+        if means[-2] > CLEAR * errors[-2]:
+            decay = (means[-1] + errors[-1]) / (means[-2] - errors[-2])
+            order = float(np.clip(_order(nodes[-3:], decay), *ORDERS))
+        size = max(size, means[-2] * _decay(nodes[-3:], order))
+    sign = np.sign(differences[-1].mean()) or 1.0
+    return Bias(float(sign * size / ((nodes[-1] / nodes[-2]) ** order - 1)), order)
+
+
+def _decay(nodes: Sequence[float], order: float) -> float:
+    """Second of two differences between three grids over the first, at an order of convergence."""
+    first, middle, last = (node**-order for node in nodes)
+    return (middle - last) / (first - middle)
+
+
+def _order(nodes: Sequence[float], decay: float) -> float:
+    """Order of convergence at which two differences have this ratio, by bisection."""
+    low, high = 1e-3, 10.0
+    for _ in range(60):
+        middle = (low + high) / 2
+        low, high = (middle, high) if _decay(nodes, middle) > decay else (low, middle)
+    return (low + high) / 2

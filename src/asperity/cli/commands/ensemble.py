@@ -1,0 +1,76 @@
+"""``asperity ensemble``: the mean of a number over random surfaces to a given error, by jobs of the study."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from asperity.cli.arguments import converted
+from asperity.config.schema import setting
+from asperity.config.study import PAPER, read_study
+from asperity.errors import shown
+
+SNAKEFILE = "Snakefile"
+
+
+def run(options: argparse.Namespace) -> None:
+    """Plan the seeds from a pilot, print the plan and its cost, compute them, and print the result."""
+    given = {} if options.results is None else {"results": options.results}
+    config = read_study(options.config or [PAPER], given)
+    error = config["ensemble"]["error"] if options.error is None else error_of(options.error)
+    _check(options.claim, config)
+    folder = f"{config['results']}/ensemble/{options.claim}/error{error:g}"
+    plan = f"{folder}/plan1.json"
+    _snakemake(options, plan)
+    from asperity.paper.ensemble.planning import Plan
+
+    print("\n".join(Plan.read(plan).text), flush=True)
+    if not options.plan:
+        _snakemake(options, f"{folder}/result.nc")
+        print(Path(f"{folder}/result.md").read_text(encoding="utf-8"), end="")
+        print(f"\nresults   {folder}/result.nc {folder}/table.csv\npicture   {folder}/cost.png")
+
+
+def error_of(text: str) -> float:
+    """Error from text such as ``0.5%`` or ``0.005``.
+
+    Raises
+    ------
+    ValueError
+        If it is not a number > 0 and ≤ 1 then.
+    """
+    percent = text.strip().endswith("%")
+    try:
+        value = float(text.strip().removesuffix("%")) / (100 if percent else 1)
+        return converted(setting("ensemble.error"), f"{value:.6g}")
+    except (ValueError, argparse.ArgumentTypeError):
+        raise ValueError(f"--error {shown(text)}: a share such as 0.5% or 0.005 is needed") from None
+
+
+def _check(claim: str, config: dict[str, Any]) -> None:
+    """Raise an error before anything is computed: for an unknown number, a missing surface or workflow."""
+    from asperity.paper.claims.sources import roles
+    from asperity.paper.ensemble.numbers import surfaces_of
+
+    surfaces_of(claim, roles(config["studies"], config["surfaces"]))
+    if not Path(SNAKEFILE).is_file():
+        raise FileNotFoundError(f"{SNAKEFILE}: no such file; the command runs in the folder of the project")
+
+
+def _snakemake(options: argparse.Namespace, target: str) -> None:
+    """Make a file of the study; ends the process with the status of Snakemake if that fails."""
+    more: Sequence[str] = options.snakemake
+    command = [sys.executable, "-m", "snakemake"]
+    if not any(word.split("=")[0] in ("--cores", "-c", "--profile", "--jobs", "-j") for word in more):
+        command += ["--cores", str(os.cpu_count() or 1)]
+    if options.config:
+        command += ["--configfile", *options.config]
+    if options.results is not None:
+        command += ["--config", f"results={options.results}"]
+    if status := subprocess.run([*command, *more, "--", target]).returncode:
+        sys.exit(status)

@@ -1,0 +1,1 @@
+"""Numbers of claims to a given error by the multilevel Monte Carlo method."""

@@ -1,0 +1,125 @@
+"""Numbers of many seeds of one surface on one grid, without their fields.
+
+A sample is one seed of a surface, taken through the stages surface, contact, stress and statistics in
+memory. Only the numbers of `asperity.pipeline.statistics.seed_statistics` and the processor time are kept. A
+sample of the surface alone has no contact: its rms gradient is correlated with the numbers of the contact and
+costs next to nothing.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import xarray as xr
+
+from asperity.pipeline.contact import solve_contact
+from asperity.pipeline.solid import SOLID_ATTRIBUTES
+from asperity.pipeline.statistics import seed_statistics
+from asperity.pipeline.stress import compute_stress
+from asperity.pipeline.surface import random_heights
+from asperity.spectral import Fourier, Grid, good_size, mean_square
+from asperity.surface.roughness import roughness_parameters
+from asperity.types import Progress
+
+SURFACE_ALONE = 0
+"""Number of nodes on the shortest wavelength that stands for samples without a contact."""
+
+BLOCK_NODES = 2048**2
+"""Nodes of all seeds of a block, which take ten seconds or so; larger grids have blocks of one seed."""
+
+MOST_SEEDS = 32
+"""Most seeds of a block of contacts."""
+
+SURFACE_SEEDS = 256
+"""Seeds of a block of surfaces alone."""
+
+
+def grid_points(wavelength_short: float, nodes: float) -> int:
+    """Nodes on an edge of the cell for a number of nodes on the shortest wavelength.
+
+    The surface alone has the smallest grid that holds all of its waves.
+    """
+    if nodes == SURFACE_ALONE:
+        return good_size(2 * math.floor(1 / wavelength_short + 1e-6) + 2)
+    return round(nodes / wavelength_short)
+
+
+def block_size(wavelength_short: float, nodes: float) -> int:
+    """Seeds of a block: as many as share one job."""
+    if nodes == SURFACE_ALONE:
+        return SURFACE_SEEDS
+    return max(1, min(MOST_SEEDS, BLOCK_NODES // grid_points(wavelength_short, nodes) ** 2))
+
+
+def sample(
+    parameters: Mapping[str, Any],
+    nodes: float,
+    seeds: Sequence[int],
+    layer_settings: Mapping[str, Any],
+    contact_settings: Mapping[str, Any],
+    stress_settings: Mapping[str, Any],
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Numbers of the seeds of a surface on one grid.
+
+    Parameters
+    ----------
+    parameters : mapping
+        Entry of section ``surfaces`` of the configuration; its ``points`` are not used.
+    nodes : float
+        Nodes on the shortest wavelength; `SURFACE_ALONE` for the surface alone.
+    seeds : sequence of int
+    layer_settings, contact_settings, stress_settings : mapping
+        Sections of the configuration. The contact has no load-area curve.
+    progress : callable, optional
+
+    Returns
+    -------
+    dataset
+        Along `seed`, variables of `seed_statistics` and the processor time of each seed.
+    """
+    points = grid_points(parameters["wavelength_short"], nodes)
+    grid = Grid((points, points))
+    contact_settings = {**contact_settings, "path_area_fractions": []}
+    found, seconds = [], []
+    for number, seed in enumerate(seeds):
+        begin = time.process_time()
+        if nodes == SURFACE_ALONE:
+            found.append(xr.Dataset({"seed_rms_gradient": _rms_gradient(parameters, grid, seed)}))
+        else:
+            surface = _surface(parameters, grid, seed)
+            contact = solve_contact(surface, layer_settings, contact_settings)
+            stress = compute_stress(contact, layer_settings, stress_settings)
+            numbers = seed_statistics(surface, contact, stress)
+            found.append(numbers.assign_attrs({name: stress.attrs[name] for name in SOLID_ATTRIBUTES}))
+        seconds.append(time.process_time() - begin)
+        if progress is not None:
+            progress(number + 1, len(seeds))
+    whole = xr.concat(found, "seed", combine_attrs="override").assign_coords(seed=list(seeds))
+    whole["seed_seconds"] = ("seed", seconds)
+    return whole
+
+
+def _surface(parameters: Mapping[str, Any], grid: Grid, seed: int) -> xr.Dataset:
+    """The part of a result of stage surface that contact and statistics read."""
+    height = random_heights(parameters, grid, seed)[1]
+    roughness = roughness_parameters(height, grid.length)
+    y, x = grid.coordinates()
+    return xr.Dataset(
+        {
+            "height": (("y", "x"), height),
+            "rms_gradient": roughness.rms_gradient,
+            "skewness": roughness.skewness,
+            "kurtosis": roughness.kurtosis,
+        },
+        coords={"y": y, "x": x},
+    )
+
+
+def _rms_gradient(parameters: Mapping[str, Any], grid: Grid, seed: int) -> float:
+    """Root-mean-square gradient of a surface, from its spectrum."""
+    coefficients = Fourier(grid).forward(random_heights(parameters, grid, seed)[1])
+    return math.sqrt(mean_square(coefficients, grid, grid.wavenumber() ** 2))

@@ -1,0 +1,18 @@
+"""Rule ensemble: table and figure of all numbers of the configuration."""
+
+from pathlib import Path
+
+from asperity.paper.ensemble import figure
+from asperity.paper.ensemble.result import summary_frame
+from asperity.results import dataset, markup
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
+from asperity.views.style import save, style
+
+output = snakemake.output
+with log_to(snakemake.log[0]), ProgressBar("ensemble"), style(snakemake.input.style):
+    results = dict(zip(snakemake.params.claims, map(dataset.read, snakemake.input.data), strict=True))
+    table = summary_frame(results)
+    table.to_csv(output.table, index=False)
+    Path(output.text).write_text(f"{markup.markdown(markup.rows_of(table))}\n", encoding="utf-8")
+    save(figure.draw(results), *output.picture)
