@@ -53,6 +53,7 @@ NOT_COMPUTING = {
     "prepare_map",  # reads a file for `treat_map`
     "read_map",
     "read_result",
+    "write_result",
     "verify_contact",  # its violations of a pressure that is not one of contact may be infinite
 }
 
