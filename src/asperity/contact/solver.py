@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
+from asperity.arguments import choice
 from asperity.contact import gfmd, nested_grids
 from asperity.contact.arguments import (
     checked_control,
@@ -127,8 +128,7 @@ def solve(
     values = checked_height(height)
     grid = Grid(values.shape, length)  # type: ignore[arg-type]
     solid = checked_solid(solid)
-    if method not in METHODS:
-        raise ValueError(f"method = {method!r}: one of {', '.join(METHODS)} is needed")
+    choice("method", method, tuple(METHODS))
     precision, tolerance, workers = checked_settings(dtype, rtol, threads)
     response = response_on(boundary, solid, grid, precision, workers)
     if method == "gfmd" and boundary != "periodic":

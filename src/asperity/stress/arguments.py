@@ -184,7 +184,7 @@ def checked_ratios(poisson: float | Sequence[float] | None, layer: Layer) -> lis
 def boundary_of(contact: ContactLike) -> str:
     """The boundary of a contact, "periodic" if it does not say."""
     boundary = getattr(contact, "boundary", "periodic")
-    if boundary not in BOUNDARIES:
+    if not isinstance(boundary, str) or boundary not in BOUNDARIES:
         raise ValueError(f"contact.boundary = {_told(boundary)}: one of {', '.join(BOUNDARIES)} is needed")
     if boundary == "free" and contact.layer.height is not None:
         raise ValueError("contact.boundary = 'free': a half-space is needed, the solid is a layer")
@@ -230,7 +230,7 @@ def checked_ratio(poisson: float | None, known: Sequence[float]) -> float:
 
 def checked_name(argument: str, name: Any, known: Sequence[str]) -> str:
     """The name, if it is known."""
-    if name not in known:
+    if not isinstance(name, str) or name not in known:
         raise ValueError(f"{argument} = {_told(name)}: one of {', '.join(known)} is needed")
     return str(name)
 
@@ -241,7 +241,7 @@ def checked_names(argument: str, names: Sequence[str], known: Sequence[str]) -> 
     if not listed:
         raise ValueError(f"{argument} = {_told(names)}: a list of names from {', '.join(known)} is needed")
     for name in listed:
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             raise ValueError(f"{argument} = {_told(name)}: names from {', '.join(known)} are needed")
         if listed.count(name) > 1:
             raise ValueError(
