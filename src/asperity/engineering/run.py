@@ -19,6 +19,7 @@ from asperity.engineering.evaluation import body_answer, contact_numbers, contac
 from asperity.engineering.extremes import StressInBody, stress_in
 from asperity.engineering.findings import Findings, Neighbours, Numbers
 from asperity.engineering.indenter import CounterMap, Indenter, MapSettings, read_indenter
+from asperity.finite import require_finite
 from asperity.spectral import Fourier, Grid, resample
 from asperity.stress.arguments import FIELDS, checked_names
 from asperity.surface.height_map import HeightMap
@@ -203,6 +204,7 @@ def assemble(
         coarse=coarse,
         neighbours=neighbours,
     )
+    _require_finite(findings)
     return Answer(
         indenter=indenter,
         case=case,
@@ -217,6 +219,23 @@ def assemble(
         fields=fields,
         counter_map=counter_map,
     )
+
+
+def _require_finite(findings: Findings) -> None:
+    """Raise `ValueError` unless all numbers are finite; NaN stands for those of peaks that are not there."""
+    results = vars(findings.numbers) | {
+        f"{name} with {pixels} pixels": value
+        for pixels, numbers in (("all", findings.fine), ("half the", findings.coarse))
+        for name, value in vars(numbers).items()
+    }
+    for body in findings.bodies.values():
+        results |= {name: tuple(extreme) for name, extreme in body.largest.items()}
+        results |= {
+            name: getattr(body, name)
+            for name in ("volume_above_yield", "depths_above_yield", "fraction_above_yield")
+            if getattr(body, name) is not None
+        }
+    require_finite("run", results, undefined=True)
 
 
 class _Stages:
