@@ -13,7 +13,7 @@ FOLDER = $$(python -m asperity.config results $(FILES))
 VENV := .venv
 LOCK := requirements.lock
 COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --universal --python-version 3.11 \
-	--extra study --extra maps --extra build --extra test --generate-hashes --no-emit-index-url --quiet
+	--extra study --extra maps --extra crate --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
 .PHONY: help study quick claims verify test lint check fuzz fuzz-study wheel-test test-oldest test-python test-faults soak test-slurm bad-input report crate docs bench tradeoff calculix lock clean
