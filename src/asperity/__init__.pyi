@@ -1,3 +1,4 @@
+from .accessor import ResultAccessor as ResultAccessor
 from .contact import Contact as Contact
 from .contact import ConvergenceError as ConvergenceError
 from .contact import solve as solve
@@ -6,6 +7,7 @@ from .contact import verify_contact as verify_contact
 from .elasticity.layer import Layer as Layer
 from .elasticity.two_bodies import TwoBodies as TwoBodies
 from .results import read_result as read_result
+from .results import write_result as write_result
 from .spectral import Grid as Grid
 from .stress.analysis import analyse_stress as analyse_stress
 from .stress.depths import depth_grid as depth_grid
@@ -35,11 +37,11 @@ from .surface.roughness import spectrum as spectrum
 from .surface.roughness import with_moments as with_moments
 from .surface.treatment import Treatment as Treatment
 from .surface.treatment import treat_map as treat_map
-from .views.inside import plot_plane as plot_plane
-from .views.inside import plot_section as plot_section
 from .views.maps import plot_gap as plot_gap
 from .views.maps import plot_height as plot_height
 from .views.maps import plot_pressure as plot_pressure
 from .views.peaks import plot_peaks as plot_peaks
+from .views.plane import plot_plane as plot_plane
+from .views.section import plot_section as plot_section
 
 __version__: str

@@ -19,6 +19,7 @@ from dataclasses import asdict
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from asperity.accuracy.measured import MeasuredTradeoff, load
 from asperity.accuracy.tables import minutes
@@ -34,6 +35,9 @@ and the one that runs the job."""
 
 COMPILER_MEMORY = 150e6
 """Memory (bytes) of compiling beside a job, on a node whose processor differs from the one compiled for."""
+
+SECOND_SOLUTION_MEMORY = 12
+"""Bytes per node that a contact in single precision keeps if it is solved again in double precision."""
 
 TIME_LAWS: dict[str, tuple[str, ...]] = {
     "surface": (),
@@ -105,6 +109,7 @@ _LINES = {
     "ensemble result": _Line(380, seconds=8),
     "validation": _Line(300, seconds=25),
     "validation table": _Line(240, seconds=5),
+    "report page": _Line(260, seconds=5, disk=20),
     "calculix": _Line(500, seconds=320, disk=4),
 }
 
@@ -145,6 +150,9 @@ def job_cost(
     """
     line = _LINES["load-area curve" if job == "contact" and repetitions > 1 else job]
     more, further = repetitions - 1, _FURTHER.get(job, _Line(0))
+    per_node = line.memory_per_node + more * further.memory_per_node
+    if job == "contact" and accuracy.precision == "float32":
+        per_node += SECOND_SOLUTION_MEMORY
     if job in TIME_LAWS:
         settings = asdict(accuracy) | {
             "area_fraction": area_fraction,
@@ -153,10 +161,10 @@ def job_cost(
         }
         calculation = float(law_seconds(load().time_laws[job], nodes, settings))
     else:
-        per_node = line.time_per_node + more * further.time_per_node
-        calculation = 1e-6 * nodes * per_node + more * further.seconds
+        time_per_node = line.time_per_node + more * further.time_per_node
+        calculation = 1e-6 * nodes * time_per_node + more * further.seconds
     return Cost(
-        memory=1e6 * line.memory + nodes * (line.memory_per_node + more * further.memory_per_node),
+        memory=1e6 * line.memory + nodes * per_node,
         fixed_seconds=line.seconds,
         calculation_seconds=calculation,
         disk=1e6 * line.disk + nodes * line.disk_per_node,
@@ -263,12 +271,12 @@ def stage_table(points: Iterable[int], ratios: int = 4) -> str:
         Poisson's ratios of the stress.
     """
     stages = {"surface": 1, "contact": 1, "stress": ratios, "statistics": 1, "verification": 1}
-    rows = [["points", *stages]]
+    rows = []
     for edge in points:
         costs = [job_cost(stage, edge**2, repetitions) for stage, repetitions in stages.items()]
         cells = [f"{cost.memory / 1e9:.1f} GB, {cost.seconds / 60:.1f} min" for cost in costs]
         rows.append([f"{edge}²", *cells])
-    return markdown(rows)
+    return markdown(pd.DataFrame(rows, columns=["points", *stages]))
 
 
 if __name__ == "__main__":

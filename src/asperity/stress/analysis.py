@@ -20,7 +20,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from asperity import accessor
 from asperity.elasticity.layer import LATERALS
+from asperity.finite import require_finite
 from asperity.spectral import Work
 from asperity.stress.arguments import (
     FIELDS,
@@ -44,6 +46,8 @@ from asperity.stress.pressed import ContactLike, PressedSolid
 from asperity.stress.selection import peak_dataset
 from asperity.stress.statistics import autocorrelation
 from asperity.types import Array, Progress
+
+accessor.register()
 
 QUANTITIES = ("pressure", *FIELDS)
 """Quantities whose peaks can be sought."""
@@ -202,7 +206,10 @@ def analyse_lateral_conditions(
         PressedSolid(pressure, contact.grid, contact.layer, boundary_of(contact)), settings, laterals
     )
     analysis.run(progress, observe)
-    return {lateral: _dataset(analysis, lateral) for lateral in laterals}
+    found = {lateral: _dataset(analysis, lateral) for lateral in laterals}
+    for dataset in found.values():
+        require_finite("analyse_stress", dataset.data_vars)
+    return found
 
 
 @dataclass(frozen=True)

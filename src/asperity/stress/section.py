@@ -17,6 +17,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from asperity.errors import shown
+from asperity.finite import require_finite
 from asperity.stress.arguments import (
     FIELDS,
     boundary_of,
@@ -45,7 +46,7 @@ ON_A_NODE = 1e-9
 """A position nearer to a node than this share of a spacing is on it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StressBox:
     """Fields of the stress in a box of the solid, computed plane by plane as they are asked for.
 
@@ -69,13 +70,19 @@ class StressBox:
     _contact: ContactLike = field(repr=False)
     _settings: dict[str, Any] = field(repr=False)
 
+    def __repr__(self) -> str:
+        shape = " × ".join(str(axis.size) for axis in (self.depth, self.y, self.x))
+        return f"<StressBox of {shape} nodes along depth, y, x: {', '.join(self.fields)}>"
+
     def planes(self, progress: Progress | None = None) -> Iterator[dict[str, Array]]:
         """The fields of one depth after the other: name → (ratios, ny, nx) array."""
         periodic = boundary_of(self._contact) == "periodic"
         stream = linear_planes(self._contact, self.depth, self.poisson, self.fields, **self._settings)
         for plane in stream:
             found = _interpolated(plane, self.y, self.x, periodic)
-            yield {name: np.stack([found.field(name, nu) for nu in self.poisson]) for name in self.fields}
+            fields = {name: np.stack([found.field(name, nu) for nu in self.poisson]) for name in self.fields}
+            require_finite("stress_box", fields)
+            yield fields
             if progress is not None:
                 progress(plane.done, 1.0)
 

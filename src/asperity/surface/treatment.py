@@ -16,6 +16,7 @@ import numpy as np
 
 from asperity.arguments import choice, number, whole_number
 from asperity.errors import shown
+from asperity.finite import require_finite
 from asperity.spectral import Grid, good_size
 from asperity.surface.height_map import HeightMap, MapError, OptionName, orientation_needed
 from asperity.surface.levelling import (
@@ -203,7 +204,7 @@ class MapTreatment:
         return shown_si(value, "m", 3) if self.unit == "m" else f"{value:.3g}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class TreatedMap:
     """The lower face of an indenter made from a map.
 
@@ -223,6 +224,10 @@ class TreatedMap:
     grid: Grid
     wavelength_short: float
     treatment: MapTreatment
+
+    def __repr__(self) -> str:
+        ny, nx = self.height.shape
+        return f"<TreatedMap of {ny} × {nx} nodes, shortest wavelength {self.wavelength_short:.4g}>"
 
 
 def treat_map(
@@ -288,6 +293,7 @@ def treat_map(
             ],
         )
     shortest = treatment.wavelength_short or _two_nodes(grid, target)
+    require_finite("treat_map", {"height": smooth})
     record = _record(surface, treatment, (missing, spikes), trend, target)
     whole = MapTreatment(
         **record,

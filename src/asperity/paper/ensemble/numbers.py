@@ -14,7 +14,8 @@ import numpy as np
 import xarray as xr
 
 from asperity.errors import shown
-from asperity.paper.claims.evidence import Evidence, Fixed, Measure
+from asperity.paper.claims.evidence import Evidence, Fixed, Measure, Options
+from asperity.paper.claims.readings import Number as OfSurfaces
 from asperity.paper.claims.readings import Reading, percentile, single
 from asperity.paper.claims.statements import CLAIMS
 from asperity.types import Array
@@ -112,6 +113,8 @@ def values(name: str, statistics: Mapping[str, xr.Dataset]) -> Array:
 
 def _asked(measure: Measure) -> tuple[str, ...]:
     """Roles of the surfaces that a measure asks for, in the order of asking."""
+    if isinstance(measure, OfSurfaces):
+        return tuple(dict.fromkeys(role for _, role in measure.parts))
     evidence = _RecordedEvidence()
     # After the last surface, numpy or xarray may reject the placeholder: the roles are known then.
     with suppress(TypeError, ValueError, AttributeError, LookupError):
@@ -142,6 +145,10 @@ class _RecordedEvidence:
 
     def __init__(self) -> None:
         self.roles: dict[str, None] = {}
+        self.options: Options = {}
+
+    def under(self, options: Options) -> _RecordedEvidence:
+        return self
 
     def statistics(self, role: str) -> _Placeholder:
         self.roles[role] = None
