@@ -181,7 +181,7 @@ def shapes(found: Sequence[Finding]) -> str:
     ]
     common = set.intersection(*(set(reproduced.get(name, [])) for name in SHAPE))
     end = f"all three for δ = {', '.join(sorted(common))}" if common else "**no δ reproduces all three**"
-    return f"{markup.markdown(rows)}\n\n{'; '.join(each)}: {end}.".replace("'", "*")
+    return f"{markup.markdown(_frame(rows))}\n\n{'; '.join(each)}: {end}.".replace("'", "*")
 
 
 def with_section(text: str, name: str, section: str) -> str:

@@ -66,7 +66,7 @@ def _scales(rows: pd.DataFrame) -> str:
                 f"{100 * held_out(rows, over, [term]):.1f} %",
             ]
         )
-    return markup.markdown(lines)
+    return markup.markdown(pd.DataFrame(lines[1:], columns=lines[0]))
 
 
 def _of_poisson(rows: pd.DataFrame) -> str:
@@ -89,7 +89,7 @@ def _of_poisson(rows: pd.DataFrame) -> str:
                 f"{hertz[1] / own[1]:.3f}",
             ]
         )
-    return markup.markdown(lines)
+    return markup.markdown(pd.DataFrame(lines[1:], columns=lines[0]))
 
 
 def _inputs(rows: pd.DataFrame) -> str:

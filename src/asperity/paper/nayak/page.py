@@ -58,7 +58,7 @@ def _table(rows: pd.DataFrame) -> str:
                 f"{100 * row[f'{key}_error'] / row[key]:.2f}",
             ]
         lines.append([*cells, row["seeds"]])
-    return markup.markdown(lines)
+    return markup.markdown(pd.DataFrame(lines[1:], columns=lines[0]))
 
 
 def _regression_table(rows: pd.DataFrame) -> str:
@@ -78,7 +78,7 @@ def _regression_table(rows: pd.DataFrame) -> str:
         lines.append(
             [NUMBERS[number], names, "; ".join(shown), "; ".join(changes), residual, f"{found.explained:.3f}"]
         )
-    return markup.markdown(lines)
+    return markup.markdown(pd.DataFrame(lines[1:], columns=lines[0]))
 
 
 def verdict(rows: pd.DataFrame) -> str:
