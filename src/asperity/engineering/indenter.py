@@ -297,6 +297,10 @@ def _with_form(indenter: Indenter, settings: MapSettings, radius: float) -> Inde
     """The surface with the form of a sphere or cylinder, on every mirror image of the map."""
     grid, length = indenter.grid, indenter.map_length
     mirrored = length != grid.length
+    if mirrored and any(nodes % 2 for nodes in grid.shape):
+        raise ValueError(
+            f"radius = {radius:g}: even numbers of points are needed on a mirrored map, not {grid.shape}"
+        )
     part = Grid((grid.shape[0] // 2, grid.shape[1] // 2), length) if mirrored else grid
     flat = np.zeros(part.shape)
     if settings.form == "sphere":
