@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from asperity.accuracy.multilevel import Estimate, bias, finest_variance, multilevel_mean
+from asperity.accuracy.multilevel import Estimate, Spread, bias, finest_variance, multilevel_mean
 from asperity.accuracy.tables import minutes
 from asperity.paper.ensemble.planning import Plan, grid_name
 from asperity.paper.ensemble.samples import Samples
@@ -37,7 +37,9 @@ def result(plan: Plan, samples: Samples) -> xr.Dataset:
     dataset
         Along `grid`, the levels; along `course` and `plain_course`, errors and times of parts of the samples.
         Plain Monte Carlo is the mean over the seeds of the finest grid. Its time for the standard error of
-        the estimate follows from the measured time of a seed and the variance that all levels show.
+        the estimate follows from the measured time of a seed and its variance: that which all levels show,
+        and in variables ``…_fine`` that of the seeds of the finest grid alone. ``gain`` is that time over the
+        time of the estimate, with a 95 % interval.
     """
     kept = samples.first(plan.seeds)
     used = [number if use else 0 for number, use in zip(plan.seeds, plan.used, strict=True)]
@@ -48,6 +50,8 @@ def result(plan: Plan, samples: Samples) -> xr.Dataset:
     finest, times = samples.values[-1], samples.times[-1]
     plain = multilevel_mean([finest])
     seconds = sum(float(level.sum()) for level in chosen.times)
+    spreads = {"": finest_variance(chosen.values), "_fine": Spread.of(finest)}
+    same = {kind: float(times.mean()) * np.array(each.over(found)) for kind, each in spreads.items()}
     course = [point for part in PARTS if (point := _part(chosen, part)) is not None]
     counts = _halvings(len(finest))
     return xr.Dataset(
@@ -64,7 +68,12 @@ def result(plan: Plan, samples: Samples) -> xr.Dataset:
             "plain_estimate": plain.value,
             "plain_error": plain.error,
             "plain_seconds": float(times.sum()),
-            "plain_seconds_same_error": float(times.mean() * finest_variance(chosen.values) / found.error**2),
+            **{f"plain_seconds_same_error{kind}": each[0] for kind, each in same.items()},
+            **{
+                f"gain{end}{kind}": each[number] / seconds
+                for kind, each in same.items()
+                for number, end in enumerate(("", "_low", "_high"))
+            },
             "course_seeds": ("course", [point[0] for point in course]),
             "course_seconds": ("course", [point[1] for point in course]),
             "course_error": ("course", [point[2].error for point in course]),
@@ -158,10 +167,17 @@ def summary_frame(results: dict[str, xr.Dataset]) -> pd.DataFrame:
                 "its error %": 100 * float(data["plain_error"]) / abs(value),
                 "seconds": spent,
                 "plain seconds for the same error": plain,
-                "plain over multilevel": plain / spent,
+                "gain": gain_text(data, ""),
+                "gain by the variance of the finest grid alone": gain_text(data, "_fine"),
             }
         )
     return pd.DataFrame(rows)
+
+
+def gain_text(data: xr.Dataset, kind: str) -> str:
+    """Time of plain Monte Carlo over that of the estimate, with its interval."""
+    value, low, high = (float(data[f"gain{end}{kind}"]) for end in ("", "_low", "_high"))
+    return f"{value:.2g} ({low:.2g} to {high:.2g})"
 
 
 def sentences(name: str, quantity: str, data: xr.Dataset) -> str:
@@ -176,6 +192,7 @@ def sentences(name: str, quantity: str, data: xr.Dataset) -> str:
             f"  vanishing grid spacing adds {float(data['estimate_bias']):+.2g}; total error "
             f"{float(data['estimate_total_error']) / abs(value):.2%}",
             f"  {minutes(spent)} of one processor; plain Monte Carlo on {finest} to the same standard error: "
-            f"{minutes(plain)}, {plain / spent:.1f} times as long",
+            f"{minutes(plain)}, {gain_text(data, '')} times as long; by the variance of the seeds of that "
+            f"grid alone {gain_text(data, '_fine')} times",
         ]
     )
