@@ -1,5 +1,6 @@
 """Ensembles: samples equal the stages, plans reach their targets, every claim knows its surfaces."""
 
+import shutil
 import subprocess
 from itertools import pairwise
 
@@ -11,6 +12,7 @@ from asperity.cli.commands.ensemble import error_of
 from asperity.cli.main import main
 from asperity.paper.claims.sources import roles
 from asperity.paper.claims.statements import CLAIMS
+from asperity.paper.ensemble.documents import PAGE, keep
 from asperity.paper.ensemble.figure import draw
 from asperity.paper.ensemble.gains import gain_frame, known_numbers
 from asperity.paper.ensemble.numbers import SINGLE, full_name, number, numbers, surfaces_of, values
@@ -280,3 +282,18 @@ def test_gains_of_all_numbers_that_the_samples_know(tmp_path):
     assert row["value"] == pytest.approx(float(fine.mean()), rel=0.2)
     assert row["gain"] == pytest.approx(row["plain seconds"] / row["seconds"])
     assert min(int(number) for number in row["seeds"].split(", ") if number != "–") >= 4
+
+
+def test_tables_and_figure_go_to_the_page(tmp_path):
+    made, docs = tmp_path / "results/ensemble", tmp_path / "docs"
+    made.mkdir(parents=True)
+    docs.mkdir()
+    shutil.copy(PAGE, docs)
+    for name in ("table", "gains"):
+        (made / f"{name}.md").write_text(f"the {name}\n")
+    (made / "cost.png").write_bytes(b"picture")
+    keep(made.parent, tmp_path)
+    keep(made.parent, tmp_path)
+    text = (docs / "multilevel.md").read_text(encoding="utf-8")
+    assert text.count("the table\n") == text.count("the gains\n") == 1
+    assert (docs / "multilevel.png").read_bytes() == b"picture"

@@ -119,7 +119,8 @@ def correlation(coarse: Array, fine: Array) -> float:
 def _part(samples: Samples, part: float) -> tuple[int, float, Estimate] | None:
     """Seeds of the finest grid, time and estimate of a part of the samples; None if it has too few."""
     seeds = [int(len(values) * part) for values in samples.values]
-    if seeds[-1] < FEWEST:
+    alone = samples.values[0].shape[1] if samples.values[0].ndim > 1 else 0
+    if seeds[-1] < FEWEST or seeds[min(1, len(seeds) - 1)] < alone + FEWEST:
         return None
     some = samples.first(seeds)
     return seeds[-1], sum(float(level.sum()) for level in some.times), multilevel_mean(some.values)
@@ -151,7 +152,7 @@ def level_frame(data: xr.Dataset) -> pd.DataFrame:
 
 
 def summary_frame(results: dict[str, xr.Dataset]) -> pd.DataFrame:
-    """A table of several results, one row each."""
+    """A table of several results, one row each; levels that only tell the bias stand in brackets."""
     rows = []
     for name, data in results.items():
         value = float(data["estimate"])
@@ -163,6 +164,15 @@ def summary_frame(results: dict[str, xr.Dataset]) -> pd.DataFrame:
                 "standard error %": 100 * float(data["estimate_error"]) / abs(value),
                 "bias %": 100 * float(data["estimate_bias"]) / value,
                 "total error %": 100 * float(data["estimate_total_error"]) / abs(value),
+                "levels: seeds": ", ".join(
+                    f"{grid_name(nodes)}: {number}" if used else f"({grid_name(nodes)}: {number})"
+                    for nodes, number, used in zip(
+                        data["grid_nodes"].values,
+                        data["grid_seeds"].values,
+                        data["grid_used"].values,
+                        strict=True,
+                    )
+                ),
                 "plain estimate": float(data["plain_estimate"]),
                 "its error %": 100 * float(data["plain_error"]) / abs(value),
                 "seconds": spent,
