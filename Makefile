@@ -16,7 +16,7 @@ COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --u
 	--extra study --extra maps --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick claims verify test lint check fuzz fuzz-study wheel-test test-oldest test-python test-faults soak test-slurm bad-input report docs bench tradeoff calculix lock clean
+.PHONY: help study quick claims verify test lint check fuzz fuzz-study wheel-test test-oldest test-python test-faults soak test-slurm bad-input report crate docs bench tradeoff calculix lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -79,8 +79,12 @@ test-slurm: $(VENV)/ready ## Run the quick study on a SLURM started for it (apt 
 bad-input: $(VENV)/ready ## Print some two hundred wrong configurations, commands and maps, each with its error message
 	python tests/unit/bad_input.py
 
-report: study ## Write the study as one page that needs no network, report.html among its results; CONFIG=, RESULTS= as for study
-	snakemake --cores 1 $(STUDY) --report "$(FOLDER)/report.html"
+report: study ## Write the study as one page, report.html, and how each file was made, provenance.html; CONFIG=, RESULTS= as for study
+	snakemake --cores 1 report_page $(STUDY)
+	snakemake --cores 1 $(STUDY) --report "$(FOLDER)/provenance.html"
+
+crate: study ## Describe the results of the study as an RO-Crate, ro-crate-metadata.json among them; CONFIG=, RESULTS= as for study
+	python workflow/crate.py "$(FOLDER)" $(if $(CONFIG),--configfile $(CONFIG))
 
 docs: $(VENV)/ready ## Build the documentation site with its gallery, without a network, into docs/_build/html
 	MPLBACKEND=Agg python -m sphinx -b html -W --keep-going -n docs docs/_build/html

@@ -70,3 +70,6 @@ rule all:
         rules.claims.output if config["claims"] else [],
         [*rules.ensemble.output, *rules.ensemble_gains.output] if ENSEMBLE["claims"] else [],
         expand(rules.tradeoff.output, extent=["reduced"] if "reduced" in config["tradeoff"] else []),
+
+
+include: "workflow/rules/report_page.smk"

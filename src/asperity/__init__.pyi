@@ -1,3 +1,4 @@
+from .accessor import ResultAccessor as ResultAccessor
 from .contact import Contact as Contact
 from .contact import ConvergenceError as ConvergenceError
 from .contact import solve as solve
@@ -6,6 +7,7 @@ from .contact import verify_contact as verify_contact
 from .elasticity.layer import Layer as Layer
 from .elasticity.two_bodies import TwoBodies as TwoBodies
 from .results import read_result as read_result
+from .results import write_result as write_result
 from .spectral import Grid as Grid
 from .stress.analysis import analyse_stress as analyse_stress
 from .stress.depths import depth_grid as depth_grid

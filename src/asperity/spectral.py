@@ -33,7 +33,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import ducc0
 import numpy as np
@@ -42,6 +42,9 @@ from numpy.typing import ArrayLike, DTypeLike
 from asperity.arguments import magnitude, real_array, whole_number
 from asperity.errors import shown
 from asperity.types import REAL_TYPES, Array
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 MOST_NODES = 2**31 - 1
 """Largest number of nodes on an axis."""
@@ -385,3 +388,10 @@ def radial_average(values: Array, grid: Grid) -> tuple[Array, Array]:
     total = np.bincount(ring[kept], (weight * values)[kept], minlength=rings + 1)
     filled = np.flatnonzero(count[1:]) + 1
     return width * filled, total[filled] / count[filled]
+
+
+def grid_of(dataset: xr.Dataset) -> Grid:
+    """The grid of a result with coordinates y and x."""
+    shape = dataset.sizes["y"], dataset.sizes["x"]
+    steps = [float(dataset[axis][1]) if dataset.sizes[axis] > 1 else 1.0 for axis in ("y", "x")]
+    return Grid(shape, (shape[0] * steps[0], shape[1] * steps[1]))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from asperity.errors import DatasetError
+from asperity.errors import DatasetError, NewerFileError
 from asperity.results import dataset
 from asperity.results.variables import SI_UNITS, STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
 
@@ -40,6 +40,28 @@ def test_a_file_explains_itself_and_comes_back_equal(surface, tmp_path):
     for name, variable in found.variables.items():
         assert variable.attrs["units"] == units_of(name)
         assert variable.attrs["long_name"] == VARIABLES[name].long_name
+
+
+def test_a_file_in_a_newer_format_is_refused_and_not_called_damaged(surface, tmp_path, monkeypatch):
+    path = tmp_path / "file.nc"
+    with monkeypatch.context() as newer:
+        newer.setattr(dataset, "FORMAT_VERSION", dataset.FORMAT_VERSION + 1)
+        dataset.write(surface, path, "Title", SETTINGS)
+        assert dataset.read(path).attrs["format_version"] == dataset.FORMAT_VERSION
+    for function in (dataset.read, dataset.verify):
+        with pytest.raises(
+            NewerFileError, match=r"format_version = 2, at most 1 is read by asperity [^;]*; install"
+        ):
+            function(path)
+
+
+def test_a_file_without_a_format_version_is_in_the_first_format(surface, tmp_path):
+    dataset.write(surface, tmp_path / "a.nc", "Title", SETTINGS)
+    older = xr.load_dataset(tmp_path / "a.nc")
+    del older.attrs["format_version"]
+    older.attrs["content_digest"] = dataset.fingerprint(older)
+    older.to_netcdf(tmp_path / "b.nc")
+    xr.testing.assert_equal(dataset.read(tmp_path / "b.nc"), surface)
 
 
 def test_every_dimension_has_a_unit_in_every_system():

@@ -250,7 +250,7 @@ def test_the_command_writes_table_and_images(files, tmp_path, capsys):
         ("{stress} --field xx:0-1 f.vti", "--field: a contact file (of asperity solve) is needed"),
         ("{surface} --peaks p.csv", "--peaks: a stress file (of asperity stress) is needed, none is given"),
         ("{stress} {stress} --peaks p.csv", "a second result of stress, one is needed"),
-        ("{stress} --peaks p.xlsx", "p.xlsx: a name that ends in .csv is needed"),
+        ("{stress} --peaks p.xlsx", "p.xlsx: a name that ends in .csv or .parquet is needed"),
         ("{contact} --field xx:0-1 f.vtk", "f.vtk: a name that ends in .vti is needed"),
         ("{contact} --field xx f.vti", "--field 'xx': NAMES:DEPTHS, such as von_mises,xx:0-40um, is needed"),
         ("{contact} --field foo:0-1 f.vti", "--field 'foo': each once of xx, yy"),

@@ -3,6 +3,7 @@
 import re
 from pathlib import Path
 
+import pandas as pd
 import pytest
 
 from asperity.config.study import read_study
@@ -36,7 +37,7 @@ def test_the_kept_document_has_the_verdicts_of_the_table(found):
 
 
 def escaped(text):
-    return markup.markdown([[text], [text]]).splitlines()[-1].strip("| ").strip()
+    return markup.markdown(pd.DataFrame({"": [text]})).splitlines()[-1].strip("| ").strip()
 
 
 def test_every_statement_is_kept_under_every_reading_of_the_ensemble(found, monkeypatch):

@@ -10,10 +10,11 @@ from asperity.accuracy.measurement import CONVERGED, measure
 from asperity.accuracy.outputs import DISTRIBUTIONS, OUTPUTS
 from asperity.accuracy.reduction import reduce_runs, runs_at, settings_of
 from asperity.accuracy.resources import law_seconds
-from asperity.accuracy.tables import error_rows, preset_rows
+from asperity.accuracy.tables import errors_for_reader, errors_frame, presets_for_reader, presets_frame
 from asperity.config.presets import PRESETS
 from asperity.paper.figures import tradeoff as figures
 from asperity.results import dataset
+from asperity.results.tables import check_columns
 from asperity.views.style import style
 
 SETTINGS = {
@@ -88,8 +89,11 @@ def test_the_measurement_is_a_file_and_comes_back_from_text(runs, tmp_path):
     measured = reduce_runs(runs)
     assert as_json(from_json(as_json(measured))) == as_json(measured)
     assert set(measured.presets) == {"draft", "paper"}  # the finest grid is coarser than the third needs
-    for rows in (preset_rows(measured), error_rows(measured)):
-        assert len({len(row) for row in rows}) == 1
+    presets, errors = presets_frame(measured), errors_frame(measured)
+    check_columns(presets, "presets")
+    check_columns(errors, "tradeoff")
+    assert list(presets_for_reader(presets).columns) == ["", "`draft`", "`paper`"]
+    assert len(errors_for_reader(errors)) * len(OUTPUTS) == len(errors)
 
 
 def test_the_law_of_a_time_is_found_again_in_times_made_from_it(runs):

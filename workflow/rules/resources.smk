@@ -97,6 +97,7 @@ COSTS = {
     "ensemble_gains": lambda wildcards: job_cost("ensemble result"),
     "tradeoff": tradeoff_cost,
     "tradeoff_figures": lambda wildcards: job_cost("tradeoff figures"),
+    "report_page": lambda wildcards: job_cost("report page"),
 }
 
 

@@ -6,6 +6,8 @@ rule tradeoff:
     output:
         runs=f"{RESULTS}/tradeoff/{{extent}}/runs.nc",
         measured=f"{RESULTS}/tradeoff/{{extent}}/measured.json",
+        presets=f"{RESULTS}/tradeoff/{{extent}}/presets.csv",
+        errors=f"{RESULTS}/tradeoff/{{extent}}/errors.csv",
         table=f"{RESULTS}/tradeoff/{{extent}}/table.md",
         page=report(
             f"{RESULTS}/tradeoff/{{extent}}/table.html",

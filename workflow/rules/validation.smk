@@ -54,6 +54,7 @@ rule validation_table:
         code=code("validation_table"),
     output:
         table=f"{RESULTS}/validation/table.md",
+        numbers=f"{RESULTS}/validation/table.csv",
         page=report(
             f"{RESULTS}/validation/table.html",
             caption="../report/validation.rst",

@@ -7,6 +7,7 @@ from asperity.paper.claims.evidence import Evidence
 from asperity.paper.claims.statements import CLAIMS, HEADLINES
 from asperity.paper.claims.verdicts import decide
 from asperity.results import dataset
+from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 from asperity.views.style import save, style
@@ -33,8 +34,8 @@ with log_to(snakemake.log[0], snakemake.output), ProgressBar("claims"), style(sn
     finer = {nodes: evidence(names) for nodes, names in params.resolutions.items()}
     findings = decide(CLAIMS, study, finer, params.readings)
     limits = report.continuum_table(HEADLINES, finer)
-    dataset.write_text(output.table, report.frame(findings, params.nodes).to_csv(index=False))
-    dataset.write_text(output.readings, report.frame_of_readings(findings).to_csv(index=False))
+    write_table(report.frame(findings, params.nodes), "claims", output.table)
+    write_table(report.frame_of_readings(findings), "claims_readings", output.readings)
     text = report.markdown(findings, params.seeds, params.nodes, limits)
     dataset.write_text(output.text, text)
     dataset.write_text(output.page, report.page(findings, limits))

@@ -3,8 +3,9 @@
 from asperity.accuracy.measured import as_json
 from asperity.accuracy.measurement import measure
 from asperity.accuracy.reduction import reduce_runs
-from asperity.accuracy.tables import error_rows, preset_rows
+from asperity.accuracy.tables import errors_for_reader, errors_frame, presets_for_reader, presets_frame
 from asperity.results import dataset, markup
+from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
@@ -19,7 +20,10 @@ with log_to(snakemake.log[0], snakemake.output), ProgressBar("tradeoff") as prog
     )
     measured = reduce_runs(runs)
     dataset.write_text(snakemake.output.measured, as_json(measured))
-    tables = {"Presets": preset_rows(measured), "One parameter at a time": error_rows(measured)}
+    presets, errors = presets_frame(measured), errors_frame(measured)
+    write_table(presets, "presets", snakemake.output.presets)
+    write_table(errors, "tradeoff", snakemake.output.errors)
+    tables = {"Presets": presets_for_reader(presets), "One parameter at a time": errors_for_reader(errors)}
     text = "\n\n".join(map(markup.markdown, tables.values()))
     dataset.write_text(snakemake.output.table, f"{text}\n")
     dataset.write_text(snakemake.output.page, markup.page("Speed and accuracy", tables))

@@ -1,12 +1,14 @@
 """Rule validation_table: the table of all comparisons with their errors and bounds."""
 
 from asperity.results import dataset, markup
+from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to
-from asperity.validation.table import markdown, table_rows, text_rows
+from asperity.validation.table import for_reader, frame, markdown, table_rows
 
 with log_to(snakemake.log[0], snakemake.output):
     datasets = {name: dataset.read(path) for name, path in snakemake.params.results.items()}
     rows = table_rows(datasets)
     dataset.write_text(snakemake.output.table, markdown(rows))
-    page = markup.page("Validation", {"": text_rows(rows)})
+    write_table(frame(rows), "validation", snakemake.output.numbers)
+    page = markup.page("Validation", {"": for_reader(rows)})
     dataset.write_text(snakemake.output.page, page)

@@ -3,6 +3,7 @@
 from asperity.pipeline.statistics import SeedResults
 from asperity.pipeline.verification import verify
 from asperity.results import dataset, markup
+from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
@@ -10,7 +11,6 @@ surface, files = snakemake.wildcards.surface, snakemake.input
 with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"verification {surface}") as progress:
     results = map(SeedResults.read, files.surface, files.contact, files.stress)
     checks = verify(surface, results, dataset.read(files.statistics), progress)
-    dataset.write_text(snakemake.output.table, checks.to_csv(index=False))
-    rows = markup.rows_of(checks.drop(columns="surface"))
-    page = markup.page(f"Verification of {surface}", {"": rows})
+    write_table(checks, "verification", snakemake.output.table)
+    page = markup.page(f"Verification of {surface}", {"": checks.drop(columns="surface")})
     dataset.write_text(snakemake.output.page, page)

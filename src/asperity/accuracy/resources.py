@@ -19,6 +19,7 @@ from dataclasses import asdict
 from typing import Any, NamedTuple
 
 import numpy as np
+import pandas as pd
 
 from asperity.accuracy.measured import MeasuredTradeoff, load
 from asperity.accuracy.tables import minutes
@@ -105,6 +106,7 @@ _LINES = {
     "ensemble result": _Line(380, seconds=8),
     "validation": _Line(300, seconds=25),
     "validation table": _Line(240, seconds=5),
+    "report page": _Line(260, seconds=5, disk=20),
     "calculix": _Line(500, seconds=320, disk=4),
 }
 
@@ -286,12 +288,12 @@ def stage_table(points: Iterable[int], ratios: int = 4) -> str:
         Poisson's ratios of the stress.
     """
     stages = {"surface": 1, "contact": 1, "stress": ratios, "statistics": 1, "verification": 1}
-    rows = [["points", *stages]]
+    rows = []
     for edge in points:
         costs = [job_cost(stage, edge**2, repetitions) for stage, repetitions in stages.items()]
         cells = [f"{cost.memory / 1e9:.1f} GB, {cost.seconds / 60:.1f} min" for cost in costs]
         rows.append([f"{edge}²", *cells])
-    return markdown(rows)
+    return markdown(pd.DataFrame(rows, columns=["points", *stages]))
 
 
 if __name__ == "__main__":

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import fields
+from dataclasses import asdict
+
+import pandas as pd
 
 from asperity.accuracy.measured import MeasuredTradeoff
 from asperity.accuracy.outputs import OUTPUTS
-from asperity.config.presets import PRESETS, AccuracySettings
-from asperity.results.markup import Rows, markdown
+from asperity.config.presets import PRESETS
+from asperity.results.markup import markdown
 
 PARAMETER_LABELS = {
     "points_per_wavelength": "`points` on `wavelength_short`",
@@ -22,37 +24,59 @@ PARAMETER_LABELS = {
 """Parameter of accuracy → its key in a configuration."""
 
 
-def describe_presets(measured: MeasuredTradeoff) -> str:
-    """Markdown table of `preset_rows`."""
-    return markdown(preset_rows(measured))
-
-
-def preset_rows(measured: MeasuredTradeoff) -> Rows:
-    """Table of the presets: their settings, processor time and measured errors."""
+def presets_frame(measured: MeasuredTradeoff) -> pd.DataFrame:
+    """The table ``presets`` of `asperity.results.tables.TABLES`: settings, processor time and errors."""
     names = [name for name in PRESETS if name in measured.presets]
-    settings = [
-        [PARAMETER_LABELS[field.name], *(_text(getattr(PRESETS[name], field.name)) for name in names)]
-        for field in fields(AccuracySettings)
-    ]
-    times = [_text(measured.presets[name]["seconds"]) for name in names]
-    errors = [
-        [f"error of `{output}`", *(percent(measured.presets[name][output]) for name in names)]
-        for output in OUTPUTS
-    ]
-    head = ["", *(f"`{name}`" for name in names)]
-    return [head, *settings, ["processor time of one surface (s)", *times], *errors]
+    return pd.DataFrame(
+        {
+            "preset": name,
+            **asdict(PRESETS[name]),
+            "seconds": measured.presets[name]["seconds"],
+            **{f"error_{output}": measured.presets[name][output] for output in OUTPUTS},
+        }
+        for name in names
+    )
 
 
-def error_rows(measured: MeasuredTradeoff) -> Rows:
-    """Table of the largest error at every measured setting, one parameter at a time."""
-    rows = [["area fraction", "parameter", "setting", *(f"`{name}`" for name in OUTPUTS)]]
+def errors_frame(measured: MeasuredTradeoff) -> pd.DataFrame:
+    """The table ``tradeoff`` of `asperity.results.tables.TABLES`: one parameter at a time."""
+    rows = []
     for area, by_parameter in measured.errors.items():
         for parameter, by_setting in by_parameter.items():
             for setting, errors in by_setting.items():
-                rows.append([area, parameter, setting, *(percent(errors[name]) for name in OUTPUTS)])
+                rows += [(float(area), parameter, setting, name, errors[name]) for name in OUTPUTS]
         deviation = measured.deviation[area]
-        rows.append([area, "seeds (deviation)", "1", *(percent(deviation[name]) for name in OUTPUTS)])
-    return rows
+        rows += [(float(area), "seeds", "1", name, deviation[name]) for name in OUTPUTS]
+    return pd.DataFrame(rows, columns=["area_fraction", "parameter", "setting", "output", "error"])
+
+
+def describe_presets(measured: MeasuredTradeoff) -> str:
+    """Markdown table of `presets_for_reader`."""
+    return markdown(presets_for_reader(presets_frame(measured)))
+
+
+def presets_for_reader(frame: pd.DataFrame) -> pd.DataFrame:
+    """`presets_frame` as text, a column for each preset."""
+    labels = PARAMETER_LABELS | {"seconds": "processor time of one surface (s)"}
+    rows = []
+    for name in frame.columns.drop("preset"):
+        output = str(name).removeprefix("error_")
+        cells = [_text(value) if name in labels else percent(value) for value in frame[name]]
+        rows.append([labels.get(str(name), f"error of `{output}`"), *cells])
+    return pd.DataFrame(rows, columns=["", *(f"`{preset}`" for preset in frame["preset"])])
+
+
+def errors_for_reader(frame: pd.DataFrame) -> pd.DataFrame:
+    """`errors_frame` as text, a column for each output."""
+    rows = []
+    for (area, parameter, setting), group in frame.groupby(
+        ["area_fraction", "parameter", "setting"], sort=False
+    ):
+        shown = "seeds (deviation)" if parameter == "seeds" else parameter
+        rows.append([f"{area:g}", shown, setting, *map(percent, group["error"])])
+    return pd.DataFrame(
+        rows, columns=["area fraction", "parameter", "setting", *(f"`{name}`" for name in OUTPUTS)]
+    )
 
 
 def percent(value: float) -> str:

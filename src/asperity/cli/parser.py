@@ -293,7 +293,9 @@ def _add_export(parser: Parser) -> None:
         "results", nargs="+", metavar="RESULT", help="a contact or surface file, a stress file, or both"
     )
     parser.add_argument(
-        "--peaks", metavar="FILE.csv", help="table of all peaks of the stress file, for pandas or Excel"
+        "--peaks",
+        metavar="FILE.csv",
+        help="table of all peaks of the stress file, .csv or .parquet, for pandas or Excel",
     )
     parser.add_argument(
         "--field",

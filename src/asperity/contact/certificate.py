@@ -16,11 +16,12 @@ from asperity.contact import kernels
 from asperity.contact.boundaries import response_on
 from asperity.elasticity.two_bodies import Solid
 from asperity.errors import ConvergenceError
+from asperity.notebook import table
 from asperity.spectral import Grid
 from asperity.types import Array
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Certificate:
     """Violations of the conditions of contact, and the work spent on the solution.
 
@@ -58,16 +59,29 @@ class Certificate:
     seconds: float = 0.0
 
     @property
+    def violations(self) -> dict[str, float]:
+        """Condition → its violation."""
+        names = ("penetration", "contact_gap", "tension", "load_imbalance", "complementarity")
+        return {name: getattr(self, name) for name in names}
+
+    @property
     def worst(self) -> float:
         """The largest violation, infinite if one is not a finite number."""
-        violations = (
-            self.penetration,
-            self.contact_gap,
-            self.tension,
-            self.load_imbalance,
-            self.complementarity,
-        )
+        violations = list(self.violations.values())
         return max(violations) if np.all(np.isfinite(violations)) else np.inf
+
+    def __repr__(self) -> str:
+        found = ", ".join(f"{name} {value:.2g}" for name, value in self.violations.items())
+        return f"<Certificate: {found}; {self.iterations} iterations, {self.seconds:.3g} s>"
+
+    def _repr_html_(self) -> str:
+        rows = [(name.replace("_", " "), f"{value:.2g}") for name, value in self.violations.items()]
+        rows += [
+            ("iterations", str(self.iterations)),
+            ("transform pairs", f"{self.pairs:.4g}"),
+            ("seconds", f"{self.seconds:.3g}"),
+        ]
+        return table("Certificate", rows)
 
     def check(self, tolerance: float) -> None:
         """Raise `ConvergenceError` if a violation exceeds the tolerance or is not a number."""

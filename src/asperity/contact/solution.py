@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import asperity
 from asperity.contact.boundaries import response_on
 from asperity.contact.certificate import Certificate
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
 from asperity.errors import shown
+from asperity.notebook import picture, table
 from asperity.spectral import Grid
 from asperity.types import Array
 
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
 SHOWN_ERROR = 0.01
 """Relative error of an imposed area above which the summary of a contact tells it."""
 
@@ -82,6 +89,11 @@ class Contact:
     True
     >>> contact.certificate.worst < 1e-5
     True
+    >>> figure = contact.plot()  # the pressure
+    >>> contact.section("x", depths=[0.0, 0.02])["von_mises"].dims
+    ('poisson', 'depth', 'x')
+    >>> float(contact.to_dataset()["area_fraction"]) == contact.area_fraction
+    True
     """
 
     height: Array
@@ -108,6 +120,56 @@ class Contact:
             f"mean pressure {self.mean_pressure:.4g}, largest pressure {self.max_pressure:.4g}, "
             f"approach {self.approach:.4g}>"
         )
+
+    def _repr_html_(self) -> str:
+        ny, nx = self.grid.shape
+        height, width = self.grid.length
+        rows = [
+            ("nodes", f"{ny} × {nx}, {self.boundary}"),
+            ("cell", f"{height:.4g} × {width:.4g}"),
+            ("solid", repr(self.solid)),
+            ("real contact", f"{100 * self.area_fraction:.4g} %"),
+            (
+                "pressure: mean, in contact, largest",
+                f"{self.mean_pressure:.4g}, {self.mean_contact_pressure:.4g}, {self.max_pressure:.4g}",
+            ),
+            ("approach", f"{self.approach:.4g}"),
+            ("largest violation", f"{self.certificate.worst:.2g}"),
+        ]
+        return table("Contact", rows, picture(self.pressure, "contact pressure"))
+
+    def plot(self, **settings: Any) -> Figure:
+        """Map of the contact pressure: `asperity.plot_pressure`, with its settings."""
+        return asperity.plot_pressure(self, **settings)
+
+    def section(self, along: str = "x", at: float | None = None, **settings: Any) -> xr.Dataset:
+        """Stress in a vertical section of the lower body: `asperity.stress_section`, with its settings."""
+        return asperity.stress_section(self.in_body("lower"), along=along, at=at, **settings)
+
+    def to_dataset(self, unit_system: str = "SI") -> xr.Dataset:
+        """Fields over y and x and numbers of the contact; the solid as attributes.
+
+        Of two bodies, the attributes describe the lower one.
+
+        Parameters
+        ----------
+        unit_system : str
+            What the values are in: "SI", so that lengths are in m and stresses in Pa, or "cell length and
+            effective modulus", the units of the study. The values stay as they are.
+        """
+        from asperity.contact.dataset import contact_dataset
+
+        return contact_dataset(self, unit_system)
+
+    def to_netcdf(self, path: str | os.PathLike[str], unit_system: str = "SI") -> None:
+        """Write `to_dataset` as a result file, which `asperity.read_result` and the command line read.
+
+        Raises
+        ------
+        DatasetError
+            If the file cannot be written.
+        """
+        asperity.write_result(self.to_dataset(unit_system), path, "Contact with a rough surface")
 
     @property
     def layer(self) -> Layer:

@@ -63,6 +63,7 @@ from asperity.elasticity.kernels import (
     fill_shear_kernels,
     fill_surface_compliance,
 )
+from asperity.notebook import table
 from asperity.spectral import Grid, real_type
 from asperity.types import Array
 
@@ -159,6 +160,21 @@ class Layer:
             object.__setattr__(self, "height", height)
         choice("bottom", self.bottom, BOTTOMS)
         choice("lateral", self.lateral, LATERALS)
+
+    def __repr__(self) -> str:
+        given = "" if self.height is None else f", height={self.height:.6g}, bottom={self.bottom!r}"
+        lateral = "" if self.lateral == "confined" else f", lateral={self.lateral!r}"
+        return f"Layer(young={self.young:.6g}, poisson={self.poisson:.6g}{given}{lateral})"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("Young's modulus", f"{self.young:.6g}"),
+            ("Poisson's ratio", f"{self.poisson:.6g}"),
+            ("E* = E/(1 − ν²)", f"{self.effective_modulus:.6g}"),
+            ("height", "half-space" if self.height is None else f"{self.height:.6g}, {self.bottom} bottom"),
+            ("uniform mode", f"laterally {self.lateral}"),
+        ]
+        return table("Layer", rows)
 
     @property
     def effective_modulus(self) -> float:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from asperity.elasticity.layer import Layer
+from asperity.notebook import table
 from asperity.spectral import Grid
 from asperity.types import Array
 
@@ -50,6 +51,14 @@ class TwoBodies:
         for name, layer in (("lower", self.lower), ("upper", self.upper)):
             if not isinstance(layer, Layer):
                 raise TypeError(f"{name} = {layer!r}: a Layer is needed")
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("upper", repr(self.upper)),
+            ("lower", repr(self.lower)),
+            ("E* of the pair", f"{self.effective_modulus:.6g}"),
+        ]
+        return table("TwoBodies", rows)
 
     @property
     def effective_modulus(self) -> float:

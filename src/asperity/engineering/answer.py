@@ -15,6 +15,7 @@ from asperity.engineering.advice import Advice
 from asperity.engineering.case import CONTROL_UNITS, Body, Case
 from asperity.engineering.findings import BodyAnswer, ContactNumbers, Extreme, Numbers
 from asperity.engineering.indenter import CounterMap, Indenter, MapSettings
+from asperity.notebook import picture, table
 from asperity.units import scaled_unit, shown_si
 
 LOAD_WORDS = {
@@ -144,6 +145,12 @@ class Answer:
         return "\n".join(lines)
 
     __str__ = text
+
+    def _repr_html_(self) -> str:
+        rows = [(row.name, row.shown) for row in self.rows]
+        rows += [(advice.level, advice.text) for advice in self.advice]
+        title = f"{self.indenter.name}: {case_in_words(self.case)}"
+        return table(title, rows, picture(self.contact.pressure, "contact pressure"))
 
     def __repr__(self) -> str:
         return f"<Answer of {self.indenter.name}: {case_in_words(self.case)}>"

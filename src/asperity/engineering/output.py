@@ -11,6 +11,7 @@ from asperity.engineering.folder import atomic_folder
 from asperity.engineering.pictures import pictures
 from asperity.engineering.report import report_page
 from asperity.results import dataset
+from asperity.results.tables import write_table
 
 REPORT = "report.html"
 
@@ -51,8 +52,8 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
         settings = settings_of(answer)
         for name, (title, data) in result_datasets(answer).items():
             dataset.write(data, unfinished / name, title, settings)
-        answer.peaks().to_csv(unfinished / "peaks.csv", index=False, float_format="%.8g")
-        answer.frame().to_csv(unfinished / "answer.csv", index=False, float_format="%.8g")
+        write_table(answer.peaks(), "answer_peaks", unfinished / "peaks.csv", float_format="%.8g")
+        write_table(answer.frame(), "answer", unfinished / "answer.csv", float_format="%.8g")
         shown = []
         for picture in pictures(answer):
             path = unfinished / f"{picture.name}.png"

@@ -24,10 +24,13 @@ import numpy as np
 import xarray as xr
 
 import asperity
-from asperity.errors import DatasetError, shown
+from asperity import accessor
+from asperity.errors import DatasetError, NewerFileError, shown
 from asperity.results.variables import ORIENTATION, STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
-from asperity.spectral import Grid
+from asperity.spectral import grid_of as grid_of
 from asperity.system import is_running
+
+accessor.register()
 
 CONVENTIONS = "CF-1.11"
 PAPER = (
@@ -40,6 +43,12 @@ UNIT_SYSTEM = "unit_system"
 
 FINGERPRINT = "content_digest"
 """Attribute that holds the fingerprint of a file's content."""
+
+FORMAT = "format_version"
+"""Attribute that holds the version of the file format; a file without it has version 1."""
+
+FORMAT_VERSION = 1
+"""Version that is written, and the newest that is read; a new one is what an older asperity would misread."""
 
 MAX_BLOCK = 2**26
 """Bytes of a variable that are read at once to compute a fingerprint."""
@@ -58,8 +67,13 @@ def digest(settings: Any) -> str:
     return hashlib.sha256(json.dumps(settings, sort_keys=True).encode()).hexdigest()[:16]
 
 
-def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, settings: Mapping[str, Any]) -> None:
-    """Write a result file atomically.
+def write(
+    dataset: xr.Dataset,
+    path: str | os.PathLike[str],
+    title: str,
+    settings: Mapping[str, Any] | None = None,
+) -> None:
+    """Write a result file atomically, which `read_result` reads.
 
     Parameters
     ----------
@@ -69,9 +83,9 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
     path : path
     title : str
         Says in one line what the file holds.
-    settings : mapping
+    settings : mapping, optional
         Settings from which the file can be made again, a tree of plain values; stored as JSON, with its
-        fingerprint.
+        fingerprint. By default those that the dataset has.
 
     Raises
     ------
@@ -81,6 +95,18 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
         If the system of units is not in `UNIT_SYSTEMS`.
     DatasetError
         If the file cannot be written; an earlier file of the same name is still there then.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> height = asp.self_affine((64, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
+    >>> contact = asp.solve(height, asp.Layer(210e9, 0.3), 2e-4, mean_pressure=20e6)
+    >>> stress = asp.analyse_stress(contact).assign_attrs(unit_system="SI")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     asp.write_result(stress, f"{folder}/stress.nc", "Stress under a rough surface")
+    ...     found = asp.read_result(f"{folder}/stress.nc")
+    >>> found["peak_value"].attrs["units"], int(found.attrs["format_version"]) >= 1
+    ('Pa', True)
     """
     path = Path(path)
     system = unit_system(dataset)
@@ -92,17 +118,20 @@ def write(dataset: xr.Dataset, path: str | os.PathLike[str], title: str, setting
             raise KeyError(f"variable {name!r} of {path.name} is not in asperity.results.variables.VARIABLES")
         described[name].attrs.update(_attributes(str(name), described[name].dtype, system))
     stage = stage_of(dataset)
+    if settings is None:
+        settings = settings_of(dataset) if "settings" in dataset.attrs else {}
     described.attrs = {
         "Conventions": CONVENTIONS,
         "title": title,
         **({"summary": STAGES[stage].summary} if stage else {}),
         "source": f"asperity {asperity.__version__}",
+        FORMAT: FORMAT_VERSION,
         UNIT_SYSTEM: system,
         "comment": UNIT_SYSTEMS[system].comment,
         "references": PAPER,
         "settings": json.dumps(settings, sort_keys=True),
         "settings_digest": digest(settings),
-        **dataset.attrs,
+        **{name: value for name, value in dataset.attrs.items() if name != FORMAT},
     }
     described.attrs[FINGERPRINT] = fingerprint(described)
     encoding = {
@@ -206,13 +235,6 @@ def unit_system(dataset: xr.Dataset) -> str:
     return str(dataset.attrs.get(UNIT_SYSTEM, STUDY_UNITS))
 
 
-def grid_of(dataset: xr.Dataset) -> Grid:
-    """The grid of a result with coordinates y and x."""
-    shape = dataset.sizes["y"], dataset.sizes["x"]
-    steps = [float(dataset[axis][1]) if dataset.sizes[axis] > 1 else 1.0 for axis in ("y", "x")]
-    return Grid(shape, (shape[0] * steps[0], shape[1] * steps[1]))
-
-
 MAX_MEMORY = "ASPERITY_MAX_MEMORY"
 """Environment variable with the largest size, in GiB, to which a result may unpack."""
 
@@ -226,7 +248,8 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     Raises
     ------
     DatasetError
-        If the file is missing, damaged, changed since it was written, or not a result of asperity.
+        If the file is missing, damaged, changed since it was written, not a result of asperity, or written
+        by a newer asperity in a format that this one does not know.
 
     Examples
     --------
@@ -261,6 +284,8 @@ def verify(path: str | os.PathLike[str]) -> None:
     try:
         with _opened(path) as opened:
             _check(opened, path)
+    except NewerFileError:
+        raise
     except DatasetError as error:
         message = str(error)
         if not Path(path).is_file() or message.endswith(_REMEDY):
@@ -311,6 +336,11 @@ def _check(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Raise `DatasetError` if names, units or fingerprint are not those of a result."""
     if FINGERPRINT not in dataset.attrs:
         raise DatasetError(f"{path}: not a result of asperity, it has no attribute {FINGERPRINT}")
+    if (version := int(dataset.attrs.get(FORMAT, 1))) > FORMAT_VERSION:
+        raise NewerFileError(
+            f"{path}: {FORMAT} = {version}, at most {FORMAT_VERSION} is read by asperity "
+            f"{asperity.__version__}; install a newer asperity"
+        )
     system = unit_system(dataset)
     if system not in UNIT_SYSTEMS:
         raise DatasetError(f"{path}: unknown {UNIT_SYSTEM} {system!r}; {_REMEDY}")

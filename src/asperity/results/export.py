@@ -22,6 +22,7 @@ import pandas as pd
 import xarray as xr
 
 from asperity.results.dataset import atomic_write
+from asperity.results.tables import write_table
 from asperity.results.window import Span, Window, window
 from asperity.spectral import Grid
 from asperity.stress.planes import stress_planes
@@ -102,10 +103,9 @@ def peak_table(stress: xr.Dataset) -> pd.DataFrame:
 
 
 def write_peaks(stress: xr.Dataset, path: str | os.PathLike[str]) -> int:
-    """Write `peak_table` as CSV, with seven digits, and return the number of its rows."""
+    """Write `peak_table` as CSV, with seven digits, or as Parquet, and return the number of its rows."""
     table = peak_table(stress)
-    with atomic_write(path) as unfinished:
-        table.to_csv(unfinished, index=False, float_format="%.7g")
+    write_table(table, "peaks", path, float_format="%.7g")
     return len(table)
 
 

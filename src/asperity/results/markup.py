@@ -1,6 +1,6 @@
-"""Tables for a reader, in Markdown and on HTML pages that the report of the workflow shows.
+"""Data frames as tables for a reader, in Markdown and in HTML.
 
-A table is a list of rows of text, its first row the head. Cells may hold Markdown: bold text and code.
+Numbers are written with four digits. Texts may hold Markdown: bold text and code.
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 if TYPE_CHECKING:
     import pandas as pd
-
-Rows = Sequence[Sequence[str]]
 
 _STYLE = """\
 body { font: 14px sans-serif; margin: 2em; color: #222; }
@@ -40,37 +40,50 @@ _PAGE = """\
 """
 
 
-def rows_of(frame: pd.DataFrame) -> Rows:
-    """A data frame as a table without its index, numbers with four digits."""
-    values = frame.to_numpy(dtype=object).tolist()
-    return [
-        [str(name) for name in frame.columns],
-        *([f"{cell:.4g}" if isinstance(cell, float) else str(cell) for cell in row] for row in values),
-    ]
+def markdown(frame: pd.DataFrame) -> str:
+    """A table in Markdown, without the index; bars in cells are escaped."""
+    head, *rows = _rows(frame)
+    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in (head, *rows)]
+    return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
 
 
-def markdown(rows: Rows) -> str:
-    """A table in Markdown; bars in cells are escaped."""
-    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in rows]
-    return "\n".join([lines[0], "|" + "---|" * len(rows[0]), *lines[1:]])
+def html_table(frame: pd.DataFrame) -> str:
+    """A table in HTML, without the index, with the Markdown of its cells as HTML."""
+    lines = [_line(row, "td" if number else "th") for number, row in enumerate(_rows(frame))]
+    return "\n".join(["<table>", *lines, "</table>"])
 
 
-def page(title: str, tables: Mapping[str, Rows]) -> str:
+def page(title: str, tables: Mapping[str, pd.DataFrame]) -> str:
     """An HTML page with tables under their headings; an empty heading is left out."""
     parts = []
-    for heading, rows in tables.items():
+    for heading, frame in tables.items():
         if heading:
             parts.append(f"<h2>{html.escape(heading)}</h2>")
-        lines = [_line(row, "td" if number else "th") for number, row in enumerate(rows)]
-        parts.append("\n".join(["<table>", *lines, "</table>"]))
+        parts.append(html_table(frame))
     return _PAGE.format(title=html.escape(title), style=_STYLE, content="\n".join(parts))
 
 
+def inline(text: str) -> str:
+    """A text with the bold text and code of Markdown as HTML, all else escaped."""
+    text = re.sub(r"`(.+?)`", r"<code>\1</code>", html.escape(text))
+    return re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", text)
+
+
+def _rows(frame: pd.DataFrame) -> list[list[str]]:
+    """The names of the columns and the cells of each row as text."""
+    return [
+        [str(name) for name in frame.columns],
+        *([_text(cell) for cell in row] for row in frame.itertuples(index=False, name=None)),
+    ]
+
+
+def _text(cell: object) -> str:
+    """A cell as text: numbers with four digits, nothing where a number is missing."""
+    if isinstance(cell, float | np.floating):
+        return "" if np.isnan(cell) else f"{cell:.4g}"
+    return str(cell)
+
+
 def _line(row: Sequence[str], tag: str) -> str:
-    """A row of an HTML table, with the Markdown of its cells as HTML."""
-    cells = []
-    for cell in row:
-        text = re.sub(r"`(.+?)`", r"<code>\1</code>", html.escape(cell))
-        text = re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", text)
-        cells.append(f"<{tag}>{text}</{tag}>")
-    return f"<tr>{''.join(cells)}</tr>"
+    """A row of an HTML table."""
+    return f"<tr>{''.join(f'<{tag}>{inline(cell)}</{tag}>' for cell in row)}</tr>"

@@ -20,6 +20,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from asperity import accessor
 from asperity.elasticity.layer import LATERALS
 from asperity.spectral import Work
 from asperity.stress.arguments import (
@@ -44,6 +45,8 @@ from asperity.stress.pressed import ContactLike, PressedSolid
 from asperity.stress.selection import peak_dataset
 from asperity.stress.statistics import autocorrelation
 from asperity.types import Array, Progress
+
+accessor.register()
 
 QUANTITIES = ("pressure", *FIELDS)
 """Quantities whose peaks can be sought."""

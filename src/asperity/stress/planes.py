@@ -99,7 +99,7 @@ _KINDS = {
 _NORMAL = ("xx", "yy", "zz")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StressPlane:
     """Fields of the stress in one plane.
 
@@ -121,6 +121,10 @@ class StressPlane:
     poisson: tuple[float, ...]
     fields: dict[str, Array]
     bound: float
+
+    def __repr__(self) -> str:
+        ny, nx = self.grid.shape
+        return f"<StressPlane of {ny} × {nx} nodes at depth {self.depth:.4g}: {', '.join(self.fields)}>"
 
 
 Gather = Callable[[Array], Array]

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from asperity.elasticity.layer import Layer
-from asperity.spectral import Grid
+from asperity.notebook import picture, table
+from asperity.spectral import Grid, grid_of
 from asperity.types import Array
+from asperity.units import to_si
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 class ContactLike(Protocol):
@@ -26,7 +32,7 @@ class ContactLike(Protocol):
         """The solid."""
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class PressedSolid:
     """A solid under any given pressure, for which no contact has to be solved.
 
@@ -57,6 +63,56 @@ class PressedSolid:
     grid: Grid
     layer: Layer
     boundary: str = "periodic"
+
+    @classmethod
+    def from_dataset(cls, contact: xr.Dataset) -> PressedSolid:
+        """The solid of a dataset of stage contact, under its pressure.
+
+        Raises
+        ------
+        ValueError
+            If the dataset is no contact, or does not describe its solid.
+        """
+        if "pressure" not in contact or "solid" not in contact.attrs:
+            raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
+        pressure = contact["pressure"].values.astype(float)
+        return cls(
+            pressure, grid_of(contact), layer_of(contact), str(contact.attrs.get("boundary", "periodic"))
+        )
+
+    def __repr__(self) -> str:
+        ny, nx = self.grid.shape
+        return (
+            f"<PressedSolid of {ny} × {nx} nodes, {self.boundary}: "
+            f"largest pressure {self.pressure.max():.4g}, {self.layer!r}>"
+        )
+
+    def _repr_html_(self) -> str:
+        ny, nx = self.grid.shape
+        rows = [
+            ("nodes", f"{ny} × {nx}, {self.boundary}"),
+            ("solid", repr(self.layer)),
+            ("mean, largest pressure", f"{self.pressure.mean():.4g}, {self.pressure.max():.4g}"),
+        ]
+        return table("PressedSolid", rows, picture(self.pressure, "pressure"))
+
+
+def layer_of(contact: xr.Dataset) -> Layer:
+    """The solid of a dataset of stage contact, with E* = 1.
+
+    The stress depends on the pressure and not on the modulus.
+    """
+    poisson = float(contact.attrs["poisson_contact"])
+    lateral = str(contact.attrs["uniform_mode"]).removeprefix("laterally ")
+    young = (1 - poisson) * (1 + poisson)
+    solid = str(contact.attrs["solid"])
+    if solid == "half-space":
+        return Layer(young, poisson, lateral=lateral)
+    height = json.loads(contact.attrs["settings"])["layer"]["height"]
+    if isinstance(height, str):
+        height = to_si(height, "length", "layer.height")
+    bottom = solid.removeprefix("layer, ").removesuffix(" bottom")
+    return Layer(young, poisson, height, bottom, lateral)
 
 
 @dataclass(frozen=True)

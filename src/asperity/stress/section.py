@@ -45,7 +45,7 @@ ON_A_NODE = 1e-9
 """A position nearer to a node than this share of a spacing is on it."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class StressBox:
     """Fields of the stress in a box of the solid, computed plane by plane as they are asked for.
 
@@ -68,6 +68,10 @@ class StressBox:
     fields: tuple[str, ...]
     _contact: ContactLike = field(repr=False)
     _settings: dict[str, Any] = field(repr=False)
+
+    def __repr__(self) -> str:
+        shape = " × ".join(str(axis.size) for axis in (self.depth, self.y, self.x))
+        return f"<StressBox of {shape} nodes along depth, y, x: {', '.join(self.fields)}>"
 
     def planes(self, progress: Progress | None = None) -> Iterator[dict[str, Array]]:
         """The fields of one depth after the other: name → (ratios, ny, nx) array."""

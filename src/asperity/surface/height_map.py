@@ -16,6 +16,7 @@ import numpy as np
 
 from asperity.arguments import finite_array, magnitude, real_array
 from asperity.errors import InputError, shown
+from asperity.notebook import picture, table
 from asperity.types import Array
 from asperity.units import to_si
 
@@ -50,7 +51,7 @@ class MapError(InputError):
     """
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class HeightMap:
     """A rectangular height map as measured.
 
@@ -89,6 +90,25 @@ class HeightMap:
     unit: str | None = None
     name: str = ""
     channel: str = ""
+
+    def __repr__(self) -> str:
+        ny, nx = self.height.shape
+        edges = f"{self.length[0]:.4g} × {self.length[1]:.4g}{' m' if self.unit else ''}"
+        name = self.name or "without a name"
+        periodic = ", periodic" if self.periodic else ""
+        return f"<HeightMap {name}: {ny} × {nx} points, {edges}, {self.orientation}{periodic}>"
+
+    def _repr_html_(self) -> str:
+        ny, nx = self.height.shape
+        unit = " m" if self.unit else ""
+        rows = [
+            ("points", f"{ny} × {nx}, {self.missing} missing"),
+            ("edges", f"{self.length[0]:.4g} × {self.length[1]:.4g}{unit}"),
+            ("heights", f"{np.nanmin(self.height):.4g} to {np.nanmax(self.height):.4g}{unit}"),
+            ("which way is up", self.orientation or "not known"),
+            ("periodic", "yes" if self.periodic else "not said"),
+        ]
+        return table(f"HeightMap {self.name}", rows, picture(self.height, "heights"))
 
     def check(self) -> None:
         """Raise `MapError` if the heights are no array of numbers [y, x], or an edge or a name is wrong."""

@@ -203,7 +203,7 @@ class MapTreatment:
         return shown_si(value, "m", 3) if self.unit == "m" else f"{value:.3g}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class TreatedMap:
     """The lower face of an indenter made from a map.
 
@@ -223,6 +223,10 @@ class TreatedMap:
     grid: Grid
     wavelength_short: float
     treatment: MapTreatment
+
+    def __repr__(self) -> str:
+        ny, nx = self.height.shape
+        return f"<TreatedMap of {ny} × {nx} nodes, shortest wavelength {self.wavelength_short:.4g}>"
 
 
 def treat_map(

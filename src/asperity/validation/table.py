@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from asperity.results import markup
@@ -80,20 +81,27 @@ def table_rows(datasets: Mapping[str, xr.Dataset]) -> list[Row]:
     return [row for name, rows_of in rows.items() if name in datasets for row in rows_of(datasets[name])]
 
 
-def markdown(rows: Sequence[Row]) -> str:
-    """The table in Markdown, for `docs/validation.md`."""
-    return markup.markdown(text_rows(rows)) + "\n"
+def frame(rows: Sequence[Row]) -> pd.DataFrame:
+    """The table ``validation`` of `asperity.results.tables.TABLES`, with all digits."""
+    columns = ["quantity", "against", "grid", "source", "error", "bound", "holds", "test"]
+    return pd.DataFrame([[getattr(row, name) for name in columns] for row in rows], columns=columns)
 
 
-def text_rows(rows: Sequence[Row]) -> markup.Rows:
-    """The table as text, its head first; an error beyond its bound is marked."""
-    table = [["quantity", "against", "grid; mesh", "error is of", "error", "bound", "guarded by"]]
+def for_reader(rows: Sequence[Row]) -> pd.DataFrame:
+    """The table as text: errors in percent; an error beyond its bound is marked."""
+    table = []
     for row in rows:
         value = f"order {row.error:.2f}" if row.source == "rate" else f"{100 * row.error:.2g} %"
         limit = f"≥ {row.bound:g}" if row.source == "rate" else f"{100 * row.bound:g} %"
         verdict = limit if row.holds else f"{limit}, **exceeded**"
         table.append([row.quantity, row.against, row.grid, row.source, value, verdict, f"`{row.test}`"])
-    return table
+    head = ["quantity", "against", "grid; mesh", "error is of", "error", "bound", "guarded by"]
+    return pd.DataFrame(table, columns=head)
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """The table in Markdown, for `docs/validation.md`."""
+    return markup.markdown(for_reader(rows)) + "\n"
 
 
 def _row(quantity: str, against: str, grid: str, source: str, error: xr.DataArray | float, bound: str) -> Row:

@@ -11,12 +11,11 @@ import xarray as xr
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.errors import shown
-from asperity.results.dataset import grid_of, settings_of
+from asperity.results.dataset import settings_of
 from asperity.results.window import Span, Window, window
-from asperity.spectral import Grid
-from asperity.stress.pressed import PressedSolid, Sliding, traction_direction
+from asperity.spectral import Grid, grid_of
+from asperity.stress.pressed import PressedSolid, Sliding, layer_of, traction_direction
 from asperity.types import Array
-from asperity.units import to_si
 from asperity.views.measures import STUDY, told
 from asperity.views.style import label
 
@@ -205,25 +204,10 @@ def _source_of_dataset(data: xr.Dataset, title: str | None) -> Source:
 
 def _layers_of(contact: xr.Dataset) -> dict[str, Layer]:
     """The elastic bodies of a contact; the stress in each depends on the pressure and not on its modulus."""
-    lower, upper = _layer_of(contact), settings_of(contact).get("upper")
+    lower, upper = layer_of(contact), settings_of(contact).get("upper")
     if upper is None:
         return {"lower": lower}
     return {
         "lower": lower,
         "upper": Layer(*(upper[name] for name in ("young", "poisson", "height", "bottom"))),
     }
-
-
-def _layer_of(contact: xr.Dataset) -> Layer:
-    """The solid of a contact, with E* = 1: its stress depends on the pressure and not on the modulus."""
-    poisson = float(contact.attrs["poisson_contact"])
-    lateral = str(contact.attrs["uniform_mode"]).removeprefix("laterally ")
-    young = (1 - poisson) * (1 + poisson)
-    solid = str(contact.attrs["solid"])
-    if solid == "half-space":
-        return Layer(young, poisson, lateral=lateral)
-    height = settings_of(contact)["layer"]["height"]
-    if isinstance(height, str):
-        height = to_si(height, "length", "layer.height")
-    bottom = solid.removeprefix("layer, ").removesuffix(" bottom")
-    return Layer(young, poisson, height, bottom, lateral)

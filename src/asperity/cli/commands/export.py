@@ -24,6 +24,7 @@ from asperity.results.export_surface import (
     write_surface_image,
     write_surface_table,
 )
+from asperity.results.tables import SUFFIXES
 from asperity.runtime.preflight import require_space
 from asperity.runtime.progress import ProgressBar
 from asperity.stress.arguments import FIELDS, checked_ratios, checked_sliding
@@ -39,9 +40,8 @@ def run(options: argparse.Namespace) -> None:
     profiles = [(_line(where), path) for where, path in options.profile or ()]
     endings = {
         **dict.fromkeys([path for *_, path in fields], (".vti",)),
-        **dict.fromkeys(
-            [path for _, path in profiles] + [path for path in [options.peaks] if path], (".csv",)
-        ),
+        **dict.fromkeys([path for _, path in profiles], (".csv",)),
+        **dict.fromkeys([path for path in [options.peaks] if path], SUFFIXES),
         **dict.fromkeys(options.surface or (), (".vti", ".csv")),
     }
     if not endings:

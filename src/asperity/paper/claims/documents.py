@@ -7,6 +7,7 @@ project. `update` writes the sections of the pages that stand between two marks.
 from __future__ import annotations
 
 import re
+import textwrap
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -17,7 +18,6 @@ from asperity.paper.claims.conventions import CLEAR, CONVENTIONS, Support, suppo
 from asperity.paper.claims.report import (
     findings_of,
     option_in_words,
-    verdict_in_words,
     with_error,
 )
 from asperity.paper.claims.statements import CLAIMS
@@ -50,6 +50,17 @@ NOTABLE = (
 """Statements that README.md names if they hold under every reading."""
 
 
+TALLY = {
+    HOLDS: "hold under every reading",
+    FAILS: "hold under none",
+    DEPENDS: "depend on the reading",
+    UNDECIDED: "are not decided",
+    UNTESTABLE: "cannot be tested here",
+    NO_DATA: "have no data",
+}
+"""Verdict → what README.md says of the number of statements that have it."""
+
+
 def findings(table: Path = TABLE) -> list[Finding]:
     """The findings of the ensemble that is kept with the project."""
     return findings_of(pd.read_csv(table), CLAIMS)
@@ -58,44 +69,44 @@ def findings(table: Path = TABLE) -> list[Finding]:
 def readme(found: Sequence[Finding]) -> str:
     """Section of README.md: the tally, and the statements that do not simply hold."""
     counts = tally(found)
-    words = {
-        HOLDS: "hold under every reading",
-        FAILS: "hold under none",
-        DEPENDS: "depend on the reading",
-        UNDECIDED: "are not decided",
-        UNTESTABLE: "cannot be tested here",
-        NO_DATA: "have no data",
-    }
-    told = ", ".join(f"{counts[verdict]} {text}" for verdict, text in words.items() if counts[verdict])
+    told = ", ".join(f"{counts[verdict]} {text}" for verdict, text in TALLY.items() if counts[verdict])
     seeds = max(f.own.seeds for f in found)
-    lines = [
+    of = {verdict: [f for f in found if f.verdict == verdict] for verdict in TALLY}
+    notable = [f for f in of[HOLDS] if f.claim.identifier in NOTABLE]
+    rows = [["depends on the reading", "holds", "does not hold"]]
+    rows += [[f.claim.sentence, *(_shortest(f, verdict) for verdict in (HOLDS, FAILS))] for f in of[DEPENDS]]
+    paragraphs = [
         f"`make claims`, {seeds} random surfaces of every kind, tests {len(found)} statements of the paper "
         f"under every reading that its text admits ([docs/claims.md](docs/claims.md)): **{told}**. "
-        f"[docs/ensemble.md](docs/ensemble.md) has every number with its interval.",
-        "",
+        "[docs/ensemble.md](docs/ensemble.md) has every number with its interval.",
+        f"**Among those that hold**: {'; '.join(map(_numbered, notable))}.",
+        f"**Under no reading**: {'; '.join(map(_numbered, of[FAILS]))}.",
     ]
-    kept = {f.claim.identifier: f for f in found if f.verdict == HOLDS}
-    notable = _listed([kept[name] for name in NOTABLE if name in kept])
-    lines.append(f"- **Holds under every reading**, among others: {notable}")
-    for verdict, title in ((FAILS, "Holds under none"), (DEPENDS, "Depends on the reading")):
-        some = [f for f in found if f.verdict == verdict]
-        if some:
-            lines += [f"- **{title}**:", *(f"  - {_told(f)}" for f in some)]
-    if undecided := [f for f in found if f.verdict == UNDECIDED]:
-        lines.append(f"- **Not decided**: {_listed(undecided)}")
-    return "\n".join(lines)
+    text = "\n\n".join(textwrap.fill(part, 118, break_on_hyphens=False) for part in paragraphs)
+    return f"{text}\n\n{markup.markdown(_frame(rows))}"
 
 
-def _listed(some: Sequence[Finding]) -> str:
-    return "; ".join(f"{f.claim.sentence} ({with_error(f.own.value, f.own.error)})" for f in some) + "."
+def _numbered(finding: Finding) -> str:
+    return f"{finding.claim.sentence} ({with_error(finding.own.value, finding.own.error)})"
 
 
-def _told(finding: Finding) -> str:
-    """One statement with its number, or with the readings on which it depends."""
-    if finding.verdict == DEPENDS:
-        return f"{finding.claim.sentence}: {verdict_in_words(finding).replace('**', '')}."
-    wanted = f"predicted {finding.own.region}"
-    return f"{finding.claim.sentence}: {with_error(finding.own.value, finding.own.error)}, {wanted}."
+def _shortest(finding: Finding, verdict: str) -> str:
+    """The number under the reading nearest to the study's own that has a verdict, and its options."""
+    (one, *_) = [one for one in finding.shown if one.verdict == verdict]
+    options = (
+        option if isinstance(option, str) else f"{name} {option}"
+        for name, option in ((name, _plain(one.options[name])) for name in finding.choices)
+    )
+    return f"{one.value:.3g}: {', '.join(options)}"
+
+
+def _plain(option: object) -> object:
+    return option.replace("_", " ") if isinstance(option, str) else option
+
+
+def _frame(rows: Sequence[Sequence[str]]) -> pd.DataFrame:
+    """Rows of text, the first the head, as a data frame."""
+    return pd.DataFrame(rows[1:], columns=rows[0])
 
 
 def choices() -> str:
@@ -106,7 +117,7 @@ def choices() -> str:
         if isinstance(own, list):
             own = ", ".join(map(str, own))
         rows.append([f"`{name}`", accepted(entry.get("items", entry)), str(own), entry["description"]])
-    return markup.markdown(rows)
+    return markup.markdown(_frame(rows))
 
 
 def conventions(found: Sequence[Finding]) -> str:
@@ -123,7 +134,11 @@ def conventions(found: Sequence[Finding]) -> str:
         ]
         for one in every
     ]
-    return markup.markdown(rows) + "\n\n" + " ".join(_advice(every, name) for name in CONVENTIONS).strip()
+    return (
+        markup.markdown(_frame(rows))
+        + "\n\n"
+        + " ".join(_advice(every, name) for name in CONVENTIONS).strip()
+    )
 
 
 def _advice(every: Sequence[Support], choice: str) -> str:

@@ -25,7 +25,6 @@ from asperity.paper.claims.verdicts import (
     tally,
 )
 from asperity.results import markup
-from asperity.results.markup import Rows
 
 _RULE = f"""\
 Under one reading of the paper a statement holds if the {100 * CONFIDENCE:g} % interval of the mean over seeds
@@ -152,7 +151,7 @@ def _told(finding: Finding, one: Judgement) -> tuple[str, ...]:
     return tuple(name for name in own if name in finding.choices or one.options[name] != own[name])
 
 
-def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> dict[str, Rows]:
+def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> dict[str, pd.DataFrame]:
     """The findings for a reader: a heading for each section of the paper → a table.
 
     A last table shows `limits`, the result of `continuum_table`, unless it is empty.
@@ -161,7 +160,7 @@ def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> d
     for f in findings:
         names = f.claim.section.split(", ")
         section = next((name for name in names if name[0].isdigit()), names[0])
-        found.setdefault(f"Section {section}", [list(_HEAD)]).append(
+        found.setdefault(f"Section {section}", []).append(
             [
                 f.claim.sentence,
                 f.claim.quantity,
@@ -171,9 +170,9 @@ def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> d
                 with_error(f.own.shift, f.own.shift_error, signed=True),
             ]
         )
-    every: dict[str, Rows] = {heading: found[heading] for heading in sorted(found)}
+    every = {heading: pd.DataFrame(found[heading], columns=list(_HEAD)) for heading in sorted(found)}
     if limits is not None and not limits.empty:
-        every["Towards the continuum"] = markup.rows_of(limits)
+        every["Towards the continuum"] = limits
     return every
 
 
@@ -216,8 +215,8 @@ def markdown(
         f"asperity {asperity.__version__}.",
         _RULE,
     ]
-    for heading, rows in tables(findings, limits).items():
-        parts += [f"## {heading}", markup.markdown(rows)]
+    for heading, table in tables(findings, limits).items():
+        parts += [f"## {heading}", markup.markdown(table)]
     return "\n\n".join(parts) + "\n"
 
 

@@ -1,0 +1,174 @@
+"""An RO-Crate of the results of a study: what each file is, made by which workflow from which settings.
+
+The crate follows RO-Crate 1.1 and the profiles Workflow RO-Crate 1.0 and Workflow Run Crate 0.5
+(https://w3id.org/ro/crate/1.1, https://w3id.org/workflowhub/workflow-ro-crate/1.0,
+https://w3id.org/ro/wfrun/workflow/0.5).
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+from rocrate.model.contextentity import ContextEntity
+from rocrate.model.person import Person
+from rocrate.rocrate import ROCrate
+
+import asperity
+from asperity.results.dataset import FINGERPRINT, PAPER
+
+METADATA = "ro-crate-metadata.json"
+LICENCE = "https://spdx.org/licenses/MIT"
+PROFILES = (
+    "https://w3id.org/ro/wfrun/process/0.5",
+    "https://w3id.org/ro/wfrun/workflow/0.5",
+    "https://w3id.org/workflowhub/workflow-ro-crate/1.0",
+)
+WORKFLOW = "workflow"
+"""Folder of the crate that holds a copy of the Snakefile and of the configuration."""
+
+FORMATS = {
+    ".nc": "application/x-netcdf",
+    ".png": "image/png",
+    ".pdf": "application/pdf",
+    ".rst": "text/x-rst",
+    ".csv": "text/csv",
+    ".md": "text/markdown",
+    ".html": "text/html",
+    ".json": "application/json",
+}
+"""Suffix → media type. Other files, such as logs, are no results."""
+
+_NO_RESULTS = ("log", "benchmark", "machine_code", WORKFLOW)
+
+
+def write_crate(results: Path, snakefile: Path, configfiles: Sequence[Path] = ()) -> int:
+    """Write the metadata of the crate among the results, and return the number of files that it describes.
+
+    Parameters
+    ----------
+    results : Path
+        Folder of a finished study. Its files stay as they are; copies of the Snakefile and of the
+        configuration are added in ``workflow``.
+    snakefile : Path
+    configfiles : sequence of Path
+        By default ``config/config.yaml`` beside the Snakefile.
+
+    Raises
+    ------
+    FileNotFoundError
+        If there are no results.
+    """
+    found = sorted(path for path in results.rglob("*") if _is_result(path, results))
+    if not found:
+        raise FileNotFoundError(f"{results}: no results; run the study first")
+    made = datetime.fromtimestamp(max(path.stat().st_mtime for path in found), UTC)
+    crate = ROCrate(version="1.1")
+    crate.name = f"Results of {results.name}: stress inside elastic solids pressed against rough surfaces"
+    crate.description = f"Made by asperity {asperity.__version__}. The method follows {PAPER}."
+    crate.datePublished = made
+    crate.license = _entity(crate, LICENCE, "CreativeWork", name="MIT License")
+    developers = crate.add(Person(crate, "#developers", properties={"name": "The asperity developers"}))
+    crate.root_dataset["author"] = developers
+    crate.root_dataset["conformsTo"] = [
+        _entity(
+            crate, profile, "CreativeWork", name=_profile_name(profile), version=profile.rsplit("/", 1)[-1]
+        )
+        for profile in PROFILES
+    ]
+    workflow = _workflow(crate, results, snakefile)
+    workflow["author"] = developers
+    settings = [
+        crate.add_file(
+            _copied(path, results), f"{WORKFLOW}/{path.name}", properties=_file("Configuration", path)
+        )
+        for path in configfiles or [snakefile.parent / "config/config.yaml"]
+    ]
+    files = [
+        crate.add_file(path, path.relative_to(results).as_posix(), properties=_described(path))
+        for path in found
+    ]
+    run = _entity(
+        crate,
+        "#run",
+        "CreateAction",
+        name=f"Run of the study into {results.name}",
+        endTime=made.isoformat(timespec="seconds"),
+    )
+    run["instrument"], run["object"], run["result"], run["agent"] = workflow, settings, files, developers
+    run["actionStatus"] = "http://schema.org/CompletedActionStatus"
+    crate.root_dataset["mentions"] = [run]
+    crate.metadata.write(results)
+    return len(files)
+
+
+def _is_result(path: Path, results: Path) -> bool:
+    parts = path.relative_to(results).parts
+    hidden = any(part.startswith(".") for part in parts)
+    return (
+        path.is_file()
+        and path.suffix in FORMATS
+        and parts[0] not in _NO_RESULTS
+        and not hidden
+        and path.name != METADATA
+    )
+
+
+def _described(path: Path) -> dict[str, Any]:
+    """Properties of a result file; those of a NetCDF file from its own attributes."""
+    if path.suffix != ".nc":
+        return _file(path.stem.replace("_", " "), path)
+    with xr.open_dataset(path, engine="netcdf4") as data:
+        attributes = data.attrs
+    found = _file(str(attributes.get("title", path.stem)), path)
+    found["description"] = str(attributes.get("summary", attributes.get("title", "")))
+    found["identifier"] = str(attributes.get(FINGERPRINT, ""))
+    return {name: value for name, value in found.items() if value}
+
+
+def _file(name: str, path: Path) -> dict[str, Any]:
+    media = FORMATS.get(path.suffix, "text/yaml" if path.suffix in (".yaml", ".yml") else "text/plain")
+    return {"name": name, "encodingFormat": media, "contentSize": str(path.stat().st_size)}
+
+
+def _copied(path: Path, results: Path) -> Path:
+    """A copy of a file in the folder of the workflow."""
+    folder = results / WORKFLOW
+    folder.mkdir(exist_ok=True)
+    return Path(shutil.copyfile(path, folder / path.name))
+
+
+def _workflow(crate: ROCrate, results: Path, snakefile: Path) -> Any:
+    """The Snakefile as the main workflow of the crate."""
+    workflow = crate.add_workflow(
+        _copied(snakefile, results),
+        f"{WORKFLOW}/{snakefile.name}",
+        main=True,
+        lang="snakemake",
+        properties={
+            "name": "From rough surfaces to the figures of the paper",
+            "version": asperity.__version__,
+            "license": LICENCE,
+        },
+    )
+    workflow["softwareRequirements"] = _entity(
+        crate, "#asperity", "SoftwareApplication", name="asperity", version=asperity.__version__
+    )
+    return workflow
+
+
+def _entity(crate: ROCrate, name_or_url: str, kind: str, /, **properties: str) -> ContextEntity:
+    return crate.add(ContextEntity(crate, name_or_url, properties={"@type": kind, **properties}))
+
+
+def _profile_name(profile: str) -> str:
+    names = {
+        "process": "Process Run Crate",
+        "workflow": "Workflow Run Crate",
+        "workflow-ro-crate": "Workflow RO-Crate",
+    }
+    return names[profile.rsplit("/", 2)[-2]]

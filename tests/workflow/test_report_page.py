@@ -1,0 +1,102 @@
+"""The page of a study: figures in order, tables, verdicts and costs, from one file without a network."""
+
+import html.parser
+import re
+import shutil
+
+import pandas as pd
+import pytest
+from project import OWN, QUICK, snakemake
+
+
+class Page(html.parser.HTMLParser):
+    """What a page holds."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.text, self.open, self.figures, self.links, self.sources, self.headings = text, [], [], [], [], []
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        found = dict(attrs)
+        if tag == "figure" and "id" in found:
+            self.figures.append(found["id"])
+        if tag == "h2":
+            self.headings.append(found.get("id"))
+        self.links += [found["href"]] if tag == "a" else []
+        self.sources += [found["src"]] if "src" in found else []
+        if tag not in ("img", "meta", "br", "link"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+def made(study, folder, *arguments):
+    """The page of a finished study, made by its rule, whose log is deleted again."""
+    found = snakemake(study.folder, "report_page", *arguments, cores=1)
+    assert found.returncode == 0, found.stdout + found.stderr
+    (folder / "log/report_page.log").unlink()
+    page = Page((folder / "report.html").read_text(encoding="utf-8"))
+    assert page.open == []
+    return page
+
+
+@pytest.fixture(scope="module")
+def page(quick_study):
+    return made(quick_study, quick_study.folder / "results/quick", *QUICK)
+
+
+def test_figures_stand_in_their_order_with_their_captions(page, quick_study):
+    numbered = [name for name in page.figures if re.fullmatch(r"fig\d+", name)]
+    assert numbered == [f"fig{number:02}" for number in range(1, 19)]
+    files = {path.stem for path in (quick_study.folder / "results/quick/figures").glob("*.png")}
+    assert set(page.figures) == files
+    assert page.figures[:18] == numbered
+    assert page.text.count("<figcaption>") == len(page.figures)
+    assert "system-message" not in page.text
+    assert ":math:" not in page.text
+
+
+def test_claims_stand_on_the_page_with_their_verdicts(page, quick_study):
+    claims = pd.read_csv(quick_study.folder / "results/quick/claims.csv")
+    assert page.text.count('<span class="verdict') == len(claims)
+    for verdict, count in claims["verdict"].value_counts().items():
+        assert re.search(rf"<dt>statements: {verdict}</dt><dd>{count}</dd>", page.text)
+
+
+def test_every_part_of_the_study_has_its_heading_and_its_table(page):
+    assert {
+        "Figures-of-the-paper",
+        "Supplement",
+        "claims",
+        "validation",
+        "verification",
+        "accuracy",
+        "cost",
+    } <= set(page.headings)
+    assert page.text.count("<table") >= 6
+
+
+def test_the_page_needs_nothing_but_the_folder_of_the_results(page, quick_study):
+    assert all(source.startswith("data:image/png;base64,") for source in page.sources)
+    results = quick_study.folder / "results/quick"
+    for link in page.links:
+        anchor = link.removeprefix("#")
+        assert f'id="{anchor}"' in page.text if link.startswith("#") else (results / link).exists(), link
+
+
+def test_the_diagram_has_what_was_made_and_no_inner_rules(page):
+    diagram = " ".join(re.findall(r'<ol class="chain">.*?</ol>', page.text, re.DOTALL))
+    names = re.findall(r"<b>(.*?)</b>", diagram)
+    assert names[:5] == ["rough surfaces", "contacts", "stress inside the solid", "statistics", "figures"]
+    assert not [name for name in names if "machine" in name]
+
+
+def test_a_study_of_ones_own_has_a_page_too(own_study):
+    folder = own_study.folder.parent / "own results"
+    page = made(own_study, folder, *OWN, "--config", f"results={folder}")
+    assert "claims" not in page.headings
+    assert "Figures" in page.headings
+    assert set(page.figures) == {path.stem for path in (folder / "figures").glob("*.png")}
+    shutil.rmtree(folder / "benchmark/report_page", ignore_errors=True)
