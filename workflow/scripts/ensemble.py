@@ -14,5 +14,5 @@ with log_to(snakemake.log[0]), ProgressBar("ensemble"), style(snakemake.input.st
     results = dict(zip(snakemake.params.claims, map(dataset.read, snakemake.input.data), strict=True))
     table = summary_frame(results)
     table.to_csv(output.table, index=False)
-    Path(output.text).write_text(f"{markup.markdown(markup.rows_of(table))}\n", encoding="utf-8")
+    Path(output.text).write_text(f"{markup.markdown(table)}\n", encoding="utf-8")
     save(figure.draw(results), *output.picture)

@@ -12,5 +12,5 @@ with log_to(snakemake.log[0]), ProgressBar("gains of the ensemble"):
     known = known_numbers(params.roles, params.files, params.laterals)
     table = gain_frame(known, params.files, params.error, params.fewest)
     table.to_csv(output.table, index=False)
-    text = markup.markdown(markup.rows_of(table.drop(columns="quantity", errors="ignore")))
+    text = markup.markdown(table.drop(columns="quantity", errors="ignore"))
     Path(output.text).write_text(f"{text}\n", encoding="utf-8")

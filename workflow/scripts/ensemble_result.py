@@ -24,6 +24,6 @@ with log_to(snakemake.log[0]), ProgressBar(f"ensemble {claim}"), style(snakemake
     )
     levels = level_frame(data)
     levels.to_csv(output.table, index=False)
-    text = f"{sentences(claim, number(claim).quantity, data)}\n\n{markup.markdown(markup.rows_of(levels))}\n"
+    text = f"{sentences(claim, number(claim).quantity, data)}\n\n{markup.markdown(levels)}\n"
     Path(output.text).write_text(text, encoding="utf-8")
     save(figure.draw({claim: data}), output.picture)
