@@ -1,7 +1,7 @@
 # `make study` and `make test` need nothing but Python: every target first makes its environment, .venv.
 PYTHON ?= python3
 CORES ?= 2
-MINUTES ?= 10
+MINUTES ?=
 SEED ?=
 CONFIG ?=
 RESULTS ?=
@@ -13,7 +13,7 @@ FOLDER = $$(python -m asperity.config results $(FILES))
 VENV := .venv
 LOCK := requirements.lock
 COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --universal --python-version 3.11 \
-	--extra study --extra maps --extra build --extra test --generate-hashes --no-emit-index-url --quiet
+	--extra study --extra maps --extra crate --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
 .PHONY: help study quick claims verify test lint check fuzz fuzz-study wheel-test test-oldest test-python test-faults soak test-slurm bad-input report crate docs bench tradeoff calculix lock clean
@@ -50,7 +50,7 @@ check: $(VENV)/ready ## Compare the numbers of the quick study with tests/refere
 	python workflow/check.py --cores $(CORES) $(if $(UPDATE),--update)
 
 fuzz: $(VENV)/ready ## Try random input on everything a user calls, for MINUTES=10; SEED=1 repeats a search
-	python tests/fuzz/fuzz.py --minutes $(MINUTES) $(if $(SEED),--seed $(SEED))
+	python tests/fuzz/fuzz.py --minutes $(or $(MINUTES),10) $(if $(SEED),--seed $(SEED))
 
 wheel-test: $(VENV)/ready ## Install the wheel in empty environments from the package index and use it, with a small study
 	pytest -m wheel tests/wheel
@@ -65,13 +65,13 @@ unit-tests: $(VENV)/ready
 	pytest --numprocesses logical $(PYTEST) tests/unit
 
 fuzz-study: $(VENV)/ready ## Run random configurations that the check accepts to their end, for MINUTES=10 from SEED=0
-	python tests/fuzz/fuzz_study.py --minutes $(MINUTES) --seed $(SEED)
+	python tests/fuzz/fuzz_study.py --minutes $(or $(MINUTES),10) --seed $(or $(SEED),0)
 
 test-faults: $(VENV)/ready ## Kill a small study at fifty random moments and run it again; table in results/faults.md
 	python tests/workflow/faults.py --kills 50
 
-soak: $(VENV)/ready ## Disturb a small study again and again, for MINUTES=10 from SEED=0, and compare its results each time
-	python tests/workflow/soak.py --minutes $(MINUTES) --seed $(SEED)
+soak: $(VENV)/ready ## Disturb a small study again and again, for MINUTES=60 from SEED=1, and compare its results each time
+	python tests/workflow/soak.py --minutes $(or $(MINUTES),60) --seed $(or $(SEED),1)
 
 test-slurm: $(VENV)/ready ## Run the quick study on a SLURM started for it (apt install slurmctld slurmd slurm-client munge)
 	pytest -m slurm tests/slurm

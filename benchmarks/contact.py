@@ -286,7 +286,7 @@ def main() -> None:
     options.out.mkdir(parents=True, exist_ok=True)
     (options.out / "contact.md").write_text(f"{table(rows)}\n\n{exponents}\n", encoding="utf-8")
     with (options.out / "contact.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
+        writer = csv.writer(file, lineterminator="\n")
         writer.writerow(Row._fields)
         writer.writerows(rows)
     plot(rows, options.out / "contact.png")

@@ -59,7 +59,7 @@ def command(path: Path, out: Path, **needed: object) -> list[str]:
     for option, value in needed.items():
         values = [f"{1e6 * edge:g} um" for edge in value] if isinstance(value, tuple) else [str(value)]
         given += [f"--{option.replace('_', '-')}", *values]
-    return [sys.executable, "-m", "asperity.cli", "run", str(path), *given, "--out", str(out)]
+    return [sys.executable, "-m", "asperity", "run", str(path), *given, "--out", str(out)]
 
 
 def answer_of_command(name: str, folder: Path) -> dict[str, float]:

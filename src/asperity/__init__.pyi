@@ -37,11 +37,11 @@ from .surface.roughness import spectrum as spectrum
 from .surface.roughness import with_moments as with_moments
 from .surface.treatment import Treatment as Treatment
 from .surface.treatment import treat_map as treat_map
-from .views.inside import plot_plane as plot_plane
-from .views.inside import plot_section as plot_section
 from .views.maps import plot_gap as plot_gap
 from .views.maps import plot_height as plot_height
 from .views.maps import plot_pressure as plot_pressure
 from .views.peaks import plot_peaks as plot_peaks
+from .views.plane import plot_plane as plot_plane
+from .views.section import plot_section as plot_section
 
 __version__: str

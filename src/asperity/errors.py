@@ -84,7 +84,8 @@ class InputError(ValueError):
     def __init__(self, source: str, problems: Sequence[str]) -> None:
         self.source = source
         self.problems = tuple(problems)
-        super().__init__(self.lines[0] if len(self.lines) == 1 else "\n  ".join([f"{source}:", *problems]))
+        heading = f"{source}:" if source else f"{len(self.problems)} problems:"
+        super().__init__(self.lines[0] if len(self.lines) == 1 else "\n  ".join([heading, *self.problems]))
 
     @property
     def lines(self) -> tuple[str, ...]:

@@ -113,6 +113,17 @@ def test_problems_of_options_and_of_the_map_are_reported_together(capsys):
     assert sorted(starts) == sorted(f"--{name}" for name in wanted)
 
 
+def test_problems_of_options_are_said_before_the_map_is_read(monkeypatch, capsys):
+    """A package that reads maps takes a second or more to import."""
+    said = []
+    reads = "asperity.engineering.indenter.read_indenter"
+    monkeypatch.setattr(reads, lambda *_: said.extend(capsys.readouterr().err.splitlines()))
+    monkeypatch.setattr("asperity.cli.commands.run._too_deep", lambda *_: "")
+    with pytest.raises(SystemExit):
+        main(["run", str(DATA / "steel.x3p"), "--young", "210"])
+    assert [re.search(r"--([a-z]+)", line)[1] for line in said] == ["young", "poisson", "pressure", "out"]
+
+
 FIRST_MINUTES = re.findall(r"^    (asperity (?:info|run) .*)$", README + OWN_MAP, re.MULTILINE)
 ADDED = re.findall(r"^\| [^|]+ \| `(--[^|]*)\|", OWN_MAP, re.MULTILINE)
 
@@ -123,6 +134,8 @@ def test_the_first_commands_of_the_pages_run(answers, capsys):
         assert main(shlex.split(line)[1:]) == 0
     printed = capsys.readouterr().out
     assert "rms gradient" in printed
+    assert "every calculation needs" not in printed
+    assert "asperity run fills points without data and mirrors the map by itself" in printed
     assert "report    steel/report.html" in printed
     assert len(answers) == 1
 
@@ -133,6 +146,7 @@ def test_the_stages_in_si_units_run_one_after_the_other(answers, capsys):
     for line in stages:
         assert main(shlex.split(line)[1:]) == 0
     printed = capsys.readouterr().out
+    assert "mean pressure 50 MPa" in printed
     assert "GPa at depth" in printed
 
 
@@ -140,6 +154,7 @@ def test_the_stages_in_si_units_run_one_after_the_other(answers, capsys):
 def test_every_option_of_the_table_can_be_added(added, answers):
     base = ["run", "steel.x3p", "--young", "210 GPa", "--poisson", "0.3", "--out", "steel/"]
     examples = re.findall(r"`(--[^`]+)`", "`" + added)
+    shutil.copy("steel.x3p", "lapped.x3p")
     for example in examples:
         words = shlex.split(example)
         if words == ["--pressure"]:  # named as what the others replace
@@ -148,17 +163,26 @@ def test_every_option_of_the_table_can_be_added(added, answers):
             content = re.search(r"`(engineering: [^`]+)`", added)[1]
             Path(words[1]).write_text(content, encoding="utf-8")
         load = [] if {"--force", "--approach", "--area-fraction"} & set(words) else ["--pressure", "50 MPa"]
-        assert main([*base, *words, *load]) == 0
+        more = shlex.split(examples[0]) if words[0] == "--form" else []  # "with it"
+        more += shlex.split(examples[0]) if words[0] == "--counter-turned-about" else []
+        assert main([*base, *more, *words, *load]) == 0
     assert answers
 
 
-def test_the_example_in_python_runs(monkeypatch, tmp_path, capsys):
+def test_the_example_in_python_runs_and_its_results_are_drawn_and_exported(monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
     shutil.copy(DATA / "steel.x3p", tmp_path)
     (example,) = re.findall(r"```python\n(.*?)```", OWN_MAP, re.DOTALL)
     exec(example, {})
     assert "real contact" in capsys.readouterr().out
     assert dataset.read(tmp_path / "steel/contact.nc").attrs["unit_system"] == "SI"
+    # The example has two bodies, whose stress is in two files.
+    lines = re.findall(r"^    (asperity (?:view|export) .*)$", OWN_MAP, re.MULTILINE)
+    assert len(lines) == 4
+    for line in lines:
+        assert main(shlex.split(line.replace("stress.nc", "stress_lower.nc"))[1:]) == 0
+    written = {"surface.csv", "line.csv", "all.csv", "field.vti"}
+    assert written <= {path.name for path in tmp_path.iterdir()}
 
 
 def test_the_studies_of_the_pages_are_accepted(monkeypatch, tmp_path):

@@ -200,9 +200,9 @@ def defect_of(error):
 
 
 def is_message(error):
-    """True for one line that is not too long, as all messages of the package are."""
-    text = str(error)
-    return text.isprintable() and 0 < len(text) < LONGEST_MESSAGE
+    """True for one line that is not too long, as all messages of the package are, or one for each problem."""
+    lines = error.lines if isinstance(error, errors.InputError) else [str(error)]
+    return all(line.isprintable() and 0 < len(line) < LONGEST_MESSAGE for line in lines)
 
 
 def report(searches):

@@ -32,7 +32,7 @@ solids = {
     "boundary": choice("periodic", "free"),
 }
 sliding = {
-    "friction": st.just(0.0) | number(0, 2),
+    "friction": st.just(0.0) | number(0, 2) | extreme,
     "sliding_direction": choice("x", "y") | number(-360, 360),
 }
 stresses = st.fixed_dictionaries(

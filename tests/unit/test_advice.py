@@ -6,10 +6,13 @@ import pytest
 
 from asperity.engineering import Body, advice
 from asperity.engineering.answer import Numbers
+from asperity.engineering.findings import Neighbours
 from asperity.spectral import Grid
 
 
-def an_answer(numbers=(), indenter=(), body=(), bodies=1, fine=None, imposed_area=0.05, **material):
+def an_answer(
+    numbers=(), indenter=(), body=(), bodies=1, fine=None, imposed_area=0.05, neighbours=None, **material
+):
     """An answer about which nothing is to be said, with some of its values replaced."""
     plain = {
         "area_fraction": 0.05,
@@ -21,6 +24,7 @@ def an_answer(numbers=(), indenter=(), body=(), bodies=1, fine=None, imposed_are
         "load_of_largest_node": 0.001,
         "load_on_edges": 0.0,
         "violation": 1e-7,
+        "largest_pressure": 3e9,
     }
     shown = {
         "grid": Grid((128, 128), 128e-6),
@@ -45,6 +49,7 @@ def an_answer(numbers=(), indenter=(), body=(), bodies=1, fine=None, imposed_are
         bodies=dict.fromkeys(("lower", "upper")[:bodies], stress),
         fine=fine or coarse,
         coarse=coarse,
+        neighbours=neighbours,
     )
 
 
@@ -122,3 +127,18 @@ def test_the_body_is_named_if_there_are_two():
     texts = [a.text for a in advice.advise(an_answer(bodies=2, body={"largest_von_mises": 3e9}))]
     assert any("of the upper body" in text for text in texts)
     assert all("lower body" not in a.text for a in advice.advise(an_answer(body={"largest_von_mises": 3e9})))
+
+
+@pytest.mark.parametrize(
+    ("neighbours", "level", "words"),
+    [
+        (Neighbours(0.3, 0.05, 3.03e9), "note", "spans 30 % of the distance"),
+        (Neighbours(0.6, 0.04, 3.5e9), "warning", "real contact by +25 % and the largest pressure by -14 %"),
+        (Neighbours(0.3, float("nan"), float("nan")), "note", "neighbours."),
+        (Neighbours(0.6, float("nan"), float("nan")), "warning", "neighbours."),
+    ],
+)
+def test_the_effect_of_neighbouring_forms_is_told(neighbours, level, words):
+    told = [found for found in advice.advise(an_answer(neighbours=neighbours)) if "forms" in found.subject]
+    assert [found.level for found in told] == [level]
+    assert words in told[0].text

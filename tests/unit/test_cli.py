@@ -10,7 +10,6 @@ import pytest
 from bad_input import SMALL, make_chain
 from project import ROOT, hide
 
-from asperity.cli.commands import peaks
 from asperity.cli.main import main
 from asperity.cli.parser import make_parser
 from asperity.config.defaults import default
@@ -137,16 +136,6 @@ def test_help_does_not_wait_for_numerical_libraries():
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 
 
-def test_an_interrupt_is_one_line(files, monkeypatch, capsys, tmp_path):
-    def interrupt(*_):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(peaks, "read_result", interrupt)
-    command = ["peaks", files["stress"], "--contact", files["contact"], "--out", str(tmp_path / "again.nc")]
-    assert main(command) == 130
-    assert capsys.readouterr().err == "asperity: interrupted\n"
-
-
 @pytest.mark.parametrize(
     "command", ["", "surface", "solve", "stress", "peaks", "plot", "plan", "view", "export"]
 )
@@ -169,7 +158,7 @@ def test_every_command_has_help(capsys, command):
 def test_a_missing_package_is_one_line(tmp_path, name, command):
     path = os.pathsep.join([str(hide(name, tmp_path / "dark")), str(ROOT / "src")])
     found = subprocess.run(
-        [sys.executable, "-m", "asperity.cli", *command.split()],
+        [sys.executable, "-m", "asperity", *command.split()],
         env=os.environ | {"PYTHONPATH": path},
         capture_output=True,
         text=True,
@@ -180,3 +169,44 @@ def test_a_missing_package_is_one_line(tmp_path, name, command):
     package = PACKAGES[extra][name]
     assert found.stderr == f"asperity: not installed: {package}; install with: {command}\n"
     assert not found.stdout
+
+
+def test_solve_imposes_pressure_force_and_approach_alike(tmp_path, capsys):
+    """In SI units, and as numbers in those of the study."""
+    surface, out = str(tmp_path / "s.nc"), str(tmp_path / "c.nc")
+    lengths = ["--wavelength-long", "20um", "--wavelength-short", "10um", "--rms-height", "80nm"]
+    main(["surface", "--hurst", "0.8", *lengths, "--length", "80um", "--points", "32", "--out", surface])
+    steel = ["--young", "210 GPa", "--poisson", "0.3", "--out", out]
+    modulus = 210e9 / (1 - 0.3**2)
+    main(["solve", surface, *steel, "--mean-pressure", "50 MPa"])
+    wanted = dataset.read(out)
+    assert float(wanted["mean_pressure"]) == pytest.approx(50e6, rel=1e-6)
+    assert dataset.settings_of(wanted)["contact"]["mean_pressure"] == pytest.approx(50e6)
+    approach = float(wanted["approach"] - dataset.read(surface)["height"].min())
+    for load in (
+        ["--mean-pressure", repr(50e6 / modulus)],
+        ["--force", f"{50e6 * 80e-6**2!r} N"],
+        ["--approach", f"{approach!r} m"],
+        ["--approach", repr(approach / 80e-6)],
+    ):
+        assert main(["solve", surface, *steel, *load]) == 0
+        np.testing.assert_allclose(dataset.read(out)["pressure"], wanted["pressure"], rtol=1e-4, atol=1e3)
+    assert f"approach since first touch {1e9 * approach:.4g} nm" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("load", "said"),
+    [
+        (
+            ["--mean-pressure", "50 MPa"],
+            "--mean-pressure = '50 MPa': needs --young and a surface with a unit",
+        ),
+        (["--mean-pressure", "-1"], "--mean-pressure = -1.0: a number > 0 and ≤ 1000 is needed"),
+        (["--force", "3"], "--force = '3': a force with its unit, such as '12 N', is needed"),
+        (["--approach", "0.9"], "--approach = 0.9: less than 0.0"),
+        (["--approach", "0.001", "--area-fraction", "0.2"], "--approach: not accepted together with --area-"),
+    ],
+)
+def test_loads_that_solve_does_not_accept(files, tmp_path, capsys, load, said):
+    assert main(["solve", files["surface"], *load, "--out", str(tmp_path / "c.nc")]) == 1
+    assert said in capsys.readouterr().err

@@ -13,9 +13,11 @@ from project import hide
 from asperity.config.check import check, needed_instead
 from asperity.config.defaults import complete, default
 from asperity.config.describe import with_settings
+from asperity.config.loads import LOADS, imposed_load
 from asperity.config.presets import KEYS
 from asperity.config.reader import load, merged
 from asperity.config.schema import accepted, schema, setting, settings
+from asperity.errors import ConfigError
 
 ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
@@ -53,7 +55,29 @@ def test_the_paper_names_every_setting_that_decides_about_the_study_itself():
     assert complete(PAPER) == merged(complete(PAPER), PAPER)
     for section in ("layer", "contact", "statistics"):
         preset = {key.split(".")[1] for key in KEYS if key.startswith(section)}
-        assert PAPER[section].keys() | preset == schema()["properties"][section]["properties"].keys()
+        known = schema()["properties"][section]["properties"].keys()
+        alternatives = set(LOADS) - PAPER[section].keys() if section == "contact" else set()
+        assert PAPER[section].keys() | preset == known - alternatives
+
+
+@pytest.mark.parametrize("load", [{"mean_pressure": 0.002}, {"approach": 0.001}])
+def test_a_load_replaces_that_beneath(load):
+    """An overlay of the paper imposes another quantity, and needs not take back the paper's area."""
+    config = merged(PAPER, {"contact": load})
+    check(config)
+    contact = complete(config)["contact"]
+    assert imposed_load(contact) == next(iter(load.items()))
+    assert complete(complete(config))["contact"] == contact
+    alone = complete({"surfaces": PAPER["surfaces"], "contact": load})["contact"]
+    assert imposed_load(alone) == imposed_load(contact)
+    assert "path_area_fractions" not in alone
+
+
+def test_two_loads_are_refused():
+    config = copy.deepcopy(PAPER)
+    config["contact"]["mean_pressure"] = 0.01
+    with pytest.raises(ConfigError, match=r"contact.mean_pressure = 0.01: not accepted together with area_"):
+        check(config)
 
 
 def test_settings_that_are_left_out_get_their_defaults():

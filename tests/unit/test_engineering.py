@@ -9,6 +9,7 @@ import asperity as asp
 from asperity.engineering import Body, MapSettings, run
 from asperity.engineering.extremes import stress_in
 from asperity.engineering.pictures import pictures
+from asperity.engineering.report import headline
 from asperity.reference.hertz import Hertz
 from asperity.reference.sliding_sphere import SlidingSphere
 from asperity.surface.height_map import HeightMap
@@ -381,3 +382,47 @@ def test_layers_slide_if_they_are_bonded():
     assert sliding.bodies["lower"].largest_von_mises > still.bodies["lower"].largest_von_mises
     with pytest.raises(ValueError, match="frictionless bottom, which bears no shear"):
         run(a_rough_map(), replace(layer, bottom="frictionless"), mean_pressure=1e6, friction=0.4)
+
+
+def test_neighbouring_balls_are_compared_with_one_alone():
+    waves = 1e-9 * np.cos(2 * np.pi * np.arange(32) / 32)
+    flat = HeightMap(waves[:, None] + waves, (32e-6, 32e-6), name="nearly flat")
+    load = {"force": 0.3}
+    settings = MapSettings(periodic="declared", radius=RADIUS / 2)
+    beside = run(flat, STEEL, map_settings=settings, **load)
+    alone = run(flat, STEEL, map_settings=replace(settings, boundary="free", periodic=None), **load)
+    (told,) = (advice.text for advice in beside.advice if advice.subject == "neighbouring forms")
+    pressure = beside.numbers.largest_pressure / alone.numbers.largest_pressure - 1
+    area = beside.numbers.area_fraction / alone.numbers.area_fraction - 1
+    assert f"real contact by {100 * area:+.2g} % and the largest pressure by {100 * pressure:+.2g} %" in told
+    assert pressure > 0.01
+    assert not [advice for advice in alone.advice if advice.subject == "neighbouring forms"]
+
+
+def test_peaks_are_those_of_the_map_without_its_mirror_images(rough):
+    """Away from the edges every peak is found once in each of the four images."""
+    peaks, cell = rough.peaks(), rough.stresses["lower"]
+    edge, spacing = rough.indenter.map_length[0], rough.indenter.grid.spacing[0]
+    assert peaks[["y_m", "x_m"]].to_numpy().max() < edge
+    peaks = peaks[peaks["quantity"] == "von_mises"]
+    own = peaks[["y_m", "x_m"]].to_numpy()
+    own = (own > spacing).all(axis=1) & (own < edge - 2 * spacing).all(axis=1)
+    kind = cell["peak_quantity"].values == "von_mises"
+    places = np.stack([cell["peak_y"].values[kind], cell["peak_x"].values[kind]], axis=1)
+    places = np.where(places < edge - spacing / 2, places, 2 * edge - spacing - places)
+    inside = (places > spacing).all(axis=1) & (places < edge - 2 * spacing).all(axis=1)
+    found, images = np.sort(peaks["value_Pa"][own]), np.sort(cell["peak_value"].values[kind][inside])
+    assert found.size > 5
+    np.testing.assert_allclose(np.repeat(found, 4), images, rtol=1e-4)
+
+
+def test_the_headline_is_that_of_every_body(pair, sphere):
+    assert [name for name, _ in headline(pair)] == [
+        "real contact",
+        "largest pressure",
+        "largest von Mises stress, lower body",
+        "at depth, lower body",
+        "largest von Mises stress, upper body",
+        "at depth, upper body",
+    ]
+    assert "largest von Mises stress" in dict(headline(sphere))

@@ -219,7 +219,7 @@ def test_the_command_needs_the_folder_of_the_project(tmp_path, monkeypatch, caps
     assert "a configuration with a surface as compressibility is needed" in capsys.readouterr().err
     config.write_text(config.read_text() + "studies: {compressibility: [one]}\n")
     assert main([*given, "one_and_a_half"]) == 1
-    assert "Snakefile: no such file; the command runs in the folder of the project" in capsys.readouterr().err
+    assert "no such file; the command runs in the folder of the study" in capsys.readouterr().err
     assert main([*given, "one_and_a_half", "--reading", "lateral=free"]) == 1
     assert "a configuration that lists free there is needed" in capsys.readouterr().err
     assert main([*given, "one_and_a_half", "--error", "3"]) == 1

@@ -1,11 +1,15 @@
 """Exports: the table of peaks, and images read back by a parser of their own."""
 
+import _pyio
 import csv
+import io
+import os
 import struct
 import tracemalloc
 import xml.etree.ElementTree as ET
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 from bad_input import make_chain
@@ -20,6 +24,7 @@ from asperity.results.export import (
     write_box,
 )
 from asperity.results.export_surface import surface_fields, write_surface_image, write_surface_table
+from asperity.results.tables import write_table
 from asperity.results.window import window
 
 EDGE, PRESSURE = (512e-6, 256e-6), 50e6
@@ -161,6 +166,32 @@ def test_fields_over_the_surface_are_a_table_written_in_blocks(tmp_path, monkeyp
     found = np.array([float(row["pressure_MPa"]) for row in rows]).reshape(solid.grid.shape)
     np.testing.assert_allclose(found, solid.pressure / 1e6, rtol=1e-6)
     assert float(rows[33]["x_um"]) == pytest.approx(1e6 * solid.grid.spacing[1])
+
+
+def test_texts_and_tables_have_the_same_bytes_on_windows(tmp_path, monkeypatch):
+    data, solid = contact_in_si()
+    columns = ["area_fraction", "parameter", "setting", "output", "error"]
+    table = pd.DataFrame([[0.1, "ν", "a,b", "area", 1 / 3], [0.1, "seeds", "", "area", 2.0]], columns=columns)
+
+    def write(folder):
+        folder.mkdir()
+        dataset.write_text(folder / "text.md", "one\ntwo\n")
+        write_table(table, "tradeoff", folder / "table.csv", "%.3g")
+        write_surface_table(data, folder / "fields.csv", surface_fields(data), window(solid.grid))
+
+    write(tmp_path / "here")
+    # as Windows: texts are written with os.linesep, by the implementation of open that asks for it
+    monkeypatch.setattr(os, "linesep", "\r\n")
+    monkeypatch.setattr(io, "open", _pyio.open)
+    (tmp_path / "plain").write_text("one\ntwo\n", encoding="utf-8")
+    assert (tmp_path / "plain").read_bytes() == b"one\r\ntwo\r\n"
+    write(tmp_path / "windows")
+    for name in ("text.md", "table.csv", "fields.csv"):
+        here, there = ((tmp_path / system / name).read_bytes() for system in ("here", "windows"))
+        assert b"\r" not in here
+        assert there == here
+    rows = (tmp_path / "here/table.csv").read_text("utf-8").splitlines()
+    assert rows[1:] == ['0.1,ν,"a,b",area,0.333', "0.1,seeds,,area,2"]
 
 
 def test_an_image_that_fails_leaves_no_file(tmp_path):

@@ -1,11 +1,11 @@
 """Ctrl-C and SIGTERM: every command ends with one line, its exit status, and no file half written."""
 
-import contextlib
 import os
 import shlex
 import signal
 import subprocess
 import sys
+from importlib import import_module
 
 import numpy as np
 import pytest
@@ -29,30 +29,18 @@ COMMANDS = {
     "plan": "'{{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.03125}}'",
     "plot": "9 {statistics} --out {out}/x.png",
 }
-SHARES = {signal.SIGINT: 0.3, signal.SIGTERM: 0.9}
-"""Part of a command's function calls after which each signal comes."""
+WITHOUT_FILES = ("info", "plan")
+"""Commands that only print."""
 
 
-class Calls:
-    """Counts the calls of functions, and sends this process a signal at one of them.
+def signalling(number, genuine):
+    """A function that sends this process a signal before it does what it did."""
 
-    Some libraries ignore an exception at some places: the signal comes again every thousand calls.
-    """
+    def function(*arguments, **options):
+        signal.raise_signal(number)
+        return genuine(*arguments, **options)
 
-    def __init__(self, at=None, number=None):
-        self.count, self.at, self.number = 0, at, number
-
-    def __call__(self, *_):
-        self.count += 1
-        if self.at is not None and self.count >= self.at and (self.count - self.at) % 1000 == 0:
-            os.kill(os.getpid(), self.number)
-
-    def __enter__(self):
-        sys.setprofile(self)
-        return self
-
-    def __exit__(self, *_):
-        sys.setprofile(None)
+    return function
 
 
 @pytest.fixture(scope="module")
@@ -64,22 +52,49 @@ def files(tmp_path_factory):
     return {**make_chain(folder), "map": folder / "map.txt"}
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-def test_a_signal_ends_a_command(command, files, tmp_path, capfd):
-    def call(calls):
-        words = [word.format(**files, out=tmp_path) for word in shlex.split(COMMANDS[command])]
-        with calls:
-            return main([command, *words])
+def require_interrupted(command, files, out, number, capfd):
+    """The command ends with the line and the status of the signal, and leaves no file."""
+    words = [word.format(**files, out=out) for word in shlex.split(COMMANDS[command])]
+    capfd.readouterr()
+    assert main([command, *words]) == 128 + number
+    assert capfd.readouterr().err.splitlines()[-1] == f"asperity: {COMMAND_LINE}"
+    assert list(out.iterdir()) == []
 
-    assert call(contextlib.nullcontext()) == 0  # imports its modules
-    calls = Calls()
-    assert call(calls) == 0
-    before = sorted(tmp_path.rglob("*"))
-    for number, share in SHARES.items():
-        capfd.readouterr()
-        assert call(Calls(int(share * calls.count), number)) == 128 + number
-        assert capfd.readouterr().err.splitlines()[-1] == f"asperity: {COMMAND_LINE}"
-        assert sorted(tmp_path.rglob("*")) == before
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_signal_ends_a_command(command, files, tmp_path, capfd, monkeypatch):
+    """Ctrl-C at its begin, and SIGTERM when everything is computed, before a file gets its name."""
+    module = import_module(f"asperity.cli.commands.{command}")
+    with monkeypatch.context() as patch:
+        patch.setattr(module, "run", signalling(signal.SIGINT, module.run))
+        require_interrupted(command, files, tmp_path, signal.SIGINT, capfd)
+    if command in WITHOUT_FILES:
+        monkeypatch.setattr(module, "print", signalling(signal.SIGTERM, print), raising=False)
+    for name in ("rename", "replace"):
+        monkeypatch.setattr(os, name, signalling(signal.SIGTERM, getattr(os, name)))
+    require_interrupted(command, files, tmp_path, signal.SIGTERM, capfd)
+
+
+WHILE_IMPORTING = """
+import signal, sys
+import asperity_command
+
+class Finder:
+    def find_spec(name, path=None, target=None):
+        if name.startswith("asperity"):
+            signal.raise_signal(int(sys.argv[1]))
+
+sys.meta_path.insert(0, Finder)
+asperity_command.main()
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_while_the_package_is_imported_ends_with_the_line(number):
+    found = subprocess.run(
+        [sys.executable, "-c", WHILE_IMPORTING, str(int(number))], capture_output=True, text=True, timeout=60
+    )
+    assert (found.returncode, found.stderr) == (128 + number, f"asperity: {COMMAND_LINE}\n")
 
 
 def test_a_signal_ends_the_check_of_a_configuration(monkeypatch, capfd):

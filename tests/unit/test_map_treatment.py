@@ -153,6 +153,12 @@ def test_settings_out_of_range_and_missing_are_reported_together():
     ]
 
 
+def test_problems_of_a_map_without_a_name_are_counted():
+    surface = HeightMap(steel(), (1.0, 1.0), True)
+    with pytest.raises(MapError, match=r"^2 problems:\n  detrend = 'slope': .*\n  despike = 1.0: "):
+        treat_map(surface, Treatment("slope", despike=1.0))
+
+
 def test_a_wavelength_out_of_range_is_shown_with_its_unit():
     line = "wavelength_short = 1 µm: a number ≥ 8 µm (two nodes), ≤ 512 µm is needed"
     with pytest.raises(MapError, match=re.escape(line)):

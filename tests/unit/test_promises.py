@@ -1,9 +1,14 @@
 """A result is finite, certified, and under what was imposed or says that it is not."""
 
+import tracemalloc
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import asperity as asp
+from asperity.accuracy.resources import job_cost
+from asperity.config.presets import PRESETS
 from asperity.surface.height_map import MapError
 
 HALF_SPACE = asp.Layer(1.0, 0.3)
@@ -57,6 +62,40 @@ def test_single_precision_is_refined_in_double_where_it_does_not_reach_the_toler
     assert single.pressure.dtype == np.float32
     error = np.linalg.norm(single.pressure - double.pressure) / np.linalg.norm(double.pressure)
     assert error < 1e-5
+
+
+@pytest.mark.parametrize("fraction", [0.01, 0.1])
+def test_damped_dynamics_in_single_precision_reach_a_tolerance_below_their_rounding(fraction):
+    """Their rounding alone leaves an error of 1e-5 at 10 % of the area, and 5e-4 at 1 %."""
+    height = asp.self_affine((32, 32), 0.3, 0.5, 0.125, rms_height=1e-3, seed=1)
+    settings = {"area_fraction": fraction, "method": "gfmd"}
+    single, double = (
+        asp.solve(height, HALF_SPACE, dtype=dtype, **settings) for dtype in ("float32", "float64")
+    )
+    assert single.pressure.dtype == np.float32
+    error = np.linalg.norm(single.pressure - double.pressure) / np.linalg.norm(double.pressure)
+    assert error < 1e-6
+
+
+def test_a_contact_solved_again_in_double_precision_fits_its_estimate_of_memory():
+    height = 1e-3 * (rough(256) + 1000)
+
+    def peak(dtype):
+        tracemalloc.start()
+        contact = asp.solve(height, HALF_SPACE, area_fraction=0.1, dtype=dtype, rtol=1e-6)
+        assert contact.pressure.dtype == dtype
+        found = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return found
+
+    peak("float64")  # compiles
+    per_node = [
+        job_cost("contact", height.size, accuracy=replace(PRESETS["paper"], precision=precision)).memory
+        - job_cost("contact", 0).memory
+        for precision in ("float64", "float32")
+    ]
+    assert peak("float64") < per_node[0]
+    assert 0.8 * per_node[1] < peak("float32") < per_node[1]
 
 
 # An imposed area that the surface does not allow
@@ -118,6 +157,10 @@ REFUSED = {
     "solve no thread": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, threads=True),
     "solve dtype": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, dtype="x"),
     "solve initial": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, initial="x"),
+    "solve method": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, method=[]),
+    "body": lambda: asp.solve(rough(8), HALF_SPACE, area_fraction=0.1).in_body({}),
+    "planes fields": lambda: asp.stress_planes(pressed(), [0.0], fields=[np.zeros(2)]),
+    "planes boundary": lambda: asp.plane_peaks(rough(8), asp.Grid((8, 8)), boundary=np.zeros(2)),
     "solve booleans": lambda: asp.solve(rough(8) > 0, HALF_SPACE, approach=0.1),
     "solve objects": lambda: asp.solve([[HUGE, 1], [1, 2]], HALF_SPACE, approach=0.1),
     "solve large": lambda: asp.solve(1e80 * rough(8), HALF_SPACE, area_fraction=0.1),

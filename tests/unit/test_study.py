@@ -56,6 +56,26 @@ def test_the_load_area_curve_holds_every_area_fraction_in_rising_order():
     assert float(contact.mean_pressure) == middle == pytest.approx(contact.pressure.values.mean())
 
 
+def test_the_load_may_be_a_pressure_or_an_approach():
+    """Both give the contact at the area that they cause, beside the same load-area curve."""
+    surface = make_surface(SURFACE, 1)
+    path = {"path_area_fractions": [0.05, 0.15]}
+    wanted = solve_contact(surface, LAYER, CONTACT | path)
+    without = {name: value for name, value in CONTACT.items() if name != "area_fraction"} | path
+    approach = float(wanted["approach"] - surface["height"].min())
+    for load in ({"mean_pressure": float(wanted["mean_pressure"])}, {"approach": approach}):
+        found = solve_contact(surface, LAYER, without | load)
+        for name in ("pressure", "path_area_fraction", "path_mean_pressure", "path_gradient_rms_contact"):
+            np.testing.assert_allclose(found[name], wanted[name], rtol=1e-4, atol=1e-6, err_msg=name)
+
+
+def test_an_approach_of_full_contact_is_refused():
+    surface = make_surface(SURFACE, 1)
+    without = {name: value for name, value in CONTACT.items() if name != "area_fraction"}
+    with pytest.raises(ValueError, match=r"contact.approach = 0.5: less than 0.00\d+ is needed"):
+        solve_contact(surface, LAYER, without | {"approach": 0.5})
+
+
 def test_a_layer_is_analysed_for_the_poissons_ratio_of_its_contact_alone():
     half_space = run(1).stress
     assert half_space.poisson.values.tolist() == [0.0, 0.33]

@@ -69,6 +69,19 @@ def test_a_coarse_grid_and_a_thin_layer_pass_every_check(surface, layer):
     assert broken(verify_seed(*chain_of(surface, layer))) == set()
 
 
+@pytest.mark.parametrize("tolerance", [0.0, 1e-30])
+def test_tolerances_below_rounding_pass_every_check(tolerance):
+    """The least that a configuration may ask for: a contact to 1e-14, and planes without any truncation."""
+    contact_settings = {**CONTACT, "tolerance": 1e-14, "precision": "float64"}
+    stress_settings = {**STRESS, "tolerance": tolerance}
+    surface = make_surface(SURFACE, 1)
+    contact = solve_contact(surface, LAYER, contact_settings)
+    stress = compute_stress(contact, LAYER, stress_settings)
+    settings = json.dumps({**SETTINGS, "contact": contact_settings, "stress": stress_settings})
+    chain = [data.assign_attrs(settings=settings) for data in (surface, contact, stress)]
+    assert broken(verify_seed(*chain)) == set()
+
+
 def test_a_pressure_one_percent_too_large_is_found(chain):
     surface, contact, stress = chain
     found = broken(verify_seed(surface, contact.assign(pressure=1.01 * contact.pressure), stress))

@@ -210,11 +210,14 @@ class Soak:
         return [] if named else [f"{name}: not named: {said.text!r}"]
 
     def changed(self):
-        """A setting is changed in the same folder, and changed back."""
+        """A setting is changed in the same folder, and changed back; results of another seed are deleted."""
         (self.folder / "changed.yaml").write_text(
             f"{self.generator.choice(CHANGES)}\nresults: {RESULTS}\n", encoding="utf-8"
         )
         ran = run(self.folder, (*STUDY, "changed.yaml"))
+        for path in files(self.folder):
+            if not (self.reference / path.relative_to(self.folder)).exists():
+                path.unlink()
         return [f"status {ran.status}: {ran.text[-300:]!r}"] if ran.status else []
 
     def round(self, kind):

@@ -4,6 +4,8 @@ import os
 from dataclasses import replace
 
 from asperity.accuracy.resources import COMPILER_MEMORY, WORKFLOW_MEMORY, job_cost, sample_seconds
+from asperity.config.defaults import default
+from asperity.config.loads import imposed_load
 from asperity.config.presets import PRESETS
 from asperity.runtime.snakemake_internals import runs_locally
 
@@ -31,8 +33,10 @@ def surface_cost(wildcards):
 def contact_cost(wildcards):
     """Cost of a contact, with the number of its loads."""
     settings = contact_settings(wildcards)
-    loads = len({*settings["path_area_fractions"], settings["area_fraction"]})
-    return job_cost("contact", nodes(wildcards.surface), loads, ACCURACY, settings["area_fraction"])
+    load, value = imposed_load(settings)
+    area = value if load == "area_fraction" else default("contact.area_fraction")
+    loads = len({*settings.get("path_area_fractions", ()), area})
+    return job_cost("contact", nodes(wildcards.surface), loads, ACCURACY, area)
 
 
 def stress_cost(wildcards):

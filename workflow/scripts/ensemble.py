@@ -1,7 +1,5 @@
 """Rule ensemble: table and figure of all numbers of the configuration."""
 
-from pathlib import Path
-
 from asperity.paper.ensemble import figure
 from asperity.paper.ensemble.result import summary_frame
 from asperity.results import dataset, markup
@@ -10,9 +8,9 @@ from asperity.runtime.progress import ProgressBar
 from asperity.views.style import save, style
 
 output = snakemake.output
-with log_to(snakemake.log[0]), ProgressBar("ensemble"), style(snakemake.input.style):
+with log_to(snakemake.log[0], output), ProgressBar("ensemble"), style(snakemake.input.style):
     results = dict(zip(snakemake.params.claims, map(dataset.read, snakemake.input.data), strict=True))
     table = summary_frame(results)
-    table.to_csv(output.table, index=False)
-    Path(output.text).write_text(f"{markup.markdown(table)}\n", encoding="utf-8")
+    dataset.write_text(output.table, table.to_csv(index=False, lineterminator="\n"))
+    dataset.write_text(output.text, f"{markup.markdown(table)}\n")
     save(figure.draw(results), *output.picture)

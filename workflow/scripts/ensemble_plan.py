@@ -8,7 +8,7 @@ from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
 claim, params = snakemake.wildcards.claim, snakemake.params
-with log_to(snakemake.log[0]), ProgressBar(f"plan {claim}"):
+with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"plan {claim}"):
     earlier = Plan.of_entries(params.earlier)
     samples = read_samples(claim, params.surfaces, params.files).first(earlier.seeds)
     error = float(snakemake.wildcards.error)

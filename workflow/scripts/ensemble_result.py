@@ -1,7 +1,5 @@
 """Rule ensemble_result: a number with its errors, its levels, and the figure beside plain Monte Carlo."""
 
-from pathlib import Path
-
 from asperity.paper.ensemble import figure
 from asperity.paper.ensemble.numbers import number
 from asperity.paper.ensemble.planning import Plan
@@ -13,7 +11,11 @@ from asperity.runtime.progress import ProgressBar
 from asperity.views.style import save, style
 
 claim, params, output = snakemake.wildcards.claim, snakemake.params, snakemake.output
-with log_to(snakemake.log[0]), ProgressBar(f"ensemble {claim}"), style(snakemake.input.style):
+with (
+    log_to(snakemake.log[0], snakemake.output),
+    ProgressBar(f"ensemble {claim}"),
+    style(snakemake.input.style),
+):
     plan = Plan.read(snakemake.input.plan)
     data = result(plan, read_samples(claim, params.surfaces, params.files))
     dataset.write(
@@ -23,7 +25,7 @@ with log_to(snakemake.log[0]), ProgressBar(f"ensemble {claim}"), style(snakemake
         settings={"claim": claim, "error": float(snakemake.wildcards.error), "surfaces": params.surfaces},
     )
     levels = level_frame(data)
-    levels.to_csv(output.table, index=False)
+    dataset.write_text(output.table, levels.to_csv(index=False, lineterminator="\n"))
     text = f"{sentences(claim, number(claim).quantity, data)}\n\n{markup.markdown(levels)}\n"
-    Path(output.text).write_text(text, encoding="utf-8")
+    dataset.write_text(output.text, text)
     save(figure.draw({claim: data}), output.picture)

@@ -16,8 +16,10 @@ import xarray as xr
 
 from asperity.accuracy.outputs import DISTRIBUTIONS, NUMBERS
 from asperity.accuracy.resources import CALCULATION_STAGES, transform_seconds
+from asperity.config.loads import imposed_load
 from asperity.config.presets import AccuracySettings
 from asperity.contact import solve
+from asperity.errors import ConfigError
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.solid import solid
 from asperity.pipeline.statistics import LEVELS, seed_statistics
@@ -73,6 +75,12 @@ def scene_of(config: Mapping[str, Any], name: str, load_area: bool) -> Scene:
     With `load_area` its contact is solved at all loads of the load-area curve.
     """
     surface, contact = config["surfaces"][name], config["contact"]
+    if "area_fraction" not in contact:
+        load, value = imposed_load(contact)
+        raise ConfigError(
+            f"contact.{load} = {value!r}: area_fraction is needed in its place, for which costs and errors "
+            "were measured"
+        )
     return Scene(
         hurst=surface["hurst"],
         wavelength_long=surface["wavelength_long"],

@@ -36,6 +36,9 @@ and the one that runs the job."""
 COMPILER_MEMORY = 150e6
 """Memory (bytes) of compiling beside a job, on a node whose processor differs from the one compiled for."""
 
+SECOND_SOLUTION_MEMORY = 12
+"""Bytes per node that a contact in single precision keeps if it is solved again in double precision."""
+
 TIME_LAWS: dict[str, tuple[str, ...]] = {
     "surface": (),
     "contact": ("contact_digits", "single_precision", "area", "loads"),
@@ -147,6 +150,9 @@ def job_cost(
     """
     line = _LINES["load-area curve" if job == "contact" and repetitions > 1 else job]
     more, further = repetitions - 1, _FURTHER.get(job, _Line(0))
+    per_node = line.memory_per_node + more * further.memory_per_node
+    if job == "contact" and accuracy.precision == "float32":
+        per_node += SECOND_SOLUTION_MEMORY
     if job in TIME_LAWS:
         settings = asdict(accuracy) | {
             "area_fraction": area_fraction,
@@ -155,10 +161,10 @@ def job_cost(
         }
         calculation = float(law_seconds(load().time_laws[job], nodes, settings))
     else:
-        per_node = line.time_per_node + more * further.time_per_node
-        calculation = 1e-6 * nodes * per_node + more * further.seconds
+        time_per_node = line.time_per_node + more * further.time_per_node
+        calculation = 1e-6 * nodes * time_per_node + more * further.seconds
     return Cost(
-        memory=1e6 * line.memory + nodes * (line.memory_per_node + more * further.memory_per_node),
+        memory=1e6 * line.memory + nodes * per_node,
         fixed_seconds=line.seconds,
         calculation_seconds=calculation,
         disk=1e6 * line.disk + nodes * line.disk_per_node,

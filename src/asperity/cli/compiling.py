@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numba.core import event
 
+from asperity.config.loads import without_load
 from asperity.errors import ConvergenceError
 from asperity.runtime.compiling import compiled_functions
 from asperity.runtime.progress import ProgressBar
@@ -86,7 +87,8 @@ def solve_small(layer: Mapping[str, Any], contact: Mapping[str, Any]) -> None:
     """A contact of ``asperity solve`` on a small surface."""
     from asperity.pipeline.contact import solve_contact
 
-    settings = {**contact, "tolerance": max(contact["tolerance"], 1e-4), "path_area_fractions": []}
+    settings = without_load(contact) | {"tolerance": max(contact["tolerance"], 1e-4), "area_fraction": 0.1}
+    settings["path_area_fractions"] = []
     solve_contact(_small_surface(), layer, settings)
 
 

@@ -71,7 +71,24 @@ def _add_solve(parser: Parser) -> None:
     parser.add_argument("surface", help="surface file of the study, or height map of an instrument")
     _add_out(parser)
     add = partial(add_setting, parser)
-    add("--area-fraction", "contact.area_fraction")
+    loads = parser.add_argument_group("load", "At most one of these is accepted.")
+    add_setting(
+        loads, "--area-fraction", "contact.area_fraction", left_out="0.1, if no other quantity is imposed"
+    )
+    for name, dimension, text in (
+        (
+            "mean_pressure",
+            "pressure",
+            "load over the nominal area: a pressure such as 50MPa, or a number in E*",
+        ),
+        ("force", "force", "load on the cell, or on the area of a mirrored map, such as 12N"),
+        (
+            "approach",
+            "length",
+            "approach of the bodies since first touch: a length such as 200nm, or a number in cell lengths",
+        ),
+    ):
+        loads.add_argument(f"--{name.replace('_', '-')}", metavar=dimension.upper(), help=text)
     add("--path", "contact.path_area_fractions")
     add("--poisson", "layer.poisson")
     add("--layer-height", "layer.height")

@@ -11,6 +11,7 @@ import jsonschema
 from jsonschema import ValidationError
 
 from asperity.config.defaults import complete
+from asperity.config.loads import LOADS
 from asperity.config.reader import is_file
 from asperity.config.schema import Entry, accepted, number, schema, setting
 from asperity.errors import ConfigError, shown
@@ -260,7 +261,13 @@ def _check_height(config: Mapping[str, Any]) -> None:
 
 def _check_solid(config: Mapping[str, Any]) -> None:
     _check_height(config)
-    path = config["contact"]["path_area_fractions"]
+    loads = [name for name in LOADS if name in config["contact"]]
+    if len(loads) > 1:
+        raise ConfigError(
+            f"contact.{loads[1]} = {shown(config['contact'][loads[1]])}: not accepted together with "
+            f"{loads[0]}; one of {', '.join(LOADS)} is needed"
+        )
+    path = config["contact"].get("path_area_fractions", [])
     if path != sorted(path):
         raise ConfigError(f"contact.path_area_fractions = {shown(path)}: rising numbers are needed")
     ratios, own = config["stress"]["poisson"], config["layer"]["poisson"]

@@ -6,6 +6,7 @@ import copy
 from collections.abc import Mapping
 from typing import Any
 
+from asperity.config.loads import LOADS, without_load
 from asperity.config.presets import KEYS, PRESETS
 from asperity.config.schema import Entry, schema, setting
 
@@ -42,7 +43,12 @@ def complete(config: Mapping[str, Any]) -> dict[str, Any]:
     for key, name in KEYS.items():
         section, last = key.split(".")
         whole[section].setdefault(last, getattr(preset, name))
-    whole["contact"].setdefault("path_area_fractions", [whole["contact"]["area_fraction"]])
+    if set(LOADS) & set(config.get("contact", {})):
+        whole["contact"] = without_load(whole["contact"]) | {
+            name: value for name, value in config["contact"].items() if name in LOADS
+        }
+    if "area_fraction" in whole["contact"]:
+        whole["contact"].setdefault("path_area_fractions", [whole["contact"]["area_fraction"]])
     whole["stress"].setdefault("poisson", [whole["layer"]["poisson"]])
     whole["readings"].setdefault("lateral", [whole["layer"]["lateral"]])
     whole["measured"] = {name: complete_map(surface) for name, surface in whole["measured"].items()}

@@ -13,6 +13,7 @@ from typing import Any
 
 import yaml
 
+from asperity.config.loads import beneath
 from asperity.errors import ConfigError, shown
 
 _MAX_FILE_SIZE = 2**17
@@ -127,10 +128,15 @@ def _size(node: yaml.Node, sizes: dict[int, int], depth: int) -> int:
 
 
 def merged(config: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, Any]:
-    """Configuration with an overlay on top of it, merged key by key as Snakemake does."""
+    """Configuration with an overlay on top of it, merged key by key as Snakemake does.
+
+    The load of section ``contact`` replaces that beneath, which may be another setting.
+    """
     both = dict(config)
     for key, value in overlay.items():
         below = both.get(key)
+        if key == "contact" and isinstance(value, Mapping) and isinstance(below, Mapping):
+            below = beneath(below, value)
         if isinstance(value, Mapping) and isinstance(below, Mapping):
             both[key] = merged(below, value)
         else:

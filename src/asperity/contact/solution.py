@@ -212,7 +212,7 @@ class Contact:
             layers, accepted = {"lower": self.solid.lower, "upper": self.solid.upper}, "'lower' or 'upper'"
         else:
             layers, accepted = {"lower": self.solid}, "'lower', because the indenter is rigid,"
-        if body not in layers:
+        if not isinstance(body, str) or body not in layers:
             raise ValueError(f"body = {shown(body)}: {accepted} is needed")
         return PressedBody(self.pressure, self.grid, layers[body], self.boundary)
 

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
+from asperity.arguments import choice
 from asperity.contact import gfmd, nested_grids
 from asperity.contact.arguments import (
     checked_control,
@@ -23,6 +24,7 @@ from asperity.contact.solution import Contact
 from asperity.contact.units import Units, units_of
 from asperity.elasticity.two_bodies import Solid
 from asperity.errors import ConvergenceError
+from asperity.finite import is_finite, require_finite
 from asperity.spectral import Grid
 from asperity.types import Array, Progress
 
@@ -83,7 +85,7 @@ def solve(
     rtol : float
         Error of the pressure relative to its norm, as estimated by the solver.
     dtype : "float64" or "float32"
-        Precision of the fields. If `active_set` does not reach the tolerance in single precision, it solves
+        Precision of the fields. If the tolerance is not reached in single precision, the problem is solved
         again in double precision, and the fields are rounded at the end.
     threads : int
         Threads of the Fourier transforms; the solution does not depend on it.
@@ -126,8 +128,7 @@ def solve(
     values = checked_height(height)
     grid = Grid(values.shape, length)  # type: ignore[arg-type]
     solid = checked_solid(solid)
-    if method not in METHODS:
-        raise ValueError(f"method = {method!r}: one of {', '.join(METHODS)} is needed")
+    choice("method", method, tuple(METHODS))
     precision, tolerance, workers = checked_settings(dtype, rtol, threads)
     response = response_on(boundary, solid, grid, precision, workers)
     if method == "gfmd" and boundary != "periodic":
@@ -149,23 +150,49 @@ def solve(
         pressure = None if pressure is None else pressure / units.stress
     heights, control = units.heights(values), units.control(control)
     problem = Problem(heights, response)
-    if control.lifts_off(problem.height):
-        position = control.value if control.kind == "approach" else float(problem.height.min())
-        state = State(np.zeros_like(problem.height), problem.height, position, 0.0, 0.0)
-    else:
-        within_reach = _within_reach(control, heights)
-        # A given start may overflow: what comes of it is checked in the end.
-        with np.errstate(over="ignore", invalid="ignore"):
-            try:
-                state = METHODS[method](problem, within_reach, tolerance, progress, pressure)
-            except ConvergenceError:
-                if method != "active_set" or precision == "float64" or tolerance < np.finfo(precision).eps:
-                    raise
-                in_double = Problem(heights, response.in_double_precision())
-                state = nested_grids.solve(in_double, within_reach, tolerance, progress, pressure)
-                state.pressure = state.pressure.astype(precision)
-    found = _certified(problem, control, state, method, tolerance, time.perf_counter() - begin)
-    return units.restored(found, values, solid, grid)
+    # A given start may overflow: what comes of it is checked in the end.
+    with np.errstate(over="ignore", invalid="ignore"):
+        if control.lifts_off(problem.height):
+            position = control.value if control.kind == "approach" else float(problem.height.min())
+            state = State(np.zeros_like(problem.height), problem.height, position, 0.0, 0.0)
+        else:
+            state = _solved(problem, heights, control, method, tolerance, progress, pressure)
+        found = _certified(problem, control, state, method, tolerance, time.perf_counter() - begin)
+    restored = units.restored(found, values, solid, grid)
+    require_finite("solve", vars(restored))
+    return restored
+
+
+def _solved(
+    problem: Problem,
+    heights: Array,
+    control: Control,
+    method: str,
+    rtol: float,
+    progress: Progress | None,
+    initial: Array | None,
+) -> State:
+    """The state under a load, found in double precision if single precision does not reach the tolerance."""
+    within_reach, precision = _within_reach(control, heights), problem.fourier.real
+    try:
+        return METHODS[method](problem, within_reach, rtol, progress, initial)
+    except ConvergenceError:
+        if precision == np.float64 or rtol < np.finfo(precision).eps:
+            raise
+    # Not in the block above, so that the fields of the first attempt are released.
+    in_double = Problem(heights, problem.response.in_double_precision())
+    state = METHODS[method](in_double, within_reach, rtol, progress, initial)
+    state.pressure = state.pressure.astype(precision)
+    if not is_finite(state.pressure):
+        raise ConvergenceError(
+            f"{method} on {problem.grid.shape} nodes found a pressure beyond single precision",
+            state.error,
+            rtol,
+            state.iterations,
+            state.load,
+            "dtype = 'float64' or another start is needed",
+        )
+    return state
 
 
 def _within_reach(control: Control, height: Array) -> Control:

@@ -43,6 +43,12 @@ EDGE_STEP = 3.0
 EDGE_LOAD = 0.01
 """Share of the load on the edges of a map with a free boundary from which they count."""
 
+NEIGHBOUR_CHANGE = 0.05
+"""Change of real contact or largest pressure by the periodic images of a form that deserves a warning."""
+
+WIDE_SPAN = 0.5
+"""Width of a contact over the distance between neighbouring forms above which they change each other."""
+
 ALTERED_SHARE = 0.02
 """Share of the area with altered or filled heights that is worth a note."""
 
@@ -119,6 +125,8 @@ def resolution(answer: Findings) -> Iterator[Advice]:
     }
     known = {name: change for name, change in changes.items() if math.isfinite(change)}
     told = ", ".join(f"{names[name]} by {100 * change:+.0f} %" for name, change in known.items())
+    if len(answer.bodies) > 1:
+        told += "; stresses are those of the lower body"
     limited = [name for name, change in known.items() if abs(change) > RESOLUTION_CHANGE]
     pixel = max(answer.indenter.grid.spacing)
     per_wave = answer.indenter.wavelength_short / pixel
@@ -206,6 +214,32 @@ def load_on_edges(answer: Findings) -> Iterator[Advice]:
             f"{100 * share:.2g} % of the load is on the outermost pixels. The real surface goes on, and "
             "the pressure at an edge is that of a punch: the largest stresses may be artefacts.",
         )
+
+
+def neighbouring_forms(answer: Findings) -> Iterator[Advice]:
+    """Periodic images of a ball or cylinder, which press on the same body."""
+    found = answer.neighbours
+    if found is None or not answer.numbers.contact_nodes:
+        return
+    spans = (
+        f"the form repeats with the map; the contact spans {100 * found.span:.0f} % of the distance between "
+        "neighbours"
+    )
+    if math.isnan(found.largest_pressure):
+        level = WARNING if found.span > WIDE_SPAN else NOTE
+        yield Advice(level, "neighbouring forms", f"{spans}.")
+        return
+    now, alone = answer.numbers, found
+    area = now.area_fraction / alone.area_fraction - 1
+    pressure = now.largest_pressure / alone.largest_pressure - 1
+    level = WARNING if max(abs(area), abs(pressure)) > NEIGHBOUR_CHANGE else NOTE
+    yield Advice(
+        level,
+        "neighbouring forms",
+        f"{spans}. The neighbours change the real contact by {100 * area:+.2g} % and the largest pressure by "
+        f"{100 * pressure:+.2g} %, compared with one form alone under the same load. Set boundary to free to "
+        "be without them.",
+    )
 
 
 def altered_map(answer: Findings) -> Iterator[Advice]:
@@ -328,6 +362,7 @@ RULES: tuple[Rule, ...] = (
     large_area,
     edges,
     load_on_edges,
+    neighbouring_forms,
     altered_map,
     doubtful_solution,
 )

@@ -101,8 +101,10 @@ class Answer:
     def peaks(self) -> pd.DataFrame:
         """Peaks of the contact pressure and of the fields of the answer, those of largest magnitude first.
 
-        Columns: body, quantity, value_Pa, depth_m, y_m, x_m, in_solid, under_contact. Positions are those of
-        the cell that was computed; a mirrored map lies in its first quarter.
+        Columns: body, quantity, value_Pa, depth_m, y_m, x_m, in_solid, under_contact. Positions are those on
+        the map; the peaks of its mirror images are left out. A peak is strictly above its neighbours: a
+        maximum on the edge of a mirrored map, which has two equal nodes, is none, though it is counted among
+        the largest values of the answer.
         """
         tables = []
         for body, stress in self.stresses.items():
@@ -120,7 +122,10 @@ class Answer:
                     "interior": "in_solid",
                 }
             )
-            table = table[table["quantity"].isin(("pressure", *self.fields))].drop(columns="poisson")
+            own = self.indenter.is_on_map(table["y_m"].to_numpy(), table["x_m"].to_numpy())
+            table = table[own & table["quantity"].isin(("pressure", *self.fields))].drop(columns="poisson")
+            places = [self.indenter.on_map(y, x) for y, x in zip(table["y_m"], table["x_m"], strict=True)]
+            table[["y_m", "x_m"]] = np.array(places).reshape(-1, 2)
             table.insert(0, "body", body)
             order = table.assign(size=table["value_Pa"].abs())
             order = order.sort_values(["quantity", "size"], ascending=[False, False], kind="stable")

@@ -28,6 +28,14 @@ def main_numbers(contact: Contact, stress: xr.Dataset) -> Numbers:
     )
 
 
+def contact_span(indenter: Indenter, contact: Contact) -> float:
+    """Width of the contact on the map over the edge of the map, the larger of those along y and x."""
+    touching = np.argwhere((contact.pressure > 0)[: indenter.map_shape[0], : indenter.map_shape[1]])
+    if not touching.size:
+        return 0.0
+    return float(((np.ptp(touching, axis=0) + 1) / indenter.map_shape).max())
+
+
 def contact_numbers(indenter: Indenter, contact: Contact) -> ContactNumbers:
     """Numbers of the contact: areas, pressures, patches."""
     touching = contact.pressure > 0

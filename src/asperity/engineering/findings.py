@@ -145,6 +145,24 @@ class Numbers:
 
 
 @dataclass(frozen=True)
+class Neighbours:
+    """Effect of the periodic images of a ball or cylinder.
+
+    Parameters
+    ----------
+    span : float
+        Width of the contact over the distance between neighbours, the larger of those along y and x.
+    area_fraction, largest_pressure : float
+        Real contact and largest pressure under the same load without neighbours; NaN for layers, whose
+        contact cannot be solved without them.
+    """
+
+    span: float
+    area_fraction: float
+    largest_pressure: float
+
+
+@dataclass(frozen=True)
 class Findings:
     """All from which the advice on a case follows.
 
@@ -157,6 +175,8 @@ class Findings:
         ``lower`` and, if it is elastic, ``upper`` → `BodyAnswer`.
     fine, coarse : Numbers
         Main numbers, and those with pixels twice as large.
+    neighbours : Neighbours or None
+        None without the form of a ball or cylinder, and with a free boundary.
     """
 
     indenter: Indenter
@@ -165,3 +185,4 @@ class Findings:
     bodies: dict[str, BodyAnswer]
     fine: Numbers
     coarse: Numbers
+    neighbours: Neighbours | None = None

@@ -15,6 +15,8 @@ from asperity.system import is_running
 _OWN_FILES = re.compile(
     r"(surface|contact|stress(_lower|_upper)?)\.nc|(height|pressure|(section|plane|peaks)(_[a-z0-9_]+)?)\.png"
     r"|(peaks|answer)\.csv|report\.html"
+    # Pictures of these results by asperity view, with the names that it chooses.
+    r"|(surface|contact|stress(_lower|_upper)?)_(height|pressure|gap|section|plane|peaks)\.png"
 )
 """Names of files that a folder of an answer holds; a folder with any other is not written over."""
 

@@ -197,6 +197,31 @@ class Indenter:
         """Nominal area in m²."""
         return self.map_length[0] * self.map_length[1]
 
+    @property
+    def is_mirrored(self) -> bool:
+        """True if the cell holds the map and its mirror images."""
+        return self.map_length != self.grid.length
+
+    @property
+    def map_shape(self) -> tuple[int, int]:
+        """Nodes (y, x) of the map in the cell."""
+        images = 2 if self.is_mirrored else 1
+        return self.grid.shape[0] // images, self.grid.shape[1] // images
+
+    def is_on_map(self, y: Array, x: Array) -> Array:
+        """True for places in the cell that belong to the map, and not to one of its mirror images."""
+        own = np.ones(np.shape(y), bool)
+        if self.is_mirrored:
+            for place, length, spacing in zip((y, x), self.map_length, self.grid.spacing, strict=True):
+                own &= (place < length - spacing / 2) | (place >= 2 * length - spacing / 2)
+        return own
+
+    def map_alone(self) -> Indenter:
+        """The surface without its periodic images and mirror images: nothing surrounds it."""
+        rows, columns = self.map_shape
+        grid = Grid((rows, columns), self.map_length)
+        return replace(self, height=self.height[:rows, :columns], grid=grid, boundary="free", edge_step=0.0)
+
     def on_map(self, y: float, x: float) -> tuple[float, float]:
         """Place on the map of a place in the cell, which may lie in a mirror image of the map.
 
@@ -208,6 +233,8 @@ class Indenter:
 
 
 def _folded(position: float, length: float, spacing: float) -> float:
+    if position >= 2 * length - spacing / 2:  # half a spacing before the first node
+        return 0.0
     return position if position < length - spacing / 2 else abs(2 * length - spacing - position)
 
 
@@ -295,9 +322,7 @@ def _indenter(
 
 def _with_form(indenter: Indenter, settings: MapSettings, radius: float) -> Indenter:
     """The surface with the form of a sphere or cylinder, on every mirror image of the map."""
-    grid, length = indenter.grid, indenter.map_length
-    mirrored = length != grid.length
-    part = Grid((grid.shape[0] // 2, grid.shape[1] // 2), length) if mirrored else grid
+    part = Grid(indenter.map_shape, indenter.map_length)
     flat = np.zeros(part.shape)
     if settings.form == "sphere":
         form, word = add_sphere(flat, part, radius), "a sphere"
@@ -305,6 +330,6 @@ def _with_form(indenter: Indenter, settings: MapSettings, radius: float) -> Inde
         form = add_cylinder(flat, part, radius, axis=settings.cylinder_axis)
         word = f"a cylinder along {settings.cylinder_axis}"
     line = f"form of {word} of radius {shown_si(radius, 'm')} added"
-    if mirrored:
+    if indenter.is_mirrored:
         form = mirror_images(form)
     return replace(indenter, height=indenter.height + form, done=(*indenter.done, line))

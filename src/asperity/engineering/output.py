@@ -9,7 +9,7 @@ from asperity.engineering.answer import Answer
 from asperity.engineering.datasets import result_datasets, settings_of
 from asperity.engineering.folder import atomic_folder
 from asperity.engineering.pictures import pictures
-from asperity.engineering.report import report_page
+from asperity.engineering.report import ReportPicture, report_page
 from asperity.results import dataset
 from asperity.results.tables import write_table
 
@@ -58,7 +58,8 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
         for picture in pictures(answer):
             path = unfinished / f"{picture.name}.png"
             picture.figure.savefig(path, metadata={"Software": None})
-            shown.append((picture.caption, path.read_bytes()))
-        (unfinished / REPORT).write_text(report_page(answer, shown), encoding="utf-8")
+            wide = picture.name.startswith("section")
+            shown.append(ReportPicture(picture.body, wide, picture.caption, path.read_bytes()))
+        dataset.write_text(unfinished / REPORT, report_page(answer, shown))
         names = sorted(path.name for path in unfinished.iterdir())
     return [Path(folder) / name for name in names]

@@ -8,11 +8,11 @@ import platform
 from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
-from typing import Any
+from typing import Any, NamedTuple
 
 import asperity
 from asperity.engineering.advice import WARNING
-from asperity.engineering.answer import Answer, Row, case_in_words
+from asperity.engineering.answer import Answer, Row, body_title, case_in_words
 from asperity.engineering.datasets import settings_of
 from asperity.results.dataset import PAPER
 
@@ -20,13 +20,33 @@ PACKAGES = ("numpy", "numba", "ducc0", "xarray", "SurfaceTopography")
 """Packages whose versions the report names."""
 
 
-def report_page(answer: Answer, pictures: Sequence[tuple[str, bytes]]) -> str:
+class ReportPicture(NamedTuple):
+    """A picture of the page.
+
+    Parameters
+    ----------
+    body : str
+        Body whose stress it shows; empty for pictures of the contact.
+    wide : bool
+        True if it takes the whole width.
+    caption : str
+    image : bytes
+        Content of a PNG file.
+    """
+
+    body: str
+    wide: bool
+    caption: str
+    image: bytes
+
+
+def report_page(answer: Answer, pictures: Sequence[ReportPicture]) -> str:
     """The report as HTML.
 
     Parameters
     ----------
     answer : Answer
-    pictures : sequence of (caption, PNG file)
+    pictures : sequence of ReportPicture
         They become part of the page.
     """
     from jinja2 import Environment, StrictUndefined
@@ -45,9 +65,16 @@ def report_page(answer: Answer, pictures: Sequence[tuple[str, bytes]]) -> str:
         friction=answer.case.friction,
         boundary=answer.indenter.boundary,
         done=answer.indenter.done,
-        pictures=[
-            (caption, "data:image/png;base64," + base64.b64encode(image).decode())
-            for caption, image in pictures
+        picture_groups=[
+            (
+                body_title(answer.case, body) if body and len(answer.bodies) > 1 else "",
+                [
+                    (picture.wide, picture.caption, base64.b64encode(picture.image).decode())
+                    for picture in pictures
+                    if picture.body == body
+                ],
+            )
+            for body in ("", *answer.bodies)
         ],
         settings=json.dumps(settings_of(answer), indent=2, ensure_ascii=False),
         versions=versions(),
@@ -57,17 +84,21 @@ def report_page(answer: Answer, pictures: Sequence[tuple[str, bytes]]) -> str:
 
 
 def headline(answer: Answer) -> list[tuple[str, str]]:
-    """The four numbers that are asked for first: name and value."""
+    """The numbers that are asked for first, of the contact and of every elastic body: name and value."""
     shown = {(row.group, row.name): row.shown for row in answer.rows}
-    first = next(row.group for row in answer.rows if row.name == "largest von Mises stress")
     numbers = [
         ("real contact", f"{100 * answer.numbers.area_fraction:.3g} %"),
         ("largest pressure", shown["contact", "largest pressure"]),
-        ("largest von Mises stress", shown[first, "largest von Mises stress"]),
-        ("at depth", shown[first, "at depth"]),
     ]
-    if (first, "share above yield") in shown:
-        numbers.append(("above yield", shown[first, "volume above yield"]))
+    for name in answer.bodies:
+        group = body_title(answer.case, name)
+        where = f", {name} body" if len(answer.bodies) > 1 else ""
+        numbers += [
+            (f"largest von Mises stress{where}", shown[group, "largest von Mises stress"]),
+            (f"at depth{where}", shown[group, "at depth"]),
+        ]
+        if (group, "share above yield") in shown:
+            numbers.append((f"above yield{where}", shown[group, "volume above yield"]))
     return numbers
 
 

@@ -15,10 +15,11 @@ from asperity.contact import Contact, solve
 from asperity.engineering.advice import advise
 from asperity.engineering.answer import Answer
 from asperity.engineering.case import Body, Case, Load
-from asperity.engineering.evaluation import body_answer, contact_numbers, main_numbers
+from asperity.engineering.evaluation import body_answer, contact_numbers, contact_span, main_numbers
 from asperity.engineering.extremes import StressInBody, stress_in
-from asperity.engineering.findings import Findings, Numbers
+from asperity.engineering.findings import Findings, Neighbours, Numbers
 from asperity.engineering.indenter import CounterMap, Indenter, MapSettings, read_indenter
+from asperity.finite import require_finite
 from asperity.spectral import Fourier, Grid, resample
 from asperity.stress.arguments import FIELDS, checked_names
 from asperity.surface.height_map import HeightMap
@@ -125,7 +126,10 @@ def run(
     for body, share in _shared(report.stage("stress"), list(case.bodies)):
         bodies[body] = stress_in(contact, case, body, names, share)
     coarse = coarse_numbers(indenter, case, report.stage("resolution"))
-    answer = assemble(indenter, case, settings, contact, bodies, coarse, names, counter)
+    neighbours = None
+    if settings.radius is not None and indenter.boundary == "periodic":
+        neighbours = neighbours_of(indenter, case, contact)
+    answer = assemble(indenter, case, settings, contact, bodies, coarse, names, counter, neighbours)
     report.finish()
     return answer
 
@@ -157,6 +161,15 @@ def coarse_numbers(indenter: Indenter, case: Case, progress: Progress | None = N
     return main_numbers(contact, stress.dataset)
 
 
+def neighbours_of(indenter: Indenter, case: Case, contact: Contact) -> Neighbours:
+    """Effect of the periodic images on the contact of a ball or cylinder, from a solution without them."""
+    span, unknown = contact_span(indenter, contact), float("nan")
+    if any(body.height is not None for body in case.bodies.values()):
+        return Neighbours(span, unknown, unknown)
+    alone = press(indenter.map_alone(), case)
+    return Neighbours(span, alone.area_fraction, float(alone.pressure.max()))
+
+
 def _halved(indenter: Indenter) -> Indenter:
     """The surface with pixels twice as large: its long waves, or every second node with a free boundary."""
     grid = indenter.grid
@@ -179,6 +192,7 @@ def assemble(
     coarse: Numbers,
     fields: tuple[str, ...] = ("von_mises",),
     counter_map: CounterMap | None = None,
+    neighbours: Neighbours | None = None,
 ) -> Answer:
     """The answer from the results of all stages, with the advice on them."""
     findings = Findings(
@@ -188,7 +202,9 @@ def assemble(
         bodies={name: body_answer(case.bodies[name], stress, indenter) for name, stress in stresses.items()},
         fine=main_numbers(contact, stresses["lower"].dataset),
         coarse=coarse,
+        neighbours=neighbours,
     )
+    _require_finite(findings)
     return Answer(
         indenter=indenter,
         case=case,
@@ -203,6 +219,23 @@ def assemble(
         fields=fields,
         counter_map=counter_map,
     )
+
+
+def _require_finite(findings: Findings) -> None:
+    """Raise `ValueError` unless all numbers are finite; NaN stands for those of peaks that are not there."""
+    results = vars(findings.numbers) | {
+        f"{name} with {pixels} pixels": value
+        for pixels, numbers in (("all", findings.fine), ("half the", findings.coarse))
+        for name, value in vars(numbers).items()
+    }
+    for body in findings.bodies.values():
+        results |= {name: tuple(extreme) for name, extreme in body.largest.items()}
+        results |= {
+            name: getattr(body, name)
+            for name in ("volume_above_yield", "depths_above_yield", "fraction_above_yield")
+            if getattr(body, name) is not None
+        }
+    require_finite("run", results, undefined=True)
 
 
 class _Stages:

@@ -102,7 +102,7 @@ def write_page(
         version=asperity.__version__,
     )
     with atomic_write(path) as unfinished:
-        unfinished.write_text(page, encoding="utf-8")
+        unfinished.write_text(page, encoding="utf-8", newline="\n")
 
 
 def order(figures: Mapping[str, Description]) -> list[Description]:

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from asperity.config.loads import imposed_load
 from asperity.contact import solve_path
+from asperity.elasticity.layer import Layer
 from asperity.pipeline.solid import solid
 from asperity.results.dataset import grid_of
-from asperity.types import Progress
+from asperity.types import Array, Progress
 
 
 def solve_contact(
@@ -21,7 +25,7 @@ def solve_contact(
     contact_settings: Mapping[str, Any],
     progress: Progress | None = None,
 ) -> xr.Dataset:
-    """Contact at the area fractions of the configuration.
+    """Contact at the load of the configuration, and at the area fractions of its load-area curve.
 
     Parameters
     ----------
@@ -35,33 +39,49 @@ def solve_contact(
     Returns
     -------
     dataset
-        Pressure, displacement and gap at the area fraction ``contact.area_fraction``, and the load-area
-        curve. The attributes hold the description of the solid (`asperity.pipeline.solid.SOLID_ATTRIBUTES`)
-        and the certificate of the solution.
+        Pressure, displacement and gap at the load of section ``contact``, and the load-area curve. The
+        attributes hold the description of the solid (`asperity.pipeline.solid.SOLID_ATTRIBUTES`) and the
+        certificate of the solution.
 
     Raises
     ------
     ConvergenceError
-        If the contact at an area fraction does not converge.
+        If a contact does not converge.
+    ValueError
+        If the approach is that of full contact or more.
     """
     layer, record = solid(layer_settings)
-    chosen = contact_settings["area_fraction"]
-    fractions = sorted({*contact_settings["path_area_fractions"], chosen})
-    path = solve_path(
-        surface["height"].values,
+    kind, value = imposed_load(contact_settings)
+    height = surface["height"].values
+    fractions = {*contact_settings.get("path_area_fractions", ())}
+    if kind == "area_fraction":
+        fractions.add(value)
+    elif kind == "approach" and not value < (most := largest_approach(height, layer)):
+        raise ValueError(
+            f"contact.approach = {value!r}: less than {most:.6g} is needed, the height of the mean plane "
+            "above the point that touches first; there a periodic half-space is in full contact"
+        )
+    path = sorted(fractions)
+    press = partial(
+        solve_path,
+        height,
         layer,
         grid_of(surface).length,
-        area_fractions=fractions,
         method=contact_settings["method"],
         rtol=contact_settings["tolerance"],
         dtype=contact_settings["precision"],
-        progress=progress,
     )
     curve = []
-    for fraction, step in zip(fractions, path, strict=True):
+    for fraction, step in zip(path, press(area_fractions=path, progress=progress), strict=True):
         curve.append((step.area_fraction, step.mean_pressure, step.gradient_rms_contact))
-        if fraction == chosen:
+        if kind == "area_fraction" and fraction == value:
             contact = step
+    if kind != "area_fraction":
+        position = float(height.min()) + value
+        own = {"mean_pressures": [value]} if kind == "mean_pressure" else {"approaches": [position]}
+        (contact,) = press(**own, progress=progress)
+        curve.append((contact.area_fraction, contact.mean_pressure, contact.gradient_rms_contact))
+        curve.sort()
     area_fraction, mean_pressure, gradient_rms = np.array(curve).T
     plane = ("y", "x")
     dataset = xr.Dataset(
@@ -85,3 +105,11 @@ def solve_contact(
         if name != "seconds"
     }
     return dataset.assign_attrs(record | certificate)
+
+
+def largest_approach(height: Array, layer: Layer) -> float:
+    """Approach since first touch below which a solid without uniform displacement is not in full contact.
+
+    Infinite for a solid with a uniform displacement.
+    """
+    return float(height.mean() - height.min()) if layer.uniform_compliance() == 0 else math.inf

@@ -185,7 +185,7 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text file atomically.
+    """Write a text file atomically, with the same bytes on every system: UTF-8, lines end with a line feed.
 
     Raises
     ------
@@ -193,7 +193,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
         If the file cannot be written.
     """
     with atomic_write(path) as unfinished:
-        unfinished.write_text(text, encoding="utf-8")
+        unfinished.write_text(text, encoding="utf-8", newline="\n")
 
 
 def delete_unfinished() -> None:

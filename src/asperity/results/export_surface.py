@@ -98,5 +98,5 @@ def write_surface_table(
                 {f"y_{units.length_name}": y.ravel(), f"x_{units.length_name}": x.ravel()}
                 | {name: (part.of(values)[rows] / unit).ravel() for name, (values, unit) in columns.items()}
             )
-            table.to_csv(file, index=False, header=not first, float_format="%.7g")
+            table.to_csv(file, index=False, header=not first, float_format="%.7g", lineterminator="\n")
     return part.y.size * part.x.size

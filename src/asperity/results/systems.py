@@ -24,8 +24,12 @@ POWERS = {
 }
 """Dimension → powers of length and of stress; variables of all others are numbers."""
 
-LENGTH_SETTINGS = {"surface": ("wavelength_long", "wavelength_short", "rms_height"), "layer": ("height",)}
-"""Section of the settings of a result → those that are lengths."""
+SETTINGS = {
+    "surface": {"wavelength_long": "length", "wavelength_short": "length", "rms_height": "length"},
+    "layer": {"height": "length"},
+    "contact": {"mean_pressure": "stress", "approach": "length"},
+}
+"""Section of the settings of a result → those with a dimension."""
 
 
 def in_si(
@@ -43,7 +47,9 @@ def in_si(
         Effective modulus in Pa.
     """
     told = {"cell_length": length} | ({"effective_modulus": modulus} if modulus != 1.0 else {})
-    return _scaled(data, length, modulus, SI_UNITS).assign_attrs(told), _lengths_scaled(settings, length)
+    return _scaled(data, length, modulus, SI_UNITS).assign_attrs(told), _settings_scaled(
+        settings, length, modulus
+    )
 
 
 def in_cell_lengths(data: xr.Dataset, settings: dict[str, Any]) -> tuple[xr.Dataset, dict[str, Any]]:
@@ -54,7 +60,7 @@ def in_cell_lengths(data: xr.Dataset, settings: dict[str, Any]) -> tuple[xr.Data
     back = _scaled(data, 1 / length, 1 / modulus, STUDY_UNITS)
     if "effective_modulus" in data.attrs:
         back.attrs["effective_modulus"] = 1.0
-    return back, _lengths_scaled(settings, 1 / length)
+    return back, _settings_scaled(settings, 1 / length, 1 / modulus)
 
 
 def cell_length(data: xr.Dataset) -> float:
@@ -77,10 +83,10 @@ def _scaled(data: xr.Dataset, length: float, stress: float, system: str) -> xr.D
     return scaled.assign_attrs(unit_system=system)
 
 
-def _lengths_scaled(settings: dict[str, Any], factor: float) -> dict[str, Any]:
+def _settings_scaled(settings: dict[str, Any], length: float, stress: float) -> dict[str, Any]:
     scaled = copy.deepcopy(settings)
-    for section, names in LENGTH_SETTINGS.items():
-        for name in names:
+    for section, names in SETTINGS.items():
+        for name, dimension in names.items():
             if isinstance(scaled.get(section, {}).get(name), (int, float)):
-                scaled[section][name] *= factor
+                scaled[section][name] *= length if dimension == "length" else stress
     return scaled

@@ -254,7 +254,7 @@ def write_table(
     check_columns(frame, table)
     with atomic_write(path) as unfinished:
         if path.suffix == ".csv":
-            frame.to_csv(unfinished, index=False, float_format=float_format)
+            frame.to_csv(unfinished, index=False, float_format=float_format, lineterminator="\n")
         else:
             described = frame.copy()
             described.attrs["units"] = units(table, frame)

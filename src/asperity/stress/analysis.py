@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from asperity import accessor
 from asperity.elasticity.layer import LATERALS
+from asperity.finite import require_finite
 from asperity.spectral import Work
 from asperity.stress.arguments import (
     FIELDS,
@@ -205,7 +206,10 @@ def analyse_lateral_conditions(
         PressedSolid(pressure, contact.grid, contact.layer, boundary_of(contact)), settings, laterals
     )
     analysis.run(progress, observe)
-    return {lateral: _dataset(analysis, lateral) for lateral in laterals}
+    found = {lateral: _dataset(analysis, lateral) for lateral in laterals}
+    for dataset in found.values():
+        require_finite("analyse_stress", dataset.data_vars)
+    return found
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,9 @@ MAX_THREADS = 1024
 MAX_DEPTH = 1e30
 """Largest depth over the longer edge of the cell. Modes vanish below a depth of 120; nothing overflows."""
 
+MAX_FRICTION = 1000.0
+"""Largest coefficient of friction: more than any pair of solids has, and squares of stresses stay finite."""
+
 EDGE_RANGE = (1e-60, 1e60)
 """Edges of the cell that are accepted: squares of wavenumbers stay within double precision."""
 
@@ -181,7 +184,7 @@ def checked_ratios(poisson: float | Sequence[float] | None, layer: Layer) -> lis
 def boundary_of(contact: ContactLike) -> str:
     """The boundary of a contact, "periodic" if it does not say."""
     boundary = getattr(contact, "boundary", "periodic")
-    if boundary not in BOUNDARIES:
+    if not isinstance(boundary, str) or boundary not in BOUNDARIES:
         raise ValueError(f"contact.boundary = {_told(boundary)}: one of {', '.join(BOUNDARIES)} is needed")
     if boundary == "free" and contact.layer.height is not None:
         raise ValueError("contact.boundary = 'free': a half-space is needed, the solid is a layer")
@@ -190,7 +193,8 @@ def boundary_of(contact: ContactLike) -> str:
 
 def checked_sliding(friction: Any, direction: Any, layer: Layer) -> tuple[float, float]:
     """Shear traction over pressure along x and y."""
-    friction = checked_number("friction", friction, "a finite number ≥ 0", lambda value: value >= 0)
+    accepted = f"a number from 0 to {MAX_FRICTION:g}"
+    friction = checked_number("friction", friction, accepted, lambda value: 0 <= value <= MAX_FRICTION)
     if isinstance(direction, str):
         degrees = {"x": 0.0, "y": 90.0}.get(direction)
         if degrees is None:
@@ -226,7 +230,7 @@ def checked_ratio(poisson: float | None, known: Sequence[float]) -> float:
 
 def checked_name(argument: str, name: Any, known: Sequence[str]) -> str:
     """The name, if it is known."""
-    if name not in known:
+    if not isinstance(name, str) or name not in known:
         raise ValueError(f"{argument} = {_told(name)}: one of {', '.join(known)} is needed")
     return str(name)
 
@@ -237,7 +241,7 @@ def checked_names(argument: str, names: Sequence[str], known: Sequence[str]) -> 
     if not listed:
         raise ValueError(f"{argument} = {_told(names)}: a list of names from {', '.join(known)} is needed")
     for name in listed:
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             raise ValueError(f"{argument} = {_told(name)}: names from {', '.join(known)} are needed")
         if listed.count(name) > 1:
             raise ValueError(

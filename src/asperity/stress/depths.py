@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from asperity.finite import require_finite
 from asperity.spectral import Grid
 from asperity.stress.arguments import MAX_PLANES, checked_number
 from asperity.types import Array
@@ -63,4 +64,6 @@ def depth_grid(grid: Grid, height: float | None = None, spacing: float = 0.5, gr
     depths[-1] = bottom
     if len(depths) > 2 and bottom - depths[-2] < 0.5 * (depths[-2] - depths[-3]):
         del depths[-2]
-    return np.array(depths)
+    found = np.array(depths)
+    require_finite("depth_grid", {"depths": found})
+    return found

@@ -26,6 +26,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asperity.arguments import finite_array
+from asperity.finite import require_finite
 from asperity.spectral import Grid
 from asperity.stress.arguments import (
     BOUNDARIES,
@@ -137,13 +138,15 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "p
     nodes = _plane_maxima(field, checked_floor(floor), periodic)
     values = _neighbourhood(field, *nodes, periodic)
     refined, y, x = refine_in_plane(_upright(values, values))
-    return Peaks(
+    found = Peaks(
         refined * np.sign(values[:, 1, 1]),
         np.zeros(nodes[0].size),
         *_positions(nodes, y, x, grid, periodic),
         values[:, 1, 1],
         np.zeros(nodes[0].size, bool),
     )
+    require_finite("plane_peaks", vars(found))
+    return found
 
 
 def find_peaks(
@@ -190,7 +193,9 @@ def find_peaks(
         ratio = plane.poisson.index(checked_ratio(poisson, plane.poisson))
         checked_nodes(plane.grid)
         finder.add(plane.depth, plane.grid, checked_field("field", fields[ratio], plane.grid), floor)
-    return finder.peaks()
+    found = finder.peaks()
+    require_finite("find_peaks", vars(found))
+    return found
 
 
 @dataclass

@@ -44,6 +44,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.elasticity.layer import COMPONENTS, Layer
+from asperity.finite import require_finite
 from asperity.spectral import Fourier, Grid, Work, resample
 from asperity.stress.arguments import (
     FIELDS,
@@ -244,8 +245,8 @@ def stress_planes(
     work : Work, optional
         Where the transforms are counted.
     friction : float
-        Coefficient of friction μ ≥ 0: the shear traction is μ times the pressure. On a half-space, or a layer
-        bonded to a rigid base.
+        Coefficient of friction μ, from 0 to 1000: the shear traction is μ times the pressure. On a
+        half-space, or a layer bonded to a rigid base.
     sliding_direction : "x", "y" or float
         Direction of the traction on this solid; a number is an angle in degrees from x towards y.
 
@@ -292,6 +293,7 @@ def _named_fields(
             fields[name] = np.empty((len(ratios), *plane.grid.shape), plane.dtype)
             for out, nu in zip(fields[name], ratios, strict=True):
                 plane.field(name, nu, out)
+        require_finite("stress_planes", fields)
         yield StressPlane(plane.depth, plane.grid, tuple(ratios), fields, plane.bound)
         if progress is not None:
             progress(plane.done, 1.0)

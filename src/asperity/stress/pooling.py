@@ -17,6 +17,7 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
+from asperity.finite import require_finite
 from asperity.stress.peak_kinds import SELECTIONS
 from asperity.stress.selection import peaks
 from asperity.stress.statistics import (
@@ -101,7 +102,7 @@ def pool_peaks(
     bootstrap = _Bootstrap(len(stresses), resamples, confidence, seed)
     first = stresses[0]
     depth_edges = _depth_edges(first["plane_depth"].values)
-    return xr.Dataset(
+    pooled = xr.Dataset(
         _pooled_peaks(stresses, scale, depth_edges, bins, bootstrap)
         | _pooled_profiles(stresses, scale, bootstrap),
         coords={
@@ -114,6 +115,8 @@ def pool_peaks(
         },
         attrs={"bootstrap_resamples": resamples, "bootstrap_confidence": confidence},
     )
+    require_finite("pool_peaks", pooled.data_vars, undefined=True)
+    return pooled
 
 
 def _checked(

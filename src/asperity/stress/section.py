@@ -17,6 +17,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from asperity.errors import shown
+from asperity.finite import require_finite
 from asperity.stress.arguments import (
     FIELDS,
     boundary_of,
@@ -79,7 +80,9 @@ class StressBox:
         stream = linear_planes(self._contact, self.depth, self.poisson, self.fields, **self._settings)
         for plane in stream:
             found = _interpolated(plane, self.y, self.x, periodic)
-            yield {name: np.stack([found.field(name, nu) for nu in self.poisson]) for name in self.fields}
+            fields = {name: np.stack([found.field(name, nu) for nu in self.poisson]) for name in self.fields}
+            require_finite("stress_box", fields)
+            yield fields
             if progress is not None:
                 progress(plane.done, 1.0)
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from asperity.arguments import LARGEST, finite_array, number, whole_number
 from asperity.errors import shown
+from asperity.finite import require_finite
 from asperity.spectral import Fourier, Grid, resample
 from asperity.types import Array
 
@@ -62,7 +63,9 @@ def probability_density(values: Array, bins: int = 100, limits: tuple[float, flo
     values = finite_array("values", values).ravel()
     edges = bin_edges(values, bins, limits)
     counts = np.histogram(values, edges)[0]
-    return Density(counts, edges, normalised(counts, edges))
+    found = Density(counts, edges, normalised(counts, edges))
+    require_finite("probability_density", found._asdict())
+    return found
 
 
 def bin_edges(values: Array, bins: int, limits: tuple[float, float] | None = None) -> Array:
@@ -147,7 +150,9 @@ def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tup
     ring = np.rint(np.hypot(y[:, None], x[None, :]) / width).astype(np.int64).ravel()
     count = np.bincount(ring)[:rings]
     total = np.bincount(ring, covariance.ravel())[:rings]
-    return width * np.arange(rings), total / count
+    lag, mean = width * np.arange(rings), total / count
+    require_finite("autocorrelation", {"lag": lag, "covariance": mean})
+    return lag, mean
 
 
 def half_length(distance: Array, correlation: Array, share: float = 0.5) -> float:

@@ -24,6 +24,9 @@ wave depend on the grid."""
 PERIODIC_STEP = 3.0
 """Largest edge step, in units of that between neighbouring points, of a map that is called periodic."""
 
+CHOSEN = Treatment(periodic="mirrored", undefined="harmonic")
+"""What asperity run does to a map that is not periodic and lacks points."""
+
 NARROWEST_SLOPE = 4.0
 """Smallest ratio of wavenumbers over which a slope of the spectrum is given."""
 
@@ -54,7 +57,9 @@ class MapDescription:
         Hurst exponent from the slope −2(H + 1) of the spectrum between twice the wavenumber of `long_waves`
         and half of the largest; NaN if these are less than `NARROWEST_SLOPE` apart.
     needed : list of str
-        What a calculation needs to be told besides the file.
+        What every calculation needs to be told besides the file.
+    choices : list of str
+        What asperity solve and a study need too, and asperity run chooses by itself.
     """
 
     map: HeightMap
@@ -71,6 +76,7 @@ class MapDescription:
     unresolved_gradient: float
     hurst: float
     needed: list[str]
+    choices: list[str]
 
     def lines(self) -> list[str]:
         """The description as text, one property a line."""
@@ -102,9 +108,15 @@ class MapDescription:
                 del table[name]
         width = max(map(len, table)) + 2
         lines = [f"{name + ':':<{width}}{text}" for name, text in table.items()]
-        if not self.needed:
-            return [*lines, "A calculation needs nothing else."]
-        return [*lines, "A calculation needs", *(f"  {text}" for text in self.needed)]
+        if self.needed:
+            lines += ["every calculation needs", *(f"  {text}" for text in self.needed)]
+        if self.choices:
+            lines += [
+                "asperity run fills points without data and mirrors the map by itself; "
+                "asperity solve and a study need",
+                *(f"  {text}" for text in self.choices),
+            ]
+        return lines if self.needed or self.choices else [*lines, "A calculation needs nothing else."]
 
     def _channels(self) -> str:
         known = [
@@ -168,7 +180,8 @@ def describe_map(
     """
     found = inspect_map(path, given, option)
     surface = found.map
-    needed = missing_settings(found, Treatment(), option)
+    needed = missing_settings(found, CHOSEN, option)
+    choices = [text for text in missing_settings(found, Treatment(), option) if text not in needed]
     missing = ~np.isfinite(surface.height)
     if missing.all():
         level, spikes, tilt = np.zeros(surface.height.shape), np.zeros_like(missing), 0.0
@@ -194,6 +207,7 @@ def describe_map(
         unresolved_gradient=unresolved,
         hurst=hurst,
         needed=needed,
+        choices=choices,
     )
 
 

@@ -20,6 +20,7 @@ from scipy.fft import dctn
 
 from asperity.arguments import choice, number
 from asperity.errors import shown
+from asperity.finite import require_finite
 from asperity.spectral import Fourier, Grid, resample
 from asperity.surface.height_map import LOWER_FACE, PEAKS_UP, HeightMap, MapError
 from asperity.types import Array
@@ -149,6 +150,7 @@ def face_to_face(
         else:
             found = face[np.ix_(*(np.rint(place).astype(np.int64) for place in places))]
     height = lower.as_indenter()[part] + found
+    require_finite("face_to_face", {"height": height})
     pixel = lower.spacing
     combined = replace(
         lower,

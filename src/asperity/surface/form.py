@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from asperity.arguments import LARGEST, choice, finite_array, magnitude, number
 from asperity.errors import shown
+from asperity.finite import require_finite
 from asperity.spectral import Grid
 from asperity.types import Array
 
@@ -56,7 +57,9 @@ def add_sphere(
     heights, grid = _surface(height, length)
     radius = magnitude("radius", radius)
     y, x = _from_centre(grid, centre)
-    return np.asarray(heights + (y[:, None] ** 2 + x**2) / (2 * radius))
+    found = np.asarray(heights + (y[:, None] ** 2 + x**2) / (2 * radius))
+    require_finite("add_sphere", {"height": found})
+    return found
 
 
 def add_cylinder(
@@ -90,7 +93,9 @@ def add_cylinder(
     choice("axis", axis, AXES)
     y, x = _from_centre(grid, centre)
     across = x if axis == "y" else y[:, None]
-    return np.asarray(heights + across**2 / (2 * radius))
+    found = np.asarray(heights + across**2 / (2 * radius))
+    require_finite("add_cylinder", {"height": found})
+    return found
 
 
 def _surface(height: ArrayLike, length: Grid | float | tuple[float, float]) -> tuple[Array, Grid]:

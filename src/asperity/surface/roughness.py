@@ -26,13 +26,14 @@ ISO 25178-2 (names of areal roughness parameters).
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import expit
 
 from asperity.arguments import LARGEST, SMALLEST, magnitude, number, real_array, whole_number
+from asperity.finite import require_finite
 from asperity.spectral import Fourier, Grid, mean_square, radial_average
 from asperity.types import Array
 
@@ -134,7 +135,9 @@ def self_affine(
     axis = kx == 0
     coefficients[-ky[axis], 0] = mode[axis].conj()
     coefficients *= rms_height / np.sqrt(mean_square(coefficients, grid))
-    return Fourier(grid).inverse(coefficients, overwrite=True)
+    height = Fourier(grid).inverse(coefficients, overwrite=True)
+    require_finite("self_affine", {"height": height})
+    return height
 
 
 def _deviates(grid: Grid, wavelength_short: float, seed: int) -> tuple[Array, Array, Array]:
@@ -239,7 +242,9 @@ def johnson(height: Array, gamma: float, delta: float, zeta: float = -4.0, lam: 
             f"gamma = {gamma!r}, delta = {delta!r}: a smaller gamma or a larger delta is needed, "
             "all heights are mapped to one bound"
         )
-    return _rescaled(transformed, heights)
+    found = _rescaled(transformed, heights)
+    require_finite("johnson", {"height": found})
+    return found
 
 
 def with_moments(height: Array, skewness: float, kurtosis: float) -> Array:
@@ -284,12 +289,21 @@ def with_moments(height: Array, skewness: float, kurtosis: float) -> Array:
     skewness, kurtosis = _checked_moments(skewness, kurtosis)
     standard = _standardised(heights)
     if (skewness, kurtosis) == (0.0, 3.0):
-        return _rescaled(standard, heights)
+        found = _rescaled(standard, heights)
+    else:
+        curve, gamma, delta = _fitted_curve(skewness, kurtosis)
+        with np.errstate(over="ignore", invalid="ignore"):  # refused by _rescaled
+            found = _rescaled(curve((standard - gamma) / delta), heights)
+    require_finite("with_moments", {"height": found})
+    return found
+
+
+def _fitted_curve(skewness: float, kurtosis: float) -> tuple[Callable[[Array], Array], float, float]:
+    """The curve with these moments, and its parameters γ and δ."""
     for curve in (expit, np.sinh):
         gamma, delta, misfit = _fit(curve, skewness, kurtosis)
         if misfit < _FIT_TOLERANCE and (curve is np.sinh or delta >= _SMALLEST_FITTED_DELTA):
-            with np.errstate(over="ignore", invalid="ignore"):  # refused by _rescaled
-                return _rescaled(curve((standard - gamma) / delta), heights)
+            return curve, gamma, delta
     raise ValueError(
         f"skewness = {skewness!r}, kurtosis = {kurtosis!r}: no Johnson curve with these moments was found; "
         f"a kurtosis from about {1.2 + 1.1 * skewness**2:.3g} to {_LARGEST_KURTOSIS:g}, "
@@ -431,12 +445,14 @@ def roughness_parameters(height: Array, length: float | tuple[float, float] = 1.
     heights = np.ravel(values)
     variance, skewness, kurtosis = _moments(heights, np.full(heights.size, 1 / heights.size))
     squared_wavenumber = grid.odd_qy[:, None] ** 2 + grid.odd_qx[None, :] ** 2
-    return RoughnessParameters(
+    found = RoughnessParameters(
         rms_height=float(variance**0.5),
         rms_gradient=mean_square(Fourier(grid).forward(values), grid, squared_wavenumber) ** 0.5,
         skewness=float(skewness),
         kurtosis=float(kurtosis),
     )
+    require_finite("roughness_parameters", asdict(found))
+    return found
 
 
 def spectrum(height: Array, length: float | tuple[float, float] = 1.0) -> tuple[Array, Array]:
@@ -475,7 +491,9 @@ def spectrum(height: Array, length: float | tuple[float, float] = 1.0) -> tuple[
     values = _heights(height)
     grid = Grid(values.shape, length)  # type: ignore[arg-type]
     power = np.abs(Fourier(grid).forward(values)) ** 2
-    return radial_average(grid.area * power, grid)
+    wavenumber, average = radial_average(grid.area * power, grid)
+    require_finite("spectrum", {"wavenumber": wavenumber, "power": average})
+    return wavenumber, average
 
 
 def target_spectrum(

@@ -16,6 +16,7 @@ import numpy as np
 
 from asperity.arguments import choice, number, whole_number
 from asperity.errors import shown
+from asperity.finite import require_finite
 from asperity.spectral import Grid, good_size
 from asperity.surface.height_map import HeightMap, MapError, OptionName, orientation_needed
 from asperity.surface.levelling import (
@@ -292,6 +293,7 @@ def treat_map(
             ],
         )
     shortest = treatment.wavelength_short or _two_nodes(grid, target)
+    require_finite("treat_map", {"height": smooth})
     record = _record(surface, treatment, (missing, spikes), trend, target)
     whole = MapTreatment(
         **record,

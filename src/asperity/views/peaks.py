@@ -14,10 +14,10 @@ from asperity.stress.arguments import SAME_RATIO
 from asperity.stress.selection import peaks
 from asperity.types import Array
 from asperity.views.colours import Limits, robust_limits
-from asperity.views.inside import field_name
 from asperity.views.measures import Measure, measure
 from asperity.views.panels import canvas, finish_title
 from asperity.views.source import same_system, system_of, title_of
+from asperity.views.stress_field import field_name
 
 LARGE_PEAK = 0.5
 """Peaks of at least this part of the largest magnitude set the depth that is shown."""

@@ -62,7 +62,7 @@ class Source:
         ValueError
             If the result does not have it.
         """
-        if name not in self.fields:
+        if not isinstance(name, str) or name not in self.fields:
             known = ", ".join(self.fields) or "no fields over the surface"
             raise ValueError(f"{name}: the result has {known}")
         return self.fields[name]
@@ -85,7 +85,7 @@ class Source:
         """
         if not self.layers or "pressure" not in self.fields:
             raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
-        if body not in self.layers:
+        if not isinstance(body, str) or body not in self.layers:
             raise ValueError(f"body = {shown(body)}: {' or '.join(self.layers)} is needed")
         pressure = self.fields["pressure"].astype(float)
         return PressedSolid(pressure, self.grid, self.layers[body], self.boundary)

@@ -14,12 +14,14 @@ from asperity.cli.arguments import converted
 from asperity.config.schema import setting
 from asperity.config.study import PAPER, read_study
 from asperity.errors import shown
+from asperity.packages import require
 
 SNAKEFILE = "Snakefile"
 
 
 def run(options: argparse.Namespace) -> None:
     """Plan the seeds from a pilot, print the plan and its cost, compute them, and print the result."""
+    require(("matplotlib", "snakemake"))
     given = {} if options.results is None else {"results": options.results}
     config = read_study(options.config or [PAPER], given)
     error = config["ensemble"]["error"] if options.error is None else error_of(options.error)
@@ -64,7 +66,9 @@ def _check(claim: str, config: dict[str, Any]) -> None:
     of_delta = deltas(by_role, surfaces, config["readings"].get("delta", ()))
     surfaces_of(claim, with_deltas(by_role, of_delta), config["readings"])
     if not Path(SNAKEFILE).is_file():
-        raise FileNotFoundError(f"{SNAKEFILE}: no such file; the command runs in the folder of the project")
+        raise FileNotFoundError(
+            f"{SNAKEFILE}: no such file; the command runs in the folder of the study: asperity study init DIR"
+        )
 
 
 def _snakemake(options: argparse.Namespace, target: str) -> None:

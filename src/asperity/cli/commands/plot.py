@@ -10,6 +10,7 @@ import xarray as xr
 
 from asperity.cli.arguments import section
 from asperity.cli.files import check_out, read_dimensionless, stage_of
+from asperity.packages import require
 from asperity.paper.figures import describe, draw
 from asperity.results import dataset
 from asperity.views.style import save, style
@@ -21,6 +22,7 @@ _OF_ONE_RATIO = (8, 9, 10, 11, 13, 17, 18)
 
 def run(options: argparse.Namespace) -> None:
     """Draw the figure and write it to all files."""
+    require(("matplotlib",))
     check_out(options.out, options.results)
     figure = f"figure {options.figure}"
     description = describe(f"fig{options.figure:02d}")

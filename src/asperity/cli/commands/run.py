@@ -55,10 +55,12 @@ def run(options: argparse.Namespace) -> None:
     values, problems = _values(options)
     refused = [problem.split(" ")[0] for problem in problems]
     problems += _contradictions(options, values)
-    indenter = _indenter(options.map, values, refused, problems)
-    if problems:
-        for problem in problems:
-            fail(problem)
+    for problem in problems:  # at once: reading a map takes a second or more
+        fail(problem)
+    indenter, of_map = _indenter(options.map, values, refused)
+    for problem in of_map:
+        fail(problem)
+    if problems or of_map:
         sys.exit(WRONG_USAGE)
 
     from asperity.cli.compiling import compile_visibly, run_small
@@ -90,28 +92,24 @@ def run(options: argparse.Namespace) -> None:
     print(f"\npictures  {pictures}\nresults   {results}\nreport    {report}")
 
 
-def _indenter(path: str, values: Mapping[str, Any], refused: Sequence[str], problems: list[str]) -> Any:
-    """The map as it is pressed, or both maps, or None; what is wrong with it is added to `problems`.
+def _indenter(path: str, values: Mapping[str, Any], refused: Sequence[str]) -> tuple[Any, list[str]]:
+    """The map as it is pressed, or both maps, and what is wrong with it.
 
     A map that needs an option whose value is `refused` already is not blamed for it again.
     """
     if not is_file(path) or not is_file(values.get("counter_map", path)):
-        return None
+        return None, []
     from asperity.engineering.indenter import read_indenter
 
     try:
         indenter = read_indenter(path, _map_settings(values), _counter_map(values))
     except InputError as error:
-        for problem, line in zip(error.problems, error.lines, strict=True):
-            if not problem.startswith(tuple(refused)):
-                problems.append(line)
-        return None
+        told = zip(error.problems, error.lines, strict=True)
+        return None, [line for problem, line in told if not problem.startswith(tuple(refused))]
     except ValueError as error:
-        problems.append(str(error))
-        return None
-    if problem := _too_deep(values, indenter):
-        problems.append(problem)
-    return indenter
+        return None, [str(error)]
+    problem = _too_deep(values, indenter)
+    return indenter, [problem] if problem else []
 
 
 def _too_deep(values: Mapping[str, Any], indenter: Any) -> str:

@@ -21,9 +21,10 @@ from asperity.results import dataset
 from asperity.runtime.progress import ProgressBar
 from asperity.stress.analysis import QUANTITIES
 from asperity.stress.arguments import FIELDS
-from asperity.views.inside import plot_plane, plot_section
 from asperity.views.maps import plot_gap, plot_height, plot_pressure
 from asperity.views.peaks import plot_peaks
+from asperity.views.plane import plot_plane
+from asperity.views.section import plot_section
 from asperity.views.source import sources, title_of
 from asperity.views.style import save, style
 

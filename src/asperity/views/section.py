@@ -1,4 +1,4 @@
-"""Stress inside the solid: in a vertical section, and in a plane at a depth."""
+"""Stress in a vertical section through the solid."""
 
 from __future__ import annotations
 
@@ -10,18 +10,16 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity.results.export import planes_on_grid
 from asperity.results.window import Span
 from asperity.stress.depths import depth_grid
-from asperity.stress.planes import stress_planes
-from asperity.stress.pressed import PressedSolid
 from asperity.stress.section import stress_section
 from asperity.types import Array, Progress
-from asperity.views.colours import SIGNED, STRESS, Limits, robust_limits
-from asperity.views.maps import Look, Map, draw_maps, largest_magnitude
+from asperity.views.colours import Limits, robust_limits
+from asperity.views.maps import Look
 from asperity.views.measures import Measure, measure
 from asperity.views.panels import add_colour_bar, canvas, finish_title
 from asperity.views.source import Source, sources
+from asperity.views.stress_field import Stress, field_look
 
 SECTION_SHAPE = 0.25
 """Largest depth of a section over its length, where no depth is given."""
@@ -36,60 +34,8 @@ largest, so that its small lower part does not fill the picture."""
 MOST_POINTS = 2048
 """Most nodes drawn along a section; of a finer grid the largest magnitude of each block is drawn."""
 
-SEARCH_TOLERANCE = 1e-4
-"""Largest relative error of the planes in which the depth of the largest stress is sought."""
-
-MOST_DEPTH = 100
-"""Largest depth of a plane over the longer edge of the cell; all waves have vanished far above it."""
-
 SECTION_TOLERANCE = 1e-5
 """Largest relative error of the planes of a section."""
-
-POSITIVE = ("von_mises", "largest_shear")
-"""Fields without a sign."""
-
-_NAMES = {
-    "von_mises": "von Mises stress",
-    "largest_shear": "largest shear stress",
-    "hydrostatic": "hydrostatic stress",
-    "principal_1": "largest principal stress",
-    "principal_2": "middle principal stress",
-    "principal_3": "smallest principal stress",
-}
-
-
-class Stress(NamedTuple):
-    """A field of the stress in a body under a contact.
-
-    Parameters
-    ----------
-    source : Source
-    solid : PressedSolid
-    field : str
-    poisson : float or None
-    sliding : dict
-        As of `Source.sliding_of`.
-    """
-
-    source: Source
-    solid: PressedSolid
-    field: str
-    poisson: float | None
-    sliding: dict[str, Any]
-
-    @classmethod
-    def of(
-        cls,
-        source: Source,
-        field: str,
-        poisson: float | None,
-        body: str,
-        friction: float | None,
-        sliding_direction: str | float | None,
-    ) -> Stress:
-        """The field in one of the bodies of a result, with its own friction if none is given."""
-        sliding = source.sliding_of(body, friction, sliding_direction)
-        return cls(source, source.pressed(body), field, poisson, sliding)
 
 
 class Section(NamedTuple):
@@ -185,7 +131,7 @@ def plot_section(
         for source in sources(contact, unit_system)
     ]
     sections = [_section(stress, y, x, depth, progress) for stress in stresses]
-    look = _look(field)
+    look = field_look(field)
     limits = robust_limits((section.values for section in sections), look.low)
     if look.signed:
         limits = limits.symmetric()
@@ -205,111 +151,6 @@ def plot_section(
             _draw(axis, section, look, limits, unit, length)
         add_colour_bar(figure, panels, look.colours, limits, unit, look.label, below=True)
     return figure
-
-
-def plot_plane(
-    contact: Any,
-    depth: float | str = "max",
-    field: str = "von_mises",
-    poisson: float | None = None,
-    *,
-    y: Span | None = None,
-    x: Span | None = None,
-    body: str = "lower",
-    friction: float | None = None,
-    sliding_direction: str | float | None = None,
-    axes: Axes | Sequence[Axes] | None = None,
-    unit_system: str | None = None,
-    progress: Progress | None = None,
-) -> Figure:
-    """Stress in a plane below the surface, with the outlines of the contacts above it.
-
-    Parameters
-    ----------
-    contact : dataset, `Contact`, sequence of them, or mapping from titles to them
-        Results of stage contact; several are drawn beside each other in the same colours.
-    depth : float or "max"
-        Depth of the plane; "max": that of the largest magnitude of the field, of each result.
-    field, poisson, body, friction, sliding_direction, axes, unit_system, progress
-        As for `plot_section`.
-    y, x : (first, last), optional
-        Part of the cell.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If an argument is out of range, or the result does not describe a solid under a pressure.
-
-    Examples
-    --------
-    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
-    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
-    >>> figure = asp.plot_plane(contact, depth=0.02, field="largest_shear")
-    >>> figure.savefig("plane.png")  # doctest: +SKIP
-    >>> len(figure.axes)  # the map and its colour bar
-    2
-    """
-    stresses = [
-        Stress.of(source, field, poisson, body, friction, sliding_direction)
-        for source in sources(contact, unit_system)
-    ]
-    maps = [_plane(stress, depth, y, x, progress) for stress in stresses]
-    return draw_maps(maps, _look(field), axes)
-
-
-def depth_of_largest(stress: Stress, progress: Progress | None = None) -> float:
-    """Depth of the plane in which the magnitude of a field is largest, of those of `depth_grid`."""
-    solid, field = stress.solid, stress.field
-    planes = stress_planes(
-        solid,
-        depth_grid(solid.grid, solid.layer.height),
-        stress.poisson,
-        (field,),
-        SEARCH_TOLERANCE,
-        progress=progress,
-        **stress.sliding,
-    )
-    return max((float(np.abs(plane.fields[field]).max()), -plane.depth) for plane in planes)[1] * -1
-
-
-def field_words(field: str) -> str:
-    """Name of a field of the stress in plain text."""
-    return _NAMES.get(field, f"stress σ_{field}")
-
-
-def field_name(field: str) -> str:
-    """Name of a field of the stress, or of the contact pressure, as pictures show it."""
-    if field == "pressure":
-        return "contact pressure"
-    return _NAMES.get(field, rf"$\sigma_{{{field}}}$")
-
-
-def _look(field: str) -> Look:
-    name = field_name(field)
-    if field in POSITIVE:
-        return Look(name, "stress", STRESS, "white", np.max, low=0.0)
-    return Look(name, "stress", SIGNED, "black", largest_magnitude, signed=True)
-
-
-def _plane(
-    stress: Stress, depth: float | str, y: Span | None, x: Span | None, progress: Progress | None
-) -> Map:
-    source, solid = stress.source, stress.solid
-    part = source.window(y, x)
-    where = "depth"
-    if depth == "max":
-        depth = depth_of_largest(stress, progress)
-        where = "depth of the largest"
-    place = float(depth)
-    deepest = solid.layer.height or MOST_DEPTH * max(solid.grid.length)
-    if not 0 <= place <= deepest:
-        raise ValueError(
-            f"depth = {source.told(place)}: max or a depth from 0 to {source.told(deepest)} is needed"
-        )
-    (plane,) = planes_on_grid(solid, np.array([place]), (stress.field,), stress.poisson, **stress.sliding)
-    shown = measure(place, "length", source.system).text(place)
-    title = ", ".join(line for line in (source.title, f"{where}: {shown}") if line)
-    return Map(title, source.system, part, part.of(plane[stress.field]), solid.pressure > 0)
 
 
 def _section(

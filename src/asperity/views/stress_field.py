@@ -1,0 +1,78 @@
+"""A field of the stress in a body under a contact, and how pictures name and colour it."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from asperity.stress.pressed import PressedSolid
+from asperity.views.colours import SIGNED, STRESS
+from asperity.views.maps import Look, largest_magnitude
+from asperity.views.source import Source
+
+POSITIVE = ("von_mises", "largest_shear")
+"""Fields without a sign."""
+
+_NAMES = {
+    "von_mises": "von Mises stress",
+    "largest_shear": "largest shear stress",
+    "hydrostatic": "hydrostatic stress",
+    "principal_1": "largest principal stress",
+    "principal_2": "middle principal stress",
+    "principal_3": "smallest principal stress",
+}
+
+
+class Stress(NamedTuple):
+    """A field of the stress in a body under a contact.
+
+    Parameters
+    ----------
+    source : Source
+    solid : PressedSolid
+    field : str
+    poisson : float or None
+    sliding : dict
+        As of `Source.sliding_of`.
+    """
+
+    source: Source
+    solid: PressedSolid
+    field: str
+    poisson: float | None
+    sliding: dict[str, Any]
+
+    @classmethod
+    def of(
+        cls,
+        source: Source,
+        field: str,
+        poisson: float | None,
+        body: str,
+        friction: float | None,
+        sliding_direction: str | float | None,
+    ) -> Stress:
+        """The field in one of the bodies of a result, with its own friction if none is given."""
+        sliding = source.sliding_of(body, friction, sliding_direction)
+        return cls(source, source.pressed(body), field, poisson, sliding)
+
+
+def field_words(field: str) -> str:
+    """Name of a field of the stress in plain text."""
+    return _NAMES.get(field, f"stress σ_{field}")
+
+
+def field_name(field: str) -> str:
+    """Name of a field of the stress, or of the contact pressure, as pictures show it."""
+    if field == "pressure":
+        return "contact pressure"
+    return _NAMES.get(field, rf"$\sigma_{{{field}}}$")
+
+
+def field_look(field: str) -> Look:
+    """Colours and label of a field of the stress."""
+    name = field_name(field)
+    if field in POSITIVE:
+        return Look(name, "stress", STRESS, "white", np.max, low=0.0)
+    return Look(name, "stress", SIGNED, "black", largest_magnitude, signed=True)
