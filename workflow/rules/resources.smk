@@ -78,7 +78,9 @@ def seed_seconds(surface, edge):
     points = grid_points(SURFACES[surface]["wavelength_short"], edge)
     laterals = {config["layer"]["lateral"], *config["readings"]["lateral"]}
     analyses = 0 if edge == SURFACE_ALONE else len(config["stress"]["poisson"]) * len(laterals)
-    return sample_seconds(points**2, analyses, ACCURACY, config["contact"]["area_fraction"])
+    load, value = imposed_load(config["contact"])
+    area = value if load == "area_fraction" else default("contact.area_fraction")
+    return sample_seconds(points**2, analyses, ACCURACY, area)
 
 
 # Rule -> cost of its job. Rules that are not listed take next to no time and memory.
