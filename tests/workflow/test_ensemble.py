@@ -1,47 +1,30 @@
-"""The command ensemble: pilot, plan and result as jobs of the study; more accuracy keeps what there is."""
+"""The rules of ensembles: pilot, plan and result as jobs; another target uses the samples that there are."""
 
-import sys
-
-from project import run
+from project import TINY, snakemake
 
 from asperity.results import dataset
 
-CLAIM = "one_and_a_half"
-OVERLAY = "results: results/tiny\nensemble: {nodes: [4, 8], pilot: 4}\n"
+NUMBER = "one_and_a_half,lateral=free"
+OVERLAY = """
+results: results/tiny
+seeds: [1]
+readings: {lateral: [confined, free]}
+ensemble: {nodes: [4, 8], pilot: 4}
+"""
 
 
-def ensemble(folder, *arguments):
-    files = ("config/quick.yaml", "tests/workflow/tiny.yaml", "few_grids.yaml")
-    command = (sys.executable, "-m", "asperity.cli", "ensemble", "--claim", CLAIM, "--config", *files)
-    found = run(folder, *command, *arguments)
-    assert found.returncode == 0, found.stdout + found.stderr
-    return found.stdout
-
-
-def samples(folder):
-    return {path: path.stat().st_mtime_ns for path in folder.glob("results/tiny/ensemble/samples/**/*.nc")}
-
-
-def test_more_accuracy_adds_to_the_samples(tiny_study):
+def test_a_target_is_reached_and_its_samples_are_kept(tiny_study):
     folder = tiny_study.folder
     (folder / "few_grids.yaml").write_text(OVERLAY)
+    made, config = f"results/tiny/ensemble/{NUMBER}", (*TINY, "few_grids.yaml")
 
-    plan = ensemble(folder, "--error", "50%", "--plan")
-    assert "bias" in plan
-    assert not list(folder.glob(f"results/tiny/ensemble/{CLAIM}/error0.5/result.nc"))
-    pilot = samples(folder)
-    assert pilot
+    found = snakemake(folder, *config, "--", f"{made}/error0.5/result.nc")
+    assert found.returncode == 0, found.stdout + found.stderr
+    data = dataset.read(folder / made / "error0.5/result.nc")
+    assert 0 < float(data["estimate_total_error"]) < 0.5 * float(data["estimate"])
+    assert (folder / made / "error0.5/cost.png").is_file()
 
-    told = ensemble(folder, "--error", "50%")
-    assert "plain Monte Carlo on 8 nodes" in told
-    assert samples(folder) == pilot
-    loose = dataset.read(folder / f"results/tiny/ensemble/{CLAIM}/error0.5/result.nc")
-
-    share = 0.8 * float(loose["estimate_error"]) / float(loose["estimate"])
-    ensemble(folder, "--error", f"{share:.6g}")
-    more = samples(folder)
-    assert more.keys() > pilot.keys()
-    assert {path: more[path] for path in pilot} == pilot
-    tight = dataset.read(next(folder.glob(f"results/tiny/ensemble/{CLAIM}/error0.0*/result.nc")))
-    assert float(tight["estimate_error"]) < float(loose["estimate_error"])
-    assert abs(float(tight["estimate"] - loose["estimate"])) < 4 * float(loose["estimate_error"])
+    smaller = snakemake(folder, *config, "--dry-run", "--", f"{made}/error0.01/plan1.json")
+    assert smaller.returncode == 0, smaller.stdout + smaller.stderr
+    assert "rule ensemble_plan" in smaller.stdout.replace("checkpoint", "rule")
+    assert "ensemble_samples" not in smaller.stdout
