@@ -19,7 +19,7 @@ settings.load_profile("deterministic")
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Let one process run the tests of a module that share a fixture, unless they have a group of their own."""
+    """Let one process run the tests of a module that share a fixture, unless they have a group already."""
     for item in items:
         shared = [defined[-1].scope for defined in item._fixtureinfo.name2fixturedefs.values()]
         if "module" in shared and item.get_closest_marker("xdist_group") is None:
