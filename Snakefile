@@ -68,7 +68,7 @@ rule all:
         rules.validation_table.output if VALIDATIONS else [],
         rules.verified.input,
         rules.claims.output if config["claims"] else [],
-        rules.ensemble.output if ENSEMBLE["claims"] else [],
+        [*rules.ensemble.output, *rules.ensemble_gains.output] if ENSEMBLE["claims"] else [],
         expand(rules.tradeoff.output, extent=["reduced"] if "reduced" in config["tradeoff"] else []),
 
 

@@ -1,5 +1,7 @@
 """Ensembles: samples equal the stages, plans reach their targets, every claim knows its surfaces."""
 
+import shutil
+import subprocess
 from itertools import pairwise
 
 import numpy as np
@@ -10,10 +12,12 @@ from asperity.cli.commands.ensemble import error_of
 from asperity.cli.main import main
 from asperity.paper.claims.sources import roles
 from asperity.paper.claims.statements import CLAIMS
+from asperity.paper.ensemble.documents import PAGE, keep
 from asperity.paper.ensemble.figure import draw
-from asperity.paper.ensemble.numbers import SINGLE, numbers, surfaces_of, values
+from asperity.paper.ensemble.gains import gain_frame, known_numbers
+from asperity.paper.ensemble.numbers import SINGLE, full_name, number, numbers, surfaces_of, values
 from asperity.paper.ensemble.planning import MOST_ROUNDS, Plan, next_plan, pilot
-from asperity.paper.ensemble.result import level_frame, result, sentences, summary_frame
+from asperity.paper.ensemble.result import gain_text, level_frame, result, sentences, summary_frame
 from asperity.paper.ensemble.samples import Samples
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.ensemble import BLOCK_NODES, SURFACE_ALONE, block_size, grid_points, sample
@@ -23,6 +27,7 @@ from asperity.pipeline.surface import make_surface
 from asperity.results import dataset
 
 SURFACE = {"hurst": 0.8, "wavelength_long": 0.5, "wavelength_short": 0.125, "rms_height": 0.004}
+READINGS = {"lateral": ["free"], "shear": ["xz"], "patch_nodes": 30}
 SETTINGS = {"nodes": [4, 8, 16, 32, 64], "pilot": 6}
 LIMIT, SLOPE, SPREAD = 2.0, 0.2, 0.1
 
@@ -48,8 +53,9 @@ def synthetic(plan):
 def planned(error, settings=SETTINGS):
     """All plans of a target, from the pilot to the last round."""
     plans = [pilot(settings["nodes"], settings["pilot"], [1 / 64])]
+    times = {float(nodes): max(nodes, 0.1) ** 2 for nodes in (0, *settings["nodes"])}
     while not plans[-1].done:
-        plans.append(next_plan(plans[-1], synthetic(plans[-1]), error, settings, [1 / 64]))
+        plans.append(next_plan(plans[-1], synthetic(plans[-1]), times, error, settings, [1 / 64]))
     return plans
 
 
@@ -105,7 +111,11 @@ def test_a_result_is_written_and_shown(tmp_path):
     frame = level_frame(again)
     assert frame["seeds"].tolist() == list(plan.seeds)
     assert frame["correlation"].iloc[-1] > 0.9
-    assert summary_frame({"number": again})["plain over multilevel"][0] > 2
+    frame = summary_frame({"number": again})
+    assert float(again["gain_low"]) < float(again["gain"]) < float(again["gain_high"])
+    assert float(again["gain_low_fine"]) < float(again["gain_fine"]) < float(again["gain_high_fine"])
+    assert frame["gain"][0] == gain_text(again, "")
+    assert float(again["gain"]) > 2
     assert "times as long" in sentences("number", "quantity", again)
     figure = draw({"number": again, "other": again, "third": again})
     assert [axis.get_xscale() for axis in figure.axes] == ["log"] * 3
@@ -114,18 +124,22 @@ def test_a_result_is_written_and_shown(tmp_path):
 def test_samples_equal_the_stages():
     """Bit by bit, on two seeds; the surface alone has the gradient of the surface with contact."""
     contact_settings = {**CONTACT, "path_area_fractions": []}
-    found = sample(SURFACE, 4, [3, 5], LAYER, contact_settings, STRESS)
-    alone = sample(SURFACE, SURFACE_ALONE, [3, 5], LAYER, contact_settings, STRESS)
+    found = sample(SURFACE, 4, [3, 5], LAYER, contact_settings, STRESS, READINGS)
+    alone = sample(SURFACE, SURFACE_ALONE, [3, 5], LAYER, contact_settings, STRESS, READINGS)
     for seed in (3, 5):
         surface = make_surface({**SURFACE, "points": 32}, seed)
         contact = solve_contact(surface, LAYER, contact_settings)
-        expected = seed_statistics(surface, contact, compute_stress(contact, LAYER, STRESS))
-        one = found.sel(seed=seed, drop=True).drop_vars("seed_seconds")
-        assert one.equals(expected)
+        for lateral in ("confined", "free"):
+            stress = compute_stress(contact, {**LAYER, "lateral": lateral}, STRESS)
+            one = found.sel(seed=seed, lateral=lateral, drop=True).drop_vars("seed_seconds")
+            assert one.equals(seed_statistics(surface, contact, stress))
         gradient = float(alone["seed_rms_gradient"].sel(seed=seed))
         assert gradient == pytest.approx(float(surface["rms_gradient"]), rel=1e-12)
     value = values("gradient_large_hurst", {"large_hurst": found})
-    assert value.tolist() == found["seed_gradient_rms_contact"].values.tolist()
+    assert value.tolist() == found["seed_gradient_rms_contact"].sel(lateral="confined").values.tolist()
+    high = found["seed_counted_quantile"].sel(lateral="free", counted="with_surface", poisson=0.33, level=0.9)
+    name = "von_mises_p99_large_hurst,lateral=free,peaks=with_surface,tail=0.9"
+    assert values(name, {"large_hurst": found}).tolist() == high.values.tolist()
 
 
 def test_grids_hold_the_waves_of_the_surface():
@@ -139,7 +153,7 @@ def test_grids_hold_the_waves_of_the_surface():
 
 
 def test_every_claim_about_random_surfaces_is_a_number():
-    """A claim that names a role in its measure is asked for just the surfaces of its roles."""
+    """Closed forms and finite elements have nothing to sample."""
     known = numbers()
     random = {claim.identifier for claim in CLAIMS} & known.keys()
     assert len(random) > 35
@@ -149,14 +163,38 @@ def test_every_claim_about_random_surfaces_is_a_number():
 
 def test_numbers_find_their_surfaces():
     found = {"small_hurst": "rough", "large_hurst": "smooth", "compressibility": "smooth"}
-    asked = surfaces_of("high_von_mises_small_hurst", found)
+    asked = surfaces_of("high_von_mises_small_hurst", found, {})
     assert asked == {"small_hurst": "rough", "large_hurst": "smooth"}
-    assert surfaces_of("same_traction_peaks", found) == asked
-    assert surfaces_of("one_and_a_half", found) == {"compressibility": "smooth"}
+    assert surfaces_of("same_traction_peaks", found, {}) == asked
+    assert surfaces_of("one_and_a_half", found, {}) == {"compressibility": "smooth"}
     with pytest.raises(ValueError, match="a surface as skew_positive is needed"):
-        surfaces_of("skew_normalised", found)
+        surfaces_of("skew_normalised", found, {})
     with pytest.raises(ValueError, match=r"claim = 'nonsense': one of .*one_and_a_half"):
-        surfaces_of("nonsense", roles({}, {}))
+        surfaces_of("nonsense", roles({}, {}), {})
+
+
+def test_a_number_under_a_reading_finds_its_surfaces():
+    found = {"compressibility": "smooth", "skew_positive, delta 2": "own", "skew_negative, delta 2": "other"}
+    name = full_name("one_and_a_half", ["tail=0.9", "lateral=free"])
+    assert number(name).options == {"lateral": "free", "tail": 0.9}
+    assert surfaces_of(name, found, {"lateral": ["confined", "free"]}) == {"compressibility": "smooth"}
+    twins = surfaces_of("skew_gradient,delta=2", found, {})
+    assert twins == {"skew_positive, delta 2": "own", "skew_negative, delta 2": "other"}
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("one_and_a_half,lateral=free", r"readings\.lateral = \['confined'\]: .* lists free there"),
+        ("one_and_a_half,lateral=bent", "'lateral=bent': confined or free is needed"),
+        ("one_and_a_half,decay=half", "reading 'decay=half': .* depends on lateral, peaks, tail"),
+        ("one_and_a_half,free", "reading 'free': .* depends on lateral"),
+        ("skew_gradient,delta=large", "'delta=large': a number > 0"),
+    ],
+)
+def test_a_reading_that_cannot_be_taken_is_refused(name, message):
+    with pytest.raises(ValueError, match=message):
+        surfaces_of(name, {"compressibility": "smooth"}, {"lateral": ["confined"]})
 
 
 @pytest.mark.parametrize(
@@ -182,5 +220,80 @@ def test_the_command_needs_the_folder_of_the_project(tmp_path, monkeypatch, caps
     config.write_text(config.read_text() + "studies: {compressibility: [one]}\n")
     assert main([*given, "one_and_a_half"]) == 1
     assert "no such file; the command runs in the folder of the study" in capsys.readouterr().err
+    assert main([*given, "one_and_a_half", "--reading", "lateral=free"]) == 1
+    assert "a configuration that lists free there is needed" in capsys.readouterr().err
     assert main([*given, "one_and_a_half", "--error", "3"]) == 1
     assert "--error '3': a share such as 0.5%" in capsys.readouterr().err
+
+
+def test_the_command_makes_the_plan_then_the_result(tmp_path, monkeypatch, capsys):
+    """Snakemake is asked for both files, with the options given; with --plan for the first alone."""
+    config, folder = tmp_path / "own.yaml", tmp_path / "out/ensemble/one_and_a_half,tail=0.9/error0.01"
+    config.write_text(
+        "surfaces: {one: {label: one, " + str(SURFACE)[1:].replace("'", "") + "}\n"
+        "studies: {compressibility: [one]}\n"
+    )
+    (tmp_path / "Snakefile").touch()
+    monkeypatch.chdir(tmp_path)
+    asked = []
+
+    def made(command):
+        asked.append(command)
+        folder.mkdir(parents=True, exist_ok=True)
+        Plan(1, (0.0, 4.0), (256, 32), (True, True), text=("round 1",)).write(folder / "plan1.json")
+        (folder / "result.md").write_text("the result\n")
+        return subprocess.CompletedProcess(command, 0)
+
+    monkeypatch.setattr(subprocess, "run", made)
+    given = ["ensemble", "--config", str(config), "--claim", "one_and_a_half", "--reading", "tail=0.9"]
+    given += ["--error", "1%", "--results", "out"]
+    assert main([*given, "--plan"]) == 0
+    assert main([*given, "--", "--cores", "3"]) == 0
+    plan, result = (
+        f"out/ensemble/one_and_a_half,tail=0.9/error0.01/{name}" for name in ("plan1.json", "result.nc")
+    )
+    assert [command[-1] for command in asked] == [plan, plan, result]
+    assert "results=out" in asked[0]
+    assert asked[2][asked[2].index("--cores") + 1] == "3"
+    assert "round 1\nround 1\nthe result\n" in capsys.readouterr().out
+
+
+def test_gains_of_all_numbers_that_the_samples_know(tmp_path):
+    """Of one surface: the numbers of that surface alone, under both conditions of the uniform mode."""
+    stages = {**LAYER}, {**CONTACT, "path_area_fractions": []}, STRESS, READINGS
+    files = {}
+    for nodes, seeds in ((SURFACE_ALONE, 40), (4, 16), (8, 5)):
+        path = tmp_path / f"{nodes}.nc"
+        dataset.write(
+            sample(SURFACE, nodes, range(1, seeds + 1), *stages), path, title="Samples", settings={}
+        )
+        files[float(nodes)] = {"smooth": [str(path)]}
+    found = {"compressibility": "smooth", "large_hurst": "smooth", "small_hurst": "rough"}
+    known = known_numbers(found, files, ["free"])
+    assert known["gradient_large_hurst"] == {"large_hurst": "smooth"}
+    assert "one_and_a_half,lateral=free" in known
+    assert "gradient_large_hurst,lateral=free" not in known
+    assert not {"high_von_mises_small_hurst", "skewness_sign"} & known.keys()
+    few = {name: known[name] for name in ("gradient_large_hurst", "one_and_a_half,lateral=free")}
+    frame = gain_frame(few, files, 0.01, 4).set_index("number")
+    assert sorted(frame.index) == sorted(few)
+    row = frame.loc["gradient_large_hurst"]
+    fine = dataset.read(files[8.0]["smooth"][0])["seed_gradient_rms_contact"].sel(lateral="confined")
+    assert row["value"] == pytest.approx(float(fine.mean()), rel=0.2)
+    assert row["gain"] == pytest.approx(row["plain seconds"] / row["seconds"])
+    assert min(int(number) for number in row["seeds"].split(", ") if number != "–") >= 4
+
+
+def test_tables_and_figure_go_to_the_page(tmp_path):
+    made, docs = tmp_path / "results/ensemble", tmp_path / "docs"
+    made.mkdir(parents=True)
+    docs.mkdir()
+    shutil.copy(PAGE, docs)
+    for name in ("table", "gains"):
+        (made / f"{name}.md").write_text(f"the {name}\n")
+    (made / "cost.png").write_bytes(b"picture")
+    keep(made.parent, tmp_path)
+    keep(made.parent, tmp_path)
+    text = (docs / "multilevel.md").read_text(encoding="utf-8")
+    assert text.count("the table\n") == text.count("the gains\n") == 1
+    assert (docs / "multilevel.png").read_bytes() == b"picture"

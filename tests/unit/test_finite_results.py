@@ -9,6 +9,7 @@ import asperity as asp
 from asperity import finite
 from asperity.engineering import run
 from asperity.engineering.case import Body
+from asperity.engineering.indenter import MapSettings, read_indenter
 
 GRID = asp.Grid((8, 8))
 LAYER = asp.Layer(1.0, 0.3)
@@ -117,3 +118,9 @@ def test_a_friction_whose_stress_overflows_is_refused(friction):
     for call in (asp.stress_section, asp.analyse_stress):
         with pytest.raises(ValueError, match=r"^friction = .*: a number from 0 to 1000 is needed$"):
             call(PRESSED, friction=friction)
+
+
+def test_a_form_on_a_mirrored_map_of_an_odd_number_of_points_is_refused():
+    surface = asp.HeightMap(HEIGHT, (1.0, 1.0), unit="m", orientation="peaks up")
+    with pytest.raises(ValueError, match=r"^radius = 1: even numbers of points are needed on a mirrored map"):
+        read_indenter(surface, MapSettings(boundary="periodic", points=15, radius=1.0))

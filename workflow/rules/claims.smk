@@ -1,14 +1,11 @@
 from asperity.config.reader import load
 from asperity.config.study import PAPER
-from asperity.paper.claims.sources import DATASETS, deltas, role_of_delta, roles
+from asperity.paper.claims.sources import DATASETS, deltas, roles, with_deltas
 
 # The statements are about the surfaces of the paper: a surface of another name has no role in them.
 ROLES = roles(STUDIES, {name: SURFACES[name] for name in load(PAPER)["surfaces"] if name in SURFACES})
 DELTAS = deltas(ROLES, SURFACES, config["readings"].get("delta", []))
-ROLES_OF_DELTA = {
-    **ROLES,
-    **{role_of_delta(role, delta): name for delta, names in DELTAS.items() for role, name in names.items()},
-}
+ROLES_OF_DELTA = with_deltas(ROLES, DELTAS)
 CLAIMED = sorted({name for by_role in (ROLES_OF_DELTA, *RESOLUTIONS.values()) for name in by_role.values()})
 # Of every choice, the study's own option first.
 READINGS = config["readings"] | {"lateral": [config["layer"]["lateral"], *OTHER_LATERALS], "delta": [*DELTAS]}

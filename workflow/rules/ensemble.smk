@@ -24,6 +24,7 @@ rule ensemble_samples:
         layer=config["layer"],
         contact={**config["contact"], "path_area_fractions": []},
         stress=config["stress"],
+        readings={name: config["readings"][name] for name in ("lateral", "shear", "patch_nodes")},
     script:
         "../scripts/ensemble_samples.py"
 
@@ -39,7 +40,7 @@ checkpoint ensemble_plan:
     benchmark:
         f"{RESULTS}/benchmark/ensemble_plan/{{claim}}/error{{error}}/plan{{round}}.tsv"
     wildcard_constraints:
-        claim=r"[a-z][a-z0-9_]*",
+        claim=NUMBER_NAME,
         error=r"[0-9.e-]+",
         round=r"[1-9]\d*",
     threads: 1
@@ -52,6 +53,7 @@ checkpoint ensemble_plan:
         surfaces=lambda wildcards: ensemble_surfaces(wildcards.claim),
         wavelengths=lambda wildcards: ensemble_wavelengths(wildcards.claim),
         settings=ENSEMBLE,
+        times=lambda wildcards: ensemble_times(wildcards.claim),
         earlier=lambda wildcards: earlier_plan(
             wildcards.claim, wildcards.error, int(wildcards.round) - 1
         ).as_entries(),
@@ -80,7 +82,7 @@ rule ensemble_result:
     benchmark:
         f"{RESULTS}/benchmark/ensemble_result/{{claim}}/error{{error}}.tsv"
     wildcard_constraints:
-        claim=r"[a-z][a-z0-9_]*",
+        claim=NUMBER_NAME,
         error=r"[0-9.e-]+",
     threads: 1
     resources:
@@ -126,3 +128,30 @@ rule ensemble:
         claims=ENSEMBLE["claims"],
     script:
         "../scripts/ensemble.py"
+
+
+rule ensemble_gains:
+    input:
+        samples=lambda wildcards: leaves_of_lists(sampled_files()),
+        results=rules.ensemble.input.data,
+        code=code("ensemble_gains"),
+    output:
+        table=f"{RESULTS}/ensemble/gains.csv",
+        text=f"{RESULTS}/ensemble/gains.md",
+    log:
+        f"{RESULTS}/log/ensemble/gains.log",
+    benchmark:
+        f"{RESULTS}/benchmark/ensemble_gains.tsv"
+    threads: 1
+    resources:
+        mem_mb=memory("ensemble_gains"),
+        disk_mb=disk("ensemble_gains"),
+        runtime=minutes("ensemble_gains"),
+    params:
+        files=lambda wildcards: sampled_files(),
+        roles=ROLES_OF_DELTA,
+        laterals=[name for name in config["readings"]["lateral"] if name != config["layer"]["lateral"]],
+        error=ENSEMBLE["error"],
+        fewest=ENSEMBLE["pilot"],
+    script:
+        "../scripts/ensemble_gains.py"

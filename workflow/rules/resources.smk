@@ -3,7 +3,7 @@ import math
 import os
 from dataclasses import replace
 
-from asperity.accuracy.resources import COMPILER_MEMORY, WORKFLOW_MEMORY, job_cost
+from asperity.accuracy.resources import COMPILER_MEMORY, WORKFLOW_MEMORY, job_cost, sample_seconds
 from asperity.config.defaults import default
 from asperity.config.loads import imposed_load
 from asperity.config.presets import PRESETS
@@ -69,13 +69,18 @@ def samples_cost(wildcards):
     """Cost of the samples of one file: all stages in memory, one seed after the other."""
     number, edge = int(wildcards.last) - int(wildcards.first) + 1, float(wildcards.nodes)
     points = grid_points(SURFACES[wildcards.surface]["wavelength_short"], edge)
-    base = job_cost("ensemble samples", points**2)
-    if edge == SURFACE_ALONE:
-        return base
-    ratios = len(config["stress"]["poisson"])
-    stages = [job_cost("surface", points**2), job_cost("contact", points**2, 1, ACCURACY)]
-    stages.append(job_cost("stress", points**2, ratios, ACCURACY))
-    return base._replace(calculation_seconds=number * sum(stage.calculation_seconds for stage in stages))
+    seconds = number * seed_seconds(wildcards.surface, edge)
+    return job_cost("ensemble samples", points**2)._replace(calculation_seconds=seconds)
+
+
+def seed_seconds(surface, edge):
+    """Processor time of one seed of a surface by the cost model; `edge` is the nodes on its shortest wavelength."""
+    points = grid_points(SURFACES[surface]["wavelength_short"], edge)
+    laterals = {config["layer"]["lateral"], *config["readings"]["lateral"]}
+    analyses = 0 if edge == SURFACE_ALONE else len(config["stress"]["poisson"]) * len(laterals)
+    load, value = imposed_load(config["contact"])
+    area = value if load == "area_fraction" else default("contact.area_fraction")
+    return sample_seconds(points**2, analyses, ACCURACY, area)
 
 
 # Rule -> cost of its job. Rules that are not listed take next to no time and memory.
@@ -95,6 +100,7 @@ COSTS = {
     "ensemble_plan": lambda wildcards: job_cost("ensemble plan"),
     "ensemble_result": lambda wildcards: job_cost("ensemble result"),
     "ensemble": lambda wildcards: job_cost("ensemble result"),
+    "ensemble_gains": lambda wildcards: job_cost("ensemble result"),
     "tradeoff": tradeoff_cost,
     "tradeoff_figures": lambda wildcards: job_cost("tradeoff figures"),
     "report_page": lambda wildcards: job_cost("report page"),

@@ -11,7 +11,8 @@ claim, params = snakemake.wildcards.claim, snakemake.params
 with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"plan {claim}"):
     earlier = Plan.of_entries(params.earlier)
     samples = read_samples(claim, params.surfaces, params.files).first(earlier.seeds)
-    plan = next_plan(earlier, samples, float(snakemake.wildcards.error), params.settings, params.wavelengths)
+    error = float(snakemake.wildcards.error)
+    plan = next_plan(earlier, samples, params.times, error, params.settings, params.wavelengths)
     for line in plan.text:
         logging.getLogger("asperity").info("%s: %s", claim, line)
     plan.write(snakemake.output[0])

@@ -10,7 +10,7 @@ one, so that no surface is computed twice on one grid. And a coarser value enter
 regression in place of one, as in the multifidelity method (B. Peherstorfer, K. Willcox and M. Gunzburger,
 SIAM J. Sci. Comput. 38 (2016) A3163, doi 10.1137/15M1046472): a coarse grid then helps if it is correlated
 with the next finer one, whatever its mean and its scale. The coarsest level may therefore be any other number
-of the same seed, such as the gradient of the surface.
+of the same seed, such as the gradient of the surface, or several of them.
 
 In the mean m of level l, with slope b between levels l − 1 and l, both over the n seeds of level l::
 
@@ -31,7 +31,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import stdtrit
+from scipy.special import fdtri, stdtrit
 
 from asperity.errors import shown
 from asperity.types import Array
@@ -103,6 +103,31 @@ def multilevel_mean(
     else:
         value, gradient = float(function(mean)), _gradient(function, mean)
     return Estimate(value, *_error([p._replace(residuals=p.residuals @ gradient) for p in parts]))
+
+
+class Spread(NamedTuple):
+    """Variance of one seed, and its degrees of freedom."""
+
+    variance: float
+    degrees: float
+
+    @classmethod
+    def of(cls, values: ArrayLike) -> Spread:
+        """Variance of some seeds."""
+        seeds = np.asarray(values, float)
+        return cls(float(seeds.var(ddof=1)), float(seeds.size - 1))
+
+    def over(self, estimate: Estimate, confidence: float = 0.95) -> tuple[float, float, float]:
+        """Seeds of plain Monte Carlo for the standard error of an estimate, with the ends of an interval.
+
+        The interval is that of a ratio of two independent variances (F distribution). Here both grow and
+        shrink together, so that it is somewhat too wide.
+        """
+        seeds = self.variance / estimate.error**2
+        tail = (1 - confidence) / 2
+        ends = (float(fdtri(self.degrees, estimate.degrees, p)) for p in (1 - tail, tail))
+        low, high = (seeds / end for end in ends)
+        return seeds, low, high
 
 
 def ratio(means: Array) -> float:
@@ -206,6 +231,8 @@ class Allocation(NamedTuple):
     gain : float
         Processor time of plain Monte Carlo over that of this method for a small error, where neither the
         rounding to whole seeds nor `fewest` matters.
+    variance : float
+        Of one seed on the finest level.
     """
 
     seeds: Array
@@ -213,6 +240,7 @@ class Allocation(NamedTuple):
     plain_seeds: int
     plain_seconds: float
     gain: float
+    variance: float
 
 
 def allocate(samples: Sequence[ArrayLike], seconds: Sequence[float], error: float, fewest: int) -> Allocation:
@@ -240,8 +268,9 @@ def allocate(samples: Sequence[ArrayLike], seconds: Sequence[float], error: floa
     levels, times = _checked(samples), np.asarray(seconds, float)
     finest = len(levels) - 1
     grids = [list(range(start, finest + 1)) for start in range(1, max(finest, 2))]
-    choices = [[0, *rest] for rest in grids] + grids if finest else [[0]]
-    variances = [_remaining_variances([levels[level] for level in used]) for used in choices]
+    below = [[0, *rest] for rest in grids if _enough(levels[0], levels[rest[0]]) or rest[0] == 1]
+    choices = below + grids if finest else [[0]]
+    variances = [_remaining_variances([levels[level] for level in used])[0] for used in choices]
     shares = [_proportions(each, times[used]) for each, used in zip(variances, choices, strict=True)]
     # Time times variance, from which the time for any error follows.
     work = [
@@ -254,20 +283,29 @@ def allocate(samples: Sequence[ArrayLike], seconds: Sequence[float], error: floa
     wanted = np.ceil(share * (variances[best] / share).sum() / error**2 - 1e-9)
     number = np.zeros(finest + 1, int)
     number[used] = np.maximum(wanted, fewest)
-    variance = finest_variance(samples)
+    variance = finest_variance(samples).variance
     plain = max(math.ceil(variance / error**2 - 1e-9), 2)
     gain = variance * times[-1] / max(work[best], 1e-300)
-    return Allocation(number, float(number @ times), plain, plain * float(times[-1]), gain)
+    return Allocation(number, float(number @ times), plain, plain * float(times[-1]), gain, variance)
 
 
-def finest_variance(samples: Sequence[ArrayLike]) -> float:
+def _enough(coarse: Array, fine: Array) -> bool:
+    """Whether the finer level has as many seeds as a plan needs for its slopes on the coarser one."""
+    return len(fine) >= FEWEST_FOR_SLOPE + _regressors(coarse, fine)
+
+
+def finest_variance(samples: Sequence[ArrayLike]) -> Spread:
     """Variance of one seed on the finest level, from the seeds of all levels.
 
     It is what the regressions explain, with the variance of the coarse levels, and what they leave over: more
     certain than the variance of the few seeds of the finest level. Parameters are those of `multilevel_mean`,
     with one quantity on all levels but the first.
     """
-    return float(_remaining_variances(_checked(samples)).sum())
+    variances, freedoms = _remaining_variances(_checked(samples))
+    total = float(variances.sum())
+    return Spread(
+        total, total**2 / float((variances**2 / freedoms).sum()) if total else float(freedoms.min())
+    )
 
 
 def _proportions(variances: Array, times: Array) -> Array:
@@ -286,17 +324,22 @@ def _proportions(variances: Array, times: Array) -> Array:
     return np.maximum(share, 1e-12 * max(share.max(), 1e-300))
 
 
-def _remaining_variances(levels: Sequence[Array]) -> Array:
-    """Variance of each level that the coarser one does not explain, carried to the finest by the slopes."""
+def _remaining_variances(levels: Sequence[Array]) -> tuple[Array, Array]:
+    """Variance of each level that the coarser one does not explain, carried to the finest by the slopes.
+
+    With the degrees of freedom of each.
+    """
     remaining = [float(np.var(levels[0], axis=0, ddof=1).sum())]
+    freedoms = [len(levels[0]) - 1]
     for number, (coarse, fine) in enumerate(pairwise(levels)):
         _, part, slope = _next_level(coarse[: len(fine)], fine, coarse.mean(axis=0))
         if number == 0:
             remaining = [float(np.var(coarse @ slope, ddof=1))]
         else:
             remaining = [value * float(slope[0, 0]) ** 2 for value in remaining]
-        remaining.append(float((part.residuals**2).sum() / (len(fine) - part.parameters)))
-    return np.array(remaining)
+        freedoms.append(len(fine) - part.parameters)
+        remaining.append(float((part.residuals**2).sum() / freedoms[-1]))
+    return np.array(remaining), np.array(freedoms, float)
 
 
 class Bias(NamedTuple):

@@ -104,7 +104,7 @@ _LINES = {
     "tradeoff": _Line(330, 300, seconds=8, time_per_node=95),
     "tradeoff figures": _Line(300, seconds=8),
     "claims": _Line(380, seconds=10),
-    "ensemble samples": _Line(330, 215, seconds=4),
+    "ensemble samples": _Line(330, 215, seconds=4, time_per_node=0.1),
     "ensemble plan": _Line(300, seconds=5),
     "ensemble result": _Line(380, seconds=8),
     "validation": _Line(300, seconds=25),
@@ -169,6 +169,29 @@ def job_cost(
         calculation_seconds=calculation,
         disk=1e6 * line.disk + nodes * line.disk_per_node,
     )
+
+
+def sample_seconds(
+    nodes: int,
+    analyses: int,
+    accuracy: AccuracySettings = PAPER,
+    area_fraction: float = 0.1,
+) -> float:
+    """Processor time of the calculation of one seed, from the surface to the statistics of its stress.
+
+    Parameters
+    ----------
+    nodes : int
+        Nodes of the grid.
+    analyses : int
+        Poisson's ratios times conditions of the uniform mode; 0 for the surface alone.
+    accuracy, area_fraction
+        As of `job_cost`.
+    """
+    jobs = [("ensemble samples", 1)]
+    if analyses:
+        jobs += [("surface", 1), ("contact", 1), ("stress", analyses)]
+    return sum(job_cost(job, nodes, n, accuracy, area_fraction).calculation_seconds for job, n in jobs)
 
 
 def law_seconds(law: Mapping[str, float], nodes: Any, settings: Mapping[str, Any]) -> Any:

@@ -206,6 +206,15 @@ def _add_ensemble(parser: Parser) -> None:
         "von_mises_p99_large_hurst; an unknown name lists all",
     )
     parser.add_argument(
+        "--reading",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="CHOICE=OPTION",
+        help="choices of the readings on which the number depends, such as lateral=free (default: the "
+        "study's own)",
+    )
+    parser.add_argument(
         "--error",
         metavar="SHARE",
         help="standard error and bias together, over the value, such as 0.5%% (default: that of the "

@@ -322,6 +322,11 @@ def _indenter(
 
 def _with_form(indenter: Indenter, settings: MapSettings, radius: float) -> Indenter:
     """The surface with the form of a sphere or cylinder, on every mirror image of the map."""
+    if indenter.is_mirrored and any(nodes % 2 for nodes in indenter.grid.shape):
+        raise ValueError(
+            f"radius = {radius:g}: even numbers of points are needed on a mirrored map, "
+            f"not {indenter.grid.shape}"
+        )
     part = Grid(indenter.map_shape, indenter.map_length)
     flat = np.zeros(part.shape)
     if settings.form == "sphere":

@@ -323,6 +323,7 @@ VARIABLES: dict[str, Variable] = {
         _LENGTH, "distance over which the covariance of Eq. 22 falls to half"
     ),
     # ensemble
+    "lateral": Variable(_NUMBER, "condition of the uniform mode, laterally confined or free cell"),
     "seed_seconds": Variable(_TIME, "processor time of one seed, all stages"),
     "grid_nodes": Variable(_NUMBER, "nodes on the shortest wavelength; 0 for the surface alone, no contact"),
     "grid_used": Variable(_NUMBER, "1 if the level is used in the estimate, 0 if only in its bias"),
@@ -334,7 +335,7 @@ VARIABLES: dict[str, Variable] = {
     "grid_correlation": Variable(
         _NUMBER,
         "correlation with the next coarser level over common seeds",
-        "With the surface alone: multiple correlation with the rms gradients of the surfaces.",
+        "With the surface alone: multiple correlation with rms gradient, skewness and kurtosis.",
     ),
     "grid_seconds": Variable(_TIME, "processor time of one seed on the grid, median"),
     "estimate": Variable(_NUMBER, "estimate of the mean on the finest grid"),
@@ -351,6 +352,15 @@ VARIABLES: dict[str, Variable] = {
     "plain_seconds_same_error": Variable(
         _TIME, "processor time of plain Monte Carlo on the finest grid for the standard error of the estimate"
     ),
+    "plain_seconds_same_error_fine": Variable(
+        _TIME, "the same by the variance of the seeds of the finest grid alone"
+    ),
+    "gain": Variable(_NUMBER, "processor time of plain Monte Carlo for the same standard error, over this"),
+    "gain_low": Variable(_NUMBER, "lower end of the 95 % interval of the gain"),
+    "gain_high": Variable(_NUMBER, "upper end of the 95 % interval of the gain"),
+    "gain_fine": Variable(_NUMBER, "gain by the variance of the seeds of the finest grid alone"),
+    "gain_low_fine": Variable(_NUMBER, "lower end of its 95 % interval"),
+    "gain_high_fine": Variable(_NUMBER, "upper end of its 95 % interval"),
     "course_seeds": Variable(_NUMBER, "seeds of the finest grid in a part of the samples"),
     "course_seconds": Variable(_TIME, "processor time of a part of the samples of all levels"),
     "course_error": Variable(_NUMBER, "standard error of the estimate from a part of the samples"),

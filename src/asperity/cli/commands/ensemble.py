@@ -25,8 +25,11 @@ def run(options: argparse.Namespace) -> None:
     given = {} if options.results is None else {"results": options.results}
     config = read_study(options.config or [PAPER], given)
     error = config["ensemble"]["error"] if options.error is None else error_of(options.error)
-    _check(options.claim, config)
-    folder = f"{config['results']}/ensemble/{options.claim}/error{error:g}"
+    from asperity.paper.ensemble.numbers import full_name
+
+    name = full_name(options.claim, options.reading)
+    _check(name, config)
+    folder = f"{config['results']}/ensemble/{name}/error{error:g}"
     plan = f"{folder}/plan1.json"
     _snakemake(options, plan)
     from asperity.paper.ensemble.planning import Plan
@@ -56,10 +59,12 @@ def error_of(text: str) -> float:
 
 def _check(claim: str, config: dict[str, Any]) -> None:
     """Raise an error before anything is computed: for an unknown number, a missing surface or workflow."""
-    from asperity.paper.claims.sources import roles
+    from asperity.paper.claims.sources import deltas, roles, with_deltas
     from asperity.paper.ensemble.numbers import surfaces_of
 
-    surfaces_of(claim, roles(config["studies"], config["surfaces"]))
+    by_role, surfaces = roles(config["studies"], config["surfaces"]), config["surfaces"]
+    of_delta = deltas(by_role, surfaces, config["readings"].get("delta", ()))
+    surfaces_of(claim, with_deltas(by_role, of_delta), config["readings"])
     if not Path(SNAKEFILE).is_file():
         raise FileNotFoundError(
             f"{SNAKEFILE}: no such file; the command runs in the folder of the study: asperity study init DIR"

@@ -136,6 +136,11 @@ class Number:
         )
 
     @property
+    def roles(self) -> tuple[str, ...]:
+        """Roles of the surfaces on which the number depends, each once."""
+        return tuple(dict.fromkeys(role for _, role in self.parts))
+
+    @property
     def choices(self) -> tuple[str, ...]:
         """Choices on which the number depends, each once."""
         return tuple(dict.fromkeys(name for reading, role in self.parts for name in reading.follows(role)))

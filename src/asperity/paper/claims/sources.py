@@ -90,6 +90,14 @@ def deltas(
     return found
 
 
+def with_deltas(by_role: Mapping[str, str], of_delta: Mapping[float, Mapping[str, str]]) -> dict[str, str]:
+    """Role → surface, with the roles of the skewed surfaces at each δ; as of `roles` and `deltas`."""
+    skewed = {
+        role_of_delta(role, delta): name for delta in of_delta for role, name in of_delta[delta].items()
+    }
+    return {**by_role, **skewed}
+
+
 def _but_for_delta(surface: Mapping[str, Any]) -> dict[str, Any]:
     """Entry of a surface without its label and its δ."""
     johnson = {key: value for key, value in surface.get("johnson", {}).items() if key != "delta"}

@@ -2,7 +2,8 @@
 
 The first round is a pilot on the coarsest grids. Every further round estimates the number, its standard error
 and its bias from what there is, and plans the seeds of the next round: more seeds, or a finer grid where the
-bias is too large. The last round asks for nothing new.
+bias is too large. The last round asks for nothing new. Times are those of the cost model, not measured ones:
+the same configuration has the same plan on every machine.
 """
 
 from __future__ import annotations
@@ -21,6 +22,9 @@ from asperity.accuracy.tables import minutes
 from asperity.paper.ensemble.samples import Samples
 from asperity.pipeline.ensemble import SURFACE_ALONE, SURFACE_SEEDS, block_size
 from asperity.types import Array
+
+FEWEST_COARSE = 16
+"""Fewest seeds on the coarsest grid of the pilot, for the slopes on the numbers of the surfaces alone."""
 
 PILOT_GRIDS = 3
 """Grids of the pilot: as many as show the order of convergence."""
@@ -52,7 +56,7 @@ class Plan:
     done : bool
         True if the round before has all of these seeds, so that the result can be taken from them.
     seconds : float
-        Processor time of all seeds of the plan, from measured times; NaN for the pilot.
+        Processor time of all seeds of the plan by the cost model; NaN for the pilot.
     plain_seconds : float
         The same for plain Monte Carlo on the finest grid, to the same standard error.
     text : tuple of str
@@ -105,6 +109,7 @@ def pilot(nodes: Sequence[float], seeds: int, wavelengths: Sequence[float]) -> P
     """
     used = (float(SURFACE_ALONE), *map(float, nodes[:PILOT_GRIDS]))
     numbers = [seeds * 2 ** (len(used) - 1 - level) for level in range(1, len(used))]
+    numbers[0] = max(numbers[0], FEWEST_COARSE)
     seeds_of_levels = _whole_blocks(used, [SURFACE_SEEDS, *numbers], wavelengths)
     return Plan(0, used, seeds_of_levels, (True,) * len(used))
 
@@ -112,6 +117,7 @@ def pilot(nodes: Sequence[float], seeds: int, wavelengths: Sequence[float]) -> P
 def next_plan(
     plan: Plan,
     samples: Samples,
+    times: Mapping[float, float],
     error: float,
     settings: Mapping[str, Any],
     wavelengths: Sequence[float],
@@ -124,6 +130,8 @@ def next_plan(
         Of the round before.
     samples : Samples
         The number on every level, for the seeds of that plan.
+    times : mapping
+        Nodes on the shortest wavelength → processor time of one seed, of all grids that may be used.
     error : float
         Root of the mean squared error to reach, over the value: standard error and bias together.
     settings : mapping
@@ -133,17 +141,18 @@ def next_plan(
     shift = bias(samples.nodes[1:], samples.values[1:]).value
     target = error * abs(multilevel_mean(samples.values).value)
     allowed = math.sqrt(max(target**2 - shift**2, (1 - BIAS_SHARE) * target**2))
-    allocation = allocate(samples.values, samples.seconds, allowed, settings["pilot"])
+    seconds = [times[n] for n in plan.nodes]
+    allocation = allocate(samples.values, seconds, allowed, settings["pilot"])
     used = allocation.seeds > 0
     found = multilevel_mean(samples.first(np.where(used, plan.seeds, 0).tolist()).values)
-    nodes, seeds, seconds = list(plan.nodes), list(plan.seeds), samples.seconds
+    nodes, seeds = list(plan.nodes), list(plan.seeds)
     finer = [float(n) for n in settings["nodes"] if n > nodes[-1]]
     reached = found.error <= allowed and abs(shift) <= math.sqrt(BIAS_SHARE) * target
     if plan.round + 1 < MOST_ROUNDS and not reached:
         if finer and abs(shift) > math.sqrt(BIAS_SHARE) * target:
             nodes.append(finer[0])
             seeds.append(settings["pilot"])
-            seconds = [*seconds, seconds[-1] * (nodes[-1] / nodes[-2]) ** 2]
+            seconds.append(times[nodes[-1]])
             used = np.append(used, True)
         elif found.error > allowed:
             seeds = _more_seeds(np.array(plan.seeds), allocation.seeds, (found.error / allowed) ** 2)

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from asperity.accuracy.multilevel import Estimate, bias, finest_variance, multilevel_mean
+from asperity.accuracy.multilevel import Estimate, Spread, bias, finest_variance, multilevel_mean
 from asperity.accuracy.tables import minutes
 from asperity.paper.ensemble.planning import Plan, grid_name
 from asperity.paper.ensemble.samples import Samples
@@ -37,7 +37,9 @@ def result(plan: Plan, samples: Samples) -> xr.Dataset:
     dataset
         Along `grid`, the levels; along `course` and `plain_course`, errors and times of parts of the samples.
         Plain Monte Carlo is the mean over the seeds of the finest grid. Its time for the standard error of
-        the estimate follows from the measured time of a seed and the variance that all levels show.
+        the estimate follows from the measured time of a seed and its variance: that which all levels show,
+        and in variables ``…_fine`` that of the seeds of the finest grid alone. ``gain`` is that time over the
+        time of the estimate, with a 95 % interval.
     """
     kept = samples.first(plan.seeds)
     used = [number if use else 0 for number, use in zip(plan.seeds, plan.used, strict=True)]
@@ -48,6 +50,8 @@ def result(plan: Plan, samples: Samples) -> xr.Dataset:
     finest, times = samples.values[-1], samples.times[-1]
     plain = multilevel_mean([finest])
     seconds = sum(float(level.sum()) for level in chosen.times)
+    spreads = {"": finest_variance(chosen.values), "_fine": Spread.of(finest)}
+    same = {kind: float(times.mean()) * np.array(each.over(found)) for kind, each in spreads.items()}
     course = [point for part in PARTS if (point := _part(chosen, part)) is not None]
     counts = _halvings(len(finest))
     return xr.Dataset(
@@ -64,7 +68,12 @@ def result(plan: Plan, samples: Samples) -> xr.Dataset:
             "plain_estimate": plain.value,
             "plain_error": plain.error,
             "plain_seconds": float(times.sum()),
-            "plain_seconds_same_error": float(times.mean() * finest_variance(chosen.values) / found.error**2),
+            **{f"plain_seconds_same_error{kind}": each[0] for kind, each in same.items()},
+            **{
+                f"gain{end}{kind}": each[number] / seconds
+                for kind, each in same.items()
+                for number, end in enumerate(("", "_low", "_high"))
+            },
             "course_seeds": ("course", [point[0] for point in course]),
             "course_seconds": ("course", [point[1] for point in course]),
             "course_error": ("course", [point[2].error for point in course]),
@@ -110,7 +119,8 @@ def correlation(coarse: Array, fine: Array) -> float:
 def _part(samples: Samples, part: float) -> tuple[int, float, Estimate] | None:
     """Seeds of the finest grid, time and estimate of a part of the samples; None if it has too few."""
     seeds = [int(len(values) * part) for values in samples.values]
-    if seeds[-1] < FEWEST:
+    alone = samples.values[0].shape[1] if samples.values[0].ndim > 1 else 0
+    if seeds[-1] < FEWEST or seeds[min(1, len(seeds) - 1)] < alone + FEWEST:
         return None
     some = samples.first(seeds)
     return seeds[-1], sum(float(level.sum()) for level in some.times), multilevel_mean(some.values)
@@ -142,7 +152,7 @@ def level_frame(data: xr.Dataset) -> pd.DataFrame:
 
 
 def summary_frame(results: dict[str, xr.Dataset]) -> pd.DataFrame:
-    """A table of several results, one row each."""
+    """A table of several results, one row each; levels that only tell the bias stand in brackets."""
     rows = []
     for name, data in results.items():
         value = float(data["estimate"])
@@ -154,14 +164,30 @@ def summary_frame(results: dict[str, xr.Dataset]) -> pd.DataFrame:
                 "standard error %": 100 * float(data["estimate_error"]) / abs(value),
                 "bias %": 100 * float(data["estimate_bias"]) / value,
                 "total error %": 100 * float(data["estimate_total_error"]) / abs(value),
+                "levels: seeds": ", ".join(
+                    f"{grid_name(nodes)}: {number}" if used else f"({grid_name(nodes)}: {number})"
+                    for nodes, number, used in zip(
+                        data["grid_nodes"].values,
+                        data["grid_seeds"].values,
+                        data["grid_used"].values,
+                        strict=True,
+                    )
+                ),
                 "plain estimate": float(data["plain_estimate"]),
                 "its error %": 100 * float(data["plain_error"]) / abs(value),
                 "seconds": spent,
                 "plain seconds for the same error": plain,
-                "plain over multilevel": plain / spent,
+                "gain": gain_text(data, ""),
+                "gain by the variance of the finest grid alone": gain_text(data, "_fine"),
             }
         )
     return pd.DataFrame(rows)
+
+
+def gain_text(data: xr.Dataset, kind: str) -> str:
+    """Time of plain Monte Carlo over that of the estimate, with its interval."""
+    value, low, high = (float(data[f"gain{end}{kind}"]) for end in ("", "_low", "_high"))
+    return f"{value:.2g} ({low:.2g} to {high:.2g})"
 
 
 def sentences(name: str, quantity: str, data: xr.Dataset) -> str:
@@ -176,6 +202,7 @@ def sentences(name: str, quantity: str, data: xr.Dataset) -> str:
             f"  vanishing grid spacing adds {float(data['estimate_bias']):+.2g}; total error "
             f"{float(data['estimate_total_error']) / abs(value):.2%}",
             f"  {minutes(spent)} of one processor; plain Monte Carlo on {finest} to the same standard error: "
-            f"{minutes(plain)}, {plain / spent:.1f} times as long",
+            f"{minutes(plain)}, {gain_text(data, '')} times as long; by the variance of the seeds of that "
+            f"grid alone {gain_text(data, '_fine')} times",
         ]
     )

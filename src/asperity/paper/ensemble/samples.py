@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.paper.ensemble.numbers import values
-from asperity.pipeline.ensemble import SURFACE_ALONE
+from asperity.pipeline.ensemble import SURFACE_ALONE, SURFACE_NUMBERS
 from asperity.results import dataset
 from asperity.types import Array
 
@@ -20,9 +20,9 @@ class Samples(NamedTuple):
     Parameters
     ----------
     nodes : tuple of float
-        Nodes on the shortest wavelength; `SURFACE_ALONE` for the surface alone, whose numbers are the rms
-        gradients of the surfaces.
-    values : tuple of (seeds,) or (seeds, surfaces) arrays
+        Nodes on the shortest wavelength; `SURFACE_ALONE` for the surface alone, whose numbers are
+        `SURFACE_NUMBERS` of all surfaces.
+    values : tuple of (seeds,) or (seeds, numbers) arrays
         For seeds 1, 2, 3, …
     times : tuple of (seeds,) arrays
         Processor time of each seed, all surfaces together.
@@ -61,15 +61,19 @@ def read_samples(
     surfaces : mapping
         Role → surface, as of `asperity.paper.ensemble.numbers.surfaces_of`.
     files : mapping
-        Nodes on the shortest wavelength → surface → files of `asperity.pipeline.ensemble.sample`.
+        Nodes on the shortest wavelength → surface → files of `asperity.pipeline.ensemble.sample`. Surfaces
+        that the number does not depend on are not read; of two surfaces, the seeds that both have.
     """
     nodes = sorted(files)
     found, times = [], []
     for node in nodes:
-        read = {surface: _joined(paths) for surface, paths in files[node].items()}
+        read = {surface: _joined(files[node][surface]) for surface in dict.fromkeys(surfaces.values())}
+        common = min(data.sizes["seed"] for data in read.values())
+        read = {surface: data.isel(seed=slice(common)) for surface, data in read.items()}
         times.append(np.sum([data["seed_seconds"].values for data in read.values()], axis=0))
         if node == SURFACE_ALONE:
-            found.append(np.stack([data["seed_rms_gradient"].values for data in read.values()], axis=1))
+            alone = [data[f"seed_{name}"].values for data in read.values() for name in SURFACE_NUMBERS]
+            found.append(np.stack(alone, axis=1))
         else:
             found.append(values(name, {role: read[surface] for role, surface in surfaces.items()}))
     return Samples(tuple(nodes), tuple(found), tuple(times))
