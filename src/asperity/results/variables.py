@@ -276,6 +276,18 @@ VARIABLES: dict[str, Variable] = {
     # statistics of each seed
     "seed": Variable(_NUMBER, "seed of the random surface"),
     "level": Variable(_NUMBER, "share of the peaks that are smaller"),
+    "seed_nayak": Variable(_NUMBER, "Nayak's parameter of the surface, m0 m4 / m2^2"),
+    "seed_boundary_length": Variable(_LENGTH, "length of the boundary of contact along the edges of nodes"),
+    "seed_squared_gradient_contact": Variable(
+        _NUMBER, "integral of the squared gradient of the rough surface over the contact"
+    ),
+    "seed_squared_gradient_boundary": Variable(
+        _LENGTH, "integral of the squared gradient of the rough surface along the boundary of contact"
+    ),
+    "seed_pressure_length": Variable(_LENGTH, "distance at which the autocovariance of the pressure halves"),
+    "seed_hydraulic_radius": Variable(_LENGTH, "twice the area of contact over the length of its boundary"),
+    "seed_height_length": Variable(_LENGTH, "rms height over rms profile slope over the contact"),
+    "seed_curvature_length": Variable(_LENGTH, "rms profile slope over rms curvature over the contact"),
     "seed_skewness": Variable(_NUMBER, "skewness of the heights"),
     "seed_kurtosis": Variable(_NUMBER, "kurtosis of the heights"),
     "seed_rms_gradient": Variable(_NUMBER, "root-mean-square gradient of the whole surface"),

@@ -153,6 +153,37 @@ def _advice(every: Sequence[Support], choice: str) -> str:
     return f"`{choice}`: **{option_in_words(first.option)}**, {verdict}."
 
 
+SHAPE = ("skewness_alone", "skew_normalised", "skew_not_normalised")
+"""Statements whose numbers the study of δ shows."""
+
+
+def shapes(found: Sequence[Finding]) -> str:
+    """Table of the numbers of the skewed surfaces against δ, and which δ reproduces their statements."""
+    of_claim = {f.claim.identifier: f for f in found}
+    known = {name: of_claim[name] for name in SHAPE}
+    rows = [["δ", *(f.claim.quantity for f in known.values())]]
+    reproduced: dict[str, list[str]] = {}
+    for delta in {one.options["delta"]: None for one in known[SHAPE[0]].judgements}:
+        cells = []
+        for name, finding in known.items():
+            own = {**finding.own.options, "delta": delta}
+            some = [one for one in finding.judgements if one.options["delta"] == delta]
+            shown = next(one for one in some if one.options == own)
+            cells.append(f"{with_error(shown.value, shown.error)} ({shown.low:.3f} to {shown.high:.3f})")
+            if any(one.verdict == HOLDS for one in some):
+                reproduced.setdefault(name, []).append(f"{delta:g}")
+        rows.append([f"{delta:g}", *cells])
+    each = [
+        f"{finding.claim.sentence!r} holds for δ = {', '.join(reproduced[name])}"
+        if name in reproduced
+        else f"{finding.claim.sentence!r} holds for no δ"
+        for name, finding in known.items()
+    ]
+    common = set.intersection(*(set(reproduced.get(name, [])) for name in SHAPE))
+    end = f"all three for δ = {', '.join(sorted(common))}" if common else "**no δ reproduces all three**"
+    return f"{markup.markdown(_frame(rows))}\n\n{'; '.join(each)}: {end}.".replace("'", "*")
+
+
 def with_section(text: str, name: str, section: str) -> str:
     """A page with a section between its marks ``<!-- NAME: … -->`` and ``<!-- end of NAME -->``."""
     marks = re.compile(rf"(<!-- {name}: .*? -->\n).*?(<!-- end of {name} -->)", re.DOTALL)
@@ -166,7 +197,12 @@ def pages(root: Path = Path()) -> dict[Path, str]:
     found = findings(root / TABLE)
     start = (root / "README.md").read_text(encoding="utf-8")
     claims = (root / "docs/claims.md").read_text(encoding="utf-8")
-    claims = with_section(with_section(claims, "choices", choices()), "conventions", conventions(found))
+    for name, section in (
+        ("choices", choices()),
+        ("conventions", conventions(found)),
+        ("shapes", shapes(found)),
+    ):
+        claims = with_section(claims, name, section)
     return {
         Path("README.md"): with_section(start, "verdicts", readme(found)),
         Path("docs/claims.md"): claims,
