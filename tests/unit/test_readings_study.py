@@ -73,7 +73,7 @@ def test_every_statement_has_a_judgement_for_every_reading_of_its_choices(judged
         assert not [one.missing for one in finding.judgements if one.missing]
     text = markdown(list(judged.values()), SEEDS, 4)
     assert all(f.claim.quantity.replace("|", "\\|") in text for f in judged.values())
-    assert sum(len(rows) - 1 for rows in tables(list(judged.values())).values()) == len(CLAIMS)
+    assert sum(len(table) for table in tables(list(judged.values())).values()) == len(CLAIMS)
 
 
 def test_a_reading_has_the_number_of_a_study_with_its_uniform_mode(judged):
