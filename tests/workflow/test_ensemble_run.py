@@ -1,5 +1,7 @@
 """The rules of ensembles: pilot, plan and result as jobs; another target uses the samples that there are."""
 
+import shutil
+
 from project import TINY, snakemake
 
 from asperity.results import dataset
@@ -13,8 +15,8 @@ ensemble: {nodes: [4, 8], pilot: 4}
 """
 
 
-def test_a_target_is_reached_and_its_samples_are_kept(tiny_study):
-    folder = tiny_study.folder
+def test_a_target_is_reached_and_its_samples_are_kept(tiny_study, tmp_path):
+    folder = shutil.copytree(tiny_study.folder, tmp_path / "project")
     (folder / "few_grids.yaml").write_text(OVERLAY)
     made, config = f"results/tiny/ensemble/{NUMBER}", (*TINY, "few_grids.yaml")
 

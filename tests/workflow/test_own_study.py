@@ -51,6 +51,7 @@ def test_two_surfaces_and_four_seeds_make_their_own_jobs_alone(project):
     config = {"seeds": [1, 2, 3, 4], "surfaces": TWO}
     found = jobs(project, *config_in(project, "mine.yaml", config))
     assert Counter(rule for rule, _, _ in found) == {
+        "machine_code": 2,
         "surface": 8,
         "contact": 8,
         "stress": 8,
