@@ -17,6 +17,7 @@ from asperity.runtime.preflight import claim
 
 CONTACT = f"{RESULTS}/contact/hurst_08/seed1.nc"
 STATISTICS = f"{RESULTS}/statistics/hurst_08.nc"
+OTHER_STATISTICS = f"{RESULTS}/readings/free/statistics/hurst_08.nc"
 AGAIN = study("--forcerun", "statistics")
 
 
@@ -134,10 +135,11 @@ def test_a_deleted_result_is_made_again_with_the_same_numbers(folder, tiny_study
 
 @contextlib.contextmanager
 def full_disk(folder):
-    """The results without one, on a disk with hardly any space left."""
+    """The results without those of one job, on a disk with hardly any space left."""
     results = folder / "results"
+    for path in (STATISTICS, OTHER_STATISTICS):
+        (folder / path).unlink()
     kept = shutil.copytree(results, folder / "kept")
-    (kept / "tiny/statistics/hurst_08.nc").unlink()
     with mounted(results, "-t", "tmpfs", "-o", "size=8m", "tmpfs"):
         shutil.copytree(kept, results, dirs_exist_ok=True)
         space = shutil.disk_usage(results).free
@@ -177,7 +179,8 @@ def test_a_job_larger_than_the_memory_allowed_is_refused(folder):
 
 
 def test_a_failed_job_is_named_with_its_error_and_its_log(folder):
-    (folder / STATISTICS).unlink()
+    for path in (STATISTICS, OTHER_STATISTICS):
+        (folder / path).unlink()
     module = folder / "src/asperity/pipeline/statistics.py"
     failing = "\n\ndef surface_statistics(*_, **settings):\n    raise ValueError('no peaks')\n"
     module.write_text(module.read_text() + failing)
