@@ -38,6 +38,7 @@ PACKAGES = {
         "tifffile": "tifffile",
     },
     "study": {
+        "docutils": "docutils",
         "mpmath": "mpmath",
         "pygments": "pygments",
         "skfem": "scikit-fem",

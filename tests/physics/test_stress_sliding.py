@@ -192,8 +192,8 @@ def test_envelope_bounds_every_field_of_a_mode_in_a_bonded_layer(poisson, height
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"friction": -0.1}, r"friction = -0\.1: a finite number ≥ 0 is needed"),
-        ({"friction": "0.1"}, r"friction = '0\.1': a finite number ≥ 0"),
+        ({"friction": -0.1}, r"friction = -0\.1: a number from 0 to 1000 is needed"),
+        ({"friction": "0.1"}, r"friction = '0\.1': a number from 0 to 1000"),
         ({"sliding_direction": "z"}, 'sliding_direction = \'z\': "x", "y" or an angle in degrees'),
         ({"sliding_direction": None}, 'sliding_direction = None: "x", "y" or an angle in degrees'),
         (

@@ -16,7 +16,8 @@ def build(folder):
     subprocess.run([*hatchling, "--target", "sdist"], cwd=ROOT, check=True, capture_output=True)
     (source,) = folder.glob("asperity-*.tar.gz")
     with tarfile.open(source) as archive:
-        archive.extractall(folder, filter="data")
+        # Python 3.11.0 to 3.11.3 have no filters.
+        archive.extractall(folder, **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
     unpacked = folder / source.name.removesuffix(".tar.gz")
     subprocess.run([*hatchling, "--target", "wheel"], cwd=unpacked, check=True, capture_output=True)
     (wheel,) = folder.glob("asperity-*.whl")
