@@ -5,7 +5,7 @@ All come from one stream of planes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +32,13 @@ QUANTITIES = ("pressure", "von_mises", "xx", "zz", "xz")
 
 DIRECTION = {"von_mises": 1, "largest_shear": 1, "principal_1": 1, "principal_3": -1, "hydrostatic": -1}
 """Field → 1 if its largest value is sought, −1 if its smallest is; of others the largest magnitude."""
+
+
+BOUNDS = {"largest_shear": (3**-0.5, 0.0), "principal_1": (2 / 3, 1.0), "principal_3": (2 / 3, -1.0)}
+"""Field → factors of the von Mises and the hydrostatic stress in an upper bound of it, or of its negative."""
+
+ROUNDING = 1e-5
+"""Uncertainty of these bounds by rounding in single precision, relative to the highest of a plane."""
 
 
 @dataclass(frozen=True)
@@ -127,18 +134,46 @@ class _Extremes:
 
     def add(self, plane: LinearPlane) -> None:
         """Add the next plane."""
+        invariants = {name: plane.field(name, self._poisson) for name in ("von_mises", "hydrostatic")}
+        if self._limit is not None:
+            self.above.append(float(np.mean(invariants["von_mises"] > self._limit)))
         room = None
         for name in self._fields:
-            room = plane.field(name, self._poisson, room)
-            self._compare(name, room, plane)
-            if name == "von_mises" and self._limit is not None:
-                self.above.append(float(np.count_nonzero(room > self._limit) / room.size))
+            if name in invariants:
+                self._compare(name, invariants[name], plane)
+            elif name in BOUNDS:
+                self._compare_bounded(name, invariants, plane)
+            else:
+                room = plane.field(name, self._poisson, room)
+                self._compare(name, room, plane)
+
+    def _compare_bounded(self, name: str, invariants: Mapping[str, Array], plane: LinearPlane) -> None:
+        """Compare a field of principal stresses, computed only where its bound exceeds the extreme so far."""
+        of_von_mises, of_hydrostatic = BOUNDS[name]
+        bound = of_von_mises * invariants["von_mises"] + of_hydrostatic * invariants["hydrostatic"]
+        flat = bound.reshape(-1)
+        highest = int(flat.argmax())
+        earlier = self.found.get(name)
+        known = earlier.value if earlier else float(self._sample(name, plane, np.array([highest]))[0])
+        least = _rank(name, known) - ROUNDING * abs(float(flat[highest]))
+        candidates = np.flatnonzero(flat >= least)
+        if candidates.size:
+            values = self._sample(name, plane, candidates)
+            best = int(np.argmax(DIRECTION[name] * values))
+            self._take(name, float(values[best]), int(candidates[best]), plane)
+
+    def _sample(self, name: str, plane: LinearPlane, nodes: Array) -> Array:
+        return plane.sample(name, self._poisson, lambda field: field.reshape(-1)[nodes])
 
     def _compare(self, name: str, values: Array, plane: LinearPlane) -> None:
         node = max(
             (int(values.argmax()), int(values.argmin())), key=lambda n: _rank(name, float(values.flat[n]))
         )
-        value, earlier = float(values.flat[node]), self.found.get(name)
+        self._take(name, float(values.flat[node]), node, plane)
+
+    def _take(self, name: str, value: float, node: int, plane: LinearPlane) -> None:
+        """Take the value at a node if it is more extreme than the one so far."""
+        earlier = self.found.get(name)
         if earlier is None or _rank(name, value) > _rank(name, earlier.value):
             row, column = divmod(node, plane.grid.shape[1])
             y, x = row * plane.grid.spacing[0], column * plane.grid.spacing[1]
