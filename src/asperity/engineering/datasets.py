@@ -97,35 +97,11 @@ def surface_dataset(answer: Answer) -> xr.Dataset:
 
 def contact_dataset(answer: Answer) -> xr.Dataset:
     """Pressure, displacement and gap; the attributes describe the lower body, the settings both."""
-    contact, numbers = answer.contact, answer.numbers
-    y, x = contact.grid.coordinates()
-    plane = ("y", "x")
-    certificate = {
-        f"certificate_{name}": value
-        for name, value in asdict(contact.certificate).items()
-        if name != "seconds"
-    }
-    return xr.Dataset(
-        {
-            "pressure": (plane, contact.pressure),
-            "displacement": (plane, contact.displacement),
-            "gap": (plane, contact.gap),
-            "area_fraction": contact.area_fraction,
-            "mean_pressure": contact.mean_pressure,
-            "approach": contact.approach,
-            "gradient_rms_contact": contact.gradient_rms_contact,
-        },
-        coords={"y": y, "x": x},
-        attrs={
-            "unit_system": SI_UNITS,
-            "settings": json.dumps(settings_of(answer), sort_keys=True),
-            "boundary": contact.boundary,
-            "effective_modulus": answer.case.solid.effective_modulus,
-            "force": numbers.force,
-            "approach_since_first_touch": numbers.approach,
-            **_solid(answer, "lower"),
-            **certificate,
-        },
+    return answer.contact.to_dataset().assign_attrs(
+        settings=json.dumps(settings_of(answer), sort_keys=True),
+        force=answer.numbers.force,
+        approach_since_first_touch=answer.numbers.approach,
+        **_solid(answer, "lower"),
     )
 
 
