@@ -35,12 +35,16 @@ from asperity.contact import kernels
 from asperity.contact.area_control import AreaControl
 from asperity.contact.assembly import JOIN_STIFFNESS, Assembler
 from asperity.contact.inner_solve import ContactSystem, InnerAccuracy, InnerSolver
-from asperity.contact.problem import Control, Problem, State
+from asperity.contact.iterate import Iterate
+from asperity.contact.problem import Control, Problem
 from asperity.contact.safeguard import SafeguardedStep, Stagnation
 from asperity.contact.soft_mode import SoftMode
 from asperity.contact.solver_progress import ConvergenceProgress
 from asperity.contact.tangent import Tangent
 from asperity.types import Progress
+
+# Gaps are expected to close by this fraction of their motion in the step before.
+EXPECTED_DECREASE = 0.3
 
 
 @dataclass(frozen=True)
@@ -54,11 +58,14 @@ class StoppingRule:
     area_tolerance : float
         Error of an imposed area, relative to it.
     max_outer_iterations : int
+    rounding_suffices : bool
+        True if the loop also ends when rounding keeps the error above the tolerance.
     """
 
     tolerance: float
     area_tolerance: float
     max_outer_iterations: int
+    rounding_suffices: bool = False
 
 
 class ActiveSet:
@@ -77,98 +84,102 @@ class ActiveSet:
         self._rule = rule
         self._unit = problem.nodal_compliance
         self._inner = InnerSolver(problem)
-        self._assembler = Assembler(problem, self._inner.preconditioner)
-        self._step = SafeguardedStep(problem)
+        self._assembler = Assembler(problem, self._inner)
+        self._step = SafeguardedStep(problem, self._inner.response)
         self._soft = SoftMode(problem, self._inner)
         self._area = None
         if control.kind == "area_fraction":
             self._area = AreaControl(control.value, problem.grid.size, rule.tolerance, rule.area_tolerance)
 
-    def solve(self, state: State, progress: Progress | None = None) -> bool:
-        """Iterate until the state fulfils the stopping rule; True if it does, False if the loop gave up."""
+    def solve(self, iterate: Iterate, progress: Progress | None = None) -> bool:
+        """Iterate until the rule is fulfilled; True if it is, False if the loop gave up."""
         report = ConvergenceProgress(progress, self._rule.tolerance)
         accuracy, stagnation = InnerAccuracy(self._rule.tolerance), Stagnation()
         load_changed = False
         for _ in range(self._rule.max_outer_iterations):
-            self._evaluate_gap(state)
-            if not self._step.shorten(state, may_repeat=stagnation.allows_more):
+            self._evaluate(iterate)
+            fraction = self._step.best_fraction(iterate)
+            if fraction == 0 and stagnation.allows_more:
+                self._step.repeat_shorter(iterate)
                 stagnation.record_repetition()
                 continue
-            system, state.error = self._assembler.assemble(state, self._control.fixes_load)
-            state.approach = system.approach
-            report(state.error)
-            if system.contact_nodes.size == 0 and state.error == 0:
+            self._step.shorten(iterate, fraction)
+            if not iterate.is_evaluated:
+                self._evaluate(iterate)
+            iterate.drop_free_nodes()
+            system = self._assembler.assemble(iterate, self._control.fixes_load)
+            report(iterate.error)
+            if iterate.nodes.size == 0 and iterate.error == 0:
                 # The truncated surface of a coarse grid may be out of reach at the approach.
                 return False
             # A load just changed takes effect in an inner solve, even if the change is below the tolerance.
-            converged = state.error <= self._rule.tolerance and not load_changed
-            if self._area is not None and not load_changed and self._area.misses(state, converged):
-                load_changed = self._change_load(state, system, self._area, converged)
+            converged = self._is_converged(iterate, system) and not load_changed
+            if self._area is not None and not load_changed and self._area.misses(iterate, converged):
+                load_changed = self._change_load(iterate, system, self._area, converged)
                 if not load_changed:
                     return True
                 self._step.forget()
                 stagnation.forget_error()
                 continue
             if converged:
-                if self._control.fixes_load or not self._soft.balance(state, system, self._rule.tolerance):
+                if self._control.fixes_load or not self._soft.balance(iterate, system, self._rule.tolerance):
                     return True
                 self._step.forget()
                 continue
-            stagnation.record(state.error)
+            stagnation.record(iterate.error)
             if stagnation.gives_up:
                 return False
             load_changed = False
-            correction = self._inner.solve(system, *accuracy.next(state.error))
-            state.iterations += correction.iterations
-            self._step.take(state, system, correction)
+            correction = self._inner.solve(system, *accuracy.next(iterate.error))
+            iterate.iterations += correction.iterations
+            motion = self._step.take(iterate, correction)
+            self._assembler.expected_motion = EXPECTED_DECREASE * motion
         return False
 
-    def _evaluate_gap(self, state: State) -> None:
-        """Evaluate the gap, after scaling the pressure to the load, or to the least energy at an approach."""
-        pressure, height = state.pressure.reshape(-1), self._problem.height.reshape(-1)
-        mean = float(pressure.mean(dtype=float)) if self._control.fixes_load else 1.0
-        if mean == 0:
-            pressure[np.argmin(height)], mean = 1, 1 / pressure.size
-        self._problem.displacement(state.pressure, state.gap)
-        state.iterations += 1
-        gap = state.gap.reshape(-1)
-        if self._control.fixes_load:
-            factor = state.load / mean
-        else:
-            factor = kernels.energy_scale(pressure, gap, height, self._control.value)
-        kernels.scale_to_gap(pressure, gap, height, factor)
+    def _evaluate(self, iterate: Iterate) -> None:
+        """Evaluate the gap; at a given load, a contact that has lost all its nodes begins anew."""
+        if self._control.fixes_load and not iterate.pressure.any():
+            iterate.start_at_lowest_node()
+            self._step.forget()
+        iterate.evaluate(self._control)
 
-    def _change_load(self, state: State, system: ContactSystem, area: AreaControl, converged: bool) -> bool:
+    def _is_converged(self, iterate: Iterate, system: ContactSystem) -> bool:
+        rounding = self._rule.rounding_suffices and system.is_rounding
+        return rounding or iterate.error <= self._rule.tolerance
+
+    def _change_load(
+        self, iterate: Iterate, system: ContactSystem, area: AreaControl, converged: bool
+    ) -> bool:
         """Change the load towards the imposed area; False if no other load gives a nearer area.
 
         Near the area the whole contact follows the load along its tangent. Elsewhere the load alone changes.
         """
-        if not converged and not area.is_near(state):
-            load = area.next_load(state, converged)
+        if not converged and not area.is_near(iterate):
+            load = area.next_load(iterate, converged)
         else:
             if not converged:
-                self._add_correction(state, system)
-            tangent = self._tangent(state, system)
-            change = tangent.change_to_area(state, area, converged)
+                self._add_correction(iterate, system)
+            tangent = self._tangent(iterate, system)
+            change = tangent.change_to_area(iterate, area, converged)
             if change is None:
                 return False
-            load = area.next_load(state, converged, state.load + change * tangent.load)
-            self._follow(tangent, state, state.load if load is None else load)
+            load = area.next_load(iterate, converged, iterate.load + change * tangent.load)
+            if load is not None:
+                self._follow(tangent, iterate, load)
         if load is None:
             return False
-        state.load = load
+        iterate.load = load
         return True
 
-    def _add_correction(self, state: State, system: ContactSystem) -> None:
+    def _add_correction(self, iterate: Iterate, system: ContactSystem) -> None:
         """Correct pressure, gap and approach on the present contact nodes, which stay as they are."""
         correction = self._inner.solve(system)
-        state.iterations += correction.iterations
-        kernels.add(state.pressure.reshape(-1), system.contact_nodes, correction.pressure)
-        gap = state.gap.reshape(-1)
-        gap += self._unit * correction.displacement
-        state.approach += correction.approach
+        iterate.iterations += correction.iterations
+        iterate.pressure += correction.pressure
+        iterate.add_displacement(self._unit * self._inner.response.of_all_nodes(correction.pressure))
+        iterate.approach += correction.approach
 
-    def _tangent(self, state: State, system: ContactSystem) -> Tangent:
+    def _tangent(self, iterate: Iterate, system: ContactSystem) -> Tangent:
         """Tangent of the present contact, by an inner solve for a uniform residual."""
         size, nodes = self._problem.grid.size, system.contact_nodes
         residual = np.ones_like(system.residual)
@@ -178,19 +189,29 @@ class ActiveSet:
         else:
             uniform = replace(system, residual=residual, image=system.uniform_image.copy(), fixed_load=False)
             correction = self._inner.solve(uniform)
-            state.iterations += correction.iterations
-            pressure, displacement = correction.pressure, correction.displacement
+            iterate.iterations += correction.iterations
+            pressure = correction.pressure
+            displacement = self._inner.response.of_all_nodes(pressure).reshape(-1)
         return Tangent(nodes, pressure, displacement, float(pressure.sum(dtype=float)) / size, self._unit)
 
-    def _follow(self, tangent: Tangent, state: State, load: float) -> None:
+    def _follow(self, tangent: Tangent, iterate: Iterate, load: float) -> None:
         """Change the pressure along the tangent to a load; penetrating nodes join, nodes in tension leave.
 
         The displacement of the tangent is overwritten.
         """
-        pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
-        change = np.float32((load - state.load) / tangent.load)
+        change = np.float32((load - iterate.load) / tangent.load)
         displacement = tangent.displacement
         displacement *= change
-        approach = state.approach + self._unit * float(change)
-        kernels.add_penetrating_nodes(pressure, gap, displacement, approach, self._unit, JOIN_STIFFNESS)
-        kernels.add_and_release(pressure, tangent.contact_nodes, tangent.pressure, change)
+        joining, overlap = kernels.joining_nodes(
+            *iterate.fields(),
+            iterate.nodes,
+            displacement,
+            iterate.approach + self._unit * float(change),
+            self._unit,
+        )
+        real = iterate.pressure.dtype
+        pressure = kernels.add_and_release(iterate.pressure, tangent.pressure, change)
+        iterate.set_pressure(
+            *kernels.merge(iterate.nodes, joining, pressure, (JOIN_STIFFNESS * overlap).astype(real))
+        )
+        iterate.drop_free_nodes()

@@ -155,17 +155,32 @@ def verify_contact(
     if approach is None:
         approach = float(gap[contact].mean()) if contact.any() else float(gap.min())
     gap -= approach
+    return certificate_of_fields(height, pressure, gap, min(grid.spacing) / solid.effective_modulus, mean_pressure)
+
+
+def certificate_of_fields(
+    height: Array, pressure: Array, gap: Array, nodal_compliance: float, mean_pressure: float | None
+) -> Certificate:
+    """Certificate of a pressure whose gap is known.
+
+    Parameters
+    ----------
+    height, pressure, gap : (ny, nx) arrays
+        In double precision.
+    nodal_compliance : float
+        Grid spacing / E*.
+    mean_pressure : float, optional
+        The load imposed, if it was.
+    """
     least, largest = float(pressure.min()), float(pressure.max())
     largest = max(largest, -least)
-    scale = max(
-        kernels.standard_deviation(height.reshape(-1)), largest * min(grid.spacing) / solid.effective_modulus
-    )
-    scale = scale or 1.0
+    scale = max(kernels.standard_deviation(height.reshape(-1)), largest * nodal_compliance) or 1.0
     load = float(pressure.mean())
     imbalance = 0.0
     if mean_pressure is not None and mean_pressure != load:
         imbalance = abs(load - mean_pressure) / max(abs(mean_pressure), abs(load))
-    contact_pressure, contact_gap = pressure[contact], np.abs(gap[contact])
+    nodes = np.flatnonzero(pressure.reshape(-1) > 0)
+    contact_pressure, contact_gap = pressure.reshape(-1)[nodes], np.abs(gap.reshape(-1)[nodes])
     return Certificate(
         penetration=max(0.0, float(-gap.min())) / scale,
         contact_gap=float(contact_gap.max(initial=0.0)) / scale,

@@ -9,11 +9,13 @@ the load of the next grid if an area is imposed.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from asperity.contact.active_set import ActiveSet, StoppingRule
 from asperity.contact.area_control import AREA_TOLERANCE
+from asperity.contact.iterate import Iterate
 from asperity.contact.problem import Control, Problem, State
 from asperity.errors import ConvergenceError
 from asperity.types import Array, Progress
@@ -24,7 +26,12 @@ MIN_POINTS = 32
 
 # A coarse grid need not be solved better than its own discretisation error. Found by trial on rough surfaces
 # of 512² nodes: a quarter of the tolerance takes 3 % more transforms, five times the tolerance as many.
-COARSE_RULE = StoppingRule(tolerance=2e-3, area_tolerance=1e-2, max_outer_iterations=20)
+COARSE_RULE = StoppingRule(
+    tolerance=2e-3, area_tolerance=1e-2, max_outer_iterations=20, rounding_suffices=True
+)
+
+# On the finest grid, single precision is used down to this error, where rounding does not matter yet.
+SINGLE_PRECISION_TOLERANCE = 5e-4
 
 # On the finest grid. The problems of `asperity.validation.extremes` that are solved take at most 134.
 MAX_OUTER_ITERATIONS = 400
@@ -57,48 +64,67 @@ def solve(
         If the outer loop on the finest grid gives up.
     """
     if initial is not None and _is_near(problem, control, initial):
-        state = _given_start(problem, control, initial)
+        iterate = _given_start(problem, control, initial)
     else:
-        state = _start_from_coarse_grids(problem, control)
+        iterate = _start_in_single_precision(problem, control, rtol)
     rule = StoppingRule(rtol, AREA_TOLERANCE, MAX_OUTER_ITERATIONS)
-    if not ActiveSet(problem, control, rule).solve(state, progress):
+    if not ActiveSet(problem, control, rule).solve(iterate, progress):
         raise ConvergenceError(
             f"active set on {problem.grid.shape} nodes stopped",
-            state.error,
+            iterate.error,
             rtol,
-            state.iterations,
-            float(state.pressure.mean(dtype=float)),
+            iterate.iterations,
+            float(iterate.pressure.sum(dtype=float)) / problem.grid.size,
             "a larger rtol is needed, or numbers that differ less in magnitude",
         )
-    return state
+    return iterate.state()
 
 
-def _given_start(problem: Problem, control: Control, initial: Array) -> State:
-    """State of a given pressure, without tension."""
-    pressure = np.maximum(initial, 0).astype(problem.fourier.real)
-    load = {"area_fraction": float(pressure.mean(dtype=float)), "mean_pressure": control.value}
-    return State(pressure, np.empty_like(pressure), control.value, load.get(control.kind, math.nan))
+def _given_start(problem: Problem, control: Control, initial: Array) -> Iterate:
+    """Iterate of a given pressure, without tension."""
+    load = {"area_fraction": float(np.maximum(initial, 0).mean(dtype=float)), "mean_pressure": control.value}
+    return Iterate.of_field(problem, initial, control.value, load.get(control.kind, math.nan))
 
 
-def _start_from_coarse_grids(problem: Problem, control: Control) -> State:
+def _start_in_single_precision(problem: Problem, control: Control, rtol: float) -> Iterate:
+    """Start in the precision of the problem, from a solution in single precision."""
+    height = problem.height
+    datum = 0.5 * (float(height.min()) + float(height.max()))
+    single = problem if height.dtype == np.float32 else problem.in_single_precision(datum)
+    shift = 0.0 if single is problem else datum
+    within = control if control.fixes_load else replace(control, value=control.value - shift)
+    iterate = _start_from_coarse_grids(single, within)
+    if single is problem:
+        return iterate
+    rule = replace(COARSE_RULE, tolerance=max(SINGLE_PRECISION_TOLERANCE, rtol))
+    ActiveSet(single, within, rule).solve(iterate)
+    nodes, pressure = iterate.nodes, iterate.pressure.astype(problem.fourier.real)
+    start = Iterate(problem, nodes, pressure, iterate.approach + shift, iterate.load)
+    start.iterations = iterate.iterations
+    return start
+
+
+def _start_from_coarse_grids(problem: Problem, control: Control) -> Iterate:
     """First guess on the coarsest grid, solved on one coarse grid after the other and refined."""
     problems = [problem]
     while (coarser := problems[-1].coarser(MIN_POINTS)) is not None:
         problems.append(coarser)
-    state = first_guess(problems[-1], control)
+    iterate = first_guess(problems[-1], control)
     loads: list[float] = []
     while len(problems) > 1:
-        coarse = problems.pop()
-        ActiveSet(coarse, control, COARSE_RULE).solve(state)
-        state.pressure = coarse.refine(state.pressure, problems[-1], state.approach)
-        state.gap = np.empty_like(state.pressure)
+        coarse, finer = problems.pop(), problems[-1]
+        ActiveSet(coarse, control, COARSE_RULE).solve(iterate)
+        pressure = coarse.refine(iterate.pressure_field(), finer, iterate.approach)
+        load, iterations = iterate.load, iterate.iterations
         if control.kind == "area_fraction":
-            loads.append(state.load)
-            state.load = _predicted_load(loads)
-    return state
+            loads.append(load)
+            load = _predicted_load(loads)
+        iterate = Iterate.of_field(finer, pressure, iterate.approach, load)
+        iterate.iterations = iterations
+    return iterate
 
 
-def first_guess(problem: Problem, control: Control) -> State:
+def first_guess(problem: Problem, control: Control) -> Iterate:
     """Pressure in proportion to the overlap of the indenter with the undeformed solid.
 
     The factor is the stiffness of the longest wave of the cell. At an imposed approach the pressure is zero.
@@ -115,7 +141,7 @@ def first_guess(problem: Problem, control: Control) -> State:
         if not pressure.any():
             pressure[:] = stiffness * min(problem.grid.spacing) * 1e-3
         load = float(pressure.mean(dtype=float))
-    return State(pressure, np.empty_like(pressure), control.value, load)
+    return Iterate.of_field(problem, pressure, control.value, load)
 
 
 def _level_of_area(height: Array, area_fraction: float) -> float:

@@ -48,6 +48,11 @@ class Response(ABC):
         if compliance is not None:
             self.compliance = compliance
 
+    @property
+    def mode_grid(self) -> Grid:
+        """Grid of the modes to which the factors belong."""
+        return self.grid
+
     @cached_property
     def compliance(self) -> Array:
         """Real factors that turn the coefficients of a pressure into those of its displacement."""
@@ -63,7 +68,7 @@ class Response(ABC):
         self._coefficients *= self.compliance
         return self.fourier.inverse(self._coefficients, out, overwrite=True)
 
-    def in_single_precision(self, unit: float) -> Self:
+    def in_single_precision(self, unit: float = 1.0) -> Self:
         """The same response for fields in single precision, with displacements in units of `unit`."""
         outer = self.fourier
         fourier = type(outer)(outer.grid, np.float32, outer.threads, outer.work)
@@ -99,8 +104,8 @@ class Response(ABC):
         """The response and the surface on a grid of half the nodes, along one or both axes."""
 
     @abstractmethod
-    def refined(self, pressure: Array, finer: Response) -> tuple[Array, Array]:
-        """Interpolated pressure and displacement on a finer grid, made by `coarsened`."""
+    def refined(self, pressure: Array, stiffness: float, finer: Response) -> Array:
+        """Pressure less its displacement × a stiffness, interpolated on a finer grid, made by `coarsened`."""
 
     @abstractmethod
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
@@ -139,12 +144,11 @@ class PeriodicResponse(Response):
         coefficients = resample(outer.forward(height), self.grid, grid)
         return PeriodicResponse(self.solid, fourier), fourier.inverse(coefficients, overwrite=True)
 
-    def refined(self, pressure: Array, finer: Response) -> tuple[Array, Array]:
-        """Fourier interpolants, of which that of the pressure oscillates about zero outside the contact."""
+    def refined(self, pressure: Array, stiffness: float, finer: Response) -> Array:
+        """The Fourier interpolant, of which the pressure oscillates about zero outside the contact."""
         coefficients = self.fourier.forward(pressure)
-        pressure = finer.fourier.inverse(resample(coefficients, self.grid, finer.grid), overwrite=True)
-        coefficients *= self.compliance
-        return pressure, finer.fourier.inverse(resample(coefficients, self.grid, finer.grid), overwrite=True)
+        coefficients *= 1 - self.compliance.dtype.type(stiffness) * self.compliance
+        return finer.fourier.inverse(resample(coefficients, self.grid, finer.grid), overwrite=True)
 
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
         """By spectral differentiation of the displacement."""

@@ -18,7 +18,7 @@ from asperity.contact.arguments import (
     checked_solid,
 )
 from asperity.contact.boundaries import response_on
-from asperity.contact.certificate import verify_contact
+from asperity.contact.certificate import certificate_of_fields, verify_contact
 from asperity.contact.problem import Control, Problem, State
 from asperity.contact.solution import Contact
 from asperity.contact.units import Units, units_of
@@ -154,7 +154,7 @@ def solve(
     with np.errstate(over="ignore", invalid="ignore"):
         if control.lifts_off(problem.height):
             position = control.value if control.kind == "approach" else float(problem.height.min())
-            state = State(np.zeros_like(problem.height), problem.height, position, 0.0, 0.0)
+            state = State(np.zeros_like(problem.height), position, 0.0, 0.0)
         else:
             state = _solved(problem, heights, control, method, tolerance, progress, pressure)
         found = _certified(problem, control, state, method, tolerance, time.perf_counter() - begin)
@@ -207,25 +207,30 @@ def _certified(
     problem: Problem, control: Control, state: State, method: str, rtol: float, seconds: float
 ) -> Contact:
     """Evaluate the fields that follow from the pressure of a state, and certify it."""
-    grid, pressure = problem.grid, state.pressure
+    grid, pressure, displacement = problem.grid, state.pressure, state.displacement
+    if displacement is None or displacement.dtype != pressure.dtype:
+        displacement = problem.displacement(pressure)
     pairs = problem.fourier.work.pairs(grid)
-    displacement = problem.displacement(pressure)
     gap = problem.height + displacement
     contact = pressure > 0
     approach = state.approach
     if control.kind != "approach" and contact.any():
         approach = float(gap[contact].mean(dtype=float))
-    certificate = verify_contact(
-        problem.height,
-        pressure,
-        problem.solid,
-        grid.length,
-        approach=approach,
-        mean_pressure=state.load if control.kind == "mean_pressure" else None,
-        boundary=problem.response.boundary,
-        threads=problem.fourier.threads,
-    )
     gap -= gap.dtype.type(approach)
+    load = state.load if control.kind == "mean_pressure" else None
+    if pressure.dtype == np.float64:
+        certificate = certificate_of_fields(problem.height, pressure, gap, problem.nodal_compliance, load)
+    else:
+        certificate = verify_contact(
+            problem.height,
+            pressure,
+            problem.solid,
+            grid.length,
+            approach=approach,
+            mean_pressure=load,
+            boundary=problem.response.boundary,
+            threads=problem.fourier.threads,
+        )
     found = Contact(
         height=problem.height,
         pressure=pressure,

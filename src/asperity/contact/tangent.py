@@ -13,7 +13,7 @@ import numpy as np
 
 from asperity.contact import kernels
 from asperity.contact.area_control import AreaControl
-from asperity.contact.problem import State
+from asperity.contact.iterate import Iterate
 from asperity.types import Array
 
 # The load changes by at most this fraction of itself along a tangent. Half and twice the value take the same
@@ -47,17 +47,17 @@ class Tangent:
     load: float
     unit: float
 
-    def change_to_area(self, state: State, area: AreaControl, converged: bool) -> float | None:
+    def change_to_area(self, iterate: Iterate, area: AreaControl, converged: bool) -> float | None:
         """Change of the approach that gives the number of contact nodes asked for, or the nearest number.
 
         None if the pressure has converged and no other load within reach gives a better number.
         """
-        longest = MAX_LOAD_CHANGE * state.load / self.load
-        least = -MAX_LOAD_DECREASE * state.load / self.load
+        longest = MAX_LOAD_CHANGE * iterate.load / self.load
+        least = -MAX_LOAD_DECREASE * iterate.load / self.load
         # The number of contact nodes is first + k between edges[k] and edges[k + 1].
-        first, edges = self._edges(state, least, longest)
+        first, edges = self._edges(iterate, least, longest)
         # Only numbers of nodes that last while the load changes can be asked for, unless there is none.
-        lasting = np.flatnonzero(np.diff(edges) >= area.load_resolution * state.load / self.load)
+        lasting = np.flatnonzero(np.diff(edges) >= area.load_resolution * iterate.load / self.load)
         lasting = lasting if lasting.size else np.arange(edges.size - 1)
         best = lasting[np.argmin(np.abs(lasting + (first - area.target)))]
         in_reach = best < edges.size - 2 or best + first > area.target
@@ -72,11 +72,13 @@ class Tangent:
             change = longest
         return float(max(change, -longest))
 
-    def _edges(self, state: State, least: float, longest: float) -> tuple[int, Array]:
+    def _edges(self, iterate: Iterate, least: float, longest: float) -> tuple[int, Array]:
         """Number of contact nodes at the change `least`, and the changes up to `longest` where it grows."""
-        gap, pressure = state.gap.reshape(-1), state.pressure.reshape(-1)
-        changes = kernels.closing_changes(gap, state.approach, self.unit, self.displacement)
-        kernels.set_release_changes(changes, pressure, self.contact_nodes, self.pressure)
+        height, displacement = iterate.fields()
+        changes = kernels.closing_changes(
+            height, displacement, iterate.approach, self.unit, self.displacement
+        )
+        kernels.set_release_changes(changes, iterate.pressure, self.contact_nodes, self.pressure)
         first = int(np.count_nonzero(changes <= least))
         within = np.sort(changes[(changes > least) & (changes < longest)])
         return first, np.concatenate(([least], within, [longest]))
