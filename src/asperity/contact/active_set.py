@@ -60,12 +60,16 @@ class StoppingRule:
     max_outer_iterations : int
     rounding_suffices : bool
         True if the loop also ends when rounding keeps the error above the tolerance.
+    goal : float, optional
+        Tolerance of a solution that the loop starts: when the rule is fulfilled, one more step towards it
+        follows, without an evaluation of its gap.
     """
 
     tolerance: float
     area_tolerance: float
     max_outer_iterations: int
     rounding_suffices: bool = False
+    goal: float | None = None
 
 
 class ActiveSet:
@@ -76,14 +80,18 @@ class ActiveSet:
     problem : Problem
     control : Control
     rule : StoppingRule
+    inner : InnerSolver, optional
+        One that was made for the same grid, in any precision.
     """
 
-    def __init__(self, problem: Problem, control: Control, rule: StoppingRule) -> None:
+    def __init__(
+        self, problem: Problem, control: Control, rule: StoppingRule, inner: InnerSolver | None = None
+    ) -> None:
         self._problem = problem
         self._control = control
         self._rule = rule
         self._unit = problem.nodal_compliance
-        self._inner = InnerSolver(problem)
+        self._inner = inner or InnerSolver(problem)
         self._assembler = Assembler(problem, self._inner)
         self._step = SafeguardedStep(problem, self._inner.response)
         self._soft = SoftMode(problem, self._inner)
@@ -94,7 +102,7 @@ class ActiveSet:
     def solve(self, iterate: Iterate, progress: Progress | None = None) -> bool:
         """Iterate until the rule is fulfilled; True if it is, False if the loop gave up."""
         report = ConvergenceProgress(progress, self._rule.tolerance)
-        accuracy, stagnation = InnerAccuracy(self._rule.tolerance), Stagnation()
+        accuracy, stagnation = InnerAccuracy(self._rule.goal or self._rule.tolerance), Stagnation()
         load_changed = False
         for _ in range(self._rule.max_outer_iterations):
             self._evaluate(iterate)
@@ -121,7 +129,7 @@ class ActiveSet:
                 self._step.forget()
                 stagnation.forget_error()
                 continue
-            if converged:
+            if converged and self._rule.goal is None:
                 if self._control.fixes_load or not self._soft.balance(iterate, system, self._rule.tolerance):
                     return True
                 self._step.forget()
@@ -134,6 +142,9 @@ class ActiveSet:
             iterate.iterations += correction.iterations
             motion = self._step.take(iterate, correction)
             self._assembler.expected_motion = EXPECTED_DECREASE * motion
+            if converged:
+                iterate.drop_free_nodes()
+                return True
         return False
 
     def _evaluate(self, iterate: Iterate) -> None:

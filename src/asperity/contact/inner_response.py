@@ -75,7 +75,8 @@ class InnerResponse:
             out[:] = self.of_all_nodes(pressure).reshape(-1)[self._nodes]
             return
         self.field.apply(self._stencil, pressure, out)
-        self._far.add(self.field, self._nodes, out)
+        self._far.spread(self._nodes, pressure)
+        self._far.add_at(self._nodes, out)
 
     def respond_at(self, nodes: Array, pressure: Array) -> Array:
         """Displacements of other nodes under pressures on the contact nodes."""
@@ -83,7 +84,8 @@ class InnerResponse:
             return self.of_all_nodes(pressure).reshape(-1)[nodes]
         self.field.spread(pressure)
         out = self.field.apply_at(self._stencil, nodes)
-        self._far.add(self.field, nodes, out)
+        self._far.spread(self._nodes, pressure)
+        self._far.add_at(nodes, out)
         return out
 
     def of_all_nodes(self, pressure: Array) -> Array:
@@ -128,27 +130,17 @@ class FarField:
         self._values = np.empty(grid.shape, self._fourier.real)
         self._coefficients = np.empty(grid.half_shape, self._fourier.complex)
 
-    def add(self, field: StencilField, nodes: Array, out: Array) -> None:
-        """Add the displacements at nodes under the pressures that were spread last on a field."""
-        padded = self._padded
-        padded.fill(0)
-        field.restrict_to_even_nodes(padded)
-        self.convolve(padded)
-        stencil.interpolate_from_even_nodes(padded, nodes, self._columns, out)
+    def spread(self, nodes: Array, pressure: Array) -> None:
+        """Choose the nodes under pressure, and the pressures on them."""
+        self._padded.fill(0)
+        stencil.restrict_to_even_nodes(nodes, pressure, self._columns, self._padded)
+        self._convolve(self._padded)
 
-    def of_one_node(self, row: int, column: int, shape: tuple[int, int]) -> Array:
-        """Displacement of every node of a map under a unit pressure on one node."""
-        padded = np.zeros_like(self._padded)
-        for y in {row // 2, (row + 1) // 2}:
-            for x in {column // 2, (column + 1) // 2}:
-                padded[y, x] = 0.5 ** (row % 2 + column % 2)
-        self.convolve(padded)
-        out = np.zeros(shape[0] * shape[1], padded.dtype)
-        nodes = np.arange(out.size, dtype=np.uint32)
-        stencil.interpolate_from_even_nodes(padded, nodes, self._columns, out)
-        return out.reshape(shape)
+    def add_at(self, nodes: Array, out: Array) -> None:
+        """Add the displacements at nodes to values."""
+        stencil.interpolate_from_even_nodes(self._padded, nodes, self._columns, out)
 
-    def convolve(self, padded: Array) -> None:
+    def _convolve(self, padded: Array) -> None:
         """Replace sums over the even nodes by displacements there.
 
         The last row and column repeat the first ones.
@@ -170,8 +162,8 @@ def near_stencil(problem: Problem) -> Array:
 
     Returns
     -------
-    (2, 2, 2 RADIUS + 1, 2 RADIUS + 1) array
-        [parity of the row, parity of the column, row, column], zero beyond the radius of the stencil.
+    (2, 2, RADIUS + 1, RADIUS + 1) array
+        [parity of the row, parity of the column, rows off, columns off], zero beyond the radius of the stencil.
     """
     outer, radius = problem.response, stencil.RADIUS
     spacing = problem.grid.spacing
@@ -181,18 +173,22 @@ def near_stencil(problem: Problem) -> Array:
     offsets = np.arange(-radius, radius + 1)
     inside = offsets[:, None] ** 2 + offsets[None, :] ** 2 <= radius * (radius + 1)
     edge = inside & (offsets[:, None] ** 2 + offsets[None, :] ** 2 > radius * (radius - 1))
-    out = np.zeros((2, 2, 2 * radius + 1, 2 * radius + 1), np.float32)
+    out = np.zeros((2, 2, radius + 1, radius + 1), np.float32)
     for row in range(2):
         for column in range(2):
             y, x = _TILE // 2 + row, _TILE // 2 + column
             unit = np.zeros(tile.shape)
             unit[y, x] = 1
-            missing = response.displacement(unit) - far.of_one_node(y, x, tile.shape)
+            missing = response.displacement(unit)
+            far.spread(np.array([y * _TILE + x], np.uint32), np.ones(1))
+            far_field = np.zeros(tile.size)
+            far.add_at(np.arange(tile.size, dtype=np.uint32), far_field)
+            missing -= far_field.reshape(tile.shape)
             around = missing[y - radius : y + radius + 1, x - radius : x + radius + 1]
             weights = np.where(inside, around, 0)
             # What the stencil cannot reach is given to its edge, so that a uniform pressure is displaced right.
             weights[edge] += (missing.sum() - weights.sum()) / np.count_nonzero(edge)
-            out[row, column] = weights / problem.nodal_compliance
+            out[row, column] = weights[radius:, radius:] / problem.nodal_compliance
     return out
 
 

@@ -126,11 +126,14 @@ class InnerSolver:
         self._unit = problem.nodal_compliance
         self.response = InnerResponse(problem)
         self.preconditioner = Preconditioner(problem, self.response.field)
+        self._nodes: Array | None = None
 
     def restrict(self, nodes: Array) -> None:
         """Choose the contact nodes, by their sorted indices in the flattened grid."""
-        self.response.restrict(nodes)
-        self.preconditioner.restrict(nodes)
+        if self._nodes is None or not np.array_equal(nodes, self._nodes):
+            self.response.restrict(nodes)
+            self.preconditioner.restrict(nodes)
+            self._nodes = nodes
 
     def solve(
         self, system: ContactSystem, drop: float = RESIDUAL_DROP, max_iterations: int = MAX_ITERATIONS

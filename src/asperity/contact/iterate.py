@@ -47,7 +47,7 @@ class Iterate:
         self.approach, self.load = approach, load
         self.error, self.iterations = math.inf, 0
         self.is_evaluated = False
-        self._near: tuple[float, Array, Array] | None = None
+        self._forget_gaps()
 
     @classmethod
     def of_field(cls, problem: Problem, pressure: Array, approach: float, load: float) -> Iterate:
@@ -67,7 +67,7 @@ class Iterate:
         if not control.fixes_load:
             self._scale_to_least_energy(control.value)
         self.gap = kernels.gaps(self._height, field.reshape(-1), self.nodes)
-        self._near = None
+        self._forget_gaps()
         self.is_evaluated = True
 
     def _scale_to_least_energy(self, approach: float) -> None:
@@ -101,16 +101,22 @@ class Iterate:
         Nodes up to `reserve` above the level are kept for the next call, and may be returned as well.
         """
         if self._near is None or self._near[0] < level:
-            field = self.displacement.reshape(-1)
+            if self._least_gaps is None:
+                self._least_gaps = kernels.least_gaps(*self.fields())
             bound = self._height.dtype.type(level + reserve)
-            self._near = (level + reserve, *kernels.free_nodes_below(self._height, field, self.nodes, bound))
+            near = kernels.free_nodes_below(*self.fields(), self.nodes, self._least_gaps, bound)
+            self._near = (level + reserve, *near)
         return self._near[1:]
+
+    def _forget_gaps(self) -> None:
+        self._near: tuple[float, Array, Array] | None = None
+        self._least_gaps: Array | None = None
 
     def add_displacement(self, change: Array) -> None:
         """Add a change to the displacement of all nodes, that of a change of the pressure."""
         self.displacement += change.reshape(self.displacement.shape)
         self.gap = kernels.gaps(self._height, self.displacement.reshape(-1), self.nodes)
-        self._near = None
+        self._forget_gaps()
 
     def fields(self) -> tuple[Array, Array]:
         """Height and displacement of all nodes, flattened."""

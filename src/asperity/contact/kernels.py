@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numba import njit
 
-# Nodes that are tested together for a gap below a level.
-_CHUNK = 32
+CHUNK = 32
+"""Number of nodes that are tested together for a gap below a level."""
 
 # Lets the compiler add in vectors: the order of a sum depends on the processor, not on the number of threads.
 _VECTOR_SUMS = {"reassoc", "contract", "nsz"}
@@ -46,35 +46,46 @@ def gaps(height: Any, displacement: Any, nodes: Any) -> Any:
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
-def _count_below(height: Any, displacement: Any, start: int, stop: int, level: Any) -> int:
-    count = 0
-    for i in range(start, stop):
-        count += height[i] + displacement[i] < level
-    return count
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS | {"nnan"})
+def least_gaps(height: Any, displacement: Any) -> Any:
+    """Least gap in each group of `CHUNK` nodes."""
+    out = np.empty(-(-height.size // CHUNK), height.dtype)
+    for c in range(out.size):
+        h, u = height[c * CHUNK : (c + 1) * CHUNK], displacement[c * CHUNK : (c + 1) * CHUNK]
+        least = h[0] + u[0]
+        for i in range(h.size):
+            gap = h[i] + u[i]
+            least = gap if gap < least else least
+        out[c] = least
+    return out
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def free_nodes_below(height: Any, displacement: Any, nodes: Any, level: Any) -> tuple[Any, Any]:
-    """Sorted nodes out of contact whose gap is below a level, and their gaps."""
-    size = height.size
-    below = _count_below(height, displacement, 0, size, level)
-    found = np.empty(below, np.uint32)
-    gap = np.empty(below, height.dtype)
+def free_nodes_below(
+    height: Any, displacement: Any, nodes: Any, least_gap: Any, level: Any
+) -> tuple[Any, Any]:
+    """Sorted nodes out of contact whose gap is below a level, and their gaps.
+
+    `least_gap` is that of `least_gaps`.
+    """
+    size = 0
+    for c in range(least_gap.size):
+        size += CHUNK if least_gap[c] < level else 0
+    found, gap = np.empty(size, np.uint32), np.empty(size, height.dtype)
     count, k = 0, 0
-    for start in range(0, size, _CHUNK):
-        stop = min(start + _CHUNK, size)
-        if _count_below(height, displacement, start, stop, level) == 0:
-            while k < nodes.size and nodes[k] < stop:
-                k += 1
+    for c in range(least_gap.size):
+        if not least_gap[c] < level:
             continue
+        start, stop = c * CHUNK, min((c + 1) * CHUNK, height.size)
+        while k < nodes.size and nodes[k] < start:
+            k += 1
         for i in range(start, stop):
             if k < nodes.size and nodes[k] == i:
                 k += 1
-            elif height[i] + displacement[i] < level:
-                found[count] = i
-                gap[count] = height[i] + displacement[i]
-                count += 1
+            else:
+                # Written in any case, and kept if the gap is below the level.
+                found[count], gap[count] = i, height[i] + displacement[i]
+                count += gap[count] < level
     return found[:count].copy(), gap[:count].copy()
 
 

@@ -15,6 +15,7 @@ import numpy as np
 
 from asperity.contact.active_set import ActiveSet, StoppingRule
 from asperity.contact.area_control import AREA_TOLERANCE
+from asperity.contact.inner_solve import InnerSolver
 from asperity.contact.iterate import Iterate
 from asperity.contact.problem import Control, Problem, State
 from asperity.errors import ConvergenceError
@@ -31,7 +32,7 @@ COARSE_RULE = StoppingRule(
 )
 
 # On the finest grid, single precision is used down to this error, where rounding does not matter yet.
-SINGLE_PRECISION_TOLERANCE = 5e-4
+SINGLE_PRECISION_TOLERANCE = 2e-3
 
 # On the finest grid. The problems of `asperity.validation.extremes` that are solved take at most 134.
 MAX_OUTER_ITERATIONS = 400
@@ -64,11 +65,11 @@ def solve(
         If the outer loop on the finest grid gives up.
     """
     if initial is not None and _is_near(problem, control, initial):
-        iterate = _given_start(problem, control, initial)
+        iterate, inner = _given_start(problem, control, initial), None
     else:
-        iterate = _start_in_single_precision(problem, control, rtol)
+        iterate, inner = _start_in_single_precision(problem, control, rtol)
     rule = StoppingRule(rtol, AREA_TOLERANCE, MAX_OUTER_ITERATIONS)
-    if not ActiveSet(problem, control, rule).solve(iterate, progress):
+    if not ActiveSet(problem, control, rule, inner).solve(iterate, progress):
         raise ConvergenceError(
             f"active set on {problem.grid.shape} nodes stopped",
             iterate.error,
@@ -86,22 +87,23 @@ def _given_start(problem: Problem, control: Control, initial: Array) -> Iterate:
     return Iterate.of_field(problem, initial, control.value, load.get(control.kind, math.nan))
 
 
-def _start_in_single_precision(problem: Problem, control: Control, rtol: float) -> Iterate:
-    """Start in the precision of the problem, from a solution in single precision."""
-    height = problem.height
-    datum = 0.5 * (float(height.min()) + float(height.max()))
-    single = problem if height.dtype == np.float32 else problem.in_single_precision(datum)
-    shift = 0.0 if single is problem else datum
-    within = control if control.fixes_load else replace(control, value=control.value - shift)
+def _start_in_single_precision(
+    problem: Problem, control: Control, rtol: float
+) -> tuple[Iterate, InnerSolver | None]:
+    """Start from a solution in single precision, and the inner solver that found it."""
+    if problem.height.dtype == np.float32:
+        return _start_from_coarse_grids(problem, control), None
+    datum = 0.5 * (float(problem.height.min()) + float(problem.height.max()))
+    single = problem.in_single_precision(datum)
+    within = control if control.fixes_load else replace(control, value=control.value - datum)
     iterate = _start_from_coarse_grids(single, within)
-    if single is problem:
-        return iterate
-    rule = replace(COARSE_RULE, tolerance=max(SINGLE_PRECISION_TOLERANCE, rtol))
-    ActiveSet(single, within, rule).solve(iterate)
-    nodes, pressure = iterate.nodes, iterate.pressure.astype(problem.fourier.real)
-    start = Iterate(problem, nodes, pressure, iterate.approach + shift, iterate.load)
+    inner = InnerSolver(single)
+    rule = replace(COARSE_RULE, tolerance=max(SINGLE_PRECISION_TOLERANCE, rtol), goal=rtol)
+    ActiveSet(single, within, rule, inner).solve(iterate)
+    pressure = iterate.pressure.astype(problem.fourier.real)
+    start = Iterate(problem, iterate.nodes, pressure, iterate.approach + datum, iterate.load)
     start.iterations = iterate.iterations
-    return start
+    return start, inner
 
 
 def _start_from_coarse_grids(problem: Problem, control: Control) -> Iterate:

@@ -70,7 +70,7 @@ class Preconditioner:
     @property
     def nodal_stiffness(self) -> float:
         """Pressure that removes a unit residual of a node that alone is in contact."""
-        return float(self._stencil[0, 0, RADIUS, RADIUS])
+        return float(self._stencil[0, 0, 0, 0])
 
     def restrict(self, nodes: Array) -> None:
         """Restrict the preconditioner to contact nodes, given by their indices in the flattened grid."""
@@ -154,8 +154,7 @@ def inverse_stencil(grid: Grid) -> Array:
     tile = Grid((64, 64), (64 * grid.spacing[0], 64 * grid.spacing[1]))
     kernel = Fourier(tile).inverse(0.5 * tile.wavenumber() * min(grid.spacing) / tile.size + 0j)
     radius = max(0, min(RADIUS, (min(grid.shape) - 1) // 2))
-    offset = np.arange(-RADIUS, RADIUS + 1)
-    row, column = offset[:, None], offset[None, :]
+    row, column = np.ogrid[: RADIUS + 1, : RADIUS + 1]
     weights = np.where(row**2 + column**2 <= radius * (radius + 1), kernel[row, column], 0)
     return np.broadcast_to(weights, (2, 2, *weights.shape)).astype(np.float32)
 

@@ -107,7 +107,9 @@ class Problem:
 
     def in_single_precision(self, datum: float) -> Problem:
         """The same problem in single precision, with heights measured from a datum."""
-        return Problem(self.height - datum, self.response.in_single_precision())
+        height = np.empty(self.grid.shape, np.float32)
+        np.subtract(self.height, datum, out=height, casting="same_kind")
+        return Problem(height, self.response.in_single_precision())
 
     def refine(self, pressure: Array, finer: Problem, approach: float) -> Array:
         """Start for a finer grid: the interpolated pressure less the interpolated gap / nodal compliance.

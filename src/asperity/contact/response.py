@@ -72,7 +72,9 @@ class Response(ABC):
         """The same response for fields in single precision, with displacements in units of `unit`."""
         outer = self.fourier
         fourier = type(outer)(outer.grid, np.float32, outer.threads, outer.work)
-        return type(self)(self.solid, fourier, (self.compliance / unit).astype(np.float32))
+        compliance = np.empty(self.compliance.shape, np.float32)
+        np.multiply(self.compliance, 1 / unit, out=compliance, casting="same_kind")
+        return type(self)(self.solid, fourier, compliance)
 
     def in_double_precision(self) -> Self:
         """The same response for fields in double precision."""
