@@ -149,15 +149,18 @@ class InnerSolver:
         response, length = np.empty_like(residual), np.float32(0)
         first = previous = math.nan
         iterations = 0
-        while True:
+        while iterations < max_iterations:
             if iterations:
                 self.preconditioner.apply(residual, z)
             total, product = kernels.sum_and_dot(z, residual)
             shift = np.float32(total / system.uniform_sum if free else 0)
-            product -= float(shift) * kernels.dot(weight, residual)
+            uniform_part = float(shift) * kernels.dot(weight, residual)
+            product -= uniform_part
             if iterations == 0:
                 first = product
-            if iterations == max_iterations or not product > drop**2 * first or not product > 0:
+            # Below its rounding the product is that of noise.
+            rounding = float(np.finfo(np.float32).eps) * abs(uniform_part)
+            if not product > max(drop**2 * first, rounding):
                 break
             ratio = 0.0
             if iterations:

@@ -28,7 +28,7 @@ MIN_POINTS = 32
 # A coarse grid need not be solved better than its own discretisation error. Found by trial on rough surfaces
 # of 512² nodes: a quarter of the tolerance takes 3 % more transforms, five times the tolerance as many.
 COARSE_RULE = StoppingRule(
-    tolerance=2e-3, area_tolerance=1e-2, max_outer_iterations=20, rounding_suffices=True
+    tolerance=1e-2, area_tolerance=1e-2, max_outer_iterations=20, rounding_suffices=True
 )
 
 # On the finest grid, single precision is used down to this error, where rounding does not matter yet.
