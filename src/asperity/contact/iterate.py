@@ -128,9 +128,21 @@ class Iterate:
         kernels.spread(field.reshape(-1), self.nodes, self.pressure)
         return field
 
-    def state(self) -> State:
-        """The fields of the iterate on the whole grid."""
-        displacement = self.displacement if self.is_evaluated else None
+    def state(self, mean_compliance: float = 0.0) -> State:
+        """The fields of the iterate on the whole grid.
+
+        `mean_compliance` is the mean displacement per unit of the mean pressure that the response left out.
+        """
+        displacement, approach = self.displacement, self.approach
+        if mean_compliance:
+            mean = mean_compliance * self.load
+            displacement += displacement.dtype.type(mean)
+            approach += mean
         return State(
-            self.pressure_field(), self.approach, self.load, self.error, self.iterations, displacement
+            self.pressure_field(),
+            approach,
+            self.load,
+            self.error,
+            self.iterations,
+            displacement if self.is_evaluated else None,
         )

@@ -29,6 +29,9 @@ class Response(ABC):
         The grid, the precision of the fields, the number of threads, and the count of transforms.
     compliance : array, optional
         Factors of the coefficients; by default those of the solid.
+    holds_mean : bool
+        True if the mean displacement is left out: at a given load it is known, and for a tall layer far
+        larger than all others.
 
     Attributes
     ----------
@@ -41,8 +44,11 @@ class Response(ABC):
     boundary: ClassVar[str]
     repeats: ClassVar[bool]
 
-    def __init__(self, solid: Solid, fourier: Fourier, compliance: Array | None = None) -> None:
+    def __init__(
+        self, solid: Solid, fourier: Fourier, compliance: Array | None = None, holds_mean: bool = False
+    ) -> None:
         self.solid = solid
+        self.holds_mean = holds_mean
         self.fourier = fourier
         self.grid = fourier.grid
         if compliance is not None:
@@ -74,7 +80,11 @@ class Response(ABC):
         fourier = type(outer)(outer.grid, np.float32, outer.threads, outer.work)
         compliance = np.empty(self.compliance.shape, np.float32)
         np.multiply(self.compliance, 1 / unit, out=compliance, casting="same_kind")
-        return type(self)(self.solid, fourier, compliance)
+        return type(self)(self.solid, fourier, compliance, self.holds_mean)
+
+    def without_mean(self) -> tuple[Response, float]:
+        """The same response without the mean displacement, and what that is per unit of the mean pressure."""
+        return self, 0.0
 
     def in_double_precision(self) -> Self:
         """The same response for fields in double precision."""
@@ -129,7 +139,16 @@ class PeriodicResponse(Response):
         return cls(solid, Fourier(grid, dtype, threads))  # type: ignore[arg-type]
 
     def _modes(self) -> Array:
-        return self.solid.grid_surface_compliance(self.grid, self.fourier.real)
+        modes = self.solid.grid_surface_compliance(self.grid, self.fourier.real)
+        if self.holds_mean:
+            modes[0, 0] = 0
+        return modes
+
+    def without_mean(self) -> tuple[Response, float]:
+        compliance = self.compliance.copy()
+        compliance[0, 0] = 0
+        response = PeriodicResponse(self.solid, self.fourier, compliance, holds_mean=True)
+        return response, float(self.compliance[0, 0])
 
     @property
     def uniform_compliance(self) -> float:
@@ -137,14 +156,16 @@ class PeriodicResponse(Response):
 
     def on_cells(self, cells: Grid) -> tuple[Fourier, Array]:
         fourier = Fourier(cells, np.float32, self.fourier.threads, self.fourier.work)
-        return fourier, self.solid.grid_surface_compliance(cells, np.dtype(float))
+        response = PeriodicResponse(self.solid, Fourier(cells), holds_mean=self.holds_mean)
+        return fourier, response.compliance
 
     def coarsened(self, height: Array, shape: tuple[int, int]) -> tuple[Response, Array]:
         """The surface is truncated in Fourier space."""
         outer, grid = self.fourier, Grid(shape, self.grid.length)
         fourier = Fourier(grid, outer.real, outer.threads, outer.work)
         coefficients = resample(outer.forward(height), self.grid, grid)
-        return PeriodicResponse(self.solid, fourier), fourier.inverse(coefficients, overwrite=True)
+        coarser = PeriodicResponse(self.solid, fourier, holds_mean=self.holds_mean)
+        return coarser, fourier.inverse(coefficients, overwrite=True)
 
     def refined(self, pressure: Array, stiffness: float, finer: Response) -> Array:
         """The Fourier interpolant, of which the pressure oscillates about zero outside the contact."""
