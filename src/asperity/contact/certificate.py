@@ -172,23 +172,21 @@ def certificate_of_fields(
     mean_pressure : float, optional
         The load imposed, if it was.
     """
-    least, largest = float(pressure.min()), float(pressure.max())
+    least, largest, total, least_gap, contact_gap, work, support = kernels.extremes_of_contact(
+        pressure.reshape(-1), gap.reshape(-1)
+    )
     largest = max(largest, -least)
     scale = max(kernels.standard_deviation(height.reshape(-1)), largest * nodal_compliance) or 1.0
-    load = float(pressure.mean())
+    load = total / pressure.size
     imbalance = 0.0
     if mean_pressure is not None and mean_pressure != load:
         imbalance = abs(load - mean_pressure) / max(abs(mean_pressure), abs(load))
-    nodes = np.flatnonzero(pressure.reshape(-1) > 0)
-    contact_pressure, contact_gap = pressure.reshape(-1)[nodes], np.abs(gap.reshape(-1)[nodes])
     return Certificate(
-        penetration=max(0.0, float(-gap.min())) / scale,
-        contact_gap=float(contact_gap.max(initial=0.0)) / scale,
+        penetration=max(0.0, -least_gap) / scale,
+        contact_gap=contact_gap / scale,
         tension=max(0.0, -least) / (largest or 1.0),
         load_imbalance=imbalance,
-        complementarity=float(contact_pressure @ contact_gap)
-        / (float(contact_pressure.sum()) or 1.0)
-        / scale,
+        complementarity=work / (support or 1.0) / scale,
     )
 
 

@@ -274,3 +274,30 @@ def standard_deviation(values: Any) -> float:
     for i in range(values.size):
         squares += (values[i] - mean) ** 2
     return np.sqrt(squares / values.size)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def extremes_of_contact(
+    pressure: Any, gap: Any
+) -> tuple[float, float, float, float, float, float, float]:
+    """Least, largest and total pressure, least gap, and of the contact: largest |g|, Σ p |g| and Σ p.
+
+    What is not a number makes the results infinite or not numbers either.
+    """
+    least, largest, total = pressure[0], pressure[0], 0.0
+    least_gap, contact_gap, work, support = gap[0], 0.0, 0.0, 0.0
+    for i in range(pressure.size):
+        p, g = pressure[i], gap[i]
+        total += p
+        # Written so that a comparison with what is not a number is kept.
+        least_gap = least_gap if least_gap <= g else g
+        if p != 0:
+            least = least if least <= p else p
+            largest = largest if largest >= p else p
+            if not p <= 0:
+                contact_gap = contact_gap if contact_gap >= abs(g) else abs(g)
+                work += p * abs(g)
+                support += p
+        elif least > 0:
+            least = p
+    return least, largest, total, least_gap, contact_gap, work, support
