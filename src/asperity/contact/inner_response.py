@@ -57,7 +57,7 @@ class InnerResponse:
     """
 
     def __init__(self, problem: Problem) -> None:
-        self._problem = problem
+        self._response, self._unit = problem.response, problem.nodal_compliance
         self.field = StencilField(problem.grid, problem.response.repeats)
         self._divided = _can_be_divided(problem)
         if self._divided:
@@ -90,13 +90,16 @@ class InnerResponse:
 
     def of_all_nodes(self, pressure: Array) -> Array:
         """Displacement [y, x] of all nodes, to single precision."""
-        field = np.empty(self._problem.grid.shape, np.float32)
+        field = np.empty(self._response.grid.shape, np.float32)
         kernels.spread(field.reshape(-1), self._nodes, pressure)
-        return self._whole.displacement(field, field)
+        self._in_single_precision.displacement(field, field)
+        field *= np.float32(1 / self._unit)
+        return field
 
     @cached_property
-    def _whole(self) -> Response:
-        return self._problem.response.in_single_precision(self._problem.nodal_compliance)
+    def _in_single_precision(self) -> Response:
+        single = self._response.fourier.real == np.float32
+        return self._response if single else self._response.in_single_precision()
 
 
 class FarField:
@@ -117,8 +120,7 @@ class FarField:
         self._repeats = response.repeats
         grid = Grid((ny // 2, nx // 2), modes.length)
         self._fourier = Fourier(grid, dtype, response.fourier.threads, response.fourier.work)
-        rows = np.concatenate([np.arange(ny // 4 + 1), np.arange(ny - (grid.shape[0] - ny // 4 - 1), ny)])
-        factors = response.compliance[rows, : nx // 4 + 1].astype(float)
+        factors = response.half_compliance[np.abs(grid.ky), : nx // 4 + 1].astype(float)
         attenuation = 1.0
         distance = np.zeros_like(factors)
         for wavenumber, nodes in ((grid.ky[:, None], ny), (grid.kx[None, :], nx)):
@@ -127,7 +129,6 @@ class FarField:
         factors *= np.exp(-((CUTOFF**2 * distance) ** 2)) / attenuation**2 * (scale / 4)
         self._factors = factors.astype(self._fourier.real)
         self._padded = np.zeros((grid.shape[0] + 1, grid.shape[1] + 1), self._fourier.real)
-        self._values = np.empty(grid.shape, self._fourier.real)
         self._coefficients = np.empty(grid.half_shape, self._fourier.complex)
 
     def spread(self, nodes: Array, pressure: Array) -> None:
@@ -148,11 +149,10 @@ class FarField:
         if self._repeats:
             padded[0] += padded[-1]
             padded[:, 0] += padded[:, -1]
-        self._values[:] = padded[:-1, :-1]
-        coefficients = self._fourier.forward(self._values, self._coefficients)
+        values = padded[:-1, :-1]
+        coefficients = self._fourier.forward(values, self._coefficients)
         coefficients *= self._factors
-        self._fourier.inverse(coefficients, self._values, overwrite=True)
-        padded[:-1, :-1] = self._values
+        self._fourier.inverse(coefficients, values, overwrite=True)
         padded[-1, :-1], padded[:-1, -1] = padded[0, :-1], padded[:-1, 0]
         padded[-1, -1] = padded[0, 0]
 

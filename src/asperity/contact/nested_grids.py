@@ -85,6 +85,7 @@ def solve(
             float(iterate.pressure.sum(dtype=float)) / problem.grid.size,
             "a larger rtol is needed, or numbers that differ less in magnitude",
         )
+    problem.response.release()
     return iterate.state(mean_compliance)
 
 
@@ -108,6 +109,7 @@ def _start_in_single_precision(
     inner = InnerSolver(single)
     rule = replace(COARSE_RULE, tolerance=max(SINGLE_PRECISION_TOLERANCE, rtol), goal=rtol)
     ActiveSet(single, within, rule, inner).solve(iterate)
+    single.response.release()
     pressure = iterate.pressure.astype(problem.fourier.real)
     start = Iterate(problem, iterate.nodes, pressure, iterate.approach + datum, iterate.load)
     start.iterations = iterate.iterations

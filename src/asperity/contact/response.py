@@ -14,6 +14,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from asperity.elasticity.layer import mirror_rows
 from asperity.elasticity.two_bodies import Solid
 from asperity.spectral import Fourier, Grid, gradient, resample
 from asperity.types import Array
@@ -27,8 +28,8 @@ class Response(ABC):
     solid : Layer or TwoBodies
     fourier : Fourier
         The grid, the precision of the fields, the number of threads, and the count of transforms.
-    compliance : array, optional
-        Factors of the coefficients; by default those of the solid.
+    half_compliance : (ny // 2 + 1, nx // 2 + 1) array, optional
+        Factors of the coefficients with ky ≥ 0, to which those of −ky are equal; by default the solid's.
     holds_mean : bool
         True if the mean displacement is left out: at a given load it is known, and for a tall layer far
         larger than all others.
@@ -45,14 +46,14 @@ class Response(ABC):
     repeats: ClassVar[bool]
 
     def __init__(
-        self, solid: Solid, fourier: Fourier, compliance: Array | None = None, holds_mean: bool = False
+        self, solid: Solid, fourier: Fourier, half_compliance: Array | None = None, holds_mean: bool = False
     ) -> None:
         self.solid = solid
         self.holds_mean = holds_mean
         self.fourier = fourier
         self.grid = fourier.grid
-        if compliance is not None:
-            self.compliance = compliance
+        if half_compliance is not None:
+            self.half_compliance = half_compliance
 
     @property
     def mode_grid(self) -> Grid:
@@ -60,27 +61,43 @@ class Response(ABC):
         return self.grid
 
     @cached_property
+    def half_compliance(self) -> Array:
+        """Real factors that turn the coefficients of a pressure into those of its displacement, for ky ≥ 0."""
+        return self._modes()[: self.mode_grid.shape[0] // 2 + 1].copy()
+
+    @property
     def compliance(self) -> Array:
-        """Real factors that turn the coefficients of a pressure into those of its displacement."""
-        return self._modes()
+        """Factors of all coefficients."""
+        return mirror_rows(self.half_compliance, self.mode_grid)
 
     @cached_property
     def _coefficients(self) -> Array:
-        return np.empty(self.compliance.shape, self.fourier.complex)
+        return np.empty(self.mode_grid.half_shape, self.fourier.complex)
 
     def displacement(self, pressure: Array, out: Array | None = None) -> Array:
         """Downward displacement u[y, x] of the surface under `pressure`, by one pair of transforms."""
         self.fourier.forward(pressure, self._coefficients)
-        self._coefficients *= self.compliance
+        self._multiply(self._coefficients, self.half_compliance)
         return self.fourier.inverse(self._coefficients, out, overwrite=True)
 
-    def in_single_precision(self, unit: float = 1.0) -> Self:
-        """The same response for fields in single precision, with displacements in units of `unit`."""
+    @staticmethod
+    def _multiply(coefficients: Array, half: Array) -> None:
+        """Multiply coefficients by factors that are the same for ky and −ky."""
+        rows = half.shape[0]
+        coefficients[:rows] *= half
+        coefficients[rows:] *= half[1 : coefficients.shape[0] - rows + 1][::-1]
+
+    def release(self) -> None:
+        """Give back the memory of what can be computed again."""
+        for name in ("_coefficients", "half_compliance"):
+            self.__dict__.pop(name, None)
+
+    def in_single_precision(self) -> Self:
+        """The same response for fields in single precision."""
         outer = self.fourier
         fourier = type(outer)(outer.grid, np.float32, outer.threads, outer.work)
-        compliance = np.empty(self.compliance.shape, np.float32)
-        np.multiply(self.compliance, 1 / unit, out=compliance, casting="same_kind")
-        return type(self)(self.solid, fourier, compliance, self.holds_mean)
+        half = self.half_compliance.astype(np.float32)
+        return type(self)(self.solid, fourier, half, self.holds_mean)
 
     def without_mean(self) -> tuple[Response, float]:
         """The same response without the mean displacement, and what that is per unit of the mean pressure."""
@@ -145,14 +162,16 @@ class PeriodicResponse(Response):
         return modes
 
     def without_mean(self) -> tuple[Response, float]:
-        compliance = self.compliance.copy()
-        compliance[0, 0] = 0
-        response = PeriodicResponse(self.solid, self.fourier, compliance, holds_mean=True)
-        return response, float(self.compliance[0, 0])
+        half = self.half_compliance
+        mean = float(half[0, 0])
+        # The factors are not held twice: this response computes them again if they are needed.
+        self.release()
+        half[0, 0] = 0
+        return PeriodicResponse(self.solid, self.fourier, half, holds_mean=True), mean
 
     @property
     def uniform_compliance(self) -> float:
-        return float(self.compliance[0, 0])
+        return float(self.half_compliance[0, 0])
 
     def on_cells(self, cells: Grid) -> tuple[Fourier, Array]:
         fourier = Fourier(cells, np.float32, self.fourier.threads, self.fourier.work)
@@ -170,7 +189,8 @@ class PeriodicResponse(Response):
     def refined(self, pressure: Array, stiffness: float, finer: Response) -> Array:
         """The Fourier interpolant, of which the pressure oscillates about zero outside the contact."""
         coefficients = self.fourier.forward(pressure)
-        coefficients *= 1 - self.compliance.dtype.type(stiffness) * self.compliance
+        half = self.half_compliance
+        self._multiply(coefficients, 1 - half.dtype.type(stiffness) * half)
         return finer.fourier.inverse(resample(coefficients, self.grid, finer.grid), overwrite=True)
 
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:

@@ -84,7 +84,7 @@ class SafeguardedStep:
         nodes, pressure = union(iterate.pressure, nothing)
         _, change = union(correction.pressure.astype(real), (JOIN_STIFFNESS * overlap[joins]).astype(real))
         _, gap_before = union(iterate.gap, gap[joins])
-        _, joined = union(np.zeros(iterate.nodes.size, real), np.ones(joining.size, real))
+        _, joined = union(np.zeros(iterate.nodes.size, np.uint8), np.ones(joining.size, np.uint8))
         self._last = _Step(pressure, gap_before, change, joined > 0)
         iterate.set_pressure(nodes, self._last.pressure_after(self._fraction))
         return motion
@@ -105,7 +105,7 @@ class SafeguardedStep:
         if fraction < WHOLE_STEP:
             before = self._last.pressure_before
             iterate.set_pressure(iterate.nodes, before + fraction * (iterate.pressure - before))
-            self._last = None
+        self._last = None
         if fraction < SHORT_STEP:
             self._fraction /= SHORTENING
         else:
