@@ -23,7 +23,7 @@ import numpy as np
 from asperity.contact import kernels, stencil
 from asperity.contact.problem import Problem
 from asperity.contact.response import Response
-from asperity.contact.stencil import StencilField
+from asperity.contact.stencil import StencilField, whole_stencil
 from asperity.spectral import Fourier, Grid
 from asperity.types import Array
 
@@ -162,8 +162,8 @@ def near_stencil(problem: Problem) -> Array:
 
     Returns
     -------
-    (2, 2, RADIUS + 1, RADIUS + 1) array
-        [parity of the row, parity of the column, rows off, columns off], zero beyond the radius of the stencil.
+    array
+        A stencil of `asperity.contact.stencil.whole_stencil`.
     """
     outer, radius = problem.response, stencil.RADIUS
     spacing = problem.grid.spacing
@@ -189,7 +189,7 @@ def near_stencil(problem: Problem) -> Array:
             # What the stencil cannot reach is given to its edge, so that a uniform pressure is displaced right.
             weights[edge] += (missing.sum() - weights.sum()) / np.count_nonzero(edge)
             out[row, column] = weights[radius:, radius:] / problem.nodal_compliance
-    return out
+    return whole_stencil(out)
 
 
 def _can_be_divided(problem: Problem) -> bool:

@@ -29,7 +29,7 @@ from numba import njit
 
 from asperity.contact.kernels import dot
 from asperity.contact.problem import Problem
-from asperity.contact.stencil import RADIUS, StencilField
+from asperity.contact.stencil import RADIUS, StencilField, whole_stencil
 from asperity.spectral import Fourier, Grid
 from asperity.types import Array
 
@@ -55,22 +55,24 @@ class Preconditioner:
     problem : Problem
     field : StencilField
         Restricted to the contact nodes before the preconditioner.
+
+    Attributes
+    ----------
+    nodal_stiffness : float
+        Pressure that removes a unit residual of a node that alone is in contact.
     """
 
     def __init__(self, problem: Problem, field: StencilField) -> None:
         grid = problem.grid
         self._field = field
-        self._stencil = inverse_stencil(grid)
+        quadrants = inverse_stencil(grid)
+        self._stencil = whole_stencil(quadrants)
+        self.nodal_stiffness = float(quadrants[0, 0, 0, 0])
         self._grid = grid
         cells = Grid(tuple(max(1, n // CELL_NODES) for n in grid.shape), grid.length)  # type: ignore[arg-type]
         self._cells = cells
         self._coarse, compliance = problem.response.on_cells(cells)
         self._compliance = compliance / problem.nodal_compliance
-
-    @property
-    def nodal_stiffness(self) -> float:
-        """Pressure that removes a unit residual of a node that alone is in contact."""
-        return float(self._stencil[0, 0, 0, 0])
 
     def restrict(self, nodes: Array) -> None:
         """Restrict the preconditioner to contact nodes, given by their indices in the flattened grid."""

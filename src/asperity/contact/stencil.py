@@ -9,13 +9,19 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
+from llvmlite import ir
+from numba import njit, types
+from numba.extending import intrinsic
 
 from asperity.spectral import Grid
 from asperity.types import Array
 
 RADIUS = 3
 """Radius of the stencils, in nodes: they reach the nodes with row² + column² ≤ RADIUS (RADIUS + 1)."""
+
+# Rows of a stencil, and numbers in each of them with a zero at the end: they fill a vector register.
+_ROWS = 2 * RADIUS + 1
+_LANES = _ROWS + 1
 
 
 class StencilField:
@@ -32,7 +38,9 @@ class StencilField:
         ny, nx = grid.shape
         self._shape = grid.shape
         self._repeats = repeats
-        self._field = np.zeros((ny + 2 * RADIUS, nx + 2 * RADIUS), np.float32)
+        # The last row of a stencil reads one number beyond it.
+        memory = np.zeros((ny + 2 * RADIUS) * (nx + 2 * RADIUS) + 1, np.float32)
+        self._field = memory[:-1].reshape(ny + 2 * RADIUS, nx + 2 * RADIUS)
         self._position = np.empty(0, np.uint32)
 
     def restrict(self, nodes: Array) -> None:
@@ -51,8 +59,8 @@ class StencilField:
 
         Parameters
         ----------
-        stencil : (2, 2, RADIUS + 1, RADIUS + 1) array
-            Weights [parity of the row, parity of the column, rows off, columns off].
+        stencil : array
+            From `whole_stencil`.
         values, out : (count,) arrays
         """
         self.spread(values)
@@ -65,8 +73,21 @@ class StencilField:
         return out
 
     def _apply(self, stencil: Array, position: Array, parity: Array, out: Array) -> None:
-        weights = stencil.reshape(4, RADIUS + 1, RADIUS + 1)
-        _apply(self._field.reshape(-1), self._field.shape[1], position, parity, weights, out)
+        _apply(self._field.reshape(-1), self._field.shape[1], position, parity, stencil, out)
+
+
+def whole_stencil(quadrants: Array) -> Array:
+    """All weights of a symmetric stencil, from those of a quadrant for each parity of row and column.
+
+    Parameters
+    ----------
+    quadrants : (2, 2, RADIUS + 1, RADIUS + 1) array
+        Weights [parity of the row, parity of the column, rows off, columns off].
+    """
+    off = np.abs(np.arange(-RADIUS, RADIUS + 1))
+    out = np.zeros((4, _ROWS, _LANES), np.float32)
+    out[:, :, :_ROWS] = quadrants.reshape(4, RADIUS + 1, RADIUS + 1)[:, off[:, None], off]
+    return out
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -112,29 +133,43 @@ def _fill_margin(field: Any) -> None:
         field[RADIUS + ny + step - 1] = field[RADIUS + (step - 1) % ny]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
-def _apply(field: Any, width: int, position: Any, parity: Any, weights: Any, out: Any) -> None:
-    """Product of the stencil with the field, at positions."""
-    row = np.uint64(width)
-    for k in range(position.size):
-        # Unsigned: with signed indices the compiler adds a check for negative ones to every access.
-        node = np.uint64(position[k])
-        weight = weights[parity[k]]
-        value = weight[0, 0] * field[node]
-        for i in range(1, RADIUS + 1):
-            up = np.uint64(i) * row
-            value += weight[i, 0] * _pair(field, node, up) + weight[0, i] * _pair(field, node, np.uint64(i))
-            for j in range(1, RADIUS + 1):
-                if i * i + j * j <= RADIUS * (RADIUS + 1):
-                    aside = np.uint64(j)
-                    value += weight[i, j] * (_pair(field, node + up, aside) + _pair(field, node - up, aside))
-        out[k] = value
+@intrinsic
+def _product(typing_context: Any, field: Any, stride: Any, weights: Any) -> Any:
+    """Sum over the rows of a stencil of weights × numbers, from addresses and the bytes between two rows.
+
+    Written for the compiler, which does not turn the loops into operations on vectors: in a vector for each
+    row it takes half the time.
+    """
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        address, bytes_between, weight = arguments
+        vector = ir.VectorType(ir.FloatType(), _LANES)
+        total = None
+        for _ in range(_ROWS):
+            numbers = (builder.load(builder.inttoptr(a, vector.as_pointer()), align=4) for a in (address, weight))
+            product = builder.fmul(*numbers, flags=("contract",))
+            total = product if total is None else builder.fadd(total, product, flags=("contract",))
+            address = builder.add(address, bytes_between)
+            weight = builder.add(weight, ir.Constant(weight.type, 4 * _LANES))
+        half = _LANES // 2
+        while half:
+            others = [(lane + half) % _LANES for lane in range(_LANES)]
+            order = ir.Constant(ir.VectorType(ir.IntType(32), _LANES), others)
+            total = builder.fadd(total, builder.shuffle_vector(total, total, order))
+            half //= 2
+        return builder.extract_element(total, ir.Constant(ir.IntType(32), 0))
+
+    return types.float32(types.intp, types.intp, types.intp), generate
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _pair(field: Any, node: Any, step: Any) -> Any:
-    """Sum of two neighbours on either side of a node."""
-    return field[node + step] + field[node - step]
+def _apply(field: Any, width: int, position: Any, parity: Any, weights: Any, out: Any) -> None:
+    """Product of the stencil with the field, at positions."""
+    first = field.ctypes.data - 4 * RADIUS * (width + 1)
+    weight = weights.ctypes.data
+    for k in range(position.size):
+        node = np.int64(position[k])
+        out[k] = _product(first + 4 * node, 4 * width, weight + 4 * _ROWS * _LANES * np.int64(parity[k]))
 
 
 # Linear interpolation from the even nodes; a field on them has a row and a column more than there are even
