@@ -119,7 +119,11 @@ def test_restriction_to_even_nodes_is_the_transpose_of_interpolation() -> None:
     interpolated = np.zeros(nodes.size)
     interpolate_from_even_nodes(coarse, nodes, nx, interpolated)
     summed = np.zeros_like(coarse)
-    restrict_to_even_nodes(nodes, values, nx, summed)
+    half = ny * nx // 2
+    beyond = np.zeros(nx // 2 + 1)
+    restrict_to_even_nodes(nodes[:half], values[:half], nx, summed, ny // 4, beyond)
+    summed[ny // 4] += beyond
+    restrict_to_even_nodes(nodes[half:], values[half:], nx, summed, ny, beyond)
     assert np.vdot(interpolated, values) == pytest.approx(np.vdot(coarse, summed), rel=1e-12)
     plane = np.add.outer(2.0 * np.arange(ny // 2 + 1), 6.0 * np.arange(nx // 2 + 1))
     linear = np.zeros(nodes.size)

@@ -42,6 +42,9 @@ MIN_POINTS = 128
 # nodes, on both axes.
 MAX_SPACING_RATIO = 1.5
 
+# Parts in which pressures are added up on every second node.
+_PARTS = 8
+
 # Nodes on the edge of the small map on which the stencil is computed.
 _TILE = 64
 
@@ -136,9 +139,25 @@ class FarField:
 
     def spread(self, nodes: Array, pressure: Array) -> None:
         """Choose the nodes under pressure, and the pressures on them."""
-        self._padded.fill(0)
-        stencil.restrict_to_even_nodes(nodes, pressure, self._columns, self._padded)
-        self._convolve(self._padded)
+        padded, width = self._padded, self._columns
+        padded.fill(0)
+        # The same parts for any number of threads, so that the order of the sums is the same.
+        rows = np.arange(0, padded.shape[0], -(-padded.shape[0] // _PARTS))
+        edges = [*rows.tolist(), padded.shape[0]]
+        nodes_before = np.searchsorted(nodes, [2 * width * edge for edge in edges])
+        beyond = np.zeros((len(rows), padded.shape[1]), padded.dtype)
+
+        def restrict(parts: slice) -> None:
+            for part in range(parts.start, parts.stop):
+                within = slice(nodes_before[part], nodes_before[part + 1])
+                stencil.restrict_to_even_nodes(
+                    nodes[within], pressure[within], width, padded, edges[part + 1], beyond[part]
+                )
+
+        in_parts(restrict, len(rows), self._fourier.threads, smallest=1)
+        for edge, row in zip(edges[1:-1], beyond, strict=False):
+            padded[edge] += row
+        self._convolve(padded)
 
     def add_at(self, nodes: Array, out: Array) -> None:
         """Add the displacements at nodes to values."""

@@ -193,8 +193,12 @@ def _apply(field: Any, width: int, position: Any, parity: Any, weights: Any, out
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def restrict_to_even_nodes(nodes: Any, values: Any, nx: int, coarse: Any) -> None:
-    """Add values on nodes to the even nodes around them, by transposed interpolation."""
+def restrict_to_even_nodes(nodes: Any, values: Any, nx: int, coarse: Any, last: int, beyond: Any) -> None:
+    """Add values on nodes to the even nodes around them, by transposed interpolation.
+
+    What belongs to the row `last` of the coarse field is added to `beyond` instead: the field may be made in
+    parts, of which each ends with the row where the next one begins.
+    """
     quarter, half = np.float32(0.25), np.float32(0.5)
     row, start = np.int64(0), np.int64(0)
     for k in range(nodes.size):
@@ -205,15 +209,16 @@ def restrict_to_even_nodes(nodes: Any, values: Any, nx: int, coarse: Any) -> Non
         column = node - start
         j, i = row >> 1, column >> 1
         if row & 1:
+            below = beyond if j + 1 == last else coarse[j + 1]
             if column & 1:
                 part = quarter * values[k]
                 coarse[j, i] += part
                 coarse[j, i + 1] += part
-                coarse[j + 1, i] += part
-                coarse[j + 1, i + 1] += part
+                below[i] += part
+                below[i + 1] += part
             else:
                 coarse[j, i] += half * values[k]
-                coarse[j + 1, i] += half * values[k]
+                below[i] += half * values[k]
         elif column & 1:
             coarse[j, i] += half * values[k]
             coarse[j, i + 1] += half * values[k]
