@@ -5,8 +5,9 @@ The pressure p ≥ 0 minimises the energy ½ p·G p + p·(h − δ), with the co
 
 1. evaluates the gap in the precision of the fields, and shortens the last step to where the energy is least,
 2. assembles the linear system of the *contact nodes*, those with p > 0, and estimates the error of p from it,
-3. changes the load, if an area is imposed and the present one misses it,
-4. solves the system approximately by conjugate gradients (`asperity.contact.inner_solve`),
+3. solves the system approximately by conjugate gradients (`asperity.contact.inner_solve`),
+4. adds to the correction a change of the load, if an area is imposed and the correction would miss it
+   (`asperity.contact.area_steps`),
 5. adds the correction: nodes that it would make penetrate join the contact, and nodes in tension are
    released.
 
@@ -20,26 +21,26 @@ and changes of the set. New here are
   iterations independent of the grid,
 - that joining nodes are chosen from the gap at the end of an inner solve, before tensile nodes are released
   (`asperity.contact.safeguard`),
-- control of the area along the tangent of the contact (`asperity.contact.tangent`), which costs one more
-  inner solve,
+- control of the area along the tangent of the contact (`asperity.contact.tangent`), which costs one or two
+  more inner solves,
 - that inner solves run in single precision, for a solution in double precision.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from asperity.contact import kernels
 from asperity.contact.area_control import AreaControl
-from asperity.contact.assembly import JOIN_STIFFNESS, Assembler
-from asperity.contact.inner_solve import ContactSystem, InnerAccuracy, InnerSolver
+from asperity.contact.area_steps import AreaSteps
+from asperity.contact.assembly import Assembler
+from asperity.contact.inner_solve import InnerAccuracy, InnerSolver
 from asperity.contact.problem import Control, Problem, State
 from asperity.contact.safeguard import SafeguardedStep, Stagnation
 from asperity.contact.soft_mode import SoftMode
 from asperity.contact.solver_progress import ConvergenceProgress
-from asperity.contact.tangent import Tangent
 from asperity.types import Progress
 
 
@@ -82,7 +83,8 @@ class ActiveSet:
         self._soft = SoftMode(problem, self._inner)
         self._area = None
         if control.kind == "area_fraction":
-            self._area = AreaControl(control.value, problem.grid.size, rule.tolerance, rule.area_tolerance)
+            area = AreaControl(control.value, problem.grid.size, rule.tolerance, rule.area_tolerance)
+            self._area = AreaSteps(problem, self._inner, area)
 
     def solve(self, state: State, progress: Progress | None = None) -> bool:
         """Iterate until the state fulfils the stopping rule; True if it does, False if the loop gave up."""
@@ -103,7 +105,7 @@ class ActiveSet:
             # A load just changed takes effect in an inner solve, even if the change is below the tolerance.
             converged = state.error <= self._rule.tolerance and not load_changed
             if self._area is not None and not load_changed and self._area.misses(state, converged):
-                load_changed = self._change_load(state, system, self._area, converged)
+                load_changed = self._area.change_load(state, system, converged)
                 if not load_changed:
                     return True
                 self._step.forget()
@@ -120,7 +122,11 @@ class ActiveSet:
             load_changed = False
             correction = self._inner.solve(system, *accuracy.next(state.error))
             state.iterations += correction.iterations
-            self._step.take(state, system, correction)
+            steered = None if self._area is None else self._area.steer(state, system, correction)
+            self._step.take(state, system, correction if steered is None else steered)
+            if steered is not None:
+                self._step.forget()
+                stagnation.forget_error()
         return False
 
     def _evaluate_gap(self, state: State) -> None:
@@ -137,60 +143,3 @@ class ActiveSet:
         else:
             factor = kernels.energy_scale(pressure, gap, height, self._control.value)
         kernels.scale_to_gap(pressure, gap, height, factor)
-
-    def _change_load(self, state: State, system: ContactSystem, area: AreaControl, converged: bool) -> bool:
-        """Change the load towards the imposed area; False if no other load gives a nearer area.
-
-        Near the area the whole contact follows the load along its tangent. Elsewhere the load alone changes.
-        """
-        if not converged and not area.is_near(state):
-            load = area.next_load(state, converged)
-        else:
-            if not converged:
-                self._add_correction(state, system)
-            tangent = self._tangent(state, system)
-            change = tangent.change_to_area(state, area, converged)
-            if change is None:
-                return False
-            load = area.next_load(state, converged, state.load + change * tangent.load)
-            self._follow(tangent, state, state.load if load is None else load)
-        if load is None:
-            return False
-        state.load = load
-        return True
-
-    def _add_correction(self, state: State, system: ContactSystem) -> None:
-        """Correct pressure, gap and approach on the present contact nodes, which stay as they are."""
-        correction = self._inner.solve(system)
-        state.iterations += correction.iterations
-        kernels.add(state.pressure.reshape(-1), system.contact_nodes, correction.pressure)
-        gap = state.gap.reshape(-1)
-        gap += self._unit * correction.displacement
-        state.approach += correction.approach
-
-    def _tangent(self, state: State, system: ContactSystem) -> Tangent:
-        """Tangent of the present contact, by an inner solve for a uniform residual."""
-        size, nodes = self._problem.grid.size, system.contact_nodes
-        residual = np.ones_like(system.residual)
-        if nodes.size == size and self._problem.response.uniform_compliance == 0:
-            # In full contact the load of a solid without uniform displacement changes at a fixed approach.
-            pressure, displacement = residual, np.zeros(size, np.float32)
-        else:
-            uniform = replace(system, residual=residual, image=system.uniform_image.copy(), fixed_load=False)
-            correction = self._inner.solve(uniform)
-            state.iterations += correction.iterations
-            pressure, displacement = correction.pressure, correction.displacement
-        return Tangent(nodes, pressure, displacement, float(pressure.sum(dtype=float)) / size, self._unit)
-
-    def _follow(self, tangent: Tangent, state: State, load: float) -> None:
-        """Change the pressure along the tangent to a load; penetrating nodes join, nodes in tension leave.
-
-        The displacement of the tangent is overwritten.
-        """
-        pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
-        change = np.float32((load - state.load) / tangent.load)
-        displacement = tangent.displacement
-        displacement *= change
-        approach = state.approach + self._unit * float(change)
-        kernels.add_penetrating_nodes(pressure, gap, displacement, approach, self._unit, JOIN_STIFFNESS)
-        kernels.add_and_release(pressure, tangent.contact_nodes, tangent.pressure, change)

@@ -93,26 +93,43 @@ def add(pressure: Any, nodes: Any, change: Any) -> None:
 
 
 @njit(cache=True, error_model="numpy")
-def closing_changes(gap: Any, approach: float, unit: float, response: Any) -> Any:
+def closing_changes(gap: Any, approach: float, unit: float, displacement: Any, response: Any) -> Any:
     """Change of the approach, divided by `unit`, at which the gap of each node closes.
 
-    `response` is the change of the displacement, divided by `unit`, per such change of the approach.
+    `displacement` is that of a correction about to be added, and `response` the change of the displacement
+    per change of the approach, both divided by `unit`.
     """
     changes = np.empty(gap.size, np.float32)
     for i in range(gap.size):
         closing = 1 - response[i]
-        changes[i] = (gap[i] - approach) / (unit * closing) if closing > 0 else np.inf
+        changes[i] = ((gap[i] - approach) / unit + displacement[i]) / closing if closing > 0 else np.inf
     return changes
 
 
 @njit(cache=True, error_model="numpy")
-def set_release_changes(changes: Any, pressure: Any, nodes: Any, rate: Any) -> None:
+def set_release_changes(changes: Any, pressure: Any, nodes: Any, correction: Any, rate: Any) -> None:
     """Replace the changes of the contact nodes by those at which their pressure becomes zero.
 
     `rate` is the change of the pressure per change of the approach.
     """
     for k in range(nodes.size):
-        changes[nodes[k]] = -pressure[nodes[k]] / rate[k] if rate[k] > 0 else -np.inf
+        corrected = pressure[nodes[k]] + correction[k]
+        changes[nodes[k]] = -corrected / rate[k] if rate[k] > 0 else (-np.inf if corrected > 0 else np.inf)
+
+
+@njit(cache=True, error_model="numpy")
+def touching_nodes(
+    pressure: Any, gap: Any, nodes: Any, correction: Any, displacement: Any, approach: float, unit: float
+) -> tuple[int, int]:
+    """Numbers of contact nodes that a correction leaves under pressure, and of nodes whose gap it closes."""
+    remaining, joining = 0, 0
+    for k in range(nodes.size):
+        if pressure[nodes[k]] + correction[k] > 0:
+            remaining += 1
+    for i in range(pressure.size):
+        if pressure[i] == 0 and (approach - gap[i]) / unit > displacement[i]:
+            joining += 1
+    return remaining, joining
 
 
 # Minimum of the energy

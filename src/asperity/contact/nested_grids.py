@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from asperity.contact.active_set import ActiveSet, StoppingRule
-from asperity.contact.area_control import AREA_TOLERANCE
+from asperity.contact.area_control import AREA_TOLERANCE, LoadPrediction
 from asperity.contact.problem import Control, Problem, State
 from asperity.errors import ConvergenceError
 from asperity.types import Array, Progress
@@ -86,15 +86,15 @@ def _start_from_coarse_grids(problem: Problem, control: Control) -> State:
     while (coarser := problems[-1].coarser(MIN_POINTS)) is not None:
         problems.append(coarser)
     state = first_guess(problems[-1], control)
-    loads: list[float] = []
+    coarse_control, loads = control, LoadPrediction(control.value)
     while len(problems) > 1:
         coarse = problems.pop()
-        ActiveSet(coarse, control, COARSE_RULE).solve(state)
+        ActiveSet(coarse, coarse_control, COARSE_RULE).solve(state)
+        if control.kind == "area_fraction":
+            finer = problems[-1].grid.size
+            coarse_control, state.load = loads.next_control(state, finer, is_finest=len(problems) == 1)
         state.pressure = coarse.refine(state.pressure, problems[-1], state.approach)
         state.gap = np.empty_like(state.pressure)
-        if control.kind == "area_fraction":
-            loads.append(state.load)
-            state.load = _predicted_load(loads)
     return state
 
 
@@ -137,15 +137,7 @@ def _level_of_load(height: Array, mean_pressure: float, stiffness: float) -> flo
     return high
 
 
-def _predicted_load(loads: list[float]) -> float:
-    """Load of the next finer grid at a given area, extrapolated from those of the coarser grids.
-
-    The area at a given load converges with the first power of the spacing, so that the next change of the
-    load is half of the last.
-    """
-    if len(loads) < 2:
-        return loads[-1]
-    return loads[-1] * min(max((loads[-1] / loads[-2]) ** 0.5, 0.5), 2.0)
+RHO, RHOF = 0.4, 0.46
 
 
 def _is_near(problem: Problem, control: Control, pressure: Array) -> bool:

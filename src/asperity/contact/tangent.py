@@ -7,18 +7,22 @@ gap closes, and so the number of contact nodes as a function of the load.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from asperity.contact import kernels
 from asperity.contact.area_control import AreaControl
+from asperity.contact.inner_solve import Correction
 from asperity.contact.problem import State
 from asperity.types import Array
 
 # The load changes by at most this fraction of itself along a tangent. Half and twice the value take the same
 # number of transforms.
 MAX_LOAD_CHANGE = 0.5
+
+# The load changes by at most this fraction for the last few nodes.
+MAX_LAST_CHANGE = 0.1
 
 # Contact nodes are counted down to the load that is this fraction below the present one, just above lift-off.
 MAX_LOAD_DECREASE = 0.999
@@ -47,15 +51,33 @@ class Tangent:
     load: float
     unit: float
 
-    def change_to_area(self, state: State, area: AreaControl, converged: bool) -> float | None:
+    def on(self, contact_nodes: Array, rate: Array) -> Tangent:
+        """The same tangent on contact nodes that have changed little.
+
+        Nodes that have joined take their change of the pressure from `rate`, (count,).
+        """
+        pressure = np.zeros(self.displacement.size, np.float32)
+        pressure[self.contact_nodes] = self.pressure
+        found = pressure[contact_nodes]
+        found = np.where(found > 0, found, np.maximum(rate, 0))
+        load = float(found.sum(dtype=float)) / self.displacement.size
+        return replace(self, contact_nodes=contact_nodes, pressure=found, load=load)
+
+    def change_to_area(
+        self, state: State, area: AreaControl, converged: bool, correction: Correction | None = None
+    ) -> float | None:
         """Change of the approach that gives the number of contact nodes asked for, or the nearest number.
 
-        None if the pressure has converged and no other load within reach gives a better number.
+        None if the pressure has converged and no other load within reach gives a better number. A correction
+        is one that is about to be added to the state.
         """
         longest = MAX_LOAD_CHANGE * state.load / self.load
         least = -MAX_LOAD_DECREASE * state.load / self.load
+        if correction is not None:
+            longest = MAX_LAST_CHANGE * state.load / self.load
+            least = -longest
         # The number of contact nodes is first + k between edges[k] and edges[k + 1].
-        first, edges = self._edges(state, least, longest)
+        first, edges = self._edges(state, correction, least, longest)
         # Only numbers of nodes that last while the load changes can be asked for, unless there is none.
         lasting = np.flatnonzero(np.diff(edges) >= area.load_resolution * state.load / self.load)
         lasting = lasting if lasting.size else np.arange(edges.size - 1)
@@ -72,11 +94,18 @@ class Tangent:
             change = longest
         return float(max(change, -longest))
 
-    def _edges(self, state: State, least: float, longest: float) -> tuple[int, Array]:
+    def _edges(
+        self, state: State, correction: Correction | None, least: float, longest: float
+    ) -> tuple[int, Array]:
         """Number of contact nodes at the change `least`, and the changes up to `longest` where it grows."""
-        gap, pressure = state.gap.reshape(-1), state.pressure.reshape(-1)
-        changes = kernels.closing_changes(gap, state.approach, self.unit, self.displacement)
-        kernels.set_release_changes(changes, pressure, self.contact_nodes, self.pressure)
+        gap, pressure, approach = state.gap.reshape(-1), state.pressure.reshape(-1), state.approach
+        if correction is None:
+            displacement, added = np.zeros_like(self.displacement), np.zeros_like(self.pressure)
+        else:
+            displacement, added = correction.displacement, correction.pressure
+            approach += correction.approach
+        changes = kernels.closing_changes(gap, approach, self.unit, displacement, self.displacement)
+        kernels.set_release_changes(changes, pressure, self.contact_nodes, added, self.pressure)
         first = int(np.count_nonzero(changes <= least))
         within = np.sort(changes[(changes > least) & (changes < longest)])
         return first, np.concatenate(([least], within, [longest]))
