@@ -63,6 +63,7 @@ MAX_LOG_CHANGE = 0.7
 MAX_STEERED_CHANGE = 0.3
 
 
+DEAD = .05
 @dataclass(frozen=True)
 class LoadStep:
     """Change of the load that goes with a correction of the pressure.
@@ -150,8 +151,10 @@ class AreaControl:
         few = missing < FEW_NODES and self._allowed < FEW_NODES / 4
         if few and state.error > MAX_ERROR_OF_FEW:
             return None
-        self._early_changes += 1
         change = FIRST_EXPONENT * math.log(self.target / max(1.0, count - RELEASED_LATER * released))
+        if abs(change) < DEAD * state.error:
+            return None
+        self._early_changes += 1
         change = min(max(change, -MAX_STEERED_CHANGE), MAX_STEERED_CHANGE)
         return LoadStep(state.load * change, few)
 

@@ -6,8 +6,10 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from asperity.contact.path_prediction import PathPrediction
 from asperity.contact.solution import Contact
 from asperity.contact.solver import solve
 from asperity.elasticity.two_bodies import Solid
@@ -66,18 +68,23 @@ def solve_path(
             f"got {', '.join(given) if given else 'none'}"
         )
     ((kind, values),) = given.items()
-    return _solve_each(partial(solve, height, solid, length, **settings), kind, values, progress)
+    origin = float(np.min(height)) if kind == "approach" and values else 0.0
+    solve_one = partial(solve, height, solid, length, **settings)
+    return _solve_each(solve_one, kind, values, PathPrediction(origin), progress)
 
 
 def _solve_each(
-    solve_one: Callable[..., Contact], kind: str, values: Sequence[float], progress: Progress | None
+    solve_one: Callable[..., Contact],
+    kind: str,
+    values: Sequence[float],
+    prediction: PathPrediction,
+    progress: Progress | None,
 ) -> Iterator[Contact]:
-    """Solve for each value of the imposed quantity, starting from the last solution that is in contact."""
-    previous: Contact | None = None
+    """Solve for each value of the imposed quantity, started from what the last solutions predict."""
     for index, value in enumerate(values):
         of_load = None if progress is None else partial(_report, progress, index, len(values))
-        contact = solve_one(**{kind: value}, initial=previous, progress=of_load)
-        previous = contact if contact.area_fraction > 0 else None
+        contact = solve_one(**{kind: value}, initial=prediction.pressure(value), progress=of_load)
+        prediction.record(value, contact)
         if progress is not None:
             progress(index + 1, len(values))
         yield contact
