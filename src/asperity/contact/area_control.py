@@ -30,7 +30,7 @@ TANGENT_RANGE = 0.4
 # the nodes that remain will be released by the next correction: on rough surfaces about this fraction of the
 # number that the present one releases.
 MAX_STEERED_ERROR = 0.5
-RELEASED_LATER = 0.05
+RELEASED_LATER = 0.1
 
 # Fewer nodes than these that are missing, or too many, enter or leave the contact at loads of their own, which
 # the power law does not know. Those along the tangent are used if the error of the pressure is below the
@@ -63,7 +63,8 @@ MAX_LOG_CHANGE = 0.7
 MAX_STEERED_CHANGE = 0.3
 
 
-DEAD = .05
+DEAD = .02
+ROUGH_ERROR=.05
 @dataclass(frozen=True)
 class LoadStep:
     """Change of the load that goes with a correction of the pressure.
@@ -145,13 +146,15 @@ class AreaControl:
         count, released : int
             Number of contact nodes to which the correction leads, and of those that it releases.
         """
-        missing = abs(count - self.target)
+        later = RELEASED_LATER * released * min(1.0, state.error / ROUGH_ERROR)
+        expected = max(1.0, count - later)
+        missing = abs(expected - self.target)
         if missing <= self._allowed:
             return None
         few = missing < FEW_NODES and self._allowed < FEW_NODES / 4
         if few and state.error > MAX_ERROR_OF_FEW:
             return None
-        change = FIRST_EXPONENT * math.log(self.target / max(1.0, count - RELEASED_LATER * released))
+        change = FIRST_EXPONENT * math.log(self.target / expected)
         if abs(change) < DEAD * state.error:
             return None
         self._early_changes += 1

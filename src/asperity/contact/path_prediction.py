@@ -20,7 +20,7 @@ from asperity.types import Array
 
 # The logarithm of what is imposed changes by at most this, and by at most so many times its last change.
 # Beyond, the coarse grids give a better start.
-MAX_LOG_CHANGE = 0.5
+MAX_LOG_CHANGE = 0.75
 MAX_RATIO = 2.5
 
 # Stiffness of the gap, in units of 1 / nodal compliance. Half and twice the value give errors of the start
