@@ -1,4 +1,4 @@
-"""Solution for a sequence of loads, each started from the solution before."""
+"""Solution for a sequence of loads, each started from what the last two solutions predict."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.contact.path_prediction import PathPrediction
@@ -28,7 +27,7 @@ def solve_path(
     progress: Progress | None = None,
     **settings: Any,
 ) -> Iterator[Contact]:
-    """Solve for one load after the other, each started from the solution before.
+    """Solve for one load after the other, each started from what the last two solutions predict.
 
     Parameters
     ----------
@@ -68,26 +67,26 @@ def solve_path(
             f"got {', '.join(given) if given else 'none'}"
         )
     ((kind, values),) = given.items()
-    origin = float(np.min(height)) if kind == "approach" and values else 0.0
-    solve_one = partial(solve, height, solid, length, **settings)
-    return _solve_each(solve_one, kind, values, PathPrediction(origin), progress)
+    return _solve_each(partial(solve, height, solid, length, **settings), kind, values, progress)
 
 
 def _solve_each(
-    solve_one: Callable[..., Contact],
-    kind: str,
-    values: Sequence[float],
-    prediction: PathPrediction,
-    progress: Progress | None,
+    solve_one: Callable[..., Contact], kind: str, values: Sequence[float], progress: Progress | None
 ) -> Iterator[Contact]:
-    """Solve for each value of the imposed quantity, started from what the last solutions predict."""
-    for index, value in enumerate(values):
+    """Solve for each value of the imposed quantity, started from what the last two solutions predict."""
+    prediction = PathPrediction(kind)
+
+    def solved(index: int, value: float) -> Contact:
         of_load = None if progress is None else partial(_report, progress, index, len(values))
         contact = solve_one(**{kind: value}, initial=prediction.pressure(value), progress=of_load)
         prediction.record(value, contact)
         if progress is not None:
             progress(index + 1, len(values))
-        yield contact
+        return contact
+
+    # A function of its own solves, so that nothing holds a contact that the caller has done with.
+    for index, value in enumerate(values):
+        yield solved(index, value)
 
 
 def _report(progress: Progress, index: int, count: int, done: float, total: float) -> None:

@@ -13,7 +13,8 @@ import math
 import numpy as np
 
 from asperity.contact.active_set import ActiveSet, StoppingRule
-from asperity.contact.area_control import AREA_TOLERANCE, LoadPrediction
+from asperity.contact.area_control import AREA_TOLERANCE
+from asperity.contact.load_prediction import LoadPrediction
 from asperity.contact.problem import Control, Problem, State
 from asperity.errors import ConvergenceError
 from asperity.types import Array, Progress
@@ -135,9 +136,6 @@ def _level_of_load(height: Array, mean_pressure: float, stiffness: float) -> flo
         else:
             low = level
     return high
-
-
-RHO, RHOF = 0.4, 0.46
 
 
 def _is_near(problem: Problem, control: Control, pressure: Array) -> bool:

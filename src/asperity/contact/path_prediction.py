@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -23,9 +24,12 @@ from asperity.types import Array
 MAX_LOG_CHANGE = 0.75
 MAX_RATIO = 2.5
 
-# Stiffness of the gap, in units of 1 / nodal compliance. Half and twice the value give errors of the start
-# that are up to 1.5 times larger on rough surfaces of 1024² nodes.
-GAP_STIFFNESS = 0.4
+# Stiffness of the gap, in units of 1 / nodal compliance. With 0.1 and with 1, the errors of the start are up to
+# 1.4 and 1.8 times larger on rough surfaces of 1024² nodes.
+GAP_STIFFNESS = 0.3
+
+# Gaps that correspond to more than so many times the mean pressure are cut off: their nodes stay out of contact.
+LARGEST_GAP = 1e6
 
 # The shift is found by so many steps of Newton's method at most, to this relative accuracy of the load.
 MAX_SHIFT_STEPS = 20
@@ -42,63 +46,67 @@ class _Solved:
 
 
 class PathPrediction:
-    """Predicts the pressure at the next load of a path.
-
-    It holds two fields in single precision.
+    """Predicts the pressure at the next load of a path. It holds two fields in single precision.
 
     Parameters
     ----------
-    origin : float
-        Value of what is imposed at which the contact begins: the lowest height for approaches, otherwise 0.
+    kind : str
+        What is imposed: "area_fraction", "mean_pressure", "force" or "approach".
     """
 
-    def __init__(self, origin: float) -> None:
-        self._origin = origin
+    def __init__(self, kind: str) -> None:
+        self._measured_from_contact = kind == "approach"
+        self._origin = 0.0
         self._solved: list[_Solved] = []
 
     def record(self, value: float, contact: Contact) -> None:
         """Take in the solution at a value of what is imposed."""
+        if self._measured_from_contact:
+            self._origin = float(contact.height.min())
         if not (contact.mean_pressure > 0 and value > self._origin):
             self._solved.clear()
             return
         stiffness = GAP_STIFFNESS * contact.solid.effective_modulus / min(contact.grid.spacing)
-        field = np.where(contact.pressure > 0, contact.pressure, contact.gap * -stiffness)
-        field = (field * (1 / contact.mean_pressure)).astype(np.float32)
-        self._solved = [
-            *self._solved[-1:],
-            _Solved(math.log(value - self._origin), math.log(contact.mean_pressure), field),
-        ]
+        with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+            gap = np.fmin(contact.gap * (stiffness / contact.mean_pressure), LARGEST_GAP)
+            field = np.where(contact.pressure > 0, contact.pressure * (1 / contact.mean_pressure), -gap)
+        solved = _Solved(
+            math.log(value - self._origin), math.log(contact.mean_pressure), field.astype(np.float32)
+        )
+        self._solved = [*self._solved[-1:], solved]
 
     def pressure(self, value: float) -> Array | None:
         """Pressure to start from at a value of what is imposed, or None if it is too far from the last ones."""
-        if len(self._solved) < 2 or not value > self._origin:
+        if len(self._solved) < 2 or not isinstance(value, Real) or not value > self._origin:
             return None
         before, last = self._solved
         step, change = last.imposed - before.imposed, math.log(value - self._origin) - last.imposed
         if step == 0 or not -1 <= (ratio := change / step) <= MAX_RATIO or abs(change) > MAX_LOG_CHANGE:
             return None
         load = math.exp(ratio * (last.load - before.load))
-        # Fields are held in units of the load of their solution.
+        # Each field is in units of the load of its solution.
         field = last.field * np.float32(1 + ratio)
         field -= np.float32(ratio * math.exp(before.load - last.load)) * before.field
         level = _level_of_mean(field.reshape(-1), load)
-        if not math.isfinite(level):
+        if level is None:
             return None
         field -= np.float32(level)
         np.maximum(field, 0, out=field)
-        return field * math.exp(last.load)
+        return field.astype(float) * math.exp(last.load)
 
 
-def _level_of_mean(values: Array, mean: float) -> float:
-    """Level above which the values have a given mean over all nodes, by Newton's method."""
+def _level_of_mean(values: Array, mean: float) -> float | None:
+    """Level above which the values have a given mean over all nodes, by Newton's method; None if not found."""
     level = 0.0
     for _ in range(MAX_SHIFT_STEPS):
         total, count = _excess(values, level)
+        if not (count and math.isfinite(total)):
+            return None
         error = total / values.size - mean
-        if abs(error) <= SHIFT_TOLERANCE * mean or not count:
-            break
+        if abs(error) <= SHIFT_TOLERANCE * mean:
+            return level
         level += error * values.size / count
-    return level if count else math.nan
+    return None
 
 
 @njit(cache=True, error_model="numpy")

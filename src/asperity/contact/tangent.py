@@ -63,27 +63,18 @@ class Tangent:
         load = float(found.sum(dtype=float)) / self.displacement.size
         return replace(self, contact_nodes=contact_nodes, pressure=found, load=load)
 
-    def change_to_area(
-        self, state: State, area: AreaControl, converged: bool, correction: Correction | None = None
-    ) -> float | None:
+    def change_to_area(self, state: State, area: AreaControl) -> float | None:
         """Change of the approach that gives the number of contact nodes asked for, or the nearest number.
 
-        None if the pressure has converged and no other load within reach gives a better number. A correction
-        is one that is about to be added to the state.
+        The pressure of the state has converged. None if no other load within reach gives a better number.
         """
-        longest = MAX_LOAD_CHANGE * state.load / self.load
-        least = -MAX_LOAD_DECREASE * state.load / self.load
-        if correction is not None:
-            longest = MAX_LAST_CHANGE * state.load / self.load
-            least = -longest
-        # The number of contact nodes is first + k between edges[k] and edges[k + 1].
-        first, edges = self._edges(state, correction, least, longest)
-        # Only numbers of nodes that last while the load changes can be asked for, unless there is none.
-        lasting = np.flatnonzero(np.diff(edges) >= area.load_resolution * state.load / self.load)
-        lasting = lasting if lasting.size else np.arange(edges.size - 1)
-        best = lasting[np.argmin(np.abs(lasting + (first - area.target)))]
+        unit = state.load / self.load
+        longest = MAX_LOAD_CHANGE * unit
+        nothing = np.zeros_like(self.pressure), np.zeros_like(self.displacement)
+        first, edges = self._edges(state, Correction(*nothing, 0.0, 0), -MAX_LOAD_DECREASE * unit, longest)
+        best = self._best(first, edges, state, area)
         in_reach = best < edges.size - 2 or best + first > area.target
-        if converged and in_reach and edges[best] < 0 < edges[best + 1]:
+        if in_reach and edges[best] < 0 < edges[best + 1]:
             return None
         change = 0.5 * (edges[best] + edges[best + 1])
         if best == 0 and edges[1] >= 0 and first > area.target:
@@ -94,18 +85,30 @@ class Tangent:
             change = longest
         return float(max(change, -longest))
 
-    def _edges(
-        self, state: State, correction: Correction | None, least: float, longest: float
-    ) -> tuple[int, Array]:
+    def corrected_change(self, state: State, area: AreaControl, correction: Correction) -> float:
+        """Change of the approach with which a correction leads to the number of contact nodes asked for."""
+        longest = MAX_LAST_CHANGE * state.load / self.load
+        first, edges = self._edges(state, correction, -longest, longest)
+        best = self._best(first, edges, state, area)
+        return float(0.5 * (edges[best] + edges[best + 1]))
+
+    def _best(self, first: int, edges: Array, state: State, area: AreaControl) -> int:
+        """Index k for which the number of contact nodes, first + k, between edges[k] and edges[k + 1] is best.
+
+        Only numbers of nodes that last while the load changes can be asked for, unless there is none.
+        """
+        lasting = np.flatnonzero(np.diff(edges) >= area.load_resolution * state.load / self.load)
+        lasting = lasting if lasting.size else np.arange(edges.size - 1)
+        return int(lasting[np.argmin(np.abs(lasting + (first - area.target)))])
+
+    def _edges(self, state: State, correction: Correction, least: float, longest: float) -> tuple[int, Array]:
         """Number of contact nodes at the change `least`, and the changes up to `longest` where it grows."""
-        gap, pressure, approach = state.gap.reshape(-1), state.pressure.reshape(-1), state.approach
-        if correction is None:
-            displacement, added = np.zeros_like(self.displacement), np.zeros_like(self.pressure)
-        else:
-            displacement, added = correction.displacement, correction.pressure
-            approach += correction.approach
-        changes = kernels.closing_changes(gap, approach, self.unit, displacement, self.displacement)
-        kernels.set_release_changes(changes, pressure, self.contact_nodes, added, self.pressure)
+        gap, pressure = state.gap.reshape(-1), state.pressure.reshape(-1)
+        approach = state.approach + correction.approach
+        changes = kernels.closing_changes(
+            gap, approach, self.unit, correction.displacement, self.displacement
+        )
+        kernels.set_release_changes(changes, pressure, self.contact_nodes, correction.pressure, self.pressure)
         first = int(np.count_nonzero(changes <= least))
         within = np.sort(changes[(changes > least) & (changes < longest)])
         return first, np.concatenate(([least], within, [longest]))
