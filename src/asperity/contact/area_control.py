@@ -26,9 +26,9 @@ MAX_EARLY_CHANGES = 8
 # the logarithm of the area asked for, and a power law otherwise.
 TANGENT_RANGE = 0.4
 
-# Exponent d(log load)/d(log area) of the power law along which corrections are extended. That of rough surfaces
-# of 1024² nodes with H = 0.2 and 0.8 is 1.05 to 1.07 for areas below 20 %, and 1.2 at 50 %. With 1.0, area
-# control takes 6 % more transforms. In steps of their own the exponent is learnt, within limits.
+# Exponent d(log load)/d(log area) of the power law along which corrections are extended. That of rough
+# surfaces of 1024² nodes with H = 0.2 and 0.8 is 1.05 to 1.07 for areas below 20 %, and 1.2 at 50 %. With
+# 1.0, area control takes 6 % more transforms. In steps of their own the exponent is learnt, within limits.
 ROUGH_EXPONENT = 1.07
 FIRST_EXPONENT = 1.1
 EXPONENT_LIMITS = (0.25, 4.0)
@@ -36,8 +36,8 @@ EXPONENT_LIMITS = (0.25, 4.0)
 # Largest change of the logarithm of the load along the power law: a factor of two.
 MAX_LOG_CHANGE = 0.7
 
-# A correction is extended to another load if the estimated error of the pressure is below the first limit, and
-# if the relative change of the load is above a fraction of that error. The second limit bounds the change.
+# A correction is extended to another load if the estimated error of the pressure is below the first limit,
+# and if the relative change of the load is above a fraction of that error. The other limit bounds the change.
 MAX_STEERED_ERROR = 0.5
 LEAST_STEERED_CHANGE = 0.02
 MAX_STEERED_CHANGE = 0.3
@@ -48,9 +48,9 @@ MAX_STEERED_CHANGE = 0.3
 RELEASED_LATER = 0.1
 LARGE_ERROR = 0.05
 
-# Fewer missing nodes than these enter the contact one by one, at loads that the power law does not know. Those
-# along the tangent are used if the error of the pressure is below the limit, and if they are between the given
-# multiples of what the power law gives.
+# Fewer missing nodes than these enter the contact one by one, at loads that the power law does not know.
+# Those along the tangent are used if the error of the pressure is below the limit, and if they are between
+# the given multiples of what the power law gives.
 FEW_NODES = 20
 MAX_ERROR_OF_FEW = 1e-3
 PLAUSIBLE = (0.3, 5.0)

@@ -21,8 +21,8 @@ from asperity.contact.problem import Problem, State
 from asperity.contact.tangent import Tangent
 
 # Accuracy of the tangent along which a correction is extended: drop of the residual, and iterations. With one
-# iteration the error of the pressure grows from one step to the next where a tenth of the nodes or more touch,
-# with three a solution takes up to 5 % more transforms (rough surfaces of 1024² nodes).
+# iteration the error of the pressure grows from one step to the next where a tenth of the nodes or more
+# touch, with three a solution takes up to 5 % more transforms (rough surfaces of 1024² nodes).
 TANGENT_DROP = 0.05
 TANGENT_ITERATIONS = 2
 

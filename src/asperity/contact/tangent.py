@@ -93,7 +93,7 @@ class Tangent:
         return float(0.5 * (edges[best] + edges[best + 1]))
 
     def _best(self, first: int, edges: Array, state: State, area: AreaControl) -> int:
-        """Index k for which the number of contact nodes, first + k, between edges[k] and edges[k + 1] is best.
+        """Index k for which first + k, the number of contact nodes from edges[k] to edges[k + 1], is best.
 
         Only numbers of nodes that last while the load changes can be asked for, unless there is none.
         """
