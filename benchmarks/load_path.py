@@ -9,9 +9,9 @@ prints three tables for rough surfaces with eight nodes on the shortest wave:
 - start: the solution from a pressure of known error, which shows what a start can save.
 
 Cost is counted in double-precision pairs of transforms of the finest grid. A pair of a coarser grid counts in
-proportion to its nodes, and one in single precision as the fraction of the time that it takes, which is measured
-first. Times are processor times of one thread. Errors are those of the pressure relative to its norm, against a
-solution at an estimated error of 1e-10 at the same load.
+proportion to its nodes, and one in single precision as the fraction of the time that it takes, which is
+measured first. Times are processor times of one thread. Errors are those of the pressure relative to its
+norm, against a solution at an estimated error of 1e-10 at the same load.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -75,17 +76,15 @@ def counted() -> Iterator[Counter[tuple[int, str]]]:
 
 def single_fraction(points: int) -> float:
     """Time of a single-precision pair of transforms over that of a double-precision one."""
-    seconds = {}
-    for dtype in ("float64", "float32"):
-        fourier = Fourier(Grid((points, points)), dtype)
-        field = np.zeros(fourier.grid.shape, fourier.real)
-        coefficients = fourier.forward(field)
-        taken = []
-        for _ in range(10):
+    grid, seconds = Grid((points, points)), {"float64": np.inf, "float32": np.inf}
+    engines = {dtype: Fourier(grid, dtype) for dtype in seconds}
+    for _ in range(30):
+        for dtype, fourier in engines.items():
+            field = np.zeros(grid.shape, fourier.real)
+            coefficients = np.zeros(grid.half_shape, fourier.complex)
             start = time.process_time()
             fourier.inverse(fourier.forward(field, coefficients), field, overwrite=True)
-            taken.append(time.process_time() - start)
-        seconds[dtype] = min(taken)
+            seconds[dtype] = min(seconds[dtype], time.process_time() - start)
     return seconds["float32"] / seconds["float64"]
 
 
@@ -115,9 +114,9 @@ def area_control(height: Array, areas: list[float], fraction: float) -> list[tup
     print("|---" * 9 + "|")
     ratios, alone = [], []
     for area in areas:
-        by_area, cost = measured(lambda: asp.solve(height, LAYER, area_fraction=area), height.size, fraction)
+        by_area, cost = measured(partial(asp.solve, height, LAYER, area_fraction=area), height.size, fraction)
         load = by_area.mean_pressure
-        _, at_load = measured(lambda: asp.solve(height, LAYER, mean_pressure=load), height.size, fraction)
+        _, at_load = measured(partial(asp.solve, height, LAYER, mean_pressure=load), height.size, fraction)
         ratios.append((cost.equivalents / at_load.equivalents, cost.seconds / at_load.seconds))
         alone.append((load, at_load))
         print(
@@ -135,15 +134,15 @@ def load_path(height: Array, areas: list[float], alone: list[tuple[float, Cost]]
     print("|---" * 5 + "|")
     path, total, seconds = asp.solve_path(height, LAYER, area_fractions=areas), 0.0, 0.0
     for area in areas:
-        contact, cost = measured(lambda: next(path), height.size, fraction)
+        contact, cost = measured(partial(next, path), height.size, fraction)
         total, seconds = total + cost.equivalents, seconds + cost.seconds
         shown = f"{error(contact, height):.1e} | {contact.control_error:.1e}"
         print(f"| {area:g} | {cost} | {shown} |", flush=True)
     pairs = np.mean([cost.equivalents for _, cost in alone])
     one = np.mean([cost.seconds for _, cost in alone])
     print(
-        f"Path {total:.0f} pairs, {seconds:.1f} s: {total / pairs:.1f} times one solution of {pairs:.1f} pairs, "
-        f"{seconds / one:.1f} times its time"
+        f"Path {total:.0f} pairs, {seconds:.1f} s: {total / pairs:.1f} times one solution of {pairs:.1f} "
+        f"pairs and {seconds / one:.1f} times its time"
     )
 
 
@@ -156,7 +155,7 @@ def starts(height: Array, load: float, alone: Cost, fraction: float) -> None:
         beside = asp.solve(height, LAYER, mean_pressure=(1 - distance) * load, rtol=1e-9).pressure
         beside *= load / beside.mean()
         _, cost = measured(
-            lambda: asp.solve(height, LAYER, mean_pressure=load, initial=beside), height.size, fraction
+            partial(asp.solve, height, LAYER, mean_pressure=load, initial=beside), height.size, fraction
         )
         apart = np.linalg.norm(beside - truth) / np.linalg.norm(truth)
         print(f"| {apart:.0e} | {cost} | {cost.equivalents / alone.equivalents:.2f} |", flush=True)

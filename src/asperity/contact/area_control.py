@@ -48,10 +48,12 @@ MAX_STEERED_CHANGE = 0.3
 RELEASED_LATER = 0.1
 LARGE_ERROR = 0.05
 
-# Fewer missing nodes than these enter the contact one by one, at loads that the power law does not know.
-# Those along the tangent are used if the error of the pressure is below the limit, and if they are between
-# the given multiples of what the power law gives.
+# Fewer missing nodes than these, and than this fraction of the area, enter the contact one by one, at loads
+# that the power law does not know. Those along the tangent are used in so many steps on a grid, if the error
+# of the pressure is below the limit, and if they are between these multiples of what the power law gives.
 FEW_NODES = 20
+FEW_OF_AREA = 0.02
+MAX_STEPS_OF_FEW = 1
 MAX_ERROR_OF_FEW = 1e-3
 PLAUSIBLE = (0.3, 5.0)
 
@@ -110,7 +112,7 @@ class AreaControl:
         self.target = max(1, round(area_fraction * size))
         self.load_resolution = LOAD_RESOLUTION * min(rtol, 1 / self.target)
         self._allowed = max(tolerance * self.target, 0.5)
-        self._early_changes = 0
+        self._early_changes = self._steps_of_few = 0
         self._exponent = FIRST_EXPONENT
         self._last: tuple[float, int] | None = None
         # Bracket of (load, contact nodes), its width when it was last used, and whether it has closed.
@@ -142,13 +144,14 @@ class AreaControl:
         missing = abs(expected - self.target)
         if missing <= self._allowed:
             return None
-        few = missing < FEW_NODES and self._allowed < FEW_NODES / 4
-        if few and state.error > MAX_ERROR_OF_FEW:
+        few = missing < min(FEW_NODES, FEW_OF_AREA * self.target) and self._allowed < FEW_NODES / 4
+        if few and (state.error > MAX_ERROR_OF_FEW or self._steps_of_few == MAX_STEPS_OF_FEW):
             return None
         change = ROUGH_EXPONENT * math.log(self.target / expected)
         if abs(change) < LEAST_STEERED_CHANGE * state.error:
             return None
         self._early_changes += 1
+        self._steps_of_few += few
         change = min(max(change, -MAX_STEERED_CHANGE), MAX_STEERED_CHANGE)
         return LoadStep(state.load * change, few)
 
