@@ -92,6 +92,7 @@ docs: $(VENV)/ready ## Build the documentation site with its gallery, without a 
 bench: $(VENV)/ready ## Measure the speed and accuracy of layer, contact and stress, beside other programs where installed
 	python benchmarks/layer.py
 	python benchmarks/contact.py
+	python benchmarks/load_path.py
 	python benchmarks/gfmd.py
 	python benchmarks/stress.py
 	python benchmarks/economies.py
