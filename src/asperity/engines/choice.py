@@ -72,7 +72,10 @@ def current_engine() -> Engine:
     """The engine in use: that of the block, else that of the environment variable, else the default."""
     if (chosen := _chosen.get()) is not None:
         return chosen
-    return _engine(default_engine())
+    name = default_engine()
+    if name != DEFAULT:
+        require((name,))
+    return _engine(name)
 
 
 def default_engine() -> str:
@@ -83,13 +86,13 @@ def default_engine() -> str:
 def engine_of(name: str, wisdom: str | os.PathLike[str] | None = None) -> Engine:
     """The engine of this name, with the plans of a file; parameters and errors as of `fft_engine`."""
     known = _known("fft_engine", name)
+    require((known,))
     if wisdom is None:
         return _engine(known)
     if known != "pyfftw":
         raise ValueError(
             f"wisdom = {shown(os.fspath(wisdom))}: accepted with the engine pyfftw only, not with {known}"
         )
-    require(("pyfftw",))
     from asperity.engines.pyfftw_engine import PyfftwEngine
     from asperity.engines.wisdom import read_wisdom
 
@@ -105,7 +108,6 @@ def _known(argument: str, name: object) -> str:
 @cache
 def _engine(name: str) -> Engine:
     """The engine of a known name; imported when first used."""
-    require((name,))
     if name == "pyfftw":
         from asperity.engines.pyfftw_engine import PyfftwEngine
 

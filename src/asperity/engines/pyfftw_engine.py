@@ -51,7 +51,7 @@ class PyfftwEngine(Engine):
             plan.execute()
             np.multiply(plan.target[:count], factor, out=out[rows])
 
-        self._run("r2c", *values.shape, values.dtype, threads, transform)
+        self._run("r2c", values.shape, values.dtype, threads, transform)
 
     def rows_inverse(self, coefficients: Array, out: Array, threads: int = 1) -> None:
         def transform(plan: Plan, rows: slice, count: int) -> None:
@@ -59,7 +59,7 @@ class PyfftwEngine(Engine):
             plan.execute()
             out[rows] = plan.target[:count]
 
-        self._run("c2r", *out.shape, out.dtype, threads, transform)
+        self._run("c2r", out.shape, out.dtype, threads, transform)
 
     def columns_forward(self, values: Array, out: Array, threads: int = 1) -> None:
         factor = values.real.dtype.type(1 / values.shape[0])
@@ -69,7 +69,7 @@ class PyfftwEngine(Engine):
             plan.execute()
             np.multiply(plan.target[:, :count], factor, out=out[:, columns])
 
-        self._run("forward", *values.shape[::-1], values.real.dtype, threads, transform)
+        self._run("forward", values.shape[::-1], values.real.dtype, threads, transform)
 
     def columns_inverse(self, coefficients: Array, out: Array, threads: int = 1) -> None:
         def transform(plan: Plan, columns: slice, count: int) -> None:
@@ -77,18 +77,30 @@ class PyfftwEngine(Engine):
             plan.execute()
             out[:, columns] = plan.target[:, :count]
 
-        self._run("inverse", *coefficients.shape[::-1], coefficients.real.dtype, threads, transform)
+        self._run("inverse", coefficients.shape[::-1], coefficients.real.dtype, threads, transform)
 
     def _run(
         self,
         kind: str,
-        lines: int,
-        length: int,
+        shape: tuple[int, ...],
         precision: np.dtype[Any],
         threads: int,
         transform: Callable[[Plan, slice, int], None],
     ) -> None:
-        """Transform all lines, block by block; `transform` is given plan, lines and number of lines."""
+        """Transform all lines, block by block.
+
+        Parameters
+        ----------
+        kind : str
+            One of `asperity.engines.plans.KINDS`.
+        shape : (lines, length)
+            Number of lines, and of values in each.
+        precision : dtype of the real values
+        threads : int
+        transform : callable
+            Transforms a block; called with plan, lines and number of lines.
+        """
+        lines, length = shape
         size = lines_of_block(length)
         whole, single = (Key(kind, length, count, precision.name) for count in (size, 1))
         starts = range(0, lines, size)
