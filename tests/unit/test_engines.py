@@ -34,9 +34,9 @@ SURFACE = "surface --points 64 --hurst 0.8 --wavelength-long 0.5 --wavelength-sh
 
 @pytest.fixture(scope="module")
 def wisdom(tmp_path_factory):
-    """File with measured plans for lines of 96 and 120 values."""
+    """File with measured plans for grids of 96² and 270² nodes."""
     path = tmp_path_factory.mktemp("wisdom") / "wisdom.json"
-    path.write_text(asp.measure_wisdom([96, 120]))
+    path.write_text(asp.measure_wisdom([96, 270]))
     return path
 
 
@@ -48,20 +48,20 @@ def field(shape, dtype="float64"):
 @pytest.mark.parametrize("shape", [(96, 120), (65, 129), (37, 41)])
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 def test_errors_are_those_of_rounding(engine, shape, dtype):
-    """Against a transform in extended precision by scipy; the rms error is half of ε √(log₂ n) or less."""
+    """Against a transform in extended precision by scipy; the rms error is 0.7 ε √(log₂ n) or less."""
     values = field(shape, dtype)
     exact = fft.rfft2(values.astype(np.longdouble), norm="forward")
     with asp.fft_engine(engine):
         fourier = Fourier(Grid(shape), dtype)
     found = fourier.forward(values)
-    bound = 0.5 * np.finfo(dtype).eps * np.sqrt(np.log2(values.size))
+    bound = 0.7 * np.finfo(dtype).eps * np.sqrt(np.log2(values.size))
     assert np.linalg.norm(found - exact) < bound * np.linalg.norm(exact)
     assert np.linalg.norm(fourier.inverse(found) - values) < 2 * bound * np.linalg.norm(values)
 
 
 @pytest.mark.parametrize("threads", [2, 3])
 def test_measured_plans_have_the_same_bits_on_any_number_of_threads(wisdom, threads):
-    values = field((1100, 120))  # more than a thread is started for, with lines left over
+    values = field((270, 270))  # more values than one thread transforms alone
     with asp.fft_engine("pyfftw", wisdom):
         one, many = Fourier(Grid(values.shape)), Fourier(Grid(values.shape), threads=threads)
     coefficients = one.forward(values)
@@ -74,7 +74,7 @@ import hashlib, sys
 import numpy as np
 import asperity as asp
 from asperity.spectral import Fourier, Grid
-values = np.random.default_rng(5).normal(size=(96, 120))
+values = np.random.default_rng(5).normal(size=(96, 96))
 with asp.fft_engine("pyfftw", *sys.argv[1:]):
     print(hashlib.sha256(Fourier(Grid(values.shape)).forward(values)).hexdigest())
 """
@@ -87,7 +87,7 @@ def test_another_process_has_the_same_bits(wisdom):
             [sys.executable, "-c", BITS, *arguments], capture_output=True, text=True, check=True
         )
         with asp.fft_engine("pyfftw", *arguments):
-            here = Fourier(Grid((96, 120))).forward(field((96, 120)))
+            here = Fourier(Grid((96, 96))).forward(field((96, 96)))
         assert found.stdout.strip() == hashlib.sha256(here).hexdigest()
 
 
@@ -118,21 +118,20 @@ def test_the_wisdom_of_others_is_neither_used_nor_lost():
 
 
 def test_plans_are_those_of_the_file(wisdom, monkeypatch):
-    """FFTW is asked for measured plans of the lengths in the file, and estimates the others."""
+    """FFTW is asked for measured plans of the grids in the file, and estimates the others."""
     asked, make = [], pyfftw.FFTW
 
-    def recorded(source, target, **options):
-        (axis,) = options["axes"]
-        asked.append((max(source.shape[axis], target.shape[axis]), options["flags"][0]))
-        return make(source, target, **options)
+    def recorded(*arrays, flags, **options):
+        asked.append(flags[0])
+        return make(*arrays, flags=flags, **options)
 
     monkeypatch.setattr(pyfftw, "FFTW", recorded)
     with asp.fft_engine("pyfftw", wisdom):
-        fourier = Fourier(Grid((96, 112)))
-    fourier.inverse(fourier.forward(field((96, 112))))
-    assert {flags for length, flags in asked if length == 112} == {"FFTW_ESTIMATE"}
-    blocks = [flags for length, flags in asked if length == 96]
-    assert blocks.count("FFTW_MEASURE") == 2  # there and back; a single line that is left over is estimated
+        known, unknown = Fourier(Grid((96, 96))), Fourier(Grid((112, 112)))
+    known.inverse(known.forward(field((96, 96))))
+    assert asked == 4 * ["FFTW_MEASURE"]
+    unknown.inverse(unknown.forward(field((112, 112))))
+    assert asked[4:] == 4 * ["FFTW_ESTIMATE"]
 
 
 def test_engines_agree_on_contact_and_stress():

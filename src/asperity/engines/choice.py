@@ -36,7 +36,7 @@ def fft_engine(name: str, wisdom: str | os.PathLike[str] | None = None) -> Itera
     name : "ducc0" or "pyfftw"
         pyFFTW is installed by ``pip install "asperity[fftw]"``.
     wisdom : path, optional
-        File with measured plans of pyFFTW, as written by `measure_wisdom`. Lengths that it lacks, or all
+        File with measured plans of pyFFTW, as written by `measure_wisdom`. Grids that it lacks, or all
         without it, are transformed by plans that FFTW estimates. Both repeat their bits from run to run;
         measured plans are faster.
 

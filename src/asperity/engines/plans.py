@@ -10,6 +10,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from itertools import product
 from math import prod
 from typing import NamedTuple
 
@@ -18,17 +19,19 @@ import pyfftw
 
 from asperity.types import Array
 
-KINDS = ("r2c", "c2r", "forward", "inverse")
+COLUMNS = ("forward", "inverse")
+KINDS = ("r2c", "c2r", *COLUMNS)
 """Transforms of rows, real to complex and back, and of complex columns."""
 
 PRECISIONS = ("float64", "float32")
 """Precisions in the order in which pyFFTW gives its wisdom."""
 
-_LONG = 64
-"""Length above which blocks have `_FEW` lines."""
+_ROWS = 2**15, 16
+"""Number of values in a block of rows, about, and the fewest rows: half a megabyte, within the cache."""
 
-_FEW, _MANY = 16, 64
-"""Lines in a block. For more than 16 long columns FFTW estimates plans that are up to six times slower."""
+_COLUMNS = 2**13, 8
+"""The same for columns. Few are copied at a time: each element of a long column lies in another page of the
+memory, and more columns take longer than the same number in smaller blocks."""
 
 _ALIGNMENT = 64
 """Bytes of which the address of every array is a multiple."""
@@ -62,9 +65,18 @@ class Key(NamedTuple):
         return " ".join(map(str, self))
 
 
-def lines_of_block(length: int) -> int:
-    """Number of lines of this length in a block."""
-    return _FEW if length > _LONG else _MANY
+def lines_of_block(kind: str, lines: int, length: int) -> int:
+    """Number of lines in a block of an array with so many lines of this length; the last may have fewer."""
+    values, fewest = _COLUMNS if kind in COLUMNS else _ROWS
+    blocks = -(-lines // max(values // length, fewest))
+    return -(-lines // blocks)
+
+
+def keys_of(length: int) -> Iterator[Key]:
+    """The plans for transforms of a square grid with so many nodes on an edge."""
+    for precision, kind in product(PRECISIONS, KINDS):
+        lines = length // 2 + 1 if kind in COLUMNS else length
+        yield Key(kind, length, lines_of_block(kind, lines, length), precision)
 
 
 class Plan:
@@ -73,7 +85,7 @@ class Plan:
     Attributes
     ----------
     source, target : array
-        Lines before and after the transform: rows (lines, length), or columns (length, lines) in one array.
+        Lines before and after the transform, (lines, length); one array if both are complex.
     execute : callable
         Transforms `source` into `target`, and may overwrite `source`.
     """
@@ -83,7 +95,7 @@ class Plan:
         self.execute: Callable[[], None] = pyfftw.FFTW(
             self.source,
             self.target,
-            axes=(0 if self.source is self.target else 1,),
+            axes=(1,),
             direction="FFTW_FORWARD" if key.kind in ("r2c", "forward") else "FFTW_BACKWARD",
             flags=(*flags, "FFTW_DESTROY_INPUT"),
             threads=1,
@@ -154,8 +166,8 @@ def _shapes(key: Key) -> list[tuple[tuple[int, int], np.dtype[np.generic]]]:
     """Shape and type of the source of a plan and, if it is another array, of its target."""
     real = np.dtype(key.precision)
     complex_ = np.result_type(real, np.complex64)
-    if key.kind in ("forward", "inverse"):
-        return [((key.length, key.lines), complex_)]
+    if key.kind in COLUMNS:
+        return [((key.lines, key.length), complex_)]
     both = [((key.lines, key.length), real), ((key.lines, key.length // 2 + 1), complex_)]
     return both if key.kind == "r2c" else both[::-1]
 

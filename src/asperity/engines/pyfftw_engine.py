@@ -2,13 +2,13 @@
 
 A plan of FFTW holds for arrays of one shape, distance of rows and alignment in memory. Here every plan
 transforms a block of lines in an aligned array of its own: blocks are copied there, transformed, and copied
-back, within the processor's cache. A plan then depends on the length of the lines, the kind of transform
-and the precision alone, and the result does not depend on where the allocator places an array. Plans use
-one thread. With several threads, each transforms blocks of its own, so that the result has the same bits
-for any number of threads.
+back, within the processor's cache. A plan then depends on the length and number of the lines, the kind of
+transform and the precision alone, and the result does not depend on where the allocator places an array.
+Plans use one thread. With several threads, each transforms blocks of its own, so that the result has the
+same bits for any number of threads.
 
-Columns are transformed in place. For rows, whose real and complex lines differ in length, this takes a
-tenth longer than from one array to another.
+Columns are copied into rows and transformed in place. For rows, whose real and complex lines differ in
+length, a transform in place takes a tenth longer than one from an array to another.
 """
 
 from __future__ import annotations
@@ -43,41 +43,38 @@ class PyfftwEngine(Engine):
         plans = f"wisdom {self._wisdom.digest}" if self._wisdom.plans else "estimated plans"
         return f"pyfftw {version('pyfftw')}, FFTW {pyfftw.fftw_version}, {plans}"
 
-    def rows_forward(self, values: Array, out: Array, threads: int = 1) -> None:
-        factor = values.dtype.type(1 / values.shape[1])
+    def forward(self, values: Array, out: Array, threads: int = 1) -> None:
+        (lines, nx), ny = values.shape, out.shape[0]
+        factor = values.dtype.type(1 / (nx * ny))
 
-        def transform(plan: Plan, rows: slice, count: int) -> None:
-            plan.source[:count] = values[rows]
+        def rows(plan: Plan, lines: slice, count: int) -> None:
+            np.multiply(values[lines], factor, out=plan.source[:count])
             plan.execute()
-            np.multiply(plan.target[:count], factor, out=out[rows])
+            out[lines] = plan.target[:count]
 
-        self._run("r2c", values.shape, values.dtype, threads, transform)
+        self._run("r2c", values.shape, values.dtype, threads, rows)
+        out[lines:] = 0
+        self._columns("forward", out, out, threads)
 
-    def rows_inverse(self, coefficients: Array, out: Array, threads: int = 1) -> None:
-        def transform(plan: Plan, rows: slice, count: int) -> None:
-            plan.source[:count] = coefficients[rows]
+    def inverse(self, coefficients: Array, out: Array, work: Array, threads: int = 1) -> None:
+        self._columns("inverse", coefficients, work, threads)
+
+        def rows(plan: Plan, lines: slice, count: int) -> None:
+            plan.source[:count] = work[lines]
             plan.execute()
-            out[rows] = plan.target[:count]
+            out[lines] = plan.target[:count]
 
-        self._run("c2r", out.shape, out.dtype, threads, transform)
+        self._run("c2r", out.shape, out.dtype, threads, rows)
 
-    def columns_forward(self, values: Array, out: Array, threads: int = 1) -> None:
-        factor = values.real.dtype.type(1 / values.shape[0])
+    def _columns(self, kind: str, source: Array, target: Array, threads: int) -> None:
+        """Transform the columns of an array into those of another, which may be the same."""
 
-        def transform(plan: Plan, columns: slice, count: int) -> None:
-            plan.source[:, :count] = values[:, columns]
+        def columns(plan: Plan, lines: slice, count: int) -> None:
+            plan.source[:count] = source[:, lines].T
             plan.execute()
-            np.multiply(plan.target[:, :count], factor, out=out[:, columns])
+            target[:, lines] = plan.target[:count].T
 
-        self._run("forward", values.shape[::-1], values.real.dtype, threads, transform)
-
-    def columns_inverse(self, coefficients: Array, out: Array, threads: int = 1) -> None:
-        def transform(plan: Plan, columns: slice, count: int) -> None:
-            plan.source[:, :count] = coefficients[:, columns]
-            plan.execute()
-            out[:, columns] = plan.target[:, :count]
-
-        self._run("inverse", coefficients.shape[::-1], coefficients.real.dtype, threads, transform)
+        self._run(kind, source.shape[::-1], source.real.dtype, threads, columns)
 
     def _run(
         self,
@@ -101,8 +98,8 @@ class PyfftwEngine(Engine):
             Transforms a block; called with plan, lines and number of lines.
         """
         lines, length = shape
-        size = lines_of_block(length)
-        whole, single = (Key(kind, length, count, precision.name) for count in (size, 1))
+        size = lines_of_block(kind, lines, length)
+        key = Key(kind, length, size, precision.name)
         starts = range(0, lines, size)
 
         def work(part: range) -> None:
@@ -111,9 +108,9 @@ class PyfftwEngine(Engine):
             except IndexError:
                 workspace = Workspace(self._wisdom.plans)
             try:
+                plan = workspace.plan(key)
                 for start in part:
                     count = min(size, lines - start)
-                    plan = workspace.plan(single if count == 1 else whole)
                     transform(plan, slice(start, start + count), count)
             finally:
                 self._idle.append(workspace)

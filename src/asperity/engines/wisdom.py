@@ -13,7 +13,6 @@ import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 from pathlib import Path
 
 from asperity.arguments import whole_number
@@ -48,14 +47,14 @@ class Wisdom:
 
 
 def measure_wisdom(lengths: Iterable[int], progress: Progress | None = None) -> str:
-    """Text of a wisdom file with the fastest plans for lines of these lengths, in both precisions.
+    """Text of a wisdom file with the fastest plans for square grids, in both precisions.
 
     Takes about half a second for a length of 1024.
 
     Parameters
     ----------
     lengths : iterable of int
-        Numbers of nodes on the edges of grids, from 1 to `LONGEST`.
+        Numbers of nodes on the edges of the grids, from 1 to `LONGEST`.
     progress : callable, optional
         Called as ``progress(done, total)``.
 
@@ -83,9 +82,9 @@ def measure_wisdom(lengths: Iterable[int], progress: Progress | None = None) -> 
         {whole_number("lengths", length, accepted, lambda n: 1 <= n <= LONGEST) for length in lengths}
     )
     require(("pyfftw",))
-    from asperity.engines.plans import KINDS, PRECISIONS, Key, lines_of_block, measure
+    from asperity.engines.plans import keys_of, measure
 
-    keys = [Key(k, n, lines_of_block(n), p) for n, p, k in product(wanted, PRECISIONS, KINDS)]
+    keys = [key for length in wanted for key in keys_of(length)]
     plans = {}
     for number, key in enumerate(keys, start=1):
         plans[key.name] = measure(key)
