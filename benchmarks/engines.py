@@ -54,6 +54,7 @@ def main():
     transforms(options.points, wisdom)
     accuracy(options.scene, wisdom)
     reproducibility(options, wisdom)
+    fftw_itself(options.scene // 2)
     scenes(options)
 
 
@@ -207,6 +208,27 @@ def reproducibility(options, wisdom):
     rows.append(("threads 1 to 4", *(max(len({*each}) for each in runs) for runs in found)))
     rows.append(("three runs", *(len({each[0] for each in runs}) for runs in found)))
     table(f"Number of different results on {options.scene}² nodes, in double precision", *rows)
+
+
+def fftw_itself(edge):
+    """Number of different results of FFTW's own plans: with its threads, and for arrays at other addresses."""
+    values = np.random.default_rng(1).normal(size=(edge, edge))
+    modes = pyfftw.empty_aligned((edge, edge // 2 + 1), "complex128")
+    memory = pyfftw.empty_aligned(values.nbytes + 64, "uint8")
+
+    def result(flag, threads, start):
+        pyfftw.forget_wisdom()
+        source = memory[start : start + values.nbytes].view("float64").reshape(values.shape)
+        plan = pyfftw.FFTW(source, modes, axes=(0, 1), flags=(flag,), threads=threads)
+        source[:] = values
+        plan.execute()
+        return hashlib.sha256(modes.tobytes()).hexdigest()
+
+    rows = [("plans", "threads 1 to 4", "array at a multiple of 16 bytes, and 8 bytes beside it")]
+    for name, flag in (("estimated", "FFTW_ESTIMATE"), ("measured", "FFTW_MEASURE")):
+        of_threads = {result(flag, threads, 0) for threads in THREADS}
+        rows.append((name, len(of_threads), len({result(flag, 1, start) for start in (0, 8)})))
+    table(f"Number of different results of FFTW's own plans on {edge}² nodes", *rows)
 
 
 def scene(edge, chosen):

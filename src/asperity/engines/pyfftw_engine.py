@@ -27,8 +27,8 @@ from asperity.engines.plans import Key, Plan, Workspace, lines_of_block
 from asperity.engines.wisdom import Wisdom
 from asperity.types import Array
 
-_SMALL = 2**16
-"""Number of values up to which an array is transformed by one thread: starting others would take longer."""
+_SMALL = 2**20
+"""Number of values up to which an array is transformed by one thread: several would wait for each other."""
 
 
 class PyfftwEngine(Engine):

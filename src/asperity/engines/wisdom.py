@@ -115,8 +115,10 @@ def read_wisdom(path: str | os.PathLike[str]) -> Wisdom:
     plans = content.get("plans")
     if not isinstance(plans, dict) or not all(isinstance(text, str) for text in plans.values()):
         raise ValueError(f"{name}: {_NEEDED}")
-    if not all(is_known(key.split()[-1], text) for key, text in plans.items()):
+    samples = {key.rpartition(" ")[2]: text for key, text in plans.items()}  # all come from one FFTW
+    if not all(is_known(precision, text) for precision, text in samples.items()):
         raise ValueError(
-            f"{name}: measured with another FFTW or on another processor; make it again by `asperity wisdom`"
+            f"{name}: measured with another FFTW or on another processor; a new file of `asperity wisdom`, "
+            "in a study of rule fft_wisdom, is needed"
         )
     return Wisdom(plans)
