@@ -211,7 +211,7 @@ def reproducibility(options, wisdom):
 
 
 def fftw_itself(edge):
-    """Number of different results of FFTW's own plans: with its threads, and for arrays at other addresses."""
+    """Number of different results of FFTW itself: with its own threads, and for arrays at other addresses."""
     values = np.random.default_rng(1).normal(size=(edge, edge))
     modes = pyfftw.empty_aligned((edge, edge // 2 + 1), "complex128")
     memory = pyfftw.empty_aligned(values.nbytes + 64, "uint8")
@@ -224,7 +224,7 @@ def fftw_itself(edge):
         plan.execute()
         return hashlib.sha256(modes.tobytes()).hexdigest()
 
-    rows = [("plans", "threads 1 to 4", "array at a multiple of 16 bytes, and 8 bytes beside it")]
+    rows = [("plans", "1 to 4 threads, a plan for each", "array at a multiple of 16 bytes, or 8 beside it")]
     for name, flag in (("estimated", "FFTW_ESTIMATE"), ("measured", "FFTW_MEASURE")):
         of_threads = {result(flag, threads, 0) for threads in THREADS}
         rows.append((name, len(of_threads), len({result(flag, 1, start) for start in (0, 8)})))

@@ -16,6 +16,7 @@ from asperity import packages
 from asperity.cli.main import main
 from asperity.config.study import read_study
 from asperity.engines import ENGINES, current_engine
+from asperity.engines.ducc0_engine import Ducc0Engine
 from asperity.engines.wisdom import read_wisdom
 from asperity.errors import ConfigError
 from asperity.packages import MissingPackageError
@@ -151,6 +152,26 @@ def test_engines_agree_on_contact_and_stress():
     assert np.abs(first.pressure - second.pressure).max() < 1e-8 * first.pressure.max()
     largest = [float(stress["largest_von_mises"].max()) for stress in (under_first, under_second)]
     assert largest[0] == pytest.approx(largest[1], rel=1e-6)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_everything_in_a_block_is_transformed_by_its_engine(boundary, monkeypatch):
+    """Surface, contact, stress and its pictures on two threads, without one transform by the other engine."""
+
+    def refuse(*arguments):
+        raise AssertionError("a transform by ducc0")
+
+    monkeypatch.delenv("ASPERITY_FFT_ENGINE", raising=False)
+    monkeypatch.setattr(Ducc0Engine, "forward", refuse)
+    monkeypatch.setattr(Ducc0Engine, "inverse", refuse)
+    with asp.fft_engine("pyfftw"):
+        height = asp.self_affine((32, 32), **BAND, seed=1)
+        asp.roughness_parameters(height)
+        contact = asp.solve(height, SOLID, area_fraction=0.1, boundary=boundary, threads=2)
+        asp.analyse_stress(contact, threads=2)
+        contact.section("x", depths=[0.0, 0.1])
+    with pytest.raises(AssertionError, match="a transform by ducc0"):
+        asp.roughness_parameters(height)
 
 
 def test_the_choice_ends_with_its_block(monkeypatch):
