@@ -110,15 +110,20 @@ def test_the_place_of_an_array_in_memory_changes_no_bit(offset):
     assert np.array_equal(fourier.inverse(found), fourier.inverse(coefficients))
 
 
+def wisdom_lines():
+    """What FFTW knows of plans, in any order."""
+    return {line for text in pyfftw.export_wisdom() for line in text.splitlines()}
+
+
 def test_the_wisdom_of_others_is_neither_used_nor_lost():
     pyfftw.forget_wisdom()
     array = pyfftw.empty_aligned((96, 16), "complex128")
     pyfftw.FFTW(array, array, axes=(0,), flags=("FFTW_MEASURE",))
-    kept = pyfftw.export_wisdom()
+    kept = wisdom_lines()
     with asp.fft_engine("pyfftw"):
         Fourier(Grid((96, 100))).forward(field((96, 100)))
         asp.measure_wisdom([10])
-    assert pyfftw.export_wisdom() == kept
+    assert wisdom_lines() == kept
 
 
 def test_plans_are_those_of_the_file(wisdom, monkeypatch):
@@ -249,7 +254,7 @@ def test_commands_transform_by_the_engine_of_their_option(tmp_path, monkeypatch,
     assert engine_in("t.nc").startswith("ducc0")
     capsys.readouterr()
     assert main(["stress", "c.nc", "--out", "t.nc", "--fft-wisdom", "none.json"]) == 1
-    assert capsys.readouterr().err.startswith("asperity: wisdom = 'none.json': cannot be read")
+    assert capsys.readouterr().err.startswith("asperity: --fft-wisdom = 'none.json': ")
 
 
 def test_plans_are_measured_for_the_coarser_grids_of_a_calculation_too():

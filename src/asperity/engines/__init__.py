@@ -12,6 +12,5 @@ any number of threads; with measured plans of pyFFTW, in runs that share them (`
 from asperity.engines.choice import DEFAULT as DEFAULT
 from asperity.engines.choice import ENGINES as ENGINES
 from asperity.engines.choice import current_engine as current_engine
-from asperity.engines.choice import default_engine as default_engine
 from asperity.engines.choice import fft_engine as fft_engine
 from asperity.engines.interface import Engine as Engine

@@ -60,7 +60,13 @@ def fft_engine(name: str, wisdom: str | os.PathLike[str] | None = None) -> Itera
     >>> contact.fft_engine
     'ducc0 ...'
     """
-    engine = engine_of(name, wisdom)
+    with use(engine_of(name, wisdom)) as engine:
+        yield engine
+
+
+@contextmanager
+def use(engine: Engine) -> Iterator[Engine]:
+    """Compute all Fourier transforms within a ``with`` block by this engine."""
     token = _chosen.set(engine)
     try:
         yield engine
@@ -83,20 +89,23 @@ def default_engine() -> str:
     return _known(VARIABLE, os.environ.get(VARIABLE) or DEFAULT)
 
 
-def engine_of(name: str, wisdom: str | os.PathLike[str] | None = None) -> Engine:
-    """The engine of this name, with the plans of a file; parameters and errors as of `fft_engine`."""
+def engine_of(name: str, wisdom: str | os.PathLike[str] | None = None, option: str = "wisdom") -> Engine:
+    """The engine of this name, with the plans of a file.
+
+    Parameters and errors are those of `fft_engine`; `option` is the name of the file in messages.
+    """
     known = _known("fft_engine", name)
     require((known,))
     if wisdom is None:
         return _engine(known)
     if known != "pyfftw":
         raise ValueError(
-            f"wisdom = {shown(os.fspath(wisdom))}: accepted with the engine pyfftw only, not with {known}"
+            f"{option} = {shown(os.fspath(wisdom))}: accepted with the engine pyfftw only, not with {known}"
         )
     from asperity.engines.pyfftw_engine import PyfftwEngine
     from asperity.engines.wisdom import read_wisdom
 
-    return PyfftwEngine(read_wisdom(wisdom))
+    return PyfftwEngine(read_wisdom(wisdom, option))
 
 
 def _known(argument: str, name: object) -> str:

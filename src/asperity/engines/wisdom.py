@@ -93,8 +93,8 @@ def measure_wisdom(lengths: Iterable[int], progress: Progress | None = None) -> 
     return json.dumps({"title": _TITLE, "plans": plans}, indent=1) + "\n"
 
 
-def read_wisdom(path: str | os.PathLike[str]) -> Wisdom:
-    """Wisdom of a file that holds the text of `measure_wisdom`.
+def read_wisdom(path: str | os.PathLike[str], option: str = "wisdom") -> Wisdom:
+    """Wisdom of a file that holds the text of `measure_wisdom`; `option` is its name in messages.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def read_wisdom(path: str | os.PathLike[str]) -> Wisdom:
     """
     from asperity.engines.plans import is_known
 
-    name = f"wisdom = {shown(os.fspath(path))}"
+    name = f"{option} = {shown(os.fspath(path))}"
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
