@@ -13,17 +13,16 @@ length, a transform in place takes a tenth longer than one from an array to anot
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import version
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import pyfftw
 
 from asperity.engines.interface import Engine
-from asperity.engines.plans import Key, Plan, Workspace, lines_of_block
+from asperity.engines.plans import Key, Plan, Workspace, keys_of
 from asperity.engines.wisdom import Wisdom
 from asperity.types import Array
 
@@ -44,43 +43,47 @@ class PyfftwEngine(Engine):
         return f"pyfftw {version('pyfftw')}, FFTW {pyfftw.fftw_version}, {plans}"
 
     def forward(self, values: Array, out: Array, threads: int = 1) -> None:
-        (lines, nx), ny = values.shape, out.shape[0]
+        (rows, nx), ny = values.shape, out.shape[0]
+        keys = keys_of(rows, ny, nx, values.dtype.name)
         factor = values.dtype.type(1 / (nx * ny))
 
-        def rows(plan: Plan, lines: slice, count: int) -> None:
+        def transform(plan: Plan, lines: slice, count: int) -> None:
             np.multiply(values[lines], factor, out=plan.source[:count])
             plan.execute()
             out[lines] = plan.target[:count]
 
-        self._run("r2c", values.shape, values.dtype, threads, rows)
-        out[lines:] = 0
-        self._columns("forward", out, out, threads)
+        self._run("r2c", keys, rows, threads, transform)
+        out[rows:] = 0
+        self._columns("forward", keys, out, out, threads)
 
     def inverse(self, coefficients: Array, out: Array, work: Array, threads: int = 1) -> None:
-        self._columns("inverse", coefficients, work, threads)
+        keys = keys_of(out.shape[0], coefficients.shape[0], out.shape[1], out.dtype.name)
+        self._columns("inverse", keys, coefficients, work, threads)
 
-        def rows(plan: Plan, lines: slice, count: int) -> None:
+        def transform(plan: Plan, lines: slice, count: int) -> None:
             plan.source[:count] = work[lines]
             plan.execute()
             out[lines] = plan.target[:count]
 
-        self._run("c2r", out.shape, out.dtype, threads, rows)
+        self._run("c2r", keys, out.shape[0], threads, transform)
 
-    def _columns(self, kind: str, source: Array, target: Array, threads: int) -> None:
+    def _columns(
+        self, kind: str, keys: Mapping[str, Key], source: Array, target: Array, threads: int
+    ) -> None:
         """Transform the columns of an array into those of another, which may be the same."""
 
-        def columns(plan: Plan, lines: slice, count: int) -> None:
+        def transform(plan: Plan, lines: slice, count: int) -> None:
             plan.source[:count] = source[:, lines].T
             plan.execute()
             target[:, lines] = plan.target[:count].T
 
-        self._run(kind, source.shape[::-1], source.real.dtype, threads, columns)
+        self._run(kind, keys, source.shape[1], threads, transform)
 
     def _run(
         self,
         kind: str,
-        shape: tuple[int, ...],
-        precision: np.dtype[Any],
+        keys: Mapping[str, Key],
+        lines: int,
         threads: int,
         transform: Callable[[Plan, slice, int], None],
     ) -> None:
@@ -90,16 +93,15 @@ class PyfftwEngine(Engine):
         ----------
         kind : str
             One of `asperity.engines.plans.KINDS`.
-        shape : (lines, length)
-            Number of lines, and of values in each.
-        precision : dtype of the real values
+        keys : mapping
+            Kind → plan for the grid.
+        lines : int
+            Number of lines.
         threads : int
         transform : callable
             Transforms a block; called with plan, lines and number of lines.
         """
-        lines, length = shape
-        size = lines_of_block(kind, lines, length)
-        key = Key(kind, length, size, precision.name)
+        _, length, size, _ = keys[kind]
         starts = range(0, lines, size)
 
         def work(part: range) -> None:
@@ -108,7 +110,7 @@ class PyfftwEngine(Engine):
             except IndexError:
                 workspace = Workspace(self._wisdom.plans)
             try:
-                plan = workspace.plan(key)
+                plan = workspace.plan(kind, keys)
                 for start in part:
                     count = min(size, lines - start)
                     transform(plan, slice(start, start + count), count)

@@ -82,9 +82,9 @@ def measure_wisdom(lengths: Iterable[int], progress: Progress | None = None) -> 
         {whole_number("lengths", length, accepted, lambda n: 1 <= n <= LONGEST) for length in lengths}
     )
     require(("pyfftw",))
-    from asperity.engines.plans import keys_of, measure
+    from asperity.engines.plans import PRECISIONS, keys_of, measure
 
-    keys = [key for length in wanted for key in keys_of(length)]
+    keys = [key for n in wanted for precision in PRECISIONS for key in keys_of(n, n, n, precision).values()]
     plans = {}
     for number, key in enumerate(keys, start=1):
         plans[key.name] = measure(key)
