@@ -285,7 +285,7 @@ COMMANDS = [
     ("solve s.nc --out x.nc --area-fraction 0.1 0.2", 2, "unrecognized arguments: 0.2"),
     ("solve s.nc --out x.nc --fft-engine fftw", 2, "--fft-engine: 'fftw': ducc0 or pyfftw is needed"),
     (
-        "solve s.nc --out x.nc --fft-wisdom w.json",
+        "solve s.nc --out x.nc --fft-engine ducc0 --fft-wisdom w.json",
         1,
         "--fft-wisdom = 'w.json': accepted with the engine pyfftw",
     ),
