@@ -96,6 +96,7 @@ bench: $(VENV)/ready ## Measure the speed and accuracy of layer, contact and str
 	python benchmarks/gfmd.py
 	python benchmarks/stress.py
 	python benchmarks/economies.py
+	python benchmarks/engines.py
 
 tradeoff: $(VENV)/ready ## Errors and costs of all settings of accuracy, measured anew for asperity plan and config/README.md
 	python workflow/store_tradeoff.py
