@@ -286,6 +286,37 @@ class Fourier:
                 out[rows] = target
         return out
 
+    def inverse_along_y(self, coefficients: Array, out: Array) -> Array:
+        """First half of `inverse` for some columns of several arrays, by the calling thread, not counted.
+
+        Parameters
+        ----------
+        coefficients : (arrays, ny, columns) complex array
+        out : array of the same shape
+            Array for the result, which may be `coefficients`.
+        """
+        return ducc0.fft.c2c(coefficients, axes=(1,), forward=False, out=out, nthreads=1)
+
+    def inverse_along_x(self, coefficients: Array, out: Array) -> Array:
+        """Second half of `inverse` for some rows of several arrays, by the calling thread, not counted.
+
+        Parameters
+        ----------
+        coefficients : (arrays, rows, nx // 2 + 1) complex array
+            From `inverse_along_y`; it is overwritten.
+        out : (arrays, rows, nx) array
+            Array for the result.
+        """
+        return ducc0.fft.c2r(
+            coefficients,
+            axes=(2,),
+            lastsize=self.grid.shape[1],
+            forward=False,
+            out=out,
+            nthreads=1,
+            allow_overwriting_input=True,
+        )
+
     def _blocks(self, lines: int, most: int | None = None) -> list[tuple[slice, int]]:
         """Blocks of lines, at most `most` each if given, with the number of threads for each."""
         whole = lines - lines % _BLOCK

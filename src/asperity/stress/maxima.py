@@ -1,0 +1,292 @@
+"""Compiled search for the maxima of fields in a plane, and their comparison with the adjacent planes."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from asperity.stress.fields import PLACES, Field, fill_row, needed_parts, value_at, value_of
+
+_compiled = njit(cache=True, error_model="numpy", nogil=True)
+# Numbers may be added in any order, and none is NaN: only then loops that sum or compare are vectorised.
+_reduction = njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "nnan", "nsz", "contract"})
+
+_FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1))
+"""A node and its neighbours: most maxima end at the node itself."""
+
+_INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) for k in range(6)])
+"""Denominators of Lagrange's formula on six nodes."""
+
+_WORD = 8
+"""Flags of nodes that are looked at together."""
+
+
+class Search(NamedTuple):
+    """Fields of a plane that are searched or averaged.
+
+    Parameters
+    ----------
+    kinds : (fields,) integer array
+    ratios, uniforms : (fields,) arrays in the precision of the plane
+        As of `asperity.stress.fields.Field`.
+    sought : (fields,) bool array
+        True where maxima are sought.
+    averaged : (fields,) integer array
+        Where in `reference` and `sums` a field is compared; −1 where it is not averaged.
+    floor : float
+        Maxima of a magnitude at or below it are left out.
+    periodic : bool
+    """
+
+    kinds: Any
+    ratios: Any
+    uniforms: Any
+    sought: Any
+    averaged: Any
+    floor: float
+    periodic: bool
+
+
+class Room(NamedTuple):
+    """Arrays in which a band of rows is searched, kept from plane to plane.
+
+    Parameters
+    ----------
+    rows : (fields, 3, at least columns) array in the precision of the plane
+        Magnitudes of the last three rows of each field.
+    across : (at least columns,) array in the precision of the plane
+    flags : (at least columns + 8,) uint8 array
+    found : (fields, nodes) integer array
+        Flat indices of the maxima.
+    magnitudes : (fields, nodes) array in the precision of the plane
+        Their magnitudes.
+    counts : (fields,) integer array
+        Number of the maxima found so far.
+    """
+
+    rows: Any
+    across: Any
+    flags: Any
+    found: Any
+    magnitudes: Any
+    counts: Any
+
+
+@_compiled
+def search_rows(
+    parts: Any, search: Any, room: Any, start: int, first: int, last: int, reference: Any, sums: Any
+) -> None:
+    """Compute the fields of some rows of a plane, search the rows above them for maxima, and sum.
+
+    Parameters
+    ----------
+    parts : Parts
+    search : Search
+    room : Room
+    start, first, last : int
+        Rows `first` to `last` − 1 are new, those from `start` have been searched before. A row is compared
+        with both its neighbours when the one after it is there: all but `start` and `last` − 1.
+        Rows beyond the edges are those at the opposite edge or their mirror image.
+    reference : (averaged, rows / step, columns / step) array
+        Fields with which each averaged one is compared at every `step`-th node; empty if there are none.
+    sums : (averaged, rows, 5) array
+        Sum of each row, of its squares, its largest value, and over the compared nodes the sum of the field
+        and of its product with the reference; empty if nothing is summed.
+    """
+    rows = parts.values.shape[1]
+    columns = parts.columns
+    for j in range(first, last):
+        row = neighbour(j, rows, search.periodic)
+        for t in range(search.kinds.size):
+            here = room.rows[t, j % 3]
+            field = Field(search.kinds[t], search.ratios[t], search.uniforms[t])
+            fill_row(parts, field, row, here)
+            m = search.averaged[t]
+            if m >= 0 and sums.size:
+                _sum_row(here, columns, row, reference, m, sums[m, row])
+            if not search.sought[t]:
+                continue
+            for i in range(columns):
+                here[i] = abs(here[i])
+            if j - start >= 2:
+                above, centre = room.rows[t, (j - 2) % 3], room.rows[t, (j - 1) % 3]
+                row_before = neighbour(j - 1, rows, search.periodic)
+                _search_row(above, centre, here, columns, search, room, t, row_before)
+
+
+@_reduction
+def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, out: Any) -> None:
+    total, squares, largest = 0.0, 0.0, here[0]
+    for i in range(columns):
+        value = float(here[i])
+        total += value
+        squares += value * value
+        largest = max(largest, here[i])
+    out[0], out[1], out[2] = total, squares, largest
+    out[3] = out[4] = 0.0
+    if m >= reference.shape[0]:
+        return
+    step = columns // reference.shape[2]
+    if row % step:
+        return
+    other = reference[m, row // step]
+    product = 0.0
+    if step == 1:
+        for i in range(other.size):
+            product += float(here[i]) * float(other[i])
+    else:
+        total = 0.0
+        for i in range(other.size):
+            value = float(here[i * step])
+            total += value
+            product += value * float(other[i])
+    out[3], out[4] = total, product
+
+
+@_reduction
+def _search_row(
+    above: Any, here: Any, below: Any, columns: int, search: Any, room: Any, t: int, row: int
+) -> None:
+    """Add the maxima of one row, from the magnitudes in it and in the rows beside it."""
+    across, flags, periodic = room.across, room.flags, search.periodic
+    floor = search.floor
+    for i in range(columns):
+        beside = max(above[i], below[i])
+        across[i] = max(beside, here[i])
+        flags[i] = (here[i] > beside) & (here[i] > floor)
+    inner = here[1 : columns - 1]
+    left, right, flagged = across[: columns - 2], across[2:columns], flags[1 : columns - 1]
+    for i in range(columns - 2):
+        flagged[i] &= inner[i] > max(left[i], right[i])
+    last = columns - 1
+    flags[0] &= here[0] > max(across[1], across[last if periodic else 1])
+    flags[last] &= here[last] > max(across[last - 1], across[0 if periodic else last - 1])
+    flags[columns : columns + _WORD] = 0
+    words = flags.view(np.uint64)
+    found, magnitudes, count = room.found[t], room.magnitudes[t], room.counts[t]
+    for word in range((columns + _WORD - 1) // _WORD):
+        if words[word]:
+            for i in range(_WORD * word, _WORD * word + _WORD):
+                if flags[i]:
+                    found[count], magnitudes[count] = row * columns + i, here[i]
+                    count += 1
+    room.counts[t] = count
+
+
+@_compiled
+def neighbour(node: int, nodes: int, periodic: bool) -> int:
+    """Index of a node at most two beyond the edges: at the opposite edge, or its mirror image."""
+    if node < 0:
+        return node % nodes if periodic else -node
+    if node >= nodes:
+        return node % nodes if periodic else 2 * nodes - 2 - node
+    return node
+
+
+@_compiled
+def compare(
+    parts: Any, field: Any, row: Any, column: Any, periodic: bool, magnitude: Any, kept: Any, out: Any
+) -> None:
+    """Take the values of a field at and around nodes as long as a magnitude is above them.
+
+    Parameters
+    ----------
+    parts : Parts
+        Of a plane on the grid of the nodes.
+    field : Field
+    row, column : (nodes,) arrays
+    periodic : bool
+    magnitude : (nodes,) array
+    kept : (nodes,) bool array
+        Set to false where the magnitude is not above all nine values.
+    out : (nodes, 3, 3) array
+        Filled where it is.
+    """
+    rows, columns = parts.values.shape[1], parts.columns
+    for n in range(row.size):
+        for k in range(9):
+            a, b = _FROM_CENTRE[k]
+            line, place = neighbour(row[n] + a, rows, periodic), neighbour(column[n] + b, columns, periodic)
+            value = value_at(parts, field, line, place)
+            out[n, a + 1, b + 1] = value
+            if not magnitude[n] > abs(value):
+                kept[n] = False
+                break
+
+
+@_compiled
+def interpolate(
+    parts: Any,
+    field: Any,
+    row: Any,
+    column: Any,
+    other: tuple[int, int],
+    periodic: bool,
+    magnitude: Any,
+    kept: Any,
+    out: Any,
+) -> None:
+    """As `compare`, at and around nodes of another grid of the same cell.
+
+    The linear parts are interpolated by Lagrange's formula on the six nearest nodes along each axis.
+
+    Parameters
+    ----------
+    parts, field, row, column, periodic
+        As for `compare`; the nodes are those of the other grid.
+    other : (rows, columns)
+        Shape of the other grid.
+    magnitude, kept, out : arrays
+        As for `compare`.
+    """
+    needed = needed_parts(field.kind, parts.place)
+    given, weights = np.empty(PLACES), np.empty((2, 6))
+    places = np.empty((2, 6), np.int64)
+    shape = parts.values.shape[1], parts.columns
+    for n in range(row.size):
+        for k in range(9):
+            a, b = _FROM_CENTRE[k]
+            _stencil(row[n] + a, other[0], shape[0], periodic, places[0], weights[0])
+            _stencil(column[n] + b, other[1], shape[1], periodic, places[1], weights[1])
+            for part in range(PLACES):
+                if needed[part]:
+                    given[part] = _weighted(parts.values[parts.place[part]], places, weights)
+            value = value_of(field, given, parts.place, parts.mean_pressure)
+            out[n, a + 1, b + 1] = value
+            if not magnitude[n] > abs(value):
+                kept[n] = False
+                break
+
+
+@_compiled
+def _weighted(values: Any, places: Any, weights: Any) -> float:
+    total = 0.0
+    for k in range(6):
+        line, along = values[places[0, k]], 0.0
+        for m in range(6):
+            along += weights[1, m] * line[places[1, m]]
+        total += weights[0, k] * along
+    return total
+
+
+@_compiled
+def _stencil(node: int, others: int, nodes: int, periodic: bool, place: Any, weight: Any) -> None:
+    """Places and weights of the six nodes nearest to a node of another grid, for Lagrange's interpolation.
+
+    Over a free boundary a node beyond an edge is its mirror image, and all six lie within the map.
+    """
+    if not periodic:
+        node = neighbour(node, others, periodic)
+    position = node * (nodes / others)
+    base = int(np.floor(position))
+    if not periodic:
+        base = max(2, min(base, nodes - 4))
+    fraction = position - base
+    for k in range(6):
+        place[k] = (base + k - 2) % nodes
+        weight[k] = _INVERSE_PRODUCTS[k]
+        for m in range(6):
+            if m != k:
+                weight[k] *= fraction - (m - 2)

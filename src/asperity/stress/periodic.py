@@ -1,0 +1,235 @@
+"""Linear parts of the stress in planes under a periodic pressure, transformed from its modes.
+
+A transform is done in two halves: along y for a block of columns of all spectra at a time, along x for a
+strip of rows of all parts at a time. Each block and strip stays in the processor's cache from its spectrum to
+the transformed values, and a strip up to what is made of it.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from asperity.elasticity.layer import COMPONENTS, Layer
+from asperity.spectral import Fourier, Grid, resample
+from asperity.stress.kernels import (
+    SHARED_COLUMNS,
+    PlaneKernels,
+    TractionKernels,
+    Wavevectors,
+    add_sliding_stress,
+    all_parts,
+    mode_stress,
+    shared_columns,
+)
+from asperity.stress.parts import ALL_PARTS, Part
+from asperity.stress.truncation import Truncation
+from asperity.types import Array
+
+COLUMNS_AT_ONCE = 64
+"""Columns of a block."""
+
+ROWS_AT_ONCE = 16
+"""Rows of a strip."""
+
+BANDS = 8
+"""Groups of consecutive strips, each of which one thread goes through from the first to the last."""
+
+Run = Callable[[Callable[[Any], None], Sequence[Any]], None]
+"""Calls a function for every item of a sequence, on one thread or several."""
+
+Visit = Callable[[int, int, int], None]
+"""Called with a band, and the first and the last row + 1 of a strip of it that is there."""
+
+
+def bands_of(rows: int) -> list[tuple[int, int]]:
+    """First and last row + 1 of every band of a plane."""
+    strips = -(-rows // ROWS_AT_ONCE)
+    edges = [min(rows, ROWS_AT_ONCE * (strips * band // BANDS)) for band in range(BANDS + 1)]
+    return [(first, last) for first, last in zip(edges[:-1], edges[1:], strict=True) if last > first]
+
+
+def strips_of(first: int, last: int) -> list[tuple[int, int]]:
+    """First and last row + 1 of every strip of a band."""
+    return [(row, min(row + ROWS_AT_ONCE, last)) for row in range(first, last, ROWS_AT_ONCE)]
+
+
+class KeptArrays(threading.local):
+    """Arrays of each thread that are used again: writing to new memory takes twice as long."""
+
+    def __init__(self) -> None:
+        self._arrays: dict[str, Array] = {}
+
+    def array(self, name: str, shape: tuple[int, ...], dtype: Any) -> Array:
+        """An array with any values, in memory that is kept under this name."""
+        size = int(np.prod(shape))
+        kept = self._arrays.get(name)
+        if kept is None or kept.size < size or kept.dtype != dtype:
+            kept = self._arrays[name] = np.empty(size, dtype)
+        return kept[:size].reshape(shape)
+
+
+class PeriodicPlanes:
+    """Transforms of linear parts of the stress under a periodic pressure.
+
+    Attributes
+    ----------
+    plan : list of (Grid, float)
+        Grid and bound of the error of each plane.
+    mean_pressure : float
+    """
+
+    def __init__(
+        self,
+        modes: Array,
+        grid: Grid,
+        layer: Layer,
+        depths: Array,
+        tolerance: float,
+        envelope: float,
+        traction: tuple[float, float],
+        dtype: str,
+    ) -> None:
+        truncation = Truncation(modes, grid, layer, tolerance, envelope)
+        self.plan = [truncation.choose(depth) for depth in depths]
+        self.mean_pressure = float(modes[0, 0].real)
+        self._fourier = Fourier(grid, dtype)
+        self._modes = modes.astype(self._fourier.complex, copy=False)
+        self._finest = grid, self._modes
+        self._layer, self._traction = layer, traction
+        self._kept = KeptArrays()
+
+    @staticmethod
+    def row_length(grid: Grid) -> int:
+        """Numbers in a row of the arrays that are filled: room for the coefficients of a row."""
+        return 2 * (grid.shape[1] // 2 + 1)
+
+    def compute(
+        self, depth: float, grid: Grid, parts: Sequence[Part], values: Array, run: Run, visit: Visit
+    ) -> int:
+        """Compute the parts of one plane.
+
+        Parameters
+        ----------
+        depth : float
+        grid : Grid
+        parts : sequence of Part
+        values : (parts, ny, 2 (nx // 2 + 1)) array
+            The first nx columns of each row are filled.
+        run, visit : callable
+
+        Returns
+        -------
+        nodes : int
+            Nodes of the transforms.
+        """
+        if grid.shape != self._fourier.grid.shape:
+            self._fourier = Fourier(grid, self._fourier.dtype)
+            self._modes = resample(self._finest[1], self._finest[0], grid)
+        fourier, kept = self._fourier, self._kept
+        spectra = values.view(fourier.complex)
+        source = self._source(depth, parts)
+
+        def transform_columns(first: int) -> None:
+            last = min(first + COLUMNS_AT_ONCE, spectra.shape[2])
+            shape = source.count, grid.shape[0], last - first
+            block = kept.array("block", shape, fourier.complex)
+            source.fill_columns(first, last, block)
+            fourier.inverse_along_y(block, spectra[: source.count, :, first:last])
+
+        def transform_rows(band: int) -> None:
+            for first, last in strips_of(*bands[band]):
+                shape = len(parts), last - first, spectra.shape[2]
+                strip = kept.array("strip", shape, fourier.complex)
+                source.fill_rows(spectra, first, last, strip)
+                fourier.inverse_along_x(strip, values[:, first:last, : grid.shape[1]])
+                visit(band, first, last)
+
+        run(transform_columns, range(0, spectra.shape[2], COLUMNS_AT_ONCE))
+        bands = bands_of(grid.shape[0])
+        run(transform_rows, range(len(bands)))
+        return grid.size * (source.count + len(parts)) // 2
+
+    def _source(self, depth: float, parts: Sequence[Part]) -> _SharedSpectra | _Spectra:
+        arguments = depth, self._modes, self._fourier, self._layer
+        if tuple(parts) == ALL_PARTS and self._layer.height is None and not any(self._traction):
+            return _SharedSpectra(*arguments)
+        return _Spectra(*arguments, parts, self._traction)
+
+
+def _wavevectors(fourier: Fourier) -> Wavevectors:
+    grid = fourier.grid
+    return Wavevectors(*(q.astype(fourier.real) for q in (grid.qx, grid.qy, grid.odd_qx, grid.odd_qy)))
+
+
+class _SharedSpectra:
+    """Spectra of all parts A and B in a half-space, from fewer functions transformed along y.
+
+    Attributes
+    ----------
+    count : int
+        Number of functions to transform along y.
+    """
+
+    count = SHARED_COLUMNS
+
+    def __init__(self, depth: float, modes: Array, fourier: Fourier, layer: Layer) -> None:
+        kernels = layer.grid_kernels(fourier.grid, depth, fourier.real)
+        self._kernels = PlaneKernels(kernels.normal, kernels.longitudinal, kernels.shear)
+        self._half_depth, self._mean = fourier.real.type(0.5 * depth), fourier.real.type(modes[0, 0].real)
+        self._modes, self._wavevectors = modes, _wavevectors(fourier)
+
+    def fill_columns(self, first: int, last: int, out: Array) -> None:
+        """Fill `out` with some columns of the functions, to be transformed along y."""
+        shared_columns(self._half_depth, self._modes, self._kernels, self._wavevectors, first, last, out)
+
+    def fill_rows(self, columns: Array, first: int, last: int, out: Array) -> None:
+        """Fill `out` with some rows of the parts, to be transformed along x."""
+        all_parts(self._half_depth, self._mean, columns, self._wavevectors, first, last, out)
+
+
+class _Spectra:
+    """Spectra of any parts, also under a shear traction; attributes as of `_SharedSpectra`."""
+
+    def __init__(
+        self,
+        depth: float,
+        modes: Array,
+        fourier: Fourier,
+        layer: Layer,
+        parts: Sequence[Part],
+        traction: tuple[float, float],
+    ) -> None:
+        grid = fourier.grid
+        kernels = layer.grid_kernels(grid, depth, fourier.real)
+        self.count = len(parts)
+        self._kernels = PlaneKernels(kernels.normal, kernels.longitudinal, kernels.shear)
+        self._traction_kernels = None
+        if any(traction):
+            self._traction_kernels = TractionKernels(*layer.grid_shear_kernels(grid, depth, fourier.real))
+        self._parts, self._traction = parts, traction
+        self._modes = modes
+        self._wavevectors = Wavevectors(grid.qx, grid.qy, grid.odd_qx, grid.odd_qy)
+
+    def fill_columns(self, first: int, last: int, out: Array) -> None:
+        """Fill `out` with some columns of the parts, to be transformed along y."""
+        for part, spectrum in zip(self._parts, out, strict=True):
+            kind = COMPONENTS.index(part.component), part.constant, part.slope
+            mode_stress(*kind, self._modes, self._kernels, self._wavevectors, first, spectrum)
+            if self._traction_kernels is not None:
+                add_sliding_stress(
+                    *kind,
+                    *self._traction,
+                    self._modes,
+                    self._traction_kernels,
+                    self._wavevectors,
+                    first,
+                    spectrum,
+                )
+
+    def fill_rows(self, columns: Array, first: int, last: int, out: Array) -> None:
+        """Fill `out` with some rows of the parts, to be transformed along x."""
+        out[...] = columns[: self.count, first:last]
