@@ -108,7 +108,9 @@ def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
     values, place, columns, mean = parts
     kind, ratio, uniform = field
     if kind == _ZZ or kind == _YZ or kind == _XZ:
-        out[:columns] = values[place[kind], row, :columns]
+        a = values[place[kind], row]
+        for i in range(columns):
+            out[i] = a[i]
         return
     if kind == _XX:
         a, b = values[place[_XX], row], values[place[_SLOPE_XX], row]

@@ -164,47 +164,71 @@ def add_sliding_stress(
 SHARED_COLUMNS = 7
 """Functions of the modes from which `all_parts` makes the eight parts A and B of a half-space."""
 
-
 @njit(cache=True, error_model="numpy", nogil=True)
 def shared_columns(
-    half_depth: float, pressure: Any, kernels: Any, wavevectors: Any, first: int, last: int, out: Any
+    half_depth: float,
+    pressure: Any,
+    wavevectors: Any,
+    first: int,
+    factors: Any,
+    out: Any,
 ) -> None:
     """Fill some columns of the functions of the modes that the parts of a half-space share.
 
-    With P the coefficients of the pressure, Z and L the kernels and S = Z + L, the functions are Z P, L P,
-    L P/q², S P/q², qy L P/q², qy S P/q² and qy depth S P/2; all but the first are zero at q = 0. The
-    parts are these times factors that depend on qx alone, see `all_parts`: transforms along y are done
-    before, for seven functions in place of eight parts.
+    With P the coefficients of the pressure, E = e^(−q depth), Z = (1 + q depth) E and L = (1 − q depth) E,
+    the functions are Z P, L P, L P/q², 2 E P/q², qy L P/q², 2 qy E P/q² and qy depth E P; all but the first
+    are zero at q = 0. The parts are these times factors that depend on qx alone, see `all_parts`: transforms
+    along y are done before, for seven functions in place of eight parts.
 
     Parameters
     ----------
     half_depth : float
-    pressure : (ny, nx // 2 + 1) complex array
-    kernels : PlaneKernels
+    pressure : (ny, 2 (nx // 2 + 1)) array
+        Coefficients of the contact pressure, real and imaginary parts in turn.
     wavevectors : Wavevectors
-    first, last : int
-        Columns to fill.
-    out : (`SHARED_COLUMNS`, ny, last − first) complex array
+    first : int
+        First column to fill.
+    factors : (`SHARED_COLUMNS`, columns) array
+        Room for the factors of one row.
+    out : (`SHARED_COLUMNS`, ny, 2 columns) array
+        Real and imaginary parts in turn.
     """
-    normal, longitudinal, _ = kernels
-    qx, qy, _, odd_qy = wavevectors
-    rows = out.shape[1]
-    for j in range(rows):
-        mirrored = min(j, rows - j)
-        for i in range(first, last):
-            z, along, p = normal[mirrored, i], longitudinal[mirrored, i], pressure[j, i]
-            both, square = z + along, qx[i] * qx[i] + qy[j] * qy[j]
-            n = i - first
-            out[0, j, n] = z * p
-            if square == 0.0:
-                out[1:, j, n] = 0.0
-                continue
-            out[1, j, n] = along * p
-            out[2, j, n] = along / square * p
-            out[3, j, n] = both / square * p
-            out[4, j, n] = odd_qy[j] * along / square * p
-            out[5, j, n] = odd_qy[j] * both / square * p
-            out[6, j, n] = half_depth * odd_qy[j] * both * p
+    qy, odd_qy = wavevectors.qy, wavevectors.odd_qy
+    rows, columns = out.shape[1], factors.shape[1]
+    qx = wavevectors.qx[first : first + columns]
+    depth = half_depth + half_depth
+    decay, scaled = factors[5], factors[6]
+    for j in range(rows // 2 + 1):
+        for i in range(columns):
+            scaled[i] = depth * np.sqrt(qx[i] * qx[i] + qy[j] * qy[j])
+        for i in range(columns):
+            decay[i] = np.exp(-float(scaled[i]))
+        for i in range(columns):
+            square, along = qx[i] * qx[i] + qy[j] * qy[j], decay[i] - scaled[i] * decay[i]
+            factors[0, i] = decay[i] + scaled[i] * decay[i]
+            factors[1, i] = along
+            factors[2, i] = along / square
+            factors[3, i] = (decay[i] + decay[i]) / square
+            factors[4, i] = odd_qy[j] * (along / square)
+            factors[6, i] = depth * odd_qy[j] * decay[i]
+            factors[5, i] = odd_qy[j] * factors[3, i]
+        if j == 0 and first == 0:
+            factors[1:, 0] = 0.0
+        mirrored = (rows - j) % rows
+        for m in range(SHARED_COLUMNS):
+            _multiply(factors[m], pressure[j], first, out[m, j])
+        if mirrored != j:
+            factors[4:] = -factors[4:]
+            for m in range(SHARED_COLUMNS):
+                _multiply(factors[m], pressure[mirrored], first, out[m, mirrored])
+
+
+@njit(cache=True, error_model="numpy", nogil=True, forceinline=True)
+def _multiply(factor: Any, pressure: Any, first: int, out: Any) -> None:
+    given = pressure[2 * first : 2 * first + 2 * factor.size]
+    for i in range(factor.size):
+        out[2 * i] = factor[i] * given[2 * i]
+        out[2 * i + 1] = factor[i] * given[2 * i + 1]
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -218,28 +242,34 @@ def all_parts(
     half_depth : float
     mean : float
         Pressure mode q = 0, of which σ_zz alone has a part.
-    columns : (parts, ny, nx // 2 + 1) complex array
-        The functions of `shared_columns` after their transform along y.
+    columns : (parts, ny, 2 (nx // 2 + 1)) array
+        The functions of `shared_columns` after their transform along y; real and imaginary parts in turn.
     wavevectors : Wavevectors
     first, last : int
         Rows to fill.
-    out : (8, last − first, nx // 2 + 1) complex array
-        A_xx, A_yy, A_zz, A_yz, A_xz, A_xy, B_xx and B_xy.
+    out : (8, last − first, 2 (nx // 2 + 1)) array
+        A_xx, A_yy, A_zz, A_yz, A_xz, A_xy, B_xx and B_xy; real and imaginary parts in turn.
     """
     qx, odd_qx = wavevectors.qx, wavevectors.odd_qx
     for j in range(first, last):
+        z, along, along_over_square = columns[0, j], columns[1, j], columns[2, j]
+        both_over_square, turned, both_turned = columns[3, j], columns[4, j], columns[5, j]
+        shear = columns[6, j]
         n = j - first
+        xx, yy, zz, yz, xz, xy = out[0, n], out[1, n], out[2, n], out[3, n], out[4, n], out[5, n]
+        slope_xx, slope_xy = out[6, n], out[7, n]
         for i in range(qx.size):
-            square = qx[i] * qx[i]
-            both = columns[0, j, i] + columns[1, j, i]
-            across = square * columns[2, j, i]
-            out[0, n, i] = -across
-            out[1, n, i] = across - columns[1, j, i]
-            out[2, n, i] = -columns[0, j, i]
-            yz, xz = columns[6, j, i], half_depth * odd_qx[i] * both
-            out[3, n, i] = complex(yz.imag, -yz.real)
-            out[4, n, i] = complex(xz.imag, -xz.real)
-            out[5, n, i] = -odd_qx[i] * columns[4, j, i]
-            out[6, n, i] = square * columns[3, j, i] - both
-            out[7, n, i] = odd_qx[i] * columns[5, j, i]
-        out[6, n, 0] += mean
+            square, odd = qx[i] * qx[i], odd_qx[i]
+            for k in (2 * i, 2 * i + 1):
+                across = square * along_over_square[k]
+                xx[k] = -across
+                yy[k] = across - along[k]
+                zz[k] = -z[k]
+                xy[k] = -odd * turned[k]
+                slope_xx[k] = square * both_over_square[k] - (z[k] + along[k])
+                slope_xy[k] = odd * both_turned[k]
+        slope_xx[0] += mean
+        for i in range(qx.size):
+            k, odd = 2 * i, half_depth * odd_qx[i]
+            yz[k], yz[k + 1] = shear[k + 1], -shear[k]
+            xz[k], xz[k + 1] = odd * (z[k + 1] + along[k + 1]), -odd * (z[k] + along[k])

@@ -19,6 +19,9 @@ _FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, 
 _INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) for k in range(6)])
 """Denominators of Lagrange's formula on six nodes."""
 
+_LANES = 64
+"""Numbers that are compared at once."""
+
 _WORD = 8
 """Flags of nodes that are looked at together."""
 
@@ -105,7 +108,7 @@ def search_rows(
             fill_row(parts, field, row, here)
             m = search.averaged[t]
             if m >= 0 and sums.size:
-                _sum_row(here, columns, row, reference, m, sums[m, row])
+                _sum_row(here, columns, row, reference, m, room.across, sums[m, row])
             if not search.sought[t]:
                 continue
             for i in range(columns):
@@ -117,14 +120,13 @@ def search_rows(
 
 
 @_reduction
-def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, out: Any) -> None:
-    total, squares, largest = 0.0, 0.0, here[0]
+def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, lanes: Any, out: Any) -> None:
+    total, squares = 0.0, 0.0
     for i in range(columns):
         value = float(here[i])
         total += value
         squares += value * value
-        largest = max(largest, here[i])
-    out[0], out[1], out[2] = total, squares, largest
+    out[0], out[1], out[2] = total, squares, _largest(here, columns, lanes)
     out[3] = out[4] = 0.0
     if m >= reference.shape[0]:
         return
@@ -143,6 +145,23 @@ def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, out: Any
             total += value
             product += value * float(other[i])
     out[3], out[4] = total, product
+
+
+@_reduction
+def _largest(values: Any, count: int, lanes: Any) -> float:
+    """Largest of some values ≥ 0, with room for `_LANES` numbers that are compared at once."""
+    lanes[:_LANES] = 0.0
+    whole = count - count % _LANES
+    for first in range(0, whole, _LANES):
+        some = values[first : first + _LANES]
+        for k in range(_LANES):
+            lanes[k] = max(lanes[k], some[k])
+    largest = lanes[0]
+    for k in range(1, _LANES):
+        largest = max(largest, lanes[k])
+    for i in range(whole, count):
+        largest = max(largest, values[i])
+    return largest
 
 
 @_reduction

@@ -154,15 +154,9 @@ class PeriodicPlanes:
         return grid.size * (source.count + len(parts)) // 2
 
     def _source(self, depth: float, parts: Sequence[Part]) -> _SharedSpectra | _Spectra:
-        arguments = depth, self._modes, self._fourier, self._layer
         if tuple(parts) == ALL_PARTS and self._layer.height is None and not any(self._traction):
-            return _SharedSpectra(*arguments)
-        return _Spectra(*arguments, parts, self._traction)
-
-
-def _wavevectors(fourier: Fourier) -> Wavevectors:
-    grid = fourier.grid
-    return Wavevectors(*(q.astype(fourier.real) for q in (grid.qx, grid.qy, grid.odd_qx, grid.odd_qy)))
+            return _SharedSpectra(depth, self._modes, self._fourier)
+        return _Spectra(depth, self._modes, self._fourier, self._layer, parts, self._traction)
 
 
 class _SharedSpectra:
@@ -176,19 +170,25 @@ class _SharedSpectra:
 
     count = SHARED_COLUMNS
 
-    def __init__(self, depth: float, modes: Array, fourier: Fourier, layer: Layer) -> None:
-        kernels = layer.grid_kernels(fourier.grid, depth, fourier.real)
-        self._kernels = PlaneKernels(kernels.normal, kernels.longitudinal, kernels.shear)
-        self._half_depth, self._mean = fourier.real.type(0.5 * depth), fourier.real.type(modes[0, 0].real)
-        self._modes, self._wavevectors = modes, _wavevectors(fourier)
+    def __init__(self, depth: float, modes: Array, fourier: Fourier) -> None:
+        grid, real = fourier.grid, fourier.real
+        self._real, self._half_depth = real, real.type(0.5 * depth)
+        self._mean = real.type(modes[0, 0].real)
+        self._modes = modes.view(real)
+        self._wavevectors = Wavevectors(
+            *(q.astype(real) for q in (grid.qx, grid.qy, grid.odd_qx, grid.odd_qy))
+        )
 
     def fill_columns(self, first: int, last: int, out: Array) -> None:
         """Fill `out` with some columns of the functions, to be transformed along y."""
-        shared_columns(self._half_depth, self._modes, self._kernels, self._wavevectors, first, last, out)
+        factors = np.empty((SHARED_COLUMNS, last - first), self._real)
+        common = self._half_depth, self._modes, self._wavevectors
+        shared_columns(*common, first, factors, out.view(self._real))
 
     def fill_rows(self, columns: Array, first: int, last: int, out: Array) -> None:
         """Fill `out` with some rows of the parts, to be transformed along x."""
-        all_parts(self._half_depth, self._mean, columns, self._wavevectors, first, last, out)
+        common = self._half_depth, self._mean, columns.view(self._real), self._wavevectors
+        all_parts(*common, first, last, out.view(self._real))
 
 
 class _Spectra:
