@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import product
 
 import numpy as np
@@ -39,7 +38,6 @@ from asperity.stress.arguments import (
 )
 from asperity.stress.covariance import References
 from asperity.stress.depths import depth_grid
-from asperity.stress.fields import fill_field
 from asperity.stress.peaks import Maxima, PeakFinder, Peaks, SearchedPlane, plane_peaks
 from asperity.stress.periodic import Visit
 from asperity.stress.planes import LinearPlane, Watch, linear_planes
@@ -256,13 +254,7 @@ class _StressAnalysis:
         self._finders = {field: PeakFinder(boundary) for field in fields if field.sought}
         planes = settings.depths.size
         self.mean, self.largest = np.zeros((2, len(self.von_mises), planes))
-        self.references = References(
-            [partial(_fill, field) for field in self.von_mises],
-            planes,
-            contact.grid,
-            settings.threads,
-            settings.work,
-        )
+        self.references = References(self.von_mises, planes, contact.grid, settings.threads, settings.work)
         self.points = np.zeros(planes, np.int64)
 
     def field(self, name: str, lateral: str, poisson: float) -> SoughtField:
@@ -323,11 +315,11 @@ class _StressAnalysis:
         scale = np.sqrt(search.sums[count, :, 1].sum() / grid.size)
         floor = max(plane.bound, self.settings.floor * scale, ROUNDING * scale)
         parts, periodic = plane.parts(), boundary_of(self.contact) == "periodic"
-        for field, (nodes, magnitude) in zip(search.fields, search.maxima, strict=True):
+        for field, (nodes, values) in zip(search.fields, search.maxima, strict=True):
             if field.sought:
-                high = magnitude > floor
+                high = np.flatnonzero(np.abs(values[:, 1, 1]) > floor)
                 searched = SearchedPlane(plane.depth, grid, parts, field.compiled(plane), periodic)
-                self._finders[field].add_maxima(searched, Maxima.at(nodes[high], magnitude[high], grid))
+                self._finders[field].add_maxima(searched, Maxima.at(nodes[high], values[high], grid))
 
     def peaks(self, lateral: str) -> dict[tuple[str, float], Peaks]:
         """Quantity and Poisson's ratio (NaN: the same for every one) → its peaks, when all planes have passed."""
@@ -341,11 +333,6 @@ class _StressAnalysis:
             for label, ratio in ((np.nan, ratios[0]),) if self.is_alike(name) else zip(ratios, ratios):
                 found[name, label] = self._finders[self.field(name, lateral, ratio)].peaks()
         return found
-
-
-def _fill(field: SoughtField, plane: LinearPlane, out: Array) -> None:
-    """Write a field of a plane to an array."""
-    fill_field(plane.parts(), field.compiled(plane), out)
 
 
 def _dataset(analysis: _StressAnalysis, lateral: str) -> xr.Dataset:

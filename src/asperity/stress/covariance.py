@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from asperity.spectral import Fourier, Grid, Work, resample
-from asperity.stress.fields import moments
+from asperity.stress.fields import fill_fields, moments
 from asperity.stress.planes import LinearPlane
+from asperity.stress.search import SoughtField
 from asperity.stress.statistics import LagRings
 from asperity.types import Array
 
 MOST_KEPT = 4
 """Planes above the reference that are kept while the largest value still rises from plane to plane."""
-
-Fill = Callable[[LinearPlane, Array], None]
-"""Writes a field of a plane to an array."""
 
 
 class References:
@@ -28,8 +26,8 @@ class References:
 
     Parameters
     ----------
-    fills : sequence of callables
-        Each writes one of the fields of a plane to an array.
+    fields : sequence of SoughtField
+        The von Mises stress for some Poisson's ratios and uniform modes.
     planes : int
         Number of planes of the stream.
     finest : Grid
@@ -51,36 +49,36 @@ class References:
 
     def __init__(
         self,
-        fills: Sequence[Fill],
+        fields: Sequence[SoughtField],
         planes: int,
         finest: Grid,
         threads: int,
         work: Work,
     ) -> None:
-        count = len(fills)
+        count = len(fields)
         self.number = np.full(count, -1)
         self.covariance = np.full((count, planes), np.nan)
         self.missing = np.zeros(count, int)
-        self._fills, self._finest, self._threads, self._work = list(fills), finest, threads, work
+        self._sought, self._finest, self._threads, self._work = list(fields), finest, threads, work
         self._largest = np.full(count, -np.inf)
         self._grid: Grid | None = None
         self._fields = np.empty((count, 0, 0))
         self._means = np.zeros(count)
-        self._kept: list[list[Array] | None] = [[] for _ in fills]
-        self._modes: list[tuple[Grid, Array] | None] = [None for _ in fills]
-        self._in_plane: list[Array | None] = [None for _ in fills]
-        self._own: list[tuple[Grid, Array] | None] = [None for _ in fills]
+        self._kept: list[list[Array] | None] = [[] for _ in fields]
+        self._modes: list[tuple[Grid, Array] | None] = [None for _ in fields]
+        self._in_plane: list[Array | None] = [None for _ in fields]
+        self._own: list[tuple[Grid, Array] | None] = [None for _ in fields]
         self._rings: LagRings | None = None
 
     def on(self, plane: LinearPlane) -> Array:
         """The references on the grid of a plane, (fields, ny, nx); none before the first plane."""
         if self._grid is None:
-            self._fields = np.empty((len(self._fills), *plane.grid.shape), plane.dtype)
+            self._fields = np.empty((len(self._sought), *plane.grid.shape), plane.dtype)
             return self._fields[:0]
         if plane.grid != self._grid:
-            for m in range(len(self._fills)):
+            for m in range(len(self._sought)):
                 self._transform(m, plane.grid)
-            self._fields = np.empty((len(self._fills), *plane.grid.shape), plane.dtype)
+            self._fields = np.empty((len(self._sought), *plane.grid.shape), plane.dtype)
             for m, (field, modes) in enumerate(zip(self._fields, self._modes, strict=True)):
                 assert modes is not None
                 source, coefficients = modes
@@ -123,36 +121,49 @@ class References:
         size, compared = plane.grid.size, self._grid is not None
         self._grid = plane.grid
         totals = sums[:, :, [0, 1, 3, 4]].sum(axis=1) / size
-        for m, (mean, square, mean_here, product) in enumerate(totals[: len(self._fills)]):
-            largest = float(sums[m, :, 2].max())
-            if compared:
-                self.covariance[m, number] = product - mean_here * self._means[m]
-            if largest > self._largest[m]:
-                self._take(m, number, plane)
-                self._largest[m], self._means[m] = largest, mean
-                self.covariance[m, number] = square - mean * mean
-            else:
-                self._kept[m] = None
+        largest = sums[:, :, 2].max(axis=1)
+        if compared:
+            means, products = totals[: len(self._sought), 2:].T
+            self.covariance[:, number] = products - means * self._means
+        risen = np.flatnonzero(largest[: len(self._sought)] > self._largest)
+        for m in range(len(self._sought)):
+            self._kept[m] = self._kept_above(m, number) if m in risen else None
+        if not risen.size:
+            return
+        self._fill(plane, risen, self._fields)
+        for m in risen:
+            self._modes[m] = self._in_plane[m] = self._own[m] = None
+            mean, square, _, _ = totals[m]
+            self._largest[m], self._means[m] = largest[m], mean
+            self.number[m], self.covariance[m, number] = number, square - mean * mean
+            kept = self._kept[m]
+            self.missing[m] = number if kept is None else 0
+            for above, field in enumerate(kept or []):
+                self.covariance[m, above] = _covariance(field, self._fields[m])
 
-    def _take(self, m: int, number: int, plane: LinearPlane) -> None:
-        """Make a plane the reference of a field, and compare those above with it."""
+    def _kept_above(self, m: int, number: int) -> list[Array] | None:
+        """Planes above one that becomes the reference of a field; None if some have not been kept."""
         kept = self._kept[m]
-        if number and kept is not None:
-            kept = [*kept, self._fields[m].copy()] if len(kept) < MOST_KEPT else None
-        self._kept[m] = kept
-        self._modes[m] = self._in_plane[m] = self._own[m] = None
-        self._fills[m](plane, self._fields[m])
-        self.number[m] = number
-        self.missing[m] = number if kept is None else 0
-        for above, field in enumerate(kept or []):
-            self.covariance[m, above] = _covariance(field, self._fields[m])
+        if not number or kept is None:
+            return kept
+        return [*kept, self._fields[m].copy()] if len(kept) < MOST_KEPT else None
+
+    def _fill(self, plane: LinearPlane, places: Array, out: Array) -> None:
+        """Write some of the fields of a plane to their places in `out`."""
+        compiled = [field.compiled(plane) for field in self._sought]
+        ratios, uniforms = (
+            np.array([getattr(field, name) for field in compiled], plane.dtype)
+            for name in ("ratio", "uniform")
+        )
+        fill_fields(plane.parts(), compiled[0].kind, ratios, uniforms, places, out)
 
     def add_again(self, number: int, plane: LinearPlane) -> None:
         """Compare a plane above some references that has not been compared."""
-        here = np.empty(plane.grid.shape, plane.dtype)
-        for m in np.flatnonzero(self.missing > number):
-            self._fills[m](plane, here)
-            self.covariance[m, number] = _covariance(here, self._on_finer(m, plane.grid))
+        again = np.flatnonzero(self.missing > number)
+        here = np.empty((len(self._sought), *plane.grid.shape), plane.dtype)
+        self._fill(plane, again, here)
+        for m in again:
+            self.covariance[m, number] = _covariance(here[m], self._on_finer(m, plane.grid))
 
     def _on_finer(self, m: int, grid: Grid) -> Array:
         """A reference on its own grid or a finer one."""

@@ -159,6 +159,23 @@ def fill_field(parts: Any, field: Any, out: Any) -> None:
 
 
 @_compiled
+def fill_fields(parts: Any, kind: int, ratios: Any, uniforms: Any, places: Any, out: Any) -> None:
+    """Fill some of the arrays of `out`, (fields, rows, columns), with fields of one kind.
+
+    Parameters
+    ----------
+    parts : Parts
+    kind : int
+    ratios, uniforms : (fields,) arrays in the precision of the plane
+    places : integer array
+        Which fields are computed.
+    """
+    for row in range(out.shape[1]):
+        for m in places:
+            fill_row(parts, Field(kind, ratios[m], uniforms[m]), row, out[m, row])
+
+
+@_compiled
 def needed_parts(kind: int, place: Any) -> Any:
     """True for every entry of `Parts.place` on which a field depends."""
     needed = np.zeros(PLACES, np.bool_)
@@ -206,7 +223,7 @@ def value_of(field: Any, given: Any, place: Any, mean_pressure: float) -> float:
     return _measure(kind, x, y, zz, given[_YZ], given[_XZ], xy)
 
 
-@_compiled
+@_inlined
 def value_at(parts: Any, field: Any, row: int, column: int) -> float:
     """A field at one node."""
     values, place, _, mean = parts

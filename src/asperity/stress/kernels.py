@@ -164,6 +164,7 @@ def add_sliding_stress(
 SHARED_COLUMNS = 7
 """Functions of the modes from which `all_parts` makes the eight parts A and B of a half-space."""
 
+
 @njit(cache=True, error_model="numpy", nogil=True)
 def shared_columns(
     half_depth: float,

@@ -10,8 +10,11 @@ from numba import njit
 from asperity.stress.fields import PLACES, Field, fill_row, needed_parts, value_at, value_of
 
 _compiled = njit(cache=True, error_model="numpy", nogil=True)
+_inlined = njit(cache=True, error_model="numpy", nogil=True, forceinline=True)
 # Numbers may be added in any order, and none is NaN: only then loops that sum or compare are vectorised.
-_reduction = njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "nnan", "nsz", "contract"})
+_reduction = njit(
+    cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "nnan", "nsz", "contract"}
+)
 
 _FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1))
 """A node and its neighbours: most maxima end at the node itself."""
@@ -58,13 +61,13 @@ class Room(NamedTuple):
     Parameters
     ----------
     rows : (fields, 3, at least columns) array in the precision of the plane
-        Magnitudes of the last three rows of each field.
+        The last three rows of each field.
     across : (at least columns,) array in the precision of the plane
     flags : (at least columns + 8,) uint8 array
     found : (fields, nodes) integer array
         Flat indices of the maxima.
-    magnitudes : (fields, nodes) array in the precision of the plane
-        Their magnitudes.
+    around : (fields, nodes, 3, 3) array in the precision of the plane
+        Values at and around them.
     counts : (fields,) integer array
         Number of the maxima found so far.
     """
@@ -73,7 +76,7 @@ class Room(NamedTuple):
     across: Any
     flags: Any
     found: Any
-    magnitudes: Any
+    around: Any
     counts: Any
 
 
@@ -109,11 +112,7 @@ def search_rows(
             m = search.averaged[t]
             if m >= 0 and sums.size:
                 _sum_row(here, columns, row, reference, m, room.across, sums[m, row])
-            if not search.sought[t]:
-                continue
-            for i in range(columns):
-                here[i] = abs(here[i])
-            if j - start >= 2:
+            if search.sought[t] and j - start >= 2:
                 above, centre = room.rows[t, (j - 2) % 3], room.rows[t, (j - 1) % 3]
                 row_before = neighbour(j - 1, rows, search.periodic)
                 _search_row(above, centre, here, columns, search, room, t, row_before)
@@ -168,33 +167,38 @@ def _largest(values: Any, count: int, lanes: Any) -> float:
 def _search_row(
     above: Any, here: Any, below: Any, columns: int, search: Any, room: Any, t: int, row: int
 ) -> None:
-    """Add the maxima of one row, from the magnitudes in it and in the rows beside it."""
+    """Add the maxima of one row, from the values in it and in the rows beside it."""
     across, flags, periodic = room.across, room.flags, search.periodic
     floor = search.floor
     for i in range(columns):
-        beside = max(above[i], below[i])
-        across[i] = max(beside, here[i])
-        flags[i] = (here[i] > beside) & (here[i] > floor)
+        magnitude, beside = abs(here[i]), max(abs(above[i]), abs(below[i]))
+        across[i] = max(beside, magnitude)
+        flags[i] = (magnitude > beside) & (magnitude > floor)
     inner = here[1 : columns - 1]
     left, right, flagged = across[: columns - 2], across[2:columns], flags[1 : columns - 1]
     for i in range(columns - 2):
-        flagged[i] &= inner[i] > max(left[i], right[i])
+        flagged[i] &= abs(inner[i]) > max(left[i], right[i])
     last = columns - 1
-    flags[0] &= here[0] > max(across[1], across[last if periodic else 1])
-    flags[last] &= here[last] > max(across[last - 1], across[0 if periodic else last - 1])
+    flags[0] &= abs(here[0]) > max(across[1], across[last if periodic else 1])
+    flags[last] &= abs(here[last]) > max(across[last - 1], across[0 if periodic else last - 1])
     flags[columns : columns + _WORD] = 0
     words = flags.view(np.uint64)
-    found, magnitudes, count = room.found[t], room.magnitudes[t], room.counts[t]
+    count = room.counts[t]
     for word in range((columns + _WORD - 1) // _WORD):
         if words[word]:
             for i in range(_WORD * word, _WORD * word + _WORD):
                 if flags[i]:
-                    found[count], magnitudes[count] = row * columns + i, here[i]
+                    room.found[t, count] = row * columns + i
+                    for b in range(3):
+                        place = neighbour(i + b - 1, columns, periodic)
+                        room.around[t, count, 0, b] = above[place]
+                        room.around[t, count, 1, b] = here[place]
+                        room.around[t, count, 2, b] = below[place]
                     count += 1
     room.counts[t] = count
 
 
-@_compiled
+@_inlined
 def neighbour(node: int, nodes: int, periodic: bool) -> int:
     """Index of a node at most two beyond the edges: at the opposite edge, or its mirror image."""
     if node < 0:

@@ -138,7 +138,7 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "p
     periodic = checked_name("boundary", boundary, BOUNDARIES) == "periodic"
     plane = SearchedPlane.of_field(0.0, grid, field, periodic)
     maxima = _plane_maxima(plane, checked_floor(floor))
-    found = _refined(maxima.nodes, None, plane.values_around(maxima.nodes, grid), None, plane, None)
+    found = _refined(maxima, maxima.here, plane, None)
     require_finite("plane_peaks", vars(found))
     return found
 
@@ -220,19 +220,24 @@ class SearchedPlane:
         parts = Parts(values, np.zeros(PLACES, np.int64), grid.shape[1], zero)
         return cls(depth, grid, parts, Field(KINDS["zz"], zero, zero), periodic)
 
+    def compare(self, maxima: Maxima, grid: Grid) -> tuple[Array, Array]:
+        """True where a maximum in a plane on `grid` is above the nine values here, and these, (nodes, 3, 3).
+
+        Where it is not, some of the values are left out.
+        """
+        return self._compare(maxima.nodes, np.abs(maxima.here[:, 1, 1]), grid)
+
     def values_around(self, nodes: Nodes, grid: Grid) -> Array:
         """The nine values at and around nodes of a grid of the cell, (nodes, 3, 3)."""
-        return self.compare(Maxima(nodes, np.full(nodes[0].size, np.inf)), grid)[1]
+        return self._compare(nodes, np.full(nodes[0].size, np.inf), grid)[1]
 
-    def compare(self, maxima: Maxima, grid: Grid) -> tuple[Array, Array]:
-        """True where a maximum in a plane on `grid` is above the nine values here, and these, (nodes, 3, 3)."""
-        count = maxima.magnitude.size
-        kept, values = np.ones(count, bool), np.empty((count, 3, 3))
-        last = self.periodic, maxima.magnitude.astype(float), kept, values
+    def _compare(self, nodes: Nodes, magnitude: Array, grid: Grid) -> tuple[Array, Array]:
+        kept, values = np.ones(magnitude.size, bool), np.empty((magnitude.size, 3, 3))
+        last = self.periodic, magnitude.astype(float, copy=False), kept, values
         if self.grid.shape == grid.shape:
-            compare(self.parts, self.field, *maxima.nodes, *last)
+            compare(self.parts, self.field, *nodes, *last)
         else:
-            interpolate(self.parts, self.field, *maxima.nodes, grid.shape, *last)
+            interpolate(self.parts, self.field, *nodes, grid.shape, *last)
         return kept, values
 
 
@@ -243,25 +248,26 @@ class Maxima:
     Parameters
     ----------
     nodes : (rows, columns)
-    magnitude : (maxima,) array
+    here : (maxima, 3, 3) array
+        Values at and around the nodes.
     above : (maxima, 3, 3) array or None
-        Values at and around the nodes in the plane above, if the maxima exceed them; None in the first plane.
+        Those in the plane above, if the maxima exceed them; None in the first plane.
     """
 
     nodes: Nodes
-    magnitude: Array
+    here: Array
     above: Array | None = None
 
     @classmethod
-    def at(cls, index: Array, magnitude: Array, grid: Grid) -> Maxima:
+    def at(cls, index: Array, here: Array, grid: Grid) -> Maxima:
         """Maxima at flat indices of nodes."""
         row, column = np.divmod(index, grid.shape[1])
-        return cls((row, column), magnitude)
+        return cls((row, column), here)
 
     def select(self, chosen: Array) -> Maxima:
         """Some of the maxima."""
         above = None if self.above is None else self.above[chosen]
-        return Maxima((self.nodes[0][chosen], self.nodes[1][chosen]), self.magnitude[chosen], above)
+        return Maxima((self.nodes[0][chosen], self.nodes[1][chosen]), self.here[chosen], above)
 
 
 class PeakFinder:
@@ -326,21 +332,21 @@ class PeakFinder:
         """Decide on the candidates of the last plane, and on those of this plane that face them."""
         upper = self._candidates
         assert upper is not None
-        kept, _ = plane.compare(upper, last.grid)
+        kept, below = plane.compare(upper, last.grid)
         if last.grid.shape != plane.grid.shape:
             pair, partner, wins = _facing(upper, last, lower, plane)
             kept[pair], lower_kept[partner] = wins, ~wins
-            won = partner[~wins]
+            # Maxima that win have not been compared with all nine values.
+            won, won_below = pair[wins], partner[~wins]
             assert lower.above is not None
-            nodes = lower.nodes[0][won], lower.nodes[1][won]
-            lower.above[won] = last.values_around(nodes, plane.grid)
+            below[won] = plane.values_around(upper.select(won).nodes, last.grid)
+            lower.above[won_below] = last.values_around(lower.select(won_below).nodes, plane.grid)
         depths = None if self._depth_above is None else (self._depth_above, last.depth, plane.depth)
         every = np.flatnonzero(kept)
         for start in range(0, every.size, PEAKS_AT_ONCE):
             some = upper.select(every[start : start + PEAKS_AT_ONCE])
-            here = last.values_around(some.nodes, last.grid)
-            below = None if depths is None else plane.values_around(some.nodes, last.grid)
-            self._found.append(_refined(some.nodes, some.above, here, below, last, depths))
+            under = below[every[start : start + PEAKS_AT_ONCE]]
+            self._found.append(_refined(some, under, last, depths))
 
 
 def _facing(
@@ -355,7 +361,7 @@ def _facing(
     wins : (pairs,) bool array
     """
     nothing = np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0, bool)
-    if not (upper.magnitude.size and lower.magnitude.size):
+    if not (upper.here.size and lower.here.size):
         return nothing
     scale = np.maximum(upper_plane.grid.spacing, lower_plane.grid.spacing)
     box = np.array(upper_plane.grid.length) / scale if upper_plane.periodic else None
@@ -372,11 +378,8 @@ def _facing(
     if not near.size:
         return nothing
     lower = lower.select(near)
-    here = [
-        plane.values_around(maxima.nodes, plane.grid)
-        for plane, maxima in ((upper_plane, upper), (lower_plane, lower))
-    ]
-    (high, *offset_up), (low, *offset_low) = (refine_in_plane(_upright(each, each)) for each in here)
+    high, *offset_up = refine_in_plane(_upright(upper.here, upper.here))
+    low, *offset_low = refine_in_plane(_upright(lower.here, lower.here))
     place_up = places(upper_plane, upper.nodes, *offset_up)
     place_low = places(lower_plane, lower.nodes, *offset_low)
     distance, facing = cKDTree(place_low, boxsize=box).query(place_up, p=np.inf)
@@ -387,15 +390,11 @@ def _facing(
 
 
 def _refined(
-    nodes: Nodes,
-    above: Array | None,
-    here: Array,
-    below: Array | None,
-    plane: SearchedPlane,
-    depths: tuple[float, float, float] | None,
+    maxima: Maxima, below: Array, plane: SearchedPlane, depths: tuple[float, float, float] | None
 ) -> Peaks:
     """Peaks of one plane; `depths` are those above, here and below, or None in the surface."""
-    if depths is None or above is None or below is None:
+    here, above = maxima.here.astype(float, copy=False), maxima.above
+    if depths is None or above is None:
         value, y, x = refine_in_plane(_upright(here, here))
         depth = np.full(y.size, plane.depth)
     else:
@@ -404,7 +403,7 @@ def _refined(
     return Peaks(
         value * np.sign(here[:, 1, 1]),
         depth,
-        *_positions(nodes, y, x, plane.grid, plane.periodic),
+        *_positions(maxima.nodes, y, x, plane.grid, plane.periodic),
         here[:, 1, 1],
         np.full(y.size, depths is not None),
     )
@@ -415,7 +414,9 @@ def _upright(values: Array, centre: Array) -> Array:
     return values * np.sign(centre[:, 1:2, 1:2])
 
 
-def _positions(nodes: Nodes, y: Array | float, x: Array | float, grid: Grid, periodic: bool) -> tuple[Array, Array]:
+def _positions(
+    nodes: Nodes, y: Array | float, x: Array | float, grid: Grid, periodic: bool
+) -> tuple[Array, Array]:
     """Positions of points at the offsets y, x (in spacings) from nodes; within the cell if it is periodic."""
     row, column = nodes[0] + y, nodes[1] + x
     if periodic:
@@ -434,7 +435,7 @@ def _plane_maxima(plane: SearchedPlane, floor: float) -> Maxima:
         np.empty(padded, real),
         np.empty(padded, np.uint8),
         np.empty((1, capacity), np.int64),
-        np.empty((1, capacity), real),
+        np.empty((1, capacity, 3, 3), real),
         np.zeros(1, np.int64),
     )
     kind, ratio, uniform = plane.field
@@ -448,8 +449,6 @@ def _plane_maxima(plane: SearchedPlane, floor: float) -> Maxima:
         plane.periodic,
     )
     # One row more at both ends: the rows at the edges are compared with their neighbours too.
-    search_rows(
-        plane.parts, search, room, -1, -1, rows + 1, np.empty((0, 1, 1), real), np.empty((0, 0, 0))
-    )
+    search_rows(plane.parts, search, room, -1, -1, rows + 1, np.empty((0, 1, 1), real), np.empty((0, 0, 0)))
     count = room.counts[0]
-    return Maxima.at(room.found[0, :count], room.magnitudes[0, :count], plane.grid)
+    return Maxima.at(room.found[0, :count], room.around[0, :count], plane.grid)

@@ -7,8 +7,10 @@ the transformed values, and a strip up to what is made of it.
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Callable, Sequence
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -36,7 +38,10 @@ ROWS_AT_ONCE = 16
 """Rows of a strip."""
 
 BANDS = 8
-"""Groups of consecutive strips, each of which one thread goes through from the first to the last."""
+"""Most groups of consecutive strips, each of which one thread goes through from the first to the last."""
+
+STRIPS_OF_BAND = 8
+"""Fewest strips of a band, if there are several bands."""
 
 Run = Callable[[Callable[[Any], None], Sequence[Any]], None]
 """Calls a function for every item of a sequence, on one thread or several."""
@@ -48,8 +53,9 @@ Visit = Callable[[int, int, int], None]
 def bands_of(rows: int) -> list[tuple[int, int]]:
     """First and last row + 1 of every band of a plane."""
     strips = -(-rows // ROWS_AT_ONCE)
-    edges = [min(rows, ROWS_AT_ONCE * (strips * band // BANDS)) for band in range(BANDS + 1)]
-    return [(first, last) for first, last in zip(edges[:-1], edges[1:], strict=True) if last > first]
+    bands = min(BANDS, max(1, strips // STRIPS_OF_BAND))
+    edges = [min(rows, ROWS_AT_ONCE * (strips * band // bands)) for band in range(bands + 1)]
+    return list(pairwise(edges))
 
 
 def strips_of(first: int, last: int) -> list[tuple[int, int]]:
@@ -65,7 +71,7 @@ class KeptArrays(threading.local):
 
     def array(self, name: str, shape: tuple[int, ...], dtype: Any) -> Array:
         """An array with any values, in memory that is kept under this name."""
-        size = int(np.prod(shape))
+        size = math.prod(shape)
         kept = self._arrays.get(name)
         if kept is None or kept.size < size or kept.dtype != dtype:
             kept = self._arrays[name] = np.empty(size, dtype)

@@ -56,8 +56,8 @@ class PlaneSearch:
 
     Attributes
     ----------
-    maxima : list of (nodes, magnitudes)
-        Flat indices and magnitudes of the maxima of each field in the last plane.
+    maxima : list of (nodes, values)
+        Flat indices of the maxima of each field in the last plane, and the values at and around them.
     sums : (averaged, rows, `SUMS`) array
         As of `asperity.stress.maxima.search_rows`, of the last plane.
     """
@@ -117,8 +117,8 @@ class PlaneSearch:
             self._found.append(_maxima_in(room))
         self.maxima = []
         for each in zip(*self._found, strict=True):
-            nodes, magnitudes = zip(*each, strict=True)
-            self.maxima.append((np.concatenate(nodes), np.concatenate(magnitudes)))
+            nodes, values = zip(*each, strict=True)
+            self.maxima.append((np.concatenate(nodes), np.concatenate(values)))
 
     def _room(self, rows: int) -> Room:
         fields, columns = len(self.fields), self._parts.columns
@@ -130,14 +130,14 @@ class PlaneSearch:
             self._kept.array("across", (padded,), real),
             self._kept.array("flags", (padded,), np.uint8),
             self._kept.array("found", (fields, capacity), np.int64),
-            self._kept.array("magnitudes", (fields, capacity), real),
+            self._kept.array("around", (fields, capacity, 3, 3), real),
             np.zeros(fields, np.int64),
         )
 
 
 def _maxima_in(room: Room) -> list[tuple[Array, Array]]:
-    """Nodes and magnitudes of the maxima of each field that have been found."""
+    """Nodes of the maxima of each field that have been found, and the values around them."""
     return [
-        (found[:count].copy(), magnitudes[:count].copy())
-        for found, magnitudes, count in zip(room.found, room.magnitudes, room.counts, strict=True)
+        (found[:count].copy(), around[:count].copy())
+        for found, around, count in zip(room.found, room.around, room.counts, strict=True)
     ]
