@@ -256,6 +256,7 @@ class _StressAnalysis:
         self.mean, self.largest = np.zeros((2, len(self.von_mises), planes))
         self.references = References(self.von_mises, planes, contact.grid, settings.threads, settings.work)
         self.points = np.zeros(planes, np.int64)
+        self._last: LinearPlane | None = None
 
     def field(self, name: str, lateral: str, poisson: float) -> SoughtField:
         """A field under one condition of the uniform mode, the same one where both give the same stress."""
@@ -301,12 +302,16 @@ class _StressAnalysis:
 
     def _watch(self, plane: LinearPlane) -> Visit:
         """Search the rows of a plane when they are computed."""
-        self._search.start(plane, plane.bound, self.references.on(plane))
+        # The floor is known when the plane is; until then, one that is a little lower.
+        floor = max(plane.bound, 0.99 * self.settings.floor * plane.scale)
+        self._search.start(plane, self._last, floor, self.references.on(plane))
         return self._search.add_rows
 
     def _add(self, number: int, plane: LinearPlane) -> None:
-        search, grid = self._search, plane.grid
+        search, grid, last = self._search, plane.grid, self._last
+        compared = last is not None and last.grid == grid
         search.finish()
+        self._last = plane
         self.points[number] = max(grid.shape)
         self.references.add(number, plane, search.sums)
         count = len(self.von_mises)
@@ -315,11 +320,12 @@ class _StressAnalysis:
         scale = np.sqrt(search.sums[count, :, 1].sum() / grid.size)
         floor = max(plane.bound, self.settings.floor * scale, ROUNDING * scale)
         parts, periodic = plane.parts(), boundary_of(self.contact) == "periodic"
-        for field, (nodes, values) in zip(search.fields, search.maxima, strict=True):
+        for field, (nodes, here, above) in zip(search.fields, search.maxima, strict=True):
             if field.sought:
-                high = np.flatnonzero(np.abs(values[:, 1, 1]) > floor)
+                high = np.flatnonzero(np.abs(here[:, 1, 1]) > floor)
+                maxima = Maxima.at(nodes[high], here[high], grid, above[high] if compared else None)
                 searched = SearchedPlane(plane.depth, grid, parts, field.compiled(plane), periodic)
-                self._finders[field].add_maxima(searched, Maxima.at(nodes[high], values[high], grid))
+                self._finders[field].add_maxima(searched, maxima)
 
     def peaks(self, lateral: str) -> dict[tuple[str, float], Peaks]:
         """Quantity and Poisson's ratio (NaN: the same for every one) → its peaks, when all planes have passed."""

@@ -30,7 +30,7 @@ from asperity.spectral import Fourier, Grid, Work, good_size, resample
 from asperity.stress.parts import Part
 from asperity.stress.periodic import Run, Visit, bands_of, strips_of
 from asperity.stress.rectangle import parity, rectangle_stress
-from asperity.stress.truncation import Truncation, coarser_grids
+from asperity.stress.truncation import PlaneGrid, Truncation, coarser_grids
 from asperity.types import Array
 
 PADDING = 3
@@ -71,8 +71,8 @@ class FreePlanes:
 
     Attributes
     ----------
-    plan : list of (Grid, float)
-        Grid and bound of the error of each plane.
+    plan : list of PlaneGrid
+        Of each plane; the scale is not known.
     mean_pressure : float
         0: there is no uniform mode.
     """
@@ -95,7 +95,7 @@ class FreePlanes:
         self._threads, self._work = threads, work
         coarse = [other for other in coarser_grids(grid)[1:] if _saves_work(other, grid)]
         if tolerance == 0 or not coarse:
-            self.plan = [(grid, 0.0) for _ in depths]
+            self.plan = [PlaneGrid(grid, 0.0, 0.0) for _ in depths]
             return
         padded = [_repeated(other) for other in coarse]
         truncation = _FreeTruncation(
@@ -103,7 +103,7 @@ class FreePlanes:
         )
         chosen = (truncation.choose(depth) for depth in depths)
         own = dict(zip(padded, coarse, strict=True))
-        self.plan = [(own.get(found, grid), bound) for found, bound in chosen]
+        self.plan = [PlaneGrid(own.get(each.grid, grid), each.bound, 0.0) for each in chosen]
 
     @cached_property
     def _repeated_modes(self) -> Array:

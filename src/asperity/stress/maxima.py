@@ -44,6 +44,8 @@ class Search(NamedTuple):
     floor : float
         Maxima of a magnitude at or below it are left out.
     periodic : bool
+    compared : bool
+        True if only maxima above their neighbours in the plane above are taken.
     """
 
     kinds: Any
@@ -53,6 +55,7 @@ class Search(NamedTuple):
     averaged: Any
     floor: float
     periodic: bool
+    compared: bool
 
 
 class Room(NamedTuple):
@@ -68,6 +71,8 @@ class Room(NamedTuple):
         Flat indices of the maxima.
     around : (fields, nodes, 3, 3) array in the precision of the plane
         Values at and around them.
+    above : (fields, nodes, 3, 3) array in the precision of the plane
+        Those in the plane above, if it is on the same grid.
     counts : (fields,) integer array
         Number of the maxima found so far.
     """
@@ -77,18 +82,28 @@ class Room(NamedTuple):
     flags: Any
     found: Any
     around: Any
+    above: Any
     counts: Any
 
 
 @_compiled
 def search_rows(
-    parts: Any, search: Any, room: Any, start: int, first: int, last: int, reference: Any, sums: Any
+    parts: Any,
+    above: Any,
+    search: Any,
+    room: Any,
+    start: int,
+    first: int,
+    last: int,
+    reference: Any,
+    sums: Any,
 ) -> None:
     """Compute the fields of some rows of a plane, search the rows above them for maxima, and sum.
 
     Parameters
     ----------
-    parts : Parts
+    parts, above : Parts
+        Of the plane and, if `Search.compared`, of the one above on the same grid.
     search : Search
     room : Room
     start, first, last : int
@@ -103,6 +118,7 @@ def search_rows(
     """
     rows = parts.values.shape[1]
     columns = parts.columns
+    before = room.counts.copy()
     for j in range(first, last):
         row = neighbour(j, rows, search.periodic)
         for t in range(search.kinds.size):
@@ -113,9 +129,14 @@ def search_rows(
             if m >= 0 and sums.size:
                 _sum_row(here, columns, row, reference, m, room.across, sums[m, row])
             if search.sought[t] and j - start >= 2:
-                above, centre = room.rows[t, (j - 2) % 3], room.rows[t, (j - 1) % 3]
+                previous, centre = room.rows[t, (j - 2) % 3], room.rows[t, (j - 1) % 3]
                 row_before = neighbour(j - 1, rows, search.periodic)
-                _search_row(above, centre, here, columns, search, room, t, row_before)
+                _search_row(previous, centre, here, columns, search, room, t, row_before)
+    if search.compared:
+        # While the rows of the plane above are in the cache for all fields.
+        for t in range(search.kinds.size):
+            field = Field(search.kinds[t], search.ratios[t], search.uniforms[t])
+            room.counts[t] = _keep_above(above, field, search.periodic, before[t], room.counts[t], room, t)
 
 
 @_reduction
@@ -165,13 +186,13 @@ def _largest(values: Any, count: int, lanes: Any) -> float:
 
 @_reduction
 def _search_row(
-    above: Any, here: Any, below: Any, columns: int, search: Any, room: Any, t: int, row: int
+    previous: Any, here: Any, after: Any, columns: int, search: Any, room: Any, t: int, row: int
 ) -> None:
     """Add the maxima of one row, from the values in it and in the rows beside it."""
     across, flags, periodic = room.across, room.flags, search.periodic
     floor = search.floor
     for i in range(columns):
-        magnitude, beside = abs(here[i]), max(abs(above[i]), abs(below[i]))
+        magnitude, beside = abs(here[i]), max(abs(previous[i]), abs(after[i]))
         across[i] = max(beside, magnitude)
         flags[i] = (magnitude > beside) & (magnitude > floor)
     inner = here[1 : columns - 1]
@@ -191,9 +212,9 @@ def _search_row(
                     room.found[t, count] = row * columns + i
                     for b in range(3):
                         place = neighbour(i + b - 1, columns, periodic)
-                        room.around[t, count, 0, b] = above[place]
+                        room.around[t, count, 0, b] = previous[place]
                         room.around[t, count, 1, b] = here[place]
-                        room.around[t, count, 2, b] = below[place]
+                        room.around[t, count, 2, b] = after[place]
                     count += 1
     room.counts[t] = count
 
@@ -206,6 +227,30 @@ def neighbour(node: int, nodes: int, periodic: bool) -> int:
     if node >= nodes:
         return node % nodes if periodic else 2 * nodes - 2 - node
     return node
+
+
+@_compiled
+def _keep_above(parts: Any, field: Any, periodic: bool, first: int, last: int, room: Any, t: int) -> int:
+    """Keep those of some maxima that are above the plane `parts`; returns their number with all before."""
+    rows, columns = parts.values.shape[1], parts.columns
+    found, around, above = room.found[t], room.around[t], room.above[t]
+    kept = first
+    for n in range(first, last):
+        row, column = found[n] // columns, found[n] % columns
+        magnitude, exceeds = abs(around[n, 1, 1]), True
+        for k in range(9):
+            a, b = _FROM_CENTRE[k]
+            line, place = neighbour(row + a, rows, periodic), neighbour(column + b, columns, periodic)
+            value = value_at(parts, field, line, place)
+            above[kept, a + 1, b + 1] = value
+            if not magnitude > abs(value):
+                exceeds = False
+                break
+        if exceeds:
+            found[kept] = found[n]
+            around[kept] = around[n]
+            kept += 1
+    return kept
 
 
 @_compiled

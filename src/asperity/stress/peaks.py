@@ -259,10 +259,10 @@ class Maxima:
     above: Array | None = None
 
     @classmethod
-    def at(cls, index: Array, here: Array, grid: Grid) -> Maxima:
+    def at(cls, index: Array, here: Array, grid: Grid, above: Array | None = None) -> Maxima:
         """Maxima at flat indices of nodes."""
         row, column = np.divmod(index, grid.shape[1])
-        return cls((row, column), here)
+        return cls((row, column), here, above)
 
     def select(self, chosen: Array) -> Maxima:
         """Some of the maxima."""
@@ -308,7 +308,7 @@ class PeakFinder:
         self.add_maxima(plane, _plane_maxima(plane, floor))
 
     def add_maxima(self, plane: SearchedPlane, maxima: Maxima) -> None:
-        """Add the next plane downward, with the maxima in it.
+        """Add the next plane downward, with the maxima in it, or with those of them that exceed the plane above.
 
         The arrays of a plane must last until the plane after the next is computed.
         """
@@ -321,8 +321,10 @@ class PeakFinder:
                 raise ValueError(
                     f"depth = {plane.depth!r}: planes rising in depth are needed, below {last.depth}"
                 )
-            kept, values = last.compare(maxima, plane.grid)
-            maxima.above = values
+            if maxima.above is None:
+                kept, maxima.above = last.compare(maxima, plane.grid)
+            else:
+                kept = np.ones(maxima.here.shape[0], bool)
             self._finish(last, plane, maxima, kept)
             self._depth_above = last.depth
             self._candidates = maxima.select(np.flatnonzero(kept))
@@ -436,6 +438,7 @@ def _plane_maxima(plane: SearchedPlane, floor: float) -> Maxima:
         np.empty(padded, np.uint8),
         np.empty((1, capacity), np.int64),
         np.empty((1, capacity, 3, 3), real),
+        np.empty((1, 0, 3, 3), real),
         np.zeros(1, np.int64),
     )
     kind, ratio, uniform = plane.field
@@ -447,8 +450,10 @@ def _plane_maxima(plane: SearchedPlane, floor: float) -> Maxima:
         np.array([-1]),
         real.type(floor),
         plane.periodic,
+        False,
     )
     # One row more at both ends: the rows at the edges are compared with their neighbours too.
-    search_rows(plane.parts, search, room, -1, -1, rows + 1, np.empty((0, 1, 1), real), np.empty((0, 0, 0)))
+    nothing = np.empty((0, 1, 1), real), np.empty((0, 0, 0))
+    search_rows(plane.parts, plane.parts, search, room, -1, -1, rows + 1, *nothing)
     count = room.counts[0]
     return Maxima.at(room.found[0, :count], room.around[0, :count], plane.grid)

@@ -83,8 +83,8 @@ class PeriodicPlanes:
 
     Attributes
     ----------
-    plan : list of (Grid, float)
-        Grid and bound of the error of each plane.
+    plan : list of PlaneGrid
+        Of each plane.
     mean_pressure : float
     """
 

@@ -131,6 +131,8 @@ class LinearPlane:
         Share of the work of the whole stream that is done with this plane.
     values : (parts, ny, at least nx) array, optional
         One array that holds A and then B.
+    scale : float
+        The root mean square of σ_zz or less, as far as it is known before the plane is computed.
 
     Notes
     -----
@@ -146,6 +148,7 @@ class LinearPlane:
     lateral: dict[float, float]
     done: float = 1.0
     values: Array | None = None
+    scale: float = 0.0
 
     @property
     def dtype(self) -> np.dtype[Any]:
@@ -350,7 +353,7 @@ class _PlaneStream:
     def planes(self, pressure: Array, watch: Watch | None) -> Iterator[LinearPlane]:
         """The planes under a pressure, from the surface downward."""
         source = self._source(pressure)
-        done = np.cumsum([grid.size for grid, _ in source.plan], dtype=float)
+        done = np.cumsum([each.grid.size for each in source.plan], dtype=float)
         done /= done[-1]
         mean = source.mean_pressure
         lateral = {
@@ -364,7 +367,7 @@ class _PlaneStream:
             def run(function: Callable[[Any], None], items: Sequence[Any]) -> None:
                 list(pool.map(function, items))
 
-            for depth, (grid, bound), share in zip(self.depths, source.plan, done, strict=True):
+            for depth, (grid, bound, scale), share in zip(self.depths, source.plan, done, strict=True):
                 rooms.rotate()
                 rooms[0], values = _array_in(rooms[0], (len(parts), grid.shape[0], source.row_length(grid)))
                 fields = [values[number, :, : grid.shape[1]] for number in range(len(parts))]
@@ -374,7 +377,7 @@ class _PlaneStream:
                     for part, field in zip(slopes, fields[len(constants) :], strict=True)
                 }
                 plane = LinearPlane(
-                    float(depth), grid, bound, constant, slope, mean, lateral, float(share), values
+                    float(depth), grid, bound, constant, slope, mean, lateral, float(share), values, scale
                 )
                 visit = watch(plane) if watch is not None else lambda *_: None
                 self.work.nodes += source.compute(depth, grid, parts, values, run, visit)

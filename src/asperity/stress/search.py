@@ -56,24 +56,27 @@ class PlaneSearch:
 
     Attributes
     ----------
-    maxima : list of (nodes, values)
-        Flat indices of the maxima of each field in the last plane, and the values at and around them.
+    maxima : list of (nodes, here, above)
+        Flat indices of the maxima of each field in the last plane, and the values at and around them in it
+        and, if that is on the same grid, in the plane above, of which only those are left that exceed it.
     sums : (averaged, rows, `SUMS`) array
         As of `asperity.stress.maxima.search_rows`, of the last plane.
     """
 
     def __init__(self, fields: Sequence[SoughtField], periodic: bool) -> None:
         self.fields, self._periodic = list(fields), periodic
-        self.maxima: list[tuple[Array, Array]] = []
+        self.maxima: list[tuple[Array, Array, Array]] = []
         self.sums = np.empty((0, 0, SUMS))
         averaged = np.cumsum([field.averaged for field in fields]) - 1
         self._averaged = np.where([field.averaged for field in fields], averaged, -1)
         self._kept = KeptArrays()
 
-    def start(self, plane: LinearPlane, floor: float, reference: Array) -> None:
+    def start(self, plane: LinearPlane, above: LinearPlane | None, floor: float, reference: Array) -> None:
         """Begin a plane, whose maxima at or below `floor` are left out."""
         real = plane.dtype
         self._parts = plane.parts()
+        compared = above is not None and above.grid == plane.grid
+        self._above = above.parts() if above is not None and compared else self._parts
         compiled = [field.compiled(plane) for field in self.fields]
         self._search = Search(
             np.array([field.kind for field in compiled]),
@@ -83,12 +86,13 @@ class PlaneSearch:
             self._averaged,
             real.type(floor),
             self._periodic,
+            compared,
         )
         self._reference = reference
         self.sums = np.empty((int(self._averaged.max()) + 1, plane.grid.shape[0], SUMS))
         self._bands = bands_of(plane.grid.shape[0])
         self._rooms: list[Room | None] = [None] * len(self._bands)
-        self._found: list[list[tuple[Array, Array]]] = [[] for _ in self._bands]
+        self._found: list[list[tuple[Array, Array, Array]]] = [[] for _ in self._bands]
 
     def add_rows(self, band: int, first: int, last: int) -> None:
         """Search some rows that have been filled, the next ones of a band."""
@@ -97,7 +101,7 @@ class PlaneSearch:
             self._rooms[band] = self._room(stop - start)
         room = self._rooms[band]
         assert room is not None
-        search_rows(self._parts, self._search, room, start, first, last, self._reference, self.sums)
+        self._search_rows(room, start, first, last, self.sums)
         if last == stop:
             self._found[band] = _maxima_in(room)
             self._rooms[band] = None
@@ -113,12 +117,16 @@ class PlaneSearch:
         nothing = np.empty((0, 0, SUMS))
         for start, stop in around:
             room = self._room(stop - start)
-            search_rows(self._parts, self._search, room, start, start, stop, self._reference, nothing)
+            self._search_rows(room, start, start, stop, nothing)
             self._found.append(_maxima_in(room))
         self.maxima = []
         for each in zip(*self._found, strict=True):
-            nodes, values = zip(*each, strict=True)
-            self.maxima.append((np.concatenate(nodes), np.concatenate(values)))
+            nodes, here, above = (np.concatenate(part) for part in zip(*each, strict=True))
+            self.maxima.append((nodes, here, above))
+
+    def _search_rows(self, room: Room, start: int, first: int, last: int, sums: Array) -> None:
+        both, rows = (self._parts, self._above), (start, first, last)
+        search_rows(*both, self._search, room, *rows, self._reference, sums)
 
     def _room(self, rows: int) -> Room:
         fields, columns = len(self.fields), self._parts.columns
@@ -131,13 +139,14 @@ class PlaneSearch:
             self._kept.array("flags", (padded,), np.uint8),
             self._kept.array("found", (fields, capacity), np.int64),
             self._kept.array("around", (fields, capacity, 3, 3), real),
+            self._kept.array("above", (fields, capacity, 3, 3), real),
             np.zeros(fields, np.int64),
         )
 
 
-def _maxima_in(room: Room) -> list[tuple[Array, Array]]:
+def _maxima_in(room: Room) -> list[tuple[Array, Array, Array]]:
     """Nodes of the maxima of each field that have been found, and the values around them."""
     return [
-        (found[:count].copy(), around[:count].copy())
-        for found, around, count in zip(room.found, room.around, room.counts, strict=True)
+        (found[:count].copy(), around[:count].copy(), above[:count].copy())
+        for found, around, above, count in zip(room.found, room.around, room.above, room.counts, strict=True)
     ]

@@ -15,6 +15,7 @@ which Parseval's theorem gives beforehand and which is at most the largest |σ_z
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +25,14 @@ from asperity.types import Array
 
 MIN_NODES = 16
 """Fewest nodes on an edge of a coarse grid: below it a plane costs no less."""
+
+
+class PlaneGrid(NamedTuple):
+    """Grid of a plane, the bound of its error, and the root mean square of σ_zz or a little less."""
+
+    grid: Grid
+    bound: float
+    scale: float
 
 
 class Truncation:
@@ -95,13 +104,14 @@ class Truncation:
         decay = self._wavenumber * depth
         return self._envelope * (self._dropped @ ((1 + decay) * np.exp(-decay)))
 
-    def choose(self, depth: float) -> tuple[Grid, float]:
+    def choose(self, depth: float) -> PlaneGrid:
         """The coarsest sufficient grid at `depth`, and its bound."""
+        scale = self.scale(depth)
         if self.tolerance == 0:
-            return self.grids[0], 0.0
+            return PlaneGrid(self.grids[0], 0.0, scale)
         bounds = self.bounds(depth)
-        sufficient = np.flatnonzero(bounds <= self.tolerance * self.scale(depth))
-        return self.grids[sufficient[-1]], float(bounds[sufficient[-1]])
+        sufficient = np.flatnonzero(bounds <= self.tolerance * scale)
+        return PlaneGrid(self.grids[sufficient[-1]], float(bounds[sufficient[-1]]), scale)
 
 
 def envelope_of(layer: Layer, poisson: float, friction: float = 0.0) -> float:
