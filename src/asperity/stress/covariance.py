@@ -13,6 +13,13 @@ from asperity.stress.search import SoughtField
 from asperity.stress.statistics import LagRings
 from asperity.types import Array
 
+SKIPPED_ABOVE = 0.5
+"""Planes of more than this share of the nodes of the reference along each axis are compared at every second
+node: the error of the covariance is 1e-5 of it."""
+
+FEWEST_SKIPPED = 512
+"""Fewest nodes along an axis of such planes."""
+
 MOST_KEPT = 4
 """Planes above the reference that are kept while the largest value still rises from plane to plane."""
 
@@ -78,15 +85,19 @@ class References:
         if plane.grid != self._grid:
             for m in range(len(self._sought)):
                 self._transform(m, plane.grid)
-            self._fields = np.empty((len(self._sought), *plane.grid.shape), plane.dtype)
-            for m, (field, modes) in enumerate(zip(self._fields, self._modes, strict=True)):
-                assert modes is not None
-                source, coefficients = modes
-                fourier = Fourier(plane.grid, plane.dtype, self._threads, self._work)
-                fourier.inverse(resample(coefficients, source, plane.grid), out=field, overwrite=True)
-                self._means[m] = field.mean(dtype=float)
+            self._resample(_every_second(plane.grid, self._finest))
             self._grid = plane.grid
         return self._fields
+
+    def _resample(self, grid: Grid) -> None:
+        """Transform all references to a grid from their modes."""
+        self._fields = np.empty((len(self._sought), *grid.shape), self._fields.dtype)
+        for m, (field, modes) in enumerate(zip(self._fields, self._modes, strict=True)):
+            assert modes is not None
+            source, coefficients = modes
+            fourier = Fourier(grid, field.dtype, self._threads, self._work)
+            fourier.inverse(resample(coefficients, source, grid), out=field, overwrite=True)
+            self._means[m] = field.mean(dtype=float)
 
     def _transform(self, m: int, target: Grid) -> None:
         """Transform a reference that is on its own grid, and keep the modes that coarser grids need."""
@@ -103,7 +114,7 @@ class References:
     def _autocovariance(self, modes: Array, grid: Grid) -> Array:
         if self._rings is None:
             self._rings = LagRings(self._finest)
-        return self._rings.autocovariance(modes, grid, self._threads, self._work)
+        return self._rings.autocovariance(modes, grid, self._work)
 
     def in_plane(self) -> tuple[Array, Array]:
         """Lags, (lags,), and the covariance of each reference within its plane, (fields, lags)."""
@@ -121,6 +132,7 @@ class References:
         size, compared = plane.grid.size, self._grid is not None
         self._grid = plane.grid
         totals = sums[:, :, [0, 1, 3, 4]].sum(axis=1) / size
+        totals[:, 2:] *= size / self._fields[0].size
         largest = sums[:, :, 2].max(axis=1)
         if compared:
             means, products = totals[: len(self._sought), 2:].T
@@ -130,6 +142,8 @@ class References:
             self._kept[m] = self._kept_above(m, number) if m in risen else None
         if not risen.size:
             return
+        if self._fields.shape[1:] != plane.grid.shape:
+            self._resample(plane.grid)
         self._fill(plane, risen, self._fields)
         for m in risen:
             self._modes[m] = self._in_plane[m] = self._own[m] = None
@@ -174,6 +188,15 @@ class References:
         modes = Fourier(source, field.dtype, self._threads, self._work).forward(field)
         fourier = Fourier(grid, field.dtype, self._threads, self._work)
         return fourier.inverse(resample(modes, source, grid), overwrite=True)
+
+
+def _every_second(grid: Grid, finest: Grid) -> Grid:
+    """Every second node of a grid that is not much coarser than the finest, or else the grid itself."""
+    shape = grid.shape
+    fine = min(n / most for n, most in zip(shape, finest.shape, strict=True)) > SKIPPED_ABOVE
+    if fine and shape[0] % 2 == 0 and shape[1] % 2 == 0 and min(shape) >= FEWEST_SKIPPED:
+        return Grid((shape[0] // 2, shape[1] // 2), grid.length)
+    return grid
 
 
 def _covariance(one: Array, two: Array) -> float:

@@ -90,6 +90,7 @@ class PeriodicPlanes:
 
     def __init__(
         self,
+        pressure: Array,
         modes: Array,
         grid: Grid,
         layer: Layer,
@@ -104,6 +105,7 @@ class PeriodicPlanes:
         self.mean_pressure = float(modes[0, 0].real)
         self._fourier = Fourier(grid, dtype)
         self._modes = modes.astype(self._fourier.complex, copy=False)
+        self._pressure = pressure
         self._finest = grid, self._modes
         self._layer, self._traction = layer, traction
         self._kept = KeptArrays()
@@ -148,19 +150,23 @@ class PeriodicPlanes:
 
         def transform_rows(band: int) -> None:
             for first, last in strips_of(*bands[band]):
-                shape = len(parts), last - first, spectra.shape[2]
+                rows = values[:, first:last, : grid.shape[1]]
+                shape = rows[source.transformed].shape[0], last - first, spectra.shape[2]
                 strip = kept.array("strip", shape, fourier.complex)
                 source.fill_rows(spectra, first, last, strip)
-                fourier.inverse_along_x(strip, values[:, first:last, : grid.shape[1]])
+                fourier.inverse_along_x(strip, rows[source.transformed])
+                source.complete(first, last, rows)
                 visit(band, first, last)
 
         run(transform_columns, range(0, spectra.shape[2], COLUMNS_AT_ONCE))
         bands = bands_of(grid.shape[0])
         run(transform_rows, range(len(bands)))
-        return grid.size * (source.count + len(parts)) // 2
+        return grid.size * (source.count + len(parts[source.transformed])) // 2
 
-    def _source(self, depth: float, parts: Sequence[Part]) -> _SharedSpectra | _Spectra:
+    def _source(self, depth: float, parts: Sequence[Part]) -> _SharedSpectra | _SurfaceSpectra | _Spectra:
         if tuple(parts) == ALL_PARTS and self._layer.height is None and not any(self._traction):
+            if depth == 0 and self._fourier.grid == self._finest[0]:
+                return _SurfaceSpectra(self._modes, self._fourier, self._pressure)
             return _SharedSpectra(depth, self._modes, self._fourier)
         return _Spectra(depth, self._modes, self._fourier, self._layer, parts, self._traction)
 
@@ -172,9 +178,11 @@ class _SharedSpectra:
     ----------
     count : int
         Number of functions to transform along y.
+    transformed : slice
+        Parts that are transformed along x.
     """
 
-    count = SHARED_COLUMNS
+    count, transformed = SHARED_COLUMNS, slice(None)
 
     def __init__(self, depth: float, modes: Array, fourier: Fourier) -> None:
         grid, real = fourier.grid, fourier.real
@@ -196,9 +204,53 @@ class _SharedSpectra:
         common = self._half_depth, self._mean, columns.view(self._real), self._wavevectors
         all_parts(*common, first, last, out.view(self._real))
 
+    def complete(self, first: int, last: int, out: Array) -> None:
+        """Fill some rows of the parts that are not transformed."""
+
+
+class _SurfaceSpectra:
+    """Spectra of all parts A and B in the surface of a half-space; attributes as of `_SharedSpectra`.
+
+    There σ_zz is minus the pressure, σ_yz and σ_xz are zero, and A_xx + A_yy = σ_zz, B_xx = 2 A_yy and
+    B_xy = −2 A_xy but for the uniform mode: A_xx and A_xy alone are transformed.
+    """
+
+    count, transformed = 2, slice(0, 6, 5)
+
+    def __init__(self, modes: Array, fourier: Fourier, pressure: Array) -> None:
+        grid = fourier.grid
+        square = grid.qx**2 + grid.qy[:, None] ** 2
+        square[0, 0] = np.inf
+        self._over_square = (modes / square).astype(modes.dtype)
+        self._qx, self._odd_qx, self._odd_qy = (
+            q.astype(fourier.real) for q in (grid.qx, grid.odd_qx, grid.odd_qy)
+        )
+        self._pressure, self._mean = pressure, fourier.real.type(modes[0, 0].real)
+
+    def fill_columns(self, first: int, last: int, out: Array) -> None:
+        """Fill `out` with some columns of the functions, to be transformed along y."""
+        out[0] = self._over_square[:, first:last]
+        np.multiply(self._odd_qy[:, None], out[0], out=out[1])
+
+    def fill_rows(self, columns: Array, first: int, last: int, out: Array) -> None:
+        """Fill `out` with some rows of the parts, to be transformed along x."""
+        np.multiply(-(self._qx**2), columns[0, first:last], out=out[0])
+        np.multiply(-self._odd_qx, columns[1, first:last], out=out[1])
+
+    def complete(self, first: int, last: int, out: Array) -> None:
+        """Fill some rows of the parts that are not transformed."""
+        xx, yy, zz, yz, xz, xy, slope_xx, slope_xy = out
+        np.negative(self._pressure[first:last], out=zz, casting="same_kind")
+        np.subtract(zz + self._mean, xx, out=yy)
+        np.multiply(yy, 2, out=slope_xx)
+        np.multiply(xy, -2, out=slope_xy)
+        yz[...] = xz[...] = 0
+
 
 class _Spectra:
     """Spectra of any parts, also under a shear traction; attributes as of `_SharedSpectra`."""
+
+    transformed = slice(None)
 
     def __init__(
         self,
@@ -239,3 +291,6 @@ class _Spectra:
     def fill_rows(self, columns: Array, first: int, last: int, out: Array) -> None:
         """Fill `out` with some rows of the parts, to be transformed along x."""
         out[...] = columns[: self.count, first:last]
+
+    def complete(self, first: int, last: int, out: Array) -> None:
+        """Fill some rows of the parts that are not transformed."""

@@ -390,7 +390,7 @@ class _PlaneStream:
         if self.boundary == "free":
             return FreePlanes(pressure, *arguments, self.threads, self.work)
         fourier = Fourier(self.grid, threads=self.threads, work=self.work)
-        return PeriodicPlanes(fourier.forward(pressure), *arguments, self.dtype)
+        return PeriodicPlanes(pressure, fourier.forward(pressure), *arguments, self.dtype)
 
     def _parts(self) -> tuple[list[Part], list[Part]]:
         """The parts to transform: A and B for several Poisson's ratios, A + ν B for one."""

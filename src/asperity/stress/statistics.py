@@ -18,6 +18,9 @@ from asperity.types import Array
 NARROWEST_BIN = 1e-300
 """Smallest width of a bin whose density is still finite."""
 
+LINES_AT_ONCE = 256
+"""Lines that are transformed together."""
+
 MOST_BINS = 10_000_000
 """Most bins of a density."""
 
@@ -178,7 +181,6 @@ class LagRings:
             Coefficients of the field.
         grid : Grid
             Their grid.
-        threads : int
         work : Work, optional
             Where the transform is counted.
         """
@@ -186,11 +188,19 @@ class LagRings:
         power[0, 0] = 0.0
         if grid != self._grid:
             power = resample(power, grid, self._grid)
-        fourier = Fourier(self._grid, power.real.dtype, threads)
-        covariance = fourier.inverse(power, overwrite=True)[: self._ring.shape[0]]
+        fourier = Fourier(self._grid, power.real.dtype)
+        rows = self._ring.shape[0]
+        columns = power[None]
+        for first in range(0, power.shape[1], LINES_AT_ONCE):
+            block = columns[:, :, first : first + LINES_AT_ONCE]
+            fourier.inverse_along_y(block, block)
+        covariance = np.empty((1, rows, self._grid.shape[1]), fourier.real)
+        for first in range(0, rows, LINES_AT_ONCE):
+            strip = slice(first, min(first + LINES_AT_ONCE, rows))
+            fourier.inverse_along_x(columns[:, strip].copy(), covariance[:, strip])
         if work is not None:
-            work.nodes += self._grid.size
-        return self._sum(covariance) / self._count
+            work.nodes += self._grid.size * 3 // 4
+        return self._sum(covariance[0]) / self._count
 
     def _sum(self, values: Array) -> Array:
         """Sum over all nodes of each ring, from half of the rows."""
