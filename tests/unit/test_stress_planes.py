@@ -169,6 +169,22 @@ def test_no_more_transforms_than_the_fields_need(fields, poisson, in_surface, be
     assert work.transforms(contact.grid) == in_surface + below + 1  # the one is that of the pressure
 
 
+@pytest.mark.parametrize("shape", [(16, 24), (15, 18), (12, 21)])
+def test_all_ratios_at_once_are_those_one_by_one(shape):
+    """Several ratios share transforms, one alone does not."""
+    pressure = np.random.default_rng(3).random(shape)
+    solid = PressedSolid(pressure, Grid(shape, (1.0, 1.3)), Layer(young=1.0, poisson=0.3))
+    ratios, depths = [0.0, 0.2, 0.5], [0.0, 0.01, 0.2]
+    for both in zip(
+        stress_planes(solid, depths, ratios, (*COMPONENTS, "von_mises"), tolerance=0),
+        *(stress_planes(solid, depths, nu, (*COMPONENTS, "von_mises"), tolerance=0) for nu in ratios),
+        strict=True,
+    ):
+        for name, field in both[0].fields.items():
+            alone = np.concatenate([plane.fields[name] for plane in both[1:]])
+            np.testing.assert_allclose(field, alone, rtol=0, atol=1e-13, err_msg=name)
+
+
 def test_same_bits_on_any_number_of_threads():
     contact = pressed((150, 140))
     for one, two in zip(

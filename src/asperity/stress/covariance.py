@@ -216,8 +216,8 @@ class _Packed(NamedTuple):
         if field.dtype != np.float32 or not largest:
             return cls(1.0, field.copy())
         packed = np.empty(field.shape, np.uint16)
-        pack(field, field.dtype.type(largest / PACKED), packed)
-        return cls(float(field.dtype.type(largest / PACKED)), packed)
+        pack(field, PACKED / largest, packed)
+        return cls(largest / PACKED, packed)
 
 
 def _covariance(one: Array, two: Array) -> float:

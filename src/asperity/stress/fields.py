@@ -254,11 +254,11 @@ def value_at(parts: Any, field: Any, row: int, column: int) -> float:
 
 
 @_compiled
-def pack(values: Any, unit: float, out: Any) -> None:
-    """Fill an array of 16-bit integers with values ≥ 0 in a unit of at least 1/65535 of the largest."""
+def pack(values: Any, factor: float, out: Any) -> None:
+    """Fill an array of 16-bit integers with values ≥ 0 times a factor, rounded."""
     for j in range(values.shape[0]):
         for i in range(values.shape[1]):
-            out[j, i] = np.uint16(values[j, i] / unit + 0.5)
+            out[j, i] = np.uint16(np.int32(values[j, i] * factor + 0.5))
 
 
 # Numbers may be added in any order, and none is NaN: only then loops that sum are vectorised.

@@ -25,6 +25,9 @@ _INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) f
 _LANES = 64
 """Numbers that are compared at once."""
 
+_BLOCK = 256
+"""Numbers that are summed in their own precision."""
+
 _WORD = 8
 """Flags of nodes that are looked at together."""
 
@@ -141,12 +144,8 @@ def search_rows(
 
 @_reduction
 def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, lanes: Any, out: Any) -> None:
-    total, squares = 0.0, 0.0
-    for i in range(columns):
-        value = float(here[i])
-        total += value
-        squares += value * value
-    out[0], out[1], out[2] = total, squares, _largest(here, columns, lanes)
+    out[0], out[1] = _sums(here, here, columns)
+    out[2] = _largest(here, columns, lanes)
     out[3] = out[4] = 0.0
     if m >= reference.shape[0]:
         return
@@ -154,17 +153,28 @@ def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, lanes: A
     if row % step:
         return
     other = reference[m, row // step]
-    product = 0.0
     if step == 1:
-        for i in range(other.size):
-            product += float(here[i]) * float(other[i])
+        out[3], out[4] = out[0], _sums(here, other, columns)[1]
     else:
-        total = 0.0
         for i in range(other.size):
-            value = float(here[i * step])
-            total += value
-            product += value * float(other[i])
-    out[3], out[4] = total, product
+            lanes[i] = here[i * step]
+        out[3], out[4] = _sums(lanes, other, other.size)
+
+
+@_reduction
+def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
+    """Sums of some values and of their products with others: in blocks in their own precision."""
+    total = product = 0.0
+    for first in range(0, count, _BLOCK):
+        last = min(first + _BLOCK, count)
+        some, same = values[first:last], others[first:last]
+        part = here = values[0] - values[0]
+        for i in range(last - first):
+            here += some[i]
+            part += some[i] * same[i]
+        total += here
+        product += part
+    return total, product
 
 
 @_reduction
@@ -328,13 +338,15 @@ def interpolate(
                 break
 
 
-@_compiled
+@_inlined
 def _weighted(values: Any, places: Any, weights: Any) -> float:
+    place, weight = places[1], weights[1]
+    a, b, c, d, e, f = place[0], place[1], place[2], place[3], place[4], place[5]
+    u, v, w, x, y, z = weight[0], weight[1], weight[2], weight[3], weight[4], weight[5]
     total = 0.0
     for k in range(6):
-        line, along = values[places[0, k]], 0.0
-        for m in range(6):
-            along += weights[1, m] * line[places[1, m]]
+        line = values[places[0, k]]
+        along = (u * line[a] + v * line[b]) + (w * line[c] + x * line[d]) + (y * line[e] + z * line[f])
         total += weights[0, k] * along
     return total
 

@@ -241,7 +241,8 @@ class _SurfaceSpectra:
         """Fill some rows of the parts that are not transformed."""
         xx, yy, zz, yz, xz, xy, slope_xx, slope_xy = out
         np.negative(self._pressure[first:last], out=zz, casting="same_kind")
-        np.subtract(zz + self._mean, xx, out=yy)
+        np.subtract(zz, xx, out=yy)
+        yy += self._mean
         np.multiply(yy, 2, out=slope_xx)
         np.multiply(xy, -2, out=slope_xy)
         yz[...] = xz[...] = 0
