@@ -152,13 +152,6 @@ def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
 
 
 @_compiled
-def fill_field(parts: Any, field: Any, out: Any) -> None:
-    """Fill `out`, (rows, columns), with a field."""
-    for row in range(out.shape[0]):
-        fill_row(parts, field, row, out[row])
-
-
-@_compiled
 def fill_fields(parts: Any, kind: int, ratios: Any, uniforms: Any, places: Any, out: Any) -> None:
     """Fill some of the arrays of `out`, (fields, rows, columns), with fields of one kind.
 

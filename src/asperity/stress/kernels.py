@@ -214,22 +214,21 @@ def shared_columns(
             factors[6, i] = depth * odd_qy[j] * decay[i]
             factors[5, i] = odd_qy[j] * factors[3, i]
         if j == 0 and first == 0:
-            factors[1:, 0] = 0.0
-        mirrored = (rows - j) % rows
+            for m in range(1, SHARED_COLUMNS):
+                factors[m, 0] = 0.0
+        # The row of −qy has the same factors but for the sign of those odd in qy, the last three.
+        mirrored = rows - j if j else 0
         for m in range(SHARED_COLUMNS):
-            _multiply(factors[m], pressure[j], first, out[m, j])
-        if mirrored != j:
-            factors[4:] = -factors[4:]
-            for m in range(SHARED_COLUMNS):
-                _multiply(factors[m], pressure[mirrored], first, out[m, mirrored])
-
-
-@njit(cache=True, error_model="numpy", nogil=True, forceinline=True)
-def _multiply(factor: Any, pressure: Any, first: int, out: Any) -> None:
-    given = pressure[2 * first : 2 * first + 2 * factor.size]
-    for i in range(factor.size):
-        out[2 * i] = factor[i] * given[2 * i]
-        out[2 * i + 1] = factor[i] * given[2 * i + 1]
+            odd = m > 3
+            for i in range(columns):
+                k, factor = 2 * (first + i), factors[m, i]
+                out[m, j, 2 * i] = factor * pressure[j, k]
+                out[m, j, 2 * i + 1] = factor * pressure[j, k + 1]
+            if mirrored != j:
+                for i in range(columns):
+                    k, factor = 2 * (first + i), -factors[m, i] if odd else factors[m, i]
+                    out[m, mirrored, 2 * i] = factor * pressure[mirrored, k]
+                    out[m, mirrored, 2 * i + 1] = factor * pressure[mirrored, k + 1]
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

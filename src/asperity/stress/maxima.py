@@ -76,8 +76,8 @@ class Room(NamedTuple):
         Values at and around them.
     above : (fields, nodes, 3, 3) array in the precision of the plane
         Those in the plane above, if it is on the same grid.
-    counts : (fields,) integer array
-        Number of the maxima found so far.
+    counts, before : (fields,) integer arrays
+        Number of the maxima found so far, and before the last rows.
     """
 
     rows: Any
@@ -87,6 +87,7 @@ class Room(NamedTuple):
     around: Any
     above: Any
     counts: Any
+    before: Any
 
 
 @_compiled
@@ -121,7 +122,8 @@ def search_rows(
     """
     rows = parts.values.shape[1]
     columns = parts.columns
-    before = room.counts.copy()
+    for t in range(search.kinds.size):
+        room.before[t] = room.counts[t]
     for j in range(first, last):
         row = neighbour(j, rows, search.periodic)
         for t in range(search.kinds.size):
@@ -139,7 +141,7 @@ def search_rows(
         # While the rows of the plane above are in the cache for all fields.
         for t in range(search.kinds.size):
             field = Field(search.kinds[t], search.ratios[t], search.uniforms[t])
-            room.counts[t] = _keep_above(above, field, search.periodic, before[t], room.counts[t], room, t)
+            room.counts[t] = _keep_above(above, field, search.periodic, room, t)
 
 
 @_reduction
@@ -180,7 +182,8 @@ def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
 @_reduction
 def _largest(values: Any, count: int, lanes: Any) -> float:
     """Largest of some values ≥ 0, with room for `_LANES` numbers that are compared at once."""
-    lanes[:_LANES] = 0.0
+    for k in range(_LANES):
+        lanes[k] = 0.0
     whole = count - count % _LANES
     for first in range(0, whole, _LANES):
         some = values[first : first + _LANES]
@@ -212,7 +215,8 @@ def _search_row(
     last = columns - 1
     flags[0] &= abs(here[0]) > max(across[1], across[last if periodic else 1])
     flags[last] &= abs(here[last]) > max(across[last - 1], across[0 if periodic else last - 1])
-    flags[columns : columns + _WORD] = 0
+    for i in range(columns, columns + _WORD):
+        flags[i] = 0
     words = flags.view(np.uint64)
     count = room.counts[t]
     for word in range((columns + _WORD - 1) // _WORD):
@@ -240,12 +244,12 @@ def neighbour(node: int, nodes: int, periodic: bool) -> int:
 
 
 @_compiled
-def _keep_above(parts: Any, field: Any, periodic: bool, first: int, last: int, room: Any, t: int) -> int:
-    """Keep those of some maxima that are above the plane `parts`; returns their number with all before."""
+def _keep_above(parts: Any, field: Any, periodic: bool, room: Any, t: int) -> int:
+    """Keep those of the last maxima that are above the plane `parts`; returns the number of all."""
     rows, columns = parts.values.shape[1], parts.columns
     found, around, above = room.found[t], room.around[t], room.above[t]
-    kept = first
-    for n in range(first, last):
+    kept = room.before[t]
+    for n in range(kept, room.counts[t]):
         row, column = found[n] // columns, found[n] % columns
         magnitude, exceeds = abs(around[n, 1, 1]), True
         for k in range(9):
@@ -258,7 +262,8 @@ def _keep_above(parts: Any, field: Any, periodic: bool, first: int, last: int, r
                 break
         if exceeds:
             found[kept] = found[n]
-            around[kept] = around[n]
+            for k in range(9):
+                around[kept, k // 3, k % 3] = around[n, k // 3, k % 3]
             kept += 1
     return kept
 

@@ -440,6 +440,7 @@ def _plane_maxima(plane: SearchedPlane, floor: float) -> Maxima:
         np.empty((1, capacity, 3, 3), real),
         np.empty((1, 0, 3, 3), real),
         np.zeros(1, np.int64),
+        np.zeros(1, np.int64),
     )
     kind, ratio, uniform = plane.field
     search = Search(

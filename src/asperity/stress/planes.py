@@ -59,7 +59,7 @@ from asperity.stress.arguments import (
     checked_threads,
     checked_tolerance,
 )
-from asperity.stress.fields import KINDS, Field, Parts, fill_field
+from asperity.stress.fields import KINDS, Field, Parts, fill_fields
 from asperity.stress.free_boundary import FreePlanes
 from asperity.stress.parts import Part
 from asperity.stress.periodic import PeriodicPlanes, Visit
@@ -178,7 +178,9 @@ class LinearPlane:
         """The field `name` for one Poisson's ratio, (ny, nx), written to `out` if it is given."""
         if out is None:
             out = np.empty(next(iter(self.constant.values())).shape, self.dtype)
-        fill_field(self.parts(), self.compiled(name, poisson), out.reshape(-1, out.shape[-1]))
+        kind, ratio, uniform = self.compiled(name, poisson)
+        ratios, uniforms = (np.array([value], self.dtype) for value in (ratio, uniform))
+        fill_fields(self.parts(), kind, ratios, uniforms, np.array([0]), out.reshape(1, -1, out.shape[-1]))
         return out
 
     def sample(self, name: str, poisson: float, gather: Gather) -> Array:

@@ -141,6 +141,7 @@ class PlaneSearch:
             self._kept.array("around", (fields, capacity, 3, 3), real),
             self._kept.array("above", (fields, capacity, 3, 3), real),
             np.zeros(fields, np.int64),
+            np.zeros(fields, np.int64),
         )
 
 
