@@ -246,8 +246,8 @@ class _StressAnalysis:
         self.contact, self.settings = contact, settings
         boundary = boundary_of(contact)
         names = [name for name in settings.quantities if name not in ("pressure", "von_mises")]
-        laterals = dict.fromkeys((contact.layer.lateral, *laterals))
-        kinds = product(("von_mises", "zz", *names), laterals, settings.ratios)
+        own_first = dict.fromkeys((contact.layer.lateral, *laterals))
+        kinds = product(("von_mises", "zz", *names), own_first, settings.ratios)
         fields = dict.fromkeys(self.field(*kind) for kind in kinds)
         self.von_mises = [field for field in fields if field.name == "von_mises"]
         self._search = PlaneSearch(list(fields), boundary == "periodic")
@@ -328,7 +328,7 @@ class _StressAnalysis:
                 self._finders[field].add_maxima(searched, maxima)
 
     def peaks(self, lateral: str) -> dict[tuple[str, float], Peaks]:
-        """Quantity and Poisson's ratio (NaN: the same for every one) → its peaks, when all planes have passed."""
+        """Quantity and Poisson's ratio (NaN: the same for every one) → its peaks, when all planes passed."""
         found: dict[tuple[str, float], Peaks] = {}
         ratios = self.settings.ratios
         for name in self.settings.quantities:
@@ -336,7 +336,8 @@ class _StressAnalysis:
                 pressure, boundary = self.contact.pressure, boundary_of(self.contact)
                 found[name, np.nan] = plane_peaks(pressure, self.contact.grid, boundary=boundary)
                 continue
-            for label, ratio in ((np.nan, ratios[0]),) if self.is_alike(name) else zip(ratios, ratios):
+            labels = {np.nan: ratios[0]} if self.is_alike(name) else {ratio: ratio for ratio in ratios}
+            for label, ratio in labels.items():
                 found[name, label] = self._finders[self.field(name, lateral, ratio)].peaks()
         return found
 

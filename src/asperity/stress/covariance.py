@@ -152,7 +152,7 @@ class References:
         if self._fields.shape[1:] != plane.grid.shape:
             self._resample(plane.grid)
         self._fill(plane, risen, self._fields)
-        for m in risen:
+        for m in risen.tolist():
             self._modes[m] = self._in_plane[m] = self._own[m] = None
             mean, square, _, _ = totals[m]
             self._largest[m], self._means[m] = largest[m], mean
@@ -189,7 +189,7 @@ class References:
         again = np.flatnonzero(self.missing > number)
         here = np.empty((len(self._sought), *plane.grid.shape), plane.dtype)
         self._fill(plane, again, here)
-        for m in again:
+        for m in again.tolist():
             self.covariance[m, number] = _covariance(here[m], self._on_finer(m, plane.grid))
 
     def _on_finer(self, m: int, grid: Grid) -> Array:

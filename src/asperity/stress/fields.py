@@ -107,7 +107,7 @@ def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
     """Fill `out`, (columns,), with one row of a field."""
     values, place, columns, mean = parts
     kind, ratio, uniform = field
-    if kind == _ZZ or kind == _YZ or kind == _XZ:
+    if kind in (_ZZ, _YZ, _XZ):
         a = values[place[kind], row]
         for i in range(columns):
             out[i] = a[i]
@@ -194,7 +194,7 @@ def needed_parts(kind: int, place: Any) -> Any:
 def value_of(field: Any, given: Any, place: Any, mean_pressure: float) -> float:
     """A field from its linear parts at one point, `given` in the order of `Parts.place`."""
     kind, ratio, uniform = field
-    if kind == _ZZ or kind == _YZ or kind == _XZ:
+    if kind in (_ZZ, _YZ, _XZ):
         return given[kind]
     if kind == _XX:
         return given[_XX] + ratio * given[_SLOPE_XX] + uniform
@@ -221,7 +221,7 @@ def value_at(parts: Any, field: Any, row: int, column: int) -> float:
     """A field at one node."""
     values, place, _, mean = parts
     kind, ratio, uniform = field
-    if kind == _ZZ or kind == _YZ or kind == _XZ:
+    if kind in (_ZZ, _YZ, _XZ):
         return values[place[kind], row, column]
     if kind == _XX or (kind == _YY and place[_SLOPE_YY] >= 0):
         slope = values[place[_SLOPE_XX + kind], row, column]

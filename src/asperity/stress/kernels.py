@@ -106,7 +106,7 @@ def add_sliding_stress(
     first: int,
     out: Any,
 ) -> None:
-    """Add to `out` some columns of the coefficients of a A + b B of one stress component under a shear traction.
+    """Add to `out` some columns of the coefficients of a A + b B of one component under a shear traction.
 
     The traction on the surface is t = (friction_x, friction_y) p; the equations are in ``docs/method.md``.
 

@@ -246,21 +246,12 @@ def neighbour(node: int, nodes: int, periodic: bool) -> int:
 @_compiled
 def _keep_above(parts: Any, field: Any, periodic: bool, room: Any, t: int) -> int:
     """Keep those of the last maxima that are above the plane `parts`; returns the number of all."""
-    rows, columns = parts.values.shape[1], parts.columns
+    columns = parts.columns
     found, around, above = room.found[t], room.around[t], room.above[t]
     kept = room.before[t]
     for n in range(kept, room.counts[t]):
         row, column = found[n] // columns, found[n] % columns
-        magnitude, exceeds = abs(around[n, 1, 1]), True
-        for k in range(9):
-            a, b = _FROM_CENTRE[k]
-            line, place = neighbour(row + a, rows, periodic), neighbour(column + b, columns, periodic)
-            value = value_at(parts, field, line, place)
-            above[kept, a + 1, b + 1] = value
-            if not magnitude > abs(value):
-                exceeds = False
-                break
-        if exceeds:
+        if _exceeds(parts, field, row, column, periodic, abs(around[n, 1, 1]), above[kept]):
             found[kept] = found[n]
             for k in range(9):
                 around[kept, k // 3, k % 3] = around[n, k // 3, k % 3]
@@ -286,17 +277,26 @@ def compare(
         Set to false where the magnitude is not above all nine values.
     out : (nodes, 3, 3) array
         Filled where it is.
+    All arrays of numbers are in the precision of the plane.
     """
-    rows, columns = parts.values.shape[1], parts.columns
     for n in range(row.size):
-        for k in range(9):
-            a, b = _FROM_CENTRE[k]
-            line, place = neighbour(row[n] + a, rows, periodic), neighbour(column[n] + b, columns, periodic)
-            value = value_at(parts, field, line, place)
-            out[n, a + 1, b + 1] = value
-            if not magnitude[n] > abs(value):
-                kept[n] = False
-                break
+        kept[n] = _exceeds(parts, field, row[n], column[n], periodic, magnitude[n], out[n])
+
+
+@_compiled
+def _exceeds(
+    parts: Any, field: Any, row: int, column: int, periodic: bool, magnitude: float, out: Any
+) -> bool:
+    """True if a magnitude is above the nine values at and around a node, which are written to `out`."""
+    rows, columns = parts.values.shape[1], parts.columns
+    for k in range(9):
+        a, b = _FROM_CENTRE[k]
+        line, place = neighbour(row + a, rows, periodic), neighbour(column + b, columns, periodic)
+        value = value_at(parts, field, line, place)
+        out[a + 1, b + 1] = value
+        if not magnitude > abs(value):
+            return False
+    return True
 
 
 @_compiled

@@ -232,12 +232,13 @@ class SearchedPlane:
         return self._compare(nodes, np.full(nodes[0].size, np.inf), grid)[1]
 
     def _compare(self, nodes: Nodes, magnitude: Array, grid: Grid) -> tuple[Array, Array]:
-        kept, values = np.ones(magnitude.size, bool), np.empty((magnitude.size, 3, 3))
-        last = self.periodic, magnitude.astype(float, copy=False), kept, values
+        real = self.parts.values.dtype
+        kept, values = np.ones(magnitude.size, bool), np.empty((magnitude.size, 3, 3), real)
+        last = self.periodic, magnitude.astype(real, copy=False), kept, values
         if self.grid.shape == grid.shape:
-            compare(self.parts, self.field, *nodes, *last)
+            compare(self.parts, self.field, nodes[0], nodes[1], *last)
         else:
-            interpolate(self.parts, self.field, *nodes, grid.shape, *last)
+            interpolate(self.parts, self.field, nodes[0], nodes[1], grid.shape, *last)
         return kept, values
 
 
@@ -308,7 +309,7 @@ class PeakFinder:
         self.add_maxima(plane, _plane_maxima(plane, floor))
 
     def add_maxima(self, plane: SearchedPlane, maxima: Maxima) -> None:
-        """Add the next plane downward, with the maxima in it, or with those of them that exceed the plane above.
+        """Add the next plane downward, with the maxima in it or those of them that exceed the plane above.
 
         The arrays of a plane must last until the plane after the next is computed.
         """

@@ -172,7 +172,7 @@ class LagRings:
         self.lag, self._ring = width * np.arange(rings), np.minimum(number, rings)
         self._count = self._sum(np.ones(number.shape))
 
-    def autocovariance(self, modes: Array, grid: Grid, threads: int = 1, work: Work | None = None) -> Array:
+    def autocovariance(self, modes: Array, grid: Grid, work: Work | None = None) -> Array:
         """Covariance of a field with itself, averaged over each ring of lags, (lags,).
 
         Parameters
