@@ -130,9 +130,10 @@ class FreePlanes:
         return grid.shape[1]
 
     def compute(
-        self, depth: float, grid: Grid, parts: Sequence[Part], values: Array, run: Run, visit: Visit
+        self, depth: float, own: PlaneGrid, parts: Sequence[Part], values: Array, run: Run, visit: Visit
     ) -> int:
         """Compute the parts of one plane; as `asperity.stress.periodic.PeriodicPlanes.compute`."""
+        grid = own.grid
         convolution = self._convolution(depth, grid)
 
         def transform(number: int) -> None:

@@ -28,7 +28,7 @@ from asperity.stress.kernels import (
     shared_columns,
 )
 from asperity.stress.parts import ALL_PARTS, Part
-from asperity.stress.truncation import Truncation
+from asperity.stress.truncation import PlaneGrid, Truncation
 from asperity.types import Array
 
 COLUMNS_AT_ONCE = 64
@@ -116,14 +116,15 @@ class PeriodicPlanes:
         return 2 * (grid.shape[1] // 2 + 1)
 
     def compute(
-        self, depth: float, grid: Grid, parts: Sequence[Part], values: Array, run: Run, visit: Visit
+        self, depth: float, own: PlaneGrid, parts: Sequence[Part], values: Array, run: Run, visit: Visit
     ) -> int:
         """Compute the parts of one plane.
 
         Parameters
         ----------
         depth : float
-        grid : Grid
+        own : PlaneGrid
+            Of this plane.
         parts : sequence of Part
         values : (parts, ny, 2 (nx // 2 + 1)) array
             The first nx columns of each row are filled.
@@ -134,6 +135,8 @@ class PeriodicPlanes:
         nodes : int
             Nodes of the transforms.
         """
+        grid = own.grid
+        columns = own.columns or grid.half_shape[1]
         if grid.shape != self._fourier.grid.shape:
             self._fourier = Fourier(grid, self._fourier.dtype)
             self._modes = resample(self._finest[1], self._finest[0], grid)
@@ -142,7 +145,7 @@ class PeriodicPlanes:
         source = self._source(depth, parts)
 
         def transform_columns(first: int) -> None:
-            last = min(first + COLUMNS_AT_ONCE, spectra.shape[2])
+            last = min(first + COLUMNS_AT_ONCE, columns)
             shape = source.count, grid.shape[0], last - first
             block = kept.array("block", shape, fourier.complex)
             source.fill_columns(first, last, block)
@@ -153,15 +156,17 @@ class PeriodicPlanes:
                 rows = values[:, first:last, : grid.shape[1]]
                 shape = rows[source.transformed].shape[0], last - first, spectra.shape[2]
                 strip = kept.array("strip", shape, fourier.complex)
-                source.fill_rows(spectra, first, last, strip)
+                source.fill_rows(spectra, first, last, strip, columns)
+                strip[:, :, columns:] = 0
                 fourier.inverse_along_x(strip, rows[source.transformed])
                 source.complete(first, last, rows)
                 visit(band, first, last)
 
-        run(transform_columns, range(0, spectra.shape[2], COLUMNS_AT_ONCE))
+        run(transform_columns, range(0, columns, COLUMNS_AT_ONCE))
         bands = bands_of(grid.shape[0])
         run(transform_rows, range(len(bands)))
-        return grid.size * (source.count + len(parts[source.transformed])) // 2
+        along_y = source.count * columns / grid.half_shape[1]
+        return round(grid.size * (along_y + len(parts[source.transformed])) / 2)
 
     def _source(self, depth: float, parts: Sequence[Part]) -> _SharedSpectra | _SurfaceSpectra | _Spectra:
         if tuple(parts) == ALL_PARTS and self._layer.height is None and not any(self._traction):
@@ -199,9 +204,10 @@ class _SharedSpectra:
         common = self._half_depth, self._modes, self._wavevectors
         shared_columns(*common, first, factors, out.view(self._real))
 
-    def fill_rows(self, columns: Array, first: int, last: int, out: Array) -> None:
-        """Fill `out` with some rows of the parts, to be transformed along x."""
-        common = self._half_depth, self._mean, columns.view(self._real), self._wavevectors
+    def fill_rows(self, spectra: Array, first: int, last: int, out: Array, columns: int) -> None:
+        """Fill `out` with some rows and the first columns of the parts, to be transformed along x."""
+        wavevectors = self._wavevectors._replace(qx=self._wavevectors.qx[:columns])
+        common = self._half_depth, self._mean, spectra.view(self._real), wavevectors
         all_parts(*common, first, last, out.view(self._real))
 
     def complete(self, first: int, last: int, out: Array) -> None:
@@ -232,10 +238,10 @@ class _SurfaceSpectra:
         out[0] = self._over_square[:, first:last]
         np.multiply(self._odd_qy[:, None], out[0], out=out[1])
 
-    def fill_rows(self, columns: Array, first: int, last: int, out: Array) -> None:
-        """Fill `out` with some rows of the parts, to be transformed along x."""
-        np.multiply(-(self._qx**2), columns[0, first:last], out=out[0])
-        np.multiply(-self._odd_qx, columns[1, first:last], out=out[1])
+    def fill_rows(self, spectra: Array, first: int, last: int, out: Array, columns: int) -> None:
+        """Fill `out` with some rows and the first columns of the parts, to be transformed along x."""
+        np.multiply(-(self._qx**2), spectra[0, first:last], out=out[0])
+        np.multiply(-self._odd_qx, spectra[1, first:last], out=out[1])
 
     def complete(self, first: int, last: int, out: Array) -> None:
         """Fill some rows of the parts that are not transformed."""
@@ -289,9 +295,9 @@ class _Spectra:
                     spectrum,
                 )
 
-    def fill_rows(self, columns: Array, first: int, last: int, out: Array) -> None:
-        """Fill `out` with some rows of the parts, to be transformed along x."""
-        out[...] = columns[: self.count, first:last]
+    def fill_rows(self, spectra: Array, first: int, last: int, out: Array, columns: int) -> None:
+        """Fill `out` with some rows and the first columns of the parts, to be transformed along x."""
+        out[:, :, :columns] = spectra[: self.count, first:last, :columns]
 
     def complete(self, first: int, last: int, out: Array) -> None:
         """Fill some rows of the parts that are not transformed."""

@@ -369,7 +369,8 @@ class _PlaneStream:
             def run(function: Callable[[Any], None], items: Sequence[Any]) -> None:
                 list(pool.map(function, items))
 
-            for depth, (grid, bound, scale), share in zip(self.depths, source.plan, done, strict=True):
+            for depth, own, share in zip(self.depths, source.plan, done, strict=True):
+                grid = own.grid
                 rooms.rotate()
                 rooms[0], values = _array_in(rooms[0], (len(parts), grid.shape[0], source.row_length(grid)))
                 fields = [values[number, :, : grid.shape[1]] for number in range(len(parts))]
@@ -379,10 +380,19 @@ class _PlaneStream:
                     for part, field in zip(slopes, fields[len(constants) :], strict=True)
                 }
                 plane = LinearPlane(
-                    float(depth), grid, bound, constant, slope, mean, lateral, float(share), values, scale
+                    float(depth),
+                    grid,
+                    own.bound,
+                    constant,
+                    slope,
+                    mean,
+                    lateral,
+                    float(share),
+                    values,
+                    own.scale,
                 )
                 visit = watch(plane) if watch is not None else lambda *_: None
-                self.work.nodes += source.compute(depth, grid, parts, values, run, visit)
+                self.work.nodes += source.compute(depth, own, parts, values, run, visit)
                 yield plane
 
     def _source(self, pressure: Array) -> PeriodicPlanes | FreePlanes:

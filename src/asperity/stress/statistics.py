@@ -190,16 +190,24 @@ class LagRings:
             power = resample(power, grid, self._grid)
         fourier = Fourier(self._grid, power.real.dtype)
         rows = self._ring.shape[0]
-        columns = power[None]
-        for first in range(0, power.shape[1], LINES_AT_ONCE):
-            block = columns[:, :, first : first + LINES_AT_ONCE]
+        # The power is real: two columns are transformed along y as one complex column, and parted afterwards.
+        half = (power.shape[1] + 1) // 2
+        pairs = power[None, :, :half].copy()
+        pairs[0, :, : power.shape[1] - half] += 1j * power[:, half:]
+        for first in range(0, half, LINES_AT_ONCE):
+            block = pairs[:, :, first : first + LINES_AT_ONCE]
             fourier.inverse_along_y(block, block)
+        here = pairs[0, :rows]
+        opposite = pairs[0, -np.arange(rows)].conj()
+        columns = np.empty((1, rows, power.shape[1]), power.dtype)
+        columns[0, :, :half] = (here + opposite) / 2
+        columns[0, :, half:] = ((here - opposite) / 2j)[:, : power.shape[1] - half]
         covariance = np.empty((1, rows, self._grid.shape[1]), fourier.real)
         for first in range(0, rows, LINES_AT_ONCE):
             strip = slice(first, min(first + LINES_AT_ONCE, rows))
             fourier.inverse_along_x(columns[:, strip].copy(), covariance[:, strip])
         if work is not None:
-            work.nodes += self._grid.size * 3 // 4
+            work.nodes += self._grid.size // 2
         return self._sum(covariance[0]) / self._count
 
     def _sum(self, values: Array) -> Array:
