@@ -219,6 +219,9 @@ class _FreeTruncation(Truncation):
             aliased[number] = ALIASES * self._envelope * self._kept[number] @ ((1 + alias) * np.exp(-alias))
         return dropped + aliased
 
+    def _columns(self, depth: float, grid: Grid, allowed: float) -> tuple[int, float]:
+        return grid.half_shape[1], 0.0
+
 
 def _repeated(grid: Grid) -> Grid:
     """The cell of coarse planes with the spacing of a grid of the map."""
