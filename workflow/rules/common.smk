@@ -40,14 +40,21 @@ def code(script, *modules):
 def imported(source):
     """Sources of the library's modules that a source imports, and of the packages around them."""
     with open(source, "rb") as file:
-        found = [
-            node for node in ast.walk(ast.parse(file.read())) if isinstance(node, ast.Import | ast.ImportFrom)
-        ]
+        found = [*import_statements(ast.parse(file.read()).body)]
     names = {alias.name for node in found if isinstance(node, ast.Import) for alias in node.names}
     for node in found:
         if isinstance(node, ast.ImportFrom) and node.module:
             names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
     return {source for name in names for source in sources_of(name)}
+
+
+def import_statements(block):
+    """Import statements of a block of code and of the blocks inside it; expressions hold none."""
+    for node in block:
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            yield node
+        for inside in ("body", "orelse", "finalbody", "handlers", "cases"):
+            yield from import_statements(getattr(node, inside, ()))
 
 
 @cache
