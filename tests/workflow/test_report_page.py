@@ -2,7 +2,6 @@
 
 import html.parser
 import re
-import shutil
 
 import pandas as pd
 import pytest
@@ -99,4 +98,3 @@ def test_a_study_of_ones_own_has_a_page_too(own_study):
     assert "claims" not in page.headings
     assert "Figures" in page.headings
     assert set(page.figures) == {path.stem for path in (folder / "figures").glob("*.png")}
-    shutil.rmtree(folder / "benchmark/report_page", ignore_errors=True)

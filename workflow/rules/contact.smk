@@ -7,8 +7,6 @@ rule contact:
         f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
     log:
         f"{RESULTS}/log/contact/{{surface}}/seed{{seed}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/contact/{{surface}}/seed{{seed}}.tsv"
     threads: 1
     resources:
         mem_mb=memory("contact"),

@@ -10,8 +10,6 @@ rule machine_code:
         f"{RESULTS}/machine_code/{{part}}.txt",
     log:
         f"{RESULTS}/log/machine_code/{{part}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/machine_code/{{part}}.tsv"
     wildcard_constraints:
         part="|".join(PARTS),
     priority: 1

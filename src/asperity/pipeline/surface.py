@@ -156,7 +156,9 @@ def moment_errors(
     spread[np.rint(wavenumber / width).astype(int)] = power
     correlation = Fourier(grid).inverse(spread[ring].astype(complex), overwrite=True)
     correlation /= correlation[0, 0]
-    return float(np.sqrt(6 * abs(np.mean(correlation**3)))), float(np.sqrt(24 * np.mean(correlation**4)))
+    squared = correlation * correlation
+    skewness, kurtosis = 6 * abs(np.mean(squared * correlation)), 24 * np.mean(squared * squared)
+    return float(np.sqrt(skewness)), float(np.sqrt(kurtosis))
 
 
 def _surface_dataset(height: Array, grid: Grid) -> xr.Dataset:

@@ -386,10 +386,12 @@ def _rescaled(transformed: Array, height: Array) -> Array:
 def _moments(values: Array, weights: Array) -> tuple[float, float, float]:
     """Variance, skewness and kurtosis of weighted values; the last two are NaN if all values are equal."""
     centred = values - weights @ values
-    variance = weights @ centred**2
+    squared = centred * centred
+    variance = weights @ squared
     if variance == 0:
         return 0.0, float("nan"), float("nan")
-    return variance, (weights @ centred**3) / variance**1.5, (weights @ centred**4) / variance**2
+    third = weights @ (squared * centred)
+    return variance, third / variance**1.5, (weights @ (squared * squared)) / variance**2
 
 
 @dataclass(frozen=True)
