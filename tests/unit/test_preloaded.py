@@ -1,4 +1,4 @@
-"""Jobs in copies of a preloaded process: they end as their scripts end, and the process ends with the study."""
+"""Jobs in copies of a preloaded process end as their scripts end, and the process ends with the study."""
 
 import os
 import signal
@@ -42,7 +42,7 @@ def job(folder, body, **options):
 
 
 def told(folder, body, **options):
-    """Process number of a job, that of the process that ran its script, if it was preloaded, and its status."""
+    """Process numbers of a job and of what ran its script, if that was preloaded, and the exit status."""
     started = job(folder, TELL + body, **options)
     out, _ = started.communicate(timeout=LONGEST)
     number, loaded = out.split()[:2]

@@ -66,6 +66,11 @@ def sources_of(module):
     return [source.as_posix() for source in candidates if source.exists()]
 
 
+# Of the jobs that are ready, those of a higher priority start first, and among equal ones those with the larger input:
+# the longest chain, from the surface to the stress on the largest grid, starts early, and small jobs fill the time left.
+PRIORITIES = {"machine_code": 4, "surface": 3, "contact": 2, "stress": 1, "validation": 1, "tradeoff": 1}
+
+
 def any_of(names):
     """Pattern of a wildcard that is one of these names; without names one that nothing matches."""
     return "|".join(map(re.escape, names)) or "(?!)"

@@ -7,6 +7,7 @@ rule contact:
         f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
     log:
         f"{RESULTS}/log/contact/{{surface}}/seed{{seed}}.log",
+    priority: PRIORITIES["contact"]
     threads: 1
     resources:
         mem_mb=memory("contact"),

@@ -12,7 +12,7 @@ rule machine_code:
         f"{RESULTS}/log/machine_code/{{part}}.log",
     wildcard_constraints:
         part="|".join(PARTS),
-    priority: 1
+    priority: PRIORITIES["machine_code"]
     threads: 1
     resources:
         mem_mb=memory("machine_code"),

@@ -8,6 +8,7 @@ rule stress:
         [f"{RESULTS}/readings/{name}/stress/{{surface}}/seed{{seed}}.nc" for name in OTHER_LATERALS],
     log:
         f"{RESULTS}/log/stress/{{surface}}/seed{{seed}}.log",
+    priority: PRIORITIES["stress"]
     threads: 1
     resources:
         mem_mb=memory("stress"),

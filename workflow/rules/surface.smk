@@ -6,6 +6,7 @@ rule surface:
         f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
     log:
         f"{RESULTS}/log/surface/{{surface}}/seed{{seed}}.log",
+    priority: PRIORITIES["surface"]
     threads: 1
     resources:
         mem_mb=memory("surface"),

@@ -19,6 +19,7 @@ rule tradeoff:
         f"{RESULTS}/log/tradeoff/{{extent}}.log",
     wildcard_constraints:
         extent=any_of(config["tradeoff"]),
+    priority: PRIORITIES["tradeoff"]
     threads: 1
     resources:
         mem_mb=memory("tradeoff"),

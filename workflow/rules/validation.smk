@@ -11,6 +11,7 @@ rule validation:
         f"{RESULTS}/log/validation/{{validation}}.log",
     wildcard_constraints:
         validation=any_of(VALIDATIONS),
+    priority: PRIORITIES["validation"]
     threads: 1
     resources:
         mem_mb=memory("validation"),

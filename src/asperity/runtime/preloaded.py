@@ -46,7 +46,9 @@ _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM
 
 
 def start(modules: Iterable[str]) -> subprocess.Popen[bytes] | None:
-    """Start a preloaded process for the jobs of this process, and return it; None where it is not Linux.
+    """Start a preloaded process for the jobs of this process, and return it.
+
+    None if it cannot start, as on other systems than Linux.
 
     Parameters
     ----------
@@ -55,16 +57,19 @@ def start(modules: Iterable[str]) -> subprocess.Popen[bytes] | None:
     """
     if sys.platform != "linux":
         return None
-    with socket.socket(socket.AF_UNIX) as listening:
-        listening.bind("")  # Linux chooses an address that is not a file
-        listening.listen()
-        process = subprocess.Popen(
-            [sys.executable, "-P", "-m", __name__, str(listening.fileno()), *modules],
-            stdin=subprocess.PIPE,
-            pass_fds=[listening.fileno()],
-            env={**os.environ, **_ONE_THREAD},
-        )
-        os.environ[ADDRESS] = listening.getsockname().hex()
+    try:
+        with socket.socket(socket.AF_UNIX) as listening:
+            listening.bind("")  # Linux chooses an address that is not a file
+            listening.listen()
+            process = subprocess.Popen(
+                [sys.executable, "-P", "-m", __name__, str(listening.fileno()), *modules],
+                stdin=subprocess.PIPE,
+                pass_fds=[listening.fileno()],
+                env={**os.environ, **_ONE_THREAD},
+            )
+            os.environ[ADDRESS] = listening.getsockname().hex()
+    except OSError:
+        return None
     atexit.register(process.communicate)  # closes its input, at which it ends
     return process
 
