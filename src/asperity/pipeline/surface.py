@@ -156,9 +156,11 @@ def moment_errors(
     spread[np.rint(wavenumber / width).astype(int)] = power
     correlation = Fourier(grid).inverse(spread[ring].astype(complex), overwrite=True)
     correlation /= correlation[0, 0]
-    squared = correlation * correlation
-    skewness, kurtosis = 6 * abs(np.mean(squared * correlation)), 24 * np.mean(squared * squared)
-    return float(np.sqrt(skewness)), float(np.sqrt(kurtosis))
+    power = correlation * correlation
+    power *= correlation
+    skewness = abs(power.mean())
+    power *= correlation
+    return float(np.sqrt(6 * skewness)), float(np.sqrt(24 * power.mean()))
 
 
 def _surface_dataset(height: Array, grid: Grid) -> xr.Dataset:
