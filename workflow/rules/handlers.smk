@@ -1,24 +1,24 @@
 # Before the run: checks, and an announcement of what it takes. After it: where the results are.
 # What fails in between is told by the logger plugin (src/snakemake_logger_plugin_asperity).
-from asperity.runtime.interrupts import leave_jobs_to_cluster
 from asperity.runtime import preloaded
+from asperity.runtime.interrupts import leave_jobs_to_cluster
 from asperity.runtime.preflight import claim, require_memory, require_space, require_undamaged
 from asperity.runtime.snakemake_internals import jobs_to_run, memory_limit, runs_locally
 
+# Modules with which matplotlib writes PNG and PDF.
+BACKENDS = "matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf"
 
-def modules_of(jobs):
-    """Modules that the scripts of these jobs import, and those that they load later."""
-    sources = [f"workflow/scripts/{rule}.py" for rule in {job.rule for job in jobs}]
-    found = {
-        node.module
-        for source in filter(os.path.exists, sources)
-        for node in import_statements(ast.parse(Path(source).read_bytes()).body)
-        if isinstance(node, ast.ImportFrom)
-    }
-    figures = {FIGURES[job.wildcards.figure].module for job in jobs if job.rule == "figure"}
-    if figures:
-        found |= {"matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf"}
-    return sorted(found | {f"asperity.paper.figures.{name}" for name in figures} | {"snakemake.script"})
+
+def modules_of_scripts():
+    """Modules that the scripts of all rules import, and those that they load later.
+
+    All of them in every run, so that the memory of a job does not depend on which other jobs run.
+    """
+    blocks = [ast.parse(script.read_bytes()).body for script in Path("workflow/scripts").glob("*.py")]
+    imports = [node for block in blocks for node in import_statements(block)]
+    found = {node.module for node in imports if isinstance(node, ast.ImportFrom)}
+    figures = {f"asperity.paper.figures.{figure.module}" for figure in FIGURES.values()}
+    return sorted(found | figures | {"snakemake.script", *BACKENDS})
 
 
 def require_maps(jobs):
@@ -39,7 +39,7 @@ def require_maps(jobs):
 onstart:
     jobs = jobs_to_run(workflow)
     if runs_locally(workflow):
-        preloaded.start(modules_of(jobs))
+        preloaded.start(modules_of_scripts())
     else:
         leave_jobs_to_cluster()
     require_maps(jobs)

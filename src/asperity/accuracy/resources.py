@@ -91,7 +91,7 @@ class _Line(NamedTuple):
 # contact and stress are those of the imports; their calculation follows the time laws.
 _LINES = {
     "machine code": _Line(315, seconds=14),
-    "surface": _Line(200, 39, seconds=2, disk_per_node=8.1),
+    "surface": _Line(190, 39, seconds=2, disk_per_node=8.1),
     "measured surface": _Line(250, 31, seconds=5, time_per_node=0.8, disk_per_node=8.1),
     "contact": _Line(260, 85, seconds=2, disk_per_node=17.5),
     "load-area curve": _Line(260, 130, seconds=2, disk_per_node=17.5),
