@@ -1,10 +1,12 @@
 """Jobs in copies of a preloaded process end as their scripts end, and the process ends with the study."""
 
+import ast
 import os
 import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import psutil
 import pytest
@@ -106,6 +108,15 @@ def test_jobs_of_another_user_are_refused(tmp_path, monkeypatch):
     own, number, loaded, status = told(tmp_path, "sys.exit(3)")
     assert (own, loaded, status) == (number, False, 3)
     process.communicate(timeout=LONGEST)
+
+
+def test_every_script_of_the_study_begins_by_going_into_a_copy():
+    scripts = list((Path(__file__).parents[2] / "workflow/scripts").glob("*.py"))
+    assert len(scripts) > 15
+    for script in scripts:
+        _, first, second, *_ = ast.parse(script.read_text(encoding="utf-8")).body
+        assert ast.unparse(first) == "from asperity.runtime.preloaded import run_in_copy", script.name
+        assert ast.unparse(second) == "run_in_copy()", script.name
 
 
 def test_the_process_ends_with_the_one_that_started_it():
