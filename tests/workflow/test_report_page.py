@@ -33,6 +33,7 @@ class Page(html.parser.HTMLParser):
 
 def made(study, folder, *arguments):
     """The page of a finished study, made by its rule, whose log is deleted again."""
+    (folder / "report.html").unlink(missing_ok=True)  # another test may have written Snakemake's report there
     found = snakemake(study.folder, "report_page", *arguments, cores=1)
     assert found.returncode == 0, found.stdout + found.stderr
     (folder / "log/report_page.log").unlink()
