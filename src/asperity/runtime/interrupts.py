@@ -161,8 +161,9 @@ def _wait_for_signal(incoming: int) -> None:
     """Read the numbers of signals from a pipe, and end the process and its jobs at the first that counts."""
     while number := os.read(incoming, 1):
         if number[0] in SIGNALS:
-            _say(STUDY_LINE)
-            _silence()
+            shown = os.dup(2)
+            _silence()  # first: the main thread may be printing
+            _say(STUDY_LINE, shown)
             _end_jobs()
             os._exit(status_after(number[0]))
 
@@ -175,10 +176,10 @@ def _end_process(line: str, number: int) -> NoReturn:
     os._exit(status_after(number))
 
 
-def _say(line: str) -> None:
-    """Print a line on stderr, after the end of a line that is already there on a terminal."""
+def _say(line: str, stream: int = 2) -> None:
+    """Print a line on stderr or what stands for it, after the end of a line that is there on a terminal."""
     with suppress(OSError, ValueError):
-        os.write(2, f"{chr(10) if os.isatty(2) else ''}{line}\n".encode())
+        os.write(stream, f"{chr(10) if os.isatty(stream) else ''}{line}\n".encode())
 
 
 def _silence() -> None:

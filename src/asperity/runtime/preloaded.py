@@ -99,7 +99,7 @@ def main() -> None:
     """Import modules, and copy this process for every job until the main process ends."""
     number, *modules = sys.argv[1:]
     for module in modules:
-        with suppress(ImportError):
+        with suppress(Exception):
             import_module(module)
     gc.freeze()  # the memory of what is imported stays shared with the copies
     signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # copies that have ended leave no trace
