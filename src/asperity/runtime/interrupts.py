@@ -12,7 +12,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any, NoReturn
@@ -190,12 +190,15 @@ def _silence() -> None:
 
 
 def _end_jobs() -> None:
-    """End all programs that this process and its programs have started."""
+    """End all programs that this process and its programs have started, also if their parents end first."""
     import psutil  # a part of Snakemake; single calculations do not need it
 
     deadline = time.monotonic() + JOB_GRACE
+    found: set[psutil.Process] = set()
     told: set[int] = set()
-    while programs := _running(psutil.Process().children(recursive=True)):
+    while True:
+        found.update(psutil.Process().children(recursive=True))
+        programs = _running(found)
         late = time.monotonic() - deadline
         for program in programs:
             with suppress(psutil.NoSuchProcess):
@@ -204,12 +207,12 @@ def _end_jobs() -> None:
                 elif program.pid not in told:
                     program.terminate()
                     told.add(program.pid)
-        if late > JOB_GRACE:
+        if not programs or late > JOB_GRACE:
             return
         time.sleep(0.05)
 
 
-def _running(programs: list[Any]) -> list[Any]:
+def _running(programs: Iterable[Any]) -> list[Any]:
     """Programs that have not ended, without those of which only the exit status is kept."""
     found = []
     for program in programs:
