@@ -181,7 +181,6 @@ def test_the_load_of_the_next_grid_follows_those_of_the_coarser_ones() -> None:
 def test_coarse_grids_with_many_contact_nodes_are_solved_at_a_load() -> None:
     prediction = LoadPrediction(0.1)
     kinds = [
-        prediction.next_control(1.0, 0.1, size, is_finest=False)[0].kind
-        for size in (1_000, 1_000, 100_000)
+        prediction.next_control(1.0, 0.1, size, is_finest=False)[0].kind for size in (1_000, 1_000, 100_000)
     ]
     assert kinds == ["area_fraction", "area_fraction", "mean_pressure"]
