@@ -6,6 +6,8 @@ from .contact import solve_path as solve_path
 from .contact import verify_contact as verify_contact
 from .elasticity.layer import Layer as Layer
 from .elasticity.two_bodies import TwoBodies as TwoBodies
+from .engines import fft_engine as fft_engine
+from .engines.wisdom import measure_wisdom as measure_wisdom
 from .results import read_result as read_result
 from .results import write_result as write_result
 from .spectral import Grid as Grid

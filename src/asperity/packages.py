@@ -48,16 +48,26 @@ PACKAGES = {
 }
 """Extra → module that is imported → package that provides it. Each extra holds those before it."""
 
-NAMES = {module: name for modules in PACKAGES.values() for module, name in modules.items()}
+ALTERNATIVES = {"fftw": {"pyfftw": "pyfftw"}}
+"""The same for extras by themselves, which nobody needs who does not choose them."""
+
+NAMES = {
+    module: name
+    for modules in (*PACKAGES.values(), *ALTERNATIVES.values())
+    for module, name in modules.items()
+}
 """Module → package that provides it."""
+
+NEEDED = tuple(module for modules in PACKAGES.values() for module in modules)
+"""All modules but those of the `ALTERNATIVES`."""
 
 
 class MissingPackageError(ModuleNotFoundError):
     """Raised if a package is not installed; the message names it and the extra to install."""
 
 
-def absent(modules: Iterable[str] = tuple(NAMES)) -> list[str]:
-    """Those of the modules, by default of all, that are not installed."""
+def absent(modules: Iterable[str] = NEEDED) -> list[str]:
+    """Those of the modules, by default of all but the `ALTERNATIVES`, that are not installed."""
     return [module for module in modules if find_spec(module) is None]
 
 
@@ -70,8 +80,10 @@ def require(modules: Iterable[str]) -> None:
 def install_command(missing: Iterable[str]) -> str:
     """Command that installs the packages of missing modules."""
     missing = set(missing)
-    extra = [extra for extra, modules in PACKAGES.items() if missing & modules.keys()][-1]
-    return f'pip install "asperity[{extra}]"' if extra else "pip install asperity"
+    held = [extra for extra, modules in PACKAGES.items() if missing & modules.keys()][-1:]
+    alone = [extra for extra, modules in ALTERNATIVES.items() if missing & modules.keys()]
+    extras = ",".join(filter(None, [*held, *alone]))
+    return f'pip install "asperity[{extras}]"' if extras else "pip install asperity"
 
 
 def message(missing: Iterable[str]) -> str:

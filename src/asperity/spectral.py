@@ -23,16 +23,14 @@ without. `resample` keeps exactly the modes strictly below the Nyquist wavevecto
 
 Transforms
 ----------
-`Fourier` wraps ducc0 in double or single precision and counts the transforms. The lines of a grid are
-transformed in blocks that do not depend on the number of threads, so that the result has the same bits for
-any number of threads.
+`Fourier` transforms in double or single precision, by one of the libraries of `asperity.engines`, and counts
+the transforms. The result has the same bits for any number of threads.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import ducc0
@@ -40,6 +38,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from asperity.arguments import magnitude, real_array, whole_number
+from asperity.engines import Engine, current_engine
 from asperity.errors import shown
 from asperity.types import REAL_TYPES, Array
 
@@ -48,17 +47,6 @@ if TYPE_CHECKING:
 
 MOST_NODES = 2**31 - 1
 """Largest number of nodes on an axis."""
-
-# Lines are transformed in multiples of this number, and the remaining ones by a single thread. ducc0
-# transforms as many lines at once as a vector register holds numbers, and left-over lines one by one, which
-# rounds differently: multiples of 128 leave none over in any thread.
-_BLOCK = 128
-
-# Distance of rows in bytes whose elements share the same lines of the processor's cache. Writing several such
-# rows at once in single precision takes three times as long as writing rows that are `_PADDING` numbers
-# longer.
-_CRITICAL_STRIDE = 4096
-_PADDING = 16
 
 
 @dataclass(frozen=True)
@@ -206,6 +194,8 @@ class Fourier:
         Number of threads; the result does not depend on it.
     work : Work, optional
         Counter to which transforms are added; transforms on several grids may share one.
+    engine : Engine, optional
+        Library that transforms; by default that of `asperity.fft_engine` where the object is made.
 
     Raises
     ------
@@ -217,6 +207,7 @@ class Fourier:
     dtype: DTypeLike = "float64"
     threads: int = 1
     work: Work = field(default_factory=Work)
+    engine: Engine = field(default_factory=current_engine)
 
     def __post_init__(self) -> None:
         self.real: np.dtype[Any] = real_type(self.dtype)
@@ -236,11 +227,8 @@ class Fourier:
         _require_shape("values", values, self.grid.shape)
         if out is None:
             out = np.empty(self.grid.half_shape, self.complex)
-        for rows, threads in self._blocks(self.grid.shape[0]):
-            ducc0.fft.r2c(values[rows], axes=(1,), forward=True, inorm=2, out=out[rows], nthreads=threads)
-        for columns, threads in self._blocks(out.shape[1]):
-            part = out[:, columns]
-            ducc0.fft.c2c(part, axes=(0,), forward=True, inorm=2, out=part, nthreads=threads)
+        self.engine.rows_forward(values, out, self.threads)
+        self.engine.columns_forward(out, out, self.threads)
         return out
 
     def inverse(self, coefficients: Array, out: Array | None = None, overwrite: bool = False) -> Array:
@@ -260,38 +248,9 @@ class Fourier:
         coefficients = np.asarray(coefficients, dtype=self.complex)
         _require_shape("coefficients", coefficients, self.grid.half_shape)
         columnwise = coefficients if overwrite else np.empty_like(coefficients)
-        for columns, threads in self._blocks(coefficients.shape[1]):
-            ducc0.fft.c2c(
-                coefficients[:, columns],
-                axes=(0,),
-                forward=False,
-                out=columnwise[:, columns],
-                nthreads=threads,
-            )
-        ny, nx = self.grid.shape
-        padded = out.strides[0] % _CRITICAL_STRIDE == 0 and self.real == np.float32
-        room = np.empty((_BLOCK, nx + _PADDING), self.real)[:, :nx] if padded else None
-        for rows, threads in self._blocks(ny, _BLOCK if padded else None):
-            target = out[rows] if room is None else room[: rows.stop - rows.start]
-            ducc0.fft.c2r(
-                columnwise[rows],
-                axes=(1,),
-                lastsize=nx,
-                forward=False,
-                out=target,
-                nthreads=threads,
-                allow_overwriting_input=True,
-            )
-            if room is not None:
-                out[rows] = target
+        self.engine.columns_inverse(coefficients, columnwise, self.threads)
+        self.engine.rows_inverse(columnwise, out, self.threads)
         return out
-
-    def _blocks(self, lines: int, most: int | None = None) -> list[tuple[slice, int]]:
-        """Blocks of lines, at most `most` each if given, with the number of threads for each."""
-        whole = lines - lines % _BLOCK
-        edges = [*range(0, whole, most or whole or 1), whole]
-        parts = [(slice(start, stop), self.threads) for start, stop in pairwise(edges)]
-        return [*parts, (slice(whole, lines), 1)] if whole < lines else parts
 
 
 def real_type(dtype: DTypeLike) -> np.dtype[Any]:

@@ -44,7 +44,8 @@ def test_a_flat_punch_has_the_same_pressure_under_any_load(load, offset):
     one = asp.solve(np.zeros((16, 16)), HALF_SPACE, mean_pressure=1.0, boundary="free")
     other = asp.solve(np.full((16, 16), offset), HALF_SPACE, mean_pressure=load, boundary="free")
     np.testing.assert_allclose(other.pressure, load * one.pressure, rtol=1e-4)
-    assert other.approach == pytest.approx(offset + load * one.approach, rel=1e-12)
+    # The two solutions differ by the tolerance of the solver: rounding is not the same in single precision.
+    assert other.approach == pytest.approx(offset + load * one.approach, rel=1e-6)
 
 
 @pytest.mark.parametrize("size", [1e-60, 1e60])

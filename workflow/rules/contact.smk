@@ -2,6 +2,7 @@ rule contact:
     input:
         surface=f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
         machine_code=MACHINE_CODE,
+        wisdom=fft_wisdom,
         code=code("contact"),
     output:
         f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
@@ -17,5 +18,6 @@ rule contact:
     params:
         layer=config["layer"],
         contact=contact_settings,
+        fft_engine=FFT_ENGINE,
     script:
         "../scripts/contact.py"

@@ -25,6 +25,7 @@ rule ensemble_samples:
         contact={**config["contact"], "path_area_fractions": []},
         stress=config["stress"],
         readings={name: config["readings"][name] for name in ("lateral", "shear", "patch_nodes")},
+        fft_engine=FFT_ENGINE,
     script:
         "../scripts/ensemble_samples.py"
 

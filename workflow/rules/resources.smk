@@ -86,6 +86,7 @@ def seed_seconds(surface, edge):
 # Rule -> cost of its job. Rules that are not listed take next to no time and memory.
 COSTS = {
     "machine_code": lambda wildcards: job_cost("machine code"),
+    "fft_wisdom": lambda wildcards: job_cost("wisdom", int(wildcards.points)),
     "surface": surface_cost,
     "contact": contact_cost,
     "stress": stress_cost,

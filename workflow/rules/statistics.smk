@@ -4,6 +4,7 @@ rule statistics:
         contact=results_of_seeds("contact"),
         stress=results_of_seeds("stress"),
         others=other_stresses_of_seeds,
+        wisdom=fft_wisdom,
         code=code("statistics"),
     output:
         f"{RESULTS}/statistics/{{surface}}.nc",
@@ -21,5 +22,6 @@ rule statistics:
         statistics=config["statistics"],
         patch_nodes=config["readings"]["patch_nodes"],
         laterals=OTHER_LATERALS,
+        fft_engine=FFT_ENGINE,
     script:
         "../scripts/statistics.py"

@@ -2,6 +2,7 @@ rule stress:
     input:
         contact=f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
         machine_code=MACHINE_CODE,
+        wisdom=fft_wisdom,
         code=code("stress"),
     output:
         f"{RESULTS}/stress/{{surface}}/seed{{seed}}.nc",
@@ -19,5 +20,6 @@ rule stress:
         stress=config["stress"],
         laterals=OTHER_LATERALS,
         quantities=OTHER_COMPONENTS,
+        fft_engine=FFT_ENGINE,
     script:
         "../scripts/stress.py"

@@ -1,6 +1,7 @@
 rule surface:
     input:
         map=lambda wildcards: ([MEASURED[wildcards.surface]["file"]] if wildcards.surface in MEASURED else []),
+        wisdom=fft_wisdom,
         code=code("surface"),
     output:
         f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
@@ -15,5 +16,6 @@ rule surface:
         runtime=minutes("surface"),
     params:
         surface=surface_settings,
+        fft_engine=FFT_ENGINE,
     script:
         "../scripts/surface.py"

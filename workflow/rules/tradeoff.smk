@@ -28,6 +28,7 @@ rule tradeoff:
         runtime=minutes("tradeoff"),
     params:
         settings=lambda wildcards: config["tradeoff"][wildcards.extent],
+        fft_engine=FFT_ENGINE,
     script:
         "../scripts/tradeoff.py"
 

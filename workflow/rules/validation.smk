@@ -20,6 +20,7 @@ rule validation:
         runtime=minutes("validation"),
     params:
         settings=lambda wildcards: config["validation"][wildcards.validation],
+        fft_engine=FFT_ENGINE,
     script:
         "../scripts/validation.py"
 

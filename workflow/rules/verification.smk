@@ -5,6 +5,7 @@ rule verification:
         stress=results_of_seeds("stress"),
         statistics=f"{RESULTS}/statistics/{{surface}}.nc",
         machine_code=MACHINE_CODE,
+        wisdom=fft_wisdom,
         code=code("verification"),
     output:
         table=f"{RESULTS}/verification/{{surface}}.csv",
@@ -23,6 +24,8 @@ rule verification:
         mem_mb=memory("verification"),
         disk_mb=disk("verification"),
         runtime=minutes("verification"),
+    params:
+        fft_engine=FFT_ENGINE,
     script:
         "../scripts/verification.py"
 

@@ -1,5 +1,6 @@
 """Rule contact: the solid pressed against a rough surface, and its load-area curve."""
 
+from asperity.engines import fft_engine
 from asperity.pipeline.contact import solve_contact
 from asperity.results import dataset
 from asperity.runtime.logs import log_to
@@ -7,6 +8,7 @@ from asperity.runtime.progress import ProgressBar
 
 with (
     log_to(snakemake.log[0], snakemake.output),
+    fft_engine(snakemake.params.fft_engine, *snakemake.input.wisdom),
     ProgressBar(f"contact {snakemake.wildcards.surface}") as progress,
 ):
     surface = dataset.read(snakemake.input.surface)

@@ -1,12 +1,17 @@
 """Rule statistics: all numbers of the peaks, profiles and decays of one surface, over its seeds."""
 
+from asperity.engines import fft_engine
 from asperity.pipeline.statistics import SeedResults, reading_statistics, surface_statistics
 from asperity.results import dataset
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
 surface, files, params = snakemake.wildcards.surface, snakemake.input, snakemake.params
-with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"statistics {surface}"):
+with (
+    log_to(snakemake.log[0], snakemake.output),
+    fft_engine(snakemake.params.fft_engine, *snakemake.input.wisdom),
+    ProgressBar(f"statistics {surface}"),
+):
     results = map(SeedResults.read, files.surface, files.contact, files.stress)
     statistics = surface_statistics(results, **params.statistics, patch_nodes=params.patch_nodes)
     settings = dataset.settings_of(dataset.read(files.stress[0])) | {

@@ -1,11 +1,16 @@
 """Rule surface: a random or measured rough surface."""
 
+from asperity.engines import fft_engine
 from asperity.pipeline.surface import make_surface, read_surface
 from asperity.results import dataset
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
-with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"surface {snakemake.wildcards.surface}"):
+with (
+    log_to(snakemake.log[0], snakemake.output),
+    fft_engine(snakemake.params.fft_engine, *snakemake.input.wisdom),
+    ProgressBar(f"surface {snakemake.wildcards.surface}"),
+):
     seed, parameters = int(snakemake.wildcards.seed), snakemake.params.surface
     if "file" in parameters:
         entry = f"measured.{snakemake.wildcards.surface}"

@@ -4,12 +4,17 @@ from asperity.accuracy.measured import as_json
 from asperity.accuracy.measurement import measure
 from asperity.accuracy.reduction import reduce_runs
 from asperity.accuracy.tables import errors_for_reader, errors_frame, presets_for_reader, presets_frame
+from asperity.engines import fft_engine
 from asperity.results import dataset, markup
 from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
-with log_to(snakemake.log[0], snakemake.output), ProgressBar("tradeoff") as progress:
+with (
+    log_to(snakemake.log[0], snakemake.output),
+    fft_engine(snakemake.params.fft_engine),
+    ProgressBar("tradeoff") as progress,
+):
     settings = snakemake.params.settings
     runs = measure(**settings, progress=progress)
     dataset.write(

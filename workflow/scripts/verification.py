@@ -1,5 +1,6 @@
 """Rule verification: the results of one surface against the laws that they must obey."""
 
+from asperity.engines import fft_engine
 from asperity.pipeline.statistics import SeedResults
 from asperity.pipeline.verification import verify
 from asperity.results import dataset, markup
@@ -8,7 +9,11 @@ from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
 surface, files = snakemake.wildcards.surface, snakemake.input
-with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"verification {surface}") as progress:
+with (
+    log_to(snakemake.log[0], snakemake.output),
+    fft_engine(snakemake.params.fft_engine, *snakemake.input.wisdom),
+    ProgressBar(f"verification {surface}") as progress,
+):
     results = map(SeedResults.read, files.surface, files.contact, files.stress)
     checks = verify(surface, results, dataset.read(files.statistics), progress)
     write_table(checks, "verification", snakemake.output.table)

@@ -91,6 +91,7 @@ class _Line(NamedTuple):
 # contact and stress are those of the imports; their calculation follows the time laws.
 _LINES = {
     "machine code": _Line(295, seconds=14),
+    "wisdom": _Line(150, seconds=1, time_per_node=15e3),  # over the nodes on an edge
     "surface": _Line(144, 31, seconds=2, disk_per_node=7),
     "measured surface": _Line(250, 31, seconds=5, time_per_node=0.8, disk_per_node=7),
     "contact": _Line(260, 85, seconds=2, disk_per_node=15),

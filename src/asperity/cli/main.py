@@ -32,10 +32,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         with interruptible(f"asperity: {COMMAND_LINE}", last=arguments is None):
             require(PACKAGES[BASE])
+            from asperity.cli.engine import chosen_engine
             from asperity.cli.parser import make_parser
 
             options = make_parser().parse_args(arguments)
-            import_module(f"asperity.cli.commands.{options.command}").run(options)
+            with chosen_engine(options):
+                import_module(f"asperity.cli.commands.{options.command}").run(options)
     except InputError as error:
         return max(map(fail, error.lines), default=1)
     except Interrupted as interrupted:

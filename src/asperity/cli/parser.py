@@ -7,6 +7,7 @@ from collections.abc import Callable
 from functools import partial
 
 import asperity
+from asperity.cli import engine
 from asperity.cli.arguments import POSITIVE, Parser, add_setting, converted
 from asperity.cli.run_options import RUN_MAP_OPTIONS, RUN_OPTIONS
 from asperity.config.schema import setting
@@ -33,6 +34,8 @@ def make_parser() -> Parser:
         summary = description.split(".")[0]
         command = commands.add_parser(name, help=summary[0].lower() + summary[1:], description=description)
         add_arguments(command)
+        if name in engine.COMMANDS:
+            engine.add_engine(command)
     return parser
 
 
@@ -345,6 +348,18 @@ def _add_export(parser: Parser) -> None:
     _add_body(parser)
 
 
+def _add_wisdom(parser: Parser) -> None:
+    parser.add_argument(
+        "--points",
+        nargs="+",
+        required=True,
+        type=partial(converted, setting("surfaces.NAME.points")),
+        metavar="INTEGER",
+        help="nodes on the edges of the grids; coarser grids of the same calculation are planned too",
+    )
+    parser.add_argument("--out", required=True, metavar="FILE.json", help="file to write")
+
+
 def _add_study(parser: Parser) -> None:
     parser.usage = "asperity study init FOLDER"
     parser.add_argument("action", choices=("init",), help="write the study into a folder")
@@ -384,6 +399,10 @@ _COMMANDS: dict[str, tuple[Callable[[Parser], None], str]] = {
     ),
     "view": (_add_view, "Draw results: surfaces, contacts, and the stress below them."),
     "export": (_add_export, "Export results as tables (CSV) and as fields for ParaView (VTK)."),
+    "wisdom": (
+        _add_wisdom,
+        "Measure the fastest plans of FFTW for some grids. The file serves --fft-wisdom of other commands.",
+    ),
     "study": (
         _add_study,
         "Write the study of the paper into a folder. There `snakemake --cores 2` makes every figure.",

@@ -13,10 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from asperity.config.check import check, check_files
-from asperity.config.defaults import complete
+from asperity.config.defaults import complete, default
 from asperity.config.reader import load, merged
 from asperity.config.schema import schema, setting
 from asperity.errors import ConfigError, shown
+from asperity.packages import absent, message
 
 PAPER = "config/config.yaml"
 """Configuration of the paper, relative to the folder of the project."""
@@ -57,6 +58,7 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
     elif "results" not in given:
         config["results"] = _folder_named_after(files[-1])
     check(config)
+    _check_engine(config)
     if "results" in given:
         config["results"] = _folder_given(given["results"])
     elif config["results"] == "results" and not _is_paper(files[-1]):
@@ -85,6 +87,13 @@ def with_base(config: Mapping[str, Any]) -> dict[str, Any]:
     if base != PAPER:
         raise ConfigError(f"based_on = {shown(base)}: {setting('based_on')['accepts']} is needed")
     return merged(load(PAPER), config)
+
+
+def _check_engine(config: Mapping[str, Any]) -> None:
+    """Raise `ConfigError` if the engine of the transforms is not installed."""
+    engine = config.get("fft_engine", default("fft_engine"))
+    if missing := absent([engine]):
+        raise ConfigError(f"fft_engine = {shown(engine)}: {message(missing)}")
 
 
 def _check_labels(config: Mapping[str, Any]) -> None:

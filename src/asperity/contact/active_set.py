@@ -21,27 +21,34 @@ and changes of the set. New here are
   iterations independent of the grid,
 - that joining nodes are chosen from the gap at the end of an inner solve, before tensile nodes are released
   (`asperity.contact.safeguard`),
-- control of the area along the tangent of the contact (`asperity.contact.tangent`), which costs one or two
-  more inner solves,
-- that inner solves run in single precision, for a solution in double precision.
+- control of the area along the tangent of the contact (`asperity.contact.tangent`), which costs one more
+  inner solve,
+- that inner solves run in single precision and with a displacement that is right to a per cent
+  (`asperity.contact.inner_response`), and the first steps in single precision, for a solution in double
+  precision.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from asperity.contact import kernels
 from asperity.contact.area_control import AreaControl
 from asperity.contact.area_steps import AreaSteps
-from asperity.contact.assembly import Assembler
-from asperity.contact.inner_solve import InnerAccuracy, InnerSolver
-from asperity.contact.problem import Control, Problem, State
+from asperity.contact.assembly import JOIN_STIFFNESS, Assembler
+from asperity.contact.inner_solve import ContactSystem, InnerAccuracy, InnerSolver
+from asperity.contact.iterate import Iterate
+from asperity.contact.problem import Control, Problem
 from asperity.contact.safeguard import SafeguardedStep, Stagnation
 from asperity.contact.soft_mode import SoftMode
 from asperity.contact.solver_progress import ConvergenceProgress
+from asperity.contact.tangent import Tangent
 from asperity.types import Progress
+
+# Gaps are expected to close by this fraction of their motion in the step before.
+EXPECTED_DECREASE = 0.3
 
 
 @dataclass(frozen=True)
@@ -55,11 +62,18 @@ class StoppingRule:
     area_tolerance : float
         Error of an imposed area, relative to it.
     max_outer_iterations : int
+    rounding_suffices : bool
+        True if the loop also ends when rounding keeps the error above the tolerance.
+    goal : float, optional
+        Tolerance of a solution that the loop starts: when the rule is fulfilled, one more step towards it
+        follows, without an evaluation of its gap.
     """
 
     tolerance: float
     area_tolerance: float
     max_outer_iterations: int
+    rounding_suffices: bool = False
+    goal: float | None = None
 
 
 class ActiveSet:
@@ -70,76 +84,144 @@ class ActiveSet:
     problem : Problem
     control : Control
     rule : StoppingRule
+    inner : InnerSolver, optional
+        One that was made for the same grid, in any precision.
     """
 
-    def __init__(self, problem: Problem, control: Control, rule: StoppingRule) -> None:
+    def __init__(
+        self, problem: Problem, control: Control, rule: StoppingRule, inner: InnerSolver | None = None
+    ) -> None:
         self._problem = problem
         self._control = control
         self._rule = rule
         self._unit = problem.nodal_compliance
-        self._inner = InnerSolver(problem)
-        self._assembler = Assembler(problem, self._inner.preconditioner)
-        self._step = SafeguardedStep(problem)
+        self._inner = inner or InnerSolver(problem)
+        self._assembler = Assembler(problem, self._inner)
+        self._step = SafeguardedStep(problem, self._inner.response)
         self._soft = SoftMode(problem, self._inner)
         self._area = None
         if control.kind == "area_fraction":
-            area = AreaControl(control.value, problem.grid.size, rule.tolerance, rule.area_tolerance)
-            self._area = AreaSteps(problem, self._inner, area)
+            self._area = AreaControl(control.value, problem.grid.size, rule.tolerance, rule.area_tolerance)
+            self._steps_to_area = AreaSteps(problem, self._inner, self._step, self._area)
 
-    def solve(self, state: State, progress: Progress | None = None) -> bool:
-        """Iterate until the state fulfils the stopping rule; True if it does, False if the loop gave up."""
+    def solve(self, iterate: Iterate, progress: Progress | None = None) -> bool:
+        """Iterate until the rule is fulfilled; True if it is, False if the loop gave up."""
         report = ConvergenceProgress(progress, self._rule.tolerance)
-        accuracy, stagnation = InnerAccuracy(self._rule.tolerance), Stagnation()
+        accuracy, stagnation = InnerAccuracy(self._rule.goal or self._rule.tolerance), Stagnation()
         load_changed = False
         for _ in range(self._rule.max_outer_iterations):
-            self._evaluate_gap(state)
-            if not self._step.shorten(state, may_repeat=stagnation.allows_more):
+            self._evaluate(iterate)
+            fraction = self._step.best_fraction(iterate)
+            if fraction == 0 and stagnation.allows_more:
+                self._step.repeat_shorter(iterate)
                 stagnation.record_repetition()
                 continue
-            system, state.error = self._assembler.assemble(state, self._control.fixes_load)
-            state.approach = system.approach
-            report(state.error)
-            if system.contact_nodes.size == 0 and state.error == 0:
+            self._step.shorten(iterate, fraction)
+            if not iterate.is_evaluated:
+                self._evaluate(iterate)
+            iterate.drop_free_nodes()
+            system = self._assembler.assemble(iterate, self._control.fixes_load)
+            report(iterate.error)
+            if iterate.nodes.size == 0 and iterate.error == 0:
                 # The truncated surface of a coarse grid may be out of reach at the approach.
                 return False
             # A load just changed takes effect in an inner solve, even if the change is below the tolerance.
-            converged = state.error <= self._rule.tolerance and not load_changed
-            if self._area is not None and not load_changed and self._area.misses(state, converged):
-                load_changed = self._area.change_load(state, system, converged)
+            converged = self._is_converged(iterate, system) and not load_changed
+            if self._area is not None and not load_changed and self._steps_to_area.misses(iterate, converged):
+                load_changed = self._change_load(iterate, system, self._area, converged)
                 if not load_changed:
                     return True
                 self._step.forget()
                 stagnation.forget_error()
                 continue
-            if converged:
-                if self._control.fixes_load or not self._soft.balance(state, system, self._rule.tolerance):
+            if converged and self._rule.goal is None:
+                if self._control.fixes_load or not self._soft.balance(iterate, system, self._rule.tolerance):
                     return True
                 self._step.forget()
                 continue
-            stagnation.record(state.error)
+            stagnation.record(iterate.error)
             if stagnation.gives_up:
                 return False
             load_changed = False
-            correction = self._inner.solve(system, *accuracy.next(state.error))
-            state.iterations += correction.iterations
-            steered = None if self._area is None else self._area.steer(state, system, correction)
-            self._step.take(state, system, correction if steered is None else steered)
-            if steered is not None:
-                self._step.forget()
-                stagnation.forget_error()
+            correction = self._inner.solve(system, *accuracy.next(iterate.error))
+            iterate.iterations += correction.iterations
+            if self._area is None:
+                motion = self._step.take(iterate, correction)
+            else:
+                motion = self._steps_to_area.take(iterate, system, correction)
+            self._assembler.expected_motion = EXPECTED_DECREASE * motion
+            if converged:
+                iterate.drop_free_nodes()
+                return True
         return False
 
-    def _evaluate_gap(self, state: State) -> None:
-        """Evaluate the gap, after scaling the pressure to the load, or to the least energy at an approach."""
-        pressure, height = state.pressure.reshape(-1), self._problem.height.reshape(-1)
-        mean = float(pressure.mean(dtype=float)) if self._control.fixes_load else 1.0
-        if mean == 0:
-            pressure[np.argmin(height)], mean = 1, 1 / pressure.size
-        self._problem.displacement(state.pressure, state.gap)
-        state.iterations += 1
-        gap = state.gap.reshape(-1)
-        if self._control.fixes_load:
-            factor = state.load / mean
+    def _evaluate(self, iterate: Iterate) -> None:
+        """Evaluate the gap; at a given load, a contact that has lost all its nodes begins anew."""
+        if self._control.fixes_load and not iterate.pressure.any():
+            iterate.start_at_lowest_node()
+            self._step.forget()
+        iterate.evaluate(self._control)
+
+    def _is_converged(self, iterate: Iterate, system: ContactSystem) -> bool:
+        rounding = self._rule.rounding_suffices and system.is_rounding
+        return rounding or iterate.error <= self._rule.tolerance
+
+    def _change_load(
+        self, iterate: Iterate, system: ContactSystem, area: AreaControl, converged: bool
+    ) -> bool:
+        """Change the load towards the imposed area; False if no other load gives a nearer area.
+
+        If the pressure has converged the whole contact follows the load along its tangent, otherwise the load
+        alone changes.
+        """
+        if not converged:
+            load = area.next_load(iterate, converged)
         else:
-            factor = kernels.energy_scale(pressure, gap, height, self._control.value)
-        kernels.scale_to_gap(pressure, gap, height, factor)
+            tangent = self._tangent(iterate, system)
+            change = tangent.change_to_area(iterate, area)
+            if change is None:
+                return False
+            load = area.next_load(iterate, converged, iterate.load + change * tangent.load)
+            if load is not None:
+                self._follow(tangent, iterate, load)
+        if load is None:
+            return False
+        iterate.load = load
+        return True
+
+    def _tangent(self, iterate: Iterate, system: ContactSystem) -> Tangent:
+        """Tangent of the present contact, by an inner solve for a uniform residual."""
+        size, nodes = self._problem.grid.size, system.contact_nodes
+        residual = np.ones_like(system.residual)
+        if nodes.size == size and self._problem.response.uniform_compliance == 0:
+            # In full contact the load of a solid without uniform displacement changes at a fixed approach.
+            pressure, displacement = residual, np.zeros(size, np.float32)
+        else:
+            uniform = replace(system, residual=residual, image=system.uniform_image.copy(), fixed_load=False)
+            correction = self._inner.solve(uniform)
+            iterate.iterations += correction.iterations
+            pressure = correction.pressure
+            displacement = self._inner.response.of_all_nodes(pressure).reshape(-1)
+        return Tangent(nodes, pressure, displacement, float(pressure.sum(dtype=float)) / size, self._unit)
+
+    def _follow(self, tangent: Tangent, iterate: Iterate, load: float) -> None:
+        """Change the pressure along the tangent to a load; penetrating nodes join, nodes in tension leave.
+
+        The displacement of the tangent is overwritten.
+        """
+        change = np.float32((load - iterate.load) / tangent.load)
+        displacement = tangent.displacement
+        displacement *= change
+        joining, overlap = kernels.joining_nodes(
+            *iterate.fields(),
+            iterate.nodes,
+            displacement,
+            iterate.approach + self._unit * float(change),
+            self._unit,
+        )
+        real = iterate.pressure.dtype
+        pressure = kernels.add_and_release(iterate.pressure, tangent.pressure, change)
+        iterate.set_pressure(
+            *kernels.merge(iterate.nodes, joining, pressure, (JOIN_STIFFNESS * overlap).astype(real))
+        )
+        iterate.drop_free_nodes()

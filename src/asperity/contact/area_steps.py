@@ -1,30 +1,30 @@
 """Steps of the outer loop towards an imposed area: changes of the load that take the contact along.
 
-The number of contact nodes to which a correction leads is known before it is added: those that it leaves
-under pressure, and those whose gap it closes. Where that number misses the one asked for, the correction is
-extended along the tangent of the contact to another load. So load and pressure converge together. Only if the
-area is missed by far, or when the pressure has converged, the load is changed in a step of its own.
+The number of contact nodes to which a step leads is known before its gap is evaluated: those that it leaves
+under pressure, and those that join. Where that number misses the one asked for, the correction is extended
+along the tangent of the contact to another load, and the step is taken anew. So load and pressure converge
+together. Only if the area is missed by far, or when the pressure has converged, the load is changed in a step
+of its own.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
-from asperity.contact import kernels
 from asperity.contact.area_control import MAX_STEERED_ERROR, AreaControl
-from asperity.contact.assembly import JOIN_STIFFNESS
 from asperity.contact.inner_solve import ContactSystem, Correction, InnerSolver
-from asperity.contact.problem import Problem, State
-from asperity.contact.tangent import Tangent
+from asperity.contact.iterate import Iterate
+from asperity.contact.problem import Problem
+from asperity.contact.safeguard import SafeguardedStep
 
-# Accuracy of the tangent along which a correction is extended: drop of the residual, and iterations. With one
-# iteration the error of the pressure grows from one step to the next where a tenth of the nodes or more
-# touch, with three a solution takes up to 5 % more transforms (rough surfaces of 1024² nodes).
+# Accuracy of the tangent along which a correction is extended: drop of the residual, and iterations.
 TANGENT_DROP = 0.05
-TANGENT_ITERATIONS = 2
+TANGENT_ITERATIONS = 4
+
+# The multiple of the tangent for the last few nodes is at most so many times that of the power law.
+PLAUSIBLE = 5.0
 
 
 class AreaSteps:
@@ -34,102 +34,87 @@ class AreaSteps:
     ----------
     problem : Problem
     inner : InnerSolver
+    step : SafeguardedStep
     area : AreaControl
     """
 
-    def __init__(self, problem: Problem, inner: InnerSolver, area: AreaControl) -> None:
+    def __init__(
+        self, problem: Problem, inner: InnerSolver, step: SafeguardedStep, area: AreaControl
+    ) -> None:
         self._problem = problem
         self._inner = inner
+        self._step = step
         self._area = area
-        self._unit = problem.nodal_compliance
-        self._kept: Tangent | None = None  # of the last correction for which it was computed
 
-    def misses(self, state: State, converged: bool) -> bool:
+    def misses(self, iterate: Iterate, converged: bool) -> bool:
         """True if the area has to be changed before the pressure is corrected."""
-        if not converged and (state.error > MAX_STEERED_ERROR or self._area.is_near(state)):
+        if not converged and (iterate.error > MAX_STEERED_ERROR or self._area.is_near(iterate)):
             return False
-        return self._area.misses(state, converged)
+        return self._area.misses(iterate, converged)
 
-    def steer(self, state: State, system: ContactSystem, correction: Correction) -> Correction | None:
-        """The correction extended by a change of the load, which the state takes; None if it can stay.
+    def take(self, iterate: Iterate, system: ContactSystem, correction: Correction) -> float:
+        """Take a step, with another load if the area would be missed.
 
-        Pressure and displacement of the correction are overwritten.
+        Returns
+        -------
+        float
+            By how much gaps closed at most.
         """
-        if not self._area.may_steer(state):
-            return None
-        pressure, gap, nodes = state.pressure.reshape(-1), state.gap.reshape(-1), system.contact_nodes
-        approach = state.approach + correction.approach
-        remaining, joining = kernels.touching_nodes(
-            pressure, gap, nodes, correction.pressure, correction.displacement, approach, self._unit
-        )
-        step = self._area.next_step(state, remaining + joining, nodes.size - remaining)
+        steers = self._area.may_steer(iterate)
+        nodes, before = iterate.nodes, iterate.pressure
+        motion = self._step.take(iterate, correction)
+        if not steers:
+            return motion
+        count = int(np.count_nonzero(iterate.pressure > 0))
+        released = int(np.count_nonzero(before + correction.pressure <= 0))
+        step = self._area.next_step(iterate, count, released)
         if step is None:
-            return None
-        if self._kept is None or step.last_nodes:
-            self._kept = self._tangent_beside(correction, state, system)
-        tangent = self._kept.on(nodes, system.uniform_image)
-        if not tangent.load > 0:
-            return None
-        load_change = step.load_change
+            return motion
+        uniform = replace(
+            system,
+            residual=np.ones_like(correction.pressure),
+            image=system.uniform_image.copy(),
+            fixed_load=False,
+        )
+        tangent = self._inner.solve(uniform, TANGENT_DROP, TANGENT_ITERATIONS)
+        iterate.iterations += tangent.iterations
+        load = float(tangent.pressure.sum(dtype=float)) / self._problem.grid.size
+        if not load > 0:
+            return motion
+        iterate.set_pressure(nodes, before)
+        factor = step.load_change / load
         if step.last_nodes:
-            load_change = step.refined(tangent.load * tangent.corrected_change(state, self._area, correction))
-        change = load_change / tangent.load
-        kernels.add_scaled(correction.pressure, tangent.pressure, np.float32(change))
-        kernels.add_scaled(correction.displacement, tangent.displacement, np.float32(change))
-        state.load += load_change
-        return replace(correction, approach=correction.approach + self._unit * change)
+            factor = self._factor_of_last_nodes(iterate, correction, tangent, factor)
+        extended = Correction(
+            correction.pressure + np.float32(factor) * tangent.pressure,
+            correction.displacement + np.float32(factor) * tangent.displacement,
+            correction.approach + self._problem.nodal_compliance * factor,
+            0,
+        )
+        iterate.load += factor * load
+        motion = self._step.take(iterate, extended)
+        self._step.forget()
+        return motion
 
-    def change_load(self, state: State, system: ContactSystem, converged: bool) -> bool:
-        """Change the load towards the imposed area; False if no other load gives a nearer area.
+    def _factor_of_last_nodes(
+        self, iterate: Iterate, correction: Correction, tangent: Correction, expected: float
+    ) -> float:
+        """Multiple of the tangent at which the number of contact nodes is that asked for.
 
-        If the pressure has converged the whole contact follows the load along its tangent, otherwise the load
-        alone changes.
+        It follows from the multiples at which each node enters or leaves the contact, of which those up to
+        `PLAUSIBLE` times the expected multiple are known.
         """
-        if converged:
-            tangent = self._tangent(state, system)
-            change = tangent.change_to_area(state, self._area)
-            if change is None:
-                return False
-            load = self._area.next_load(state, converged, state.load + change * tangent.load)
-            self._follow(tangent, state, state.load if load is None else load)
-        else:
-            load = self._area.next_load(state, converged)
-        if load is None:
-            return False
-        state.load = load
-        return True
-
-    def _tangent_beside(self, correction: Correction, state: State, system: ContactSystem) -> Tangent:
-        """Tangent with a displacement of its own; that of the correction stays."""
-        displacement = correction.displacement.copy()
-        tangent = self._tangent(state, system, TANGENT_DROP, TANGENT_ITERATIONS)
-        tangent = replace(tangent, displacement=tangent.displacement.copy())
-        correction.displacement[:] = displacement
-        return tangent
-
-    def _tangent(self, state: State, system: ContactSystem, *accuracy: Any) -> Tangent:
-        """Tangent of the present contact, by an inner solve for a uniform residual."""
-        size, nodes = self._problem.grid.size, system.contact_nodes
-        residual = np.ones_like(system.residual)
-        if nodes.size == size and self._problem.response.uniform_compliance == 0:
-            # In full contact the load of a solid without uniform displacement changes at a fixed approach.
-            pressure, displacement = residual, np.zeros(size, np.float32)
-        else:
-            uniform = replace(system, residual=residual, image=system.uniform_image.copy(), fixed_load=False)
-            correction = self._inner.solve(uniform, *accuracy)
-            state.iterations += correction.iterations
-            pressure, displacement = correction.pressure, correction.displacement
-        return Tangent(nodes, pressure, displacement, float(pressure.sum(dtype=float)) / size, self._unit)
-
-    def _follow(self, tangent: Tangent, state: State, load: float) -> None:
-        """Change the pressure along the tangent to a load; penetrating nodes join, nodes in tension leave.
-
-        The displacement of the tangent is overwritten.
-        """
-        pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
-        change = np.float32((load - state.load) / tangent.load)
-        displacement = tangent.displacement
-        displacement *= change
-        approach = state.approach + self._unit * float(change)
-        kernels.add_penetrating_nodes(pressure, gap, displacement, approach, self._unit, JOIN_STIFFNESS)
-        kernels.add_and_release(pressure, tangent.contact_nodes, tangent.pressure, change)
+        unit, reach = self._problem.nodal_compliance, PLAUSIBLE * abs(expected)
+        approach = iterate.approach + correction.approach
+        upward = max(0.0, -float(correction.displacement.min(initial=0)))
+        candidates, gap = iterate.free_nodes_below(approach + unit * (upward + reach))
+        respond_at = self._inner.response.respond_at
+        opening = (gap - approach) / unit + respond_at(candidates, correction.pressure)
+        closing = np.maximum(1 - respond_at(candidates, tangent.pressure), np.finfo(np.float32).tiny)
+        leaving = -(iterate.pressure + correction.pressure) / np.maximum(tangent.pressure, 1e-6)
+        edges = np.sort(np.concatenate((opening / closing, leaving)))
+        index = self._area.target
+        if not 0 < index < edges.size:
+            return expected
+        factor = 0.5 * float(edges[index - 1] + edges[index])
+        return factor if abs(factor) < reach else expected

@@ -14,14 +14,15 @@ up:
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
 
 from asperity.contact import kernels
-from asperity.contact.inner_solve import ContactSystem
-from asperity.contact.preconditioner import Preconditioner
-from asperity.contact.problem import Problem, State
+from asperity.contact.inner_solve import ContactSystem, InnerSolver
+from asperity.contact.iterate import Iterate
+from asperity.contact.problem import Problem
 from asperity.types import Array
 
 # Pressure of a node that joins the contact, in units of its penetration / nodal compliance. The error
@@ -43,53 +44,62 @@ class Assembler:
     Parameters
     ----------
     problem : Problem
-    preconditioner : Preconditioner
+    inner : InnerSolver
         Restricted to the contact nodes of each system that is assembled.
+
+    Attributes
+    ----------
+    expected_motion : float
+        By which gaps are expected to close in the next step.
     """
 
-    def __init__(self, problem: Problem, preconditioner: Preconditioner) -> None:
+    def __init__(self, problem: Problem, inner: InnerSolver) -> None:
         self._problem = problem
-        self._preconditioner = preconditioner
+        self._inner = inner
+        self.expected_motion = 0.0
         self._unit = problem.nodal_compliance
 
-    def assemble(self, state: State, fixed_load: bool) -> tuple[ContactSystem, float]:
+    def assemble(self, iterate: Iterate, fixed_load: bool) -> ContactSystem:
         """Linear system of the nodes under pressure, and the estimated error of the pressure.
 
-        With a fixed load the system refers to the approach for which the first correction leaves the load as
-        it is, otherwise to the approach of the state. The state is not changed.
+        With a fixed load the approach of the iterate becomes the one for which the first correction leaves
+        the load as it is. The error of the iterate is set.
         """
-        pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
-        nodes = kernels.contact_nodes(pressure)
-        self._preconditioner.restrict(nodes)
-        uniform_image = self._preconditioner.apply_uniform()
+        gap, nodes = iterate.gap, iterate.nodes
+        self._inner.restrict(nodes)
+        preconditioner = self._inner.preconditioner
+        uniform_image = preconditioner.apply_uniform()
         uniform_sum = float(uniform_image.sum(dtype=float))
-        approach = state.approach
         if fixed_load and uniform_sum:
-            approach = float(gap[nodes[0]])
-            approach += kernels.weighted_mean(uniform_image, gap, nodes, approach)
-        residual = kernels.residual(gap, nodes, approach, self._unit)
+            iterate.approach = float(gap[0])
+            iterate.approach += kernels.weighted_mean(uniform_image, gap, iterate.approach)
+        residual = kernels.residual(gap, iterate.approach, self._unit)
         image = np.empty_like(residual)
-        self._preconditioner.apply(residual, image)
-        system = ContactSystem(nodes, approach, residual, image, uniform_image, uniform_sum, fixed_load)
-        return system, self._error(pressure, gap, system)
+        preconditioner.apply(residual, image)
+        system = ContactSystem(nodes, residual, image, uniform_image, uniform_sum, fixed_load)
+        iterate.error, rounding = self._error(iterate, system)
+        return replace(system, is_rounding=iterate.error <= rounding)
 
-    def _error(self, pressure: Array, gap: Array, system: ContactSystem) -> float:
-        """Estimated error of the pressure, relative to its norm."""
-        mean_pressure, squares, penetration = kernels.pressure_sums(pressure, gap, system.approach)
-        norm = math.sqrt(squares)
+    def _error(self, iterate: Iterate, system: ContactSystem) -> tuple[float, float]:
+        """Estimated error of the pressure, and the part of it that is rounding, relative to its norm."""
+        norm = math.sqrt(kernels.dot(iterate.pressure, iterate.pressure))
         shift = 0.0
         if system.has_free_approach:
             shift = float(system.image.sum(dtype=float)) / system.uniform_sum
+        _, gap_of_free = iterate.free_nodes_below(iterate.approach, reserve=self.expected_motion)
+        penetration = math.sqrt(kernels.squared_overlap(gap_of_free, iterate.approach))
         error = math.hypot(
             math.sqrt(kernels.projected_square(system.image, system.uniform_image, shift)),
-            JOIN_STIFFNESS * math.sqrt(penetration) / self._unit,
+            JOIN_STIFFNESS * penetration / self._unit,
         )
         if self._stiffness is not None:
             error = max(error, self._response_of_layer(system))
         # Fewer gaps than contact nodes are uncertain if one of them is fixed by the approach.
         uncertain = max(system.contact_nodes.size - system.fixed_load, 0)
-        error = max(error, self._rounding(mean_pressure) * math.sqrt(uncertain))
-        return error / norm if norm else (math.inf if error else 0.0)
+        mean_pressure = float(iterate.pressure.sum(dtype=float)) / self._problem.grid.size
+        rounding = self._rounding(mean_pressure) * math.sqrt(uncertain)
+        error = max(error, rounding)
+        return (error / norm, rounding / norm) if norm else (math.inf if error else 0.0, 0.0)
 
     def _rounding(self, mean_pressure: float) -> float:
         """Pressure of a node that corresponds to the rounding error of its gap."""
@@ -97,7 +107,7 @@ class Assembler:
         # The uniform displacement of a tall layer may be far larger than the heights.
         largest = self._largest_height + compliance * mean_pressure
         spacing = float(np.spacing(height.dtype.type(largest)))
-        return ROUNDING_FRACTION * spacing / self._unit * float(self._preconditioner.stencil[0, 0])
+        return ROUNDING_FRACTION * spacing / self._unit * self._inner.preconditioner.nodal_stiffness
 
     def _response_of_layer(self, system: ContactSystem) -> float:
         """Norm of the pressure with which the whole layer would remove the residual of the contact nodes."""
@@ -110,7 +120,8 @@ class Assembler:
 
     @cached_property
     def _largest_height(self) -> float:
-        return float(np.abs(self._problem.height).max())
+        height = self._problem.height
+        return max(float(height.max()), -float(height.min()))
 
     @cached_property
     def _stiffness(self) -> Array | None:

@@ -155,25 +155,40 @@ def verify_contact(
     if approach is None:
         approach = float(gap[contact].mean()) if contact.any() else float(gap.min())
     gap -= approach
-    least, largest = float(pressure.min()), float(pressure.max())
-    largest = max(largest, -least)
-    scale = max(
-        kernels.standard_deviation(height.reshape(-1)), largest * min(grid.spacing) / solid.effective_modulus
+    return certificate_of_fields(
+        height, pressure, gap, min(grid.spacing) / solid.effective_modulus, mean_pressure
     )
-    scale = scale or 1.0
-    load = float(pressure.mean())
+
+
+def certificate_of_fields(
+    height: Array, pressure: Array, gap: Array, nodal_compliance: float, mean_pressure: float | None
+) -> Certificate:
+    """Certificate of a pressure whose gap is known.
+
+    Parameters
+    ----------
+    height, pressure, gap : (ny, nx) arrays
+        In double precision.
+    nodal_compliance : float
+        Grid spacing / E*.
+    mean_pressure : float, optional
+        The load imposed, if it was.
+    """
+    least, largest, total, least_gap, contact_gap, work, support = kernels.extremes_of_contact(
+        pressure.reshape(-1), gap.reshape(-1)
+    )
+    largest = max(largest, -least)
+    scale = max(kernels.standard_deviation(height.reshape(-1)), largest * nodal_compliance) or 1.0
+    load = total / pressure.size
     imbalance = 0.0
     if mean_pressure is not None and mean_pressure != load:
         imbalance = abs(load - mean_pressure) / max(abs(mean_pressure), abs(load))
-    contact_pressure, contact_gap = pressure[contact], np.abs(gap[contact])
     return Certificate(
-        penetration=max(0.0, float(-gap.min())) / scale,
-        contact_gap=float(contact_gap.max(initial=0.0)) / scale,
+        penetration=max(0.0, -least_gap) / scale,
+        contact_gap=contact_gap / scale,
         tension=max(0.0, -least) / (largest or 1.0),
         load_imbalance=imbalance,
-        complementarity=float(contact_pressure @ contact_gap)
-        / (float(contact_pressure.sum()) or 1.0)
-        / scale,
+        complementarity=work / (support or 1.0) / scale,
     )
 
 

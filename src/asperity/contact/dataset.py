@@ -56,6 +56,7 @@ def contact_dataset(contact: Contact, unit_system: str) -> xr.Dataset:
             "poisson_contact": lower.poisson,
             "young": lower.young,
             "method": contact.method,
+            "fft_engine": contact.fft_engine,
             **certificate,
         },
     )

@@ -37,6 +37,11 @@ class FreeResponse(Response):
         return compliance_modes(self.grid, self.solid.effective_modulus).astype(self.fourier.real)
 
     @property
+    def mode_grid(self) -> Grid:
+        """The padded grid, on which distances within the map do not wrap around."""
+        return padded_grid(self.grid)
+
+    @property
     def uniform_compliance(self) -> float:
         """The displacement in the middle of the map."""
         return rectangle_compliance(0.0, 0.0, self.grid.length, self.solid.effective_modulus).item()
@@ -56,14 +61,13 @@ class FreeResponse(Response):
         grid = Grid(shape, cast(tuple[float, float], tuple(length)))
         return FreeResponse(self.solid, PaddedFourier(grid, outer.real, outer.threads, outer.work)), height
 
-    def refined(self, pressure: Array, finer: Response) -> tuple[Array, Array]:
+    def refined(self, pressure: Array, stiffness: float, finer: Response) -> Array:
         """Linear interpolation."""
-        displacement = self.displacement(pressure)
+        field = pressure - pressure.dtype.type(stiffness) * self.displacement(pressure)
         for axis in (0, 1):
             if self.grid.shape[axis] < finer.grid.shape[axis]:
-                nodes = finer.grid.shape[axis]
-                pressure, displacement = (_interpolated(f, axis, nodes) for f in (pressure, displacement))
-        return pressure, displacement
+                field = _interpolated(field, axis, finer.grid.shape[axis])
+        return field
 
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
         """The exact slopes at the nodes under the same uniformly loaded rectangles."""

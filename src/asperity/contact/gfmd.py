@@ -97,7 +97,7 @@ def solve(
     """
     load = _first_load(problem, control, initial)
     dynamics = DampedDynamics(problem, control, initial, damping_fraction)
-    state = State(np.zeros_like(problem.height), np.empty_like(problem.height), control.value, load)
+    state = State(np.zeros_like(problem.height), control.value, load)
     area = None
     if control.kind == "area_fraction" and np.ptp(problem.height):  # flat surfaces touch everywhere
         area = AreaControl(control.value, problem.grid.size, rtol)

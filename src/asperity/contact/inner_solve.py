@@ -1,10 +1,11 @@
 """The inner linear solve: preconditioned conjugate gradients on a fixed set of contact nodes.
 
 On the contact nodes the correction x of the pressure solves G x = r, where G is the compliance restricted to
-these nodes and r the overlap that is left. Each application of G is one pair of Fourier transforms (Stanley &
-Kato 1997, 10.1115/1.2833523). The iteration is that of Polonsky & Keer (1999, 10.1016/S0043-1648(99)00113-1),
-who change the set of contact nodes in every iteration. Here, as in the method of Moré & Toraldo (1991,
-10.1137/0801008), it is fixed for a few iterations, so that the directions stay conjugate.
+these nodes and r the overlap that is left. G is applied to a per cent, by a stencil and on a coarser grid
+(`asperity.contact.inner_response`). The iteration is that of Polonsky & Keer (1999,
+10.1016/S0043-1648(99)00113-1), who change the set of contact nodes in every iteration. Here, as in the
+method of Moré & Toraldo (1991, 10.1137/0801008), it is fixed for a few iterations, so that the directions
+stay conjugate.
 
 At a given load the corrections sum to zero. For that, the multiple of M 1 that makes the sum vanish is
 subtracted from the preconditioned residual M r; with M = 1 this is the mean that Polonsky & Keer subtract.
@@ -22,6 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.contact import kernels
+from asperity.contact.inner_response import InnerResponse
 from asperity.contact.preconditioner import Preconditioner
 from asperity.contact.problem import Problem
 from asperity.types import Array
@@ -59,8 +61,6 @@ class ContactSystem:
     ----------
     contact_nodes : (count,) array of unsigned integers
         Indices in the flattened grid.
-    approach : float
-        To which the residual refers.
     residual : (count,) array
         Overlap r to be removed. `InnerSolver.solve` overwrites it.
     image : (count,) array
@@ -71,15 +71,17 @@ class ContactSystem:
         Sum of the uniform image.
     fixed_load : bool
         True if the correction has to sum to zero.
+    is_rounding : bool
+        True if the residual is no larger than the rounding of the gap.
     """
 
     contact_nodes: Array
-    approach: float
     residual: Array
     image: Array
     uniform_image: Array
     uniform_sum: float
     fixed_load: bool
+    is_rounding: bool = False
 
     @property
     def has_free_approach(self) -> bool:
@@ -95,9 +97,8 @@ class Correction:
     ----------
     pressure : (count,) array
         Change of the pressure of the contact nodes.
-    displacement : (size,) array
-        Its displacement of every node of the grid, in units of `Problem.nodal_compliance`. A view of the
-        solver's working space, valid until the next solve.
+    displacement : (count,) array
+        Its displacement of the contact nodes, in units of `Problem.nodal_compliance`.
     approach : float
         Change of the approach that goes with it, zero at a given approach.
     iterations : int
@@ -118,65 +119,67 @@ class InnerSolver:
 
     Attributes
     ----------
+    response : InnerResponse
     preconditioner : Preconditioner
-        Has to be restricted to the contact nodes of the system before a solve.
     """
 
     def __init__(self, problem: Problem) -> None:
-        grid = problem.grid
-        self.preconditioner = Preconditioner(problem)
         self._unit = problem.nodal_compliance
-        self._response = problem.response.in_single_precision(self._unit)
-        self._displaced = np.empty(grid.shape, np.float32)
-        self._displacement = np.empty(grid.size, np.float32)
+        self.response = InnerResponse(problem)
+        self.preconditioner = Preconditioner(problem, self.response.field)
+        self._nodes: Array | None = None
+
+    def restrict(self, nodes: Array) -> None:
+        """Choose the contact nodes, by their sorted indices in the flattened grid."""
+        if self._nodes is None or not np.array_equal(nodes, self._nodes):
+            self.response.restrict(nodes)
+            self.preconditioner.restrict(nodes)
+            self._nodes = nodes
 
     def solve(
         self, system: ContactSystem, drop: float = RESIDUAL_DROP, max_iterations: int = MAX_ITERATIONS
     ) -> Correction:
         """Solve the system until the norm of its residual has dropped by a factor, or for some iterations.
 
-        The norm is that of the preconditioner, √(r·M r). Overwrites residual and image of the system.
+        The norm is that of the preconditioner, √(r·M r). Overwrites residual and image of the system, whose
+        nodes have to be those chosen last.
         """
-        nodes, residual, z = system.contact_nodes, system.residual, system.image
+        residual, z = system.residual, system.image
         weight, free = system.uniform_image, system.has_free_approach
-        x, direction = np.zeros(nodes.size, np.float32), np.zeros(nodes.size, np.float32)
-        self._displacement.fill(0)
-        response, length = self._displaced.reshape(-1), np.float32(0)
+        x, direction, displacement = (np.zeros_like(residual) for _ in range(3))
+        response, length = np.empty_like(residual), np.float32(0)
         first = previous = math.nan
         iterations = 0
-        while True:
+        while iterations < max_iterations:
             if iterations:
                 self.preconditioner.apply(residual, z)
             total, product = kernels.sum_and_dot(z, residual)
             shift = np.float32(total / system.uniform_sum if free else 0)
-            product -= float(shift) * kernels.dot(weight, residual)
+            uniform_part = float(shift) * kernels.dot(weight, residual)
+            product -= uniform_part
             if iterations == 0:
                 first = product
-            if iterations == max_iterations or not product > drop**2 * first or not product > 0:
+            # Below its rounding the product is that of noise.
+            rounding = float(np.finfo(np.float32).eps) * abs(uniform_part)
+            if not product > max(drop**2 * first, rounding):
                 break
             ratio = 0.0
             if iterations:
                 # Polak and Ribière: z · (change of the residual) instead of z · residual.
-                changed = -float(length) * kernels.projected_dot(z, weight, shift, response, nodes)
+                changed = -float(length) * kernels.projected_dot(z, weight, shift, response)
                 ratio = max(changed / previous, 0.0)
             kernels.next_direction(direction, z, weight, shift, np.float32(ratio))
             previous = product
-            response = self._respond(direction)
+            self.response.respond(direction, response)
             iterations += 1
-            curvature = kernels.dot_on_contact(direction, response, nodes)
+            curvature = kernels.dot(direction, response)
             if not curvature > 0:
                 break
             length = np.float32(product / curvature)
-            kernels.take_step(x, residual, direction, response, nodes, length)
-            kernels.add_scaled(self._displacement, response, length)
+            kernels.take_step(x, residual, displacement, direction, response, length)
         # The part of the residual that is left which a change of the approach removes.
         uniform = kernels.dot(weight, residual) / system.uniform_sum if free else 0.0
-        return Correction(x, self._displacement, -(self._unit * uniform), iterations)
-
-    def _respond(self, values: Array) -> Array:
-        """Displacement of every node under pressures on the contact nodes."""
-        pressure = self.preconditioner.spread(values)
-        return self._response.displacement(pressure, self._displaced).reshape(-1)
+        return Correction(x, displacement, -(self._unit * uniform), iterations)
 
 
 class InnerAccuracy:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from asperity.contact.area_control import ROUGH_EXPONENT
-from asperity.contact.problem import Control, State
+from asperity.contact.problem import Control
 
 # Change of the logarithm of the load from one grid to the next over the change before, on the finest grid and
 # on coarser ones. On rough surfaces with H = 0.2 and 0.8, eight nodes on the shortest wave and areas from 0.2
@@ -34,7 +32,7 @@ class LoadPrediction:
         self._area_fraction = area_fraction
         self._loads: list[float] = []
 
-    def next_control(self, state: State, size: int, is_finest: bool) -> tuple[Control, float]:
+    def next_control(self, load: float, touching: float, size: int, is_finest: bool) -> tuple[Control, float]:
         """What to impose on the next finer grid, and its load, given the solution on the present one.
 
         If more grids follow, it is the load of the grid after the next one: so the pressure that starts the
@@ -43,15 +41,15 @@ class LoadPrediction:
 
         Parameters
         ----------
-        state : State
+        load, touching : float
+            Load and area fraction of the solution.
         size : int
             Nodes of the next grid.
         is_finest : bool
             True if the next grid is the last one.
         """
-        touching = max(1, int(np.count_nonzero(state.pressure))) / state.pressure.size
-        ratio = min(max(self._area_fraction / touching, 0.5), 2.0)
-        self._loads.append(state.load * ratio**ROUGH_EXPONENT)
+        ratio = min(max(self._area_fraction / touching, 0.5), 2.0) if touching else 2.0
+        self._loads.append(load * ratio**ROUGH_EXPONENT)
         imposes_load = (
             not is_finest and len(self._loads) > 1 and self._area_fraction * size >= NODES_AT_GIVEN_LOAD
         )

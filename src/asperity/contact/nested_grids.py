@@ -9,11 +9,14 @@ the load of the next grid if an area is imposed.
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from asperity.contact.active_set import ActiveSet, StoppingRule
 from asperity.contact.area_control import AREA_TOLERANCE
+from asperity.contact.inner_solve import InnerSolver
+from asperity.contact.iterate import Iterate
 from asperity.contact.load_prediction import LoadPrediction
 from asperity.contact.problem import Control, Problem, State
 from asperity.errors import ConvergenceError
@@ -25,7 +28,15 @@ MIN_POINTS = 32
 
 # A coarse grid need not be solved better than its own discretisation error. Found by trial on rough surfaces
 # of 512² nodes: a quarter of the tolerance takes 3 % more transforms, five times the tolerance as many.
-COARSE_RULE = StoppingRule(tolerance=2e-3, area_tolerance=1e-2, max_outer_iterations=20)
+COARSE_RULE = StoppingRule(
+    tolerance=1e-2, area_tolerance=1e-2, max_outer_iterations=20, rounding_suffices=True
+)
+
+# On the finest grid, single precision is used down to this error, where rounding does not matter yet.
+SINGLE_PRECISION_TOLERANCE = 2e-3
+
+# Smaller loads are not solved in single precision: their pressures might vanish.
+SMALLEST_SINGLE_LOAD = 1e-20
 
 # On the finest grid. The problems of `asperity.validation.extremes` that are solved take at most 134.
 MAX_OUTER_ITERATIONS = 400
@@ -57,49 +68,78 @@ def solve(
     ConvergenceError
         If the outer loop on the finest grid gives up.
     """
-    if initial is not None and _is_near(problem, control, initial):
-        state = _given_start(problem, control, initial)
-    else:
-        state = _start_from_coarse_grids(problem, control)
+    mean_compliance = 0.0
+    if control.fixes_load:
+        response, mean_compliance = problem.response.without_mean()
+        problem = Problem(problem.height, response)
+    if initial is not None and not _is_near(problem, control, initial):
+        initial = None
+    iterate, inner = _start_in_single_precision(problem, control, rtol, initial)
     rule = StoppingRule(rtol, AREA_TOLERANCE, MAX_OUTER_ITERATIONS)
-    if not ActiveSet(problem, control, rule).solve(state, progress):
+    if not ActiveSet(problem, control, rule, inner).solve(iterate, progress):
         raise ConvergenceError(
             f"active set on {problem.grid.shape} nodes stopped",
-            state.error,
+            iterate.error,
             rtol,
-            state.iterations,
-            float(state.pressure.mean(dtype=float)),
+            iterate.iterations,
+            float(iterate.pressure.sum(dtype=float)) / problem.grid.size,
             "a larger rtol is needed, or numbers that differ less in magnitude",
         )
-    return state
+    problem.response.release()
+    return iterate.state(mean_compliance)
 
 
-def _given_start(problem: Problem, control: Control, initial: Array) -> State:
-    """State of a given pressure, without tension."""
-    pressure = np.maximum(initial, 0).astype(problem.fourier.real)
-    load = {"area_fraction": float(pressure.mean(dtype=float)), "mean_pressure": control.value}
-    return State(pressure, np.empty_like(pressure), control.value, load.get(control.kind, math.nan))
+def _start(problem: Problem, control: Control, initial: Array | None) -> Iterate:
+    """Iterate of a given pressure, without tension, or else of the solutions on coarser grids."""
+    if initial is None:
+        return _start_from_coarse_grids(problem, control)
+    load = {"area_fraction": float(np.maximum(initial, 0).mean(dtype=float)), "mean_pressure": control.value}
+    return Iterate.of_field(problem, initial, control.value, load.get(control.kind, math.nan))
 
 
-def _start_from_coarse_grids(problem: Problem, control: Control) -> State:
+def _start_in_single_precision(
+    problem: Problem, control: Control, rtol: float, initial: Array | None
+) -> tuple[Iterate, InnerSolver | None]:
+    """Start from a solution in single precision, and the inner solver that found it."""
+    tiny = control.kind == "mean_pressure" and control.value < SMALLEST_SINGLE_LOAD
+    if tiny or problem.height.dtype == np.float32:
+        return _start(problem, control, initial), None
+    datum = 0.5 * (float(problem.height.min()) + float(problem.height.max()))
+    single = problem.in_single_precision(datum)
+    within = control if control.fixes_load else replace(control, value=control.value - datum)
+    iterate = _start(single, within, initial)
+    inner = InnerSolver(single)
+    rule = replace(COARSE_RULE, tolerance=max(SINGLE_PRECISION_TOLERANCE, rtol), goal=rtol)
+    ActiveSet(single, within, rule, inner).solve(iterate)
+    single.response.release()
+    pressure = iterate.pressure.astype(problem.fourier.real)
+    start = Iterate(problem, iterate.nodes, pressure, iterate.approach + datum, iterate.load)
+    start.iterations = iterate.iterations
+    return start, inner
+
+
+def _start_from_coarse_grids(problem: Problem, control: Control) -> Iterate:
     """First guess on the coarsest grid, solved on one coarse grid after the other and refined."""
     problems = [problem]
     while (coarser := problems[-1].coarser(MIN_POINTS)) is not None:
         problems.append(coarser)
-    state = first_guess(problems[-1], control)
+    iterate = first_guess(problems[-1], control)
     coarse_control, loads = control, LoadPrediction(control.value)
     while len(problems) > 1:
-        coarse = problems.pop()
-        ActiveSet(coarse, coarse_control, COARSE_RULE).solve(state)
+        coarse, finer = problems.pop(), problems[-1]
+        ActiveSet(coarse, coarse_control, COARSE_RULE).solve(iterate)
+        pressure = coarse.refine(iterate.pressure_field(), finer, iterate.approach)
+        load, iterations = iterate.load, iterate.iterations
         if control.kind == "area_fraction":
-            finer = problems[-1].grid.size
-            coarse_control, state.load = loads.next_control(state, finer, is_finest=len(problems) == 1)
-        state.pressure = coarse.refine(state.pressure, problems[-1], state.approach)
-        state.gap = np.empty_like(state.pressure)
-    return state
+            touching = np.count_nonzero(iterate.pressure) / coarse.grid.size
+            is_finest = len(problems) == 1
+            coarse_control, load = loads.next_control(load, touching, finer.grid.size, is_finest)
+        iterate = Iterate.of_field(finer, pressure, iterate.approach, load)
+        iterate.iterations = iterations
+    return iterate
 
 
-def first_guess(problem: Problem, control: Control) -> State:
+def first_guess(problem: Problem, control: Control) -> Iterate:
     """Pressure in proportion to the overlap of the indenter with the undeformed solid.
 
     The factor is the stiffness of the longest wave of the cell. At an imposed approach the pressure is zero.
@@ -116,7 +156,7 @@ def first_guess(problem: Problem, control: Control) -> State:
         if not pressure.any():
             pressure[:] = stiffness * min(problem.grid.spacing) * 1e-3
         load = float(pressure.mean(dtype=float))
-    return State(pressure, np.empty_like(pressure), control.value, load)
+    return Iterate.of_field(problem, pressure, control.value, load)
 
 
 def _level_of_area(height: Array, area_fraction: float) -> float:

@@ -29,11 +29,9 @@ from numba import njit
 
 from asperity.contact.kernels import dot
 from asperity.contact.problem import Problem
+from asperity.contact.stencil import RADIUS, StencilField, whole_stencil
 from asperity.spectral import Fourier, Grid
 from asperity.types import Array
-
-# Radius of the stencil, in nodes.
-STENCIL_RADIUS = 3
 
 # Nodes on the edge of a cell of the coarse grid. Found by trial on rough surfaces of 512² nodes: with 32
 # nodes a solution takes 7 % more transforms, with 8 as many, but the coarse grid is four times larger.
@@ -55,34 +53,33 @@ class Preconditioner:
     Parameters
     ----------
     problem : Problem
+    field : StencilField
+        Restricted to the contact nodes before the preconditioner.
 
     Attributes
     ----------
-    stencil : (STENCIL_RADIUS + 1, STENCIL_RADIUS + 1) array
-        One quadrant of the stencil.
+    nodal_stiffness : float
+        Pressure that removes a unit residual of a node that alone is in contact.
     """
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem, field: StencilField) -> None:
         grid = problem.grid
-        ny, nx = grid.shape
-        self.stencil = inverse_stencil(grid)
+        self._field = field
+        quadrants = inverse_stencil(grid)
+        self._stencil = whole_stencil(quadrants)
+        self.nodal_stiffness = float(quadrants[0, 0, 0, 0])
         self._grid = grid
-        # Zero outside the contact nodes, with a margin that repeats the map if the contact does.
-        self._repeats = problem.response.repeats
-        self._padded = np.zeros((ny + 2 * STENCIL_RADIUS, nx + 2 * STENCIL_RADIUS), np.float32)
-        cells = Grid((max(1, ny // CELL_NODES), max(1, nx // CELL_NODES)), grid.length)
+        cells = Grid(tuple(max(1, n // CELL_NODES) for n in grid.shape), grid.length)  # type: ignore[arg-type]
         self._cells = cells
         self._coarse, compliance = problem.response.on_cells(cells)
         self._compliance = compliance / problem.nodal_compliance
-        self._nodes = np.empty(0, np.uint64)
 
-    def restrict(self, contact_nodes: Array) -> None:
+    def restrict(self, nodes: Array) -> None:
         """Restrict the preconditioner to contact nodes, given by their indices in the flattened grid."""
         cells, grid = self._cells, self._grid
-        self._padded.fill(0)
-        self._nodes, self._cell = _locate(contact_nodes, *grid.shape, *cells.shape)
-        self._weight = np.empty(contact_nodes.size, np.float32)
-        self._apply_stencil(np.ones(contact_nodes.size, np.float32), self._weight)
+        self._cell = _cells_of(nodes, *grid.shape, *cells.shape)
+        self._weight = np.empty(nodes.size, np.float32)
+        self._field.apply(self._stencil, np.ones(nodes.size, np.float32), self._weight)
         self._cell_weight = _sum_in_cells(self._cell, self._weight, cells.size)
         sigma = (self._cell_weight * (cells.size / grid.size)).reshape(cells.shape)
         mean = float(sigma.mean())
@@ -90,15 +87,9 @@ class Preconditioner:
         self._mean_sigma = np.float32(mean)
         self._inverse_for_mean = (self._compliance / (1 + mean * self._compliance)).astype(np.float32)
 
-    def spread(self, values: Array) -> Array:
-        """Field [y, x] of values on the contact nodes, zero elsewhere; overwritten by the next call."""
-        _scatter(self._padded.reshape(-1), self._nodes, values)
-        ny, nx = self._grid.shape
-        return self._padded[STENCIL_RADIUS : STENCIL_RADIUS + ny, STENCIL_RADIUS : STENCIL_RADIUS + nx]
-
     def apply(self, residual: Array, out: Array) -> None:
         """Write the pressures M r that approximately remove a residual r on the contact nodes."""
-        self._apply_stencil(residual, out)
+        self._field.apply(self._stencil, residual, out)
         self._subtract_far_field(
             _weighted_sum_in_cells(self._cell, self._weight, residual, self._cells.size), out
         )
@@ -122,12 +113,6 @@ class Preconditioner:
         out = np.zeros(self._coarse.grid.shape, np.float32)
         out[:ny, :nx] = of_cells
         return out
-
-    def _apply_stencil(self, values: Array, out: Array) -> None:
-        self.spread(values)
-        if self._repeats:
-            _fill_margin(self._padded)
-        _apply_stencil(self._padded.reshape(-1), self._padded.shape[1], self._nodes, self.stencil, out)
 
     def _solve_coarse(self, residual: Array) -> Array:
         """Displacement y of the cells with (σ + 1/G) y = residual, which is used up."""
@@ -164,35 +149,35 @@ class Preconditioner:
 
 
 def inverse_stencil(grid: Grid) -> Array:
-    """Kernel of E* |q| / 2 in real space times spacing / E*, one quadrant of the stencil.
+    """Kernel of E* |q| / 2 in real space times spacing / E*, as a stencil that is the same for all nodes.
 
-    It is zero beyond `STENCIL_RADIUS` nodes, or fewer on a small grid.
+    It is zero beyond `RADIUS` nodes, or fewer on a small grid.
     """
     tile = Grid((64, 64), (64 * grid.spacing[0], 64 * grid.spacing[1]))
     kernel = Fourier(tile).inverse(0.5 * tile.wavenumber() * min(grid.spacing) / tile.size + 0j)
-    radius = max(0, min(STENCIL_RADIUS, (min(grid.shape) - 1) // 2))
-    row, column = np.ogrid[: STENCIL_RADIUS + 1, : STENCIL_RADIUS + 1]
-    near = row**2 + column**2 <= radius * (radius + 1)
-    return np.where(near, kernel[: STENCIL_RADIUS + 1, : STENCIL_RADIUS + 1], 0).astype(np.float32)
+    radius = max(0, min(RADIUS, (min(grid.shape) - 1) // 2))
+    row, column = np.ogrid[: RADIUS + 1, : RADIUS + 1]
+    weights = np.where(row**2 + column**2 <= radius * (radius + 1), kernel[row, column], 0)
+    return np.broadcast_to(weights, (2, 2, *weights.shape)).astype(np.float32)
 
 
-@njit(cache=True, error_model="numpy")
-def _locate(contact_nodes: Any, ny: int, nx: int, cells_y: int, cells_x: int) -> tuple[Any, Any]:
-    """Indices of the contact nodes in the padded array, and of the cells in which they lie."""
-    # Unsigned: with signed indices the compiler adds a check for negative ones to every access.
-    nodes = np.empty(contact_nodes.size, np.uint64)
-    cell = np.empty(contact_nodes.size, np.uint32)
+@njit(cache=True, nogil=True, error_model="numpy")
+def _cells_of(nodes: Any, ny: int, nx: int, cells_y: int, cells_x: int) -> Any:
+    """Indices of the cells in which contact nodes lie."""
+    cell = np.empty(nodes.size, np.uint32)
     of_column = (np.arange(nx) * cells_x) // nx
-    for k in range(contact_nodes.size):
-        i = np.int64(contact_nodes[k])
-        row = i // nx
-        column = i - row * nx
-        nodes[k] = (row + STENCIL_RADIUS) * (nx + 2 * STENCIL_RADIUS) + column + STENCIL_RADIUS
-        cell[k] = (row * cells_y) // ny * cells_x + of_column[column]
-    return nodes, cell
+    row, start, first = np.int64(0), np.int64(0), np.int64(0)
+    for k in range(nodes.size):
+        node = np.int64(nodes[k])
+        if node >= start + nx:
+            row = node // nx
+            start = row * nx
+            first = (row * cells_y) // ny * cells_x
+        cell[k] = first + of_column[node - start]
+    return cell
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy")
 def _sum_in_cells(cell: Any, weight: Any, count: int) -> Any:
     """Sum of the weights in each cell."""
     total = np.zeros(count)
@@ -201,7 +186,7 @@ def _sum_in_cells(cell: Any, weight: Any, count: int) -> Any:
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy")
 def _weighted_sum_in_cells(cell: Any, weight: Any, values: Any, count: int) -> Any:
     """Sum of weight × value in each cell."""
     total = np.zeros(count)
@@ -210,52 +195,8 @@ def _weighted_sum_in_cells(cell: Any, weight: Any, values: Any, count: int) -> A
     return total
 
 
-@njit(cache=True, error_model="numpy")
+@njit(cache=True, nogil=True, error_model="numpy")
 def _subtract_in_cells(cell: Any, weight: Any, displacement: Any, out: Any) -> None:
     """Subtract weight × displacement of its cell from every contact node."""
     for k in range(cell.size):
         out[k] -= weight[k] * displacement[cell[k]]
-
-
-@njit(cache=True, error_model="numpy")
-def _scatter(field: Any, nodes: Any, values: Any) -> None:
-    """Write the values of the contact nodes into a flattened field."""
-    for k in range(nodes.size):
-        field[nodes[k]] = values[k]
-
-
-@njit(cache=True, error_model="numpy")
-def _fill_margin(field: Any) -> None:
-    """Repeat the cell periodically in the margin."""
-    ny, nx = field.shape[0] - 2 * STENCIL_RADIUS, field.shape[1] - 2 * STENCIL_RADIUS
-    for i in range(STENCIL_RADIUS, STENCIL_RADIUS + ny):
-        for j in range(STENCIL_RADIUS):
-            field[i, j] = field[i, STENCIL_RADIUS + (j - STENCIL_RADIUS) % nx]
-        for j in range(STENCIL_RADIUS + nx, field.shape[1]):
-            field[i, j] = field[i, STENCIL_RADIUS + (j - STENCIL_RADIUS) % nx]
-    for i in range(STENCIL_RADIUS):
-        field[i] = field[STENCIL_RADIUS + (i - STENCIL_RADIUS) % ny]
-        field[STENCIL_RADIUS + ny + i] = field[STENCIL_RADIUS + i % ny]
-
-
-@njit(cache=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
-def _apply_stencil(field: Any, width: int, nodes: Any, weights: Any, out: Any) -> None:
-    """Product of the stencil with the field, at the contact nodes."""
-    row = np.uint64(width)
-    for k in range(nodes.size):
-        node = nodes[k]
-        value = weights[0, 0] * field[node]
-        for i in range(1, STENCIL_RADIUS + 1):
-            up = np.uint64(i) * row
-            value += weights[i, 0] * _pair(field, node, up) + weights[0, i] * _pair(field, node, np.uint64(i))
-            for j in range(1, STENCIL_RADIUS + 1):
-                if i * i + j * j <= STENCIL_RADIUS * (STENCIL_RADIUS + 1):
-                    aside = np.uint64(j)
-                    value += weights[i, j] * (_pair(field, node + up, aside) + _pair(field, node - up, aside))
-        out[k] = value
-
-
-@njit(cache=True, error_model="numpy")
-def _pair(field: Any, node: Any, step: Any) -> Any:
-    """Sum of two neighbours on either side of a node."""
-    return field[node + step] + field[node - step]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.contact.response import Response
+from asperity.parallel import in_parts
 from asperity.types import Array
 
 
@@ -34,30 +35,30 @@ class Control:
 
 @dataclass
 class State:
-    """The current iterate of a solver.
+    """Fields and numbers of a solver's result.
 
     Attributes
     ----------
     pressure : (ny, nx) array
         Non-negative.
-    gap : (ny, nx) array
-        h + u at the last evaluation, without the approach.
     approach : float
         Imposed, or that of the last evaluation.
     load : float
-        Mean pressure of the iterate, NaN under an imposed approach.
+        Mean pressure, NaN under an imposed approach.
     error : float
         Estimated error of the pressure, relative to its norm.
     iterations : int
         Applications of the compliance so far, on all grids.
+    displacement : (ny, nx) array, optional
+        That of the pressure, if the solver knows it.
     """
 
     pressure: Array
-    gap: Array
     approach: float
     load: float
     error: float = np.inf
     iterations: int = 0
+    displacement: Array | None = None
 
 
 class Problem:
@@ -105,15 +106,31 @@ class Problem:
         response, height = self.response.coarsened(self.height, (ny, nx))
         return Problem(height, response)
 
+    def in_single_precision(self, datum: float) -> Problem:
+        """The same problem in single precision, with heights measured from a datum."""
+        height = np.empty(self.grid.shape, np.float32)
+
+        def subtract(rows: slice) -> None:
+            np.subtract(self.height[rows], datum, out=height[rows], casting="same_kind")
+
+        in_parts(subtract, self.grid.shape[0], self.fourier.threads, smallest=256)
+        return Problem(height, self.response.in_single_precision())
+
     def refine(self, pressure: Array, finer: Problem, approach: float) -> Array:
         """Start for a finer grid: the interpolated pressure less the interpolated gap / nodal compliance.
 
         Outside the contact, where an interpolated pressure may not vanish, the gap is positive: subtracting
         it before negative values are set to zero keeps those nodes free.
         """
-        out, gap = self.response.refined(pressure, finer.response)
-        gap += finer.height
-        gap -= gap.dtype.type(approach)
-        gap *= gap.dtype.type(finer.modulus / min(finer.grid.spacing))
-        out -= gap
-        return np.maximum(out, 0, out=out)
+        stiffness = finer.modulus / min(finer.grid.spacing)
+        out = self.response.refined(pressure, stiffness, finer.response)
+        factor = out.dtype.type(stiffness)
+
+        def subtract(rows: slice) -> None:
+            gap = finer.height[rows] - finer.height.dtype.type(approach)
+            gap *= factor
+            np.subtract(out[rows], gap, out=out[rows])
+            np.maximum(out[rows], 0, out=out[rows])
+
+        in_parts(subtract, out.shape[0], finer.fourier.threads, smallest=256)
+        return out

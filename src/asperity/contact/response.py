@@ -14,7 +14,9 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from asperity.elasticity.layer import mirror_rows
 from asperity.elasticity.two_bodies import Solid
+from asperity.parallel import in_parts
 from asperity.spectral import Fourier, Grid, gradient, resample
 from asperity.types import Array
 
@@ -27,8 +29,11 @@ class Response(ABC):
     solid : Layer or TwoBodies
     fourier : Fourier
         The grid, the precision of the fields, the number of threads, and the count of transforms.
-    compliance : array, optional
-        Factors of the coefficients; by default those of the solid.
+    half_compliance : (ny // 2 + 1, nx // 2 + 1) array, optional
+        Factors of the coefficients with ky ≥ 0, to which those of −ky are equal; by default the solid's.
+    holds_mean : bool
+        True if the mean displacement is left out: at a given load it is known, and for a tall layer far
+        larger than all others.
 
     Attributes
     ----------
@@ -41,33 +46,68 @@ class Response(ABC):
     boundary: ClassVar[str]
     repeats: ClassVar[bool]
 
-    def __init__(self, solid: Solid, fourier: Fourier, compliance: Array | None = None) -> None:
+    def __init__(
+        self, solid: Solid, fourier: Fourier, half_compliance: Array | None = None, holds_mean: bool = False
+    ) -> None:
         self.solid = solid
+        self.holds_mean = holds_mean
         self.fourier = fourier
         self.grid = fourier.grid
-        if compliance is not None:
-            self.compliance = compliance
+        if half_compliance is not None:
+            self.half_compliance = half_compliance
+
+    @property
+    def mode_grid(self) -> Grid:
+        """Grid of the modes to which the factors belong."""
+        return self.grid
 
     @cached_property
+    def half_compliance(self) -> Array:
+        """Real factors that turn coefficients of a pressure, ky ≥ 0, into those of its displacement."""
+        return self._modes()[: self.mode_grid.shape[0] // 2 + 1].copy()
+
+    @property
     def compliance(self) -> Array:
-        """Real factors that turn the coefficients of a pressure into those of its displacement."""
-        return self._modes()
+        """Factors of all coefficients."""
+        return mirror_rows(self.half_compliance, self.mode_grid)
 
     @cached_property
     def _coefficients(self) -> Array:
-        return np.empty(self.compliance.shape, self.fourier.complex)
+        return np.empty(self.mode_grid.half_shape, self.fourier.complex)
 
     def displacement(self, pressure: Array, out: Array | None = None) -> Array:
         """Downward displacement u[y, x] of the surface under `pressure`, by one pair of transforms."""
         self.fourier.forward(pressure, self._coefficients)
-        self._coefficients *= self.compliance
+        self._multiply(self._coefficients, self.half_compliance, self.fourier.threads)
         return self.fourier.inverse(self._coefficients, out, overwrite=True)
 
-    def in_single_precision(self, unit: float) -> Self:
-        """The same response for fields in single precision, with displacements in units of `unit`."""
+    @staticmethod
+    def _multiply(coefficients: Array, half: Array, threads: int) -> None:
+        """Multiply coefficients by factors that are the same for ky and −ky."""
+        rows = half.shape[0]
+        mirrored = half[1 : coefficients.shape[0] - rows + 1][::-1]
+
+        def multiply(part: slice) -> None:
+            for factors, of in ((half, coefficients[:rows]), (mirrored, coefficients[rows:])):
+                np.multiply(of[:, part], factors[:, part], out=of[:, part])
+
+        in_parts(multiply, coefficients.shape[1], threads, smallest=256)
+
+    def release(self) -> None:
+        """Give back the memory of what can be computed again."""
+        for name in ("_coefficients", "half_compliance"):
+            self.__dict__.pop(name, None)
+
+    def in_single_precision(self) -> Self:
+        """The same response for fields in single precision."""
         outer = self.fourier
         fourier = type(outer)(outer.grid, np.float32, outer.threads, outer.work)
-        return type(self)(self.solid, fourier, (self.compliance / unit).astype(np.float32))
+        half = self.half_compliance.astype(np.float32)
+        return type(self)(self.solid, fourier, half, self.holds_mean)
+
+    def without_mean(self) -> tuple[Response, float]:
+        """The same response without the mean displacement, and what that is per unit of the mean pressure."""
+        return self, 0.0
 
     def in_double_precision(self) -> Self:
         """The same response for fields in double precision."""
@@ -99,8 +139,8 @@ class Response(ABC):
         """The response and the surface on a grid of half the nodes, along one or both axes."""
 
     @abstractmethod
-    def refined(self, pressure: Array, finer: Response) -> tuple[Array, Array]:
-        """Interpolated pressure and displacement on a finer grid, made by `coarsened`."""
+    def refined(self, pressure: Array, stiffness: float, finer: Response) -> Array:
+        """Pressure less its displacement × a stiffness, interpolated on a finer grid, made by `coarsened`."""
 
     @abstractmethod
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
@@ -122,29 +162,42 @@ class PeriodicResponse(Response):
         return cls(solid, Fourier(grid, dtype, threads))  # type: ignore[arg-type]
 
     def _modes(self) -> Array:
-        return self.solid.grid_surface_compliance(self.grid, self.fourier.real)
+        modes = self.solid.grid_surface_compliance(self.grid, self.fourier.real)
+        if self.holds_mean:
+            modes[0, 0] = 0
+        return modes
+
+    def without_mean(self) -> tuple[Response, float]:
+        half = self.half_compliance
+        mean = float(half[0, 0])
+        # The factors are not held twice: this response computes them again if they are needed.
+        self.release()
+        half[0, 0] = 0
+        return PeriodicResponse(self.solid, self.fourier, half, holds_mean=True), mean
 
     @property
     def uniform_compliance(self) -> float:
-        return float(self.compliance[0, 0])
+        return float(self.half_compliance[0, 0])
 
     def on_cells(self, cells: Grid) -> tuple[Fourier, Array]:
         fourier = Fourier(cells, np.float32, self.fourier.threads, self.fourier.work)
-        return fourier, self.solid.grid_surface_compliance(cells, np.dtype(float))
+        response = PeriodicResponse(self.solid, Fourier(cells), holds_mean=self.holds_mean)
+        return fourier, response.compliance
 
     def coarsened(self, height: Array, shape: tuple[int, int]) -> tuple[Response, Array]:
         """The surface is truncated in Fourier space."""
         outer, grid = self.fourier, Grid(shape, self.grid.length)
         fourier = Fourier(grid, outer.real, outer.threads, outer.work)
         coefficients = resample(outer.forward(height), self.grid, grid)
-        return PeriodicResponse(self.solid, fourier), fourier.inverse(coefficients, overwrite=True)
+        coarser = PeriodicResponse(self.solid, fourier, holds_mean=self.holds_mean)
+        return coarser, fourier.inverse(coefficients, overwrite=True)
 
-    def refined(self, pressure: Array, finer: Response) -> tuple[Array, Array]:
-        """Fourier interpolants, of which that of the pressure oscillates about zero outside the contact."""
+    def refined(self, pressure: Array, stiffness: float, finer: Response) -> Array:
+        """The Fourier interpolant, of which the pressure oscillates about zero outside the contact."""
         coefficients = self.fourier.forward(pressure)
-        pressure = finer.fourier.inverse(resample(coefficients, self.grid, finer.grid), overwrite=True)
-        coefficients *= self.compliance
-        return pressure, finer.fourier.inverse(resample(coefficients, self.grid, finer.grid), overwrite=True)
+        half = self.half_compliance
+        self._multiply(coefficients, 1 - half.dtype.type(stiffness) * half, self.fourier.threads)
+        return finer.fourier.inverse(resample(coefficients, self.grid, finer.grid), overwrite=True)
 
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
         """By spectral differentiation of the displacement."""

@@ -10,13 +10,17 @@ nodes.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from asperity.contact import kernels
 from asperity.contact.assembly import JOIN_STIFFNESS
-from asperity.contact.inner_solve import ContactSystem, Correction
-from asperity.contact.problem import Problem, State
+from asperity.contact.inner_response import InnerResponse
+from asperity.contact.inner_solve import Correction
+from asperity.contact.iterate import Iterate
+from asperity.contact.problem import Problem
 from asperity.types import Array
 
 # On rough surfaces of 512² nodes steps are rarely shortened: halving or doubling any of the factors below
@@ -44,63 +48,95 @@ class SafeguardedStep:
     Parameters
     ----------
     problem : Problem
+    response : InnerResponse
+        Restricted to the contact nodes of each system.
     """
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem, response: InnerResponse) -> None:
         self._unit = problem.nodal_compliance
-        self._pressure_before = np.empty(problem.grid.size, problem.fourier.real)
-        self._gap_before = np.empty(problem.grid.shape, problem.fourier.real)
-        self._correction: tuple[Array, Array] | None = None
+        self._response = response
+        self._last: _Step | None = None
         self._fraction = 1.0
 
-    def take(self, state: State, system: ContactSystem, correction: Correction) -> None:
+    def take(self, iterate: Iterate, correction: Correction) -> float:
         """Add a correction; nodes that it would make penetrate join the contact, nodes in tension leave it.
 
         Joining nodes are chosen by the gap that the correction leads to, before nodes are released:
         afterwards the pressure is out of equilibrium, and nodes around every patch that lost tension seem to
         penetrate.
+
+        Returns
+        -------
+        float
+            By how much gaps closed at most.
         """
-        pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
-        self._pressure_before[:] = pressure
-        self._correction = system.contact_nodes, correction.pressure
-        kernels.add_penetrating_nodes(
-            pressure,
-            gap,
-            correction.displacement,
-            state.approach + correction.approach,
-            self._unit,
-            JOIN_STIFFNESS,
+        approach = iterate.approach + correction.approach
+        # No node moves upward by more than the contact nodes do, which the pressure displaces.
+        upward = self._unit * max(0.0, -float(correction.displacement.min(initial=0)))
+        motion = upward + max(correction.approach, 0.0)
+        candidates, gap = iterate.free_nodes_below(approach + upward)
+        closing = self._response.respond_at(candidates, correction.pressure)
+        overlap = kernels.residual(gap, approach, self._unit) - closing
+        joins = overlap > 0
+        joining, real = candidates[joins], iterate.pressure.dtype
+        nothing = np.zeros(joining.size, real)
+        union = partial(kernels.merge, iterate.nodes, joining)
+        nodes, pressure = union(iterate.pressure, nothing)
+        _, change = union(correction.pressure.astype(real), (JOIN_STIFFNESS * overlap[joins]).astype(real))
+        _, gap_before = union(iterate.gap, gap[joins])
+        _, joined = union(np.zeros(iterate.nodes.size, np.uint8), np.ones(joining.size, np.uint8))
+        self._last = _Step(pressure, gap_before, change, joined > 0)
+        iterate.set_pressure(nodes, self._last.pressure_after(self._fraction))
+        return motion
+
+    def best_fraction(self, iterate: Iterate) -> float:
+        """Fraction of the last step at which the energy is least; 1 if there was none."""
+        if self._last is None:
+            return 1.0
+        step = self._last
+        return kernels.line_search(
+            iterate.pressure, step.pressure_before, iterate.gap, step.gap_before, iterate.approach
         )
-        kernels.add_and_release(pressure, *self._correction, np.float32(self._fraction))
-        state.gap, self._gap_before = self._gap_before, state.gap
 
-    def shorten(self, state: State, may_repeat: bool) -> bool:
-        """Shorten the last step to where the energy is least; True if the state is the one to go on from.
-
-        If the energy is least where the step began and `may_repeat`, the same correction is added again,
-        shortened before nodes are released. Then the gap has to be evaluated anew.
-        """
-        if self._correction is None:
-            return True
-        pressure, gap = state.pressure.reshape(-1), state.gap.reshape(-1)
-        gap_before = self._gap_before.reshape(-1)
-        fraction = kernels.line_search(pressure, self._pressure_before, gap, gap_before, state.approach)
+    def shorten(self, iterate: Iterate, fraction: float) -> None:
+        """Shorten the last step; the gap has to be evaluated anew if that is noticeable."""
+        if self._last is None:
+            return
         if fraction < WHOLE_STEP:
-            kernels.interpolate(pressure, self._pressure_before, fraction)
-            kernels.interpolate(gap, gap_before, fraction)
-        if fraction == 0 and may_repeat:
-            self._fraction /= SHORTENING
-            kernels.add_and_release(pressure, *self._correction, np.float32(self._fraction))
-            return False
+            before = self._last.pressure_before
+            iterate.set_pressure(iterate.nodes, before + fraction * (iterate.pressure - before))
+        self._last = None
         if fraction < SHORT_STEP:
             self._fraction /= SHORTENING
         else:
             self._fraction = min(LENGTHENING * self._fraction, 1.0)
-        return True
+
+    def repeat_shorter(self, iterate: Iterate) -> None:
+        """Add the last correction again, shortened before nodes are released."""
+        assert self._last is not None
+        self._fraction /= SHORTENING
+        iterate.set_pressure(iterate.nodes, self._last.pressure_after(self._fraction, joins=False))
 
     def forget(self) -> None:
-        """Forget the last step, because the state has been changed otherwise since."""
-        self._correction = None
+        """Forget the last step, because the iterate has been changed otherwise since."""
+        self._last = None
+
+
+@dataclass(frozen=True)
+class _Step:
+    """A step on the nodes in contact before it, and on those that joined the contact."""
+
+    pressure_before: Array
+    gap_before: Array
+    change: Array
+    joined: Array
+
+    def pressure_after(self, fraction: float, joins: bool = True) -> Array:
+        """Pressure after a fraction of the correction, with nodes that join or without."""
+        fractions = np.where(self.joined, float(joins), fraction).astype(self.change.dtype)
+        return kernels.add_and_release(
+            self.pressure_before, fractions * self.change, self.change.dtype.type(1)
+        )
 
 
 class Stagnation:

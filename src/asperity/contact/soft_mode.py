@@ -14,6 +14,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from asperity.contact import kernels
 from asperity.contact.assembly import JOIN_STIFFNESS
 from asperity.contact.inner_solve import (
     MAX_ITERATIONS_FINAL,
@@ -21,7 +22,8 @@ from asperity.contact.inner_solve import (
     ContactSystem,
     InnerSolver,
 )
-from asperity.contact.problem import Problem, State
+from asperity.contact.iterate import Iterate
+from asperity.contact.problem import Problem
 from asperity.types import Array
 
 # The preconditioner accounts for the mean displacement if it makes the contact at most so many times stiffer
@@ -44,36 +46,40 @@ class SoftMode:
         self._inner = inner
         self._unit = problem.nodal_compliance
 
-    def balance(self, state: State, system: ContactSystem, tolerance: float) -> bool:
+    def balance(self, iterate: Iterate, system: ContactSystem, tolerance: float) -> bool:
         """Remove the error along the softest pressure if it exceeds a tolerance; True if it did.
 
         The tolerance is relative to the norm of the pressure. Nodes that penetrate join the contact.
         """
-        pressure, nodes = state.pressure.reshape(-1), system.contact_nodes
-        uniform = np.zeros_like(pressure)
-        uniform[nodes] = 1
-        compliance = float(self._respond(uniform, state)[nodes].sum(dtype=float))
+        nodes, size = iterate.nodes, self._problem.grid.size
+        uniform = self._respond(np.ones(nodes.size), iterate)
+        compliance = float(uniform[nodes].sum(dtype=float))
         if KNOWN_SOFTNESS * compliance * system.uniform_sum > nodes.size**2:
             return False
-        direction = self._softest(state, system)
-        response = self._respond(direction, state)
-        curvature = float(np.dot(direction, response))
+        direction = self._softest(iterate, system)
+        response = self._respond(direction, iterate)
+        curvature = float(np.dot(direction, response[nodes]))
         if not curvature > 0:
             return False
-        overlap = (state.approach - state.gap.reshape(-1)) / self._unit
+        pressure = np.zeros(size, iterate.pressure.dtype)
+        kernels.spread(pressure, nodes, iterate.pressure)
+        height, displacement = iterate.fields()
+        overlap = (iterate.approach - (height + displacement)) / self._unit
         joining = np.where(pressure == 0, np.maximum(overlap, 0), 0)
-        change = float(np.dot(direction, overlap)) / curvature
+        change = float(np.dot(direction, overlap[nodes])) / curvature
         hidden = float(np.dot(np.abs(response), joining)) / curvature
-        error = (abs(change) + hidden) * float(np.linalg.norm(direction) / np.linalg.norm(pressure))
+        error = (abs(change) + hidden) * float(np.linalg.norm(direction) / np.linalg.norm(iterate.pressure))
         if error <= tolerance:
             return False
-        state.error = error
+        iterate.error = error
         pressure += JOIN_STIFFNESS * joining
-        pressure[nodes] = np.maximum(pressure[nodes] + change * direction[nodes], 0)
+        pressure[nodes] = np.maximum(pressure[nodes] + change * direction, 0)
+        contact = np.flatnonzero(pressure > 0).astype(np.uint32)
+        iterate.set_pressure(contact, pressure[contact])
         return True
 
-    def _softest(self, state: State, system: ContactSystem) -> Array:
-        """Pressure that answers a uniform overlap of the contact nodes, on all nodes of the grid."""
+    def _softest(self, iterate: Iterate, system: ContactSystem) -> Array:
+        """Pressure that answers a uniform overlap of the contact nodes."""
         uniform = replace(
             system,
             residual=np.ones_like(system.residual),
@@ -81,13 +87,12 @@ class SoftMode:
             fixed_load=False,
         )
         correction = self._inner.solve(uniform, RESIDUAL_DROP_FINAL, MAX_ITERATIONS_FINAL)
-        state.iterations += correction.iterations
-        direction = np.zeros_like(state.pressure.reshape(-1))
-        direction[system.contact_nodes] = correction.pressure
-        return direction
+        iterate.iterations += correction.iterations
+        return correction.pressure.astype(iterate.pressure.dtype)
 
-    def _respond(self, pressure: Array, state: State) -> Array:
-        """Displacement under a pressure, in units of `Problem.nodal_compliance`, in full precision."""
-        displacement = self._problem.displacement(pressure.reshape(self._problem.grid.shape)).reshape(-1)
-        state.iterations += 1
-        return displacement / self._unit
+    def _respond(self, pressure: Array, iterate: Iterate) -> Array:
+        """Displacement of all nodes under a pressure, in units of `Problem.nodal_compliance`."""
+        field = np.empty(self._problem.grid.shape, self._problem.fourier.real)
+        kernels.spread(field.reshape(-1), iterate.nodes, pressure)
+        iterate.iterations += 1
+        return self._problem.displacement(field, field).reshape(-1) / self._unit

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from asperity.contact.boundaries import response_on
 from asperity.contact.certificate import Certificate
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
+from asperity.engines import current_engine
 from asperity.errors import shown
 from asperity.notebook import picture, table
 from asperity.spectral import Grid
@@ -78,6 +79,8 @@ class Contact:
         node is more than the area asked for. Then the area is the nearest that the surface allows.
     method : str
     rtol : float
+    fft_engine : str
+        Library of the Fourier transforms, its version and plans.
 
     Examples
     --------
@@ -110,6 +113,7 @@ class Contact:
     control_error: float
     method: str
     rtol: float
+    fft_engine: str = field(default_factory=lambda: current_engine().description)
 
     def __repr__(self) -> str:
         ny, nx = self.grid.shape

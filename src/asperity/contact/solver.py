@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import replace
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from asperity.arguments import choice
-from asperity.contact import gfmd, nested_grids
+from asperity.contact import gfmd, kernels, nested_grids
 from asperity.contact.arguments import (
     checked_control,
     checked_height,
@@ -18,7 +19,7 @@ from asperity.contact.arguments import (
     checked_solid,
 )
 from asperity.contact.boundaries import response_on
-from asperity.contact.certificate import verify_contact
+from asperity.contact.certificate import certificate_of_fields, verify_contact
 from asperity.contact.problem import Control, Problem, State
 from asperity.contact.solution import Contact
 from asperity.contact.units import Units, units_of
@@ -154,7 +155,7 @@ def solve(
     with np.errstate(over="ignore", invalid="ignore"):
         if control.lifts_off(problem.height):
             position = control.value if control.kind == "approach" else float(problem.height.min())
-            state = State(np.zeros_like(problem.height), problem.height, position, 0.0, 0.0)
+            state = State(np.zeros_like(problem.height), position, 0.0, 0.0)
         else:
             state = _solved(problem, heights, control, method, tolerance, progress, pressure)
         found = _certified(problem, control, state, method, tolerance, time.perf_counter() - begin)
@@ -207,25 +208,30 @@ def _certified(
     problem: Problem, control: Control, state: State, method: str, rtol: float, seconds: float
 ) -> Contact:
     """Evaluate the fields that follow from the pressure of a state, and certify it."""
-    grid, pressure = problem.grid, state.pressure
+    grid, pressure, displacement = problem.grid, state.pressure, state.displacement
+    if displacement is None or displacement.dtype != pressure.dtype:
+        displacement = problem.displacement(pressure)
     pairs = problem.fourier.work.pairs(grid)
-    displacement = problem.displacement(pressure)
     gap = problem.height + displacement
-    contact = pressure > 0
+    nodes = np.flatnonzero(pressure > 0)
     approach = state.approach
-    if control.kind != "approach" and contact.any():
-        approach = float(gap[contact].mean(dtype=float))
-    certificate = verify_contact(
-        problem.height,
-        pressure,
-        problem.solid,
-        grid.length,
-        approach=approach,
-        mean_pressure=state.load if control.kind == "mean_pressure" else None,
-        boundary=problem.response.boundary,
-        threads=problem.fourier.threads,
-    )
+    if control.kind != "approach" and nodes.size:
+        approach = float(gap.reshape(-1)[nodes].mean(dtype=float))
     gap -= gap.dtype.type(approach)
+    load = state.load if control.kind == "mean_pressure" else None
+    if pressure.dtype == np.float64:
+        certificate = certificate_of_fields(problem.height, pressure, gap, problem.nodal_compliance, load)
+    else:
+        certificate = verify_contact(
+            problem.height,
+            pressure,
+            problem.solid,
+            grid.length,
+            approach=approach,
+            mean_pressure=load,
+            boundary=problem.response.boundary,
+            threads=problem.fourier.threads,
+        )
     found = Contact(
         height=problem.height,
         pressure=pressure,
@@ -234,7 +240,7 @@ def _certified(
         grid=grid,
         solid=problem.solid,
         boundary=problem.response.boundary,
-        area_fraction=float(contact.mean()),
+        area_fraction=nodes.size / grid.size,
         mean_pressure=float(pressure.mean(dtype=float)),
         approach=approach,
         certificate=replace(certificate, iterations=state.iterations, pairs=pairs, seconds=seconds),
@@ -260,14 +266,15 @@ def _require_certificate(contact: Contact) -> None:
     A relative error of the pressure changes the gap by that fraction of the displacement that the pressure
     can cause, which is largest for the longest wave.
     """
-    finite = all(np.all(np.isfinite(field)) for field in (contact.pressure, contact.gap))
-    rms_height = float(np.std(contact.height, dtype=float))
+    finite = is_finite(contact.pressure) and is_finite(contact.gap)
+    rms_height = kernels.standard_deviation(contact.height.reshape(-1))
     allowed = MAX_VIOLATION * contact.rtol
     if finite and rms_height:
-        rms_pressure = float(np.sqrt(np.mean(np.square(contact.pressure, dtype=float))))
+        pressure = contact.pressure.reshape(-1)
+        rms_pressure = math.sqrt(kernels.dot(pressure, pressure) / pressure.size)
         longest = float(contact.solid.surface_compliance(2 * np.pi / max(contact.grid.length)))
         allowed *= max(1.0, rms_pressure * longest / rms_height)
-        largest = float(np.abs(contact.height).max())
+        largest = max(float(contact.height.max()), -float(contact.height.min()))
         allowed += MAX_ROUNDINGS * float(np.finfo(contact.pressure.dtype).eps) * largest / rms_height
     if finite and contact.certificate.worst <= allowed:
         return

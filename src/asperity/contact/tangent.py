@@ -7,22 +7,18 @@ gap closes, and so the number of contact nodes as a function of the load.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from asperity.contact import kernels
 from asperity.contact.area_control import AreaControl
-from asperity.contact.inner_solve import Correction
-from asperity.contact.problem import State
+from asperity.contact.iterate import Iterate
 from asperity.types import Array
 
 # The load changes by at most this fraction of itself along a tangent. Half and twice the value take the same
 # number of transforms.
 MAX_LOAD_CHANGE = 0.5
-
-# The load changes by at most this fraction for the last few nodes.
-MAX_LAST_CHANGE = 0.1
 
 # Contact nodes are counted down to the load that is this fraction below the present one, just above lift-off.
 MAX_LOAD_DECREASE = 0.999
@@ -51,28 +47,19 @@ class Tangent:
     load: float
     unit: float
 
-    def on(self, contact_nodes: Array, rate: Array) -> Tangent:
-        """The same tangent on contact nodes that have changed little.
-
-        Nodes that have joined take their change of the pressure from `rate`, (count,).
-        """
-        pressure = np.zeros(self.displacement.size, np.float32)
-        pressure[self.contact_nodes] = self.pressure
-        found = pressure[contact_nodes]
-        found = np.where(found > 0, found, np.maximum(rate, 0))
-        load = float(found.sum(dtype=float)) / self.displacement.size
-        return replace(self, contact_nodes=contact_nodes, pressure=found, load=load)
-
-    def change_to_area(self, state: State, area: AreaControl) -> float | None:
+    def change_to_area(self, iterate: Iterate, area: AreaControl) -> float | None:
         """Change of the approach that gives the number of contact nodes asked for, or the nearest number.
 
-        The pressure of the state has converged. None if no other load within reach gives a better number.
+        The pressure has converged. None if no other load within reach gives a better number.
         """
-        unit = state.load / self.load
-        longest = MAX_LOAD_CHANGE * unit
-        nothing = np.zeros_like(self.pressure), np.zeros_like(self.displacement)
-        first, edges = self._edges(state, Correction(*nothing, 0.0, 0), -MAX_LOAD_DECREASE * unit, longest)
-        best = self._best(first, edges, state, area)
+        longest = MAX_LOAD_CHANGE * iterate.load / self.load
+        least = -MAX_LOAD_DECREASE * iterate.load / self.load
+        # The number of contact nodes is first + k between edges[k] and edges[k + 1].
+        first, edges = self._edges(iterate, least, longest)
+        # Only numbers of nodes that last while the load changes can be asked for, unless there is none.
+        lasting = np.flatnonzero(np.diff(edges) >= area.load_resolution * iterate.load / self.load)
+        lasting = lasting if lasting.size else np.arange(edges.size - 1)
+        best = lasting[np.argmin(np.abs(lasting + (first - area.target)))]
         in_reach = best < edges.size - 2 or best + first > area.target
         if in_reach and edges[best] < 0 < edges[best + 1]:
             return None
@@ -85,30 +72,13 @@ class Tangent:
             change = longest
         return float(max(change, -longest))
 
-    def corrected_change(self, state: State, area: AreaControl, correction: Correction) -> float:
-        """Change of the approach with which a correction leads to the number of contact nodes asked for."""
-        longest = MAX_LAST_CHANGE * state.load / self.load
-        first, edges = self._edges(state, correction, -longest, longest)
-        best = self._best(first, edges, state, area)
-        return float(0.5 * (edges[best] + edges[best + 1]))
-
-    def _best(self, first: int, edges: Array, state: State, area: AreaControl) -> int:
-        """Index k for which first + k, the number of contact nodes from edges[k] to edges[k + 1], is best.
-
-        Only numbers of nodes that last while the load changes can be asked for, unless there is none.
-        """
-        lasting = np.flatnonzero(np.diff(edges) >= area.load_resolution * state.load / self.load)
-        lasting = lasting if lasting.size else np.arange(edges.size - 1)
-        return int(lasting[np.argmin(np.abs(lasting + (first - area.target)))])
-
-    def _edges(self, state: State, correction: Correction, least: float, longest: float) -> tuple[int, Array]:
+    def _edges(self, iterate: Iterate, least: float, longest: float) -> tuple[int, Array]:
         """Number of contact nodes at the change `least`, and the changes up to `longest` where it grows."""
-        gap, pressure = state.gap.reshape(-1), state.pressure.reshape(-1)
-        approach = state.approach + correction.approach
+        height, displacement = iterate.fields()
         changes = kernels.closing_changes(
-            gap, approach, self.unit, correction.displacement, self.displacement
+            height, displacement, iterate.approach, self.unit, self.displacement
         )
-        kernels.set_release_changes(changes, pressure, self.contact_nodes, correction.pressure, self.pressure)
+        kernels.set_release_changes(changes, iterate.pressure, self.contact_nodes, self.pressure)
         first = int(np.count_nonzero(changes <= least))
         within = np.sort(changes[(changes > least) & (changes < longest)])
         return first, np.concatenate(([least], within, [longest]))

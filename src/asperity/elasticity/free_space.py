@@ -22,7 +22,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-import ducc0
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike
@@ -127,12 +126,9 @@ class PaddedFourier(Fourier):
         self._rows[:, nx:] = 0
         if out is None:
             out = np.empty(self.padded_grid.half_shape, self.complex)
-        for rows, threads in self._blocks(ny):
-            ducc0.fft.r2c(self._rows[rows], axes=(1,), forward=True, inorm=2, out=out[rows], nthreads=threads)
+        self.engine.rows_forward(self._rows, out[:ny], self.threads)
         out[ny:] = 0
-        for columns, threads in self._blocks(out.shape[1]):
-            part = out[:, columns]
-            ducc0.fft.c2c(part, axes=(0,), forward=True, inorm=2, out=part, nthreads=threads)
+        self.engine.columns_forward(out, out, self.threads)
         return out
 
     def inverse(self, coefficients: Array, out: Array | None = None, overwrite: bool = False) -> Array:
@@ -140,19 +136,8 @@ class PaddedFourier(Fourier):
         self.work.nodes += self._work_nodes
         ny, nx = self.grid.shape
         columnwise = coefficients if overwrite else np.empty_like(coefficients)
-        for columns, threads in self._blocks(coefficients.shape[1]):
-            part = coefficients[:, columns]
-            ducc0.fft.c2c(part, axes=(0,), forward=False, out=columnwise[:, columns], nthreads=threads)
-        for rows, threads in self._blocks(ny):
-            ducc0.fft.c2r(
-                columnwise[rows],
-                axes=(1,),
-                lastsize=self._rows.shape[1],
-                forward=False,
-                out=self._rows[rows],
-                nthreads=threads,
-                allow_overwriting_input=True,
-            )
+        self.engine.columns_inverse(coefficients, columnwise, self.threads)
+        self.engine.rows_inverse(columnwise[:ny], self._rows, self.threads)
         if out is None:
             out = np.empty(self.grid.shape, self.real)
         out[:] = self._rows[:, :nx]

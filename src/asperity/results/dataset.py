@@ -25,6 +25,7 @@ import xarray as xr
 
 import asperity
 from asperity import accessor
+from asperity.engines import current_engine
 from asperity.errors import DatasetError, NewerFileError, shown
 from asperity.results.variables import ORIENTATION, STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
 from asperity.spectral import grid_of as grid_of
@@ -49,6 +50,9 @@ FORMAT = "format_version"
 
 FORMAT_VERSION = 1
 """Version that is written, and the newest that is read; a new one is what an older asperity would misread."""
+
+FFT_ENGINE = "fft_engine"
+"""Attribute that holds the library of the Fourier transforms, its version and plans."""
 
 MAX_BLOCK = 2**26
 """Bytes of a variable that are read at once to compute a fingerprint."""
@@ -129,6 +133,7 @@ def write(
         UNIT_SYSTEM: system,
         "comment": UNIT_SYSTEMS[system].comment,
         "references": PAPER,
+        FFT_ENGINE: current_engine().description,
         "settings": json.dumps(settings, sort_keys=True),
         "settings_digest": digest(settings),
         **{name: value for name, value in dataset.attrs.items() if name != FORMAT},

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from asperity.errors import DatasetError, PreflightError
-from asperity.packages import NAMES, MissingPackageError, require
+from asperity.packages import NEEDED, MissingPackageError, require
 from asperity.runtime.written import require_as_written, written
 from asperity.system import available_memory
 
@@ -32,7 +32,7 @@ _CLAIMED: list[BaseFileLock] = []
 """Locks of this process: a lock ends with its object."""
 
 
-def require_packages(modules: Iterable[str] = tuple(NAMES)) -> None:
+def require_packages(modules: Iterable[str] = NEEDED) -> None:
     """Raise `PreflightError` if one of the modules is not installed, by default of all that a study needs."""
     try:
         require(modules)

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from asperity import accessor
 from asperity.elasticity.layer import LATERALS
+from asperity.engines import current_engine
 from asperity.finite import require_finite
 from asperity.spectral import Work
 from asperity.stress.arguments import (
@@ -435,4 +436,5 @@ def _dataset(analysis: _StressAnalysis, lateral: str) -> xr.Dataset:
         effective_modulus=contact.layer.effective_modulus,
         friction=float(settings.friction),
         sliding_direction=settings.sliding_direction,
+        fft_engine=current_engine().description,
     )

@@ -1,0 +1,176 @@
+"""The iterate of the active-set solver: pressures on the contact nodes, and the displacement of all nodes."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from asperity.contact import kernels
+from asperity.contact.problem import Control, Problem, State
+from asperity.parallel import in_parts
+from asperity.types import Array
+
+
+class Iterate:
+    """Pressures on a few nodes, and the displacement of the surface under them.
+
+    Parameters
+    ----------
+    problem : Problem
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened grid.
+    pressure : (count,) array
+        On the nodes, non-negative; it is zero on all others.
+    approach, load : float
+        As in `State`.
+
+    Attributes
+    ----------
+    gap : (count,) array
+        h + u of the nodes at the last evaluation, without the approach.
+    displacement : (ny, nx) array
+        u at the last evaluation.
+    is_evaluated : bool
+        True if gap and displacement are those of the pressure.
+    error, iterations
+        As in `State`.
+    """
+
+    def __init__(self, problem: Problem, nodes: Array, pressure: Array, approach: float, load: float) -> None:
+        self._problem = problem
+        self._height = problem.height.reshape(-1)
+        self._threads = problem.fourier.threads
+        self.nodes, self.pressure = nodes, pressure
+        self.gap = np.empty_like(pressure)
+        self.displacement = np.empty(problem.grid.shape, problem.fourier.real)
+        self.approach, self.load = approach, load
+        self.error, self.iterations = math.inf, 0
+        self.is_evaluated = False
+        self._near: tuple[float, Array, Array] | None = None
+
+    @classmethod
+    def of_field(cls, problem: Problem, pressure: Array, approach: float, load: float) -> Iterate:
+        """Iterate of a pressure [y, x] on all nodes; negative values are set to zero."""
+        flat = pressure.reshape(-1)
+        nodes = np.flatnonzero(flat > 0).astype(np.uint32)
+        return cls(problem, nodes, flat[nodes].astype(problem.fourier.real), approach, load)
+
+    def evaluate(self, control: Control) -> None:
+        """Evaluate the gap, after scaling the pressure to the load, or to the least energy at an approach."""
+        if control.fixes_load:
+            self.pressure *= self.load / (float(self.pressure.sum(dtype=float)) / self._height.size)
+        field = self.displacement
+        self._spread_pressure(field.reshape(-1))
+        self._problem.displacement(field, field)
+        self.iterations += 1
+        if not control.fixes_load:
+            self._scale_to_least_energy(control.value)
+        self._gather_gaps()
+        self.is_evaluated = True
+
+    def _scale_to_least_energy(self, approach: float) -> None:
+        pressure = self.pressure.astype(float)
+        work = float(pressure @ (approach - self._height[self.nodes]))
+        energy = float(pressure @ self.displacement.reshape(-1)[self.nodes])
+        if work > 0 and energy > 0:
+            self.pressure *= work / energy
+            self.displacement *= work / energy
+
+    def set_pressure(self, nodes: Array, pressure: Array) -> None:
+        """Change the nodes and the pressures on them; the gap has to be evaluated anew."""
+        self.nodes, self.pressure = nodes, pressure
+        self.is_evaluated = False
+
+    def start_at_lowest_node(self) -> None:
+        """Put the whole pressure on the node that touches first."""
+        self.set_pressure(np.array([np.argmin(self._height)], np.uint32), np.ones(1, self._height.dtype))
+
+    def drop_free_nodes(self) -> None:
+        """Leave out the nodes without pressure."""
+        contact = self.pressure > 0
+        if not contact.all():
+            self.nodes, self.pressure = self.nodes[contact], self.pressure[contact]
+            if self.is_evaluated:
+                self.gap = self.gap[contact]
+
+    def free_nodes_below(self, level: float, reserve: float = 0.0) -> tuple[Array, Array]:
+        """Sorted nodes out of contact with a gap below a level, and their gaps.
+
+        Nodes up to `reserve` above the level are kept for the next call, and may be returned as well.
+        """
+        if self._near is None or self._near[0] < level:
+            bound = self._height.dtype.type(level + reserve)
+            found = in_parts(
+                partial(self._free_nodes, bound), self._height.size, self._threads, kernels.CHUNK
+            )
+            nodes, gaps = zip(*found, strict=True)
+            self._near = level + reserve, np.concatenate(nodes), np.concatenate(gaps)
+        return self._near[1:]
+
+    def _spread_pressure(self, field: Array) -> None:
+        """Write the pressure of all nodes into a flattened field."""
+
+        def spread(part: slice) -> None:
+            first, last = np.searchsorted(self.nodes, (part.start, part.stop))
+            kernels.spread(
+                field[part], self.nodes[first:last] - np.uint32(part.start), self.pressure[first:last]
+            )
+
+        in_parts(spread, field.size, self._threads)
+
+    def _gather_gaps(self) -> None:
+        """Gap of the nodes; what is known of other gaps is forgotten."""
+        self.gap = np.empty_like(self.pressure)
+        height, displacement = self.fields()
+
+        def gather(part: slice) -> None:
+            kernels.gaps(height, displacement, self.nodes[part], self.gap[part])
+
+        in_parts(gather, self.nodes.size, self._threads)
+        self._near = None
+
+    def _free_nodes(self, bound: Any, part: slice) -> tuple[Array, Array]:
+        """Nodes of a part out of contact with a gap below a bound, and their gaps."""
+        height, displacement = (field[part] for field in self.fields())
+        first, last = np.searchsorted(self.nodes, (part.start, part.stop))
+        nodes = self.nodes[first:last] - np.uint32(part.start)
+        least = kernels.least_gaps(height, displacement)
+        found, gap = kernels.free_nodes_below(height, displacement, nodes, least, bound)
+        return found + np.uint32(part.start), gap
+
+    def add_displacement(self, change: Array) -> None:
+        """Add a change to the displacement of all nodes, that of a change of the pressure."""
+        self.displacement += change.reshape(self.displacement.shape)
+        self._gather_gaps()
+
+    def fields(self) -> tuple[Array, Array]:
+        """Height and displacement of all nodes, flattened."""
+        return self._height, self.displacement.reshape(-1)
+
+    def pressure_field(self) -> Array:
+        """Pressure [y, x] of all nodes."""
+        field = np.empty(self.displacement.shape, self.pressure.dtype)
+        self._spread_pressure(field.reshape(-1))
+        return field
+
+    def state(self, mean_compliance: float = 0.0) -> State:
+        """The fields of the iterate on the whole grid.
+
+        `mean_compliance` is the mean displacement per unit of the mean pressure that the response left out.
+        """
+        displacement, approach = self.displacement, self.approach
+        if mean_compliance:
+            mean = mean_compliance * self.load
+            displacement += displacement.dtype.type(mean)
+            approach += mean
+        return State(
+            self.pressure_field(),
+            approach,
+            self.load,
+            self.error,
+            self.iterations,
+            displacement if self.is_evaluated else None,
+        )

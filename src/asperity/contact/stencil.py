@@ -1,0 +1,251 @@
+"""Stencils applied to values on the contact nodes: the product with a kernel of short range.
+
+Values are spread on an array with a margin that repeats the map, or is zero if nothing surrounds the map. The
+weights of a stencil are symmetric, and may differ between even and odd rows and columns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import njit, types
+from numba.extending import intrinsic
+
+from asperity.parallel import in_parts
+from asperity.spectral import Grid
+from asperity.types import Array
+
+RADIUS = 3
+"""Radius of the stencils, in nodes: they reach the nodes with row² + column² ≤ RADIUS (RADIUS + 1)."""
+
+# Rows of a stencil, and numbers in each of them with a zero at the end: they fill a vector register.
+_ROWS = 2 * RADIUS + 1
+_LANES = _ROWS + 1
+
+
+class StencilField:
+    """Values on contact nodes, spread on an array with a margin, to which stencils are applied.
+
+    Parameters
+    ----------
+    grid : Grid
+    repeats : bool
+        True if nodes at opposite edges of the map are neighbours.
+    threads : int
+    """
+
+    def __init__(self, grid: Grid, repeats: bool, threads: int = 1) -> None:
+        self._threads = threads
+        ny, nx = grid.shape
+        self._shape = grid.shape
+        self._repeats = repeats
+        # The last row of a stencil reads one number beyond it.
+        memory = np.zeros((ny + 2 * RADIUS) * (nx + 2 * RADIUS) + 1, np.float32)
+        self._field = memory[:-1].reshape(ny + 2 * RADIUS, nx + 2 * RADIUS)
+        self._position = np.empty(0, np.uint32)
+
+    def restrict(self, nodes: Array) -> None:
+        """Choose the nodes that bear values, by their sorted indices in the flattened map."""
+        _erase(self._field.reshape(-1), self._position)
+        self._position, self._parity = _locate(nodes, self._shape[1])
+
+    def spread(self, values: Array) -> None:
+        """Spread values on the nodes."""
+        field = self._field.reshape(-1)
+        self._in_parts(lambda part: _scatter(field, self._position[part], values[part]), values.size)
+        if self._repeats:
+            _fill_margin(self._field)
+
+    def apply(self, stencil: Array, values: Array, out: Array) -> None:
+        """Write the products of a stencil with values on the nodes, at the nodes.
+
+        Parameters
+        ----------
+        stencil : array
+            From `whole_stencil`.
+        values, out : (count,) arrays
+        """
+        self.spread(values)
+        self._apply(stencil, self._position, self._parity, out)
+
+    def apply_at(self, stencil: Array, nodes: Array) -> Array:
+        """Products of a stencil with the values spread last, at other nodes."""
+        out = np.empty(nodes.size, np.float32)
+        self._apply(stencil, *_locate(nodes, self._shape[1]), out)
+        return out
+
+    def _apply(self, stencil: Array, position: Array, parity: Array, out: Array) -> None:
+        field, width = self._field.reshape(-1), self._field.shape[1]
+
+        def apply(part: slice) -> None:
+            _apply(field, width, position[part], parity[part], stencil, out[part])
+
+        self._in_parts(apply, out.size)
+
+    def _in_parts(self, work: Callable[[slice], None], count: int) -> None:
+        in_parts(work, count, self._threads)
+
+
+def whole_stencil(quadrants: Array) -> Array:
+    """All weights of a symmetric stencil, from those of a quadrant for each parity of row and column.
+
+    Parameters
+    ----------
+    quadrants : (2, 2, RADIUS + 1, RADIUS + 1) array
+        Weights [parity of the row, parity of the column, rows off, columns off].
+    """
+    off = np.abs(np.arange(-RADIUS, RADIUS + 1))
+    out = np.zeros((4, _ROWS, _LANES), np.float32)
+    out[:, :, :_ROWS] = quadrants.reshape(4, RADIUS + 1, RADIUS + 1)[:, off[:, None], off]
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _locate(nodes: Any, nx: int) -> tuple[Any, Any]:
+    """Indices of nodes in the flattened array with the margin, and 2 × parity of row + parity of column."""
+    position = np.empty(nodes.size, np.uint32)
+    parity = np.empty(nodes.size, np.uint8)
+    width = nx + 2 * RADIUS
+    row, start = np.int64(0), np.int64(0)
+    for k in range(nodes.size):
+        node = np.int64(nodes[k])
+        if node >= start + nx:
+            row = node // nx
+            start = row * nx
+        column = node - start
+        position[k] = (row + RADIUS) * width + column + RADIUS
+        parity[k] = 2 * (row & 1) + (column & 1)
+    return position, parity
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _scatter(field: Any, position: Any, values: Any) -> None:
+    for k in range(position.size):
+        field[position[k]] = values[k]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _erase(field: Any, position: Any) -> None:
+    for k in range(position.size):
+        field[position[k]] = 0
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _fill_margin(field: Any) -> None:
+    """Repeat the map periodically in the margin."""
+    ny, nx = field.shape[0] - 2 * RADIUS, field.shape[1] - 2 * RADIUS
+    for i in range(RADIUS, RADIUS + ny):
+        for step in range(1, RADIUS + 1):
+            field[i, RADIUS - step] = field[i, RADIUS + (nx - step) % nx]
+            field[i, RADIUS + nx + step - 1] = field[i, RADIUS + (step - 1) % nx]
+    for step in range(1, RADIUS + 1):
+        field[RADIUS - step] = field[RADIUS + (ny - step) % ny]
+        field[RADIUS + ny + step - 1] = field[RADIUS + (step - 1) % ny]
+
+
+@intrinsic
+def _product(typing_context: Any, field: Any, stride: Any, weights: Any) -> Any:
+    """Sum over the rows of a stencil of weights × numbers, from addresses and the bytes between two rows.
+
+    Written for the compiler, which does not turn the loops into operations on vectors: in a vector for each
+    row it takes half the time.
+    """
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        address, bytes_between, weight = arguments
+        vector = ir.VectorType(ir.FloatType(), _LANES)
+        total = None
+        for _ in range(_ROWS):
+            number, factor = (
+                builder.load(builder.inttoptr(start, vector.as_pointer()), align=4)
+                for start in (address, weight)
+            )
+            product = builder.fmul(number, factor, flags=("contract",))
+            total = product if total is None else builder.fadd(total, product, flags=("contract",))
+            address = builder.add(address, bytes_between)
+            weight = builder.add(weight, ir.Constant(weight.type, 4 * _LANES))
+        half = _LANES // 2
+        while half:
+            others = [(lane + half) % _LANES for lane in range(_LANES)]
+            order = ir.Constant(ir.VectorType(ir.IntType(32), _LANES), others)
+            total = builder.fadd(total, builder.shuffle_vector(total, total, order))
+            half //= 2
+        return builder.extract_element(total, ir.Constant(ir.IntType(32), 0))
+
+    return types.float32(types.intp, types.intp, types.intp), generate
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _apply(field: Any, width: int, position: Any, parity: Any, weights: Any, out: Any) -> None:
+    """Product of the stencil with the field, at positions."""
+    first = field.ctypes.data - 4 * RADIUS * (width + 1)
+    weight = weights.ctypes.data
+    for k in range(position.size):
+        node = np.int64(position[k])
+        out[k] = _product(first + 4 * node, 4 * width, weight + 4 * _ROWS * _LANES * np.int64(parity[k]))  # type: ignore[call-arg]
+
+
+# Linear interpolation from the even nodes; a field on them has a row and a column more than there are even
+# rows and columns
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def restrict_to_even_nodes(nodes: Any, values: Any, nx: int, coarse: Any, last: int, beyond: Any) -> None:
+    """Add values on nodes to the even nodes around them, by transposed interpolation.
+
+    What belongs to the row `last` of the coarse field is added to `beyond` instead: the field may be made in
+    parts, of which each ends with the row where the next one begins.
+    """
+    quarter, half = np.float32(0.25), np.float32(0.5)
+    row, start = np.int64(0), np.int64(0)
+    for k in range(nodes.size):
+        node = np.int64(nodes[k])
+        if node >= start + nx:
+            row = node // nx
+            start = row * nx
+        column = node - start
+        j, i = row >> 1, column >> 1
+        if row & 1:
+            below = beyond if j + 1 == last else coarse[j + 1]
+            if column & 1:
+                part = quarter * values[k]
+                coarse[j, i] += part
+                coarse[j, i + 1] += part
+                below[i] += part
+                below[i + 1] += part
+            else:
+                coarse[j, i] += half * values[k]
+                below[i] += half * values[k]
+        elif column & 1:
+            coarse[j, i] += half * values[k]
+            coarse[j, i + 1] += half * values[k]
+        else:
+            coarse[j, i] += values[k]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def interpolate_from_even_nodes(coarse: Any, nodes: Any, nx: int, out: Any) -> None:
+    """Add the interpolant of a field to values on nodes."""
+    quarter, half = np.float32(0.25), np.float32(0.5)
+    row, start = np.int64(0), np.int64(0)
+    for k in range(nodes.size):
+        node = np.int64(nodes[k])
+        if node >= start + nx:
+            row = node // nx
+            start = row * nx
+        column = node - start
+        j, i = row >> 1, column >> 1
+        if row & 1:
+            if column & 1:
+                out[k] += quarter * (
+                    (coarse[j, i] + coarse[j, i + 1]) + (coarse[j + 1, i] + coarse[j + 1, i + 1])
+                )
+            else:
+                out[k] += half * (coarse[j, i] + coarse[j + 1, i])
+        elif column & 1:
+            out[k] += half * (coarse[j, i] + coarse[j, i + 1])
+        else:
+            out[k] += coarse[j, i]

@@ -1,0 +1,10 @@
+"""Rule fft_wisdom: measured plans of FFTW for grids of one number of nodes."""
+
+from asperity.pipeline.wisdom import measure_plans
+from asperity.results import dataset
+from asperity.runtime.logs import log_to
+from asperity.runtime.progress import ProgressBar
+
+points = int(snakemake.wildcards.points)
+with log_to(snakemake.log[0], snakemake.output), ProgressBar(f"fft_wisdom {points}") as progress:
+    dataset.write_text(snakemake.output[0], measure_plans([points], progress))
