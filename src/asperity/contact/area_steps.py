@@ -19,12 +19,16 @@ from asperity.contact.iterate import Iterate
 from asperity.contact.problem import Problem
 from asperity.contact.safeguard import SafeguardedStep
 
-# Accuracy of the tangent along which a correction is extended: drop of the residual, and iterations.
+# Accuracy of the tangent along which a correction is extended: drop of the residual, and iterations at most.
 TANGENT_DROP = 0.05
 TANGENT_ITERATIONS = 4
 
 # The multiple of the tangent for the last few nodes is at most so many times that of the power law.
 PLAUSIBLE = 5.0
+
+# Lower bound of the rates at which gaps close and pressures grow along the tangent. Slower nodes stay as they
+# are.
+LEAST_RATE = 1e-6
 
 
 class AreaSteps:
@@ -110,8 +114,8 @@ class AreaSteps:
         candidates, gap = iterate.free_nodes_below(approach + unit * (upward + reach))
         respond_at = self._inner.response.respond_at
         opening = (gap - approach) / unit + respond_at(candidates, correction.pressure)
-        closing = np.maximum(1 - respond_at(candidates, tangent.pressure), np.finfo(np.float32).tiny)
-        leaving = -(iterate.pressure + correction.pressure) / np.maximum(tangent.pressure, 1e-6)
+        closing = np.maximum(1 - respond_at(candidates, tangent.pressure), LEAST_RATE)
+        leaving = -(iterate.pressure + correction.pressure) / np.maximum(tangent.pressure, LEAST_RATE)
         edges = np.sort(np.concatenate((opening / closing, leaving)))
         index = self._area.target
         if not 0 < index < edges.size:
