@@ -61,9 +61,8 @@ class FreeResponse(Response):
         grid = Grid(shape, cast(tuple[float, float], tuple(length)))
         return FreeResponse(self.solid, PaddedFourier(grid, outer.real, outer.threads, outer.work)), height
 
-    def refined(self, pressure: Array, stiffness: float, finer: Response) -> Array:
+    def interpolated(self, field: Array, finer: Response) -> Array:
         """Linear interpolation."""
-        field = pressure - pressure.dtype.type(stiffness) * self.displacement(pressure)
         for axis in (0, 1):
             if self.grid.shape[axis] < finer.grid.shape[axis]:
                 field = _interpolated(field, axis, finer.grid.shape[axis])

@@ -141,6 +141,35 @@ class Iterate:
         found, gap = kernels.free_nodes_below(height, displacement, nodes, least, bound)
         return found + np.uint32(part.start), gap
 
+    def refined(self, finer: Problem, load: float) -> Iterate:
+        """Start for a finer grid: the interpolated pressure less the interpolated gap / nodal compliance.
+
+        Outside the contact, where an interpolated pressure may not vanish, the gap is positive: subtracting
+        it before negative values are set to zero keeps those nodes free. The gap that is left at contact
+        nodes is not subtracted: where it varies over long distances, it stands for a far smaller pressure.
+        """
+        if not self.is_evaluated:
+            field = self.pressure_field()
+            self.displacement = self._problem.displacement(field, field)
+        real = finer.height.dtype.type
+        stiffness, approach = real(finer.modulus / min(finer.grid.spacing)), real(self.approach)
+        field = self.displacement
+        flat, nodes = field.reshape(-1), self.nodes[self.pressure > 0]
+        flat[nodes] = approach - self._height[nodes]
+        field *= -stiffness
+        flat[nodes] += self.pressure[self.pressure > 0]
+        out = self._problem.response.interpolated(field, finer.response)
+
+        def subtract(rows: slice) -> None:
+            gap = finer.height[rows] - approach
+            gap *= stiffness
+            np.subtract(out[rows], gap, out=out[rows])
+
+        in_parts(subtract, out.shape[0], self._threads, smallest=256)
+        start = Iterate.of_field(finer, out, self.approach, load)
+        start.iterations = self.iterations
+        return start
+
     def fields(self) -> tuple[Array, Array]:
         """Height and displacement of all nodes, flattened."""
         return self._height, self.displacement.reshape(-1)

@@ -2,7 +2,7 @@
 
 Each grid has half the nodes of the next finer one on each axis. Starts from coarser grids are known from
 multigrid methods, and for rough surfaces from Bemporad & Paggi (2015, arXiv:1506.00532). New here are the
-interpolation of the pressure, which keeps nodes out of contact free (`Problem.refine`), and the prediction of
+interpolation of the pressure, which keeps nodes out of contact free (`Iterate.refined`), and the prediction of
 the load of the next grid if an area is imposed.
 """
 
@@ -135,13 +135,11 @@ def _start_from_coarse_grids(problem: Problem, control: Control) -> Iterate:
     while len(problems) > 1:
         coarse, finer = problems.pop(), problems[-1]
         ActiveSet(coarse, coarse_control, COARSE_RULE).solve(iterate)
-        pressure = coarse.refine(iterate.pressure_field(), finer, iterate.approach)
-        load, iterations = iterate.load, iterate.iterations
+        load = iterate.load
         if control.kind == "area_fraction":
             touching = max(1, int(np.count_nonzero(iterate.pressure))) / coarse.grid.size
             coarse_control, load = loads.next_control(load, touching, finer.grid.size, len(problems) == 1)
-        iterate = Iterate.of_field(finer, pressure, iterate.approach, load)
-        iterate.iterations = iterations
+        iterate = iterate.refined(finer, load)
     return iterate
 
 

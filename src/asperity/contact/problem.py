@@ -115,22 +115,3 @@ class Problem:
 
         in_parts(subtract, self.grid.shape[0], self.fourier.threads, smallest=256)
         return Problem(height, self.response.in_single_precision())
-
-    def refine(self, pressure: Array, finer: Problem, approach: float) -> Array:
-        """Start for a finer grid: the interpolated pressure less the interpolated gap / nodal compliance.
-
-        Outside the contact, where an interpolated pressure may not vanish, the gap is positive: subtracting
-        it before negative values are set to zero keeps those nodes free.
-        """
-        stiffness = finer.modulus / min(finer.grid.spacing)
-        out = self.response.refined(pressure, stiffness, finer.response)
-        factor = out.dtype.type(stiffness)
-
-        def subtract(rows: slice) -> None:
-            gap = finer.height[rows] - finer.height.dtype.type(approach)
-            gap *= factor
-            np.subtract(out[rows], gap, out=out[rows])
-            np.maximum(out[rows], 0, out=out[rows])
-
-        in_parts(subtract, out.shape[0], finer.fourier.threads, smallest=256)
-        return out

@@ -139,8 +139,8 @@ class Response(ABC):
         """The response and the surface on a grid of half the nodes, along one or both axes."""
 
     @abstractmethod
-    def refined(self, pressure: Array, stiffness: float, finer: Response) -> Array:
-        """Pressure less its displacement × a stiffness, interpolated on a finer grid, made by `coarsened`."""
+    def interpolated(self, field: Array, finer: Response) -> Array:
+        """A field interpolated on a finer grid, of which this one was made by `coarsened`."""
 
     @abstractmethod
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
@@ -192,12 +192,10 @@ class PeriodicResponse(Response):
         coarser = PeriodicResponse(self.solid, fourier, holds_mean=self.holds_mean)
         return coarser, fourier.inverse(coefficients, overwrite=True)
 
-    def refined(self, pressure: Array, stiffness: float, finer: Response) -> Array:
-        """The Fourier interpolant, of which the pressure oscillates about zero outside the contact."""
-        coefficients = self.fourier.forward(pressure)
-        half = self.half_compliance
-        self._multiply(coefficients, 1 - half.dtype.type(stiffness) * half, self.fourier.threads)
-        return finer.fourier.inverse(resample(coefficients, self.grid, finer.grid), overwrite=True)
+    def interpolated(self, field: Array, finer: Response) -> Array:
+        """The Fourier interpolant."""
+        coefficients = resample(self.fourier.forward(field), self.grid, finer.grid)
+        return finer.fourier.inverse(coefficients, overwrite=True)
 
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
         """By spectral differentiation of the displacement."""
