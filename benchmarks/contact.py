@@ -15,6 +15,7 @@ from __future__ import annotations
 
 import argparse
 import importlib.util
+import itertools
 import json
 import subprocess
 import sys
@@ -89,14 +90,15 @@ def measure(points: int, hurst: float, fraction: float, options: argparse.Namesp
         for solver in options.solver:
             if not is_installed(solver) or (solver.startswith("gfmd") and options.boundary == "free"):
                 continue
-            for tolerance in options.tolerance or tolerances_on(points, solver):
+            tolerances = options.tolerance or tolerances_on(points, solver)
+            for tolerance, threads in itertools.product(tolerances, options.threads):
                 command = [sys.executable, str(RUN), str(heights), "--load", str(load), "--solver", solver]
                 command += ["--tolerance", str(tolerance), "--boundary", options.boundary]
-                command += ["--threads", str(options.threads)]
+                command += ["--threads", str(threads)]
                 if truth is not None:
                     command += ["--pressure", str(pressure)]
                 run = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
-                key = (points, hurst, fraction, options.boundary, options.threads, solver, tolerance)
+                key = (points, hurst, fraction, options.boundary, threads, solver, tolerance)
                 yield {
                     **dict(zip(KEY, key, strict=True)),
                     **json.loads(run.stdout.splitlines()[-1]),
@@ -127,7 +129,7 @@ def line(row: dict) -> str:
         f"{row['points']}",
         f"{row['hurst']}",
         f"{row['load']}",
-        row["solver"],
+        row["solver"] + (f", {row['threads']} threads" if row["threads"] > 1 else ""),
         f"{row['tolerance']:.0e}",
         f"{row['error']:.1e}",
         f"{row['seconds']:.2f}",
@@ -152,7 +154,7 @@ def main() -> None:
     parser.add_argument(
         "--tolerance", type=float, nargs="+", help="of all solvers, instead of those listed in the script"
     )
-    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--threads", type=int, nargs="+", default=[1])
     parser.add_argument(
         "--largest-reference", type=int, default=4096, help="largest grid with a converged reference"
     )

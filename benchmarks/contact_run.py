@@ -163,7 +163,9 @@ class ContactMechanics:
         return np.asarray(result.jac) * height.size, np.nan
 
 
-def solver_of(name: str, boundary: str = "periodic", threads: int = 1) -> Asperity | Tamaas | ContactMechanics:
+def solver_of(
+    name: str, boundary: str = "periodic", threads: int = 1
+) -> Asperity | Tamaas | ContactMechanics:
     """The solver of a name; ImportError if its program is not installed."""
     others = {"tamaas": Tamaas, "ContactMechanics": ContactMechanics}
     return others[name](boundary, threads) if name in others else Asperity(name, boundary, threads)
@@ -236,7 +238,9 @@ def transform_cost(
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("heights", type=Path, help="an .npy file")
     parser.add_argument("--load", type=float, required=True, help="mean pressure over Young's modulus")
     parser.add_argument("--solver", default="active_set float64")
