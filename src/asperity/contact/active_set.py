@@ -22,7 +22,9 @@ and changes of the set. New here are
   (`asperity.contact.safeguard`),
 - control of the area along the tangent of the contact (`asperity.contact.tangent`), which costs one more
   inner solve,
-- that inner solves run in single precision, for a solution in double precision.
+- that inner solves run in single precision and with a displacement that is right to a per cent
+  (`asperity.contact.inner_response`), and the first steps in single precision, for a solution in double
+  precision.
 """
 
 from __future__ import annotations

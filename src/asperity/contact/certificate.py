@@ -155,7 +155,9 @@ def verify_contact(
     if approach is None:
         approach = float(gap[contact].mean()) if contact.any() else float(gap.min())
     gap -= approach
-    return certificate_of_fields(height, pressure, gap, min(grid.spacing) / solid.effective_modulus, mean_pressure)
+    return certificate_of_fields(
+        height, pressure, gap, min(grid.spacing) / solid.effective_modulus, mean_pressure
+    )
 
 
 def certificate_of_fields(

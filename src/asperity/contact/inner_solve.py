@@ -3,8 +3,9 @@
 On the contact nodes the correction x of the pressure solves G x = r, where G is the compliance restricted to
 these nodes and r the overlap that is left. G is applied to a per cent, by a stencil and on a coarser grid
 (`asperity.contact.inner_response`). The iteration is that of Polonsky & Keer (1999,
-10.1016/S0043-1648(99)00113-1), who change the set of contact nodes in every iteration. Here, as in the method of Moré & Toraldo (1991,
-10.1137/0801008), it is fixed for a few iterations, so that the directions stay conjugate.
+10.1016/S0043-1648(99)00113-1), who change the set of contact nodes in every iteration. Here, as in the
+method of Moré & Toraldo (1991, 10.1137/0801008), it is fixed for a few iterations, so that the directions
+stay conjugate.
 
 At a given load the corrections sum to zero. For that, the multiple of M 1 that makes the sum vanish is
 subtracted from the preconditioned residual M r; with M = 1 this is the mean that Polonsky & Keer subtract.

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import math
+from functools import partial
+from typing import Any
 
 import numpy as np
 
 from asperity.contact import kernels
 from asperity.contact.problem import Control, Problem, State
+from asperity.parallel import in_parts
 from asperity.types import Array
 
 
@@ -36,18 +39,17 @@ class Iterate:
         As in `State`.
     """
 
-    def __init__(
-        self, problem: Problem, nodes: Array, pressure: Array, approach: float, load: float
-    ) -> None:
+    def __init__(self, problem: Problem, nodes: Array, pressure: Array, approach: float, load: float) -> None:
         self._problem = problem
         self._height = problem.height.reshape(-1)
+        self._threads = problem.fourier.threads
         self.nodes, self.pressure = nodes, pressure
         self.gap = np.empty_like(pressure)
         self.displacement = np.empty(problem.grid.shape, problem.fourier.real)
         self.approach, self.load = approach, load
         self.error, self.iterations = math.inf, 0
         self.is_evaluated = False
-        self._forget_gaps()
+        self._near: tuple[float, Array, Array] | None = None
 
     @classmethod
     def of_field(cls, problem: Problem, pressure: Array, approach: float, load: float) -> Iterate:
@@ -61,13 +63,12 @@ class Iterate:
         if control.fixes_load:
             self.pressure *= self.load / (float(self.pressure.sum(dtype=float)) / self._height.size)
         field = self.displacement
-        kernels.spread(field.reshape(-1), self.nodes, self.pressure)
+        self._spread_pressure(field.reshape(-1))
         self._problem.displacement(field, field)
         self.iterations += 1
         if not control.fixes_load:
             self._scale_to_least_energy(control.value)
-        self.gap = kernels.gaps(self._height, field.reshape(-1), self.nodes)
-        self._forget_gaps()
+        self._gather_gaps()
         self.is_evaluated = True
 
     def _scale_to_least_energy(self, approach: float) -> None:
@@ -101,22 +102,49 @@ class Iterate:
         Nodes up to `reserve` above the level are kept for the next call, and may be returned as well.
         """
         if self._near is None or self._near[0] < level:
-            if self._least_gaps is None:
-                self._least_gaps = kernels.least_gaps(*self.fields())
             bound = self._height.dtype.type(level + reserve)
-            near = kernels.free_nodes_below(*self.fields(), self.nodes, self._least_gaps, bound)
-            self._near = (level + reserve, *near)
+            found = in_parts(
+                partial(self._free_nodes, bound), self._height.size, self._threads, kernels.CHUNK
+            )
+            nodes, gaps = zip(*found, strict=True)
+            self._near = level + reserve, np.concatenate(nodes), np.concatenate(gaps)
         return self._near[1:]
 
-    def _forget_gaps(self) -> None:
-        self._near: tuple[float, Array, Array] | None = None
-        self._least_gaps: Array | None = None
+    def _spread_pressure(self, field: Array) -> None:
+        """Write the pressure of all nodes into a flattened field."""
+
+        def spread(part: slice) -> None:
+            first, last = np.searchsorted(self.nodes, (part.start, part.stop))
+            kernels.spread(
+                field[part], self.nodes[first:last] - np.uint32(part.start), self.pressure[first:last]
+            )
+
+        in_parts(spread, field.size, self._threads)
+
+    def _gather_gaps(self) -> None:
+        """Gap of the nodes; what is known of other gaps is forgotten."""
+        self.gap = np.empty_like(self.pressure)
+        height, displacement = self.fields()
+
+        def gather(part: slice) -> None:
+            kernels.gaps(height, displacement, self.nodes[part], self.gap[part])
+
+        in_parts(gather, self.nodes.size, self._threads)
+        self._near = None
+
+    def _free_nodes(self, bound: Any, part: slice) -> tuple[Array, Array]:
+        """Nodes of a part out of contact with a gap below a bound, and their gaps."""
+        height, displacement = (field[part] for field in self.fields())
+        first, last = np.searchsorted(self.nodes, (part.start, part.stop))
+        nodes = self.nodes[first:last] - np.uint32(part.start)
+        least = kernels.least_gaps(height, displacement)
+        found, gap = kernels.free_nodes_below(height, displacement, nodes, least, bound)
+        return found + np.uint32(part.start), gap
 
     def add_displacement(self, change: Array) -> None:
         """Add a change to the displacement of all nodes, that of a change of the pressure."""
         self.displacement += change.reshape(self.displacement.shape)
-        self.gap = kernels.gaps(self._height, self.displacement.reshape(-1), self.nodes)
-        self._forget_gaps()
+        self._gather_gaps()
 
     def fields(self) -> tuple[Array, Array]:
         """Height and displacement of all nodes, flattened."""
@@ -125,7 +153,7 @@ class Iterate:
     def pressure_field(self) -> Array:
         """Pressure [y, x] of all nodes."""
         field = np.empty(self.displacement.shape, self.pressure.dtype)
-        kernels.spread(field.reshape(-1), self.nodes, self.pressure)
+        self._spread_pressure(field.reshape(-1))
         return field
 
     def state(self, mean_compliance: float = 0.0) -> State:

@@ -29,21 +29,10 @@ def spread(field: Any, nodes: Any, values: Any) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def gather(field: Any, nodes: Any) -> Any:
-    """Values of a field at nodes."""
-    out = np.empty(nodes.size, field.dtype)
-    for k in range(nodes.size):
-        out[k] = field[nodes[k]]
-    return out
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def gaps(height: Any, displacement: Any, nodes: Any) -> Any:
-    """Gap h + u at nodes."""
-    out = np.empty(nodes.size, height.dtype)
+def gaps(height: Any, displacement: Any, nodes: Any, out: Any) -> None:
+    """Write the gap h + u of nodes."""
     for k in range(nodes.size):
         out[k] = height[nodes[k]] + displacement[nodes[k]]
-    return out
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS | {"nnan"})
@@ -277,9 +266,7 @@ def standard_deviation(values: Any) -> float:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def extremes_of_contact(
-    pressure: Any, gap: Any
-) -> tuple[float, float, float, float, float, float, float]:
+def extremes_of_contact(pressure: Any, gap: Any) -> tuple[float, float, float, float, float, float, float]:
     """Least, largest and total pressure, least gap, and of the contact: largest |g|, Σ p |g| and Σ p.
 
     What is not a number makes the results infinite or not numbers either.

@@ -166,7 +166,7 @@ def _cells_of(nodes: Any, ny: int, nx: int, cells_y: int, cells_x: int) -> Any:
     """Indices of the cells in which contact nodes lie."""
     cell = np.empty(nodes.size, np.uint32)
     of_column = (np.arange(nx) * cells_x) // nx
-    row, start, first = 0, 0, 0
+    row, start, first = np.int64(0), np.int64(0), np.int64(0)
     for k in range(nodes.size):
         node = np.int64(nodes[k])
         if node >= start + nx:

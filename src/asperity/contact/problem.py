@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.contact.response import Response
+from asperity.parallel import in_parts
 from asperity.types import Array
 
 
@@ -108,7 +109,11 @@ class Problem:
     def in_single_precision(self, datum: float) -> Problem:
         """The same problem in single precision, with heights measured from a datum."""
         height = np.empty(self.grid.shape, np.float32)
-        np.subtract(self.height, datum, out=height, casting="same_kind")
+
+        def subtract(rows: slice) -> None:
+            np.subtract(self.height[rows], datum, out=height[rows], casting="same_kind")
+
+        in_parts(subtract, self.grid.shape[0], self.fourier.threads, smallest=256)
         return Problem(height, self.response.in_single_precision())
 
     def refine(self, pressure: Array, finer: Problem, approach: float) -> Array:
@@ -119,4 +124,13 @@ class Problem:
         """
         stiffness = finer.modulus / min(finer.grid.spacing)
         out = self.response.refined(pressure, stiffness, finer.response)
-        return np.maximum(out - (finer.height - approach) * out.dtype.type(stiffness), 0)
+        factor = out.dtype.type(stiffness)
+
+        def subtract(rows: slice) -> None:
+            gap = finer.height[rows] - finer.height.dtype.type(approach)
+            gap *= factor
+            np.subtract(out[rows], gap, out=out[rows])
+            np.maximum(out[rows], 0, out=out[rows])
+
+        in_parts(subtract, out.shape[0], finer.fourier.threads, smallest=256)
+        return out

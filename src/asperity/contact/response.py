@@ -16,6 +16,7 @@ import numpy as np
 
 from asperity.elasticity.layer import mirror_rows
 from asperity.elasticity.two_bodies import Solid
+from asperity.parallel import in_parts
 from asperity.spectral import Fourier, Grid, gradient, resample
 from asperity.types import Array
 
@@ -62,7 +63,7 @@ class Response(ABC):
 
     @cached_property
     def half_compliance(self) -> Array:
-        """Real factors that turn the coefficients of a pressure into those of its displacement, for ky ≥ 0."""
+        """Real factors that turn coefficients of a pressure, ky ≥ 0, into those of its displacement."""
         return self._modes()[: self.mode_grid.shape[0] // 2 + 1].copy()
 
     @property
@@ -77,15 +78,20 @@ class Response(ABC):
     def displacement(self, pressure: Array, out: Array | None = None) -> Array:
         """Downward displacement u[y, x] of the surface under `pressure`, by one pair of transforms."""
         self.fourier.forward(pressure, self._coefficients)
-        self._multiply(self._coefficients, self.half_compliance)
+        self._multiply(self._coefficients, self.half_compliance, self.fourier.threads)
         return self.fourier.inverse(self._coefficients, out, overwrite=True)
 
     @staticmethod
-    def _multiply(coefficients: Array, half: Array) -> None:
+    def _multiply(coefficients: Array, half: Array, threads: int) -> None:
         """Multiply coefficients by factors that are the same for ky and −ky."""
         rows = half.shape[0]
-        coefficients[:rows] *= half
-        coefficients[rows:] *= half[1 : coefficients.shape[0] - rows + 1][::-1]
+        mirrored = half[1 : coefficients.shape[0] - rows + 1][::-1]
+
+        def multiply(part: slice) -> None:
+            for factors, of in ((half, coefficients[:rows]), (mirrored, coefficients[rows:])):
+                np.multiply(of[:, part], factors[:, part], out=of[:, part])
+
+        in_parts(multiply, coefficients.shape[1], threads, smallest=256)
 
     def release(self) -> None:
         """Give back the memory of what can be computed again."""
@@ -190,7 +196,7 @@ class PeriodicResponse(Response):
         """The Fourier interpolant, of which the pressure oscillates about zero outside the contact."""
         coefficients = self.fourier.forward(pressure)
         half = self.half_compliance
-        self._multiply(coefficients, 1 - half.dtype.type(stiffness) * half)
+        self._multiply(coefficients, 1 - half.dtype.type(stiffness) * half, self.fourier.threads)
         return finer.fourier.inverse(resample(coefficients, self.grid, finer.grid), overwrite=True)
 
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:

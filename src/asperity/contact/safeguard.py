@@ -134,7 +134,9 @@ class _Step:
     def pressure_after(self, fraction: float, joins: bool = True) -> Array:
         """Pressure after a fraction of the correction, with nodes that join or without."""
         fractions = np.where(self.joined, float(joins), fraction).astype(self.change.dtype)
-        return kernels.add_and_release(self.pressure_before, fractions * self.change, self.change.dtype.type(1))
+        return kernels.add_and_release(
+            self.pressure_before, fractions * self.change, self.change.dtype.type(1)
+        )
 
 
 class Stagnation:

@@ -6,6 +6,7 @@ weights of a stencil are symmetric, and may differ between even and odd rows and
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
+from asperity.parallel import in_parts
 from asperity.spectral import Grid
 from asperity.types import Array
 
@@ -32,9 +34,11 @@ class StencilField:
     grid : Grid
     repeats : bool
         True if nodes at opposite edges of the map are neighbours.
+    threads : int
     """
 
-    def __init__(self, grid: Grid, repeats: bool) -> None:
+    def __init__(self, grid: Grid, repeats: bool, threads: int = 1) -> None:
+        self._threads = threads
         ny, nx = grid.shape
         self._shape = grid.shape
         self._repeats = repeats
@@ -50,7 +54,8 @@ class StencilField:
 
     def spread(self, values: Array) -> None:
         """Spread values on the nodes."""
-        _scatter(self._field.reshape(-1), self._position, values)
+        field = self._field.reshape(-1)
+        self._in_parts(lambda part: _scatter(field, self._position[part], values[part]), values.size)
         if self._repeats:
             _fill_margin(self._field)
 
@@ -73,7 +78,15 @@ class StencilField:
         return out
 
     def _apply(self, stencil: Array, position: Array, parity: Array, out: Array) -> None:
-        _apply(self._field.reshape(-1), self._field.shape[1], position, parity, stencil, out)
+        field, width = self._field.reshape(-1), self._field.shape[1]
+
+        def apply(part: slice) -> None:
+            _apply(field, width, position[part], parity[part], stencil, out[part])
+
+        self._in_parts(apply, out.size)
+
+    def _in_parts(self, work: Callable[[slice], None], count: int) -> None:
+        in_parts(work, count, self._threads)
 
 
 def whole_stencil(quadrants: Array) -> Array:
@@ -96,7 +109,7 @@ def _locate(nodes: Any, nx: int) -> tuple[Any, Any]:
     position = np.empty(nodes.size, np.uint32)
     parity = np.empty(nodes.size, np.uint8)
     width = nx + 2 * RADIUS
-    row, start = 0, 0
+    row, start = np.int64(0), np.int64(0)
     for k in range(nodes.size):
         node = np.int64(nodes[k])
         if node >= start + nx:
@@ -146,8 +159,11 @@ def _product(typing_context: Any, field: Any, stride: Any, weights: Any) -> Any:
         vector = ir.VectorType(ir.FloatType(), _LANES)
         total = None
         for _ in range(_ROWS):
-            numbers = (builder.load(builder.inttoptr(a, vector.as_pointer()), align=4) for a in (address, weight))
-            product = builder.fmul(*numbers, flags=("contract",))
+            number, factor = (
+                builder.load(builder.inttoptr(start, vector.as_pointer()), align=4)
+                for start in (address, weight)
+            )
+            product = builder.fmul(number, factor, flags=("contract",))
             total = product if total is None else builder.fadd(total, product, flags=("contract",))
             address = builder.add(address, bytes_between)
             weight = builder.add(weight, ir.Constant(weight.type, 4 * _LANES))
@@ -169,7 +185,7 @@ def _apply(field: Any, width: int, position: Any, parity: Any, weights: Any, out
     weight = weights.ctypes.data
     for k in range(position.size):
         node = np.int64(position[k])
-        out[k] = _product(first + 4 * node, 4 * width, weight + 4 * _ROWS * _LANES * np.int64(parity[k]))
+        out[k] = _product(first + 4 * node, 4 * width, weight + 4 * _ROWS * _LANES * np.int64(parity[k]))  # type: ignore[call-arg]
 
 
 # Linear interpolation from the even nodes; a field on them has a row and a column more than there are even
@@ -177,10 +193,14 @@ def _apply(field: Any, width: int, position: Any, parity: Any, weights: Any, out
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def restrict_to_even_nodes(nodes: Any, values: Any, nx: int, coarse: Any) -> None:
-    """Add values on nodes to the even nodes around them, by transposed interpolation."""
+def restrict_to_even_nodes(nodes: Any, values: Any, nx: int, coarse: Any, last: int, beyond: Any) -> None:
+    """Add values on nodes to the even nodes around them, by transposed interpolation.
+
+    What belongs to the row `last` of the coarse field is added to `beyond` instead: the field may be made in
+    parts, of which each ends with the row where the next one begins.
+    """
     quarter, half = np.float32(0.25), np.float32(0.5)
-    row, start = 0, 0
+    row, start = np.int64(0), np.int64(0)
     for k in range(nodes.size):
         node = np.int64(nodes[k])
         if node >= start + nx:
@@ -189,15 +209,16 @@ def restrict_to_even_nodes(nodes: Any, values: Any, nx: int, coarse: Any) -> Non
         column = node - start
         j, i = row >> 1, column >> 1
         if row & 1:
+            below = beyond if j + 1 == last else coarse[j + 1]
             if column & 1:
                 part = quarter * values[k]
                 coarse[j, i] += part
                 coarse[j, i + 1] += part
-                coarse[j + 1, i] += part
-                coarse[j + 1, i + 1] += part
+                below[i] += part
+                below[i + 1] += part
             else:
                 coarse[j, i] += half * values[k]
-                coarse[j + 1, i] += half * values[k]
+                below[i] += half * values[k]
         elif column & 1:
             coarse[j, i] += half * values[k]
             coarse[j, i + 1] += half * values[k]
@@ -209,7 +230,7 @@ def restrict_to_even_nodes(nodes: Any, values: Any, nx: int, coarse: Any) -> Non
 def interpolate_from_even_nodes(coarse: Any, nodes: Any, nx: int, out: Any) -> None:
     """Add the interpolant of a field to values on nodes."""
     quarter, half = np.float32(0.25), np.float32(0.5)
-    row, start = 0, 0
+    row, start = np.int64(0), np.int64(0)
     for k in range(nodes.size):
         node = np.int64(nodes[k])
         if node >= start + nx:
