@@ -3,10 +3,10 @@
     python benchmarks/contact.py --points 512 1024 2048 --out results/benchmarks
 
 prints a table, a row for each run, and keeps the rows in ``contact.csv`` of the folder; a run that is there
-already is replaced. Every run is a process of its own (`benchmarks/contact_run.py`), one after the other. Errors
-are relative L2 errors of the pressure, against a converged reference: the active-set solver at an estimated
-error of 1e-10. On larger grids than ``--largest-reference`` they are not known. With ``--boundary free`` nothing
-surrounds the map, and a pair of transforms of the padded map counts as three.
+already is replaced. Every run is a process of its own (`benchmarks/contact_run.py`), one after the other.
+Errors are relative L2 errors of the pressure, against a converged reference: the active-set solver at an
+estimated error of 1e-10. On larger grids than ``--largest-reference`` they are not known. With ``--boundary
+free`` nothing surrounds the map, and a pair of transforms of the padded map counts as three.
 
 Other programs are compared if they are installed (`pip install 'asperity[peers]'`), on grids up to `LARGEST`.
 """
@@ -44,8 +44,8 @@ TOLERANCES: dict[str, tuple[float, ...]] = {
     "ContactMechanics": (1e-3, 1e-5, 1e-7),
 }
 
-# Nodes on an edge of the largest grid on which a solver runs at all its tolerances, and on which it runs at all.
-# On larger grids than the first it runs at the last of its tolerances.
+# Nodes on an edge of the largest grid on which a solver runs at all its tolerances, and on which it runs at
+# all. On larger grids than the first it runs at the last of its tolerances.
 LARGEST = {
     "active_set float64": (2048, 16384),
     "active_set float32": (2048, 4096),

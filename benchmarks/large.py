@@ -2,9 +2,9 @@
 
     python benchmarks/large.py --points 16384
 
-prints the time and the peak of the memory of each step and the certificate of the solution, with eight nodes on
-the shortest wave, a mean pressure of 0.05 E* ḡ and an estimated error of 1e-6. With ``--out`` the solution is a
-row in ``contact.csv`` of that folder, beside those of `benchmarks/contact.py`.
+prints the time and the peak of the memory of each step and the certificate of the solution, with eight nodes
+on the shortest wave, a mean pressure of 0.05 E* ḡ and an estimated error of 1e-6. With ``--out`` the
+solution is a row in ``contact.csv`` of that folder, beside those of `benchmarks/contact.py`.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 
 from contact import KEY, kept
-from contact_run import LAYER, compile_library, counted, rough, solver_of, transform_cost
+from contact_run import compile_library, counted, rough, solver_of, transform_cost
 
 import asperity as asp
 from asperity.system import peak_memory, reset_peak_memory

@@ -3,8 +3,8 @@
     python benchmarks/performance.py [--grids 512 1024 2048] [--parts contact roofline] [--page]
 
 runs the benchmarks of all parts, or of those named, and writes the page from the tables that they leave in
-docs/performance; with ``--page`` it only writes the page. Each part stands on the page with the command that made
-its numbers, its date, and the load of the machine.
+docs/performance; with ``--page`` it only writes the page. Each part stands on the page with the command that
+made its numbers, its date, and the load of the machine.
 """
 
 from __future__ import annotations

@@ -25,24 +25,26 @@ STUDY_AIMS = {"paper": (180.0, 330.0), "quick": (45.0, np.nan), "dry-run": (2.0,
 
 HEAD = """# Performance
 
-Time and memory of the contact solver, of the stress in the body and of the study, beside other programs and beside
-the limit that the Fourier transforms and the machine set. `make bench` runs the commands below and writes this page;
-`make bench GRIDS="512 1024 2048"` leaves out the large grids, and `make bench PARTS="contact roofline"` measures these
-parts anew. The numbers are in `docs/performance`.
+Time and memory of the contact solver, of the stress in the body and of the study, beside other programs and
+beside the limit that the Fourier transforms and the machine set. `make bench` runs the commands below and
+writes this page; `make bench GRIDS="512 1024 2048"` leaves out the large grids, and
+`make bench PARTS="contact roofline"` measures these parts anew. The numbers are in `docs/performance`.
 """
 
-TIMES = """Times are processor times on one thread unless a table says *wall*. A run is repeated up to three times, as long as
-that takes less than 20 s, and the shortest counts. Other jobs on the machine share its memory bandwidth and caches and
-lengthen processor times too: the load, the mean number of running processes in the minute before, stands in the
-tables. Ratios within a row are of the same run.
+TIMES = """\
+Times are processor times on one thread unless a table says *wall*. A run is repeated up to three times, as
+long as that takes less than 10 s, and the shortest counts. Other jobs on the machine share its memory
+bandwidth and caches and lengthen processor times too: the load, the mean number of running processes in the
+minute before, stands in the tables. Ratios within a row are of the same run.
 """
 
-PROBLEM = """The contact is that of a self-affine surface with eight nodes on the shortest wave, λ_l = L/8, seed 1, on a
-half-space, under a mean pressure of 0.05 E\\* ḡ, with ḡ the rms gradient. *True errors* are relative L2 errors of
-the pressure, against a solution at an estimated error of 1e-10. *Pair equivalents* are pairs of transforms in double
-precision on the finest grid: every transform on every grid is counted, those of the certificate too; one on a coarser
-grid counts in proportion to its nodes, one in single precision as the fraction of the time of a double one that a
-pair in single precision takes, measured in the same process.
+PROBLEM = """\
+The contact is that of a self-affine surface with eight nodes on the shortest wave, λ_l = L/8, seed 1, on a
+half-space, under a mean pressure of 0.05 E\\* ḡ, with ḡ the rms gradient. *True errors* are relative L2
+errors of the pressure, against a solution at an estimated error of 1e-10. *Pair equivalents* are pairs of
+transforms in double precision on the finest grid: every transform on every grid is counted, those of the
+certificate too; one on a coarser grid counts in proportion to its nodes, one in single precision as the
+fraction of the time of a double one that a pair in single precision takes, measured in the same process.
 """
 
 
@@ -126,8 +128,8 @@ def aims(folder: Path) -> str:
             run = fast.loc[COMPARED_GRID]
             add(f"pair equivalents to a true error of {run['error']:.0e}, {where}",
                 run["equivalents"], "≤", MOST_EQUIVALENTS, ".1f")  # fmt: skip
-            over = run["wall"] / run["transform_wall"]
-            add(f"wall time over that of its transforms, {where}", over, "≤", MOST_OVER_TRANSFORMS)
+            over = run["seconds"] / run["transform_seconds"]
+            add(f"time over that of its transforms, {where}", over, "≤", MOST_OVER_TRANSFORMS)
             some = table[(table["points"] == COMPARED_GRID) & (table["hurst"] == hurst)]
             peer, _ = at_error(some[some["solver"] == "tamaas"])
             own, _ = at_error(some[some["solver"] == FAST])
@@ -201,9 +203,9 @@ def contact(folder: Path) -> str:
 
 {command(folder, "contact")}
 {PROBLEM}
-asperity at its default tolerance, 1e-6. The memory is the peak of the process, with Python, its libraries and the heights; the bytes
-are those that the solution adds to what was there before, on the largest grid (next section) all. The certificate is the largest
-violation of the conditions of contact.
+asperity at its default tolerance, 1e-6. The memory is the peak of the process, with Python, its libraries
+and the heights; the bytes are those that the first run adds to what was there before. The certificate is the
+largest violation of the conditions of contact.
 
 {table_of(rows)}
 ![Processor time against the grid](performance/time.png)
@@ -214,8 +216,9 @@ violation of the conditions of contact.
 
 ## Contact at equal true error
 
-Programs define their tolerances differently. Each runs at several, and the time to a true error of 1e-6 is interpolated between
-them (≤: its least accurate run is more accurate than that). GFMD is the damped dynamics of the paper, `method="gfmd"`.
+Programs define their tolerances differently. Each runs at several, and the time to a true error of 1e-6 is
+interpolated between them (≤: its least accurate run is more accurate than that). GFMD is the
+damped dynamics of the paper, `method="gfmd"`.
 
 {equal_errors(table)}
 ![True error against processor time](performance/errors.png)
@@ -297,14 +300,14 @@ def growth(folder: Path) -> str:
     return f"""
 ## Growth, and the largest grid
 
-Exponents of the number of nodes, from the smallest to the largest grid. The shortest wavelength is eight nodes on every grid, so
-that λ_l/λ_s grows with it.
+Exponents of the number of nodes, from the smallest to the largest grid. The shortest wavelength is eight
+nodes on every grid, so that λ_l/λ_s grows with it.
 
 {table_of(rows)}
 ![Time for each node against the grid](performance/growth.png)
 
-The largest grid is one command, which makes the surface within the same memory. There the true error is not known; the
-certificate is computed from the pressure alone.
+The largest grid is one command, which makes the surface within the same memory. There the true error is not
+known; the certificate is computed from the pressure alone.
 
 {command(folder, "large")}
 {solved}"""
@@ -335,7 +338,8 @@ def threads(folder: Path) -> str:
 ## Two threads
 
 {command(folder, "threads")}
-Wall times mean something only if the load is below the number of cores, here 1 for the run on one thread and 2 for that on two.
+Wall times mean something only if the load is below the number of cores, here 1 for the run on one thread and
+2 for that on two.
 
 {shown}"""
 
@@ -387,8 +391,8 @@ def study(folder: Path) -> str:
 ## The study
 
 {command(folder, "study")}
-From nothing, in a new folder. `python workflow/cost.py` prints the processor time and memory of each rule of a finished study;
-[Beyond one machine](scaling.md) has those of each job.
+From nothing, in a new folder. `python workflow/cost.py` prints the processor time and memory of each rule of
+a finished study; [Beyond one machine](scaling.md) has those of each job.
 
 {shown}"""
 
@@ -414,9 +418,9 @@ def roofline(folder: Path) -> str:
 ## Roofline
 
 {command(folder, "roofline")}
-The ceilings are measured: the bandwidth of memory by a + s b, and the rate of floating-point operations by a product of matrices.
-Operations and bytes are those that a kernel needs, not those that it spends: a transform of n nodes counts 2.5 n log₂ n operations
-and moves field and coefficients twice, for rows and columns; a comparison counts as an operation. Filled symbols are double
-precision.
+The ceilings are measured: the bandwidth of memory by a + s b, and the rate of floating-point operations by a
+product of matrices. Operations and bytes are those that a kernel needs, not those that it spends: a
+transform of n nodes counts 2.5 n log₂ n operations and moves field and coefficients twice, for rows and
+columns; a comparison counts as an operation. Filled symbols are double precision.
 
 {shown}"""

@@ -39,8 +39,8 @@ def periodic(table: pd.DataFrame, threads: int = 1) -> pd.DataFrame:
 def at_error(runs: pd.DataFrame, target: float = TARGET, column: str = "seconds") -> tuple[float, bool]:
     """Cost of a solver at a true error, and True if it is a bound.
 
-    Between two runs the logarithms are interpolated. If every run is more accurate, the least accurate one is a
-    bound from above; if none is accurate enough, the cost is NaN.
+    Between two runs the logarithms are interpolated. If every run is more accurate, the least accurate one
+    is a bound from above; if none is accurate enough, the cost is NaN.
     """
     runs = runs.dropna(subset=["error"]).sort_values("error", ascending=False)
     error, cost = runs["error"].to_numpy(), runs[column].to_numpy()

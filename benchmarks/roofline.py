@@ -3,12 +3,12 @@
     python benchmarks/roofline.py --points 2048 --out results/benchmarks
 
 prints a table and writes it as ``roofline.csv``, and the machine and the versions of the programs as
-``machine.csv``. Everything runs on one thread; times are the shortest processor times of some repetitions. The
-bandwidth is that of a + s b, as in STREAM (McCalpin 1995); the floating-point rate is that of a product of
-matrices in the BLAS of NumPy. A kernel counts the operations that its result needs, comparisons among them, and
-the bytes that it has to read and write at least once if nothing stays in the caches; a transform of n nodes
-counts 2.5 n log2 n operations, and reads and writes its field and its coefficients twice, once for the rows and
-once for the columns.
+``machine.csv``. Everything runs on one thread; times are the shortest processor times of some repetitions.
+The bandwidth is that of a + s b, as in STREAM (McCalpin 1995); the floating-point rate is that of a product
+of matrices in the BLAS of NumPy. A kernel counts the operations that its result needs, comparisons among
+them, and the bytes that it has to read and write at least once if nothing stays in the caches; a transform
+of n nodes counts 2.5 n log2 n operations, and reads and writes its field and its coefficients twice, once
+for the rows and once for the columns.
 """
 
 from __future__ import annotations

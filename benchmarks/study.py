@@ -2,9 +2,9 @@
 
     python benchmarks/study.py [paper] [quick] [dry-run] [--out results/benchmarks]
 
-runs the study of the paper, the quick study, and a dry run of the paper's, on two cores, each into a new folder that
-is deleted afterwards. Without arguments all three. Prints a table, and keeps its rows in ``study.csv``.
-Processor time is that of all jobs and of Snakemake; memory is the largest of any process.
+runs the study of the paper, the quick study, and a dry run of the paper's, on two cores, each into a new
+folder that is deleted afterwards. Without arguments all three. Prints a table, and keeps its rows in
+``study.csv``. Processor time is that of all jobs and of Snakemake; memory is the largest of any process.
 """
 
 from __future__ import annotations
