@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from performance_plots import FAST, STEEPEST, STYLES, TARGET, at_error, fast_runs, periodic
+from performance_plots import FAST, PRECISION, STEEPEST, STYLES, TARGET, at_error, fast_runs, periodic
 
 from asperity.results.markup import markdown
 
@@ -403,7 +403,7 @@ def roofline(folder: Path) -> str:
         rows = [
             {
                 "kernel": run["kernel"],
-                "precision": run["precision"],
+                "precision": PRECISION[run["precision"]],
                 "ms": three(1e3 * run["seconds"]),
                 "operations / byte": number(run["intensity"]),
                 "GFlop/s": three(run["GFlop/s"]),

@@ -8,7 +8,7 @@ import matplotlib as mpl
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
+from matplotlib.ticker import LogLocator, NullFormatter
 
 mpl.use("Agg")
 
@@ -25,6 +25,8 @@ STYLES = {
     "tamaas": ("#D55E00", "D", "tamaas"),
     "ContactMechanics": ("#CC79A7", "v", "ContactMechanics"),
 }
+
+PRECISION = {"float64": "double", "float32": "single"}
 
 STEEPEST = 1.05
 """Exponent of the number of nodes in the time that is aimed at."""
@@ -143,6 +145,9 @@ def draw_errors(table: pd.DataFrame, path: Path) -> None:
                 some["seconds"], some["error"], color=colour, marker=marker, markersize=4, label=label
             )
         axis.axhline(TARGET, color="0.5", linewidth=0.8, linestyle="--")
+        axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.xaxis.set_major_formatter("{x:g}")
+        axis.xaxis.set_minor_formatter(NullFormatter())
         axis.set(xlabel=f"processor time, s, {known['points'].iloc[0]}² nodes")
     axes[0].set(ylabel="relative error of the pressure")
     save(figure, path)
@@ -180,8 +185,8 @@ def draw_roofline(table: pd.DataFrame, path: Path) -> None:
     intensity = np.geomspace(0.05, 50, 200)
     for (precision, peak), style in zip(peaks.items(), ("-", "--"), strict=True):
         roof = np.minimum(bandwidth * intensity, peak)
-        axis.loglog(intensity, roof, f"k{style}", lw=1.2, label=f"{peak:.0f} GFlop/s, {precision}")
-    axis.text(0.06, 0.075 * bandwidth, f"{bandwidth:.0f} GB/s", rotation=30, fontsize=8, va="bottom")
+        axis.loglog(intensity, roof, f"k{style}", lw=1.2, label=f"{peak:.0f} GFlop/s, {PRECISION[precision]}")
+    axis.text(0.055, 0.075 * bandwidth, f"{bandwidth:.0f} GB/s", rotation=33, fontsize=8, va="bottom")
     colours = [colour for colour, *_ in STYLES.values()] + ["#E69F00"]
     kernels = table[~table["kernel"].isin(["memory", "matrix product"])]
     for number, (kernel, some) in enumerate(kernels.groupby("kernel", sort=False)):
@@ -196,7 +201,7 @@ def draw_roofline(table: pd.DataFrame, path: Path) -> None:
                 markerfacecolor=colour if double else "white",
                 markersize=7,
                 linestyle="none",
-                label=f"{kernel}, {row['precision']}",
+                label=f"{kernel}, {PRECISION[row['precision']]}",
             )
     axis.grid(color="0.9", linewidth=0.6)
     axis.set(xlabel="operations for each byte of memory", ylabel="GFlop/s, one thread", ylim=(0.3, None))
