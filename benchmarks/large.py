@@ -14,6 +14,7 @@ import os
 import time
 from pathlib import Path
 
+import psutil
 from contact import KEY, kept
 from contact_run import compile_library, counted, rough, solver_of, transform_cost
 
@@ -33,6 +34,7 @@ class Step:
 
     def __enter__(self) -> Step:
         reset_peak_memory()
+        self._memory_before = psutil.Process().memory_info().rss
         self._start = time.perf_counter(), time.process_time()
         return self
 
@@ -40,6 +42,7 @@ class Step:
         self.wall = time.perf_counter() - self._start[0]
         self.processor = time.process_time() - self._start[1]
         self.memory = peak_memory() / 1e3
+        self.added_bytes = 1e9 * self.memory - self._memory_before
         print(
             f"{self.name:10}{self.wall:9.1f} s wall {self.processor:9.1f} s processor time "
             f"{self.memory:7.2f} GB ({self.memory * 1e9 / 2**30:.2f} GiB) at most",
@@ -80,7 +83,7 @@ def main() -> None:
         key = (points, options.hurst, FRACTION, "periodic", options.threads, SOLVER, TOLERANCE)
         row = dict(zip(KEY, key, strict=True)) | cost
         row |= {"program": f"asperity {asp.__version__}", "seconds": step.processor, "wall": step.wall}
-        row |= {"memory_GB": step.memory, "bytes_per_node": step.memory * 1e9 / points**2}
+        row |= {"memory_GB": step.memory, "bytes_per_node": step.added_bytes / points**2}
         row |= {"certificate": certificate, "load_average": os.getloadavg()[0]}
         options.out.mkdir(parents=True, exist_ok=True)
         kept(row | {"date": time.strftime("%Y-%m-%d")}, options.out / "contact.csv")
