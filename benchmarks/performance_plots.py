@@ -117,7 +117,8 @@ def draw_grids(table: pd.DataFrame, column: str, name: str, path: Path) -> None:
                 continue
             some = table[(table["solver"] == solver) & (table["hurst"] == hurst)]
             points, cost = (fast["points"], fast[column]) if solver == FAST else by_grid(some, column)
-            axis.plot(points, cost, color=colour, marker=marker, markersize=4, label=label)
+            if len(points):
+                axis.plot(points, cost, color=colour, marker=marker, markersize=4, label=label)
         if column == "seconds":
             axis.plot(fast["points"], fast["transform_seconds"], "k--", label="transforms of asperity", lw=1)
             axis.plot(fast["points"], fast["pair_seconds"], "k:", label="one pair, double precision", lw=1)
@@ -132,15 +133,19 @@ def draw_grids(table: pd.DataFrame, column: str, name: str, path: Path) -> None:
 
 
 def draw_errors(table: pd.DataFrame, path: Path) -> None:
-    """True error against processor time, on the largest grid that tamaas has solved or the largest known."""
+    """True error against processor time, on the largest grid that another program has solved."""
     known = table.dropna(subset=["error"])
-    largest = known.loc[known["solver"] == "tamaas", "points"].max()
-    known = known[known["points"] == (known["points"].max() if np.isnan(largest) else largest)]
+    runs = known[known["solver"] == FAST].groupby(["points", "hurst"]).size()
+    compared = known.loc[known["solver"].isin(["tamaas", "ContactMechanics"]), "points"]
+    largest = compared.max() if len(compared) else runs[runs == runs.max()].index[-1][0]
+    known = known[known["points"] == largest]
     hursts = sorted(known["hurst"].unique())
     figure, axes = panels(hursts, sharex=True, sharey=True)
     for axis, hurst in zip(axes, hursts, strict=True):
         for solver, (colour, marker, label) in STYLES.items():
             some = known[(known["solver"] == solver) & (known["hurst"] == hurst)].sort_values("seconds")
+            if some.empty:
+                continue
             axis.loglog(
                 some["seconds"], some["error"], color=colour, marker=marker, markersize=4, label=label
             )
