@@ -142,9 +142,9 @@ def aims(folder: Path) -> str:
                 peer / own, "≥", LEAST_OVER_TAMAAS, ".0f")  # fmt: skip
         if len(fast) > 1:
             largest = fast.index[-1]
-            power = exponent(fast.reset_index(), "seconds")
+            found = exponent(fast.reset_index(), "seconds")
             add(f"exponent of the nodes in the time, {fast.index[0]}² to {largest}², H = {hurst}",
-                power, "≤", STEEPEST)  # fmt: skip
+                found, "≤", STEEPEST, ".3f")  # fmt: skip
     both = table[(table["solver"] == FAST) & (table["tolerance"] == TARGET)]
     for points, aim in MOST_GIB.items():
         memory = both.loc[both["points"] == points, "memory_GB"].max() * 1e9 / 2**30
