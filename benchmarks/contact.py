@@ -40,7 +40,7 @@ TOLERANCES: dict[str, tuple[float, ...]] = {
     "active_set float64": (1e-3, 1e-4, 1e-5, 1e-6),
     "active_set float32": (1e-3, 1e-4),
     "gfmd float64": (1e-3, 1e-5, 1e-7),
-    "tamaas": (1e-4, 1e-5, 1e-6),
+    "tamaas": (1e-5, 1e-6),
     "ContactMechanics": (1e-3, 1e-5, 1e-7),
 }
 
@@ -50,7 +50,7 @@ LARGEST = {
     "active_set float64": (2048, 16384),
     "active_set float32": (2048, 4096),
     "gfmd float64": (1024, 2048),
-    "tamaas": (1024, 2048),
+    "tamaas": (2048, 2048),
     "ContactMechanics": (1024, 1024),
 }
 

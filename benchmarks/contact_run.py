@@ -95,7 +95,7 @@ def pair_seconds(shape: tuple[int, int], threads: int = 1) -> dict[str, tuple[fl
         fourier = Fourier(Grid(shape), precision, threads)
         field = np.random.default_rng(0).random(shape, precision)
         transforms[precision] = fourier, field, fourier.forward(field)
-    best = {precision: (np.inf, np.inf) for precision in transforms}
+    best = dict.fromkeys(transforms, (np.inf, np.inf))
     for _ in range(PAIRS_TIMED):
         for precision, (fourier, field, coefficients) in transforms.items():
             processor, wall = time.process_time(), time.perf_counter()
