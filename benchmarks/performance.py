@@ -28,6 +28,9 @@ PATH_GRIDS = [1024, 2048]
 THREADS_GRID = 4096
 LARGE_GRID = 16384
 
+PRINTED = ("large", "load_path", "stress")
+"""Parts of which the page shows what they print."""
+
 
 def commands(grids: list[int]) -> dict[str, str]:
     """Part of the page → the command that measures it, on grids no larger than the largest one given."""
@@ -63,7 +66,8 @@ def run(part: str, command: str) -> None:
         lines.append(line)
     if process.wait():
         sys.exit(f"{part}: the command ended with exit code {process.returncode}")
-    (FOLDER / f"{part}.txt").write_text("".join(lines), encoding="utf-8")
+    if part in PRINTED:
+        (FOLDER / f"{part}.txt").write_text("".join(lines), encoding="utf-8")
     row = {
         "part": part,
         "command": command,
