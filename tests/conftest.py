@@ -3,18 +3,50 @@
 Hypothesis tries the same examples in every run (`make fuzz` tries random ones). Linear algebra runs on one
 thread: on small matrices several threads only wait for each other. Tests of a module that share a fixture run
 in one process, so that no other has to make it again.
+
+`pytest --fft-engine pyfftw` runs all tests with this engine of the Fourier transforms, also in the processes
+that they start. Without the option the engine is the default, and modules with the mark `engines` run with
+each.
 """
 
 import os
+from importlib.util import find_spec
 
 import pytest
 from hypothesis import settings
+
+from asperity.engines import ENGINES, fft_engine
+from asperity.engines.choice import VARIABLE
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
 settings.register_profile("deterministic", derandomize=True, deadline=None, database=None)
 settings.load_profile("deterministic")
+
+
+def pytest_addoption(parser):
+    parser.addoption("--fft-engine", choices=ENGINES, help="engine of the Fourier transforms in all tests")
+
+
+def pytest_configure(config):
+    if engine := config.getoption("--fft-engine"):
+        os.environ[VARIABLE] = engine
+
+
+def pytest_generate_tests(metafunc):
+    """Run the tests of marked modules with every engine, those of the default first."""
+    if metafunc.definition.get_closest_marker("engines") and not metafunc.config.getoption("--fft-engine"):
+        metafunc.fixturenames.insert(0, "chosen_engine")
+        metafunc.parametrize("chosen_engine", ENGINES, indirect=True, scope="module")
+
+
+@pytest.fixture(scope="module")
+def chosen_engine(request):
+    if find_spec(request.param) is None:
+        pytest.skip(f"{request.param} is not installed")
+    with fft_engine(request.param):
+        yield request.param
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import xarray as xr
 
 from asperity.config.reader import load
+from asperity.engines import DEFAULT, ENGINES
 from asperity.results import dataset
 
 CONFIG = "config/quick.yaml"
@@ -211,11 +212,12 @@ def numbers_of_readings(statistics: xr.Dataset) -> dict[str, float]:
     return numbers
 
 
-def run(folder: str, cores: int, surfaces: list[str]) -> None:
+def run(folder: str, cores: int, surfaces: list[str], engine: str) -> None:
     """Run the quick study up to the statistics of the surfaces."""
     targets = [f"{folder}/statistics/{surface}.nc" for surface in surfaces]
-    command = ["snakemake", "--cores", str(cores), "--configfile", CONFIG, "--config", f"results={folder}"]
-    found = subprocess.run([*command, "--", *targets], capture_output=True, text=True)
+    command = ["snakemake", "--cores", str(cores), "--configfile", CONFIG]
+    settings = ["--config", f"results={folder}", f"fft_engine={engine}"]
+    found = subprocess.run([*command, *settings, "--", *targets], capture_output=True, text=True)
     if found.returncode:
         sys.exit(found.stdout + found.stderr)
 
@@ -230,12 +232,18 @@ def main() -> None:
     parser.add_argument("--update", action="store_true", help="rewrite the reference")
     parser.add_argument("--surfaces", nargs="+", help=f"only these surfaces of {CONFIG}")
     parser.add_argument("--cores", type=int, default=2)
+    parser.add_argument(
+        "--fft-engine",
+        choices=ENGINES,
+        default=DEFAULT,
+        help="engine of the Fourier transforms (%(default)s)",
+    )
     chosen = parser.parse_args()
     if chosen.update and chosen.surfaces:
         parser.error("--update rewrites the whole reference; leave out --surfaces")
     surfaces = chosen.surfaces or list(load(CONFIG)["surfaces"])
     if not chosen.no_run:
-        run(chosen.results, chosen.cores, surfaces)
+        run(chosen.results, chosen.cores, surfaces, chosen.fft_engine)
     found = collect(Path(chosen.results), surfaces)
     if not found:
         sys.exit(f"{chosen.results}: no statistics; run without --no-run")

@@ -227,8 +227,7 @@ class Fourier:
         _require_shape("values", values, self.grid.shape)
         if out is None:
             out = np.empty(self.grid.half_shape, self.complex)
-        self.engine.rows_forward(values, out, self.threads)
-        self.engine.columns_forward(out, out, self.threads)
+        self.engine.forward(values, out, self.threads)
         return out
 
     def inverse(self, coefficients: Array, out: Array | None = None, overwrite: bool = False) -> Array:
@@ -247,9 +246,8 @@ class Fourier:
             out = np.empty(self.grid.shape, self.real)
         coefficients = np.asarray(coefficients, dtype=self.complex)
         _require_shape("coefficients", coefficients, self.grid.half_shape)
-        columnwise = coefficients if overwrite else np.empty_like(coefficients)
-        self.engine.columns_inverse(coefficients, columnwise, self.threads)
-        self.engine.rows_inverse(columnwise, out, self.threads)
+        work = coefficients if overwrite else np.empty_like(coefficients)
+        self.engine.inverse(coefficients, out, work, self.threads)
         return out
 
 

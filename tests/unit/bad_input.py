@@ -283,6 +283,13 @@ COMMANDS = [
     ("solve s.nc --out x.nc --area-fraction 10%", 2, "'10%': a number > 0 and ≤ 1 is needed"),
     (f"solve s.nc --out x.nc --area-fraction {HUGE}", 2, "999...: a number > 0 and ≤ 1 is needed"),
     ("solve s.nc --out x.nc --area-fraction 0.1 0.2", 2, "unrecognized arguments: 0.2"),
+    ("solve s.nc --out x.nc --fft-engine fftw", 2, "--fft-engine: 'fftw': ducc0 or pyfftw is needed"),
+    (
+        "solve s.nc --out x.nc --fft-engine ducc0 --fft-wisdom w.json",
+        1,
+        "--fft-wisdom = 'w.json': accepted with the engine pyfftw",
+    ),
+    ("wisdom --points 4 --out x.json", 2, "--points: '4': a whole number ≥ 8 and ≤ 32768 is needed"),
     ("solve s.nc --out x.nc --path", 2, "--path: expected at least one argument"),
     ("solve s.nc --out x.nc --layer-height -1", 2, "--layer-height: '-1': a number > 0 and ≤ 1000 is needed"),
     ("solve s.nc --out x.nc --layer-height 1e999", 2, "--layer-height: '1e999': a number > 0 and ≤ 1000 is"),

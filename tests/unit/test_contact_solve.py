@@ -13,6 +13,8 @@ from asperity.elasticity.layer import Layer
 from asperity.errors import ConvergenceError
 from asperity.types import Array
 
+pytestmark = pytest.mark.engines
+
 HALF_SPACE = Layer(1 - 0.33**2, 0.33)
 SLAB = Layer(1 - 0.33**2, 0.33, height=1.0)
 INCOMPRESSIBLE = Layer(0.75, 0.5, height=0.1)

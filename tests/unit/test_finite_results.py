@@ -50,6 +50,8 @@ CALLS = {
     "run": own_run,
 }
 NOT_COMPUTING = {
+    "fft_engine",
+    "measure_wisdom",
     "peaks",  # selects from a dataset
     "prepare_map",  # reads a file for `treat_map`
     "read_map",

@@ -16,6 +16,8 @@ from asperity.elasticity.free_space import (
 )
 from asperity.spectral import Grid
 
+pytestmark = pytest.mark.engines
+
 EDGES = [(1.0, 1.0), (0.2, 1.0), (1e-6, 3e-6)]
 
 

@@ -74,6 +74,9 @@ def test_extras_are_those_that_the_project_declares():
         names = set(modules.values()) - of_maps
         assert named[extra] == (names if extra == packages.BASE else names | held)
         held |= names if extra else set()
+    for extra, modules in packages.ALTERNATIVES.items():
+        alone = {re.match(r"[\w-]+", name)[0] for name in extras[extra]}
+        assert alone == set(modules.values())
 
 
 HOLDER = """

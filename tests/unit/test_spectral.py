@@ -5,6 +5,8 @@ import pytest
 
 from asperity.spectral import Fourier, Grid, Work, good_size, gradient, mean_square, radial_average, resample
 
+pytestmark = pytest.mark.engines
+
 SHAPES = [(8, 8), (7, 9), (8, 5), (6, 12), (1, 4)]
 
 

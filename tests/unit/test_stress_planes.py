@@ -11,6 +11,8 @@ from asperity.stress.planes import linear_planes, stress_planes
 from asperity.stress.pressed import PressedSolid
 from asperity.stress.truncation import Truncation
 
+pytestmark = pytest.mark.engines
+
 HALF_SPACE = Layer(young=1.0, poisson=0.3)
 BONDED = Layer(young=1.0, poisson=0.4, height=0.3)
 FRICTIONLESS = Layer(young=1.0, poisson=0.2, height=0.3, bottom="frictionless")

@@ -18,7 +18,7 @@ from installed import ROOT, Environment, build
 
 import asperity
 from asperity.cli.parser import make_parser
-from asperity.packages import PACKAGES
+from asperity.packages import ALTERNATIVES, PACKAGES
 from asperity.runtime.study_folder import PACKAGED, PARTS
 
 SPECTRUM = "{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.004}"
@@ -37,6 +37,7 @@ COMMANDS = (
     ("plot", ["plot", "9", "p.nc", "--out", "f.png"]),
     ("maps", ["info", str(STEEL)]),
     ("maps", f"run {STEEL} --young 210GPa --poisson 0.3 --pressure 50MPa --out steel".split()),
+    ("fftw", ["wisdom", "--points", "64", "--out", "w.json"]),
     ("study", ["ensemble", "--claim", "one_and_a_half", "--config", "study/config/quick.yaml"]),
 )
 """Extra that a command needs, and the command; each uses the results of those before."""
@@ -129,7 +130,7 @@ def test_every_command_works_or_names_the_extra_to_install(built, tmp_path, caps
     install(environment, built, extra)
     with capsys.disabled():
         print(f"\nasperity{f'[{extra}]' if extra else ''}: {environment.megabytes():.0f} MB of packages")
-    extras = list(PACKAGES)
+    extras = [*PACKAGES, *ALTERNATIVES]
     for needed, command in COMMANDS:
         found = environment.run("asperity", *command)
         if extras.index(needed) <= extras.index(extra):

@@ -1,9 +1,6 @@
 # Plans of FFTW for the grids of the study, measured once for all jobs: two measurements may end with different plans,
 # which round differently. The rule has no code as input, so that a new version of the library keeps the plans. Jobs on
 # other grids, as of the validation, take plans that FFTW estimates, which are the same in every run.
-FFT_ENGINE = config["fft_engine"]
-
-
 rule fft_wisdom:
     output:
         f"{RESULTS}/fft_wisdom/{{points}}.json",
@@ -21,11 +18,3 @@ rule fft_wisdom:
         runtime=minutes("fft_wisdom"),
     script:
         "../scripts/fft_wisdom.py"
-
-
-def fft_wisdom(wildcards):
-    """Measured plans for the grids of a surface, if the engine needs them and the number of nodes is known."""
-    surface = {**SURFACES, **MEASURED}[wildcards.surface]
-    if FFT_ENGINE != "pyfftw" or "points" not in surface:
-        return []
-    return expand(rules.fft_wisdom.output, points=surface["points"])

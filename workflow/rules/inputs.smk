@@ -10,6 +10,7 @@ CONTINUUM = {name for by_role in RESOLUTIONS.values() for name in by_role.values
 CONTINUUM_SEEDS = config["seeds"][:2]
 FIGURES = figures_of(config)
 WITH_LOAD_AREA = surfaces_with_contact(config)
+FFT_ENGINE = config["fft_engine"]
 # What the readings of the claims need besides the study: other conditions of the uniform mode, other components.
 OTHER_LATERALS = [name for name in config["readings"]["lateral"] if name != config["layer"]["lateral"]]
 OTHER_COMPONENTS = [name for name in config["readings"]["shear"] if name != "xz"]
@@ -109,3 +110,11 @@ def contact_settings(wildcards):
     if wildcards.surface in WITH_LOAD_AREA:
         return config["contact"]
     return {**config["contact"], "path_area_fractions": []}
+
+
+def fft_wisdom(wildcards):
+    """Measured plans for the grids of a surface, if the engine needs them and the number of nodes is known."""
+    surface = {**SURFACES, **MEASURED}[wildcards.surface]
+    if FFT_ENGINE != "pyfftw" or "points" not in surface:
+        return []
+    return [f"{RESULTS}/fft_wisdom/{surface['points']}.json"]

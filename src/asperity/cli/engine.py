@@ -6,8 +6,7 @@ import argparse
 from contextlib import AbstractContextManager, nullcontext
 
 from asperity.cli.arguments import add_setting
-from asperity.engines import default_engine, fft_engine
-from asperity.engines.choice import DEFAULT, VARIABLE
+from asperity.engines.choice import DEFAULT, VARIABLE, default_engine, engine_of, use
 
 COMMANDS = ("run", "surface", "solve", "stress", "peaks", "view", "export")
 """Commands that compute Fourier transforms."""
@@ -32,4 +31,6 @@ def add_engine(parser: argparse.ArgumentParser) -> None:
 def chosen_engine(options: argparse.Namespace) -> AbstractContextManager[object]:
     """Block in which the engine of the options transforms."""
     name, wisdom = (getattr(options, option, None) for option in ("fft_engine", "fft_wisdom"))
-    return fft_engine(name or default_engine(), wisdom) if name or wisdom else nullcontext()
+    if not (name or wisdom):
+        return nullcontext()
+    return use(engine_of(name or default_engine(), wisdom, "--fft-wisdom"))

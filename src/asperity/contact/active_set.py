@@ -5,8 +5,9 @@ The pressure p ≥ 0 minimises the energy ½ p·G p + p·(h − δ), with the co
 
 1. evaluates the gap in the precision of the fields, and shortens the last step to where the energy is least,
 2. assembles the linear system of the *contact nodes*, those with p > 0, and estimates the error of p from it,
-3. changes the load, if an area is imposed and the present one misses it,
-4. solves the system approximately by conjugate gradients (`asperity.contact.inner_solve`),
+3. solves the system approximately by conjugate gradients (`asperity.contact.inner_solve`),
+4. adds to the correction a change of the load, if an area is imposed and the correction would miss it
+   (`asperity.contact.area_steps`),
 5. adds the correction: nodes that it would make penetrate join the contact, and nodes in tension are
    released.
 
@@ -20,8 +21,8 @@ and changes of the set. New here are
   iterations independent of the grid,
 - that joining nodes are chosen from the gap at the end of an inner solve, before tensile nodes are released
   (`asperity.contact.safeguard`),
-- control of the area along the tangent of the contact (`asperity.contact.tangent`), which costs one more
-  inner solve,
+- control of the area along the tangent of the contact (`asperity.contact.tangent`), which costs one or two
+  more inner solves,
 - that inner solves run in single precision and with a displacement that is right to a per cent
   (`asperity.contact.inner_response`), and the first steps in single precision, for a solution in double
   precision.
@@ -29,20 +30,17 @@ and changes of the set. New here are
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
-import numpy as np
-
-from asperity.contact import kernels
 from asperity.contact.area_control import AreaControl
-from asperity.contact.assembly import JOIN_STIFFNESS, Assembler
+from asperity.contact.area_steps import AreaSteps
+from asperity.contact.assembly import Assembler
 from asperity.contact.inner_solve import ContactSystem, InnerAccuracy, InnerSolver
 from asperity.contact.iterate import Iterate
 from asperity.contact.problem import Control, Problem
 from asperity.contact.safeguard import SafeguardedStep, Stagnation
 from asperity.contact.soft_mode import SoftMode
 from asperity.contact.solver_progress import ConvergenceProgress
-from asperity.contact.tangent import Tangent
 from asperity.types import Progress
 
 # Gaps are expected to close by this fraction of their motion in the step before.
@@ -92,14 +90,14 @@ class ActiveSet:
         self._problem = problem
         self._control = control
         self._rule = rule
-        self._unit = problem.nodal_compliance
         self._inner = inner or InnerSolver(problem)
         self._assembler = Assembler(problem, self._inner)
         self._step = SafeguardedStep(problem, self._inner.response)
         self._soft = SoftMode(problem, self._inner)
         self._area = None
         if control.kind == "area_fraction":
-            self._area = AreaControl(control.value, problem.grid.size, rule.tolerance, rule.area_tolerance)
+            area = AreaControl(control.value, problem.grid.size, rule.tolerance, rule.area_tolerance)
+            self._area = AreaSteps(problem, self._inner, area)
 
     def solve(self, iterate: Iterate, progress: Progress | None = None) -> bool:
         """Iterate until the rule is fulfilled; True if it is, False if the loop gave up."""
@@ -124,14 +122,16 @@ class ActiveSet:
                 return False
             # A load just changed takes effect in an inner solve, even if the change is below the tolerance.
             converged = self._is_converged(iterate, system) and not load_changed
-            if self._area is not None and not load_changed and self._area.misses(iterate, converged):
-                load_changed = self._change_load(iterate, system, self._area, converged)
+            ends = converged and self._rule.goal is None
+            misses = self._area is not None and not load_changed and self._area.misses(iterate, ends)
+            if self._area is not None and misses:
+                load_changed = self._area.change_load(iterate, system, ends)
                 if not load_changed:
                     return True
                 self._step.forget()
                 stagnation.forget_error()
                 continue
-            if converged and self._rule.goal is None:
+            if ends:
                 if self._control.fixes_load or not self._soft.balance(iterate, system, self._rule.tolerance):
                     return True
                 self._step.forget()
@@ -142,7 +142,11 @@ class ActiveSet:
             load_changed = False
             correction = self._inner.solve(system, *accuracy.next(iterate.error))
             iterate.iterations += correction.iterations
-            motion = self._step.take(iterate, correction)
+            steered = None if self._area is None else self._area.steer(iterate, system, correction)
+            motion = self._step.take(iterate, correction if steered is None else steered)
+            if steered is not None:
+                self._step.forget()
+                stagnation.forget_error()
             self._assembler.expected_motion = EXPECTED_DECREASE * motion
             if converged:
                 iterate.drop_free_nodes()
@@ -159,72 +163,3 @@ class ActiveSet:
     def _is_converged(self, iterate: Iterate, system: ContactSystem) -> bool:
         rounding = self._rule.rounding_suffices and system.is_rounding
         return rounding or iterate.error <= self._rule.tolerance
-
-    def _change_load(
-        self, iterate: Iterate, system: ContactSystem, area: AreaControl, converged: bool
-    ) -> bool:
-        """Change the load towards the imposed area; False if no other load gives a nearer area.
-
-        Near the area the whole contact follows the load along its tangent. Elsewhere the load alone changes.
-        """
-        if not converged and not area.is_near(iterate):
-            load = area.next_load(iterate, converged)
-        else:
-            if not converged:
-                self._add_correction(iterate, system)
-            tangent = self._tangent(iterate, system)
-            change = tangent.change_to_area(iterate, area, converged)
-            if change is None:
-                return False
-            load = area.next_load(iterate, converged, iterate.load + change * tangent.load)
-            if load is not None:
-                self._follow(tangent, iterate, load)
-        if load is None:
-            return False
-        iterate.load = load
-        return True
-
-    def _add_correction(self, iterate: Iterate, system: ContactSystem) -> None:
-        """Correct pressure, gap and approach on the present contact nodes, which stay as they are."""
-        correction = self._inner.solve(system)
-        iterate.iterations += correction.iterations
-        iterate.pressure += correction.pressure
-        iterate.add_displacement(self._unit * self._inner.response.of_all_nodes(correction.pressure))
-        iterate.approach += correction.approach
-
-    def _tangent(self, iterate: Iterate, system: ContactSystem) -> Tangent:
-        """Tangent of the present contact, by an inner solve for a uniform residual."""
-        size, nodes = self._problem.grid.size, system.contact_nodes
-        residual = np.ones_like(system.residual)
-        if nodes.size == size and self._problem.response.uniform_compliance == 0:
-            # In full contact the load of a solid without uniform displacement changes at a fixed approach.
-            pressure, displacement = residual, np.zeros(size, np.float32)
-        else:
-            uniform = replace(system, residual=residual, image=system.uniform_image.copy(), fixed_load=False)
-            correction = self._inner.solve(uniform)
-            iterate.iterations += correction.iterations
-            pressure = correction.pressure
-            displacement = self._inner.response.of_all_nodes(pressure).reshape(-1)
-        return Tangent(nodes, pressure, displacement, float(pressure.sum(dtype=float)) / size, self._unit)
-
-    def _follow(self, tangent: Tangent, iterate: Iterate, load: float) -> None:
-        """Change the pressure along the tangent to a load; penetrating nodes join, nodes in tension leave.
-
-        The displacement of the tangent is overwritten.
-        """
-        change = np.float32((load - iterate.load) / tangent.load)
-        displacement = tangent.displacement
-        displacement *= change
-        joining, overlap = kernels.joining_nodes(
-            *iterate.fields(),
-            iterate.nodes,
-            displacement,
-            iterate.approach + self._unit * float(change),
-            self._unit,
-        )
-        real = iterate.pressure.dtype
-        pressure = kernels.add_and_release(iterate.pressure, tangent.pressure, change)
-        iterate.set_pressure(
-            *kernels.merge(iterate.nodes, joining, pressure, (JOIN_STIFFNESS * overlap).astype(real))
-        )
-        iterate.drop_free_nodes()

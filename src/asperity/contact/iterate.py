@@ -141,11 +141,6 @@ class Iterate:
         found, gap = kernels.free_nodes_below(height, displacement, nodes, least, bound)
         return found + np.uint32(part.start), gap
 
-    def add_displacement(self, change: Array) -> None:
-        """Add a change to the displacement of all nodes, that of a change of the pressure."""
-        self.displacement += change.reshape(self.displacement.shape)
-        self._gather_gaps()
-
     def fields(self) -> tuple[Array, Array]:
         """Height and displacement of all nodes, flattened."""
         return self._height, self.displacement.reshape(-1)

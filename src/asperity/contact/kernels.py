@@ -146,56 +146,6 @@ def line_search(pressure: Any, pressure_before: Any, gap: Any, gap_before: Any, 
     return min(max(slope / curvature, 0.0), 1.0) if curvature > 0 else 1.0
 
 
-# Changes along the tangent of the contact
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def joining_nodes(
-    height: Any, displacement: Any, nodes: Any, change: Any, approach: float, unit: float
-) -> tuple[Any, Any]:
-    """Sorted nodes out of contact that penetrate after a change of the displacement, and their overlaps.
-
-    The change and the overlaps are in units of `unit`.
-    """
-    found = np.empty(height.size - nodes.size, np.uint32)
-    overlaps = np.empty(found.size, np.float32)
-    count, k = 0, 0
-    for i in range(height.size):
-        if k < nodes.size and nodes[k] == i:
-            k += 1
-            continue
-        overlap = (approach - (height[i] + displacement[i])) / unit - change[i]
-        if overlap > 0:
-            found[count] = i
-            overlaps[count] = overlap
-            count += 1
-    return found[:count].copy(), overlaps[:count].copy()
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def closing_changes(height: Any, displacement: Any, approach: float, unit: float, response: Any) -> Any:
-    """Change of the approach, divided by `unit`, at which the gap of each node closes.
-
-    `response` is the change of the displacement, divided by `unit`, per such change of the approach.
-    """
-    changes = np.empty(height.size, np.float32)
-    for i in range(height.size):
-        closing = 1 - response[i]
-        gap = height[i] + displacement[i]
-        changes[i] = (gap - approach) / (unit * closing) if closing > 0 else np.inf
-    return changes
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def set_release_changes(changes: Any, pressure: Any, nodes: Any, rate: Any) -> None:
-    """Replace the changes of the contact nodes by those at which their pressure becomes zero.
-
-    `rate` is the change of the pressure per change of the approach.
-    """
-    for k in range(nodes.size):
-        changes[nodes[k]] = -pressure[k] / rate[k] if rate[k] > 0 else -np.inf
-
-
 # Vector operations of the conjugate gradients; `shift` × `weight` is subtracted from the preconditioned
 # residual z, so that at a given load the corrections sum to zero
 

@@ -1,4 +1,4 @@
-"""Solution for a sequence of loads, each started from the solution before."""
+"""Solution for a sequence of loads, each started from what the last two solutions predict."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
+from asperity.contact.path_prediction import PathPrediction
 from asperity.contact.solution import Contact
 from asperity.contact.solver import solve
 from asperity.elasticity.two_bodies import Solid
@@ -26,7 +27,7 @@ def solve_path(
     progress: Progress | None = None,
     **settings: Any,
 ) -> Iterator[Contact]:
-    """Solve for one load after the other, each started from the solution before.
+    """Solve for one load after the other, each started from what the last two solutions predict.
 
     Parameters
     ----------
@@ -72,15 +73,20 @@ def solve_path(
 def _solve_each(
     solve_one: Callable[..., Contact], kind: str, values: Sequence[float], progress: Progress | None
 ) -> Iterator[Contact]:
-    """Solve for each value of the imposed quantity, starting from the last solution that is in contact."""
-    previous: Contact | None = None
-    for index, value in enumerate(values):
+    """Solve for each value of the imposed quantity, started from what the last two solutions predict."""
+    prediction = PathPrediction(kind)
+
+    def solved(index: int, value: float) -> Contact:
         of_load = None if progress is None else partial(_report, progress, index, len(values))
-        contact = solve_one(**{kind: value}, initial=previous, progress=of_load)
-        previous = contact if contact.area_fraction > 0 else None
+        contact = solve_one(**{kind: value}, initial=prediction.pressure(value), progress=of_load)
+        prediction.record(value, contact)
         if progress is not None:
             progress(index + 1, len(values))
-        yield contact
+        return contact
+
+    # A function of its own solves, so that nothing holds a contact that the caller has done with.
+    for index, value in enumerate(values):
+        yield solved(index, value)
 
 
 def _report(progress: Progress, index: int, count: int, done: float, total: float) -> None:

@@ -17,6 +17,7 @@ from asperity.contact.active_set import ActiveSet, StoppingRule
 from asperity.contact.area_control import AREA_TOLERANCE
 from asperity.contact.inner_solve import InnerSolver
 from asperity.contact.iterate import Iterate
+from asperity.contact.load_prediction import LoadPrediction
 from asperity.contact.problem import Control, Problem, State
 from asperity.errors import ConvergenceError
 from asperity.types import Array, Progress
@@ -71,10 +72,9 @@ def solve(
     if control.fixes_load:
         response, mean_compliance = problem.response.without_mean()
         problem = Problem(problem.height, response)
-    if initial is not None and _is_near(problem, control, initial):
-        iterate, inner = _given_start(problem, control, initial), None
-    else:
-        iterate, inner = _start_in_single_precision(problem, control, rtol)
+    if initial is not None and not _is_near(problem, control, initial):
+        initial = None
+    iterate, inner = _start(problem, control, rtol, initial)
     rule = StoppingRule(rtol, AREA_TOLERANCE, MAX_OUTER_ITERATIONS)
     if not ActiveSet(problem, control, rule, inner).solve(iterate, progress):
         raise ConvergenceError(
@@ -95,19 +95,27 @@ def _given_start(problem: Problem, control: Control, initial: Array) -> Iterate:
     return Iterate.of_field(problem, initial, control.value, load.get(control.kind, math.nan))
 
 
-def _start_in_single_precision(
-    problem: Problem, control: Control, rtol: float
+def _start(
+    problem: Problem, control: Control, rtol: float, initial: Array | None
 ) -> tuple[Iterate, InnerSolver | None]:
-    """Start from a solution in single precision, and the inner solver that found it."""
+    """Start from a solution in single precision, and the inner solver that found it.
+
+    The solution in single precision starts from a given pressure, or from the coarse grids without one.
+    """
     tiny = control.kind == "mean_pressure" and control.value < SMALLEST_SINGLE_LOAD
     if tiny or problem.height.dtype == np.float32:
-        return _start_from_coarse_grids(problem, control), None
+        return _first_iterate(problem, control, initial), None
     datum = 0.5 * (float(problem.height.min()) + float(problem.height.max()))
     single = problem.in_single_precision(datum)
     within = control if control.fixes_load else replace(control, value=control.value - datum)
-    iterate = _start_from_coarse_grids(single, within)
+    iterate = _first_iterate(single, within, initial)
     inner = InnerSolver(single)
-    rule = replace(COARSE_RULE, tolerance=max(SINGLE_PRECISION_TOLERANCE, rtol), goal=rtol)
+    rule = replace(
+        COARSE_RULE,
+        tolerance=max(SINGLE_PRECISION_TOLERANCE, rtol),
+        area_tolerance=AREA_TOLERANCE,
+        goal=rtol,
+    )
     ActiveSet(single, within, rule, inner).solve(iterate)
     single.response.release()
     pressure = iterate.pressure.astype(problem.fourier.real)
@@ -116,21 +124,27 @@ def _start_in_single_precision(
     return start, inner
 
 
+def _first_iterate(problem: Problem, control: Control, initial: Array | None) -> Iterate:
+    if initial is None:
+        return _start_from_coarse_grids(problem, control)
+    return _given_start(problem, control, initial)
+
+
 def _start_from_coarse_grids(problem: Problem, control: Control) -> Iterate:
     """First guess on the coarsest grid, solved on one coarse grid after the other and refined."""
     problems = [problem]
     while (coarser := problems[-1].coarser(MIN_POINTS)) is not None:
         problems.append(coarser)
     iterate = first_guess(problems[-1], control)
-    loads: list[float] = []
+    coarse_control, loads = control, LoadPrediction(control.value)
     while len(problems) > 1:
         coarse, finer = problems.pop(), problems[-1]
-        ActiveSet(coarse, control, COARSE_RULE).solve(iterate)
+        ActiveSet(coarse, coarse_control, COARSE_RULE).solve(iterate)
         pressure = coarse.refine(iterate.pressure_field(), finer, iterate.approach)
         load, iterations = iterate.load, iterate.iterations
         if control.kind == "area_fraction":
-            loads.append(load)
-            load = _predicted_load(loads)
+            touching = max(1, int(np.count_nonzero(iterate.pressure))) / coarse.grid.size
+            coarse_control, load = loads.next_control(load, touching, finer.grid.size, len(problems) == 1)
         iterate = Iterate.of_field(finer, pressure, iterate.approach, load)
         iterate.iterations = iterations
     return iterate
@@ -173,17 +187,6 @@ def _level_of_load(height: Array, mean_pressure: float, stiffness: float) -> flo
         else:
             low = level
     return high
-
-
-def _predicted_load(loads: list[float]) -> float:
-    """Load of the next finer grid at a given area, extrapolated from those of the coarser grids.
-
-    The area at a given load converges with the first power of the spacing, so that the next change of the
-    load is half of the last.
-    """
-    if len(loads) < 2:
-        return loads[-1]
-    return loads[-1] * min(max((loads[-1] / loads[-2]) ** 0.5, 0.5), 2.0)
 
 
 def _is_near(problem: Problem, control: Control, pressure: Array) -> bool:

@@ -17,6 +17,7 @@ import numpy as np
 
 from asperity.contact import kernels
 from asperity.contact.assembly import JOIN_STIFFNESS
+from asperity.contact.closing import ClosingNodes
 from asperity.contact.inner_response import InnerResponse
 from asperity.contact.inner_solve import Correction
 from asperity.contact.iterate import Iterate
@@ -70,24 +71,19 @@ class SafeguardedStep:
         float
             By how much gaps closed at most.
         """
-        approach = iterate.approach + correction.approach
-        # No node moves upward by more than the contact nodes do, which the pressure displaces.
-        upward = self._unit * max(0.0, -float(correction.displacement.min(initial=0)))
-        motion = upward + max(correction.approach, 0.0)
-        candidates, gap = iterate.free_nodes_below(approach + upward)
-        closing = self._response.respond_at(candidates, correction.pressure)
-        overlap = kernels.residual(gap, approach, self._unit) - closing
-        joins = overlap > 0
-        joining, real = candidates[joins], iterate.pressure.dtype
+        closing = ClosingNodes.after(iterate, correction, self._response, self._unit)
+        joins = closing.overlap > 0
+        joining, real = closing.nodes[joins], iterate.pressure.dtype
         nothing = np.zeros(joining.size, real)
         union = partial(kernels.merge, iterate.nodes, joining)
         nodes, pressure = union(iterate.pressure, nothing)
-        _, change = union(correction.pressure.astype(real), (JOIN_STIFFNESS * overlap[joins]).astype(real))
-        _, gap_before = union(iterate.gap, gap[joins])
+        joined_pressure = (JOIN_STIFFNESS * closing.overlap[joins]).astype(real)
+        _, change = union(correction.pressure.astype(real), joined_pressure)
+        _, gap_before = union(iterate.gap, closing.gap[joins])
         _, joined = union(np.zeros(iterate.nodes.size, np.uint8), np.ones(joining.size, np.uint8))
         self._last = _Step(pressure, gap_before, change, joined > 0)
         iterate.set_pressure(nodes, self._last.pressure_after(self._fraction))
-        return motion
+        return closing.motion
 
     def best_fraction(self, iterate: Iterate) -> float:
         """Fraction of the last step at which the energy is least; 1 if there was none."""

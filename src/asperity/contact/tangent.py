@@ -7,18 +7,23 @@ gap closes, and so the number of contact nodes as a function of the load.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from asperity.contact import kernels
 from asperity.contact.area_control import AreaControl
+from asperity.contact.closing import ClosingNodes
+from asperity.contact.inner_response import InnerResponse
+from asperity.contact.inner_solve import Correction
 from asperity.contact.iterate import Iterate
 from asperity.types import Array
 
 # The load changes by at most this fraction of itself along a tangent. Half and twice the value take the same
 # number of transforms.
 MAX_LOAD_CHANGE = 0.5
+
+# The load changes by at most this fraction for the last few nodes.
+MAX_LAST_CHANGE = 0.1
 
 # Contact nodes are counted down to the load that is this fraction below the present one, just above lift-off.
 MAX_LOAD_DECREASE = 0.999
@@ -33,35 +38,58 @@ class Tangent:
     contact_nodes : (count,) array of unsigned integers
     pressure : (count,) array
         Change of the pressure of the contact nodes.
-    displacement : (size,) array
-        Change of the displacement of every node.
     load : float
         Change of the mean pressure.
     unit : float
         `Problem.nodal_compliance`.
+    response : InnerResponse
+        Restricted to the contact nodes.
+    displaces : bool
+        False for full contact of a solid without uniform displacement, where the approach stays.
     """
 
     contact_nodes: Array
     pressure: Array
-    displacement: Array
     load: float
     unit: float
+    response: InnerResponse
+    displaces: bool = True
 
-    def change_to_area(self, iterate: Iterate, area: AreaControl, converged: bool) -> float | None:
+    def on(self, contact_nodes: Array, rate: Array) -> Tangent:
+        """The same tangent on contact nodes that have changed little.
+
+        Nodes that have joined take their change of the pressure from `rate`, (count,).
+        """
+        place = np.minimum(np.searchsorted(self.contact_nodes, contact_nodes), self.contact_nodes.size - 1)
+        known = (self.contact_nodes[place] == contact_nodes) & (self.pressure[place] > 0)
+        pressure = np.where(known, self.pressure[place], np.maximum(rate, 0))
+        scale = self.load / float(self.pressure.sum(dtype=float))
+        load = scale * float(pressure.sum(dtype=float))
+        return replace(self, contact_nodes=contact_nodes, pressure=pressure, load=load)
+
+    def displacement(self) -> Array:
+        """Change of the displacement of the contact nodes."""
+        out = np.zeros_like(self.pressure)
+        if self.displaces:
+            self.response.respond(self.pressure, out)
+        return out
+
+    def displacement_at(self, nodes: Array) -> Array:
+        """Change of the displacement of other nodes."""
+        return self.response.respond_at(nodes, self.pressure) if self.displaces else np.zeros(nodes.size)
+
+    def change_to_area(self, iterate: Iterate, area: AreaControl) -> float | None:
         """Change of the approach that gives the number of contact nodes asked for, or the nearest number.
 
-        None if the pressure has converged and no other load within reach gives a better number.
+        The pressure of the iterate has converged. None if no other load within reach gives a better number.
         """
-        longest = MAX_LOAD_CHANGE * iterate.load / self.load
-        least = -MAX_LOAD_DECREASE * iterate.load / self.load
-        # The number of contact nodes is first + k between edges[k] and edges[k + 1].
-        first, edges = self._edges(iterate, least, longest)
-        # Only numbers of nodes that last while the load changes can be asked for, unless there is none.
-        lasting = np.flatnonzero(np.diff(edges) >= area.load_resolution * iterate.load / self.load)
-        lasting = lasting if lasting.size else np.arange(edges.size - 1)
-        best = lasting[np.argmin(np.abs(lasting + (first - area.target)))]
+        unit = iterate.load / self.load
+        longest = MAX_LOAD_CHANGE * unit
+        nothing = Correction(np.zeros_like(self.pressure), np.zeros_like(self.pressure), 0.0, 0)
+        first, edges = self._edges(iterate, nothing, -MAX_LOAD_DECREASE * unit, longest)
+        best = self._best(first, edges, iterate, area)
         in_reach = best < edges.size - 2 or best + first > area.target
-        if converged and in_reach and edges[best] < 0 < edges[best + 1]:
+        if in_reach and edges[best] < 0 < edges[best + 1]:
             return None
         change = 0.5 * (edges[best] + edges[best + 1])
         if best == 0 and edges[1] >= 0 and first > area.target:
@@ -72,13 +100,35 @@ class Tangent:
             change = longest
         return float(max(change, -longest))
 
-    def _edges(self, iterate: Iterate, least: float, longest: float) -> tuple[int, Array]:
+    def corrected_change(self, iterate: Iterate, area: AreaControl, correction: Correction) -> float:
+        """Change of the approach with which a correction leads to the number of contact nodes asked for."""
+        longest = MAX_LAST_CHANGE * iterate.load / self.load
+        first, edges = self._edges(iterate, correction, -longest, longest)
+        best = self._best(first, edges, iterate, area)
+        return float(0.5 * (edges[best] + edges[best + 1]))
+
+    def _best(self, first: int, edges: Array, iterate: Iterate, area: AreaControl) -> int:
+        """Index k for which first + k, the number of contact nodes from edges[k] to edges[k + 1], is best.
+
+        Only numbers of nodes that last while the load changes can be asked for, unless there is none.
+        """
+        lasting = np.flatnonzero(np.diff(edges) >= area.load_resolution * iterate.load / self.load)
+        lasting = lasting if lasting.size else np.arange(edges.size - 1)
+        return int(lasting[np.argmin(np.abs(lasting + (first - area.target)))])
+
+    def _edges(
+        self, iterate: Iterate, correction: Correction, least: float, longest: float
+    ) -> tuple[int, Array]:
         """Number of contact nodes at the change `least`, and the changes up to `longest` where it grows."""
-        height, displacement = iterate.fields()
-        changes = kernels.closing_changes(
-            height, displacement, iterate.approach, self.unit, self.displacement
-        )
-        kernels.set_release_changes(changes, iterate.pressure, self.contact_nodes, self.pressure)
+        corrected = iterate.pressure + correction.pressure
+        release = np.where(corrected > 0, -np.inf, np.inf)
+        np.divide(-corrected, self.pressure, out=release, where=self.pressure > 0)
+        # A gap closes by at most the change of the approach.
+        closing = ClosingNodes.after(iterate, correction, self.response, self.unit, self.unit * longest)
+        change = np.full(closing.nodes.size, np.inf)
+        rate = 1 - self.displacement_at(closing.nodes)
+        np.divide(-closing.overlap, rate, out=change, where=rate > 0)
+        changes = np.concatenate((release, change))
         first = int(np.count_nonzero(changes <= least))
         within = np.sort(changes[(changes > least) & (changes < longest)])
         return first, np.concatenate(([least], within, [longest]))

@@ -121,26 +121,22 @@ class PaddedFourier(Fourier):
     def forward(self, values: Array, out: Array | None = None) -> Array:
         """Coefficients on the padded grid, of its `half_shape`, of a field on the grid."""
         self.work.nodes += self._work_nodes
-        ny, nx = self.grid.shape
+        nx = self.grid.shape[1]
         self._rows[:, :nx] = values
         self._rows[:, nx:] = 0
         if out is None:
             out = np.empty(self.padded_grid.half_shape, self.complex)
-        self.engine.rows_forward(self._rows, out[:ny], self.threads)
-        out[ny:] = 0
-        self.engine.columns_forward(out, out, self.threads)
+        self.engine.forward(self._rows, out, self.threads)
         return out
 
     def inverse(self, coefficients: Array, out: Array | None = None, overwrite: bool = False) -> Array:
         """The part on the grid of the field with these coefficients on the padded grid."""
         self.work.nodes += self._work_nodes
-        ny, nx = self.grid.shape
-        columnwise = coefficients if overwrite else np.empty_like(coefficients)
-        self.engine.columns_inverse(coefficients, columnwise, self.threads)
-        self.engine.rows_inverse(columnwise[:ny], self._rows, self.threads)
+        work = coefficients if overwrite else np.empty_like(coefficients)
+        self.engine.inverse(coefficients, self._rows, work, self.threads)
         if out is None:
             out = np.empty(self.grid.shape, self.real)
-        out[:] = self._rows[:, :nx]
+        out[:] = self._rows[:, : self.grid.shape[1]]
         return out
 
 

@@ -36,7 +36,7 @@ def fft_engine(name: str, wisdom: str | os.PathLike[str] | None = None) -> Itera
     name : "ducc0" or "pyfftw"
         pyFFTW is installed by ``pip install "asperity[fftw]"``.
     wisdom : path, optional
-        File with measured plans of pyFFTW, as written by `measure_wisdom`. Lengths that it lacks, or all
+        File with measured plans of pyFFTW, as written by `measure_wisdom`. Grids that it lacks, or all
         without it, are transformed by plans that FFTW estimates. Both repeat their bits from run to run;
         measured plans are faster.
 
@@ -60,7 +60,13 @@ def fft_engine(name: str, wisdom: str | os.PathLike[str] | None = None) -> Itera
     >>> contact.fft_engine
     'ducc0 ...'
     """
-    engine = engine_of(name, wisdom)
+    with use(engine_of(name, wisdom)) as engine:
+        yield engine
+
+
+@contextmanager
+def use(engine: Engine) -> Iterator[Engine]:
+    """Compute all Fourier transforms within a ``with`` block by this engine."""
     token = _chosen.set(engine)
     try:
         yield engine
@@ -72,7 +78,10 @@ def current_engine() -> Engine:
     """The engine in use: that of the block, else that of the environment variable, else the default."""
     if (chosen := _chosen.get()) is not None:
         return chosen
-    return _engine(default_engine())
+    name = default_engine()
+    if name != DEFAULT:
+        require((name,))
+    return _engine(name)
 
 
 def default_engine() -> str:
@@ -80,20 +89,23 @@ def default_engine() -> str:
     return _known(VARIABLE, os.environ.get(VARIABLE) or DEFAULT)
 
 
-def engine_of(name: str, wisdom: str | os.PathLike[str] | None = None) -> Engine:
-    """The engine of this name, with the plans of a file; parameters and errors as of `fft_engine`."""
+def engine_of(name: str, wisdom: str | os.PathLike[str] | None = None, option: str = "wisdom") -> Engine:
+    """The engine of this name, with the plans of a file.
+
+    Parameters and errors are those of `fft_engine`; `option` is the name of the file in messages.
+    """
     known = _known("fft_engine", name)
+    require((known,))
     if wisdom is None:
         return _engine(known)
     if known != "pyfftw":
         raise ValueError(
-            f"wisdom = {shown(os.fspath(wisdom))}: accepted with the engine pyfftw only, not with {known}"
+            f"{option} = {shown(os.fspath(wisdom))}: accepted with the engine pyfftw only, not with {known}"
         )
-    require(("pyfftw",))
     from asperity.engines.pyfftw_engine import PyfftwEngine
     from asperity.engines.wisdom import read_wisdom
 
-    return PyfftwEngine(read_wisdom(wisdom))
+    return PyfftwEngine(read_wisdom(wisdom, option))
 
 
 def _known(argument: str, name: object) -> str:
@@ -105,7 +117,6 @@ def _known(argument: str, name: object) -> str:
 @cache
 def _engine(name: str) -> Engine:
     """The engine of a known name; imported when first used."""
-    require((name,))
     if name == "pyfftw":
         from asperity.engines.pyfftw_engine import PyfftwEngine
 

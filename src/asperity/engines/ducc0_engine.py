@@ -33,20 +33,29 @@ class Ducc0Engine(Engine):
     def description(self) -> str:
         return f"ducc0 {ducc0.__version__}"
 
-    def rows_forward(self, values: Array, out: Array, threads: int = 1) -> None:
-        for rows, workers in _blocks(values.shape[0], threads):
+    def forward(self, values: Array, out: Array, threads: int = 1) -> None:
+        lines = values.shape[0]
+        for rows, workers in _blocks(lines, threads):
             ducc0.fft.r2c(values[rows], axes=(1,), forward=True, inorm=2, out=out[rows], nthreads=workers)
+        out[lines:] = 0
+        for columns, workers in _blocks(out.shape[1], threads):
+            part = out[:, columns]
+            ducc0.fft.c2c(part, axes=(0,), forward=True, inorm=2, out=part, nthreads=workers)
 
-    def rows_inverse(self, coefficients: Array, out: Array, threads: int = 1) -> None:
-        lines, n = out.shape
+    def inverse(self, coefficients: Array, out: Array, work: Array, threads: int = 1) -> None:
+        for columns, workers in _blocks(coefficients.shape[1], threads):
+            ducc0.fft.c2c(
+                coefficients[:, columns], axes=(0,), forward=False, out=work[:, columns], nthreads=workers
+            )
+        lines, nx = out.shape
         padded = out.strides[0] % _CRITICAL_STRIDE == 0 and out.dtype == np.float32
-        room = np.empty((_BLOCK, n + _PADDING), out.dtype)[:, :n] if padded else None
+        room = np.empty((_BLOCK, nx + _PADDING), out.dtype)[:, :nx] if padded else None
         for rows, workers in _blocks(lines, threads, _BLOCK if padded else None):
             target = out[rows] if room is None else room[: rows.stop - rows.start]
             ducc0.fft.c2r(
-                coefficients[rows],
+                work[rows],
                 axes=(1,),
-                lastsize=n,
+                lastsize=nx,
                 forward=False,
                 out=target,
                 nthreads=workers,
@@ -54,23 +63,6 @@ class Ducc0Engine(Engine):
             )
             if room is not None:
                 out[rows] = target
-
-    def columns_forward(self, values: Array, out: Array, threads: int = 1) -> None:
-        for columns, workers in _blocks(values.shape[1], threads):
-            ducc0.fft.c2c(
-                values[:, columns],
-                axes=(0,),
-                forward=True,
-                inorm=2,
-                out=out[:, columns],
-                nthreads=workers,
-            )
-
-    def columns_inverse(self, coefficients: Array, out: Array, threads: int = 1) -> None:
-        for columns, workers in _blocks(coefficients.shape[1], threads):
-            ducc0.fft.c2c(
-                coefficients[:, columns], axes=(0,), forward=False, out=out[:, columns], nthreads=workers
-            )
 
 
 def _blocks(lines: int, threads: int, most: int | None = None) -> list[tuple[slice, int]]:

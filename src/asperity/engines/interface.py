@@ -1,18 +1,20 @@
-"""The interface of an engine: transforms of the lines of two-dimensional arrays."""
+"""The interface of an engine: transforms of two-dimensional real fields."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING
 
-from asperity.types import Array
+if TYPE_CHECKING:
+    from asperity.types import Array
 
 
 class Engine(ABC):
-    """Transforms of the rows and of the columns of arrays in single and double precision.
+    """Transforms of real fields, with the normalisation of `asperity.spectral`.
 
-    A forward transform of n values is divided by n, an inverse one is not. The result does not depend on the
-    number of threads, and an engine may be used by several threads at once. Arrays may be views, with rows at
-    any distance.
+    Of a field of ny rows, only the first ones may be given or asked for: the others are taken to be zero, or
+    left out. The result does not depend on the number of threads; an engine may be used by several threads
+    at once. Arrays may be views, with rows at any distance.
     """
 
     @property
@@ -21,17 +23,28 @@ class Engine(ABC):
         """Library, version and plans, as recorded in results."""
 
     @abstractmethod
-    def rows_forward(self, values: Array, out: Array, threads: int = 1) -> None:
-        """Coefficients, (rows, n // 2 + 1), of real rows, (rows, n)."""
+    def forward(self, values: Array, out: Array, threads: int = 1) -> None:
+        """Coefficients of a field.
+
+        Parameters
+        ----------
+        values : (rows, nx) array
+            The first rows of the field.
+        out : (ny, nx // 2 + 1) complex array of the same precision
+            Array for the coefficients.
+        threads : int
+        """
 
     @abstractmethod
-    def rows_inverse(self, coefficients: Array, out: Array, threads: int = 1) -> None:
-        """Real rows, (rows, n), of their coefficients, (rows, n // 2 + 1), which may be overwritten."""
+    def inverse(self, coefficients: Array, out: Array, work: Array, threads: int = 1) -> None:
+        """Field of its coefficients.
 
-    @abstractmethod
-    def columns_forward(self, values: Array, out: Array, threads: int = 1) -> None:
-        """Coefficients of complex columns, (n, columns); `out` may be `values`."""
-
-    @abstractmethod
-    def columns_inverse(self, coefficients: Array, out: Array, threads: int = 1) -> None:
-        """Complex columns, (n, columns), of their coefficients; `out` may be `coefficients`."""
+        Parameters
+        ----------
+        coefficients : (ny, nx // 2 + 1) complex array
+        out : (rows, nx) array of the same precision
+            Array for the first rows of the field.
+        work : array like `coefficients`
+            Array that is overwritten; it may be `coefficients`.
+        threads : int
+        """

@@ -10,6 +10,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import cache
 from math import prod
 from typing import NamedTuple
 
@@ -18,17 +19,19 @@ import pyfftw
 
 from asperity.types import Array
 
-KINDS = ("r2c", "c2r", "forward", "inverse")
+COLUMNS = ("forward", "inverse")
+KINDS = ("r2c", "c2r", *COLUMNS)
 """Transforms of rows, real to complex and back, and of complex columns."""
 
 PRECISIONS = ("float64", "float32")
 """Precisions in the order in which pyFFTW gives its wisdom."""
 
-_LONG = 64
-"""Length above which blocks have `_FEW` lines."""
+_ROWS = 2**15, 16
+"""Number of values in a block of rows, about, and the fewest rows: half a megabyte, within the cache."""
 
-_FEW, _MANY = 16, 64
-"""Lines in a block. For more than 16 long columns FFTW estimates plans that are up to six times slower."""
+_COLUMNS = 2**13, 8
+"""The same for columns. Few are copied at a time: each element of a long column lies in another page of the
+memory, and more columns take longer than the same number in smaller blocks."""
 
 _ALIGNMENT = 64
 """Bytes of which the address of every array is a multiple."""
@@ -62,9 +65,23 @@ class Key(NamedTuple):
         return " ".join(map(str, self))
 
 
-def lines_of_block(length: int) -> int:
-    """Number of lines of this length in a block."""
-    return _FEW if length > _LONG else _MANY
+@cache
+def keys_of(rows: int, ny: int, nx: int, precision: str) -> dict[str, Key]:
+    """Kind → plan for a grid of (ny, nx) nodes, of whose fields the first rows are given or asked for."""
+    columns = nx // 2 + 1
+    return {
+        kind: Key(kind, ny, _lines_of_block(_COLUMNS, columns, ny), precision)
+        if kind in COLUMNS
+        else Key(kind, nx, _lines_of_block(_ROWS, rows, nx), precision)
+        for kind in KINDS
+    }
+
+
+def _lines_of_block(size: tuple[int, int], lines: int, length: int) -> int:
+    """Number of lines in a block of an array with so many lines of this length; the last may have fewer."""
+    values, fewest = size
+    blocks = -(-lines // max(values // length, fewest))
+    return -(-lines // blocks)
 
 
 class Plan:
@@ -73,7 +90,7 @@ class Plan:
     Attributes
     ----------
     source, target : array
-        Lines before and after the transform: rows (lines, length), or columns (length, lines) in one array.
+        Lines before and after the transform, (lines, length); one array if both are complex.
     execute : callable
         Transforms `source` into `target`, and may overwrite `source`.
     """
@@ -83,7 +100,7 @@ class Plan:
         self.execute: Callable[[], None] = pyfftw.FFTW(
             self.source,
             self.target,
-            axes=(0 if self.source is self.target else 1,),
+            axes=(1,),
             direction="FFTW_FORWARD" if key.kind in ("r2c", "forward") else "FFTW_BACKWARD",
             flags=(*flags, "FFTW_DESTROY_INPUT"),
             threads=1,
@@ -104,23 +121,29 @@ class Workspace:
         self._plans: dict[Key, Plan] = {}
         self._memory = pyfftw.empty_aligned(0, np.uint8)
 
-    def plan(self, key: Key) -> Plan:
-        """The plan of a key, made when it is first asked for."""
-        if key not in self._plans:
-            if (size := _bytes(key)) > self._memory.size:
+    def plan(self, kind: str, keys: Mapping[str, Key]) -> Plan:
+        """The plan of a kind; all plans of a grid are made when one of them is first asked for."""
+        if keys[kind] not in self._plans:
+            if (size := max(map(_bytes, keys.values()))) > self._memory.size:
                 self._plans.clear()
                 self._memory = pyfftw.empty_aligned(size, np.uint8, n=_ALIGNMENT)
-            known = self._wisdom.get(key.name)
-            with _wisdom_of_its_own(key.precision, known):
-                flags = ("FFTW_MEASURE", "FFTW_WISDOM_ONLY") if known else ("FFTW_ESTIMATE",)
-                self._plans[key] = Plan(key, self._memory, flags)
-        return self._plans[key]
+            with _no_wisdom():
+                self._plans |= {key: self._planned(key) for key in keys.values()}
+        return self._plans[keys[kind]]
+
+    def _planned(self, key: Key) -> Plan:
+        """A plan from its own wisdom, or an estimated one."""
+        pyfftw.forget_wisdom()
+        if (known := self._wisdom.get(key.name)) is None:
+            return Plan(key, self._memory, ("FFTW_ESTIMATE",))
+        _import(key.precision, known)
+        return Plan(key, self._memory, ("FFTW_MEASURE", "FFTW_WISDOM_ONLY"))
 
 
 def measure(key: Key) -> str:
     """Wisdom of the fastest plan that FFTW finds by timing candidates."""
     memory = pyfftw.empty_aligned(_bytes(key), np.uint8, n=_ALIGNMENT)
-    with _wisdom_of_its_own(key.precision):
+    with _no_wisdom():
         Plan(key, memory, ("FFTW_MEASURE",))
         return pyfftw.export_wisdom()[PRECISIONS.index(key.precision)].decode("ascii")
 
@@ -128,34 +151,40 @@ def measure(key: Key) -> str:
 def is_known(precision: str, wisdom: str) -> bool:
     """True for a wisdom that comes from the FFTW in use, on a processor of the same kind."""
     try:
-        with _wisdom_of_its_own(precision, wisdom):
-            return True
+        with _no_wisdom():
+            _import(precision, wisdom)
     except ValueError:
         return False
+    return True
 
 
 @contextmanager
-def _wisdom_of_its_own(precision: str, wisdom: str | None = None) -> Iterator[None]:
-    """Block in which FFTW has this wisdom, or none; ValueError if it does not accept it."""
-    texts = [wisdom.encode("ascii", "replace") if wisdom and precision == p else b"" for p in PRECISIONS]
+def _no_wisdom() -> Iterator[None]:
+    """Block of one thread at a time that begins without wisdom, and ends with that from before."""
     with _planner:
         kept = pyfftw.export_wisdom()
         pyfftw.forget_wisdom()
         try:
-            if wisdom and not pyfftw.import_wisdom((*texts, b""))[PRECISIONS.index(precision)]:
-                raise ValueError("wisdom: that of another FFTW or processor")
             yield
         finally:
             pyfftw.forget_wisdom()
-            pyfftw.import_wisdom(kept)
+            if any(b"\n  (" in text for text in kept):  # importing none would take as long as importing much
+                pyfftw.import_wisdom(kept)
+
+
+def _import(precision: str, wisdom: str) -> None:
+    """Give FFTW a wisdom; ValueError if it does not accept it."""
+    texts = [wisdom.encode("ascii", "replace") if precision == known else b"" for known in PRECISIONS]
+    if precision not in PRECISIONS or not pyfftw.import_wisdom((*texts, b""))[PRECISIONS.index(precision)]:
+        raise ValueError("wisdom: that of another FFTW or processor")
 
 
 def _shapes(key: Key) -> list[tuple[tuple[int, int], np.dtype[np.generic]]]:
     """Shape and type of the source of a plan and, if it is another array, of its target."""
     real = np.dtype(key.precision)
     complex_ = np.result_type(real, np.complex64)
-    if key.kind in ("forward", "inverse"):
-        return [((key.length, key.lines), complex_)]
+    if key.kind in COLUMNS:
+        return [((key.lines, key.length), complex_)]
     both = [((key.lines, key.length), real), ((key.lines, key.length // 2 + 1), complex_)]
     return both if key.kind == "r2c" else both[::-1]
 

@@ -2,33 +2,32 @@
 
 A plan of FFTW holds for arrays of one shape, distance of rows and alignment in memory. Here every plan
 transforms a block of lines in an aligned array of its own: blocks are copied there, transformed, and copied
-back, within the processor's cache. A plan then depends on the length of the lines, the kind of transform
-and the precision alone, and the result does not depend on where the allocator places an array. Plans use
-one thread. With several threads, each transforms blocks of its own, so that the result has the same bits
-for any number of threads.
+back, within the processor's cache. A plan then depends on the length and number of the lines, the kind of
+transform and the precision alone, and the result does not depend on where the allocator places an array.
+Plans use one thread. With several threads, each transforms blocks of its own, so that the result has the
+same bits for any number of threads.
 
-Columns are transformed in place. For rows, whose real and complex lines differ in length, this takes a
-tenth longer than from one array to another.
+Columns are copied into rows and transformed in place. For rows, whose real and complex lines differ in
+length, a transform in place takes a tenth longer than one from an array to another.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from importlib.metadata import version
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 import pyfftw
 
 from asperity.engines.interface import Engine
-from asperity.engines.plans import Key, Plan, Workspace, lines_of_block
+from asperity.engines.plans import Key, Plan, Workspace, keys_of
 from asperity.engines.wisdom import Wisdom
 from asperity.types import Array
 
-_SMALL = 2**16
-"""Number of values up to which an array is transformed by one thread: starting others would take longer."""
+_SMALL = 2**20
+"""Number of values up to which an array is transformed by one thread: several would wait for each other."""
 
 
 class PyfftwEngine(Engine):
@@ -43,54 +42,66 @@ class PyfftwEngine(Engine):
         plans = f"wisdom {self._wisdom.digest}" if self._wisdom.plans else "estimated plans"
         return f"pyfftw {version('pyfftw')}, FFTW {pyfftw.fftw_version}, {plans}"
 
-    def rows_forward(self, values: Array, out: Array, threads: int = 1) -> None:
-        factor = values.dtype.type(1 / values.shape[1])
+    def forward(self, values: Array, out: Array, threads: int = 1) -> None:
+        (rows, nx), ny = values.shape, out.shape[0]
+        keys = keys_of(rows, ny, nx, values.dtype.name)
+        factor = values.dtype.type(1 / (nx * ny))
 
-        def transform(plan: Plan, rows: slice, count: int) -> None:
-            plan.source[:count] = values[rows]
+        def transform(plan: Plan, lines: slice, count: int) -> None:
+            np.multiply(values[lines], factor, out=plan.source[:count])
             plan.execute()
-            np.multiply(plan.target[:count], factor, out=out[rows])
+            out[lines] = plan.target[:count]
 
-        self._run("r2c", *values.shape, values.dtype, threads, transform)
+        self._run("r2c", keys, rows, threads, transform)
+        out[rows:] = 0
+        self._columns("forward", keys, out, out, threads)
 
-    def rows_inverse(self, coefficients: Array, out: Array, threads: int = 1) -> None:
-        def transform(plan: Plan, rows: slice, count: int) -> None:
-            plan.source[:count] = coefficients[rows]
+    def inverse(self, coefficients: Array, out: Array, work: Array, threads: int = 1) -> None:
+        keys = keys_of(out.shape[0], coefficients.shape[0], out.shape[1], out.dtype.name)
+        self._columns("inverse", keys, coefficients, work, threads)
+
+        def transform(plan: Plan, lines: slice, count: int) -> None:
+            plan.source[:count] = work[lines]
             plan.execute()
-            out[rows] = plan.target[:count]
+            out[lines] = plan.target[:count]
 
-        self._run("c2r", *out.shape, out.dtype, threads, transform)
+        self._run("c2r", keys, out.shape[0], threads, transform)
 
-    def columns_forward(self, values: Array, out: Array, threads: int = 1) -> None:
-        factor = values.real.dtype.type(1 / values.shape[0])
+    def _columns(
+        self, kind: str, keys: Mapping[str, Key], source: Array, target: Array, threads: int
+    ) -> None:
+        """Transform the columns of an array into those of another, which may be the same."""
 
-        def transform(plan: Plan, columns: slice, count: int) -> None:
-            plan.source[:, :count] = values[:, columns]
+        def transform(plan: Plan, lines: slice, count: int) -> None:
+            plan.source[:count] = source[:, lines].T
             plan.execute()
-            np.multiply(plan.target[:, :count], factor, out=out[:, columns])
+            target[:, lines] = plan.target[:count].T
 
-        self._run("forward", *values.shape[::-1], values.real.dtype, threads, transform)
-
-    def columns_inverse(self, coefficients: Array, out: Array, threads: int = 1) -> None:
-        def transform(plan: Plan, columns: slice, count: int) -> None:
-            plan.source[:, :count] = coefficients[:, columns]
-            plan.execute()
-            out[:, columns] = plan.target[:, :count]
-
-        self._run("inverse", *coefficients.shape[::-1], coefficients.real.dtype, threads, transform)
+        self._run(kind, keys, source.shape[1], threads, transform)
 
     def _run(
         self,
         kind: str,
+        keys: Mapping[str, Key],
         lines: int,
-        length: int,
-        precision: np.dtype[Any],
         threads: int,
         transform: Callable[[Plan, slice, int], None],
     ) -> None:
-        """Transform all lines, block by block; `transform` is given plan, lines and number of lines."""
-        size = lines_of_block(length)
-        whole, single = (Key(kind, length, count, precision.name) for count in (size, 1))
+        """Transform all lines, block by block.
+
+        Parameters
+        ----------
+        kind : str
+            One of `asperity.engines.plans.KINDS`.
+        keys : mapping
+            Kind → plan for the grid.
+        lines : int
+            Number of lines.
+        threads : int
+        transform : callable
+            Transforms a block; called with plan, lines and number of lines.
+        """
+        _, length, size, _ = keys[kind]
         starts = range(0, lines, size)
 
         def work(part: range) -> None:
@@ -99,9 +110,9 @@ class PyfftwEngine(Engine):
             except IndexError:
                 workspace = Workspace(self._wisdom.plans)
             try:
+                plan = workspace.plan(kind, keys)
                 for start in part:
                     count = min(size, lines - start)
-                    plan = workspace.plan(single if count == 1 else whole)
                     transform(plan, slice(start, start + count), count)
             finally:
                 self._idle.append(workspace)

@@ -13,7 +13,6 @@ import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import product
 from pathlib import Path
 
 from asperity.arguments import whole_number
@@ -48,14 +47,14 @@ class Wisdom:
 
 
 def measure_wisdom(lengths: Iterable[int], progress: Progress | None = None) -> str:
-    """Text of a wisdom file with the fastest plans for lines of these lengths, in both precisions.
+    """Text of a wisdom file with the fastest plans for square grids, in both precisions.
 
     Takes about half a second for a length of 1024.
 
     Parameters
     ----------
     lengths : iterable of int
-        Numbers of nodes on the edges of grids, from 1 to `LONGEST`.
+        Numbers of nodes on the edges of the grids, from 1 to `LONGEST`.
     progress : callable, optional
         Called as ``progress(done, total)``.
 
@@ -83,9 +82,9 @@ def measure_wisdom(lengths: Iterable[int], progress: Progress | None = None) -> 
         {whole_number("lengths", length, accepted, lambda n: 1 <= n <= LONGEST) for length in lengths}
     )
     require(("pyfftw",))
-    from asperity.engines.plans import KINDS, PRECISIONS, Key, lines_of_block, measure
+    from asperity.engines.plans import PRECISIONS, keys_of, measure
 
-    keys = [Key(k, n, lines_of_block(n), p) for n, p, k in product(wanted, PRECISIONS, KINDS)]
+    keys = [key for n in wanted for precision in PRECISIONS for key in keys_of(n, n, n, precision).values()]
     plans = {}
     for number, key in enumerate(keys, start=1):
         plans[key.name] = measure(key)
@@ -94,8 +93,8 @@ def measure_wisdom(lengths: Iterable[int], progress: Progress | None = None) -> 
     return json.dumps({"title": _TITLE, "plans": plans}, indent=1) + "\n"
 
 
-def read_wisdom(path: str | os.PathLike[str]) -> Wisdom:
-    """Wisdom of a file that holds the text of `measure_wisdom`.
+def read_wisdom(path: str | os.PathLike[str], option: str = "wisdom") -> Wisdom:
+    """Wisdom of a file that holds the text of `measure_wisdom`; `option` is its name in messages.
 
     Raises
     ------
@@ -104,7 +103,7 @@ def read_wisdom(path: str | os.PathLike[str]) -> Wisdom:
     """
     from asperity.engines.plans import is_known
 
-    name = f"wisdom = {shown(os.fspath(path))}"
+    name = f"{option} = {shown(os.fspath(path))}"
     try:
         content = json.loads(Path(path).read_text(encoding="utf-8"))
     except OSError as error:
@@ -116,8 +115,10 @@ def read_wisdom(path: str | os.PathLike[str]) -> Wisdom:
     plans = content.get("plans")
     if not isinstance(plans, dict) or not all(isinstance(text, str) for text in plans.values()):
         raise ValueError(f"{name}: {_NEEDED}")
-    if not all(is_known(key.split()[-1], text) for key, text in plans.items()):
+    samples = {key.rpartition(" ")[2]: text for key, text in plans.items()}  # all come from one FFTW
+    if not all(is_known(precision, text) for precision, text in samples.items()):
         raise ValueError(
-            f"{name}: measured with another FFTW or on another processor; make it again by `asperity wisdom`"
+            f"{name}: measured with another FFTW or on another processor; a new file of `asperity wisdom`, "
+            "in a study of rule fft_wisdom, is needed"
         )
     return Wisdom(plans)
