@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,8 @@ MOST_EQUIVALENTS = 10.0
 MOST_OVER_TRANSFORMS = 1.4
 LEAST_OVER_TAMAAS = 400.0
 LEAST_OF_TWO_THREADS = 1.7
+MOST_OF_AREA_CONTROL = 1.3
+MOST_OF_PATH = 5.0
 MOST_GIB = {8192: 3.0, 16384: 20.0}
 COMPARED_GRID = 2048
 STUDY_AIMS = {"paper": (180.0, 330.0), "quick": (45.0, np.nan), "dry-run": (2.0, np.nan)}
@@ -158,6 +161,12 @@ def aims(folder: Path) -> str:
             "≥",
             LEAST_OF_TWO_THREADS,
         )
+    paths = folder / "load_path.txt"
+    text = paths.read_text("utf-8") if paths.exists() else ""
+    for value in re.findall(r"^Mean ratio ([\d.]+)", text, re.MULTILINE):
+        add("area control over the solution at its load, pairs", float(value), "≤", MOST_OF_AREA_CONTROL)
+    for value in re.findall(r"^Path .* pairs, .* s: ([\d.]+) times", text, re.MULTILINE):
+        add("path of 14 areas over one solution, pairs", float(value), "≤", MOST_OF_PATH, ".1f")
     found = read(folder, "study")
     for name, (wall, seconds) in STUDY_AIMS.items():
         row = None if found is None or name not in set(found["study"]) else found.set_index("study").loc[name]
