@@ -27,10 +27,10 @@ study: $(VENV)/ready ## Make every figure of the paper, in results/figures; CONF
 	$(if $(CONFIG),python -m asperity.config check $(FILES))
 	snakemake --cores $(CORES) $(STUDY)
 
-quick: $(VENV)/ready ## Run every rule of the study on small cells, into results/quick (one minute)
+quick: $(VENV)/ready ## Run every rule of the study on small cells, into results/quick (half a minute)
 	snakemake --cores $(CORES) --configfile config/quick.yaml
 
-claims: $(VENV)/ready ## Test the paper's statements on the ensemble (an hour on two cores) and write what README and docs say of them
+claims: $(VENV)/ready ## Test the paper's statements on the ensemble (a quarter of an hour on two cores) and write what README and docs say of them
 	snakemake --cores $(CORES) --configfile config/ensemble.yaml -- results/ensemble/claims.md
 	python -m asperity.paper.claims results/ensemble
 

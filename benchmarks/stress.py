@@ -1,15 +1,25 @@
 """Cost and accuracy of the stress in the whole solid: tables and a picture.
 
     python benchmarks/stress.py [--points 2048] [--hurst 0.8] [--threads 2] [--picture stress.png]
+    python benchmarks/stress.py --grids 1024 2048 4096
 
-The contact is solved first. A plane is eight real transforms of the contact's grid. If tamaas is installed,
-its `boussinesq_gradient` and `hooke` compute the same planes for comparison.
+With ``--grids`` it prints one table only: the whole analysis on each grid, in a process of its own on one
+thread. The contact is solved first. A plane equivalent is the work of eight real transforms of the contact's
+grid, one for each linear part of the stress; all transforms are counted by their nodes, those of the
+covariances too. If tamaas is installed, its `boussinesq_gradient` and `hooke` compute the same planes for
+comparison.
 """
 
 import argparse
+import json
+import subprocess
+import sys
 import time
 from itertools import pairwise
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
+import ducc0
 import numpy as np
 from scipy.spatial import cKDTree
 
@@ -42,6 +52,86 @@ def timed(call):
     wall, processor = time.perf_counter(), time.process_time()
     result = call()
     return result, time.perf_counter() - wall, time.process_time() - processor
+
+
+class TransformClock:
+    """Processor time of all Fourier transforms while it runs, in every thread."""
+
+    NAMES = ("c2c", "r2c", "c2r")
+
+    def __init__(self):
+        self.seconds = []
+        self._own = {name: getattr(ducc0.fft, name) for name in self.NAMES}
+
+    def __enter__(self):
+        for name, transform in self._own.items():
+            setattr(ducc0.fft, name, self._timed(transform))
+        return self
+
+    def __exit__(self, *_):
+        for name, transform in self._own.items():
+            setattr(ducc0.fft, name, transform)
+
+    def _timed(self, transform):
+        def call(*arguments, **named):
+            start = time.thread_time()
+            result = transform(*arguments, **named)
+            self.seconds.append(time.thread_time() - start)
+            return result
+
+        return call
+
+
+def measure(path, tolerance, repeats):
+    """The whole analysis under a pressure in a file: least processor time, its transforms, peak memory."""
+    contact = under(np.load(path))
+    settings = {"poisson": RATIOS, "quantities": QUANTITIES, "tolerance": tolerance}
+    asp.analyse_stress(press_small(), **settings)
+    before = 1e6 * peak_memory() / 2**30
+    best = None
+    for _ in range(repeats):
+        work = Work()
+        with TransformClock() as clock:
+            data, _, processor = timed(lambda work=work: asp.analyse_stress(contact, **settings, work=work))
+        if best is None or processor < best["processor"]:
+            best = {"processor": processor, "transforms": sum(clock.seconds)}
+    return best | {
+        "planes": data.sizes["plane"],
+        "equivalents": work.transforms(contact.grid) / 8,
+        "memory": 1e6 * peak_memory() / 2**30,
+        "before": before,
+    }
+
+
+def by_grid(grids, hurst, tolerance, repeats):
+    """Table of the whole analysis by grid, each in a process of its own."""
+    print(f"Whole slab, H = {hurst}, five ν, tolerance {tolerance}, one thread, least of {repeats} runs")
+    columns = ("grid", "planes", "equivalents", "time", "transforms", "ratio", "memory", "before")
+    print("  " + "".join(f"{name:>13}" for name in columns))
+    with TemporaryDirectory() as folder:
+        for points in grids:
+            path = Path(folder) / f"{points}.npy"
+            np.save(path, press(points, hurst).pressure)
+            command = [sys.executable, __file__, "--measure", str(path), "--repeats", str(repeats)]
+            command += ["--tolerance", str(tolerance)]
+            found = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+            path.unlink()
+            cells = (
+                f"{points}²",
+                found["planes"],
+                f"{found['equivalents']:.1f}",
+                f"{found['processor']:.2f} s",
+                f"{found['transforms']:.2f} s",
+                f"{found['processor'] / found['transforms']:.2f}",
+                f"{found['memory']:.2f} GiB",
+                f"{found['before']:.2f} GiB",
+            )
+            print("  " + "".join(f"{cell:>13}" for cell in cells), flush=True)
+    print("  equivalents: all transforms, in planes of eight transforms of the grid; time: processor time;")
+    print(
+        "  ratio: time over that of all transforms in the same run; memory: peak of the process, with Python,"
+    )
+    print("  its libraries and the pressure; before: the same before the analysis began")
 
 
 def in_full(contact, ratios, threads):
@@ -78,7 +168,7 @@ def whole_slab(contact, threads, tolerance):
             "planes; the finest and the coarsest grid",
             f"{planes}; {points}², {data['plane_points'].values[-1]}²",
         ),
-        ("transform work, in full planes", f"{work.transforms(contact.grid) / 8:.1f}"),
+        ("plane equivalents of all transforms", f"{work.transforms(contact.grid) / 8:.1f}"),
         ("wall time, processor time", f"{wall:.1f} s, {processor:.1f} s"),
         ("the same analysis of one full plane", f"{every_wall:.2f} s, {every:.2f} s"),
         ("ratio: these planes in full", f"{planes * every / processor:.1f} (processor time)"),
@@ -246,7 +336,16 @@ def main():
     parser.add_argument("--pressure", help="an .npy file with the pressure instead of a solve")
     parser.add_argument("--picture", default="stress.png")
     parser.add_argument("--quick", action="store_true", help="leave out the convergence studies")
+    parser.add_argument("--grids", type=int, nargs="+", help="print the table by grid only")
+    parser.add_argument("--repeats", type=int, default=3, help="runs of which the table has the fastest")
+    parser.add_argument("--measure", help=argparse.SUPPRESS)
     chosen = parser.parse_args()
+    if chosen.measure:
+        print(json.dumps(measure(chosen.measure, chosen.tolerance, chosen.repeats)))
+        return
+    if chosen.grids:
+        by_grid(chosen.grids, chosen.hurst, chosen.tolerance, chosen.repeats)
+        return
     contact = under(np.load(chosen.pressure)) if chosen.pressure else press(chosen.points, chosen.hurst)
     points = contact.grid.shape[0]
     print(f"Whole slab at {points}², H = {chosen.hurst}, five ν, tolerance {chosen.tolerance}")

@@ -4,8 +4,8 @@
 
 Every file of results is compared with the fingerprint that the log of its job holds; a result file of NetCDF
 without one with that in the file itself. Snakemake's records of the jobs, by which it sees that a setting has
-changed, must be readable. Logs, benchmarks and folders of other studies below the folder are left out. Ends
-with exit status 1 and one line for each damaged file.
+changed, must be readable. Logs and folders of other studies below the folder are left out. Ends with
+exit status 1 and one line for each damaged file.
 """
 
 from __future__ import annotations
@@ -25,9 +25,6 @@ from asperity.runtime.preflight import LOCK, OWNER
 from asperity.runtime.snakemake_internals import record_of
 from asperity.runtime.written import LOGS, is_as_written, require_as_written, written
 
-BENCHMARKS = "benchmark"
-"""Folder of Snakemake's measurements, in the folder of results."""
-
 INTERRUPTED = "verify: interrupted; run the same command again"
 
 
@@ -36,9 +33,7 @@ def files_of(folder: Path) -> Iterator[Path]:
     for place, below, names in os.walk(folder):
         top = Path(place) == folder
         below[:] = sorted(
-            name
-            for name in below
-            if not (Path(place) / name / OWNER).exists() and not (top and name in (LOGS, BENCHMARKS))
+            name for name in below if not (Path(place) / name / OWNER).exists() and not (top and name == LOGS)
         )
         yield from (
             Path(place) / name

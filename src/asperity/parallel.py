@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
@@ -39,3 +40,8 @@ def in_parts(
 @cache
 def _pool(threads: int) -> ThreadPoolExecutor:
     return ThreadPoolExecutor(threads, thread_name_prefix="asperity")
+
+
+if hasattr(os, "register_at_fork"):
+    # A copy of a process has none of its threads.
+    os.register_at_fork(after_in_child=_pool.cache_clear)

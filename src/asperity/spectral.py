@@ -250,6 +250,31 @@ class Fourier:
         self.engine.inverse(coefficients, out, work, self.threads)
         return out
 
+    def inverse_along_y(self, coefficients: Array, out: Array) -> Array:
+        """First half of `inverse` for some columns of several arrays, by the calling thread, not counted.
+
+        Parameters
+        ----------
+        coefficients : (arrays, ny, columns) complex array
+        out : array of the same shape
+            Array for the result, which may be `coefficients`.
+        """
+        self.engine.inverse_columns(coefficients, out, self.grid.shape[1])
+        return out
+
+    def inverse_along_x(self, coefficients: Array, out: Array) -> Array:
+        """Second half of `inverse` for some rows of several arrays, by the calling thread, not counted.
+
+        Parameters
+        ----------
+        coefficients : (arrays, rows, nx // 2 + 1) complex array
+            From `inverse_along_y`; it is overwritten.
+        out : (arrays, rows, nx) array
+            Array for the result.
+        """
+        self.engine.inverse_rows(coefficients, out, self.grid.shape[0])
+        return out
+
 
 def real_type(dtype: DTypeLike) -> np.dtype[Any]:
     """The type float64 or float32; ValueError for any other."""

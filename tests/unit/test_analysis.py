@@ -114,6 +114,46 @@ def test_coarse_planes_change_the_statistics_by_no_more_than_the_tolerance(conta
                 assert np.quantile(one, share) == pytest.approx(np.quantile(two, share), abs=0.01 * scale)
 
 
+def test_planes_in_single_precision_have_the_covariances_of_full_planes(contact):
+    """Those above the reference are kept in 16 bits."""
+    exact, single = (analyse_stress(contact, poisson=RATIOS, tolerance=t) for t in (0, 1e-4))
+    np.testing.assert_array_equal(single["reference_depth"], exact["reference_depth"])
+    assert (exact["reference_depth"] > exact["plane_depth"][1]).all()  # some planes are above it
+    for name in ("covariance_depth", "covariance_plane"):
+        largest = float(np.abs(exact[name]).max())
+        np.testing.assert_allclose(single[name], exact[name], rtol=0, atol=3e-5 * largest)
+
+
+def test_planes_above_the_reference_that_are_not_kept_are_computed_again(contact, result, monkeypatch):
+    monkeypatch.setattr("asperity.stress.covariance.MOST_KEPT", 1)
+    again = analyse_stress(contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=1e-5)
+    name = "covariance_depth"
+    np.testing.assert_allclose(again[name], result[name], rtol=1e-10)
+    xr.testing.assert_identical(again.drop_vars(name), result.drop_vars(name))
+
+
+def test_every_second_node_is_enough_for_the_covariance(monkeypatch):
+    solid = rough(192)
+    every = analyse_stress(solid, poisson=RATIOS, quantities=("zz",), tolerance=1e-4)["covariance_depth"]
+    monkeypatch.setattr("asperity.stress.covariance.FEWEST_SKIPPED", 32)
+    second = analyse_stress(solid, poisson=RATIOS, quantities=("zz",), tolerance=1e-4)["covariance_depth"]
+    assert (every != second).any()
+    np.testing.assert_allclose(second, every, rtol=0, atol=1e-4 * float(every.max()))
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_peaks_do_not_depend_on_the_bands_in_which_planes_are_searched(contact, boundary, monkeypatch):
+    solid = replace(contact, boundary=boundary)
+    depths = depth_grid(contact.grid, growth=0.5)
+    settings = {"poisson": RATIOS, "quantities": QUANTITIES, "tolerance": 1e-5}
+    whole = analyse_stress(solid, depths, **settings)
+    monkeypatch.setattr("asperity.stress.periodic.STRIPS_OF_BAND", 1)
+    bands = analyse_stress(solid, depths, **settings, threads=2)
+    labels = ("x", "y", "value", "poisson", "quantity")
+    order = [np.lexsort([d[f"peak_{name}"] for name in labels]) for d in (whole, bands)]
+    xr.testing.assert_identical(whole.isel(peak=order[0]), bands.isel(peak=order[1]))
+
+
 def test_largest_peak_is_no_lower_than_its_plane(result):
     for number, nu in enumerate(RATIOS):
         peaks = asp.peaks(result, "von_mises", nu)

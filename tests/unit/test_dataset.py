@@ -4,6 +4,7 @@ import contextlib
 import errno
 import zipfile
 
+import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
@@ -117,6 +118,17 @@ def test_text_and_truth_values_come_back_without_units(tmp_path):
     assert found["peak_quantity"].values.tolist() == names.tolist()
     assert all("units" not in variable.attrs for variable in found.variables.values())
     dataset.verify(tmp_path / "file.nc")
+
+
+def test_fields_that_hardly_shrink_are_stored_as_they_are(tmp_path):
+    noise = np.random.default_rng(1).normal(size=(200, 200))
+    fields = {"height": noise, "displacement": noise, "gap": noise, "pressure": np.maximum(noise - 1, 0)}
+    data = xr.Dataset({name: (("y", "x"), values) for name, values in fields.items()})
+    dataset.write(data, tmp_path / "a.nc", "Title", SETTINGS)
+    with netCDF4.Dataset(tmp_path / "a.nc") as file:
+        filters = {name: file[name].filters() for name in fields}
+    assert {name for name, used in filters.items() if used["zlib"]} == {"pressure"}
+    assert all(used["fletcher32"] for used in filters.values())
 
 
 def test_the_digest_is_of_the_values_not_of_their_order():

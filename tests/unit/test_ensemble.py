@@ -19,8 +19,9 @@ from asperity.paper.ensemble.numbers import SINGLE, full_name, number, numbers, 
 from asperity.paper.ensemble.planning import MOST_ROUNDS, Plan, next_plan, pilot
 from asperity.paper.ensemble.result import gain_text, level_frame, result, sentences, summary_frame
 from asperity.paper.ensemble.samples import Samples
+from asperity.pipeline.blocks import BLOCK_NODES, SURFACE_ALONE, block_size, grid_points
 from asperity.pipeline.contact import solve_contact
-from asperity.pipeline.ensemble import BLOCK_NODES, SURFACE_ALONE, block_size, grid_points, sample
+from asperity.pipeline.ensemble import sample
 from asperity.pipeline.statistics import seed_statistics
 from asperity.pipeline.stress import compute_stress
 from asperity.pipeline.surface import make_surface

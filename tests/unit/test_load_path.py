@@ -26,9 +26,9 @@ def relative_difference(one: Array, other: Array) -> float:
     return float(np.linalg.norm(one - other) / np.linalg.norm(other))
 
 
-def state_of(count: int, error: float, nodes: int = 100_000) -> State:
-    """State in which the first nodes of a grid touch, under a unit load."""
-    pressure = np.zeros((1, nodes))
+def state_of(count: int, error: float) -> State:
+    """State in which so many of 100 000 nodes touch, under a unit load."""
+    pressure = np.zeros((1, 100_000))
     pressure[0, :count] = 1
     return State(pressure, 0.0, 1.0, error)
 
@@ -144,8 +144,6 @@ def test_a_step_follows_the_power_law() -> None:
     assert step is not None
     assert not step.last_nodes
     assert step.load_change == pytest.approx(math.log(10_000 / 9_900), rel=0.1)
-    assert step.refined(2 * step.load_change) == 2 * step.load_change
-    assert step.refined(-step.load_change) == step.load_change == step.refined(9 * step.load_change)
 
 
 def test_the_last_nodes_are_sought_near_convergence_only() -> None:
@@ -181,7 +179,6 @@ def test_the_load_of_the_next_grid_follows_those_of_the_coarser_ones() -> None:
 def test_coarse_grids_with_many_contact_nodes_are_solved_at_a_load() -> None:
     prediction = LoadPrediction(0.1)
     kinds = [
-        prediction.next_control(1.0, 0.1, size, is_finest=False)[0].kind
-        for size in (1_000, 1_000, 100_000)
+        prediction.next_control(1.0, 0.1, size, is_finest=False)[0].kind for size in (1_000, 1_000, 100_000)
     ]
     assert kinds == ["area_fraction", "area_fraction", "mean_pressure"]

@@ -144,7 +144,7 @@ def test_oblong_cell_keeps_the_bound_on_both_axes():
     grid = contact.grid
     modes = Fourier(grid).forward(contact.pressure)
     truncation = Truncation(modes, grid, HALF_SPACE, 1e-4, np.sqrt(3))
-    chosen, bound = truncation.choose(0.05)
+    chosen, bound, *_ = truncation.choose(0.05)
     assert chosen.shape[0] < 60
     assert chosen.shape[1] < 240
     lost = modes - resample(resample(modes, grid, chosen), chosen, grid)
@@ -154,21 +154,37 @@ def test_oblong_cell_keeps_the_bound_on_both_axes():
 
 
 @pytest.mark.parametrize(
-    ("fields", "poisson", "transforms"),
+    ("fields", "poisson", "in_surface", "below"),
     [
-        (("zz",), [0.3], 1),
-        (("zz", "xz"), [0.0, 0.5], 2),
-        (("xx",), [0.3], 1),
-        (("xx",), [0.0, 0.1, 0.2, 0.3], 2),
-        (("von_mises",), [0.3], 6),
-        (("von_mises", "xx"), [0.0, 0.1, 0.2, 0.3, 0.4, 0.5], 8),
+        (("zz",), [0.3], 1, 1),
+        (("zz", "xz"), [0.0, 0.5], 2, 2),
+        (("xx",), [0.3], 1, 1),
+        (("xx",), [0.0, 0.1, 0.2, 0.3], 2, 2),
+        (("von_mises",), [0.3], 6, 6),
+        (("von_mises", "xx"), [0.0, 0.1, 0.2, 0.3, 0.4, 0.5], 2, 7.5),
     ],
 )
-def test_no_more_transforms_than_the_fields_need(fields, poisson, transforms):
+def test_no_more_transforms_than_the_fields_need(fields, poisson, in_surface, below):
     work = Work()
     contact = pressed()
     list(stress_planes(contact, [0.0, 0.001], poisson, fields, tolerance=0, work=work))
-    assert work.transforms(contact.grid) == 2 * transforms + 1  # the one is that of the pressure
+    assert work.transforms(contact.grid) == in_surface + below + 1  # the one is that of the pressure
+
+
+@pytest.mark.parametrize("shape", [(16, 24), (15, 18), (12, 21)])
+def test_all_ratios_at_once_are_those_one_by_one(shape):
+    """Several ratios share transforms, one alone does not."""
+    pressure = np.random.default_rng(3).random(shape)
+    solid = PressedSolid(pressure, Grid(shape, (1.0, 1.3)), Layer(young=1.0, poisson=0.3))
+    ratios, depths = [0.0, 0.2, 0.5], [0.0, 0.01, 0.2]
+    for both in zip(
+        stress_planes(solid, depths, ratios, (*COMPONENTS, "von_mises"), tolerance=0),
+        *(stress_planes(solid, depths, nu, (*COMPONENTS, "von_mises"), tolerance=0) for nu in ratios),
+        strict=True,
+    ):
+        for name, field in both[0].fields.items():
+            alone = np.concatenate([plane.fields[name] for plane in both[1:]])
+            np.testing.assert_allclose(field, alone, rtol=0, atol=1e-13, err_msg=name)
 
 
 def test_same_bits_on_any_number_of_threads():

@@ -100,7 +100,7 @@ def files(folder):
         path
         for path in place.rglob("*")
         if path.suffix in (*COMPARED, ".html", ".md", ".txt", ".unfinished")
-        and path.relative_to(place).parts[0] not in ("log", "benchmark")
+        and path.relative_to(place).parts[0] != "log"
     )
 
 

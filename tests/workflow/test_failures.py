@@ -37,9 +37,7 @@ def contents(folder):
     return {
         path.relative_to(folder): (path.read_bytes(), path.stat().st_mtime_ns)
         for path in (folder / RESULTS).rglob("*")
-        if path.is_file()
-        and not path.name.startswith(".running")
-        and not {"log", "benchmark"} & set(path.parts)
+        if path.is_file() and not path.name.startswith(".running") and "log" not in path.parts
     }
 
 
@@ -92,7 +90,7 @@ def test_every_damaged_file_is_named(folder):
     kinds = {
         path.relative_to(folder / RESULTS).parts[0] + path.suffix: path
         for path in (folder / RESULTS).rglob("*.*")
-        if path.is_file() and not {"log", "benchmark", ".running", ".running.lock"} & set(path.parts)
+        if path.is_file() and not {"log", ".running", ".running.lock"} & set(path.parts)
     }
     assert {"statistics.nc", "surface.nc", "verification.csv", "figures.png", "figures.pdf"} <= kinds.keys()
     assert subprocess.run(verify, cwd=folder, env=environment(folder)).returncode == 0

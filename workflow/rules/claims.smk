@@ -44,8 +44,6 @@ rule claims:
         ],
     log:
         f"{RESULTS}/log/claims.log",
-    benchmark:
-        f"{RESULTS}/benchmark/claims.tsv"
     threads: 1
     resources:
         mem_mb=memory("claims"),

@@ -40,14 +40,21 @@ def code(script, *modules):
 def imported(source):
     """Sources of the library's modules that a source imports, and of the packages around them."""
     with open(source, "rb") as file:
-        found = [
-            node for node in ast.walk(ast.parse(file.read())) if isinstance(node, ast.Import | ast.ImportFrom)
-        ]
+        found = [*import_statements(ast.parse(file.read()).body)]
     names = {alias.name for node in found if isinstance(node, ast.Import) for alias in node.names}
     for node in found:
         if isinstance(node, ast.ImportFrom) and node.module:
             names |= {node.module, *(f"{node.module}.{alias.name}" for alias in node.names)}
     return {source for name in names for source in sources_of(name)}
+
+
+def import_statements(block):
+    """Import statements of a block of code and of the blocks inside it; expressions hold none."""
+    for node in block:
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            yield node
+        for inside in ("body", "orelse", "finalbody", "handlers", "cases"):
+            yield from import_statements(getattr(node, inside, ()))
 
 
 @cache
@@ -57,6 +64,11 @@ def sources_of(module):
     places = [LIBRARY.joinpath(*parts[: end + 1]) for end in range(len(parts))]
     candidates = [source for place in places for source in (place.with_suffix(".py"), place / "__init__.py")]
     return [source.as_posix() for source in candidates if source.exists()]
+
+
+# Of the jobs that are ready, those of a higher priority start first, and among equal ones those with the larger input:
+# the longest chain, from the surface to the stress on the largest grid, starts early, and small jobs fill the time left.
+PRIORITIES = {"machine_code": 4, "surface": 3, "contact": 2, "stress": 1, "validation": 1, "tradeoff": 1}
 
 
 def any_of(names):

@@ -8,8 +8,7 @@ rule contact:
         f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
     log:
         f"{RESULTS}/log/contact/{{surface}}/seed{{seed}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/contact/{{surface}}/seed{{seed}}.tsv"
+    priority: PRIORITIES["contact"]
     threads: 1
     resources:
         mem_mb=memory("contact"),

@@ -8,8 +8,6 @@ rule ensemble_samples:
         f"{SAMPLES}/{{surface}}/nodes{{nodes}}/seeds{{first}}-{{last}}.nc",
     log:
         f"{RESULTS}/log/ensemble/samples/{{surface}}/nodes{{nodes}}/seeds{{first}}-{{last}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/ensemble_samples/{{surface}}/nodes{{nodes}}/seeds{{first}}-{{last}}.tsv"
     wildcard_constraints:
         nodes=r"\d+(\.\d+)?",
         first=r"\d+",
@@ -38,8 +36,6 @@ checkpoint ensemble_plan:
         f"{RESULTS}/ensemble/{{claim}}/error{{error}}/plan{{round}}.json",
     log:
         f"{RESULTS}/log/ensemble/{{claim}}/error{{error}}/plan{{round}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/ensemble_plan/{{claim}}/error{{error}}/plan{{round}}.tsv"
     wildcard_constraints:
         claim=NUMBER_NAME,
         error=r"[0-9.e-]+",
@@ -80,8 +76,6 @@ rule ensemble_result:
         ),
     log:
         f"{RESULTS}/log/ensemble/{{claim}}/error{{error}}/result.log",
-    benchmark:
-        f"{RESULTS}/benchmark/ensemble_result/{{claim}}/error{{error}}.tsv"
     wildcard_constraints:
         claim=NUMBER_NAME,
         error=r"[0-9.e-]+",
@@ -118,8 +112,6 @@ rule ensemble:
         ],
     log:
         f"{RESULTS}/log/ensemble/table.log",
-    benchmark:
-        f"{RESULTS}/benchmark/ensemble.tsv"
     threads: 1
     resources:
         mem_mb=memory("ensemble"),
@@ -141,8 +133,6 @@ rule ensemble_gains:
         text=f"{RESULTS}/ensemble/gains.md",
     log:
         f"{RESULTS}/log/ensemble/gains.log",
-    benchmark:
-        f"{RESULTS}/benchmark/ensemble_gains.tsv"
     threads: 1
     resources:
         mem_mb=memory("ensemble_gains"),

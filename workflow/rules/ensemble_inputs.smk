@@ -1,5 +1,5 @@
 # Samples, plans and surfaces of the numbers that ensembles estimate.
-from asperity.pipeline.ensemble import SURFACE_ALONE, block_size, grid_points
+from asperity.pipeline.blocks import SURFACE_ALONE, block_size, grid_points
 
 ENSEMBLE = config["ensemble"]
 NUMBER_NAME = r"[a-z][a-z0-9_]*(,[a-z_]+=[a-z0-9_.]+)*"

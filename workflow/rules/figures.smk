@@ -14,8 +14,6 @@ rule figure:
         caption=f"{RESULTS}/figures/{{figure}}.rst",
     log:
         f"{RESULTS}/log/figure/{{figure}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/figure/{{figure}}.tsv"
     wildcard_constraints:
         figure=any_of(FIGURES),
     threads: 1

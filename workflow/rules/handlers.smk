@@ -1,8 +1,24 @@
 # Before the run: checks, and an announcement of what it takes. After it: where the results are.
 # What fails in between is told by the logger plugin (src/snakemake_logger_plugin_asperity).
+from asperity.runtime import preloaded
 from asperity.runtime.interrupts import leave_jobs_to_cluster
 from asperity.runtime.preflight import claim, require_memory, require_space, require_undamaged
 from asperity.runtime.snakemake_internals import jobs_to_run, memory_limit, runs_locally
+
+# Modules with which matplotlib writes PNG and PDF.
+BACKENDS = "matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf"
+
+
+def modules_of_scripts():
+    """Modules that the scripts of all rules import, and those that they load later.
+
+    All of them in every run, so that the memory of a job does not depend on which other jobs run.
+    """
+    blocks = [ast.parse(script.read_bytes()).body for script in Path("workflow/scripts").glob("*.py")]
+    imports = [node for block in blocks for node in import_statements(block)]
+    found = {node.module for node in imports if isinstance(node, ast.ImportFrom)}
+    figures = {f"asperity.paper.figures.{figure.module}" for figure in FIGURES.values()}
+    return sorted(found | figures | {"snakemake.script", *BACKENDS})
 
 
 def require_maps(jobs):
@@ -21,9 +37,11 @@ def require_maps(jobs):
 
 
 onstart:
-    if not runs_locally(workflow):
-        leave_jobs_to_cluster()
     jobs = jobs_to_run(workflow)
+    if runs_locally(workflow):
+        preloaded.start(modules_of_scripts())
+    else:
+        leave_jobs_to_cluster()
     require_maps(jobs)
     try:
         claim(RESULTS)

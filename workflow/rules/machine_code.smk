@@ -10,11 +10,9 @@ rule machine_code:
         f"{RESULTS}/machine_code/{{part}}.txt",
     log:
         f"{RESULTS}/log/machine_code/{{part}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/machine_code/{{part}}.tsv"
     wildcard_constraints:
         part="|".join(PARTS),
-    priority: 1
+    priority: PRIORITIES["machine_code"]
     threads: 1
     resources:
         mem_mb=memory("machine_code"),

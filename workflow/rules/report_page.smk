@@ -11,8 +11,6 @@ rule report_page:
         f"{RESULTS}/report.html",
     log:
         f"{RESULTS}/log/report_page.log",
-    benchmark:
-        f"{RESULTS}/benchmark/report_page.tsv"
     threads: 1
     resources:
         mem_mb=memory("report_page"),

@@ -11,8 +11,6 @@ rule statistics:
         [f"{RESULTS}/readings/{name}/statistics/{{surface}}.nc" for name in OTHER_LATERALS],
     log:
         f"{RESULTS}/log/statistics/{{surface}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/statistics/{{surface}}.tsv"
     threads: 1
     resources:
         mem_mb=memory("statistics"),

@@ -9,8 +9,7 @@ rule stress:
         [f"{RESULTS}/readings/{name}/stress/{{surface}}/seed{{seed}}.nc" for name in OTHER_LATERALS],
     log:
         f"{RESULTS}/log/stress/{{surface}}/seed{{seed}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/stress/{{surface}}/seed{{seed}}.tsv"
+    priority: PRIORITIES["stress"]
     threads: 1
     resources:
         mem_mb=memory("stress"),

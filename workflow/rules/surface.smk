@@ -7,8 +7,7 @@ rule surface:
         f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
     log:
         f"{RESULTS}/log/surface/{{surface}}/seed{{seed}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/surface/{{surface}}/seed{{seed}}.tsv"
+    priority: PRIORITIES["surface"]
     threads: 1
     resources:
         mem_mb=memory("surface"),

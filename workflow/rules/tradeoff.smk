@@ -17,10 +17,9 @@ rule tradeoff:
         ),
     log:
         f"{RESULTS}/log/tradeoff/{{extent}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/tradeoff/{{extent}}.tsv"
     wildcard_constraints:
         extent=any_of(config["tradeoff"]),
+    priority: PRIORITIES["tradeoff"]
     threads: 1
     resources:
         mem_mb=memory("tradeoff"),
@@ -50,8 +49,6 @@ rule tradeoff_figures:
         expand(f"{RESULTS}/tradeoff/{{{{extent}}}}/{{figure}}.pdf", figure=["front", "budget", "growth"]),
     log:
         f"{RESULTS}/log/tradeoff_figures/{{extent}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/tradeoff_figures/{{extent}}.tsv"
     wildcard_constraints:
         extent=any_of(config["tradeoff"]),
     threads: 1

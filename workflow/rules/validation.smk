@@ -9,10 +9,9 @@ rule validation:
         f"{RESULTS}/validation/{{validation}}.nc",
     log:
         f"{RESULTS}/log/validation/{{validation}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/validation/{{validation}}.tsv"
     wildcard_constraints:
         validation=any_of(VALIDATIONS),
+    priority: PRIORITIES["validation"]
     threads: 1
     resources:
         mem_mb=memory("validation"),
@@ -34,8 +33,6 @@ rule calculix:
         f"{RESULTS}/validation/calculix.nc",
     log:
         f"{RESULTS}/log/validation/calculix.log",
-    benchmark:
-        f"{RESULTS}/benchmark/validation/calculix.tsv"
     threads: 1
     resources:
         mem_mb=memory("calculix"),
@@ -64,8 +61,6 @@ rule validation_table:
         ),
     log:
         f"{RESULTS}/log/validation/table.log",
-    benchmark:
-        f"{RESULTS}/benchmark/validation/table.tsv"
     threads: 1
     resources:
         mem_mb=memory("validation_table"),

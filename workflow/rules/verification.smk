@@ -17,8 +17,6 @@ rule verification:
         ),
     log:
         f"{RESULTS}/log/verification/{{surface}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/verification/{{surface}}.tsv"
     threads: 1
     resources:
         mem_mb=memory("verification"),

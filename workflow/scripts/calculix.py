@@ -1,5 +1,10 @@
 """Rule calculix: fields on the diagonal plane of the slab by the spectral solver and by CalculiX."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.results import dataset
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar

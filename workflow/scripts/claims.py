@@ -1,5 +1,10 @@
 """Rule claims: statements of the paper, the numbers that decide them, and the verdicts."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from pathlib import Path
 
 from asperity.paper.claims import overview, report

@@ -1,5 +1,10 @@
 """Rule contact: the solid pressed against a rough surface, and its load-area curve."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.engines import fft_engine
 from asperity.pipeline.contact import solve_contact
 from asperity.results import dataset

@@ -1,5 +1,10 @@
 """Rule ensemble: table and figure of all numbers of the configuration."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.paper.ensemble import figure
 from asperity.paper.ensemble.result import summary_frame
 from asperity.results import dataset, markup

@@ -1,5 +1,10 @@
 """Rule ensemble_gains: gains of all numbers that the samples of the configuration's numbers know."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.paper.ensemble.gains import gain_frame, known_numbers
 from asperity.results import dataset, markup
 from asperity.runtime.logs import log_to

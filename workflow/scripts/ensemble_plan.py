@@ -1,5 +1,10 @@
 """Rule ensemble_plan: seeds of every grid in the next round, from the samples of the round before."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 import logging
 
 from asperity.paper.ensemble.planning import Plan, next_plan

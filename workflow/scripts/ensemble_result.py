@@ -1,5 +1,10 @@
 """Rule ensemble_result: a number with its errors, its levels, and the figure beside plain Monte Carlo."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.paper.ensemble import figure
 from asperity.paper.ensemble.numbers import number
 from asperity.paper.ensemble.planning import Plan

@@ -1,5 +1,10 @@
 """Rule ensemble_samples: numbers of a few seeds of one surface on one grid."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.engines import fft_engine
 from asperity.pipeline.ensemble import sample
 from asperity.results import dataset

@@ -1,5 +1,10 @@
 """Rule fft_wisdom: measured plans of FFTW for grids of one number of nodes."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.pipeline.wisdom import measure_plans
 from asperity.results import dataset
 from asperity.runtime.logs import log_to

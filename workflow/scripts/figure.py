@@ -1,5 +1,10 @@
 """Rule figure: a picture from its datasets, and its caption."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.paper.figures import caption, draw
 from asperity.results import dataset
 from asperity.runtime.logs import log_to

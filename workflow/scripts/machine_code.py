@@ -1,5 +1,10 @@
 """Rule machine_code: compile the numba functions of the library for the jobs that call them."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.results import dataset
 from asperity.runtime.compiling import PARTS, describe
 from asperity.runtime.logs import log_to

@@ -1,5 +1,10 @@
 """Rule report_page: the figures, verdicts, checks and costs of the study on one page."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from pathlib import Path
 
 from asperity.paper.figures import Description

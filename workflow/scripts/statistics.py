@@ -1,5 +1,10 @@
 """Rule statistics: all numbers of the peaks, profiles and decays of one surface, over its seeds."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.engines import fft_engine
 from asperity.pipeline.statistics import SeedResults, reading_statistics, surface_statistics
 from asperity.results import dataset

@@ -1,5 +1,10 @@
 """Rule stress: the stress inside the solid, its peaks and its decay."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.engines import fft_engine
 from asperity.pipeline.stress import QUANTITIES, compute_stresses
 from asperity.results import dataset

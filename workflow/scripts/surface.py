@@ -1,5 +1,10 @@
 """Rule surface: a random or measured rough surface."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.engines import fft_engine
 from asperity.pipeline.surface import make_surface, read_surface
 from asperity.results import dataset

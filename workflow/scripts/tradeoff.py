@@ -1,5 +1,10 @@
 """Rule tradeoff: errors and costs of every parameter of accuracy, and the tables that plans are made from."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.accuracy.measured import as_json
 from asperity.accuracy.measurement import measure
 from asperity.accuracy.reduction import reduce_runs

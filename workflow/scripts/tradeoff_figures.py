@@ -1,5 +1,10 @@
 """Rule tradeoff_figures: error against time, errors by source, cost against grid size."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.accuracy.reduction import reduce_runs
 from asperity.paper.figures import tradeoff
 from asperity.results import dataset

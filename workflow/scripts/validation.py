@@ -1,5 +1,10 @@
 """Rule validation: one comparison of the library with closed forms, finite elements or high precision."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.engines import fft_engine
 from asperity.results import dataset
 from asperity.runtime.logs import log_to

@@ -1,5 +1,10 @@
 """Rule validation_table: the table of all comparisons with their errors and bounds."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.results import dataset, markup
 from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to

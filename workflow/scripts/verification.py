@@ -1,5 +1,10 @@
 """Rule verification: the results of one surface against the laws that they must obey."""
 
+from asperity.runtime.preloaded import run_in_copy
+
+run_in_copy()
+
+
 from asperity.engines import fft_engine
 from asperity.pipeline.statistics import SeedResults
 from asperity.pipeline.verification import verify

@@ -21,8 +21,8 @@ and changes of the set. New here are
   iterations independent of the grid,
 - that joining nodes are chosen from the gap at the end of an inner solve, before tensile nodes are released
   (`asperity.contact.safeguard`),
-- control of the area along the tangent of the contact (`asperity.contact.tangent`), which costs one or two
-  more inner solves,
+- control of the area along the tangent of the contact (`asperity.contact.tangent`), which costs one more
+  inner solve,
 - that inner solves run in single precision and with a displacement that is right to a per cent
   (`asperity.contact.inner_response`), and the first steps in single precision, for a solution in double
   precision.
@@ -97,7 +97,7 @@ class ActiveSet:
         self._area = None
         if control.kind == "area_fraction":
             area = AreaControl(control.value, problem.grid.size, rule.tolerance, rule.area_tolerance)
-            self._area = AreaSteps(problem, self._inner, area)
+            self._area = AreaSteps(problem, self._inner, self._step, area)
 
     def solve(self, iterate: Iterate, progress: Progress | None = None) -> bool:
         """Iterate until the rule is fulfilled; True if it is, False if the loop gave up."""
@@ -142,11 +142,10 @@ class ActiveSet:
             load_changed = False
             correction = self._inner.solve(system, *accuracy.next(iterate.error))
             iterate.iterations += correction.iterations
-            steered = None if self._area is None else self._area.steer(iterate, system, correction)
-            motion = self._step.take(iterate, correction if steered is None else steered)
-            if steered is not None:
-                self._step.forget()
-                stagnation.forget_error()
+            if self._area is None:
+                motion = self._step.take(iterate, correction)
+            else:
+                motion = self._area.take(iterate, system, correction)
             self._assembler.expected_motion = EXPECTED_DECREASE * motion
             if converged:
                 iterate.drop_free_nodes()

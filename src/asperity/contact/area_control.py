@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
-from asperity.types import Array
+from asperity.contact.iterate import Iterate
+from asperity.contact.problem import State
 
 # Contact nodes may differ from the number asked for by one half, or by this fraction of it.
 AREA_TOLERANCE = 1e-4
@@ -50,31 +50,12 @@ RELEASED_LATER = 0.1
 LARGE_ERROR = 0.05
 
 # Fewer missing nodes than these, and than this fraction of the area, enter the contact one by one, at loads
-# that the power law does not know. Those along the tangent are used in so many steps on a grid, if the error
-# of the pressure is below the limit, and if they are between these multiples of what the power law gives.
+# that the power law does not know. Those along the tangent are used in so many steps on a grid if the error
+# of the pressure is below the limit.
 FEW_NODES = 20
 FEW_OF_AREA = 0.02
 MAX_STEPS_OF_FEW = 1
-MAX_ERROR_OF_FEW = 1e-3
-PLAUSIBLE = (0.3, 5.0)
-
-
-class LoadedState(Protocol):
-    """What the control of the area has to know of a solver's iterate.
-
-    Attributes
-    ----------
-    pressure : array
-        Of all nodes, or of some, of which the others are out of contact.
-    load : float
-        Mean pressure over all nodes.
-    error : float
-        Estimated error of the pressure, relative to its norm.
-    """
-
-    pressure: Array
-    load: float
-    error: float
+MAX_ERROR_OF_FEW = 2e-3
 
 
 @dataclass(frozen=True)
@@ -91,11 +72,6 @@ class LoadStep:
 
     load_change: float
     last_nodes: bool
-
-    def refined(self, load_change: float) -> float:
-        """The change of the load along the tangent if it is plausible, otherwise that by the power law."""
-        low, high = sorted(limit * self.load_change for limit in PLAUSIBLE)
-        return load_change if low < load_change < high else self.load_change
 
 
 class AreaControl:
@@ -131,6 +107,7 @@ class AreaControl:
         self.target = max(1, round(area_fraction * size))
         self.load_resolution = LOAD_RESOLUTION * min(rtol, 1 / self.target)
         self._allowed = max(tolerance * self.target, 0.5)
+        self._steered_within = max(AREA_TOLERANCE * self.target, 0.5)
         self._early_changes = self._steps_of_few = 0
         self._exponent = FIRST_EXPONENT
         self._last: tuple[float, int] | None = None
@@ -140,30 +117,30 @@ class AreaControl:
         self._width = math.inf
         self._closed = False
 
-    def is_near(self, state: LoadedState) -> bool:
+    def is_near(self, state: State | Iterate) -> bool:
         """True if the area can be extrapolated along the tangent of the present contact."""
         return abs(self._log_ratio(state)) < TANGENT_RANGE
 
-    def may_steer(self, state: LoadedState) -> bool:
+    def may_steer(self, state: State | Iterate) -> bool:
         """True if a correction of the state may be extended to another load."""
         early = self._early_changes < MAX_EARLY_CHANGES
         return early and state.error < MAX_STEERED_ERROR and self.is_near(state)
 
-    def next_step(self, state: LoadedState, count: int, released: int) -> LoadStep | None:
+    def next_step(self, state: State | Iterate, count: int, released: int) -> LoadStep | None:
         """Change of the load that goes with a correction, or None if the load of the state stays.
 
         Parameters
         ----------
-        state : LoadedState
+        state : State or Iterate
         count, released : int
             Number of contact nodes to which the correction leads, and of those that it releases.
         """
         later = RELEASED_LATER * released * min(1.0, state.error / LARGE_ERROR)
         expected = max(1.0, count - later)
         missing = abs(expected - self.target)
-        if missing <= self._allowed:
+        if missing <= self._steered_within:
             return None
-        few = missing < min(FEW_NODES, FEW_OF_AREA * self.target) and self._allowed < FEW_NODES / 4
+        few = missing < min(FEW_NODES, FEW_OF_AREA * self.target) and self._steered_within < FEW_NODES / 4
         if few and (state.error > MAX_ERROR_OF_FEW or self._steps_of_few == MAX_STEPS_OF_FEW):
             return None
         change = ROUGH_EXPONENT * math.log(self.target / expected)
@@ -174,7 +151,7 @@ class AreaControl:
         change = min(max(change, -MAX_STEERED_CHANGE), MAX_STEERED_CHANGE)
         return LoadStep(state.load * change, few)
 
-    def misses(self, state: LoadedState, converged: bool) -> bool:
+    def misses(self, state: State | Iterate, converged: bool) -> bool:
         """True if the area differs from the one asked for by more than the error of the pressure explains."""
         if abs(np.count_nonzero(state.pressure) - self.target) <= self._allowed:
             return False
@@ -183,12 +160,12 @@ class AreaControl:
         early = self._early_changes < MAX_EARLY_CHANGES
         return early and abs(self._log_ratio(state)) > AREA_ERROR_FACTOR * state.error
 
-    def next_load(self, state: LoadedState, converged: bool, guess: float | None = None) -> float | None:
+    def next_load(self, state: State | Iterate, converged: bool, guess: float | None = None) -> float | None:
         """Load to go on with, or None if the load of the state stays. It is recorded for the loads to come.
 
         Parameters
         ----------
-        state : LoadedState
+        state : State or Iterate
         converged : bool
             True if the pressure has converged at the load of the state.
         guess : float, optional
@@ -227,12 +204,12 @@ class AreaControl:
         self._width = width
         return guess if self._low[0] < guess < self._high[0] and shrinks else self._low[0] + 0.5 * width
 
-    def _extrapolated_load(self, state: LoadedState) -> float:
+    def _extrapolated_load(self, state: State | Iterate) -> float:
         """Load by the power law."""
         change = self._exponent * self._log_ratio(state)
         return state.load * math.exp(min(max(change, -MAX_LOG_CHANGE), MAX_LOG_CHANGE))
 
-    def _log_ratio(self, state: LoadedState) -> float:
+    def _log_ratio(self, state: State | Iterate) -> float:
         """Logarithm of the area asked for over that of the state."""
         return math.log(self.target / max(1, int(np.count_nonzero(state.pressure))))
 

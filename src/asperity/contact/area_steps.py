@@ -1,9 +1,10 @@
 """Steps of the outer loop towards an imposed area: changes of the load that take the contact along.
 
-The number of contact nodes to which a correction leads is known before it is added: those that it leaves
-under pressure, and those whose gap it closes. Where that number misses the one asked for, the correction is
-extended along the tangent of the contact to another load. So load and pressure converge together. Only if the
-area is missed by far, or when the pressure has converged, the load is changed in a step of its own.
+The number of contact nodes to which a step leads is known before its gap is evaluated: those that it leaves
+under pressure, and those that join. Where that number misses the one asked for, the correction is extended
+along the tangent of the contact to another load, and the step is taken anew. So load and pressure converge
+together. Only if the area is missed by far, or when the pressure has converged, the load is changed in a step
+of its own.
 """
 
 from __future__ import annotations
@@ -20,13 +21,19 @@ from asperity.contact.closing import ClosingNodes
 from asperity.contact.inner_solve import ContactSystem, Correction, InnerSolver
 from asperity.contact.iterate import Iterate
 from asperity.contact.problem import Problem
+from asperity.contact.safeguard import SafeguardedStep
 from asperity.contact.tangent import Tangent
 
-# Accuracy of the tangent along which a correction is extended: drop of the residual, and iterations. With one
-# iteration the error of the pressure grows from one step to the next where a tenth of the nodes or more
-# touch, with three a solution takes up to 5 % more transforms (rough surfaces of 1024² nodes).
+# Accuracy of the tangent along which a correction is extended: drop of the residual, and iterations at most.
 TANGENT_DROP = 0.05
-TANGENT_ITERATIONS = 2
+TANGENT_ITERATIONS = 4
+
+# The multiple of the tangent for the last few nodes is at most so many times that of the power law.
+PLAUSIBLE = 5.0
+
+# Lower bound of the rates at which gaps close and pressures grow along the tangent. Slower nodes stay as they
+# are.
+LEAST_RATE = 1e-6
 
 
 class AreaSteps:
@@ -36,15 +43,17 @@ class AreaSteps:
     ----------
     problem : Problem
     inner : InnerSolver
+    step : SafeguardedStep
     area : AreaControl
     """
 
-    def __init__(self, problem: Problem, inner: InnerSolver, area: AreaControl) -> None:
+    def __init__(
+        self, problem: Problem, inner: InnerSolver, step: SafeguardedStep, area: AreaControl
+    ) -> None:
         self._problem = problem
         self._inner = inner
+        self._step = step
         self._area = area
-        self._unit = problem.nodal_compliance
-        self._kept: Tangent | None = None  # of the last correction for which it was computed
 
     def misses(self, iterate: Iterate, converged: bool) -> bool:
         """True if the area has to be changed before the pressure is corrected."""
@@ -52,35 +61,62 @@ class AreaSteps:
             return False
         return self._area.misses(iterate, converged)
 
-    def steer(self, iterate: Iterate, system: ContactSystem, correction: Correction) -> Correction | None:
-        """The correction extended by a change of the load, which the iterate takes; None if it can stay."""
-        if not self._area.may_steer(iterate):
-            return None
-        nodes = system.contact_nodes
-        closing = ClosingNodes.after(iterate, correction, self._inner.response, self._unit)
-        remaining = int(np.count_nonzero(iterate.pressure + correction.pressure > 0))
-        joining = int(np.count_nonzero(closing.overlap > 0))
-        step = self._area.next_step(iterate, remaining + joining, nodes.size - remaining)
+    def take(self, iterate: Iterate, system: ContactSystem, correction: Correction) -> float:
+        """Take a step, with another load if the area would be missed.
+
+        Returns
+        -------
+        float
+            By how much gaps closed at most.
+        """
+        steers = self._area.may_steer(iterate)
+        nodes, before = iterate.nodes, iterate.pressure
+        motion = self._step.take(iterate, correction)
+        if not steers:
+            return motion
+        count = int(np.count_nonzero(iterate.pressure > 0))
+        released = int(np.count_nonzero(before + correction.pressure <= 0))
+        step = self._area.next_step(iterate, count, released)
         if step is None:
-            return None
-        if self._kept is None or step.last_nodes:
-            self._kept = self._tangent(iterate, system, TANGENT_DROP, TANGENT_ITERATIONS)
-        tangent = self._kept.on(nodes, system.uniform_image)
-        if not tangent.load > 0:
-            return None
-        load_change = step.load_change
+            return motion
+        tangent = self._solved_for_uniform(iterate, system, TANGENT_DROP, TANGENT_ITERATIONS)
+        load = float(tangent.pressure.sum(dtype=float)) / self._problem.grid.size
+        if not load > 0:
+            return motion
+        iterate.set_pressure(nodes, before)
+        factor = step.load_change / load
         if step.last_nodes:
-            load_change = step.refined(
-                tangent.load * tangent.corrected_change(iterate, self._area, correction)
-            )
-        change = np.float32(load_change / tangent.load)
-        iterate.load += load_change
-        return replace(
-            correction,
-            pressure=correction.pressure + change * tangent.pressure,
-            displacement=correction.displacement + change * tangent.displacement(),
-            approach=correction.approach + self._unit * float(change),
+            factor = self._factor_of_last_nodes(iterate, correction, tangent, factor)
+        extended = Correction(
+            correction.pressure + np.float32(factor) * tangent.pressure,
+            correction.displacement + np.float32(factor) * tangent.displacement,
+            correction.approach + self._problem.nodal_compliance * factor,
+            0,
         )
+        iterate.load += factor * load
+        motion = self._step.take(iterate, extended)
+        self._step.forget()
+        return motion
+
+    def _factor_of_last_nodes(
+        self, iterate: Iterate, correction: Correction, tangent: Correction, expected: float
+    ) -> float:
+        """Multiple of the tangent at which the number of contact nodes is that asked for.
+
+        It follows from the multiples at which each node enters or leaves the contact, of which those up to
+        `PLAUSIBLE` times the expected multiple are known.
+        """
+        unit, reach = self._problem.nodal_compliance, PLAUSIBLE * abs(expected)
+        response = self._inner.response
+        near = ClosingNodes.after(iterate, correction, response, unit, unit * reach)
+        rate = np.maximum(1 - response.respond_at(near.nodes, tangent.pressure), LEAST_RATE)
+        leaving = -(iterate.pressure + correction.pressure) / np.maximum(tangent.pressure, LEAST_RATE)
+        edges = np.sort(np.concatenate((-near.overlap / rate, leaving)))
+        index = self._area.target
+        if not 0 < index < edges.size:
+            return expected
+        factor = 0.5 * float(edges[index - 1] + edges[index])
+        return factor if abs(factor) < reach else expected
 
     def change_load(self, iterate: Iterate, system: ContactSystem, converged: bool) -> bool:
         """Change the load towards the imposed area; False if no other load gives a nearer area.
@@ -103,26 +139,36 @@ class AreaSteps:
         iterate.load = load
         return True
 
-    def _tangent(self, iterate: Iterate, system: ContactSystem, *accuracy: Any) -> Tangent:
+    def _tangent(self, iterate: Iterate, system: ContactSystem) -> Tangent:
         """Tangent of the present contact, by an inner solve for a uniform residual."""
-        size, nodes, response = self._problem.grid.size, system.contact_nodes, self._inner.response
-        residual = np.ones_like(system.residual)
+        size, response = self._problem.grid.size, self._inner.response
+        pressure = np.ones_like(system.residual)
         # In full contact the load of a solid without uniform displacement changes at a fixed approach.
-        displaces = nodes.size < size or self._problem.response.uniform_compliance != 0
+        displaces = pressure.size < size or self._problem.response.uniform_compliance != 0
         if displaces:
-            uniform = replace(system, residual=residual, image=system.uniform_image.copy(), fixed_load=False)
-            correction = self._inner.solve(uniform, *accuracy)
-            iterate.iterations += correction.iterations
-            residual = correction.pressure
-        load = float(residual.sum(dtype=float)) / size
-        return Tangent(nodes, residual, load, self._unit, response, displaces)
+            pressure = self._solved_for_uniform(iterate, system).pressure
+        load = float(pressure.sum(dtype=float)) / size
+        return Tangent(pressure, load, self._problem.nodal_compliance, response, displaces)
+
+    def _solved_for_uniform(self, iterate: Iterate, system: ContactSystem, *accuracy: Any) -> Correction:
+        """Correction that answers a uniform residual at a given approach."""
+        uniform = replace(
+            system,
+            residual=np.ones_like(system.residual),
+            image=system.uniform_image.copy(),
+            fixed_load=False,
+        )
+        correction = self._inner.solve(uniform, *accuracy)
+        iterate.iterations += correction.iterations
+        return correction
 
     def _follow(self, tangent: Tangent, iterate: Iterate, load: float) -> None:
         """Change the pressure along the tangent to a load; penetrating nodes join, nodes in tension leave."""
+        unit = self._problem.nodal_compliance
         change = np.float32((load - iterate.load) / tangent.load)
-        approach = iterate.approach + self._unit * float(change)
+        approach = iterate.approach + unit * float(change)
         nodes, gap = iterate.free_nodes_below(max(approach, iterate.approach))
-        overlap = kernels.residual(gap, approach, self._unit) - change * tangent.displacement_at(nodes)
+        overlap = kernels.residual(gap, approach, unit) - change * tangent.displacement_at(nodes)
         joins, real = overlap > 0, iterate.pressure.dtype
         pressure = kernels.add_and_release(iterate.pressure, tangent.pressure, change)
         joined = (JOIN_STIFFNESS * overlap[joins]).astype(real)

@@ -110,12 +110,7 @@ def _start(
     within = control if control.fixes_load else replace(control, value=control.value - datum)
     iterate = _first_iterate(single, within, initial)
     inner = InnerSolver(single)
-    rule = replace(
-        COARSE_RULE,
-        tolerance=max(SINGLE_PRECISION_TOLERANCE, rtol),
-        area_tolerance=AREA_TOLERANCE,
-        goal=rtol,
-    )
+    rule = replace(COARSE_RULE, tolerance=max(SINGLE_PRECISION_TOLERANCE, rtol), goal=rtol)
     ActiveSet(single, within, rule, inner).solve(iterate)
     single.response.release()
     pressure = iterate.pressure.astype(problem.fourier.real)

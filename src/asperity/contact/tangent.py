@@ -7,23 +7,18 @@ gap closes, and so the number of contact nodes as a function of the load.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from asperity.contact.area_control import AreaControl
-from asperity.contact.closing import ClosingNodes
 from asperity.contact.inner_response import InnerResponse
-from asperity.contact.inner_solve import Correction
 from asperity.contact.iterate import Iterate
 from asperity.types import Array
 
 # The load changes by at most this fraction of itself along a tangent. Half and twice the value take the same
 # number of transforms.
 MAX_LOAD_CHANGE = 0.5
-
-# The load changes by at most this fraction for the last few nodes.
-MAX_LAST_CHANGE = 0.1
 
 # Contact nodes are counted down to the load that is this fraction below the present one, just above lift-off.
 MAX_LOAD_DECREASE = 0.999
@@ -35,7 +30,6 @@ class Tangent:
 
     Attributes
     ----------
-    contact_nodes : (count,) array of unsigned integers
     pressure : (count,) array
         Change of the pressure of the contact nodes.
     load : float
@@ -48,31 +42,11 @@ class Tangent:
         False for full contact of a solid without uniform displacement, where the approach stays.
     """
 
-    contact_nodes: Array
     pressure: Array
     load: float
     unit: float
     response: InnerResponse
     displaces: bool = True
-
-    def on(self, contact_nodes: Array, rate: Array) -> Tangent:
-        """The same tangent on contact nodes that have changed little.
-
-        Nodes that have joined take their change of the pressure from `rate`, (count,).
-        """
-        place = np.minimum(np.searchsorted(self.contact_nodes, contact_nodes), self.contact_nodes.size - 1)
-        known = (self.contact_nodes[place] == contact_nodes) & (self.pressure[place] > 0)
-        pressure = np.where(known, self.pressure[place], np.maximum(rate, 0))
-        scale = self.load / float(self.pressure.sum(dtype=float))
-        load = scale * float(pressure.sum(dtype=float))
-        return replace(self, contact_nodes=contact_nodes, pressure=pressure, load=load)
-
-    def displacement(self) -> Array:
-        """Change of the displacement of the contact nodes."""
-        out = np.zeros_like(self.pressure)
-        if self.displaces:
-            self.response.respond(self.pressure, out)
-        return out
 
     def displacement_at(self, nodes: Array) -> Array:
         """Change of the displacement of other nodes."""
@@ -85,8 +59,7 @@ class Tangent:
         """
         unit = iterate.load / self.load
         longest = MAX_LOAD_CHANGE * unit
-        nothing = Correction(np.zeros_like(self.pressure), np.zeros_like(self.pressure), 0.0, 0)
-        first, edges = self._edges(iterate, nothing, -MAX_LOAD_DECREASE * unit, longest)
+        first, edges = self._edges(iterate, -MAX_LOAD_DECREASE * unit, longest)
         best = self._best(first, edges, iterate, area)
         in_reach = best < edges.size - 2 or best + first > area.target
         if in_reach and edges[best] < 0 < edges[best + 1]:
@@ -100,13 +73,6 @@ class Tangent:
             change = longest
         return float(max(change, -longest))
 
-    def corrected_change(self, iterate: Iterate, area: AreaControl, correction: Correction) -> float:
-        """Change of the approach with which a correction leads to the number of contact nodes asked for."""
-        longest = MAX_LAST_CHANGE * iterate.load / self.load
-        first, edges = self._edges(iterate, correction, -longest, longest)
-        best = self._best(first, edges, iterate, area)
-        return float(0.5 * (edges[best] + edges[best + 1]))
-
     def _best(self, first: int, edges: Array, iterate: Iterate, area: AreaControl) -> int:
         """Index k for which first + k, the number of contact nodes from edges[k] to edges[k + 1], is best.
 
@@ -116,19 +82,16 @@ class Tangent:
         lasting = lasting if lasting.size else np.arange(edges.size - 1)
         return int(lasting[np.argmin(np.abs(lasting + (first - area.target)))])
 
-    def _edges(
-        self, iterate: Iterate, correction: Correction, least: float, longest: float
-    ) -> tuple[int, Array]:
+    def _edges(self, iterate: Iterate, least: float, longest: float) -> tuple[int, Array]:
         """Number of contact nodes at the change `least`, and the changes up to `longest` where it grows."""
-        corrected = iterate.pressure + correction.pressure
-        release = np.where(corrected > 0, -np.inf, np.inf)
-        np.divide(-corrected, self.pressure, out=release, where=self.pressure > 0)
+        release = np.full(iterate.pressure.size, -np.inf)
+        np.divide(-iterate.pressure, self.pressure, out=release, where=self.pressure > 0)
         # A gap closes by at most the change of the approach.
-        closing = ClosingNodes.after(iterate, correction, self.response, self.unit, self.unit * longest)
-        change = np.full(closing.nodes.size, np.inf)
-        rate = 1 - self.displacement_at(closing.nodes)
-        np.divide(-closing.overlap, rate, out=change, where=rate > 0)
-        changes = np.concatenate((release, change))
+        nodes, gap = iterate.free_nodes_below(iterate.approach + self.unit * longest)
+        closing = np.full(nodes.size, np.inf)
+        rate = self.unit * (1 - self.displacement_at(nodes).astype(float))
+        np.divide(gap - iterate.approach, rate, out=closing, where=rate > 0)
+        changes = np.concatenate((release, closing))
         first = int(np.count_nonzero(changes <= least))
         within = np.sort(changes[(changes > least) & (changes < longest)])
         return first, np.concatenate(([least], within, [longest]))

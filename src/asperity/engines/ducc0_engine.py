@@ -64,6 +64,20 @@ class Ducc0Engine(Engine):
             if room is not None:
                 out[rows] = target
 
+    def inverse_columns(self, coefficients: Array, out: Array, nx: int) -> None:
+        ducc0.fft.c2c(coefficients, axes=(1,), forward=False, out=out, nthreads=1)
+
+    def inverse_rows(self, coefficients: Array, out: Array, ny: int) -> None:
+        ducc0.fft.c2r(
+            coefficients,
+            axes=(2,),
+            lastsize=out.shape[2],
+            forward=False,
+            out=out,
+            nthreads=1,
+            allow_overwriting_input=True,
+        )
+
 
 def _blocks(lines: int, threads: int, most: int | None = None) -> list[tuple[slice, int]]:
     """Blocks of lines, at most `most` each if given, with the number of threads for each."""

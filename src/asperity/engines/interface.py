@@ -48,3 +48,30 @@ class Engine(ABC):
             Array that is overwritten; it may be `coefficients`.
         threads : int
         """
+
+    @abstractmethod
+    def inverse_columns(self, coefficients: Array, out: Array, nx: int) -> None:
+        """First half of `inverse` for some columns of several fields, by the calling thread.
+
+        Parameters
+        ----------
+        coefficients : (arrays, ny, columns) complex array
+        out : array of the same shape
+            Array for the result; it may be `coefficients`.
+        nx : int
+            Nodes of the fields on a row.
+        """
+
+    @abstractmethod
+    def inverse_rows(self, coefficients: Array, out: Array, ny: int) -> None:
+        """Second half of `inverse` for some rows of several fields, by the calling thread.
+
+        Parameters
+        ----------
+        coefficients : (arrays, rows, nx // 2 + 1) complex array
+            From `inverse_columns`; it may be overwritten.
+        out : (arrays, rows, nx) array
+            Array for the result.
+        ny : int
+            Nodes of the fields on a column.
+        """

@@ -59,13 +59,26 @@ class PyfftwEngine(Engine):
     def inverse(self, coefficients: Array, out: Array, work: Array, threads: int = 1) -> None:
         keys = keys_of(out.shape[0], coefficients.shape[0], out.shape[1], out.dtype.name)
         self._columns("inverse", keys, coefficients, work, threads)
+        self._inverse_rows(keys, work, out, threads)
 
+    def inverse_columns(self, coefficients: Array, out: Array, nx: int) -> None:
+        ny = coefficients.shape[1]
+        keys = keys_of(ny, ny, nx, coefficients.real.dtype.name)
+        for source, target in zip(coefficients, out, strict=True):
+            self._columns("inverse", keys, source, target, threads=1)
+
+    def inverse_rows(self, coefficients: Array, out: Array, ny: int) -> None:
+        keys = keys_of(ny, ny, out.shape[2], out.dtype.name)
+        for source, target in zip(coefficients, out, strict=True):
+            self._inverse_rows(keys, source, target, threads=1)
+
+    def _inverse_rows(self, keys: Mapping[str, Key], source: Array, target: Array, threads: int) -> None:
         def transform(plan: Plan, lines: slice, count: int) -> None:
-            plan.source[:count] = work[lines]
+            plan.source[:count] = source[lines]
             plan.execute()
-            out[lines] = plan.target[:count]
+            target[lines] = plan.target[:count]
 
-        self._run("c2r", keys, out.shape[0], threads, transform)
+        self._run("c2r", keys, target.shape[0], threads, transform)
 
     def _columns(
         self, kind: str, keys: Mapping[str, Key], source: Array, target: Array, threads: int

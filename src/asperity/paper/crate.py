@@ -43,7 +43,7 @@ FORMATS = {
 }
 """Suffix → media type. Other files, such as logs, are no results."""
 
-_NO_RESULTS = ("log", "benchmark", "machine_code", WORKFLOW)
+_NO_RESULTS = ("log", "machine_code", WORKFLOW)
 
 
 def write_crate(results: Path, snakefile: Path, configfiles: Sequence[Path] = ()) -> int:

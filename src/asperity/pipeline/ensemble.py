@@ -8,53 +8,24 @@ contact: its roughness parameters are correlated with the numbers of the contact
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import xarray as xr
 
+from asperity.pipeline.blocks import SURFACE_ALONE, grid_points
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.solid import SOLID_ATTRIBUTES
 from asperity.pipeline.statistics import seed_statistics
 from asperity.pipeline.stress import QUANTITIES, compute_stresses
 from asperity.pipeline.surface import random_heights
-from asperity.spectral import Grid, good_size
+from asperity.spectral import Grid
 from asperity.surface.roughness import roughness_parameters
 from asperity.types import Progress
 
-SURFACE_ALONE = 0
-"""Number of nodes on the shortest wavelength that stands for samples without a contact."""
-
 SURFACE_NUMBERS = ("rms_gradient", "skewness", "kurtosis")
 """Roughness parameters of a sample of the surface alone."""
-
-BLOCK_NODES = 2048**2
-"""Nodes of all seeds of a block, which take ten seconds or so; larger grids have blocks of one seed."""
-
-MOST_SEEDS = 32
-"""Most seeds of a block of contacts."""
-
-SURFACE_SEEDS = 256
-"""Seeds of a block of surfaces alone."""
-
-
-def grid_points(wavelength_short: float, nodes: float) -> int:
-    """Nodes on an edge of the cell for a number of nodes on the shortest wavelength.
-
-    The surface alone has the smallest grid that holds all of its waves.
-    """
-    if nodes == SURFACE_ALONE:
-        return good_size(2 * math.floor(1 / wavelength_short + 1e-6) + 2)
-    return round(nodes / wavelength_short)
-
-
-def block_size(wavelength_short: float, nodes: float) -> int:
-    """Seeds of a block: as many as share one job."""
-    if nodes == SURFACE_ALONE:
-        return SURFACE_SEEDS
-    return max(1, min(MOST_SEEDS, BLOCK_NODES // grid_points(wavelength_short, nodes) ** 2))
 
 
 def sample(

@@ -156,7 +156,11 @@ def moment_errors(
     spread[np.rint(wavenumber / width).astype(int)] = power
     correlation = Fourier(grid).inverse(spread[ring].astype(complex), overwrite=True)
     correlation /= correlation[0, 0]
-    return float(np.sqrt(6 * abs(np.mean(correlation**3)))), float(np.sqrt(24 * np.mean(correlation**4)))
+    power = correlation * correlation
+    power *= correlation
+    skewness = abs(power.mean())
+    power *= correlation
+    return float(np.sqrt(6 * skewness)), float(np.sqrt(24 * power.mean()))
 
 
 def _surface_dataset(height: Array, grid: Grid) -> xr.Dataset:

@@ -1,8 +1,4 @@
-"""Processor time and memory that the jobs of a study took, from the last lines of their logs.
-
-Snakemake's benchmark files are not read: after sixteen seconds they sample a job only every half minute, and
-miss its peak.
-"""
+"""Processor time and memory that the jobs of a study took, from the last lines of their logs."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
 from typing import Any, NoReturn
@@ -161,8 +161,9 @@ def _wait_for_signal(incoming: int) -> None:
     """Read the numbers of signals from a pipe, and end the process and its jobs at the first that counts."""
     while number := os.read(incoming, 1):
         if number[0] in SIGNALS:
-            _say(STUDY_LINE)
-            _silence()
+            shown = os.dup(2)
+            _silence()  # first: the main thread may be printing
+            _say(STUDY_LINE, shown)
             _end_jobs()
             os._exit(status_after(number[0]))
 
@@ -175,10 +176,10 @@ def _end_process(line: str, number: int) -> NoReturn:
     os._exit(status_after(number))
 
 
-def _say(line: str) -> None:
-    """Print a line on stderr, after the end of a line that is already there on a terminal."""
+def _say(line: str, stream: int = 2) -> None:
+    """Print a line on stderr or what stands for it, after the end of a line that is there on a terminal."""
     with suppress(OSError, ValueError):
-        os.write(2, f"{chr(10) if os.isatty(2) else ''}{line}\n".encode())
+        os.write(stream, f"{chr(10) if os.isatty(stream) else ''}{line}\n".encode())
 
 
 def _silence() -> None:
@@ -189,12 +190,15 @@ def _silence() -> None:
 
 
 def _end_jobs() -> None:
-    """End all programs that this process and its programs have started."""
+    """End all programs that this process and its programs have started, also if their parents end first."""
     import psutil  # a part of Snakemake; single calculations do not need it
 
     deadline = time.monotonic() + JOB_GRACE
+    found: set[psutil.Process] = set()
     told: set[int] = set()
-    while programs := _running(psutil.Process().children(recursive=True)):
+    while True:
+        found.update(psutil.Process().children(recursive=True))
+        programs = _running(found)
         late = time.monotonic() - deadline
         for program in programs:
             with suppress(psutil.NoSuchProcess):
@@ -203,12 +207,12 @@ def _end_jobs() -> None:
                 elif program.pid not in told:
                     program.terminate()
                     told.add(program.pid)
-        if late > JOB_GRACE:
+        if not programs or late > JOB_GRACE:
             return
         time.sleep(0.05)
 
 
-def _running(programs: list[Any]) -> list[Any]:
+def _running(programs: Iterable[Any]) -> list[Any]:
     """Programs that have not ended, without those of which only the exit status is kept."""
     found = []
     for program in programs:

@@ -11,10 +11,9 @@ the contact. `analyse_lateral_conditions` analyses several conditions in the sam
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from itertools import product
 
 import numpy as np
 import xarray as xr
@@ -38,14 +37,14 @@ from asperity.stress.arguments import (
     checked_threads,
     checked_tolerance,
 )
-from asperity.stress.covariance import ReferencePlane
+from asperity.stress.covariance import References
 from asperity.stress.depths import depth_grid
-from asperity.stress.kernels import moments
-from asperity.stress.peaks import PeakFinder, Peaks, plane_peaks
-from asperity.stress.planes import LinearPlane, linear_planes
+from asperity.stress.peaks import Maxima, PeakFinder, Peaks, SearchedPlane, plane_peaks
+from asperity.stress.periodic import Visit
+from asperity.stress.planes import LinearPlane, Watch, linear_planes
 from asperity.stress.pressed import ContactLike, PressedSolid
+from asperity.stress.search import PlaneSearch, SoughtField
 from asperity.stress.selection import peak_dataset
-from asperity.stress.statistics import autocorrelation
 from asperity.types import Array, Progress
 
 accessor.register()
@@ -228,141 +227,66 @@ class _Settings:
     sliding_direction: str | float
 
 
-class _PeakSearch:
-    """Search for the peaks of fields that are the same for every Poisson's ratio.
-
-    Parameters
-    ----------
-    names : sequence of str
-        Fields in which peaks are sought.
-    poisson : float
-        Poisson's ratio with which the fields are computed.
-    boundary : "periodic" | "free"
-    """
-
-    def __init__(self, names: Iterable[str], poisson: float, boundary: str) -> None:
-        self.poisson = poisson
-        self.finders = {name: PeakFinder(boundary) for name in names}
-
-    def add(self, number: int, plane: LinearPlane, floor: float) -> None:
-        """Add the next plane downward; maxima of a magnitude at or below `floor` are left out."""
-        self._search_others(plane, floor, None)
-
-    def _search_others(self, plane: LinearPlane, floor: float, room: Array | None) -> None:
-        """Search all fields but the von Mises stress, each computed in `room`."""
-        for name in self.finders:
-            if name != "von_mises":
-                room = plane.field(name, self.poisson, room)
-                self._search(plane, name, room, floor)
-
-    def _search(self, plane: LinearPlane, name: str, field: Array, floor: float) -> None:
-        sample = partial(plane.sample, name, self.poisson)
-        self.finders[name].add(plane.depth, plane.grid, field, floor, sample)
-
-
-class _RatioAnalysis(_PeakSearch):
-    """Analysis for one Poisson's ratio: peaks, and profile and covariance of the von Mises stress.
-
-    Attributes
-    ----------
-    mean, largest : (planes,) arrays
-        Mean and largest von Mises stress of each plane.
-    reference : ReferencePlane
-    """
-
-    def __init__(self, names: Iterable[str], poisson: float, settings: _Settings, boundary: str) -> None:
-        super().__init__(names, poisson, boundary)
-        planes = settings.depths.size
-        self.mean, self.largest = np.zeros(planes), np.zeros(planes)
-        self.reference = ReferencePlane(planes, settings.threads, settings.work)
-
-    def add(self, number: int, plane: LinearPlane, floor: float) -> None:
-        field = plane.field("von_mises", self.poisson)
-        self.largest[number] = field.max()
-        self.mean[number] = self.reference.add(number, plane.grid, field, self.largest[number])
-        if "von_mises" in self.finders:
-            self._search(plane, "von_mises", field, floor)
-        kept = self.reference.field is field
-        self._search_others(plane, floor, None if kept else field)
-
-    def add_again(self, number: int, plane: LinearPlane) -> None:
-        """Add a plane above the reference for its covariance."""
-        if number < self.reference.number:
-            self.reference.resample_to(plane.grid)
-            self.reference.compare(number, plane.grid, plane.field("von_mises", self.poisson))
-
-
 class _StressAnalysis:
     """Analysis of the stress under one contact, plane by plane.
 
     Attributes
     ----------
-    independent : _PeakSearch
-        For the fields that do not depend on Poisson's ratio.
-    dependent : dict
-        Condition of the uniform mode, that of the contact first → an analysis for each Poisson's ratio, the
-        same one where both conditions give the same stress.
+    von_mises : list of SoughtField
+        The von Mises stress for each Poisson's ratio and condition of the uniform mode, each different one
+        once.
+    mean, largest : (von_mises, planes) arrays
+        Its mean and largest value in each plane.
+    references : References
+        The planes of the largest von Mises stress.
     points : (planes,) array
         Nodes on the longer edge of each plane's grid.
-    peaks : dict
-        Condition → quantity and Poisson's ratio (NaN: the same for every one) → its peaks, when all planes
-        have passed.
     """
 
     def __init__(self, contact: ContactLike, settings: _Settings, laterals: Sequence[str]) -> None:
         self.contact, self.settings = contact, settings
-        alike = INDEPENDENT_OF_POISSON if contact.layer.height is None else ()
-        fields = [name for name in settings.quantities if name != "pressure"]
-        own = [name for name in fields if name not in alike]
         boundary = boundary_of(contact)
-        shared = [name for name in fields if name in alike]
-        self.independent = _PeakSearch(shared, settings.ratios[0], boundary)
-        first = [_RatioAnalysis(own, nu, settings, boundary) for nu in settings.ratios]
-        self.dependent = {contact.layer.lateral: first}
-        changed = [name for name in own if name not in INDEPENDENT_OF_LATERAL]
-        for lateral in laterals:
-            if lateral != contact.layer.lateral:
-                self.dependent[lateral] = [
-                    one
-                    if self._uniform(lateral, nu) == self._uniform(contact.layer.lateral, nu)
-                    else _RatioAnalysis(changed, nu, settings, boundary)
-                    for one, nu in zip(first, settings.ratios, strict=True)
-                ]
-        self.points = np.zeros(settings.depths.size, np.int64)
-        self.peaks: dict[str, dict[tuple[str, float], Peaks]] = {}
+        names = [name for name in settings.quantities if name not in ("pressure", "von_mises")]
+        own_first = dict.fromkeys((contact.layer.lateral, *laterals))
+        kinds = product(("von_mises", "zz", *names), own_first, settings.ratios)
+        fields = dict.fromkeys(self.field(*kind) for kind in kinds)
+        self.von_mises = [field for field in fields if field.name == "von_mises"]
+        self._search = PlaneSearch(list(fields), boundary == "periodic")
+        self._finders = {field: PeakFinder(boundary) for field in fields if field.sought}
+        planes = settings.depths.size
+        self.mean, self.largest = np.zeros((2, len(self.von_mises), planes))
+        self.references = References(self.von_mises, planes, contact.grid, settings.threads, settings.work)
+        self.points = np.zeros(planes, np.int64)
+        self._last: LinearPlane | None = None
 
-    def _uniform(self, lateral: str, poisson: float) -> float:
-        """Uniform part of σ_xx and σ_yy per unit mean pressure."""
-        layer = replace(self.contact.layer, poisson=poisson, lateral=lateral)
-        return float(layer.uniform_stress()[0])
+    def field(self, name: str, lateral: str, poisson: float) -> SoughtField:
+        """A field under one condition of the uniform mode, the same one where both give the same stress."""
+        layer = self.contact.layer
+        if self.is_alike(name):
+            poisson = self.settings.ratios[0]
+        if name in INDEPENDENT_OF_LATERAL:
+            lateral = layer.lateral
+        uniform = float(replace(layer, poisson=poisson, lateral=lateral).uniform_stress()[0])
+        sought, averaged = name in self.settings.quantities, name in ("von_mises", "zz")
+        return SoughtField(name, poisson, uniform, sought, averaged)
 
-    def _under(self, plane: LinearPlane) -> list[tuple[_RatioAnalysis, LinearPlane]]:
-        """All analyses, each once, with the plane under their condition of the uniform mode."""
-        found: dict[int, tuple[_RatioAnalysis, LinearPlane]] = {}
-        for lateral, analyses in self.dependent.items():
-            own = lateral == self.contact.layer.lateral
-            uniform = {nu: plane.mean_pressure * self._uniform(lateral, nu) for nu in self.settings.ratios}
-            here = plane if own else replace(plane, lateral=uniform)
-            for one in analyses:
-                found.setdefault(id(one), (one, here))
-        return list(found.values())
+    def is_alike(self, name: str) -> bool:
+        """True if a field is the same for every Poisson's ratio."""
+        return self.contact.layer.height is None and name in INDEPENDENT_OF_POISSON
 
     def run(self, progress: Progress | None, observe: Callable[[LinearPlane], None] | None) -> None:
-        """Let all planes pass, and those above the reference planes once more."""
-        with ThreadPoolExecutor(self.settings.threads) as pool:
-            for number, plane in enumerate(self._planes(self.settings.depths)):
-                self._add(number, plane, pool)
-                if observe is not None:
-                    observe(plane)
-                if progress is not None:
-                    progress(plane.done, 1.0)
-        self._collect_peaks()
-        above = max(ratio.reference.number for ratios in self.dependent.values() for ratio in ratios)
-        for number, plane in enumerate(self._planes(self.settings.depths[:above]) if above else ()):
-            for ratio, here in self._under(plane):
-                ratio.add_again(number, here)
+        """Let all planes pass, and those above the reference planes again that were not kept."""
+        for number, plane in enumerate(self._planes(self.settings.depths, self._watch)):
+            self._add(number, plane)
+            if observe is not None:
+                observe(plane)
+            if progress is not None:
+                progress(plane.done, 1.0)
+        missing = int(self.references.missing.max())
+        for number, plane in enumerate(self._planes(self.settings.depths[:missing]) if missing else ()):
+            self.references.add_again(number, plane)
 
-    def _planes(self, depths: Array) -> Iterator[LinearPlane]:
+    def _planes(self, depths: Array, watch: Watch | None = None) -> Iterator[LinearPlane]:
         settings = self.settings
         return linear_planes(
             self.contact,
@@ -374,56 +298,65 @@ class _StressAnalysis:
             settings.work,
             friction=settings.friction,
             sliding_direction=settings.sliding_direction,
+            watch=watch,
         )
 
-    def _add(self, number: int, plane: LinearPlane, pool: ThreadPoolExecutor) -> None:
-        self.points[number] = max(plane.grid.shape)
-        normal = plane.constant["zz"]
-        scale = np.sqrt(moments(normal, normal)[2])
-        floor = max(plane.bound, self.settings.floor * scale, ROUNDING * scale)
-        dependent = self._under(plane)
-        for ratio, _ in dependent:
-            ratio.reference.resample_to(plane.grid)
-        searches = [(self.independent, plane), *dependent]
-        list(pool.map(lambda search: search[0].add(number, search[1], floor), searches))
+    def _watch(self, plane: LinearPlane) -> Visit:
+        """Search the rows of a plane when they are computed."""
+        # The floor is known when the plane is; until then, one that is a little lower.
+        floor = max(plane.bound, 0.99 * self.settings.floor * plane.scale)
+        self._search.start(plane, self._last, floor, self.references.on(plane))
+        return self._search.add_rows
 
-    def _collect_peaks(self) -> None:
-        """Take the peaks from the searches, which release the last plane."""
-        first, *others = self.dependent.items()
-        peaks = self.peaks[first[0]] = {}
+    def _add(self, number: int, plane: LinearPlane) -> None:
+        search, grid, last = self._search, plane.grid, self._last
+        compared = last is not None and last.grid == grid
+        search.finish()
+        self._last = plane
+        self.points[number] = max(grid.shape)
+        self.references.add(number, plane, search.sums)
+        count = len(self.von_mises)
+        self.mean[:, number] = search.sums[:count, :, 0].sum(axis=1) / grid.size
+        self.largest[:, number] = search.sums[:count, :, 2].max(axis=1)
+        scale = np.sqrt(search.sums[count, :, 1].sum() / grid.size)
+        floor = max(plane.bound, self.settings.floor * scale, ROUNDING * scale)
+        parts, periodic = plane.parts(), boundary_of(self.contact) == "periodic"
+        for field, (nodes, here, above) in zip(search.fields, search.maxima, strict=True):
+            if field.sought:
+                high = np.flatnonzero(np.abs(here[:, 1, 1]) > floor)
+                maxima = Maxima.at(nodes[high], here[high], grid, above[high] if compared else None)
+                searched = SearchedPlane(plane.depth, grid, parts, field.compiled(plane), periodic)
+                self._finders[field].add_maxima(searched, maxima)
+
+    def peaks(self, lateral: str) -> dict[tuple[str, float], Peaks]:
+        """Quantity and Poisson's ratio (NaN: the same for every one) → its peaks, when all planes passed."""
+        found: dict[tuple[str, float], Peaks] = {}
+        ratios = self.settings.ratios
         for name in self.settings.quantities:
-            if name in self.independent.finders:
-                peaks[name, np.nan] = self.independent.finders.pop(name).peaks()
-            elif name != "pressure":
-                for ratio in first[1]:
-                    peaks[name, ratio.poisson] = ratio.finders.pop(name).peaks()
-        if "pressure" in self.settings.quantities:
-            peaks["pressure", np.nan] = plane_peaks(
-                self.contact.pressure, self.contact.grid, boundary=boundary_of(self.contact)
-            )
-        for lateral, ratios in others:
-            self.peaks[lateral] = dict(peaks)
-            for ratio in ratios:  # one that both conditions share has no finders any more
-                for name in list(ratio.finders):
-                    self.peaks[lateral][name, ratio.poisson] = ratio.finders.pop(name).peaks()
+            if name == "pressure":
+                pressure, boundary = self.contact.pressure, boundary_of(self.contact)
+                found[name, np.nan] = plane_peaks(pressure, self.contact.grid, boundary=boundary)
+                continue
+            labels = {np.nan: ratios[0]} if self.is_alike(name) else {ratio: ratio for ratio in ratios}
+            for label, ratio in labels.items():
+                found[name, label] = self._finders[self.field(name, lateral, ratio)].peaks()
+        return found
 
 
 def _dataset(analysis: _StressAnalysis, lateral: str) -> xr.Dataset:
     """The dataset of a finished analysis under one condition of the uniform mode."""
-    settings, contact, ratios = analysis.settings, analysis.contact, analysis.dependent[lateral]
-    references = [ratio.reference for ratio in ratios]
-    in_plane = []
-    for reference in references:
-        lag, covariance = autocorrelation(reference.field, reference.grid, contact.grid)
-        in_plane.append(covariance)
+    settings, contact, references = analysis.settings, analysis.contact, analysis.references
+    fields = [analysis.field("von_mises", lateral, ratio) for ratio in settings.ratios]
+    own = [analysis.von_mises.index(field) for field in fields]
+    lag, in_plane = references.in_plane()
     profiles = ("poisson", "plane")
     variables = {
         "plane_points": ("plane", analysis.points),
-        "mean_von_mises": (profiles, np.stack([ratio.mean for ratio in ratios])),
-        "largest_von_mises": (profiles, np.stack([ratio.largest for ratio in ratios])),
-        "covariance_depth": (profiles, np.stack([reference.covariance for reference in references])),
-        "covariance_plane": (("poisson", "lag"), np.stack(in_plane)),
-        "reference_depth": ("poisson", settings.depths[[reference.number for reference in references]]),
+        "mean_von_mises": (profiles, analysis.mean[own]),
+        "largest_von_mises": (profiles, analysis.largest[own]),
+        "covariance_depth": (profiles, references.covariance[own]),
+        "covariance_plane": (("poisson", "lag"), in_plane[own]),
+        "reference_depth": ("poisson", settings.depths[references.number[own]]),
     }
     coordinates = {
         "quantity": list(settings.quantities),
@@ -431,7 +364,7 @@ def _dataset(analysis: _StressAnalysis, lateral: str) -> xr.Dataset:
         "plane_depth": ("plane", settings.depths),
         "lag": lag,
     }
-    found = peak_dataset(analysis.peaks[lateral], contact).assign(variables).assign_coords(coordinates)
+    found = peak_dataset(analysis.peaks(lateral), contact).assign(variables).assign_coords(coordinates)
     return found.assign_attrs(
         effective_modulus=contact.layer.effective_modulus,
         friction=float(settings.friction),

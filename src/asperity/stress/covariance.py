@@ -2,87 +2,224 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import NamedTuple
+
 import numpy as np
 
 from asperity.spectral import Fourier, Grid, Work, resample
-from asperity.stress.kernels import moments
+from asperity.stress.fields import fill_fields, moments, pack
+from asperity.stress.planes import LinearPlane
+from asperity.stress.search import SoughtField
+from asperity.stress.statistics import LagRings
 from asperity.types import Array
 
+SKIPPED_ABOVE = 0.5
+"""Planes with more than this share of the nodes of the contact along each axis are compared at every second
+node where single precision will do: the error of the covariance is below 3e-5 of it."""
 
-class ReferencePlane:
-    """The plane with the largest value so far, and the covariance of all planes with it.
+FEWEST_SKIPPED = 512
+"""Fewest nodes along an axis of such planes."""
+
+MOST_KEPT = 8
+"""Planes above the reference that are kept while the largest value still rises from plane to plane."""
+
+PACKED = 65535
+"""Steps from 0 to the largest value in which planes in single precision are kept. The rounding, 1e-5 of the
+largest value, is averaged over all nodes: the error of a covariance is below 1e-6 of it."""
+
+
+class References:
+    """For several fields, the plane with the largest value so far, and the covariance of all planes with it.
 
     The planes come one by one, each on a grid no finer than the one before. Those above the reference are
-    known only when the stream has ended, and are to be added again with `compare`.
+    compared with it when it becomes the reference, as far as they are kept: all of them, if the largest value
+    rose from every plane to the next and they are on one grid. Others are to be added again.
 
     Parameters
     ----------
+    fields : sequence of SoughtField
+        The von Mises stress for some Poisson's ratios and uniform modes.
     planes : int
         Number of planes of the stream.
+    finest : Grid
+        Grid on which lags in a plane are sampled.
     threads : int
     work : Work
         Where transforms are counted.
 
     Attributes
     ----------
-    number : int
-        Which plane of the stream is the reference.
-    covariance : (planes,) array
+    number : (fields,) array
+        Which plane of the stream is the reference of each field.
+    covariance : (fields, planes) array
         Mean of the product of the fields of each plane and of the reference, less the product of their means;
         NaN where a plane has not been compared.
+    missing : (fields,) array
+        Number of the uppermost planes that are to be added again.
     """
 
-    def __init__(self, planes: int, threads: int, work: Work) -> None:
-        self.number = -1
-        self.covariance = np.full(planes, np.nan)
-        self._largest = -np.inf
-        self._own: tuple[Grid, Array] | None = None
-        self._modes: tuple[Grid, Array] | None = None
-        self._resampled: tuple[Grid, Array] | None = None
-        self._threads, self._work = threads, work
+    def __init__(
+        self,
+        fields: Sequence[SoughtField],
+        planes: int,
+        finest: Grid,
+        threads: int,
+        work: Work,
+    ) -> None:
+        count = len(fields)
+        self.number = np.full(count, -1)
+        self.covariance = np.full((count, planes), np.nan)
+        self.missing = np.zeros(count, int)
+        self._sought, self._finest, self._threads, self._work = list(fields), finest, threads, work
+        self._largest = np.full(count, -np.inf)
+        self._grid: Grid | None = None
+        self._fields = np.empty((count, 0, 0))
+        self._means = np.zeros(count)
+        self._kept: list[list[_Packed] | None] = [[] for _ in fields]
+        self._modes: list[tuple[Grid, Array] | None] = [None for _ in fields]
+        self._in_plane: list[Array | None] = [None for _ in fields]
+        self._own: list[tuple[Grid, Array] | None] = [None for _ in fields]
+        self._rings: LagRings | None = None
 
-    @property
-    def grid(self) -> Grid:
-        """Grid of the reference."""
-        assert self._own is not None
-        return self._own[0]
+    def on(self, plane: LinearPlane) -> Array:
+        """The references on the grid of a plane, (fields, ny, nx); none before the first plane."""
+        if self._grid is None:
+            self._fields = np.empty((len(self._sought), *plane.grid.shape), plane.dtype)
+            return self._fields[:0]
+        if plane.grid != self._grid:
+            for m in range(len(self._sought)):
+                self._transform(m, plane.grid)
+            step = self._step(plane.grid)
+            ny, nx = plane.grid.shape
+            self._resample(Grid((ny // step, nx // step), plane.grid.length))
+            self._grid = plane.grid
+        return self._fields
 
-    @property
-    def field(self) -> Array:
-        """Field of the reference on its own grid."""
-        assert self._own is not None
-        return self._own[1]
+    def _resample(self, grid: Grid) -> None:
+        """Transform all references to a grid from their modes."""
+        self._fields = np.empty((len(self._sought), *grid.shape), self._fields.dtype)
+        for m, (field, modes) in enumerate(zip(self._fields, self._modes, strict=True)):
+            assert modes is not None
+            source, coefficients = modes
+            fourier = Fourier(grid, field.dtype, self._threads, self._work)
+            fourier.inverse(resample(coefficients, source, grid), out=field, overwrite=True)
+            self._means[m] = field.mean(dtype=float)
 
-    def add(self, number: int, grid: Grid, field: Array, largest: float) -> float:
-        """Compare the next plane downward; it becomes the reference if its largest value is the largest.
+    def _transform(self, m: int, target: Grid) -> None:
+        """Transform a reference that is on its own grid, and keep the modes that coarser grids need."""
+        self._kept[m] = None
+        if self._modes[m] is None:
+            assert self._grid is not None
+            field = self._fields[m]
+            modes = Fourier(self._grid, field.dtype, self._threads, self._work).forward(field)
+            self._in_plane[m] = self._autocovariance(modes, self._grid)
+            self._modes[m] = target, resample(modes, self._grid, target)
+            if self.missing[m]:
+                self._own[m] = self._grid, field.copy()
 
-        Returns
-        -------
-        mean : float
-            Of the field.
+    def _autocovariance(self, modes: Array, grid: Grid) -> Array:
+        if self._rings is None:
+            self._rings = LagRings(self._finest)
+        return self._rings.autocovariance(modes, grid, self._work)
+
+    def in_plane(self) -> tuple[Array, Array]:
+        """Lags, (lags,), and the covariance of each reference within its plane, (fields, lags)."""
+        for m, found in enumerate(self._in_plane):
+            if found is None and self._grid is not None:
+                self._transform(m, self._grid)
+        assert self._rings is not None
+        return self._rings.lag, np.stack([found for found in self._in_plane if found is not None])
+
+    def add(self, number: int, plane: LinearPlane, sums: Array) -> None:
+        """Add the next plane downward, of which the rows have been summed with the references on its grid.
+
+        It becomes the reference of the fields whose largest value is the largest so far.
         """
-        if largest > self._largest:
-            self.number, self._largest, self._own = number, largest, (grid, field)
-            self._modes = self._resampled = None
-        return self.compare(number, grid, field)
+        size, compared = plane.grid.size, self._grid is not None
+        self._grid = plane.grid
+        totals = sums[:, :, [0, 1, 3, 4]].sum(axis=1) / size
+        totals[:, 2:] *= size / self._fields[0].size
+        largest = sums[:, :, 2].max(axis=1)
+        if compared:
+            means, products = totals[: len(self._sought), 2:].T
+            self.covariance[:, number] = products - means * self._means
+        risen = np.flatnonzero(largest[: len(self._sought)] > self._largest)
+        for m in range(len(self._sought)):
+            self._kept[m] = self._kept_above(m, number) if m in risen else None
+        if not risen.size:
+            return
+        if self._fields.shape[1:] != plane.grid.shape:
+            self._resample(plane.grid)
+        self._fill(plane, risen, self._fields)
+        for m in risen.tolist():
+            self._modes[m] = self._in_plane[m] = self._own[m] = None
+            mean, square, _, _ = totals[m]
+            self._largest[m], self._means[m] = largest[m], mean
+            self.number[m], self.covariance[m, number] = number, square - mean * mean
+            kept = self._kept[m]
+            self.missing[m] = number if kept is None else 0
+            for above, packed in enumerate(kept or []):
+                self.covariance[m, above] = packed.unit * _covariance(packed.field, self._fields[m])
 
-    def compare(self, number: int, grid: Grid, field: Array) -> float:
-        """Store the covariance of a plane with the reference; returns the mean of the field."""
-        resampled = self._resampled
-        own = self.field if resampled is None or resampled[0] != grid else resampled[1]
-        mean_own, mean, product = moments(own, field)
-        self.covariance[number] = product - mean_own * mean
-        return mean
+    def _step(self, grid: Grid) -> int:
+        """2 if planes on a grid are compared at every second node along each axis, else 1."""
+        fine = [n > SKIPPED_ABOVE * most for n, most in zip(grid.shape, self._finest.shape, strict=True)]
+        even = [n % 2 == 0 and n >= FEWEST_SKIPPED for n in grid.shape]
+        return 2 if self._fields.dtype == np.float32 and all(fine) and all(even) else 1
 
-    def resample_to(self, grid: Grid) -> None:
-        """Make the reference ready for planes on another grid."""
-        if self._own is None or grid == self.grid:
-            self._resampled = None
-        elif self._resampled is None or self._resampled[0] != grid:
-            if self._modes is None or np.any(np.array(grid.shape) > self._modes[0].shape):
-                fourier = Fourier(self.grid, threads=self._threads, work=self._work)
-                self._modes = self.grid, fourier.forward(self.field)
-            # Grids become coarser: modes that this one does not hold are not needed again.
-            self._modes = grid, resample(self._modes[1], self._modes[0], grid)
-            fourier = Fourier(grid, threads=self._threads, work=self._work)
-            self._resampled = grid, fourier.inverse(self._modes[1])
+    def _kept_above(self, m: int, number: int) -> list[_Packed] | None:
+        """Planes above one that becomes the reference of a field; None if some have not been kept."""
+        kept = self._kept[m]
+        if not number or kept is None:
+            return kept
+        return [*kept, _Packed.of(self._fields[m])] if len(kept) < MOST_KEPT else None
+
+    def _fill(self, plane: LinearPlane, places: Array, out: Array) -> None:
+        """Write some of the fields of a plane to their places in `out`."""
+        compiled = [field.compiled(plane) for field in self._sought]
+        ratios, uniforms = (
+            np.array([getattr(field, name) for field in compiled], plane.dtype)
+            for name in ("ratio", "uniform")
+        )
+        fill_fields(plane.parts(), compiled[0].kind, ratios, uniforms, places, out)
+
+    def add_again(self, number: int, plane: LinearPlane) -> None:
+        """Compare a plane above some references that has not been compared."""
+        again = np.flatnonzero(self.missing > number)
+        here = np.empty((len(self._sought), *plane.grid.shape), plane.dtype)
+        self._fill(plane, again, here)
+        for m in again.tolist():
+            self.covariance[m, number] = _covariance(here[m], self._on_finer(m, plane.grid))
+
+    def _on_finer(self, m: int, grid: Grid) -> Array:
+        """A reference on its own grid or a finer one."""
+        assert self._grid is not None
+        source, field = self._own[m] or (self._grid, self._fields[m])
+        if source == grid:
+            return field
+        modes = Fourier(source, field.dtype, self._threads, self._work).forward(field)
+        fourier = Fourier(grid, field.dtype, self._threads, self._work)
+        return fourier.inverse(resample(modes, source, grid), overwrite=True)
+
+
+class _Packed(NamedTuple):
+    """A field in little memory: `unit` times an array."""
+
+    unit: float
+    field: Array
+
+    @classmethod
+    def of(cls, field: Array) -> _Packed:
+        """A field ≥ 0, in steps of its largest value over `PACKED`, or as it is in double precision."""
+        largest = float(field.max())
+        if field.dtype != np.float32 or not largest:
+            return cls(1.0, field.copy())
+        packed = np.empty(field.shape, np.uint16)
+        pack(field, PACKED / largest, packed)
+        return cls(largest / PACKED, packed)
+
+
+def _covariance(one: Array, two: Array) -> float:
+    mean_one, mean_two, product = moments(one, two)
+    return product - mean_one * mean_two

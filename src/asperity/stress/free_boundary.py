@@ -19,7 +19,7 @@ take for long ones.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
@@ -28,8 +28,9 @@ from scipy.special import erfc
 from asperity.elasticity.layer import Layer
 from asperity.spectral import Fourier, Grid, Work, good_size, resample
 from asperity.stress.parts import Part
+from asperity.stress.periodic import Run, Visit, bands_of, strips_of
 from asperity.stress.rectangle import parity, rectangle_stress
-from asperity.stress.truncation import Truncation, coarser_grids
+from asperity.stress.truncation import PlaneGrid, Truncation, coarser_grids
 from asperity.types import Array
 
 PADDING = 3
@@ -70,8 +71,8 @@ class FreePlanes:
 
     Attributes
     ----------
-    plan : list of (Grid, float)
-        Grid and bound of the error of each plane.
+    plan : list of PlaneGrid
+        Of each plane; the scale is not known.
     mean_pressure : float
         0: there is no uniform mode.
     """
@@ -94,7 +95,7 @@ class FreePlanes:
         self._threads, self._work = threads, work
         coarse = [other for other in coarser_grids(grid)[1:] if _saves_work(other, grid)]
         if tolerance == 0 or not coarse:
-            self.plan = [(grid, 0.0) for _ in depths]
+            self.plan = [PlaneGrid(grid, 0.0, 0.0) for _ in depths]
             return
         padded = [_repeated(other) for other in coarse]
         truncation = _FreeTruncation(
@@ -102,7 +103,7 @@ class FreePlanes:
         )
         chosen = (truncation.choose(depth) for depth in depths)
         own = dict(zip(padded, coarse, strict=True))
-        self.plan = [(own.get(found, grid), bound) for found, bound in chosen]
+        self.plan = [PlaneGrid(own.get(each.grid, grid), each.bound, 0.0) for each in chosen]
 
     @cached_property
     def _repeated_modes(self) -> Array:
@@ -123,7 +124,31 @@ class FreePlanes:
         field[: values.shape[0], : values.shape[1]] = values
         return Fourier(cell, threads=self._threads, work=self._work).forward(field)
 
-    def transform(self, depth: float, grid: Grid) -> Callable[[Part], Array]:
+    @staticmethod
+    def row_length(grid: Grid) -> int:
+        """Numbers in a row of the arrays that are filled."""
+        return grid.shape[1]
+
+    def compute(
+        self, depth: float, own: PlaneGrid, parts: Sequence[Part], values: Array, run: Run, visit: Visit
+    ) -> int:
+        """Compute the parts of one plane; as `asperity.stress.periodic.PeriodicPlanes.compute`."""
+        grid = own.grid
+        convolution = self._convolution(depth, grid)
+
+        def transform(number: int) -> None:
+            values[number] = convolution(parts[number])
+
+        def visit_band(band: int) -> None:
+            for first, last in strips_of(*bands[band]):
+                visit(band, first, last)
+
+        run(transform, range(len(parts)))
+        bands = bands_of(grid.shape[0])
+        run(visit_band, range(len(bands)))
+        return 2 * len(parts) * convolution.cell.size
+
+    def _convolution(self, depth: float, grid: Grid) -> _Convolution:
         """Function that returns the field of a linear part of the stress in one plane, on `grid`."""
         if grid == self._grid:
             cell, modes = self._padded
@@ -148,6 +173,7 @@ class _Convolution:
         traction: tuple[float, float],
         tapered: bool,
     ) -> None:
+        self.cell = cell
         self._modes, self._grid, self._depth = modes, grid, float(depth)
         self._fourier = Fourier(cell)
         self._loads = [("z", 1.0), ("x", traction[0]), ("y", traction[1])]
@@ -160,7 +186,7 @@ class _Convolution:
         spectrum *= self._modes
         spectrum *= cell.size
         field = self._fourier.inverse(spectrum, overwrite=True)
-        return np.ascontiguousarray(field[: self._grid.shape[0], : self._grid.shape[1]])
+        return field[: self._grid.shape[0], : self._grid.shape[1]]
 
     def _influence(self, part: Part) -> Array:
         """The part of the stress around one loaded pixel, in the order of a cyclic convolution."""
@@ -192,6 +218,9 @@ class _FreeTruncation(Truncation):
             alias = np.maximum(2 * nyquist - self._wavenumber, nyquist) * depth
             aliased[number] = ALIASES * self._envelope * self._kept[number] @ ((1 + alias) * np.exp(-alias))
         return dropped + aliased
+
+    def _columns(self, depth: float, grid: Grid, allowed: float) -> tuple[int, float]:
+        return grid.half_shape[1], 0.0
 
 
 def _repeated(grid: Grid) -> Grid:

@@ -1,4 +1,4 @@
-"""Compiled loops over modes and nodes: stress of a mode, fields of a plane, neighbourhoods of peaks.
+"""Compiled loops over modes: spectra of the linear parts of the stress in one plane.
 
 Arrays that belong together are passed as named tuples. The arrays may be in single or double precision.
 """
@@ -13,27 +13,6 @@ from numba import njit
 from asperity.elasticity.layer import COMPONENTS
 
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = (COMPONENTS.index(name) for name in ("xx", "yy", "zz", "yz", "xz", "xy"))
-
-
-class Components(NamedTuple):
-    """Fields A of the six stress components in one plane, arrays of one length; ordered as `COMPONENTS`."""
-
-    xx: Any
-    yy: Any
-    zz: Any
-    yz: Any
-    xz: Any
-    xy: Any
-
-
-class Slopes(NamedTuple):
-    """Fields B of the stress A + ν B, as far as the others do not follow from them.
-
-    B_zz, B_yz and B_xz are zero, and B_yy = A_xx + A_yy + A_zz − B_xx but for the uniform mode.
-    """
-
-    xx: Any
-    xy: Any
 
 
 class PlaneKernels(NamedTuple):
@@ -65,9 +44,9 @@ class Wavevectors(NamedTuple):
 
 @njit(cache=True, error_model="numpy", nogil=True)
 def mode_stress(
-    component: int, a: float, b: float, pressure: Any, kernels: Any, wavevectors: Any, out: Any
+    component: int, a: float, b: float, pressure: Any, kernels: Any, wavevectors: Any, first: int, out: Any
 ) -> None:
-    """Fill `out` with the coefficients of a A + b B of one stress component.
+    """Fill `out` with some columns of the coefficients of a A + b B of one stress component.
 
     Parameters
     ----------
@@ -79,36 +58,39 @@ def mode_stress(
         Coefficients of the contact pressure.
     kernels : PlaneKernels
     wavevectors : Wavevectors
-    out : (ny, nx // 2 + 1) complex array
+    first : int
+        Column of the grid that is the first of `out`.
+    out : (ny, columns) complex array
     """
     normal, longitudinal, shear = kernels
     qx, qy, odd_qx, odd_qy = wavevectors
     rows, columns = out.shape
     for j in range(rows):
         mirrored = min(j, rows - j)
-        for i in range(columns):
+        for n in range(columns):
+            i = first + n
             square = qx[i] * qx[i] + qy[j] * qy[j]
             if square == 0.0:
-                out[j, i] = -a * pressure[j, i] if component == _ZZ else 0.0
+                out[j, n] = -a * pressure[j, i] if component == _ZZ else 0.0
                 continue
             z = normal[mirrored, i]
             along = longitudinal[mirrored, i]
             if component == _ZZ:
-                out[j, i] = -a * z * pressure[j, i]
+                out[j, n] = -a * z * pressure[j, i]
             elif component == _XX:
                 factor = (a * qx[i] * qx[i] * along + b * qy[j] * qy[j] * (z + along)) / square
-                out[j, i] = -factor * pressure[j, i]
+                out[j, n] = -factor * pressure[j, i]
             elif component == _YY:
                 factor = (a * qy[j] * qy[j] * along + b * qx[i] * qx[i] * (z + along)) / square
-                out[j, i] = -factor * pressure[j, i]
+                out[j, n] = -factor * pressure[j, i]
             elif component == _XY:
                 factor = odd_qx[i] * odd_qy[j] * (a * along - b * (z + along)) / square
-                out[j, i] = -factor * pressure[j, i]
+                out[j, n] = -factor * pressure[j, i]
             else:
                 odd = odd_qy[j] if component == _YZ else odd_qx[i]
                 factor = a * odd * shear[mirrored, i] / np.sqrt(square)
                 p = pressure[j, i]
-                out[j, i] = complex(factor * p.imag, -factor * p.real)
+                out[j, n] = complex(factor * p.imag, -factor * p.real)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -121,15 +103,16 @@ def add_sliding_stress(
     pressure: Any,
     kernels: Any,
     wavevectors: Any,
+    first: int,
     out: Any,
 ) -> None:
-    """Add to `out` the coefficients of a A + b B of one stress component under a shear traction.
+    """Add to `out` some columns of the coefficients of a A + b B of one component under a shear traction.
 
     The traction on the surface is t = (friction_x, friction_y) p; the equations are in ``docs/method.md``.
 
     Parameters
     ----------
-    component, pressure, wavevectors, out
+    component, pressure, wavevectors, first, out
         As for `mode_stress`.
     a, b : float
         The uniform mode is that of a A: σ_xz = t_x and σ_yz = t_y.
@@ -140,14 +123,15 @@ def add_sliding_stress(
     rows, columns = out.shape
     for j in range(rows):
         mirrored = min(j, rows - j)
-        for i in range(columns):
+        for k in range(columns):
+            i = first + k
             p = pressure[j, i]
             square = qx[i] * qx[i] + qy[j] * qy[j]
             if square == 0.0:
                 if component == _XZ:
-                    out[j, i] += a * friction_x * p
+                    out[j, k] += a * friction_x * p
                 elif component == _YZ:
-                    out[j, i] += a * friction_y * p
+                    out[j, k] += a * friction_y * p
                 continue
             q = np.sqrt(square)
             cc, ss = qx[i] * qx[i] / square, qy[j] * qy[j] / square
@@ -158,7 +142,7 @@ def add_sliding_stress(
                     factor = a * (friction_x * (cc * x + ss * t) + friction_y * both)
                 else:
                     factor = a * (friction_y * (ss * x + cc * t) + friction_x * both)
-                out[j, i] += factor * p
+                out[j, k] += factor * p
                 continue
             # Odd in one component of the wavevector, or in both: zero in a Nyquist mode.
             x, y = friction_x * odd_qx[i] / q, friction_y * odd_qy[j] / q
@@ -174,179 +158,118 @@ def add_sliding_stress(
                 across_x, across_y = friction_y * odd_qx[i] / q, friction_x * odd_qy[j] / q
                 along = across_y * cc + across_x * ss
                 factor = a * (along * m + (cc - ss) * (across_x - across_y) * turn) - b * along * (n + m)
-            out[j, i] += complex(-factor * p.imag, factor * p.real)
+            out[j, k] += complex(-factor * p.imag, factor * p.real)
+
+
+SHARED_COLUMNS = 7
+"""Functions of the modes from which `all_parts` makes the eight parts A and B of a half-space."""
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def combine(a: Any, b: Any, ratio: float, uniform: float, out: Any) -> None:
-    """Fill `out` with a + ratio · b + uniform."""
-    for n in range(a.size):
-        out[n] = a[n] + ratio * b[n] + uniform
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def von_mises(
-    constant: Any, slope: Any, ratio: float, uniform: float, mean_pressure: float, out: Any
+def shared_columns(
+    half_depth: float,
+    pressure: Any,
+    wavevectors: Any,
+    first: int,
+    factors: Any,
+    out: Any,
 ) -> None:
-    """Fill `out` with the von Mises stress of A + ν B.
+    """Fill some columns of the functions of the modes that the parts of a half-space share.
+
+    With P the coefficients of the pressure, E = e^(−q depth), Z = (1 + q depth) E and L = (1 − q depth) E,
+    the functions are Z P, L P, L P/q², 2 E P/q², qy L P/q², 2 qy E P/q² and qy depth E P; all but the first
+    are zero at q = 0. The parts are these times factors that depend on qx alone, see `all_parts`: transforms
+    along y are done before, for seven functions in place of eight parts.
 
     Parameters
     ----------
-    constant : Components
-    slope : Slopes
-    ratio : float
-        Poisson's ratio ν; 0 where A is the stress itself.
-    uniform : float
-        Uniform part of σ_xx and σ_yy.
-    mean_pressure : float
-        Minus the uniform part of σ_zz, which is in A_zz.
-    out : array
+    half_depth : float
+    pressure : (ny, 2 (nx // 2 + 1)) array
+        Coefficients of the contact pressure, real and imaginary parts in turn.
+    wavevectors : Wavevectors
+    first : int
+        First column to fill.
+    factors : (`SHARED_COLUMNS`, columns) array
+        Room for the factors of one row.
+    out : (`SHARED_COLUMNS`, ny, 2 columns) array
+        Real and imaginary parts in turn.
     """
-    for n in range(out.size):
-        x, y, z = constant.xx[n], constant.yy[n], constant.zz[n]
-        slope_yy = x + y + z + mean_pressure - slope.xx[n]
-        x += ratio * slope.xx[n] + uniform
-        y += ratio * slope_yy + uniform
-        t = constant.xy[n] + ratio * slope.xy[n]
-        normal = (x - y) * (x - y) + (y - z) * (y - z) + (z - x) * (z - x)
-        shear = t * t + constant.yz[n] * constant.yz[n] + constant.xz[n] * constant.xz[n]
-        out[n] = np.sqrt(0.5 * normal + 3.0 * shear)
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def moments(one: Any, two: Any) -> tuple[float, float, float]:
-    """Means of two fields and of their product, summed row by row."""
-    mean_one = mean_two = product = 0.0
-    for j in range(one.shape[0]):
-        row_one = row_two = row_product = 0.0
-        for i in range(one.shape[1]):
-            row_one += one[j, i]
-            row_two += two[j, i]
-            row_product += one[j, i] * two[j, i]
-        mean_one += row_one
-        mean_two += row_two
-        product += row_product
-    return mean_one / one.size, mean_two / one.size, product / one.size
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def find_maxima(field: Any, floor: float, periodic: bool, found: Any) -> int:
-    """Fill `found` with the flat indices of the maxima of |field| in its plane; return their number.
-
-    A maximum is above `floor` and strictly above its 8 neighbours. Across an edge lie those of the opposite
-    edge, or with `periodic` false the mirror image of the plane about its outermost nodes.
-    """
-    rows, columns = field.shape
-    count = 0
-    for j in range(rows):
-        before = _neighbour(j - 1, rows, periodic)
-        after = _neighbour(j + 1, rows, periodic)
+    qy, odd_qy = wavevectors.qy, wavevectors.odd_qy
+    rows, columns = out.shape[1], factors.shape[1]
+    qx = wavevectors.qx[first : first + columns]
+    depth = half_depth + half_depth
+    decay, scaled = factors[5], factors[6]
+    for j in range(rows // 2 + 1):
         for i in range(columns):
-            value = abs(field[j, i])
-            if not value > floor:
-                continue
-            left = _neighbour(i - 1, columns, periodic)
-            right = _neighbour(i + 1, columns, periodic)
-            if (
-                value > abs(field[j, left])
-                and value > abs(field[j, right])
-                and value > abs(field[before, i])
-                and value > abs(field[after, i])
-                and value > abs(field[before, left])
-                and value > abs(field[before, right])
-                and value > abs(field[after, left])
-                and value > abs(field[after, right])
-            ):
-                found[count] = j * columns + i
-                count += 1
-    return count
+            scaled[i] = depth * np.sqrt(qx[i] * qx[i] + qy[j] * qy[j])
+        for i in range(columns):
+            decay[i] = np.exp(-float(scaled[i]))
+        for i in range(columns):
+            square, along = qx[i] * qx[i] + qy[j] * qy[j], decay[i] - scaled[i] * decay[i]
+            factors[0, i] = decay[i] + scaled[i] * decay[i]
+            factors[1, i] = along
+            factors[2, i] = along / square
+            factors[3, i] = (decay[i] + decay[i]) / square
+            factors[4, i] = odd_qy[j] * (along / square)
+            factors[6, i] = depth * odd_qy[j] * decay[i]
+            factors[5, i] = odd_qy[j] * factors[3, i]
+        if j == 0 and first == 0:
+            for m in range(1, SHARED_COLUMNS):
+                factors[m, 0] = 0.0
+        # The row of −qy has the same factors but for the sign of those odd in qy, the last three.
+        mirrored = rows - j if j else 0
+        for m in range(SHARED_COLUMNS):
+            odd = m > 3
+            for i in range(columns):
+                k, factor = 2 * (first + i), factors[m, i]
+                out[m, j, 2 * i] = factor * pressure[j, k]
+                out[m, j, 2 * i + 1] = factor * pressure[j, k + 1]
+            if mirrored != j:
+                for i in range(columns):
+                    k, factor = 2 * (first + i), -factors[m, i] if odd else factors[m, i]
+                    out[m, mirrored, 2 * i] = factor * pressure[mirrored, k]
+                    out[m, mirrored, 2 * i + 1] = factor * pressure[mirrored, k + 1]
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
-def _neighbour(node: int, nodes: int, periodic: bool) -> int:
-    """Index of a node at most one beyond the edges: on the opposite edge, or its mirror image."""
-    if node < 0:
-        return nodes - 1 if periodic else 1
-    if node >= nodes:
-        return 0 if periodic else nodes - 2
-    return node
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def gather(field: Any, row: Any, column: Any, periodic: bool, out: Any) -> None:
-    """Fill `out`, (nodes, 3, 3), with the values at and around nodes; across edges as in `find_maxima`."""
-    rows, columns = field.shape
-    for n in range(row.size):
-        for a in range(3):
-            line = _neighbour(row[n] + a - 1, rows, periodic)
-            for b in range(3):
-                out[n, a, b] = field[line, _neighbour(column[n] + b - 1, columns, periodic)]
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def interpolate(
-    field: Any, row: Any, column: Any, ratio_y: float, ratio_x: float, other: Any, periodic: bool, out: Any
+def all_parts(
+    half_depth: float, mean: float, columns: Any, wavevectors: Any, first: int, last: int, out: Any
 ) -> None:
-    """Fill `out`, (nodes, 3, 3), with the values at and around nodes of another grid of the same cell.
-
-    The interpolation is Lagrange's on the six nearest nodes along each axis.
+    """Fill some rows of the parts A and B of all components in a half-space, to be transformed along x.
 
     Parameters
     ----------
-    field : (ny, nx) array
-    row, column : (nodes,) arrays
-        Nodes of the other grid.
-    ratio_y, ratio_x : float
-        Spacing of the other grid over that of the field.
-    other : (rows, columns)
-        Shape of the other grid.
-    periodic : bool
-        As in `find_maxima`.
-    out : (nodes, 3, 3) array
+    half_depth : float
+    mean : float
+        Pressure mode q = 0, of which σ_zz alone has a part.
+    columns : (parts, ny, 2 (nx // 2 + 1)) array
+        The functions of `shared_columns` after their transform along y; real and imaginary parts in turn.
+    wavevectors : Wavevectors
+    first, last : int
+        Rows to fill.
+    out : (8, last − first, 2 (nx // 2 + 1)) array
+        A_xx, A_yy, A_zz, A_yz, A_xz, A_xy, B_xx and B_xy; real and imaginary parts in turn.
     """
-    rows, columns = field.shape
-    weight_y, weight_x = np.empty(6), np.empty((3, 6))
-    place_x = np.empty((3, 6), np.int64)
-    for n in range(row.size):
-        for b in range(3):
-            position = _unless_periodic(column[n] + b - 1, other[1], periodic) * ratio_x
-            base = _stencil(position, columns, periodic)
-            _lagrange_weights(position - base, weight_x[b])
-            for m in range(6):
-                place_x[b, m] = (base + m - 2) % columns
-        for a in range(3):
-            position = _unless_periodic(row[n] + a - 1, other[0], periodic) * ratio_y
-            base = _stencil(position, rows, periodic)
-            _lagrange_weights(position - base, weight_y)
-            out[n, a, :] = 0.0
-            for k in range(6):
-                line = field[(base + k - 2) % rows]
-                for b in range(3):
-                    part = 0.0
-                    for m in range(6):
-                        part += weight_x[b, m] * line[place_x[b, m]]
-                    out[n, a, b] += weight_y[k] * part
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def _unless_periodic(node: int, nodes: int, periodic: bool) -> int:
-    """The index itself, or over a free boundary that of its mirror image."""
-    return node if periodic else _neighbour(node, nodes, periodic)
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def _stencil(position: float, nodes: int, periodic: bool) -> int:
-    """Third of the six nodes from which a position is interpolated, all of them within an isolated map."""
-    base = int(np.floor(position))
-    return base if periodic else max(2, min(base, nodes - 4))
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def _lagrange_weights(fraction: float, out: Any) -> None:
-    """Fill `out` with the weights of Lagrange's interpolation from the six nodes −2 … 3 to `fraction`."""
-    for k in range(6):
-        weight = 1.0
-        for m in range(6):
-            if m != k:
-                weight *= (fraction - (m - 2)) * (1.0 / (k - m))
-        out[k] = weight
+    qx, odd_qx = wavevectors.qx, wavevectors.odd_qx
+    for j in range(first, last):
+        z, along, along_over_square = columns[0, j], columns[1, j], columns[2, j]
+        both_over_square, turned, both_turned = columns[3, j], columns[4, j], columns[5, j]
+        shear = columns[6, j]
+        n = j - first
+        xx, yy, zz, yz, xz, xy = out[0, n], out[1, n], out[2, n], out[3, n], out[4, n], out[5, n]
+        slope_xx, slope_xy = out[6, n], out[7, n]
+        for i in range(qx.size):
+            square, odd = qx[i] * qx[i], odd_qx[i]
+            for k in (2 * i, 2 * i + 1):
+                across = square * along_over_square[k]
+                xx[k] = -across
+                yy[k] = across - along[k]
+                zz[k] = -z[k]
+                xy[k] = -odd * turned[k]
+                slope_xx[k] = square * both_over_square[k] - (z[k] + along[k])
+                slope_xy[k] = odd * both_turned[k]
+        slope_xx[0] += mean
+        for i in range(qx.size):
+            k, odd = 2 * i, half_depth * odd_qx[i]
+            yz[k], yz[k + 1] = shear[k + 1], -shear[k]
+            xz[k], xz[k + 1] = odd * (z[k + 1] + along[k + 1]), -odd * (z[k] + along[k])

@@ -19,7 +19,7 @@ sign.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -36,8 +36,9 @@ from asperity.stress.arguments import (
     checked_nodes,
     checked_ratio,
 )
-from asperity.stress.kernels import find_maxima, gather, interpolate
-from asperity.stress.planes import Gather, StressPlane
+from asperity.stress.fields import KINDS, PLACES, Field, Parts
+from asperity.stress.maxima import Room, Search, compare, interpolate, search_rows
+from asperity.stress.planes import StressPlane
 from asperity.stress.refinement import refine_in_plane, refine_in_solid
 from asperity.types import Array
 
@@ -135,16 +136,9 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "p
     checked_nodes(grid)
     field = checked_field("field", finite_array("field", field), grid)
     periodic = checked_name("boundary", boundary, BOUNDARIES) == "periodic"
-    nodes = _plane_maxima(field, checked_floor(floor), periodic)
-    values = _neighbourhood(field, *nodes, periodic)
-    refined, y, x = refine_in_plane(_upright(values, values))
-    found = Peaks(
-        refined * np.sign(values[:, 1, 1]),
-        np.zeros(nodes[0].size),
-        *_positions(nodes, y, x, grid, periodic),
-        values[:, 1, 1],
-        np.zeros(nodes[0].size, bool),
-    )
+    plane = SearchedPlane.of_field(0.0, grid, field, periodic)
+    maxima = _plane_maxima(plane, checked_floor(floor))
+    found = _refined(maxima, maxima.here, plane, None)
     require_finite("plane_peaks", vars(found))
     return found
 
@@ -198,61 +192,87 @@ def find_peaks(
     return found
 
 
-@dataclass
-class _Candidates:
-    """Maxima of one plane over their neighbours in it and in the plane above.
-
-    Parameters
-    ----------
-    nodes : (rows, columns)
-    above, here : (maxima, 3, 3) arrays
-        Values at and around the nodes, in the plane above and in their own.
-    kept : (maxima,) bool array
-        True where the maximum is also above its neighbours in the adjacent planes that were compared.
-    """
-
-    nodes: Nodes
-    above: Array
-    here: Array
-    kept: Array
-
-    def select(self, chosen: Array | slice) -> _Candidates:
-        """Some of the candidates."""
-        nodes = self.nodes[0][chosen], self.nodes[1][chosen]
-        return _Candidates(nodes, self.above[chosen], self.here[chosen], self.kept[chosen])
-
-
 @dataclass(frozen=True)
-class _AdjacentPlane:
-    """A plane as its neighbours see it.
+class SearchedPlane:
+    """One field of a plane, of which the peaks are sought.
 
     Parameters
     ----------
     depth : float
     grid : Grid
-    sample : callable
-        Returns values of the field, made from what the function it is given gathers of the plane's arrays.
+    parts : Parts
+    field : Field
     periodic : bool
         True if opposite edges are neighbours.
     """
 
     depth: float
     grid: Grid
-    sample: Callable[[Gather], Array]
+    parts: Parts
+    field: Field
     periodic: bool
 
+    @classmethod
+    def of_field(cls, depth: float, grid: Grid, field: Array, periodic: bool) -> SearchedPlane:
+        """A plane with a field of its own."""
+        zero = field.dtype.type(0)
+        values = np.ascontiguousarray(field)[None]
+        parts = Parts(values, np.zeros(PLACES, np.int64), grid.shape[1], zero)
+        return cls(depth, grid, parts, Field(KINDS["zz"], zero, zero), periodic)
+
+    def compare(self, maxima: Maxima, grid: Grid) -> tuple[Array, Array]:
+        """True where a maximum in a plane on `grid` is above the nine values here, and these, (nodes, 3, 3).
+
+        Where it is not, some of the values are left out.
+        """
+        return self._compare(maxima.nodes, np.abs(maxima.here[:, 1, 1]), grid)
+
     def values_around(self, nodes: Nodes, grid: Grid) -> Array:
-        """The nine values at and around nodes of `grid`, (nodes, 3, 3)."""
+        """The nine values at and around nodes of a grid of the cell, (nodes, 3, 3)."""
+        return self._compare(nodes, np.full(nodes[0].size, np.inf), grid)[1]
+
+    def _compare(self, nodes: Nodes, magnitude: Array, grid: Grid) -> tuple[Array, Array]:
+        real = self.parts.values.dtype
+        kept, values = np.ones(magnitude.size, bool), np.empty((magnitude.size, 3, 3), real)
+        last = self.periodic, magnitude.astype(real, copy=False), kept, values
         if self.grid.shape == grid.shape:
-            return self.sample(lambda array: _neighbourhood(array, *nodes, self.periodic))
-        y, x = (mine / its for mine, its in zip(self.grid.shape, grid.shape, strict=True))
-        return self.sample(
-            lambda array: _interpolated_neighbourhood(array, *nodes, y, x, grid.shape, self.periodic)
-        )
+            compare(self.parts, self.field, nodes[0], nodes[1], *last)
+        else:
+            interpolate(self.parts, self.field, nodes[0], nodes[1], grid.shape, *last)
+        return kept, values
+
+
+@dataclass
+class Maxima:
+    """Maxima of one plane over their neighbours in it.
+
+    Parameters
+    ----------
+    nodes : (rows, columns)
+    here : (maxima, 3, 3) array
+        Values at and around the nodes.
+    above : (maxima, 3, 3) array or None
+        Those in the plane above, if the maxima exceed them; None in the first plane.
+    """
+
+    nodes: Nodes
+    here: Array
+    above: Array | None = None
+
+    @classmethod
+    def at(cls, index: Array, here: Array, grid: Grid, above: Array | None = None) -> Maxima:
+        """Maxima at flat indices of nodes."""
+        row, column = np.divmod(index, grid.shape[1])
+        return cls((row, column), here, above)
+
+    def select(self, chosen: Array) -> Maxima:
+        """Some of the maxima."""
+        above = None if self.above is None else self.above[chosen]
+        return Maxima((self.nodes[0][chosen], self.nodes[1][chosen]), self.here[chosen], above)
 
 
 class PeakFinder:
-    """Finds the maxima of one field as its planes are added one by one; keeps one plane in memory.
+    """Finds the maxima of one field as its planes are added one by one.
 
     Parameters
     ----------
@@ -263,22 +283,15 @@ class PeakFinder:
     def __init__(self, boundary: str = "periodic") -> None:
         self._periodic = boundary == "periodic"
         self._found: list[Peaks] = []
-        self._last: _AdjacentPlane | None = None
+        self._last: SearchedPlane | None = None
         self._depth_above: float | None = None
-        self._candidates: _Candidates | None = None
+        self._candidates: Maxima | None = None
 
     def peaks(self) -> Peaks:
         """All peaks found so far: those of every plane but the last."""
         return Peaks.join(self._found)
 
-    def add(
-        self,
-        depth: float,
-        grid: Grid,
-        field: Array,
-        floor: float = 0.0,
-        sample: Callable[[Gather], Array] | None = None,
-    ) -> None:
+    def add(self, depth: float, grid: Grid, field: Array, floor: float = 0.0) -> None:
         """Add the next plane downward.
 
         Parameters
@@ -287,83 +300,113 @@ class PeakFinder:
         grid : Grid
             With at least three nodes on each axis.
         field : (ny, nx) array
-            Of finite numbers in single or double precision; this is not checked.
+            Of finite numbers in single or double precision; this is not checked. It is kept until the next
+            plane.
         floor : float
             Maxima of a magnitude at or below it are left out.
-        sample : callable, optional
-            Returns values of the field, made from what the function it is given gathers of arrays like
-            `field`. It is kept until the next plane, and `field` is not; by default the field itself is kept.
         """
-        plane = _AdjacentPlane(float(depth), grid, sample or (lambda take: take(field)), self._periodic)
-        nodes = _plane_maxima(field, floor, self._periodic)
-        here = _neighbourhood(field, *nodes, self._periodic)
+        plane = SearchedPlane.of_field(float(depth), grid, field, self._periodic)
+        self.add_maxima(plane, _plane_maxima(plane, floor))
+
+    def add_maxima(self, plane: SearchedPlane, maxima: Maxima) -> None:
+        """Add the next plane downward, with the maxima in it or those of them that exceed the plane above.
+
+        The arrays of a plane must last until the plane after the next is computed.
+        """
         last = self._last
         if last is None:
-            candidates = _Candidates(nodes, here, here, np.full(nodes[0].size, plane.depth == 0))
+            # Of the planes that may come first, the surface alone has no neighbour above.
+            self._candidates = maxima if plane.depth == 0 else maxima.select(np.zeros(0, np.int64))
         else:
             if not plane.depth > last.depth:
-                raise ValueError(f"depth = {depth!r}: planes rising in depth are needed, below {last.depth}")
-            above = last.values_around(nodes, grid)
-            candidates = _Candidates(nodes, above, here, _exceeds(here, above))
-            self._finish(last, plane, candidates)
+                raise ValueError(
+                    f"depth = {plane.depth!r}: planes rising in depth are needed, below {last.depth}"
+                )
+            if maxima.above is None:
+                kept, maxima.above = last.compare(maxima, plane.grid)
+            else:
+                kept = np.ones(maxima.here.shape[0], bool)
+            self._finish(last, plane, maxima, kept)
             self._depth_above = last.depth
-        self._candidates, self._last = candidates.select(candidates.kept), plane
+            self._candidates = maxima.select(np.flatnonzero(kept))
+        self._last = plane
 
-    def _finish(self, last: _AdjacentPlane, plane: _AdjacentPlane, lower: _Candidates) -> None:
+    def _finish(self, last: SearchedPlane, plane: SearchedPlane, lower: Maxima, lower_kept: Array) -> None:
         """Decide on the candidates of the last plane, and on those of this plane that face them."""
         upper = self._candidates
         assert upper is not None
-        below = plane.values_around(upper.nodes, last.grid)
-        upper.kept = _exceeds(upper.here, below)
+        kept, below = plane.compare(upper, last.grid)
         if last.grid.shape != plane.grid.shape:
-            _keep_one_of_each_pair(upper, last.grid, lower, plane.grid, self._periodic)
-        peaks, below = upper.select(upper.kept), below[upper.kept]
+            pair, partner, wins = _facing(upper, last, lower, plane)
+            kept[pair], lower_kept[partner] = wins, ~wins
+            # Maxima that win have not been compared with all nine values.
+            won, won_below = pair[wins], partner[~wins]
+            assert lower.above is not None
+            below[won] = plane.values_around(upper.select(won).nodes, last.grid)
+            lower.above[won_below] = last.values_around(lower.select(won_below).nodes, plane.grid)
         depths = None if self._depth_above is None else (self._depth_above, last.depth, plane.depth)
-        for start in range(0, len(below), PEAKS_AT_ONCE):
-            some = slice(start, start + PEAKS_AT_ONCE)
-            self._found.append(_refined(peaks.select(some), below[some], last, depths))
+        every = np.flatnonzero(kept)
+        for start in range(0, every.size, PEAKS_AT_ONCE):
+            some = upper.select(every[start : start + PEAKS_AT_ONCE])
+            under = below[every[start : start + PEAKS_AT_ONCE]]
+            self._found.append(_refined(some, under, last, depths))
 
 
-def _keep_one_of_each_pair(
-    upper: _Candidates, upper_grid: Grid, lower: _Candidates, lower_grid: Grid, periodic: bool
-) -> None:
-    """Keep one of every two maxima that face each other across a change of grid."""
-    if not (upper.nodes[0].size and lower.nodes[0].size):
-        return
-    value_up, y_up, x_up = refine_in_plane(_upright(upper.here, upper.here))
-    value_low, y_low, x_low = refine_in_plane(_upright(lower.here, lower.here))
-    scale = np.maximum(upper_grid.spacing, lower_grid.spacing)
-    box = np.array(upper_grid.length) / scale
-    place_up = np.stack(_positions(upper.nodes, y_up, x_up, upper_grid, periodic), axis=1) / scale
-    place_low = np.stack(_positions(lower.nodes, y_low, x_low, lower_grid, periodic), axis=1) / scale
-    around = None
-    if periodic:
-        around, place_up, place_low = box, place_up % box, place_low % box
-    tree_up, tree_low = cKDTree(place_up, boxsize=around), cKDTree(place_low, boxsize=around)
-    distance, facing = tree_low.query(place_up, p=np.inf)
-    back = np.asarray(tree_up.query(place_low, p=np.inf)[1])
-    pair = np.flatnonzero((np.asarray(distance) <= 1.0) & (back[facing] == np.arange(upper.nodes[0].size)))
+def _facing(
+    upper: Maxima, upper_plane: SearchedPlane, lower: Maxima, lower_plane: SearchedPlane
+) -> tuple[Array, Array, Array]:
+    """Pairs of maxima that face each other across a change of grid, and where the upper one is the larger.
+
+    Returns
+    -------
+    upper, lower : (pairs,) integer arrays
+        Indices of the two maxima of each pair.
+    wins : (pairs,) bool array
+    """
+    nothing = np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0, bool)
+    if not (upper.here.size and lower.here.size):
+        return nothing
+    scale = np.maximum(upper_plane.grid.spacing, lower_plane.grid.spacing)
+    box = np.array(upper_plane.grid.length) / scale if upper_plane.periodic else None
+
+    def places(plane: SearchedPlane, nodes: Nodes, y: Array | float, x: Array | float) -> Array:
+        place = np.stack(_positions(nodes, y, x, plane.grid, plane.periodic), axis=1) / scale
+        return place if box is None else place % box
+
+    # Refined positions are at most one spacing from their nodes.
+    around = cKDTree(places(upper_plane, upper.nodes, 0.0, 0.0), boxsize=box)
+    at_nodes = places(lower_plane, lower.nodes, 0.0, 0.0)
+    distance, _ = around.query(at_nodes, p=np.inf, distance_upper_bound=3.001)
+    near = np.flatnonzero(np.isfinite(distance))
+    if not near.size:
+        return nothing
+    lower = lower.select(near)
+    high, *offset_up = refine_in_plane(_upright(upper.here, upper.here))
+    low, *offset_low = refine_in_plane(_upright(lower.here, lower.here))
+    place_up = places(upper_plane, upper.nodes, *offset_up)
+    place_low = places(lower_plane, lower.nodes, *offset_low)
+    distance, facing = cKDTree(place_low, boxsize=box).query(place_up, p=np.inf)
+    back = np.asarray(cKDTree(place_up, boxsize=box).query(place_low, p=np.inf)[1])
+    pair = np.flatnonzero((np.asarray(distance) <= 1.0) & (back[facing] == np.arange(high.size)))
     partner = np.asarray(facing)[pair]
-    wins = value_up[pair] > value_low[partner]
-    upper.kept[pair] = wins
-    lower.kept[partner] = ~wins
+    return pair, near[partner], high[pair] > low[partner]
 
 
 def _refined(
-    candidates: _Candidates, below: Array, plane: _AdjacentPlane, depths: tuple[float, float, float] | None
+    maxima: Maxima, below: Array, plane: SearchedPlane, depths: tuple[float, float, float] | None
 ) -> Peaks:
     """Peaks of one plane; `depths` are those above, here and below, or None in the surface."""
-    here = candidates.here
-    if depths is None:
+    here, above = maxima.here.astype(float, copy=False), maxima.above
+    if depths is None or above is None:
         value, y, x = refine_in_plane(_upright(here, here))
         depth = np.full(y.size, plane.depth)
     else:
-        cube = np.stack([_upright(values, here) for values in (candidates.above, here, below)], axis=1)
+        cube = np.stack([_upright(values, here) for values in (above, here, below)], axis=1)
         value, depth, y, x = refine_in_solid(cube, *depths)
     return Peaks(
         value * np.sign(here[:, 1, 1]),
         depth,
-        *_positions(candidates.nodes, y, x, plane.grid, plane.periodic),
+        *_positions(maxima.nodes, y, x, plane.grid, plane.periodic),
         here[:, 1, 1],
         np.full(y.size, depths is not None),
     )
@@ -374,12 +417,9 @@ def _upright(values: Array, centre: Array) -> Array:
     return values * np.sign(centre[:, 1:2, 1:2])
 
 
-def _exceeds(here: Array, other: Array) -> Array:
-    """True where the magnitude at the centre is above those of nine others."""
-    return np.abs(here[:, 1, 1]) > np.abs(other).max(axis=(1, 2), initial=0.0)
-
-
-def _positions(nodes: Nodes, y: Array, x: Array, grid: Grid, periodic: bool) -> tuple[Array, Array]:
+def _positions(
+    nodes: Nodes, y: Array | float, x: Array | float, grid: Grid, periodic: bool
+) -> tuple[Array, Array]:
     """Positions of points at the offsets y, x (in spacings) from nodes; within the cell if it is periodic."""
     row, column = nodes[0] + y, nodes[1] + x
     if periodic:
@@ -387,30 +427,35 @@ def _positions(nodes: Nodes, y: Array, x: Array, grid: Grid, periodic: bool) -> 
     return row * grid.spacing[0], column * grid.spacing[1]
 
 
-def _neighbourhood(field: Array, row: Array, column: Array, periodic: bool) -> Array:
-    """The nine values at and around nodes, (nodes, 3, 3)."""
-    out = np.empty((row.size, 3, 3))
-    gather(field, row, column, periodic, out)
-    return out
-
-
-def _interpolated_neighbourhood(
-    field: Array,
-    row: Array,
-    column: Array,
-    ratio_y: float,
-    ratio_x: float,
-    other: tuple[int, int],
-    periodic: bool,
-) -> Array:
-    """The nine values at and around nodes of a grid whose spacing is `ratio` times larger, (nodes, 3, 3)."""
-    out = np.empty((row.size, 3, 3))
-    interpolate(field, row, column, ratio_y, ratio_x, other, periodic, out)
-    return out
-
-
-def _plane_maxima(field: Array, floor: float, periodic: bool) -> Nodes:
-    """Nodes whose magnitude is above the floor and strictly above its 8 neighbours."""
-    found = np.empty((field.shape[0] + 1) * (field.shape[1] + 1) // 4 + 1, np.int64)
-    count = find_maxima(field, float(floor), periodic, found)
-    return found[:count] // field.shape[1], found[:count] % field.shape[1]
+def _plane_maxima(plane: SearchedPlane, floor: float) -> Maxima:
+    """Nodes whose magnitude is above the floor and strictly above its 8 neighbours, in their order."""
+    rows, columns = plane.grid.shape
+    real = plane.parts.values.dtype
+    capacity = (rows // 2 + 2) * (columns // 2 + 1)
+    padded = -(-columns // 64) * 64 + 64
+    room = Room(
+        np.empty((1, 3, padded), real),
+        np.empty(padded, real),
+        np.empty(padded, np.uint8),
+        np.empty((1, capacity), np.int64),
+        np.empty((1, capacity, 3, 3), real),
+        np.empty((1, 0, 3, 3), real),
+        np.zeros(1, np.int64),
+        np.zeros(1, np.int64),
+    )
+    kind, ratio, uniform = plane.field
+    search = Search(
+        np.array([kind]),
+        np.array([ratio], real),
+        np.array([uniform], real),
+        np.array([True]),
+        np.array([-1]),
+        real.type(floor),
+        plane.periodic,
+        False,
+    )
+    # One row more at both ends: the rows at the edges are compared with their neighbours too.
+    nothing = np.empty((0, 1, 1), real), np.empty((0, 0, 0))
+    search_rows(plane.parts, plane.parts, search, room, -1, -1, rows + 1, *nothing)
+    count = room.counts[0]
+    return Maxima.at(room.found[0, :count], room.around[0, :count], plane.grid)

@@ -35,6 +35,7 @@ Planes are computed in single precision where the tolerance is well above its ro
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -45,7 +46,7 @@ from numpy.typing import ArrayLike
 
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.finite import require_finite
-from asperity.spectral import Fourier, Grid, Work, resample
+from asperity.spectral import Fourier, Grid, Work
 from asperity.stress.arguments import (
     FIELDS,
     MEASURES,
@@ -58,29 +59,12 @@ from asperity.stress.arguments import (
     checked_threads,
     checked_tolerance,
 )
+from asperity.stress.fields import KINDS, Field, Parts, fill_fields
 from asperity.stress.free_boundary import FreePlanes
-from asperity.stress.kernels import (
-    Components,
-    PlaneKernels,
-    Slopes,
-    TractionKernels,
-    Wavevectors,
-    add_sliding_stress,
-    combine,
-    mode_stress,
-    von_mises,
-)
 from asperity.stress.parts import Part
+from asperity.stress.periodic import PeriodicPlanes, Visit
 from asperity.stress.pressed import ContactLike
-from asperity.stress.principal import (
-    LARGEST_SHEAR,
-    PRINCIPAL_1,
-    PRINCIPAL_2,
-    PRINCIPAL_3,
-    fill_hydrostatic,
-    fill_measure,
-)
-from asperity.stress.truncation import Truncation, envelope_of
+from asperity.stress.truncation import envelope_of
 from asperity.types import Array, Progress
 
 SINGLE_PRECISION_TOLERANCE = 3e-5
@@ -91,12 +75,6 @@ SINGLE_PRECISION_PRESSURES = (1e-10, 1e15)
 """Largest pressures for which single precision will do: squares of stresses stay within it."""
 
 
-_KINDS = {
-    "largest_shear": LARGEST_SHEAR,
-    "principal_1": PRINCIPAL_1,
-    "principal_2": PRINCIPAL_2,
-    "principal_3": PRINCIPAL_3,
-}
 _NORMAL = ("xx", "yy", "zz")
 
 
@@ -151,6 +129,14 @@ class LinearPlane:
         Poisson's ratio → uniform part of σ_xx and σ_yy.
     done : float
         Share of the work of the whole stream that is done with this plane.
+    values : (parts, ny, at least nx) array, optional
+        One array that holds A and then B.
+    scale : float
+        The root mean square of σ_zz or less, as far as it is known before the plane is computed.
+
+    Notes
+    -----
+    The arrays are used again: those of a plane hold the plane after the next when it is computed.
     """
 
     depth: float
@@ -161,42 +147,41 @@ class LinearPlane:
     mean_pressure: float
     lateral: dict[float, float]
     done: float = 1.0
+    values: Array | None = None
+    scale: float = 0.0
 
     @property
     def dtype(self) -> np.dtype[Any]:
         """Precision of the fields."""
         return next(iter(self.constant.values())).dtype
 
+    def parts(self) -> Parts:
+        """The parts as the compiled functions take them."""
+        arrays = [*self.constant.values(), *self.slope.values()]
+        values = self.values
+        if values is None:
+            values = np.stack([array.reshape(-1, array.shape[-1]) for array in arrays])
+        slope = self.slope or self.constant
+        own = {name: number for number, name in enumerate(self.constant)}
+        slopes = {name: number + len(own) for number, name in enumerate(self.slope)} or own
+        place = [own.get(name, -1) for name in COMPONENTS]
+        place += [slopes.get(name, -1) for name in ("xx", "yy", "xy")]
+        columns = next(iter(slope.values())).shape[-1]
+        return Parts(values, np.array(place), columns, self.dtype.type(self.mean_pressure))
+
+    def compiled(self, name: str, poisson: float) -> Field:
+        """One field as the compiled functions take it."""
+        real = self.dtype.type
+        return Field(KINDS[name], real(poisson if self.slope else 0.0), real(self.lateral[poisson]))
+
     def field(self, name: str, poisson: float, out: Array | None = None) -> Array:
         """The field `name` for one Poisson's ratio, (ny, nx), written to `out` if it is given."""
         if out is None:
             out = np.empty(next(iter(self.constant.values())).shape, self.dtype)
-        constant, slope = self.constant, self.slope or self.constant
-        ratio = poisson if self.slope else 0.0
-        uniform = self.lateral[poisson]
-        flat = out.reshape(-1)
-        if name in MEASURES:
-            parts = Components(*(constant[component].reshape(-1) for component in COMPONENTS))
-            slopes = Slopes(slope["xx"].reshape(-1), slope["xy"].reshape(-1))
-            if name == "von_mises":
-                von_mises(parts, slopes, ratio, uniform, self.mean_pressure, flat)
-            else:
-                fill_measure(_KINDS[name], parts, slopes, ratio, uniform, self.mean_pressure, flat)
-        elif name == "hydrostatic":
-            xx, yy, zz = (constant[component].reshape(-1) for component in _NORMAL)
-            fill_hydrostatic(xx, yy, zz, ratio, self.mean_pressure, uniform, flat)
-        elif name in ("xx", "yy"):
-            own = slope[name] if name in slope else self._slope_yy()
-            combine(constant[name].reshape(-1), own.reshape(-1), ratio, uniform, flat)
-        elif name == "xy":
-            combine(constant[name].reshape(-1), slope[name].reshape(-1), ratio, 0.0, flat)
-        else:
-            out[...] = constant[name]
+        kind, ratio, uniform = self.compiled(name, poisson)
+        ratios, uniforms = (np.array([value], self.dtype) for value in (ratio, uniform))
+        fill_fields(self.parts(), kind, ratios, uniforms, np.array([0]), out.reshape(1, -1, out.shape[-1]))
         return out
-
-    def _slope_yy(self) -> Array:
-        a = self.constant
-        return a["xx"] + a["yy"] + a["zz"] + self.mean_pressure - self.slope["xx"]
 
     def sample(self, name: str, poisson: float, gather: Gather) -> Array:
         """The field `name` where `gather` takes the values of A and B from."""
@@ -206,7 +191,11 @@ class LinearPlane:
             {component: gather(field) for component, field in parts.items() if component in needed}
             for parts in (self.constant, self.slope)
         )
-        return replace(self, constant=constant, slope=slope).field(name, poisson)
+        return replace(self, constant=constant, slope=slope, values=None).field(name, poisson)
+
+
+Watch = Callable[[LinearPlane], Visit]
+"""Takes a plane that is not yet filled, and returns what is called as its rows are filled."""
 
 
 def stress_planes(
@@ -310,12 +299,17 @@ def linear_planes(
     *,
     friction: float = 0.0,
     sliding_direction: str | float = "x",
+    watch: Watch | None = None,
 ) -> Iterator[LinearPlane]:
-    """Stream the parts A and B of the stress, one plane at a time; arguments as for `stress_planes`."""
+    """Stream the parts A and B of the stress, one plane at a time.
+
+    Arguments are as for `stress_planes`, and `watch` is called before a plane is computed.
+    """
     pressure, largest = checked_contact(contact)
     tolerance = checked_tolerance(tolerance)
     low, high = SINGLE_PRECISION_PRESSURES
-    single = tolerance >= SINGLE_PRECISION_TOLERANCE and low <= largest <= high
+    boundary = boundary_of(contact)
+    single = tolerance >= SINGLE_PRECISION_TOLERANCE and low <= largest <= high and boundary == "periodic"
     stream = _PlaneStream(
         grid=contact.grid,
         layer=contact.layer,
@@ -327,9 +321,9 @@ def linear_planes(
         threads=checked_threads(threads),
         work=Work() if work is None else work,
         traction=checked_sliding(friction, sliding_direction, contact.layer),
-        boundary=boundary_of(contact),
+        boundary=boundary,
     )
-    return stream.planes(pressure)
+    return stream.planes(pressure, watch)
 
 
 def _components_for(fields: Sequence[str]) -> tuple[str, ...]:
@@ -358,39 +352,57 @@ class _PlaneStream:
     traction: tuple[float, float]
     boundary: str
 
-    def planes(self, pressure: Array) -> Iterator[LinearPlane]:
+    def planes(self, pressure: Array, watch: Watch | None) -> Iterator[LinearPlane]:
         """The planes under a pressure, from the surface downward."""
         source = self._source(pressure)
-        done = np.cumsum([grid.size for grid, _ in source.plan], dtype=float)
+        done = np.cumsum([each.grid.size for each in source.plan], dtype=float)
         done /= done[-1]
         mean = source.mean_pressure
         lateral = {
             nu: mean * float(replace(self.layer, poisson=nu).uniform_stress()[0]) for nu in self.ratios
         }
         constants, slopes = self._parts()
+        parts = constants + slopes
+        rooms = deque([np.empty(0, self.dtype)] * 2)
         with ThreadPoolExecutor(self.threads) as pool:
-            for depth, (grid, bound), share in zip(self.depths, source.plan, done, strict=True):
-                transform = source.transform(depth, grid)
-                fields = list(pool.map(transform, constants + slopes))
-                self.work.nodes += len(fields) * grid.size
+
+            def run(function: Callable[[Any], None], items: Sequence[Any]) -> None:
+                list(pool.map(function, items))
+
+            for depth, own, share in zip(self.depths, source.plan, done, strict=True):
+                grid = own.grid
+                rooms.rotate()
+                rooms[0], values = _array_in(rooms[0], (len(parts), grid.shape[0], source.row_length(grid)))
+                fields = [values[number, :, : grid.shape[1]] for number in range(len(parts))]
                 constant = {part.component: field for part, field in zip(constants, fields, strict=False)}
                 slope = {
                     part.component: field
                     for part, field in zip(slopes, fields[len(constants) :], strict=True)
                 }
-                # No field is kept while the next plane is computed.
-                del fields, transform
-                yield LinearPlane(float(depth), grid, bound, constant, slope, mean, lateral, float(share))
-                del constant, slope
+                plane = LinearPlane(
+                    float(depth),
+                    grid,
+                    own.bound,
+                    constant,
+                    slope,
+                    mean,
+                    lateral,
+                    float(share),
+                    values,
+                    own.scale,
+                )
+                visit = watch(plane) if watch is not None else lambda *_: None
+                self.work.nodes += source.compute(depth, own, parts, values, run, visit)
+                yield plane
 
-    def _source(self, pressure: Array) -> _PeriodicPlanes | FreePlanes:
+    def _source(self, pressure: Array) -> PeriodicPlanes | FreePlanes:
         """Where the parts of the stress come from."""
         envelope = envelope_of(self.layer, min(self.ratios), float(np.hypot(*self.traction)))
         arguments = self.grid, self.layer, self.depths, self.tolerance, envelope, self.traction
         if self.boundary == "free":
             return FreePlanes(pressure, *arguments, self.threads, self.work)
         fourier = Fourier(self.grid, threads=self.threads, work=self.work)
-        return _PeriodicPlanes(fourier.forward(pressure), *arguments, self.dtype)
+        return PeriodicPlanes(pressure, fourier.forward(pressure), *arguments, self.dtype)
 
     def _parts(self) -> tuple[list[Part], list[Part]]:
         """The parts to transform: A and B for several Poisson's ratios, A + ν B for one."""
@@ -403,70 +415,9 @@ class _PlaneStream:
         )
 
 
-class _PeriodicPlanes:
-    """Transforms of linear parts of the stress under a periodic pressure.
-
-    Attributes
-    ----------
-    plan : list of (Grid, float)
-        Grid and bound of the error of each plane.
-    mean_pressure : float
-    """
-
-    def __init__(
-        self,
-        modes: Array,
-        grid: Grid,
-        layer: Layer,
-        depths: Array,
-        tolerance: float,
-        envelope: float,
-        traction: tuple[float, float],
-        dtype: str,
-    ) -> None:
-        self._modes, self._grid, self._layer = modes, grid, layer
-        self._traction, self._dtype = traction, dtype
-        self._coarse = grid, modes
-        truncation = Truncation(modes, grid, layer, tolerance, envelope)
-        self.plan = [truncation.choose(depth) for depth in depths]
-        self.mean_pressure = float(modes[0, 0].real)
-
-    def transform(self, depth: float, grid: Grid) -> Callable[[Part], Array]:
-        """Function that returns the field of a linear part of the stress in one plane, on `grid`."""
-        if grid.shape != self._coarse[0].shape:
-            self._coarse = grid, resample(self._modes, self._grid, grid)
-        coarse, coefficients = self._coarse
-        fourier = Fourier(coarse, self._dtype)
-        return _PlaneTransform(coefficients, fourier, self._layer, depth, self._traction)
-
-
-class _PlaneTransform:
-    """Transforms linear parts of the stress in one plane from the coefficients of the pressure."""
-
-    def __init__(
-        self, pressure: Array, fourier: Fourier, layer: Layer, depth: float, traction: tuple[float, float]
-    ) -> None:
-        grid = fourier.grid
-        kernels = layer.grid_kernels(grid, depth, fourier.real)
-        self._pressure, self._fourier, self._traction = pressure, fourier, traction
-        self._kernels = PlaneKernels(kernels.normal, kernels.longitudinal, kernels.shear)
-        self._wavevectors = Wavevectors(grid.qx, grid.qy, grid.odd_qx, grid.odd_qy)
-        self._traction_kernels = None
-        if any(traction):
-            self._traction_kernels = TractionKernels(*layer.grid_shear_kernels(grid, depth, fourier.real))
-
-    def __call__(self, part: Part) -> Array:
-        """The field of one part, (ny, nx)."""
-        coefficients = np.empty(self._fourier.grid.half_shape, self._fourier.complex)
-        kind = COMPONENTS.index(part.component), part.constant, part.slope
-        mode_stress(*kind, self._pressure, self._kernels, self._wavevectors, coefficients)
-        if self._traction_kernels is not None:
-            add_sliding_stress(
-                *kind,
-                *self._traction,
-                self._pressure,
-                self._traction_kernels,
-                self._wavevectors,
-                coefficients,
-            )
-        return self._fourier.inverse(coefficients, overwrite=True)
+def _array_in(room: Array, shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """An array in memory that is kept if it is large enough, and that memory."""
+    size = int(np.prod(shape))
+    if room.size < size:
+        room = np.empty(size, room.dtype)
+    return room, room[:size].reshape(shape)

@@ -1,4 +1,4 @@
-"""Principal stresses of a symmetric tensor in closed form, and the fields of a plane that follow from them.
+"""Principal stresses of a symmetric tensor in closed form.
 
 The deviator is divided by its largest element. Its eigenvalue farthest from the two others comes from the
 trigonometric solution of the cubic (O. K. Smith, Commun. ACM 4 (1961) 168, DOI 10.1145/355578.366316), which
@@ -10,13 +10,11 @@ principal direction (W. M. Scherzinger, C. R. Dohrmann, Comput. Methods Appl. Me
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numba import njit
 
 LARGEST_SHEAR, PRINCIPAL_1, PRINCIPAL_2, PRINCIPAL_3 = range(4)
-"""Kinds of field that `fill_measure` computes."""
+"""Numbers of the fields that follow from the principal stresses."""
 
 
 @njit(cache=True, error_model="numpy", nogil=True)
@@ -92,55 +90,3 @@ def _tensor_across(a: float, b: float, c: float, f: float, g: float, h: float) -
         + h * (ux * vy + uy * vx)
     )
     return first, second, coupling
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def fill_measure(
-    kind: int, constant: Any, slope: Any, ratio: float, uniform: float, mean_pressure: float, out: Any
-) -> None:
-    """Fill `out` with the largest shear stress or a principal stress of A + ν B.
-
-    Parameters
-    ----------
-    kind : int
-        `LARGEST_SHEAR`, half the difference of the largest and the smallest principal stress, or one of the
-        principal stresses.
-    constant, slope, ratio, uniform, mean_pressure, out
-        As for `asperity.stress.kernels.von_mises`.
-    """
-    for n in range(out.size):
-        x, y, z = float(constant.xx[n]), float(constant.yy[n]), float(constant.zz[n])
-        slope_yy = x + y + z + mean_pressure - slope.xx[n]
-        x += ratio * slope.xx[n] + uniform
-        y += ratio * slope_yy + uniform
-        xy = float(constant.xy[n]) + ratio * slope.xy[n]
-        first, second, third = principal_stresses(x, y, z, float(constant.yz[n]), float(constant.xz[n]), xy)
-        if kind == LARGEST_SHEAR:
-            out[n] = 0.5 * (first - third)
-        elif kind == PRINCIPAL_1:
-            out[n] = first
-        elif kind == PRINCIPAL_2:
-            out[n] = second
-        else:
-            out[n] = third
-
-
-@njit(cache=True, error_model="numpy", nogil=True)
-def fill_hydrostatic(
-    xx: Any, yy: Any, zz: Any, share: float, mean_pressure: float, uniform: float, out: Any
-) -> None:
-    """Fill `out` with a third of the trace of A + ν B.
-
-    Parameters
-    ----------
-    xx, yy, zz : arrays
-        Of A. The trace of B is that of A without its uniform part −`mean_pressure`.
-    share : float
-        Poisson's ratio ν; 0 where A is the stress itself.
-    mean_pressure, uniform : float
-        As for `asperity.stress.kernels.von_mises`.
-    out : array
-    """
-    for n in range(out.size):
-        trace = xx[n] + yy[n] + zz[n]
-        out[n] = (trace + share * (trace + mean_pressure) + 2.0 * uniform) / 3.0

@@ -85,14 +85,36 @@ def _step_to_maximum(gradient: Array, hessian: Array, reach: Array | float = 1.0
     """
     axes = np.arange(gradient.shape[1])
     curvature = hessian[:, axes, axes]
-    determinant = np.linalg.det(hessian)
+    adjugate, determinant = _adjugate(hessian)
     regular = np.abs(determinant) > MIN_DETERMINANT * np.abs(np.prod(curvature, axis=1))
-    safe = np.where(regular[:, None, None], hessian, -np.eye(axes.size))
-    step = -np.linalg.solve(safe, gradient[:, :, None])[:, :, 0]
-    downhill = np.all(np.linalg.eigvalsh(safe) < 0, axis=1)
+    safe = np.where(regular, determinant, 1.0)
+    step = -np.einsum("nij,nj->ni", adjugate, gradient) / safe[:, None]
+    # Sylvester's criterion: leading minors of alternating sign.
+    leading = hessian[:, 0, 0] * hessian[:, 1, 1] - hessian[:, 0, 1] ** 2
+    downhill = (hessian[:, 0, 0] < 0) & (leading > 0)
+    if axes.size == 3:
+        downhill &= determinant < 0
     trusted = regular & downhill & np.all(np.abs(step) <= reach, axis=1)
     alone = np.where(curvature < 0, -gradient / np.where(curvature < 0, curvature, -1.0), 0.0)
     alone = np.clip(alone, -0.5, 0.5)
     largest = np.argmax(np.abs(alone * gradient), axis=1)
     single = np.where(axes == largest[:, None], alone, 0.0)
     return np.where(trusted[:, None], step, single)
+
+
+def _adjugate(matrix: Array) -> tuple[Array, Array]:
+    """Adjugates and determinants of symmetric matrices, (matrices, 2, 2) or (matrices, 3, 3)."""
+    a, b, d = matrix[:, 0, 0], matrix[:, 0, 1], matrix[:, 1, 1]
+    out = np.empty_like(matrix)
+    if matrix.shape[1] == 2:
+        out[:, 0, 0], out[:, 1, 1] = d, a
+        out[:, 0, 1] = out[:, 1, 0] = -b
+        return out, a * d - b * b
+    c, e, f = matrix[:, 0, 2], matrix[:, 1, 2], matrix[:, 2, 2]
+    out[:, 0, 0] = d * f - e * e
+    out[:, 1, 1] = a * f - c * c
+    out[:, 2, 2] = a * d - b * b
+    out[:, 0, 1] = out[:, 1, 0] = c * e - b * f
+    out[:, 0, 2] = out[:, 2, 0] = b * e - c * d
+    out[:, 1, 2] = out[:, 2, 1] = b * c - a * e
+    return out, a * out[:, 0, 0] + b * out[:, 0, 1] + c * out[:, 0, 2]

@@ -275,7 +275,7 @@ def _interpolated(plane: LinearPlane, y: Array, x: Array, periodic: bool) -> Lin
     def moved(parts: dict[str, Array]) -> dict[str, Array]:
         return {name: along_x(along_y(values).T).T.copy() for name, values in parts.items()}
 
-    return replace(plane, constant=moved(plane.constant), slope=moved(plane.slope))
+    return replace(plane, constant=moved(plane.constant), slope=moved(plane.slope), values=None)
 
 
 class _Interpolation:

@@ -12,11 +12,14 @@ import numpy as np
 from asperity.arguments import LARGEST, finite_array, number, whole_number
 from asperity.errors import shown
 from asperity.finite import require_finite
-from asperity.spectral import Fourier, Grid, resample
+from asperity.spectral import Fourier, Grid, Work, resample
 from asperity.types import Array
 
 NARROWEST_BIN = 1e-300
 """Smallest width of a bin whose density is still finite."""
+
+LINES_AT_ONCE = 256
+"""Lines that are transformed together."""
 
 MOST_BINS = 10_000_000
 """Most bins of a density."""
@@ -139,20 +142,82 @@ def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tup
     field = finite_array("field", field)
     if field.shape != grid.shape:
         raise ValueError(f"field has the shape {field.shape}: that of its grid, {grid.shape}, is needed")
-    power = np.abs(Fourier(grid).forward(field)) ** 2
-    power[0, 0] = 0.0
-    power = resample(power.astype(complex), grid, finest)
-    covariance = Fourier(finest).inverse(power, overwrite=True)
-    width = min(finest.spacing)
-    y, x = finest.coordinates()
-    y, x = np.minimum(y, finest.length[0] - y), np.minimum(x, finest.length[1] - x)
-    rings = int(min(finest.length) / 2 / width + 1e-9) + 1
-    ring = np.rint(np.hypot(y[:, None], x[None, :]) / width).astype(np.int64).ravel()
-    count = np.bincount(ring)[:rings]
-    total = np.bincount(ring, covariance.ravel())[:rings]
-    lag, mean = width * np.arange(rings), total / count
-    require_finite("autocorrelation", {"lag": lag, "covariance": mean})
-    return lag, mean
+    rings = LagRings(finest)
+    mean = rings.autocovariance(Fourier(grid).forward(field), grid)
+    require_finite("autocorrelation", {"lag": rings.lag, "covariance": mean})
+    return rings.lag, mean
+
+
+class LagRings:
+    """Rings of lag vectors in a cell, each one spacing of a grid wide.
+
+    Parameters
+    ----------
+    grid : Grid
+        Grid on which the lags are sampled.
+
+    Attributes
+    ----------
+    lag : (lags,) array
+        Radius of each ring, from 0 to half the shorter edge of the cell.
+    """
+
+    def __init__(self, grid: Grid) -> None:
+        self._grid, width = grid, min(grid.spacing)
+        y, x = grid.coordinates()
+        # The covariance is the same at opposite lags: half of the rows hold all of it.
+        y, x = y[: grid.shape[0] // 2 + 1], np.minimum(x, grid.length[1] - x)
+        rings = int(min(grid.length) / 2 / width + 1e-9) + 1
+        number = np.rint(np.hypot(y[:, None], x[None, :]) / width).astype(np.int64)
+        self.lag, self._ring = width * np.arange(rings), np.minimum(number, rings)
+        self._count = self._sum(np.ones(number.shape))
+
+    def autocovariance(self, modes: Array, grid: Grid, work: Work | None = None) -> Array:
+        """Covariance of a field with itself, averaged over each ring of lags, (lags,).
+
+        Parameters
+        ----------
+        modes : complex array
+            Coefficients of the field.
+        grid : Grid
+            Their grid.
+        work : Work, optional
+            Where the transform is counted.
+        """
+        power = (modes.real**2 + modes.imag**2).astype(modes.dtype)
+        power[0, 0] = 0.0
+        if grid != self._grid:
+            power = resample(power, grid, self._grid)
+        fourier = Fourier(self._grid, power.real.dtype)
+        rows = self._ring.shape[0]
+        # The power is real: two columns are transformed along y as one complex column, and parted afterwards.
+        half = (power.shape[1] + 1) // 2
+        pairs = power[None, :, :half].copy()
+        pairs[0, :, : power.shape[1] - half] += 1j * power[:, half:]
+        for first in range(0, half, LINES_AT_ONCE):
+            block = pairs[:, :, first : first + LINES_AT_ONCE]
+            fourier.inverse_along_y(block, block)
+        here = pairs[0, :rows]
+        opposite = pairs[0, -np.arange(rows)].conj()
+        columns = np.empty((1, rows, power.shape[1]), power.dtype)
+        columns[0, :, :half] = (here + opposite) / 2
+        columns[0, :, half:] = ((here - opposite) / 2j)[:, : power.shape[1] - half]
+        covariance = np.empty((1, rows, self._grid.shape[1]), fourier.real)
+        for first in range(0, rows, LINES_AT_ONCE):
+            strip = slice(first, min(first + LINES_AT_ONCE, rows))
+            fourier.inverse_along_x(columns[:, strip].copy(), covariance[:, strip])
+        if work is not None:
+            work.nodes += self._grid.size // 2
+        return self._sum(covariance[0]) / self._count
+
+    def _sum(self, values: Array) -> Array:
+        """Sum over all nodes of each ring, from half of the rows."""
+        rows, nodes = values.shape[0], self._grid.shape[0]
+        once = [0, rows - 1] if nodes % 2 == 0 else [0]
+        weights = np.full((rows, 1), 2.0)
+        weights[once] = 1.0
+        total = np.bincount(self._ring.ravel(), (weights * values).ravel(), self.lag.size + 1)
+        return total[: self.lag.size]
 
 
 def half_length(distance: Array, correlation: Array, share: float = 0.5) -> float:

@@ -9,12 +9,14 @@ the von Mises stress are seminorms, and principal stresses move by at most the s
 (H. Weyl, Math. Ann. 71 (1912) 441, DOI 10.1007/BF01456804). The sum over the modes that a grid drops
 therefore bounds the error of every field at every node. The proof of K is in ``docs/method.md``. The grid
 chosen is the coarsest whose bound is below the tolerance times the root mean square of σ_zz in that plane,
-which Parseval's theorem gives beforehand and which is at most the largest |σ_zz| there.
+which Parseval's theorem gives beforehand and which is at most the largest |σ_zz| there. What is left of the
+tolerance bounds the columns of modes that are left out of the transforms along y.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +26,26 @@ from asperity.types import Array
 
 MIN_NODES = 16
 """Fewest nodes on an edge of a coarse grid: below it a plane costs no less."""
+
+
+class PlaneGrid(NamedTuple):
+    """Grid of a plane.
+
+    Parameters
+    ----------
+    grid : Grid
+    bound : float
+        Bound of the error of the plane.
+    scale : float
+        Root mean square of σ_zz, or a little less.
+    columns : int or None
+        Number of columns of modes, the first ones, that the plane needs; None for all.
+    """
+
+    grid: Grid
+    bound: float
+    scale: float
+    columns: int | None = None
 
 
 class Truncation:
@@ -73,6 +95,7 @@ class Truncation:
         rings = occupied.size
         self._width, self._wavenumber = width, width * occupied
         amplitude = np.abs(pressure) * grid.multiplicity
+        self._qx, self._of_columns = grid.qx, amplitude.sum(axis=0)
         self._power = np.bincount(ring.ravel(), (amplitude * np.abs(pressure)).ravel(), rings)
         self._mean_square = float(np.abs(pressure[0, 0]) ** 2)
         self._power[0] = 0.0
@@ -95,13 +118,25 @@ class Truncation:
         decay = self._wavenumber * depth
         return self._envelope * (self._dropped @ ((1 + decay) * np.exp(-decay)))
 
-    def choose(self, depth: float) -> tuple[Grid, float]:
+    def choose(self, depth: float) -> PlaneGrid:
         """The coarsest sufficient grid at `depth`, and its bound."""
+        scale = self.scale(depth)
         if self.tolerance == 0:
-            return self.grids[0], 0.0
+            return PlaneGrid(self.grids[0], 0.0, scale)
         bounds = self.bounds(depth)
-        sufficient = np.flatnonzero(bounds <= self.tolerance * self.scale(depth))
-        return self.grids[sufficient[-1]], float(bounds[sufficient[-1]])
+        coarsest = np.flatnonzero(bounds <= self.tolerance * scale)[-1]
+        grid, bound = self.grids[coarsest], float(bounds[coarsest])
+        columns, beyond = self._columns(depth, grid, self.tolerance * scale - bound)
+        return PlaneGrid(grid, bound + beyond, scale, columns)
+
+    def _columns(self, depth: float, grid: Grid, allowed: float) -> tuple[int, float]:
+        """Number of columns of a grid without which the error is at most `allowed`, and its bound."""
+        size = grid.half_shape[1]
+        decay = self._qx[:size] * depth
+        dropped = self._envelope * self._of_columns[:size] * (1 + decay) * np.exp(-decay)
+        beyond = np.append(np.cumsum(dropped[::-1])[::-1], 0.0)
+        kept = max(1, int(np.flatnonzero(beyond <= allowed)[0]))
+        return kept, float(beyond[kept])
 
 
 def envelope_of(layer: Layer, poisson: float, friction: float = 0.0) -> float:

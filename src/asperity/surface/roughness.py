@@ -386,10 +386,14 @@ def _rescaled(transformed: Array, height: Array) -> Array:
 def _moments(values: Array, weights: Array) -> tuple[float, float, float]:
     """Variance, skewness and kurtosis of weighted values; the last two are NaN if all values are equal."""
     centred = values - weights @ values
-    variance = weights @ centred**2
+    power = centred * centred
+    variance = weights @ power
     if variance == 0:
         return 0.0, float("nan"), float("nan")
-    return variance, (weights @ centred**3) / variance**1.5, (weights @ centred**4) / variance**2
+    power *= centred
+    third = weights @ power
+    power *= centred
+    return variance, third / variance**1.5, (weights @ power) / variance**2
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ import numpy as np
 from asperity.accuracy.multilevel import allocate, bias, multilevel_mean
 from asperity.accuracy.tables import minutes
 from asperity.paper.ensemble.samples import Samples
-from asperity.pipeline.ensemble import SURFACE_ALONE, SURFACE_SEEDS, block_size
+from asperity.pipeline.blocks import SURFACE_ALONE, SURFACE_SEEDS, block_size
 from asperity.types import Array
 
 FEWEST_COARSE = 16

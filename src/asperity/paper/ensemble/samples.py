@@ -9,7 +9,8 @@ import numpy as np
 import xarray as xr
 
 from asperity.paper.ensemble.numbers import values
-from asperity.pipeline.ensemble import SURFACE_ALONE, SURFACE_NUMBERS
+from asperity.pipeline.blocks import SURFACE_ALONE
+from asperity.pipeline.ensemble import SURFACE_NUMBERS
 from asperity.results import dataset
 from asperity.types import Array
 

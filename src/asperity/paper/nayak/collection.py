@@ -10,7 +10,7 @@ import xarray as xr
 
 from asperity.errors import DatasetError
 from asperity.paper.nayak.samples import sample
-from asperity.pipeline.ensemble import grid_points
+from asperity.pipeline.blocks import grid_points
 from asperity.results import dataset
 from asperity.runtime.progress import ProgressBar
 

@@ -15,7 +15,7 @@ import xarray as xr
 
 from asperity.contact import Contact, solve_path
 from asperity.elasticity.layer import Layer
-from asperity.pipeline.ensemble import grid_points
+from asperity.pipeline.blocks import grid_points
 from asperity.pipeline.surface import random_heights
 from asperity.spectral import Fourier, Grid, gradient, mean_square
 from asperity.types import Array, Progress

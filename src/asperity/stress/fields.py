@@ -1,0 +1,272 @@
+"""Compiled formulas of the fields of a plane from the linear parts A and B of its stress components.
+
+A field is computed row by row for all nodes, at single nodes, or between the nodes of a plane from
+interpolated parts. All three use one formula in one order of operations, so that the results have the same
+bits, in the precision of the plane.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from asperity.elasticity.layer import COMPONENTS
+from asperity.stress.principal import LARGEST_SHEAR, PRINCIPAL_1, PRINCIPAL_2, PRINCIPAL_3, principal_stresses
+
+KINDS = {
+    **{name: number for number, name in enumerate(COMPONENTS)},
+    "von_mises": 6,
+    "hydrostatic": 7,
+    "largest_shear": 8 + LARGEST_SHEAR,
+    "principal_1": 8 + PRINCIPAL_1,
+    "principal_2": 8 + PRINCIPAL_2,
+    "principal_3": 8 + PRINCIPAL_3,
+}
+"""Name of a field → its number in the compiled functions."""
+
+_XX, _YY, _ZZ, _YZ, _XZ, _XY = range(6)
+_VON_MISES, _HYDROSTATIC, _MEASURES = 6, 7, 8
+_SLOPE_XX, _SLOPE_YY, _SLOPE_XY = 6, 7, 8
+
+PLACES = 9
+"""Entries of `Parts.place`."""
+
+
+class Parts(NamedTuple):
+    """Linear parts of the stress of a plane.
+
+    Parameters
+    ----------
+    values : (parts, rows, at least `columns`) array
+        A row may be longer than the plane.
+    place : (`PLACES`,) integer array
+        Where in `values` A_xx, A_yy, A_zz, A_yz, A_xz, A_xy, B_xx, B_yy and B_xy are; −1 for one that is not
+        needed, or for B_yy, which follows from A_xx + A_yy + A_zz = B_xx + B_yy but for the uniform mode.
+        Where A is the stress itself, any of its components stands for B.
+    columns : int
+    mean_pressure : float
+        Minus the uniform part of A_zz, in the precision of `values`.
+    """
+
+    values: Any
+    place: Any
+    columns: int
+    mean_pressure: Any
+
+
+class Field(NamedTuple):
+    """One field of a plane.
+
+    Parameters
+    ----------
+    kind : int
+        Of `KINDS`.
+    ratio : float
+        Poisson's ratio ν; 0 where A is the stress itself. In the precision of the plane.
+    uniform : float
+        Uniform part of σ_xx and σ_yy, in the precision of the plane.
+    """
+
+    kind: int
+    ratio: Any
+    uniform: Any
+
+
+_compiled = njit(cache=True, error_model="numpy", nogil=True)
+_inlined = njit(cache=True, error_model="numpy", nogil=True, forceinline=True)
+
+
+@_inlined
+def _von_mises(x: float, y: float, z: float, yz: float, xz: float, xy: float) -> float:
+    first, second = x - y, y - z
+    shear = xy * xy + yz * yz + xz * xz
+    return np.sqrt((first * first + first * second) + second * second + (shear + shear + shear))
+
+
+@_inlined
+def _hydrostatic(trace: float, ratio: float, uniform: float, mean_pressure: float) -> float:
+    """A third of the trace of A + ν B; that of B is the trace of A without its uniform part."""
+    return (trace + ratio * (trace + mean_pressure) + uniform + uniform) / 3.0
+
+
+@_compiled
+def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: float) -> float:
+    """The largest shear stress or a principal stress."""
+    first, second, third = principal_stresses(float(x), float(y), float(z), float(yz), float(xz), float(xy))
+    if kind == _MEASURES + LARGEST_SHEAR:
+        return 0.5 * (first - third)
+    if kind == _MEASURES + PRINCIPAL_1:
+        return first
+    return second if kind == _MEASURES + PRINCIPAL_2 else third
+
+
+@_compiled
+def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
+    """Fill `out`, (columns,), with one row of a field."""
+    values, place, columns, mean = parts
+    kind, ratio, uniform = field
+    if kind in (_ZZ, _YZ, _XZ):
+        a = values[place[kind], row]
+        for i in range(columns):
+            out[i] = a[i]
+        return
+    if kind == _XX:
+        a, b = values[place[_XX], row], values[place[_SLOPE_XX], row]
+        for i in range(columns):
+            out[i] = a[i] + ratio * b[i] + uniform
+        return
+    if kind == _XY:
+        a, b = values[place[_XY], row], values[place[_SLOPE_XY], row]
+        for i in range(columns):
+            out[i] = a[i] + ratio * b[i]
+        return
+    if kind == _YY and place[_SLOPE_YY] >= 0:
+        a, b = values[place[_YY], row], values[place[_SLOPE_YY], row]
+        for i in range(columns):
+            out[i] = a[i] + ratio * b[i] + uniform
+        return
+    xx, yy, zz = values[place[_XX], row], values[place[_YY], row], values[place[_ZZ], row]
+    if kind == _HYDROSTATIC:
+        for i in range(columns):
+            out[i] = _hydrostatic(xx[i] + yy[i] + zz[i], ratio, uniform, mean)
+        return
+    slope = values[place[_SLOPE_XX], row]
+    if kind == _YY:
+        for i in range(columns):
+            out[i] = yy[i] + ratio * (xx[i] + yy[i] + zz[i] + mean - slope[i]) + uniform
+        return
+    yz, xz, xy = values[place[_YZ], row], values[place[_XZ], row], values[place[_XY], row]
+    slope_xy = values[place[_SLOPE_XY], row]
+    if kind == _VON_MISES:
+        for i in range(columns):
+            slope_yy = xx[i] + yy[i] + zz[i] + mean - slope[i]
+            x, y = xx[i] + ratio * slope[i] + uniform, yy[i] + ratio * slope_yy + uniform
+            out[i] = _von_mises(x, y, zz[i], yz[i], xz[i], xy[i] + ratio * slope_xy[i])
+        return
+    for i in range(columns):
+        slope_yy = xx[i] + yy[i] + zz[i] + mean - slope[i]
+        x, y = xx[i] + ratio * slope[i] + uniform, yy[i] + ratio * slope_yy + uniform
+        out[i] = _measure(kind, x, y, zz[i], yz[i], xz[i], xy[i] + ratio * slope_xy[i])
+
+
+@_compiled
+def fill_fields(parts: Any, kind: int, ratios: Any, uniforms: Any, places: Any, out: Any) -> None:
+    """Fill some of the arrays of `out`, (fields, rows, columns), with fields of one kind.
+
+    Parameters
+    ----------
+    parts : Parts
+    kind : int
+    ratios, uniforms : (fields,) arrays in the precision of the plane
+    places : integer array
+        Which fields are computed.
+    """
+    for row in range(out.shape[1]):
+        for m in places:
+            fill_row(parts, Field(kind, ratios[m], uniforms[m]), row, out[m, row])
+
+
+@_compiled
+def needed_parts(kind: int, place: Any) -> Any:
+    """True for every entry of `Parts.place` on which a field depends."""
+    needed = np.zeros(PLACES, np.bool_)
+    if kind < _VON_MISES:
+        needed[kind] = True
+        if kind == _XX:
+            needed[_SLOPE_XX] = True
+        elif kind == _XY:
+            needed[_SLOPE_XY] = True
+        elif kind == _YY and place[_SLOPE_YY] >= 0:
+            needed[_SLOPE_YY] = True
+        elif kind == _YY:
+            needed[_XX] = needed[_ZZ] = needed[_SLOPE_XX] = True
+    elif kind == _HYDROSTATIC:
+        needed[_XX] = needed[_YY] = needed[_ZZ] = True
+    else:
+        needed[:] = True
+        needed[_SLOPE_YY] = False
+    return needed
+
+
+@_compiled
+def value_of(field: Any, given: Any, place: Any, mean_pressure: float) -> float:
+    """A field from its linear parts at one point, `given` in the order of `Parts.place`."""
+    kind, ratio, uniform = field
+    if kind in (_ZZ, _YZ, _XZ):
+        return given[kind]
+    if kind == _XX:
+        return given[_XX] + ratio * given[_SLOPE_XX] + uniform
+    if kind == _XY:
+        return given[_XY] + ratio * given[_SLOPE_XY]
+    if kind == _YY and place[_SLOPE_YY] >= 0:
+        return given[_YY] + ratio * given[_SLOPE_YY] + uniform
+    xx, yy, zz = given[_XX], given[_YY], given[_ZZ]
+    if kind == _HYDROSTATIC:
+        return _hydrostatic(xx + yy + zz, ratio, uniform, mean_pressure)
+    slope_yy = xx + yy + zz + mean_pressure - given[_SLOPE_XX]
+    y = yy + ratio * slope_yy + uniform
+    if kind == _YY:
+        return y
+    x = xx + ratio * given[_SLOPE_XX] + uniform
+    xy = given[_XY] + ratio * given[_SLOPE_XY]
+    if kind == _VON_MISES:
+        return _von_mises(x, y, zz, given[_YZ], given[_XZ], xy)
+    return _measure(kind, x, y, zz, given[_YZ], given[_XZ], xy)
+
+
+@_inlined
+def value_at(parts: Any, field: Any, row: int, column: int) -> float:
+    """A field at one node."""
+    values, place, _, mean = parts
+    kind, ratio, uniform = field
+    if kind in (_ZZ, _YZ, _XZ):
+        return values[place[kind], row, column]
+    if kind == _XX or (kind == _YY and place[_SLOPE_YY] >= 0):
+        slope = values[place[_SLOPE_XX + kind], row, column]
+        return values[place[kind], row, column] + ratio * slope + uniform
+    if kind == _XY:
+        return values[place[_XY], row, column] + ratio * values[place[_SLOPE_XY], row, column]
+    xx = values[place[_XX], row, column]
+    yy = values[place[_YY], row, column]
+    zz = values[place[_ZZ], row, column]
+    if kind == _HYDROSTATIC:
+        return _hydrostatic(xx + yy + zz, ratio, uniform, mean)
+    slope = values[place[_SLOPE_XX], row, column]
+    slope_yy = xx + yy + zz + mean - slope
+    y = yy + ratio * slope_yy + uniform
+    if kind == _YY:
+        return y
+    x = xx + ratio * slope + uniform
+    xy = values[place[_XY], row, column] + ratio * values[place[_SLOPE_XY], row, column]
+    yz, xz = values[place[_YZ], row, column], values[place[_XZ], row, column]
+    if kind == _VON_MISES:
+        return _von_mises(x, y, zz, yz, xz, xy)
+    return _measure(kind, x, y, zz, yz, xz, xy)
+
+
+@_compiled
+def pack(values: Any, factor: float, out: Any) -> None:
+    """Fill an array of 16-bit integers with values ≥ 0 times a factor, rounded."""
+    for j in range(values.shape[0]):
+        for i in range(values.shape[1]):
+            out[j, i] = np.uint16(np.int32(values[j, i] * factor + 0.5))
+
+
+# Numbers may be added in any order, and none is NaN: only then loops that sum are vectorised.
+@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "nnan", "nsz", "contract"})
+def moments(one: Any, two: Any) -> tuple[float, float, float]:
+    """Means of two fields and of their product, summed row by row."""
+    mean_one = mean_two = product = 0.0
+    for j in range(one.shape[0]):
+        row_one = row_two = row_product = 0.0
+        for i in range(one.shape[1]):
+            value_one, value_two = float(one[j, i]), float(two[j, i])
+            row_one += value_one
+            row_two += value_two
+            row_product += value_one * value_two
+        mean_one += row_one
+        mean_two += row_two
+        product += row_product
+    return mean_one / one.size, mean_two / one.size, product / one.size

@@ -1,0 +1,377 @@
+"""Compiled search for the maxima of fields in a plane, and their comparison with the adjacent planes."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from asperity.stress.fields import PLACES, Field, fill_row, needed_parts, value_at, value_of
+
+_compiled = njit(cache=True, error_model="numpy", nogil=True)
+_inlined = njit(cache=True, error_model="numpy", nogil=True, forceinline=True)
+# Numbers may be added in any order, and none is NaN: only then loops that sum or compare are vectorised.
+_reduction = njit(
+    cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "nnan", "nsz", "contract"}
+)
+
+_FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1))
+"""A node and its neighbours: most maxima end at the node itself."""
+
+_INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) for k in range(6)])
+"""Denominators of Lagrange's formula on six nodes."""
+
+_LANES = 64
+"""Numbers that are compared at once."""
+
+_BLOCK = 256
+"""Numbers that are summed in their own precision."""
+
+_WORD = 8
+"""Flags of nodes that are looked at together."""
+
+
+class Search(NamedTuple):
+    """Fields of a plane that are searched or averaged.
+
+    Parameters
+    ----------
+    kinds : (fields,) integer array
+    ratios, uniforms : (fields,) arrays in the precision of the plane
+        As of `asperity.stress.fields.Field`.
+    sought : (fields,) bool array
+        True where maxima are sought.
+    averaged : (fields,) integer array
+        Where in `reference` and `sums` a field is compared; −1 where it is not averaged.
+    floor : float
+        Maxima of a magnitude at or below it are left out.
+    periodic : bool
+    compared : bool
+        True if only maxima above their neighbours in the plane above are taken.
+    """
+
+    kinds: Any
+    ratios: Any
+    uniforms: Any
+    sought: Any
+    averaged: Any
+    floor: float
+    periodic: bool
+    compared: bool
+
+
+class Room(NamedTuple):
+    """Arrays in which a band of rows is searched, kept from plane to plane.
+
+    Parameters
+    ----------
+    rows : (fields, 3, at least columns) array in the precision of the plane
+        The last three rows of each field.
+    across : (at least columns,) array in the precision of the plane
+    flags : (at least columns + 8,) uint8 array
+    found : (fields, nodes) integer array
+        Flat indices of the maxima.
+    around : (fields, nodes, 3, 3) array in the precision of the plane
+        Values at and around them.
+    above : (fields, nodes, 3, 3) array in the precision of the plane
+        Those in the plane above, if it is on the same grid.
+    counts, before : (fields,) integer arrays
+        Number of the maxima found so far, and before the last rows.
+    """
+
+    rows: Any
+    across: Any
+    flags: Any
+    found: Any
+    around: Any
+    above: Any
+    counts: Any
+    before: Any
+
+
+@_compiled
+def search_rows(
+    parts: Any,
+    above: Any,
+    search: Any,
+    room: Any,
+    start: int,
+    first: int,
+    last: int,
+    reference: Any,
+    sums: Any,
+) -> None:
+    """Compute the fields of some rows of a plane, search the rows above them for maxima, and sum.
+
+    Parameters
+    ----------
+    parts, above : Parts
+        Of the plane and, if `Search.compared`, of the one above on the same grid.
+    search : Search
+    room : Room
+    start, first, last : int
+        Rows `first` to `last` − 1 are new, those from `start` have been searched before. A row is compared
+        with both its neighbours when the one after it is there: all but `start` and `last` − 1.
+        Rows beyond the edges are those at the opposite edge or their mirror image.
+    reference : (averaged, rows / step, columns / step) array
+        Fields with which each averaged one is compared at every `step`-th node; empty if there are none.
+    sums : (averaged, rows, 5) array
+        Sum of each row, of its squares, its largest value, and over the compared nodes the sum of the field
+        and of its product with the reference; empty if nothing is summed.
+    """
+    rows = parts.values.shape[1]
+    columns = parts.columns
+    for t in range(search.kinds.size):
+        room.before[t] = room.counts[t]
+    for j in range(first, last):
+        row = neighbour(j, rows, search.periodic)
+        for t in range(search.kinds.size):
+            here = room.rows[t, j % 3]
+            field = Field(search.kinds[t], search.ratios[t], search.uniforms[t])
+            fill_row(parts, field, row, here)
+            m = search.averaged[t]
+            if m >= 0 and sums.size:
+                _sum_row(here, columns, row, reference, m, room.across, sums[m, row])
+            if search.sought[t] and j - start >= 2:
+                previous, centre = room.rows[t, (j - 2) % 3], room.rows[t, (j - 1) % 3]
+                row_before = neighbour(j - 1, rows, search.periodic)
+                _search_row(previous, centre, here, columns, search, room, t, row_before)
+    if search.compared:
+        # While the rows of the plane above are in the cache for all fields.
+        for t in range(search.kinds.size):
+            field = Field(search.kinds[t], search.ratios[t], search.uniforms[t])
+            room.counts[t] = _keep_above(above, field, search.periodic, room, t)
+
+
+@_reduction
+def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, lanes: Any, out: Any) -> None:
+    out[0], out[1] = _sums(here, here, columns)
+    out[2] = _largest(here, columns, lanes)
+    out[3] = out[4] = 0.0
+    if m >= reference.shape[0]:
+        return
+    step = columns // reference.shape[2]
+    if row % step:
+        return
+    other = reference[m, row // step]
+    if step == 1:
+        out[3], out[4] = out[0], _sums(here, other, columns)[1]
+    else:
+        for i in range(other.size):
+            lanes[i] = here[i * step]
+        out[3], out[4] = _sums(lanes, other, other.size)
+
+
+@_reduction
+def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
+    """Sums of some values and of their products with others: in blocks in their own precision."""
+    total = product = 0.0
+    for first in range(0, count, _BLOCK):
+        last = min(first + _BLOCK, count)
+        some, same = values[first:last], others[first:last]
+        part = here = values[0] - values[0]
+        for i in range(last - first):
+            here += some[i]
+            part += some[i] * same[i]
+        total += here
+        product += part
+    return total, product
+
+
+@_reduction
+def _largest(values: Any, count: int, lanes: Any) -> float:
+    """Largest of some values ≥ 0, with room for `_LANES` numbers that are compared at once."""
+    for k in range(_LANES):
+        lanes[k] = 0.0
+    whole = count - count % _LANES
+    for first in range(0, whole, _LANES):
+        some = values[first : first + _LANES]
+        for k in range(_LANES):
+            lanes[k] = max(lanes[k], some[k])
+    largest = lanes[0]
+    for k in range(1, _LANES):
+        largest = max(largest, lanes[k])
+    for i in range(whole, count):
+        largest = max(largest, values[i])
+    return largest
+
+
+@_reduction
+def _search_row(
+    previous: Any, here: Any, after: Any, columns: int, search: Any, room: Any, t: int, row: int
+) -> None:
+    """Add the maxima of one row, from the values in it and in the rows beside it."""
+    across, flags, periodic = room.across, room.flags, search.periodic
+    floor = search.floor
+    for i in range(columns):
+        magnitude, beside = abs(here[i]), max(abs(previous[i]), abs(after[i]))
+        across[i] = max(beside, magnitude)
+        flags[i] = (magnitude > beside) & (magnitude > floor)
+    inner = here[1 : columns - 1]
+    left, right, flagged = across[: columns - 2], across[2:columns], flags[1 : columns - 1]
+    for i in range(columns - 2):
+        flagged[i] &= abs(inner[i]) > max(left[i], right[i])
+    last = columns - 1
+    flags[0] &= abs(here[0]) > max(across[1], across[last if periodic else 1])
+    flags[last] &= abs(here[last]) > max(across[last - 1], across[0 if periodic else last - 1])
+    for i in range(columns, columns + _WORD):
+        flags[i] = 0
+    words = flags.view(np.uint64)
+    count = room.counts[t]
+    for word in range((columns + _WORD - 1) // _WORD):
+        if words[word]:
+            for i in range(_WORD * word, _WORD * word + _WORD):
+                if flags[i]:
+                    room.found[t, count] = row * columns + i
+                    for b in range(3):
+                        place = neighbour(i + b - 1, columns, periodic)
+                        room.around[t, count, 0, b] = previous[place]
+                        room.around[t, count, 1, b] = here[place]
+                        room.around[t, count, 2, b] = after[place]
+                    count += 1
+    room.counts[t] = count
+
+
+@_inlined
+def neighbour(node: int, nodes: int, periodic: bool) -> int:
+    """Index of a node at most two beyond the edges: at the opposite edge, or its mirror image."""
+    if node < 0:
+        return node % nodes if periodic else -node
+    if node >= nodes:
+        return node % nodes if periodic else 2 * nodes - 2 - node
+    return node
+
+
+@_compiled
+def _keep_above(parts: Any, field: Any, periodic: bool, room: Any, t: int) -> int:
+    """Keep those of the last maxima that are above the plane `parts`; returns the number of all."""
+    columns = parts.columns
+    found, around, above = room.found[t], room.around[t], room.above[t]
+    kept = room.before[t]
+    for n in range(kept, room.counts[t]):
+        row, column = found[n] // columns, found[n] % columns
+        if _exceeds(parts, field, row, column, periodic, abs(around[n, 1, 1]), above[kept]):
+            found[kept] = found[n]
+            for k in range(9):
+                around[kept, k // 3, k % 3] = around[n, k // 3, k % 3]
+            kept += 1
+    return kept
+
+
+@_compiled
+def compare(
+    parts: Any, field: Any, row: Any, column: Any, periodic: bool, magnitude: Any, kept: Any, out: Any
+) -> None:
+    """Take the values of a field at and around nodes as long as a magnitude is above them.
+
+    Parameters
+    ----------
+    parts : Parts
+        Of a plane on the grid of the nodes.
+    field : Field
+    row, column : (nodes,) arrays
+    periodic : bool
+    magnitude : (nodes,) array
+    kept : (nodes,) bool array
+        Set to false where the magnitude is not above all nine values.
+    out : (nodes, 3, 3) array
+        Filled where it is.
+    All arrays of numbers are in the precision of the plane.
+    """
+    for n in range(row.size):
+        kept[n] = _exceeds(parts, field, row[n], column[n], periodic, magnitude[n], out[n])
+
+
+@_compiled
+def _exceeds(
+    parts: Any, field: Any, row: int, column: int, periodic: bool, magnitude: float, out: Any
+) -> bool:
+    """True if a magnitude is above the nine values at and around a node, which are written to `out`."""
+    rows, columns = parts.values.shape[1], parts.columns
+    for k in range(9):
+        a, b = _FROM_CENTRE[k]
+        line, place = neighbour(row + a, rows, periodic), neighbour(column + b, columns, periodic)
+        value = value_at(parts, field, line, place)
+        out[a + 1, b + 1] = value
+        if not magnitude > abs(value):
+            return False
+    return True
+
+
+@_compiled
+def interpolate(
+    parts: Any,
+    field: Any,
+    row: Any,
+    column: Any,
+    other: tuple[int, int],
+    periodic: bool,
+    magnitude: Any,
+    kept: Any,
+    out: Any,
+) -> None:
+    """As `compare`, at and around nodes of another grid of the same cell.
+
+    The linear parts are interpolated by Lagrange's formula on the six nearest nodes along each axis.
+
+    Parameters
+    ----------
+    parts, field, row, column, periodic
+        As for `compare`; the nodes are those of the other grid.
+    other : (rows, columns)
+        Shape of the other grid.
+    magnitude, kept, out : arrays
+        As for `compare`.
+    """
+    needed = needed_parts(field.kind, parts.place)
+    given, weights = np.empty(PLACES), np.empty((2, 6))
+    places = np.empty((2, 6), np.int64)
+    shape = parts.values.shape[1], parts.columns
+    for n in range(row.size):
+        for k in range(9):
+            a, b = _FROM_CENTRE[k]
+            _stencil(row[n] + a, other[0], shape[0], periodic, places[0], weights[0])
+            _stencil(column[n] + b, other[1], shape[1], periodic, places[1], weights[1])
+            for part in range(PLACES):
+                if needed[part]:
+                    given[part] = _weighted(parts.values[parts.place[part]], places, weights)
+            value = value_of(field, given, parts.place, parts.mean_pressure)
+            out[n, a + 1, b + 1] = value
+            if not magnitude[n] > abs(value):
+                kept[n] = False
+                break
+
+
+@_inlined
+def _weighted(values: Any, places: Any, weights: Any) -> float:
+    place, weight = places[1], weights[1]
+    a, b, c, d, e, f = place[0], place[1], place[2], place[3], place[4], place[5]
+    u, v, w, x, y, z = weight[0], weight[1], weight[2], weight[3], weight[4], weight[5]
+    total = 0.0
+    for k in range(6):
+        line = values[places[0, k]]
+        along = (u * line[a] + v * line[b]) + (w * line[c] + x * line[d]) + (y * line[e] + z * line[f])
+        total += weights[0, k] * along
+    return total
+
+
+@_compiled
+def _stencil(node: int, others: int, nodes: int, periodic: bool, place: Any, weight: Any) -> None:
+    """Places and weights of the six nodes nearest to a node of another grid, for Lagrange's interpolation.
+
+    Over a free boundary a node beyond an edge is its mirror image, and all six lie within the map.
+    """
+    if not periodic:
+        node = neighbour(node, others, periodic)
+    position = node * (nodes / others)
+    base = int(np.floor(position))
+    if not periodic:
+        base = max(2, min(base, nodes - 4))
+    fraction = position - base
+    for k in range(6):
+        place[k] = (base + k - 2) % nodes
+        weight[k] = _INVERSE_PRODUCTS[k]
+        for m in range(6):
+            if m != k:
+                weight[k] *= fraction - (m - 2)

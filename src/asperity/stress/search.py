@@ -1,0 +1,153 @@
+"""Search of the planes of a stream for the maxima of several fields, while their rows are in the cache."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from asperity.stress.fields import KINDS, Field
+from asperity.stress.maxima import Room, Search, search_rows
+from asperity.stress.periodic import KeptArrays, bands_of
+from asperity.stress.planes import LinearPlane
+from asperity.types import Array
+
+SUMS = 5
+"""Numbers that `asperity.stress.maxima.search_rows` sums of each row."""
+
+
+@dataclass(frozen=True)
+class SoughtField:
+    """A field that is computed in every plane.
+
+    Parameters
+    ----------
+    name : str
+    poisson, uniform : float
+        Poisson's ratio, and the uniform part of σ_xx and σ_yy over the mean pressure.
+    sought : bool
+        True if its maxima are sought.
+    averaged : bool
+        True if its rows are summed.
+    """
+
+    name: str
+    poisson: float
+    uniform: float
+    sought: bool
+    averaged: bool
+
+    def compiled(self, plane: LinearPlane) -> Field:
+        """The field of a plane as the compiled functions take it."""
+        real = plane.dtype.type
+        ratio = self.poisson if plane.slope else 0.0
+        return Field(KINDS[self.name], real(ratio), real(self.uniform * plane.mean_pressure))
+
+
+class PlaneSearch:
+    """Computes and searches fields of one plane after the other; keeps its memory.
+
+    Parameters
+    ----------
+    fields : sequence of SoughtField
+        Those with a reference first among the averaged ones.
+    periodic : bool
+
+    Attributes
+    ----------
+    maxima : list of (nodes, here, above)
+        Flat indices of the maxima of each field in the last plane, and the values at and around them in it
+        and, if that is on the same grid, in the plane above, of which only those are left that exceed it.
+    sums : (averaged, rows, `SUMS`) array
+        As of `asperity.stress.maxima.search_rows`, of the last plane.
+    """
+
+    def __init__(self, fields: Sequence[SoughtField], periodic: bool) -> None:
+        self.fields, self._periodic = list(fields), periodic
+        self.maxima: list[tuple[Array, Array, Array]] = []
+        self.sums = np.empty((0, 0, SUMS))
+        averaged = np.cumsum([field.averaged for field in fields]) - 1
+        self._averaged = np.where([field.averaged for field in fields], averaged, -1)
+        self._kept = KeptArrays()
+
+    def start(self, plane: LinearPlane, above: LinearPlane | None, floor: float, reference: Array) -> None:
+        """Begin a plane, whose maxima at or below `floor` are left out."""
+        real = plane.dtype
+        self._parts = plane.parts()
+        compared = above is not None and above.grid == plane.grid
+        self._above = above.parts() if above is not None and compared else self._parts
+        compiled = [field.compiled(plane) for field in self.fields]
+        self._search = Search(
+            np.array([field.kind for field in compiled]),
+            np.array([field.ratio for field in compiled], real),
+            np.array([field.uniform for field in compiled], real),
+            np.array([field.sought for field in self.fields]),
+            self._averaged,
+            real.type(floor),
+            self._periodic,
+            compared,
+        )
+        self._reference = reference
+        self.sums = np.empty((int(self._averaged.max()) + 1, plane.grid.shape[0], SUMS))
+        self._bands = bands_of(plane.grid.shape[0])
+        self._rooms: list[Room | None] = [None] * len(self._bands)
+        self._found: list[list[tuple[Array, Array, Array]]] = [[] for _ in self._bands]
+
+    def add_rows(self, band: int, first: int, last: int) -> None:
+        """Search some rows that have been filled, the next ones of a band."""
+        start, stop = self._bands[band]
+        if first == start:
+            self._rooms[band] = self._room(stop - start)
+        room = self._rooms[band]
+        assert room is not None
+        self._search_rows(room, start, first, last, self.sums)
+        if last == stop:
+            self._found[band] = _maxima_in(room)
+            self._rooms[band] = None
+
+    def finish(self) -> None:
+        """Search the rows at the edges of the bands, when all have been filled."""
+        rows = self._parts.values.shape[1]
+        edges = [start for start, _ in self._bands]
+        around = [(edge - 2, edge + 2) for edge in edges]
+        if not self._periodic:
+            around[0] = (-1, 2)
+            around.append((rows - 2, rows + 1))
+        nothing = np.empty((0, 0, SUMS))
+        for start, stop in around:
+            room = self._room(stop - start)
+            self._search_rows(room, start, start, stop, nothing)
+            self._found.append(_maxima_in(room))
+        self.maxima = []
+        for each in zip(*self._found, strict=True):
+            nodes, here, above = (np.concatenate(part) for part in zip(*each, strict=True))
+            self.maxima.append((nodes, here, above))
+
+    def _search_rows(self, room: Room, start: int, first: int, last: int, sums: Array) -> None:
+        both, rows = (self._parts, self._above), (start, first, last)
+        search_rows(*both, self._search, room, *rows, self._reference, sums)
+
+    def _room(self, rows: int) -> Room:
+        fields, columns = len(self.fields), self._parts.columns
+        real = self._parts.values.dtype
+        capacity = (rows // 2 + 1) * (columns // 2 + 1)
+        padded = -(-columns // 64) * 64 + 64
+        return Room(
+            self._kept.array("rows", (fields, 3, padded), real),
+            self._kept.array("across", (padded,), real),
+            self._kept.array("flags", (padded,), np.uint8),
+            self._kept.array("found", (fields, capacity), np.int64),
+            self._kept.array("around", (fields, capacity, 3, 3), real),
+            self._kept.array("above", (fields, capacity, 3, 3), real),
+            np.zeros(fields, np.int64),
+            np.zeros(fields, np.int64),
+        )
+
+
+def _maxima_in(room: Room) -> list[tuple[Array, Array, Array]]:
+    """Nodes of the maxima of each field that have been found, and the values around them."""
+    return [
+        (found[:count].copy(), around[:count].copy(), above[:count].copy())
+        for found, around, above, count in zip(room.found, room.around, room.above, room.counts, strict=True)
+    ]
