@@ -5,6 +5,8 @@ MINUTES ?=
 SEED ?=
 CONFIG ?=
 RESULTS ?=
+GRIDS ?=
+PARTS ?=
 UPDATE ?=
 # Options of snakemake for the study that CONFIG and RESULTS name, by default the paper's.
 STUDY = $(if $(CONFIG),--configfile $(CONFIG)) $(if $(RESULTS),--config "results=$(RESULTS)")
@@ -89,14 +91,8 @@ crate: study ## Describe the results of the study as an RO-Crate, ro-crate-metad
 docs: $(VENV)/ready ## Build the documentation site with its gallery, without a network, into docs/_build/html
 	MPLBACKEND=Agg python -m sphinx -b html -W --keep-going -n docs docs/_build/html
 
-bench: $(VENV)/ready ## Measure the speed and accuracy of layer, contact and stress, beside other programs where installed
-	python benchmarks/layer.py
-	python benchmarks/contact.py
-	python benchmarks/load_path.py
-	python benchmarks/gfmd.py
-	python benchmarks/stress.py
-	python benchmarks/economies.py
-	python benchmarks/engines.py
+bench: $(VENV)/ready ## Measure speed and memory, and write docs/performance.md; GRIDS="512 1024 2048" PARTS="contact study" for less
+	python benchmarks/performance.py $(if $(GRIDS),--grids $(GRIDS)) $(if $(PARTS),--parts $(PARTS))
 
 tradeoff: $(VENV)/ready ## Errors and costs of all settings of accuracy, measured anew for asperity plan and config/README.md
 	python workflow/store_tradeoff.py

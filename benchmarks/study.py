@@ -1,0 +1,76 @@
+"""Wall time, processor time and memory of the study, from nothing, and of a dry run.
+
+    python benchmarks/study.py [paper] [quick] [dry-run] [--out results/benchmarks]
+
+runs the study of the paper, the quick study, and a dry run of the paper's, on two cores, each into a new
+folder that is deleted afterwards. Without arguments all three. Prints a table, and keeps its rows in
+``study.csv``. Processor time is that of all jobs and of Snakemake; memory is the largest of any process.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import pandas as pd
+
+import asperity
+
+ROOT = Path(__file__).parents[1]
+OPTIONS = {"paper": [], "quick": ["--configfile", "config/quick.yaml"], "dry-run": ["--dry-run", "--quiet"]}
+
+
+def measure(name: str, cores: int) -> dict[str, object]:
+    """Cost of one run of the study."""
+    load, before = os.getloadavg()[0], resource.getrusage(resource.RUSAGE_CHILDREN)
+    start = time.perf_counter()
+    with tempfile.TemporaryDirectory() as folder:
+        command = [sys.executable, "-m", "snakemake", "--cores", str(cores), "--nolock", *OPTIONS[name]]
+        command += ["--config", f"results={folder}"]
+        run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+        wall = time.perf_counter() - start
+    if run.returncode:
+        sys.exit(run.stdout[-2000:] + run.stderr[-2000:])
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return {
+        "study": name,
+        "cores": cores,
+        "wall": wall,
+        "seconds": spent,
+        "memory_GB": after.ru_maxrss / 1e6,
+        "program": f"asperity {asperity.__version__}",
+        "load_average": load,
+        "date": time.strftime("%Y-%m-%d"),
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("study", nargs="*", help=f"{', '.join(OPTIONS)}; all by default")
+    parser.add_argument("--cores", type=int, default=2)
+    parser.add_argument("--out", type=Path, default=Path("results/benchmarks"))
+    options = parser.parse_args()
+    if unknown := set(options.study) - set(OPTIONS):
+        parser.error(f"study = {', '.join(unknown)}: one of {', '.join(OPTIONS)} is needed")
+    options.out.mkdir(parents=True, exist_ok=True)
+    path = options.out / "study.csv"
+    for name in options.study or OPTIONS:
+        table = pd.DataFrame([measure(name, options.cores)])
+        if path.exists():
+            old = pd.read_csv(path)
+            table = pd.concat([old[old["study"] != name], table])
+        table.to_csv(path, index=False, float_format="%.4g", lineterminator="\n")
+        print(table.tail(1).to_string(index=False), flush=True)
+
+
+if __name__ == "__main__":
+    main()
