@@ -20,6 +20,7 @@ PACKAGES = {
         "lazy_loader": "lazy-loader",
         "netCDF4": "netCDF4",
         "numba": "numba",
+        "llvmlite": "llvmlite",
         "numpy": "numpy",
         "pandas": "pandas",
         "pint": "pint",
