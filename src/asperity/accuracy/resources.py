@@ -36,9 +36,6 @@ and the one that runs the job."""
 COMPILER_MEMORY = 150e6
 """Memory (bytes) of compiling beside a job, on a node whose processor differs from the one compiled for."""
 
-SECOND_SOLUTION_MEMORY = 12
-"""Bytes per node that a contact in single precision keeps if it is solved again in double precision."""
-
 TIME_LAWS: dict[str, tuple[str, ...]] = {
     "surface": (),
     "contact": ("contact_digits", "single_precision", "area", "loads"),
@@ -94,9 +91,9 @@ _LINES = {
     "wisdom": _Line(150, seconds=1, time_per_node=15e3),  # over the nodes on an edge
     "surface": _Line(190, 39, seconds=2, disk_per_node=8.1),
     "measured surface": _Line(250, 31, seconds=5, time_per_node=0.8, disk_per_node=8.1),
-    "contact": _Line(260, 85, seconds=2, disk_per_node=17.5),
-    "load-area curve": _Line(260, 130, seconds=2, disk_per_node=17.5),
-    "stress": _Line(270, 139, seconds=2, disk_per_node=2),
+    "contact": _Line(270, 78, seconds=2, disk_per_node=17.5),
+    "load-area curve": _Line(270, 133, seconds=2, disk_per_node=17.5),
+    "stress": _Line(280, 102, seconds=2, disk_per_node=2),
     "statistics": _Line(205, 53, seconds=3, time_per_node=0.5),
     "verification": _Line(300, 262, seconds=4, time_per_node=2),
     "figure": _Line(240, 8, seconds=3, time_per_node=0.1),
@@ -152,8 +149,6 @@ def job_cost(
     line = _LINES["load-area curve" if job == "contact" and repetitions > 1 else job]
     more, further = repetitions - 1, _FURTHER.get(job, _Line(0))
     per_node = line.memory_per_node + more * further.memory_per_node
-    if job == "contact" and accuracy.precision == "float32":
-        per_node += SECOND_SOLUTION_MEMORY
     if job in TIME_LAWS:
         settings = asdict(accuracy) | {
             "area_fraction": area_fraction,

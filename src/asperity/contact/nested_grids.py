@@ -2,8 +2,8 @@
 
 Each grid has half the nodes of the next finer one on each axis. Starts from coarser grids are known from
 multigrid methods, and for rough surfaces from Bemporad & Paggi (2015, arXiv:1506.00532). New here are the
-interpolation of the pressure, which keeps nodes out of contact free (`Iterate.refined`), and the prediction of
-the load of the next grid if an area is imposed.
+interpolation of the pressure, which keeps nodes out of contact free (`Iterate.refined`), and the prediction
+of the load of the next grid if an area is imposed.
 """
 
 from __future__ import annotations
