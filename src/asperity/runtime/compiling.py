@@ -19,6 +19,7 @@ from numba.core.registry import CPUDispatcher, cpu_target
 
 from asperity import __version__
 from asperity.contact import METHODS, solve
+from asperity.contact.inner_response import MIN_POINTS
 from asperity.elasticity.layer import Layer
 from asperity.spectral import Grid
 from asperity.stress.analysis import analyse_stress
@@ -52,9 +53,11 @@ def compile_contact() -> None:
     for precision, method, layer in product(PRECISIONS, METHODS, LAYERS):
         solve(height, layer, area_fraction=0.1, method=method, rtol=1e-4, dtype=precision)
     fine = self_affine((64, 64), 0.8, 0.5, 0.0625, 1e-3, seed=1)
+    divided = self_affine((MIN_POINTS, MIN_POINTS), 0.8, 0.5, 0.0625, 1e-3, seed=1)
     for precision in PRECISIONS:
         solve(height, LAYERS[0], approach=0.5 * height.min(), rtol=1e-4, dtype=precision)
         solve(fine, THIN_LAYER, area_fraction=0.1, rtol=1e-4, dtype=precision)
+        solve(divided, LAYERS[0], area_fraction=0.1, rtol=1e-4, dtype=precision)
         free = solve(height, LAYERS[0], area_fraction=0.1, boundary="free", rtol=1e-4, dtype=precision)
         assert free.gradient_rms_contact > 0
 
