@@ -75,7 +75,15 @@ class Field(NamedTuple):
 
 
 _compiled = njit(cache=True, error_model="numpy", nogil=True)
-_inlined = njit(cache=True, error_model="numpy", nogil=True, forceinline=True)
+_called = njit(cache=True, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+_inlined = njit(
+    cache=True,
+    error_model="numpy",
+    nogil=True,
+    no_cpython_wrapper=True,
+    no_cfunc_wrapper=True,
+    forceinline=True,
+)
 
 
 @_inlined
@@ -91,7 +99,7 @@ def _hydrostatic(trace: float, ratio: float, uniform: float, mean_pressure: floa
     return (trace + ratio * (trace + mean_pressure) + uniform + uniform) / 3.0
 
 
-@_compiled
+@_called
 def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: float) -> float:
     """The largest shear stress or a principal stress."""
     first, second, third = principal_stresses(float(x), float(y), float(z), float(yz), float(xz), float(xy))
@@ -102,7 +110,7 @@ def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: 
     return second if kind == _MEASURES + PRINCIPAL_2 else third
 
 
-@_compiled
+@_called
 def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
     """Fill `out`, (columns,), with one row of a field."""
     values, place, columns, mean = parts
@@ -168,7 +176,7 @@ def fill_fields(parts: Any, kind: int, ratios: Any, uniforms: Any, places: Any, 
             fill_row(parts, Field(kind, ratios[m], uniforms[m]), row, out[m, row])
 
 
-@_compiled
+@_called
 def needed_parts(kind: int, place: Any) -> Any:
     """True for every entry of `Parts.place` on which a field depends."""
     needed = np.zeros(PLACES, np.bool_)
@@ -190,7 +198,7 @@ def needed_parts(kind: int, place: Any) -> Any:
     return needed
 
 
-@_compiled
+@_called
 def value_of(field: Any, given: Any, place: Any, mean_pressure: float) -> float:
     """A field from its linear parts at one point, `given` in the order of `Parts.place`."""
     kind, ratio, uniform = field

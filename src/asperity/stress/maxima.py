@@ -10,10 +10,23 @@ from numba import njit
 from asperity.stress.fields import PLACES, Field, fill_row, needed_parts, value_at, value_of
 
 _compiled = njit(cache=True, error_model="numpy", nogil=True)
-_inlined = njit(cache=True, error_model="numpy", nogil=True, forceinline=True)
+_called = njit(cache=True, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+_inlined = njit(
+    cache=True,
+    error_model="numpy",
+    nogil=True,
+    no_cpython_wrapper=True,
+    no_cfunc_wrapper=True,
+    forceinline=True,
+)
 # Numbers may be added in any order, and none is NaN: only then loops that sum or compare are vectorised.
-_reduction = njit(
-    cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "nnan", "nsz", "contract"}
+_called_reduction = njit(
+    cache=True,
+    error_model="numpy",
+    nogil=True,
+    fastmath={"reassoc", "nnan", "nsz", "contract"},
+    no_cpython_wrapper=True,
+    no_cfunc_wrapper=True,
 )
 
 _FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1))
@@ -144,7 +157,7 @@ def search_rows(
             room.counts[t] = _keep_above(above, field, search.periodic, room, t)
 
 
-@_reduction
+@_called_reduction
 def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, lanes: Any, out: Any) -> None:
     out[0], out[1] = _sums(here, here, columns)
     out[2] = _largest(here, columns, lanes)
@@ -163,7 +176,7 @@ def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, lanes: A
         out[3], out[4] = _sums(lanes, other, other.size)
 
 
-@_reduction
+@_called_reduction
 def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
     """Sums of some values and of their products with others: in blocks in their own precision."""
     total = product = 0.0
@@ -179,7 +192,7 @@ def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
     return total, product
 
 
-@_reduction
+@_called_reduction
 def _largest(values: Any, count: int, lanes: Any) -> float:
     """Largest of some values ≥ 0, with room for `_LANES` numbers that are compared at once."""
     for k in range(_LANES):
@@ -197,7 +210,7 @@ def _largest(values: Any, count: int, lanes: Any) -> float:
     return largest
 
 
-@_reduction
+@_called_reduction
 def _search_row(
     previous: Any, here: Any, after: Any, columns: int, search: Any, room: Any, t: int, row: int
 ) -> None:
@@ -243,7 +256,7 @@ def neighbour(node: int, nodes: int, periodic: bool) -> int:
     return node
 
 
-@_compiled
+@_called
 def _keep_above(parts: Any, field: Any, periodic: bool, room: Any, t: int) -> int:
     """Keep those of the last maxima that are above the plane `parts`; returns the number of all."""
     columns = parts.columns
@@ -283,7 +296,7 @@ def compare(
         kept[n] = _exceeds(parts, field, row[n], column[n], periodic, magnitude[n], out[n])
 
 
-@_compiled
+@_called
 def _exceeds(
     parts: Any, field: Any, row: int, column: int, periodic: bool, magnitude: float, out: Any
 ) -> bool:
@@ -356,7 +369,7 @@ def _weighted(values: Any, places: Any, weights: Any) -> float:
     return total
 
 
-@_compiled
+@_called
 def _stencil(node: int, others: int, nodes: int, periodic: bool, place: Any, weight: Any) -> None:
     """Places and weights of the six nodes nearest to a node of another grid, for Lagrange's interpolation.
 
