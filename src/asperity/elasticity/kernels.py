@@ -41,6 +41,7 @@ Values = tuple[float, float, float, float, float]
 
 # Of the fast-math options only contraction to fused multiply-adds: infinities and NaN keep their meaning.
 _compiled = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
+# Called by compiled functions alone: without the wrapper that Python needs, compiled in less time.
 _called = njit(
     cache=True,
     error_model="numpy",

@@ -76,6 +76,7 @@ class Field(NamedTuple):
 
 
 _compiled = njit(cache=True, error_model="numpy", nogil=True)
+# Called by compiled functions alone: without the wrapper that Python needs, compiled in less time.
 _called = njit(cache=True, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
 _inlined = njit(
     cache=True,
