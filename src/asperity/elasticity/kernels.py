@@ -39,24 +39,24 @@ HALF_SPACE, BONDED, FRICTIONLESS, FREE = range(4)
 Values = tuple[float, float, float, float, float]
 """The kernels Z, L, T, V, W of one mode at one depth."""
 
+# For functions that compiled ones alone call: without the wrappers for Python they compile in less time.
+# Python must not call them.
+_UNWRAPPED: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 # Of the fast-math options only contraction to fused multiply-adds: infinities and NaN keep their meaning.
 _compiled = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
-# Called by compiled functions alone: without the wrapper that Python needs, compiled in less time.
 _called = njit(
     cache=True,
     error_model="numpy",
     nogil=True,
     fastmath={"contract"},
-    no_cpython_wrapper=True,
-    no_cfunc_wrapper=True,
+    **_UNWRAPPED,
 )
 # Inlined into the calling loop, which LLVM can then vectorise.
 _inlined = njit(
     cache=True,
     error_model="numpy",
     nogil=True,
-    no_cpython_wrapper=True,
-    no_cfunc_wrapper=True,
+    **_UNWRAPPED,
     fastmath={"contract"},
     forceinline=True,
 )

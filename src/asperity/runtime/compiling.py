@@ -51,7 +51,7 @@ DEPTH_TOLERANCES = (1e-2, 1e-6)
 
 @contextmanager
 def _collecting_seldom() -> Iterator[None]:
-    """Let the collector of cyclic garbage run seldom: numba's objects live long, and looking at them takes time."""
+    """Let the garbage collector run seldom: the objects of numba live long, and it looks at all of them."""
     usual = gc.get_threshold()
     gc.set_threshold(200_000, *usual[1:])
     try:

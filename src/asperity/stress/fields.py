@@ -75,15 +75,16 @@ class Field(NamedTuple):
     uniform: Any
 
 
+# For functions that compiled ones alone call: without the wrappers for Python they compile in less time.
+# Python must not call them.
+_UNWRAPPED: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _compiled = njit(cache=True, error_model="numpy", nogil=True)
-# Called by compiled functions alone: without the wrapper that Python needs, compiled in less time.
-_called = njit(cache=True, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+_called = njit(cache=True, error_model="numpy", nogil=True, **_UNWRAPPED)
 _inlined = njit(
     cache=True,
     error_model="numpy",
     nogil=True,
-    no_cpython_wrapper=True,
-    no_cfunc_wrapper=True,
+    **_UNWRAPPED,
     forceinline=True,
 )
 

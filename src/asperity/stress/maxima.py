@@ -9,15 +9,16 @@ from numba import njit
 
 from asperity.stress.fields import PLACES, Field, Parts, fill_row, value_at
 
+# For functions that compiled ones alone call: without the wrappers for Python they compile in less time.
+# Python must not call them.
+_UNWRAPPED: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _compiled = njit(cache=True, error_model="numpy", nogil=True)
-# Called by compiled functions alone: without the wrapper that Python needs, compiled in less time.
-_called = njit(cache=True, error_model="numpy", nogil=True, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+_called = njit(cache=True, error_model="numpy", nogil=True, **_UNWRAPPED)
 _inlined = njit(
     cache=True,
     error_model="numpy",
     nogil=True,
-    no_cpython_wrapper=True,
-    no_cfunc_wrapper=True,
+    **_UNWRAPPED,
     forceinline=True,
 )
 # Numbers may be added in any order, and none is NaN: only then loops that sum or compare are vectorised.
@@ -26,8 +27,7 @@ _called_reduction = njit(
     error_model="numpy",
     nogil=True,
     fastmath={"reassoc", "nnan", "nsz", "contract"},
-    no_cpython_wrapper=True,
-    no_cfunc_wrapper=True,
+    **_UNWRAPPED,
 )
 
 _FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1))
