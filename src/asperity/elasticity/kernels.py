@@ -39,13 +39,30 @@ HALF_SPACE, BONDED, FRICTIONLESS, FREE = range(4)
 Values = tuple[float, float, float, float, float]
 """The kernels Z, L, T, V, W of one mode at one depth."""
 
+# For functions that compiled ones alone call: without the wrappers for Python they compile in less time.
+# Python must not call them.
+_UNWRAPPED: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 # Of the fast-math options only contraction to fused multiply-adds: infinities and NaN keep their meaning.
 _compiled = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
+_called = njit(
+    cache=True,
+    error_model="numpy",
+    nogil=True,
+    fastmath={"contract"},
+    **_UNWRAPPED,
+)
 # Inlined into the calling loop, which LLVM can then vectorise.
-_inlined = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"}, forceinline=True)
+_inlined = njit(
+    cache=True,
+    error_model="numpy",
+    nogil=True,
+    **_UNWRAPPED,
+    fastmath={"contract"},
+    forceinline=True,
+)
 
 
-@_compiled
+@_called
 def _decay(x: float) -> tuple[float, float]:
     """e^(−x) and 1 − e^(−x) for x ≥ 0, both to full relative precision, from one exponential."""
     if x < 0.5:
@@ -101,7 +118,7 @@ def _sinhc_difference(square_a: float, square_b: float) -> float:
     return total
 
 
-@_compiled
+@_called
 def half_space_kernels(d: float, poisson: float) -> Values:
     """Z, L, T, V and W of the half-space."""
     a = np.exp(-d)
@@ -109,7 +126,7 @@ def half_space_kernels(d: float, poisson: float) -> Values:
     return (1.0 + d) * a, (1.0 - d) * a, d * a, (m - d) * a, (1.0 + m + d) * a
 
 
-@_compiled
+@_called
 def frictionless_kernels(h: float, t: float, d: float, poisson: float) -> Values:
     """Z, L, T, V and W of a layer on a rigid frictionless support."""
     if h < 1.0:
@@ -151,7 +168,7 @@ def _thin_frictionless_kernels(h: float, t: float, d: float, poisson: float) -> 
     return normal, longitudinal, shear, along, downward
 
 
-@_compiled
+@_called
 def bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values:
     """Z, L, T, V and W of a layer bonded to a rigid support."""
     if h < 1.0:
@@ -220,14 +237,14 @@ def _thin_bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values
     return normal, longitudinal, shear, along, downward
 
 
-@_compiled
+@_called
 def half_space_shear_kernels(d: float) -> Values:
     """N, M, X, P and Q of the half-space under a shear traction."""
     a = np.exp(-d)
     return d * a, (2.0 - d) * a, (1.0 - d) * a, a, a
 
 
-@_compiled
+@_called
 def bonded_shear_kernels(h: float, t: float, d: float, poisson: float) -> Values:
     """N, M, X, P and Q of a layer bonded to a rigid support, under a shear traction; for any h."""
     m = 1.0 - 2.0 * poisson
@@ -267,8 +284,11 @@ def fill_kernels(kind: int, q: Any, depth: Any, height: float, poisson: float, o
     can_be_thin = kind != HALF_SPACE and depth.size == 1
     for first in range(0, q.size, _BLOCK_MODES):
         last = min(first + _BLOCK_MODES, q.size)
-        block = q[first:last]
-        if can_be_thin and block.min() > 0.0 and float(block.max()) * height < 1.0:
+        thin = can_be_thin
+        if can_be_thin:
+            for n in range(first, last):
+                thin &= (q[n] > 0.0) & (float(q[n]) * height < 1.0)
+        if thin:
             # One array for each kernel, not rows of one array: only then the loop is vectorised.
             rows = (
                 out[0, first:last],
@@ -277,12 +297,12 @@ def fill_kernels(kind: int, q: Any, depth: Any, height: float, poisson: float, o
                 out[3, first:last],
                 out[4, first:last],
             )
-            _fill_thin(kind, block, depth[0], height, poisson, rows)
+            _fill_thin(kind, q[first:last], depth[0], height, poisson, rows)
         else:
             _fill_any(kind, q, depth, height, poisson, out, first, last)
 
 
-@_compiled
+@_called
 def _fill_thin(kind: int, q: Any, depth: float, height: float, poisson: float, rows: Any) -> None:
     """Write the kernels of modes with 0 < q height < 1 at one depth."""
     normal, longitudinal, shear, along, downward = rows
@@ -298,7 +318,7 @@ def _fill_thin(kind: int, q: Any, depth: float, height: float, poisson: float, r
             normal[n], longitudinal[n], shear[n], along[n], downward[n] = values
 
 
-@_compiled
+@_called
 def _fill_any(
     kind: int, q: Any, depth: Any, height: float, poisson: float, out: Any, first: int, last: int
 ) -> None:
@@ -394,10 +414,12 @@ def fill_face_compliance(q: Any, height: float, half_space: bool, poisson: float
         wavenumber = q[n]
         h = wavenumber * height
         if wavenumber == 0.0:
-            out[:, n] = 0.0
+            for row in range(8):
+                out[row, n] = 0.0
             continue
         if half_space:
-            out[:, n] = 0.0
+            for row in range(8):
+                out[row, n] = 0.0
             out[0, n] = out[4, n] = m1 / wavenumber
             out[2, n] = 2.0 / wavenumber
             out[6, n] = -m / wavenumber

@@ -277,8 +277,8 @@ class Layer:
         one_depth = depth.size == 1
         fill_kernels(
             self._kind,
-            np.broadcast_to(q, shape).reshape(-1),
-            depth.reshape(-1) if one_depth else np.broadcast_to(depth, shape).reshape(-1),
+            _flat(q, shape),
+            depth.reshape(-1) if one_depth else _flat(depth, shape),
             self.height or 0.0,
             self.poisson,
             out.reshape(5, -1),
@@ -536,6 +536,11 @@ def _require_finite(name: str, values: Array) -> None:
     """Refuse a result that its type cannot hold."""
     if not np.isfinite(values).all():
         raise ValueError(f"{name}: too large for {values.dtype}; other units or a larger q are needed")
+
+
+def _flat(array: Array, shape: tuple[int, ...]) -> Array:
+    """An array broadcast to a shape, in one dimension; writable like others, so that one type is compiled."""
+    return (array if array.shape == shape else np.broadcast_to(array, shape)).reshape(-1)
 
 
 def _broadcast_shape(**arrays: Array) -> tuple[int, ...]:

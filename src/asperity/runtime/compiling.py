@@ -8,8 +8,11 @@ keeps these jobs from compiling the same functions side by side.
 
 from __future__ import annotations
 
+import gc
 import platform
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib.metadata import version
 from itertools import product
 from typing import Any
@@ -47,6 +50,18 @@ DEPTH_TOLERANCES = (1e-2, 1e-6)
 """Tolerances with which stress planes are computed in single and in double precision."""
 
 
+@contextmanager
+def _collecting_seldom() -> Iterator[None]:
+    """Let the garbage collector run seldom: the objects of numba live long, and it looks at all of them."""
+    usual = gc.get_threshold()
+    gc.set_threshold(200_000, *usual[1:])
+    try:
+        yield
+    finally:
+        gc.set_threshold(*usual)
+
+
+@_collecting_seldom()
 def compile_contact() -> None:
     """Call every compiled function of the contact solvers with all types that a study uses."""
     height = self_affine((32, 32), 0.8, 0.5, 0.125, 1e-3, seed=1)
@@ -62,6 +77,7 @@ def compile_contact() -> None:
         assert free.gradient_rms_contact > 0
 
 
+@_collecting_seldom()
 def compile_stress() -> None:
     """Call every compiled function of stress planes, peaks and layers in the same way."""
     height = self_affine((32, 32), 0.8, 0.5, 0.125, 1e-3, seed=1)

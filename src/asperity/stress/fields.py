@@ -14,6 +14,7 @@ from numba import njit
 
 from asperity.elasticity.layer import COMPONENTS
 from asperity.stress.principal import LARGEST_SHEAR, PRINCIPAL_1, PRINCIPAL_2, PRINCIPAL_3, principal_stresses
+from asperity.types import Array
 
 KINDS = {
     **{name: number for number, name in enumerate(COMPONENTS)},
@@ -74,8 +75,18 @@ class Field(NamedTuple):
     uniform: Any
 
 
+# For functions that compiled ones alone call: without the wrappers for Python they compile in less time.
+# Python must not call them.
+_UNWRAPPED: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _compiled = njit(cache=True, error_model="numpy", nogil=True)
-_inlined = njit(cache=True, error_model="numpy", nogil=True, forceinline=True)
+_called = njit(cache=True, error_model="numpy", nogil=True, **_UNWRAPPED)
+_inlined = njit(
+    cache=True,
+    error_model="numpy",
+    nogil=True,
+    **_UNWRAPPED,
+    forceinline=True,
+)
 
 
 @_inlined
@@ -91,7 +102,7 @@ def _hydrostatic(trace: float, ratio: float, uniform: float, mean_pressure: floa
     return (trace + ratio * (trace + mean_pressure) + uniform + uniform) / 3.0
 
 
-@_compiled
+@_called
 def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: float) -> float:
     """The largest shear stress or a principal stress."""
     first, second, third = principal_stresses(float(x), float(y), float(z), float(yz), float(xz), float(xy))
@@ -102,30 +113,21 @@ def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: 
     return second if kind == _MEASURES + PRINCIPAL_2 else third
 
 
-@_compiled
+@_called
 def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
     """Fill `out`, (columns,), with one row of a field."""
     values, place, columns, mean = parts
     kind, ratio, uniform = field
-    if kind in (_ZZ, _YZ, _XZ):
+    if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
         a = values[place[kind], row]
+        if kind in (_ZZ, _YZ, _XZ):
+            for i in range(columns):
+                out[i] = a[i]
+            return
+        b = values[place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], row]
+        added = uniform - uniform if kind == _XY else uniform
         for i in range(columns):
-            out[i] = a[i]
-        return
-    if kind == _XX:
-        a, b = values[place[_XX], row], values[place[_SLOPE_XX], row]
-        for i in range(columns):
-            out[i] = a[i] + ratio * b[i] + uniform
-        return
-    if kind == _XY:
-        a, b = values[place[_XY], row], values[place[_SLOPE_XY], row]
-        for i in range(columns):
-            out[i] = a[i] + ratio * b[i]
-        return
-    if kind == _YY and place[_SLOPE_YY] >= 0:
-        a, b = values[place[_YY], row], values[place[_SLOPE_YY], row]
-        for i in range(columns):
-            out[i] = a[i] + ratio * b[i] + uniform
+            out[i] = a[i] + ratio * b[i] + added
         return
     xx, yy, zz = values[place[_XX], row], values[place[_YY], row], values[place[_ZZ], row]
     if kind == _HYDROSTATIC:
@@ -168,52 +170,20 @@ def fill_fields(parts: Any, kind: int, ratios: Any, uniforms: Any, places: Any, 
             fill_row(parts, Field(kind, ratios[m], uniforms[m]), row, out[m, row])
 
 
-@_compiled
-def needed_parts(kind: int, place: Any) -> Any:
+def needed_parts(kind: int, place: Array) -> Array:
     """True for every entry of `Parts.place` on which a field depends."""
-    needed = np.zeros(PLACES, np.bool_)
-    if kind < _VON_MISES:
+    needed = np.zeros(PLACES, bool)
+    if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
         needed[kind] = True
-        if kind == _XX:
-            needed[_SLOPE_XX] = True
-        elif kind == _XY:
-            needed[_SLOPE_XY] = True
-        elif kind == _YY and place[_SLOPE_YY] >= 0:
-            needed[_SLOPE_YY] = True
-        elif kind == _YY:
-            needed[_XX] = needed[_ZZ] = needed[_SLOPE_XX] = True
-    elif kind == _HYDROSTATIC:
-        needed[_XX] = needed[_YY] = needed[_ZZ] = True
+        if kind not in (_ZZ, _YZ, _XZ):
+            needed[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind] = True
+    elif kind in (_YY, _HYDROSTATIC):
+        needed[[_XX, _YY, _ZZ]] = True
+        needed[_SLOPE_XX] = kind == _YY
     else:
         needed[:] = True
         needed[_SLOPE_YY] = False
     return needed
-
-
-@_compiled
-def value_of(field: Any, given: Any, place: Any, mean_pressure: float) -> float:
-    """A field from its linear parts at one point, `given` in the order of `Parts.place`."""
-    kind, ratio, uniform = field
-    if kind in (_ZZ, _YZ, _XZ):
-        return given[kind]
-    if kind == _XX:
-        return given[_XX] + ratio * given[_SLOPE_XX] + uniform
-    if kind == _XY:
-        return given[_XY] + ratio * given[_SLOPE_XY]
-    if kind == _YY and place[_SLOPE_YY] >= 0:
-        return given[_YY] + ratio * given[_SLOPE_YY] + uniform
-    xx, yy, zz = given[_XX], given[_YY], given[_ZZ]
-    if kind == _HYDROSTATIC:
-        return _hydrostatic(xx + yy + zz, ratio, uniform, mean_pressure)
-    slope_yy = xx + yy + zz + mean_pressure - given[_SLOPE_XX]
-    y = yy + ratio * slope_yy + uniform
-    if kind == _YY:
-        return y
-    x = xx + ratio * given[_SLOPE_XX] + uniform
-    xy = given[_XY] + ratio * given[_SLOPE_XY]
-    if kind == _VON_MISES:
-        return _von_mises(x, y, zz, given[_YZ], given[_XZ], xy)
-    return _measure(kind, x, y, zz, given[_YZ], given[_XZ], xy)
 
 
 @_inlined
@@ -221,13 +191,12 @@ def value_at(parts: Any, field: Any, row: int, column: int) -> float:
     """A field at one node."""
     values, place, _, mean = parts
     kind, ratio, uniform = field
-    if kind in (_ZZ, _YZ, _XZ):
-        return values[place[kind], row, column]
-    if kind == _XX or (kind == _YY and place[_SLOPE_YY] >= 0):
-        slope = values[place[_SLOPE_XX + kind], row, column]
-        return values[place[kind], row, column] + ratio * slope + uniform
-    if kind == _XY:
-        return values[place[_XY], row, column] + ratio * values[place[_SLOPE_XY], row, column]
+    if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
+        value = values[place[kind], row, column]
+        if kind in (_ZZ, _YZ, _XZ):
+            return value
+        slope = values[place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], row, column]
+        return value + ratio * slope + (uniform - uniform if kind == _XY else uniform)
     xx = values[place[_XX], row, column]
     yy = values[place[_YY], row, column]
     zz = values[place[_ZZ], row, column]

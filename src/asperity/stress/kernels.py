@@ -73,24 +73,20 @@ def mode_stress(
             if square == 0.0:
                 out[j, n] = -a * pressure[j, i] if component == _ZZ else 0.0
                 continue
-            z = normal[mirrored, i]
-            along = longitudinal[mirrored, i]
-            if component == _ZZ:
-                out[j, n] = -a * z * pressure[j, i]
-            elif component == _XX:
-                factor = (a * qx[i] * qx[i] * along + b * qy[j] * qy[j] * (z + along)) / square
-                out[j, n] = -factor * pressure[j, i]
-            elif component == _YY:
-                factor = (a * qy[j] * qy[j] * along + b * qx[i] * qx[i] * (z + along)) / square
-                out[j, n] = -factor * pressure[j, i]
-            elif component == _XY:
-                factor = odd_qx[i] * odd_qy[j] * (a * along - b * (z + along)) / square
-                out[j, n] = -factor * pressure[j, i]
-            else:
+            z, along, p = normal[mirrored, i], longitudinal[mirrored, i], pressure[j, i]
+            if component in (_YZ, _XZ):
                 odd = odd_qy[j] if component == _YZ else odd_qx[i]
                 factor = a * odd * shear[mirrored, i] / np.sqrt(square)
-                p = pressure[j, i]
                 out[j, n] = complex(factor * p.imag, -factor * p.real)
+                continue
+            if component == _ZZ:
+                factor = a * z
+            elif component == _XY:
+                factor = odd_qx[i] * odd_qy[j] * (a * along - b * (z + along)) / square
+            else:
+                own, other = (qx[i], qy[j]) if component == _XX else (qy[j], qx[i])
+                factor = (a * own * own * along + b * other * other * (z + along)) / square
+            out[j, n] = complex(-factor * p.real, -factor * p.imag)
 
 
 @njit(cache=True, error_model="numpy", nogil=True)

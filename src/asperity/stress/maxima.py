@@ -7,13 +7,27 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from asperity.stress.fields import PLACES, Field, fill_row, needed_parts, value_at, value_of
+from asperity.stress.fields import PLACES, Field, Parts, fill_row, value_at
 
+# For functions that compiled ones alone call: without the wrappers for Python they compile in less time.
+# Python must not call them.
+_UNWRAPPED: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _compiled = njit(cache=True, error_model="numpy", nogil=True)
-_inlined = njit(cache=True, error_model="numpy", nogil=True, forceinline=True)
+_called = njit(cache=True, error_model="numpy", nogil=True, **_UNWRAPPED)
+_inlined = njit(
+    cache=True,
+    error_model="numpy",
+    nogil=True,
+    **_UNWRAPPED,
+    forceinline=True,
+)
 # Numbers may be added in any order, and none is NaN: only then loops that sum or compare are vectorised.
-_reduction = njit(
-    cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "nnan", "nsz", "contract"}
+_called_reduction = njit(
+    cache=True,
+    error_model="numpy",
+    nogil=True,
+    fastmath={"reassoc", "nnan", "nsz", "contract"},
+    **_UNWRAPPED,
 )
 
 _FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1))
@@ -69,7 +83,7 @@ class Room(NamedTuple):
     rows : (fields, 3, at least columns) array in the precision of the plane
         The last three rows of each field.
     across : (at least columns,) array in the precision of the plane
-    flags : (at least columns + 8,) uint8 array
+    flags, words : (at least columns + 8,) uint8 array, the same as uint64
     found : (fields, nodes) integer array
         Flat indices of the maxima.
     around : (fields, nodes, 3, 3) array in the precision of the plane
@@ -83,6 +97,7 @@ class Room(NamedTuple):
     rows: Any
     across: Any
     flags: Any
+    words: Any
     found: Any
     around: Any
     above: Any
@@ -144,7 +159,7 @@ def search_rows(
             room.counts[t] = _keep_above(above, field, search.periodic, room, t)
 
 
-@_reduction
+@_called_reduction
 def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, lanes: Any, out: Any) -> None:
     out[0], out[1] = _sums(here, here, columns)
     out[2] = _largest(here, columns, lanes)
@@ -163,7 +178,7 @@ def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, lanes: A
         out[3], out[4] = _sums(lanes, other, other.size)
 
 
-@_reduction
+@_called_reduction
 def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
     """Sums of some values and of their products with others: in blocks in their own precision."""
     total = product = 0.0
@@ -179,7 +194,7 @@ def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
     return total, product
 
 
-@_reduction
+@_called_reduction
 def _largest(values: Any, count: int, lanes: Any) -> float:
     """Largest of some values ≥ 0, with room for `_LANES` numbers that are compared at once."""
     for k in range(_LANES):
@@ -197,7 +212,7 @@ def _largest(values: Any, count: int, lanes: Any) -> float:
     return largest
 
 
-@_reduction
+@_called_reduction
 def _search_row(
     previous: Any, here: Any, after: Any, columns: int, search: Any, room: Any, t: int, row: int
 ) -> None:
@@ -217,10 +232,9 @@ def _search_row(
     flags[last] &= abs(here[last]) > max(across[last - 1], across[0 if periodic else last - 1])
     for i in range(columns, columns + _WORD):
         flags[i] = 0
-    words = flags.view(np.uint64)
     count = room.counts[t]
     for word in range((columns + _WORD - 1) // _WORD):
-        if words[word]:
+        if room.words[word]:
             for i in range(_WORD * word, _WORD * word + _WORD):
                 if flags[i]:
                     room.found[t, count] = row * columns + i
@@ -243,7 +257,7 @@ def neighbour(node: int, nodes: int, periodic: bool) -> int:
     return node
 
 
-@_compiled
+@_called
 def _keep_above(parts: Any, field: Any, periodic: bool, room: Any, t: int) -> int:
     """Keep those of the last maxima that are above the plane `parts`; returns the number of all."""
     columns = parts.columns
@@ -259,31 +273,7 @@ def _keep_above(parts: Any, field: Any, periodic: bool, room: Any, t: int) -> in
     return kept
 
 
-@_compiled
-def compare(
-    parts: Any, field: Any, row: Any, column: Any, periodic: bool, magnitude: Any, kept: Any, out: Any
-) -> None:
-    """Take the values of a field at and around nodes as long as a magnitude is above them.
-
-    Parameters
-    ----------
-    parts : Parts
-        Of a plane on the grid of the nodes.
-    field : Field
-    row, column : (nodes,) arrays
-    periodic : bool
-    magnitude : (nodes,) array
-    kept : (nodes,) bool array
-        Set to false where the magnitude is not above all nine values.
-    out : (nodes, 3, 3) array
-        Filled where it is.
-    All arrays of numbers are in the precision of the plane.
-    """
-    for n in range(row.size):
-        kept[n] = _exceeds(parts, field, row[n], column[n], periodic, magnitude[n], out[n])
-
-
-@_compiled
+@_called
 def _exceeds(
     parts: Any, field: Any, row: int, column: int, periodic: bool, magnitude: float, out: Any
 ) -> bool:
@@ -299,8 +289,30 @@ def _exceeds(
     return True
 
 
+class Stencil(NamedTuple):
+    """What is interpolated between the nodes of a plane, and room for the values.
+
+    Parameters
+    ----------
+    needed : (`PLACES`,) bool array
+        True for the linear parts on which the field depends.
+    place : (`PLACES`,) integer array
+        As of `Parts`, where the parts are all there in their order.
+    given : (`PLACES`, 1, 1) array
+        Room for the parts at one point.
+    places, weights : (2, 6) integer and float array
+        Room for the nodes around it.
+    """
+
+    needed: Any
+    place: Any
+    given: Any
+    places: Any
+    weights: Any
+
+
 @_compiled
-def interpolate(
+def compare(
     parts: Any,
     field: Any,
     row: Any,
@@ -308,39 +320,71 @@ def interpolate(
     other: tuple[int, int],
     periodic: bool,
     magnitude: Any,
+    stencil: Any,
     kept: Any,
     out: Any,
 ) -> None:
-    """As `compare`, at and around nodes of another grid of the same cell.
+    """Take the values of a field at and around nodes as long as a magnitude is above them.
 
-    The linear parts are interpolated by Lagrange's formula on the six nearest nodes along each axis.
+    On another grid, the linear parts are interpolated by Lagrange's formula on the six nearest nodes along
+    each axis.
 
     Parameters
     ----------
-    parts, field, row, column, periodic
-        As for `compare`; the nodes are those of the other grid.
+    parts : Parts
+    field : Field
+    row, column : (nodes,) arrays
+        Nodes of a grid of the same cell.
     other : (rows, columns)
-        Shape of the other grid.
-    magnitude, kept, out : arrays
-        As for `compare`.
+        Shape of this grid.
+    periodic : bool
+    magnitude : (nodes,) array
+    stencil : Stencil
+    kept : (nodes,) bool array
+        True where the magnitude is above all nine values, false elsewhere.
+    out : (nodes, 3, 3) array
+        Filled where it is.
+    All arrays of numbers but those of `stencil` are in the precision of the plane.
     """
-    needed = needed_parts(field.kind, parts.place)
-    given, weights = np.empty(PLACES), np.empty((2, 6))
-    places = np.empty((2, 6), np.int64)
-    shape = parts.values.shape[1], parts.columns
+    same = parts.values.shape[1] == other[0] and parts.columns == other[1]
     for n in range(row.size):
-        for k in range(9):
-            a, b = _FROM_CENTRE[k]
-            _stencil(row[n] + a, other[0], shape[0], periodic, places[0], weights[0])
-            _stencil(column[n] + b, other[1], shape[1], periodic, places[1], weights[1])
-            for part in range(PLACES):
-                if needed[part]:
-                    given[part] = _weighted(parts.values[parts.place[part]], places, weights)
-            value = value_of(field, given, parts.place, parts.mean_pressure)
-            out[n, a + 1, b + 1] = value
-            if not magnitude[n] > abs(value):
-                kept[n] = False
-                break
+        if same:
+            kept[n] = _exceeds(parts, field, row[n], column[n], periodic, magnitude[n], out[n])
+        else:
+            kept[n] = _exceeds_between(
+                parts, field, row[n], column[n], other, periodic, magnitude[n], stencil, out[n]
+            )
+
+
+@_called
+def _exceeds_between(
+    parts: Any,
+    field: Any,
+    row: int,
+    column: int,
+    other: tuple[int, int],
+    periodic: bool,
+    magnitude: float,
+    stencil: Any,
+    out: Any,
+) -> bool:
+    """As `_exceeds`, at a node of another grid."""
+    needed, place, given, places, weights = stencil
+    there = Parts(given, place, parts.columns, np.float64(parts.mean_pressure))
+    origin = np.int64(0)
+    precise = Field(field.kind, np.float64(field.ratio), np.float64(field.uniform))
+    for k in range(9):
+        a, b = _FROM_CENTRE[k]
+        _stencil(row + a, other[0], parts.values.shape[1], periodic, places[0], weights[0])
+        _stencil(column + b, other[1], parts.columns, periodic, places[1], weights[1])
+        for part in range(PLACES):
+            if needed[part]:
+                given[part, 0, 0] = _weighted(parts.values[parts.place[part]], places, weights)
+        value = value_at(there, precise, origin, origin)
+        out[a + 1, b + 1] = value
+        if not magnitude > abs(value):
+            return False
+    return True
 
 
 @_inlined
@@ -356,7 +400,7 @@ def _weighted(values: Any, places: Any, weights: Any) -> float:
     return total
 
 
-@_compiled
+@_called
 def _stencil(node: int, others: int, nodes: int, periodic: bool, place: Any, weight: Any) -> None:
     """Places and weights of the six nodes nearest to a node of another grid, for Lagrange's interpolation.
 

@@ -36,8 +36,8 @@ from asperity.stress.arguments import (
     checked_nodes,
     checked_ratio,
 )
-from asperity.stress.fields import KINDS, PLACES, Field, Parts
-from asperity.stress.maxima import Room, Search, compare, interpolate, search_rows
+from asperity.stress.fields import KINDS, PLACES, Field, Parts, needed_parts
+from asperity.stress.maxima import Room, Search, Stencil, compare, search_rows
 from asperity.stress.planes import StressPlane
 from asperity.stress.refinement import refine_in_plane, refine_in_solid
 from asperity.types import Array
@@ -232,13 +232,17 @@ class SearchedPlane:
         return self._compare(nodes, np.full(nodes[0].size, np.inf), grid)[1]
 
     def _compare(self, nodes: Nodes, magnitude: Array, grid: Grid) -> tuple[Array, Array]:
-        real = self.parts.values.dtype
+        real, place = self.parts.values.dtype, self.parts.place
         kept, values = np.ones(magnitude.size, bool), np.empty((magnitude.size, 3, 3), real)
-        last = self.periodic, magnitude.astype(real, copy=False), kept, values
-        if self.grid.shape == grid.shape:
-            compare(self.parts, self.field, nodes[0], nodes[1], *last)
-        else:
-            interpolate(self.parts, self.field, nodes[0], nodes[1], grid.shape, *last)
+        stencil = Stencil(
+            needed_parts(self.field.kind, place),
+            np.where(place >= 0, np.arange(PLACES), -1),
+            np.empty((PLACES, 1, 1)),
+            np.empty((2, 6), np.int64),
+            np.empty((2, 6)),
+        )
+        last = grid.shape, self.periodic, magnitude.astype(real, copy=False), stencil, kept, values
+        compare(self.parts, self.field, nodes[0], nodes[1], *last)
         return kept, values
 
 
@@ -433,10 +437,12 @@ def _plane_maxima(plane: SearchedPlane, floor: float) -> Maxima:
     real = plane.parts.values.dtype
     capacity = (rows // 2 + 2) * (columns // 2 + 1)
     padded = -(-columns // 64) * 64 + 64
+    flags = np.empty(padded, np.uint8)
     room = Room(
         np.empty((1, 3, padded), real),
         np.empty(padded, real),
-        np.empty(padded, np.uint8),
+        flags,
+        flags.view(np.uint64),
         np.empty((1, capacity), np.int64),
         np.empty((1, capacity, 3, 3), real),
         np.empty((1, 0, 3, 3), real),

@@ -133,10 +133,12 @@ class PlaneSearch:
         real = self._parts.values.dtype
         capacity = (rows // 2 + 1) * (columns // 2 + 1)
         padded = -(-columns // 64) * 64 + 64
+        flags = self._kept.array("flags", (padded,), np.uint8)
         return Room(
             self._kept.array("rows", (fields, 3, padded), real),
             self._kept.array("across", (padded,), real),
-            self._kept.array("flags", (padded,), np.uint8),
+            flags,
+            flags.view(np.uint64),
             self._kept.array("found", (fields, capacity), np.int64),
             self._kept.array("around", (fields, capacity, 3, 3), real),
             self._kept.array("above", (fields, capacity, 3, 3), real),
