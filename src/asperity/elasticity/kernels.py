@@ -39,30 +39,19 @@ HALF_SPACE, BONDED, FRICTIONLESS, FREE = range(4)
 Values = tuple[float, float, float, float, float]
 """The kernels Z, L, T, V, W of one mode at one depth."""
 
-# For functions that compiled ones alone call: without the wrappers for Python they compile in less time.
-# Python must not call them.
-_UNWRAPPED: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 # Of the fast-math options only contraction to fused multiply-adds: infinities and NaN keep their meaning.
 _compiled = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
-_called = njit(
-    cache=True,
-    error_model="numpy",
-    nogil=True,
-    fastmath={"contract"},
-    **_UNWRAPPED,
-)
 # Inlined into the calling loop, which LLVM can then vectorise.
 _inlined = njit(
     cache=True,
     error_model="numpy",
     nogil=True,
-    **_UNWRAPPED,
     fastmath={"contract"},
     forceinline=True,
 )
 
 
-@_called
+@_compiled
 def _decay(x: float) -> tuple[float, float]:
     """e^(−x) and 1 − e^(−x) for x ≥ 0, both to full relative precision, from one exponential."""
     if x < 0.5:
@@ -118,7 +107,7 @@ def _sinhc_difference(square_a: float, square_b: float) -> float:
     return total
 
 
-@_called
+@_compiled
 def half_space_kernels(d: float, poisson: float) -> Values:
     """Z, L, T, V and W of the half-space."""
     a = np.exp(-d)
@@ -126,7 +115,7 @@ def half_space_kernels(d: float, poisson: float) -> Values:
     return (1.0 + d) * a, (1.0 - d) * a, d * a, (m - d) * a, (1.0 + m + d) * a
 
 
-@_called
+@_compiled
 def frictionless_kernels(h: float, t: float, d: float, poisson: float) -> Values:
     """Z, L, T, V and W of a layer on a rigid frictionless support."""
     if h < 1.0:
@@ -168,7 +157,7 @@ def _thin_frictionless_kernels(h: float, t: float, d: float, poisson: float) -> 
     return normal, longitudinal, shear, along, downward
 
 
-@_called
+@_compiled
 def bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values:
     """Z, L, T, V and W of a layer bonded to a rigid support."""
     if h < 1.0:
@@ -237,14 +226,14 @@ def _thin_bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values
     return normal, longitudinal, shear, along, downward
 
 
-@_called
+@_compiled
 def half_space_shear_kernels(d: float) -> Values:
     """N, M, X, P and Q of the half-space under a shear traction."""
     a = np.exp(-d)
     return d * a, (2.0 - d) * a, (1.0 - d) * a, a, a
 
 
-@_called
+@_compiled
 def bonded_shear_kernels(h: float, t: float, d: float, poisson: float) -> Values:
     """N, M, X, P and Q of a layer bonded to a rigid support, under a shear traction; for any h."""
     m = 1.0 - 2.0 * poisson
@@ -302,7 +291,7 @@ def fill_kernels(kind: int, q: Any, depth: Any, height: float, poisson: float, o
             _fill_any(kind, q, depth, height, poisson, out, first, last)
 
 
-@_called
+@_compiled
 def _fill_thin(kind: int, q: Any, depth: float, height: float, poisson: float, rows: Any) -> None:
     """Write the kernels of modes with 0 < q height < 1 at one depth."""
     normal, longitudinal, shear, along, downward = rows
@@ -318,7 +307,7 @@ def _fill_thin(kind: int, q: Any, depth: float, height: float, poisson: float, r
             normal[n], longitudinal[n], shear[n], along[n], downward[n] = values
 
 
-@_called
+@_compiled
 def _fill_any(
     kind: int, q: Any, depth: Any, height: float, poisson: float, out: Any, first: int, last: int
 ) -> None:

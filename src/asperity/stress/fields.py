@@ -75,16 +75,11 @@ class Field(NamedTuple):
     uniform: Any
 
 
-# For functions that compiled ones alone call: without the wrappers for Python they compile in less time.
-# Python must not call them.
-_UNWRAPPED: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _compiled = njit(cache=True, error_model="numpy", nogil=True)
-_called = njit(cache=True, error_model="numpy", nogil=True, **_UNWRAPPED)
 _inlined = njit(
     cache=True,
     error_model="numpy",
     nogil=True,
-    **_UNWRAPPED,
     forceinline=True,
 )
 
@@ -102,7 +97,7 @@ def _hydrostatic(trace: float, ratio: float, uniform: float, mean_pressure: floa
     return (trace + ratio * (trace + mean_pressure) + uniform + uniform) / 3.0
 
 
-@_called
+@_compiled
 def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: float) -> float:
     """The largest shear stress or a principal stress."""
     first, second, third = principal_stresses(float(x), float(y), float(z), float(yz), float(xz), float(xy))
@@ -113,7 +108,7 @@ def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: 
     return second if kind == _MEASURES + PRINCIPAL_2 else third
 
 
-@_called
+@_compiled
 def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
     """Fill `out`, (columns,), with one row of a field."""
     values, place, columns, mean = parts
@@ -187,7 +182,7 @@ def needed_parts(kind: int, place: Array) -> Array:
 
 
 @_inlined
-def value_at(parts: Any, field: Any, row: int, column: int) -> float:
+def value_at(parts: Any, field: Any, row: Any, column: Any) -> float:
     """A field at one node."""
     values, place, _, mean = parts
     kind, ratio, uniform = field

@@ -9,25 +9,19 @@ from numba import njit
 
 from asperity.stress.fields import PLACES, Field, Parts, fill_row, value_at
 
-# For functions that compiled ones alone call: without the wrappers for Python they compile in less time.
-# Python must not call them.
-_UNWRAPPED: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 _compiled = njit(cache=True, error_model="numpy", nogil=True)
-_called = njit(cache=True, error_model="numpy", nogil=True, **_UNWRAPPED)
 _inlined = njit(
     cache=True,
     error_model="numpy",
     nogil=True,
-    **_UNWRAPPED,
     forceinline=True,
 )
 # Numbers may be added in any order, and none is NaN: only then loops that sum or compare are vectorised.
-_called_reduction = njit(
+_reduction = njit(
     cache=True,
     error_model="numpy",
     nogil=True,
     fastmath={"reassoc", "nnan", "nsz", "contract"},
-    **_UNWRAPPED,
 )
 
 _FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1))
@@ -159,7 +153,7 @@ def search_rows(
             room.counts[t] = _keep_above(above, field, search.periodic, room, t)
 
 
-@_called_reduction
+@_reduction
 def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, lanes: Any, out: Any) -> None:
     out[0], out[1] = _sums(here, here, columns)
     out[2] = _largest(here, columns, lanes)
@@ -178,7 +172,7 @@ def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, lanes: A
         out[3], out[4] = _sums(lanes, other, other.size)
 
 
-@_called_reduction
+@_reduction
 def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
     """Sums of some values and of their products with others: in blocks in their own precision."""
     total = product = 0.0
@@ -194,7 +188,7 @@ def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
     return total, product
 
 
-@_called_reduction
+@_reduction
 def _largest(values: Any, count: int, lanes: Any) -> float:
     """Largest of some values ≥ 0, with room for `_LANES` numbers that are compared at once."""
     for k in range(_LANES):
@@ -212,7 +206,7 @@ def _largest(values: Any, count: int, lanes: Any) -> float:
     return largest
 
 
-@_called_reduction
+@_reduction
 def _search_row(
     previous: Any, here: Any, after: Any, columns: int, search: Any, room: Any, t: int, row: int
 ) -> None:
@@ -257,7 +251,7 @@ def neighbour(node: int, nodes: int, periodic: bool) -> int:
     return node
 
 
-@_called
+@_compiled
 def _keep_above(parts: Any, field: Any, periodic: bool, room: Any, t: int) -> int:
     """Keep those of the last maxima that are above the plane `parts`; returns the number of all."""
     columns = parts.columns
@@ -273,7 +267,7 @@ def _keep_above(parts: Any, field: Any, periodic: bool, room: Any, t: int) -> in
     return kept
 
 
-@_called
+@_compiled
 def _exceeds(
     parts: Any, field: Any, row: int, column: int, periodic: bool, magnitude: float, out: Any
 ) -> bool:
@@ -356,7 +350,7 @@ def compare(
             )
 
 
-@_called
+@_compiled
 def _exceeds_between(
     parts: Any,
     field: Any,
@@ -400,7 +394,7 @@ def _weighted(values: Any, places: Any, weights: Any) -> float:
     return total
 
 
-@_called
+@_compiled
 def _stencil(node: int, others: int, nodes: int, periodic: bool, place: Any, weight: Any) -> None:
     """Places and weights of the six nodes nearest to a node of another grid, for Lagrange's interpolation.
 
