@@ -21,7 +21,7 @@ import numpy as np
 from numba.core.registry import CPUDispatcher, cpu_target
 
 from asperity import __version__
-from asperity.contact import METHODS, solve
+from asperity.contact import METHODS, solve, solve_path
 from asperity.contact.inner_response import MIN_POINTS
 from asperity.elasticity.layer import Layer
 from asperity.spectral import Grid
@@ -75,6 +75,8 @@ def compile_contact() -> None:
         solve(divided, LAYERS[0], area_fraction=0.1, rtol=1e-4, dtype=precision)
         free = solve(height, LAYERS[0], area_fraction=0.1, boundary="free", rtol=1e-4, dtype=precision)
         assert free.gradient_rms_contact > 0
+    for contact in solve_path(height, LAYERS[0], area_fractions=(0.1, 0.11, 0.12), rtol=1e-4):
+        assert contact.area_fraction > 0
 
 
 @_collecting_seldom()
