@@ -49,7 +49,7 @@ def test_a_signal_ends_the_study_and_its_jobs_with_one_line(tmp_path):
     folder = copy_project(tmp_path / "project")
     moments = {
         signal.SIGINT: f"{RESULTS}/.running",  # before the first job
-        signal.SIGTERM: f"{RESULTS}/surface/hurst_08/seed1.nc",
+        signal.SIGTERM: f"{RESULTS}/log/contact/hurst_08/seed1.log",  # the surface is finished
     }
     for number, path in moments.items():
         status, lines = interrupted(folder, number, path)
