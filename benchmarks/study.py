@@ -21,6 +21,7 @@ from pathlib import Path
 import pandas as pd
 
 import asperity
+from asperity.runtime.costs import job_costs
 
 ROOT = Path(__file__).parents[1]
 OPTIONS = {"paper": [], "quick": ["--configfile", "config/quick.yaml"], "dry-run": ["--dry-run", "--quiet"]}
@@ -35,16 +36,22 @@ def measure(name: str, cores: int) -> dict[str, object]:
         command += ["--config", f"results={folder}"]
         run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
         wall = time.perf_counter() - start
+        jobs = job_costs(Path(folder, "log"))
     if run.returncode:
         sys.exit(run.stdout[-2000:] + run.stderr[-2000:])
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    memory = after.ru_maxrss / 1e6
+    if sys.platform == "linux" and len(jobs):
+        # Jobs are copies of a process that does not wait for them: their logs say what they took.
+        spent += 60 * jobs["processor_minutes"].sum()
+        memory = max(memory, jobs["memory_MB"].max() / 1e3)
     return {
         "study": name,
         "cores": cores,
         "wall": wall,
         "seconds": spent,
-        "memory_GB": after.ru_maxrss / 1e6,
+        "memory_GB": memory,
         "program": f"asperity {asperity.__version__}",
         "load_average": load,
         "date": time.strftime("%Y-%m-%d"),
