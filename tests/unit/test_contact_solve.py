@@ -115,8 +115,7 @@ def test_area_control_on_a_mirrored_surface(fraction: float, rtol: float) -> Non
     height *= 1e-3 / height.std()
     contact = solve(height, HALF_SPACE, area_fraction=fraction, rtol=rtol)
     count, wanted = np.count_nonzero(contact.pressure), round(fraction * height.size)
-    # With the wider tolerance single nodes of a group of four may touch with a pressure below the tolerance.
-    assert count % 4 == 0 or rtol == 1e-6
+    assert count % 4 == 0
     assert abs(count - wanted) <= 2
     contact.certificate.check(100 * rtol)
 

@@ -31,6 +31,10 @@ TANGENT_ITERATIONS = 4
 # The multiple of the tangent for the last few nodes is at most so many times that of the power law.
 PLAUSIBLE = 5.0
 
+# The number of contact nodes is taken from the tangent if it lasts while the multiple of the tangent changes
+# by this fraction of that of the power law: about the error of the displacement in inner solves.
+LEAST_INTERVAL = 0.01
+
 # Lower bound of the rates at which gaps close and pressures grow along the tangent. Slower nodes stay as they
 # are.
 LEAST_RATE = 1e-6
@@ -115,8 +119,11 @@ class AreaSteps:
         index = self._area.target
         if not 0 < index < edges.size:
             return expected
-        factor = 0.5 * float(edges[index - 1] + edges[index])
-        return factor if abs(factor) < reach else expected
+        before, after = float(edges[index - 1]), float(edges[index])
+        factor = 0.5 * (before + after)
+        # Nodes that touch at the same load, as on a surface with a symmetry, cannot be parted.
+        lasts = after - before > LEAST_INTERVAL * abs(expected)
+        return factor if lasts and abs(factor) < reach else expected
 
     def change_load(self, iterate: Iterate, system: ContactSystem, converged: bool) -> bool:
         """Change the load towards the imposed area; False if no other load gives a nearer area.
