@@ -1,8 +1,17 @@
-"""A command that compiles says so once, and one that does not says nothing."""
+"""A command that compiles says so once and else nothing; machine code is not kept when it is outdated."""
+
+import subprocess
+import sys
+from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
+from pkgutil import walk_packages
 
 from numba import njit
 
+import asperity
 from asperity.cli.compiling import compile_visibly
+from asperity.machine_code import calls_other_modules
 
 
 def test_compiling_is_said_in_one_line(capsys):
@@ -27,3 +36,35 @@ def test_what_the_small_calculation_refuses_is_left_to_the_command(capsys):
 
     compile_visibly("contact", small)
     assert capsys.readouterr().err == ""
+
+
+def test_code_compiled_with_functions_of_other_modules_is_discarded_when_these_change():
+    for module in walk_packages(asperity.__path__, "asperity."):
+        if module.name != "asperity.__main__" and find_spec(module.name):
+            source = Path(find_spec(module.name).origin).read_text()
+            if "njit" in source:
+                import_module(module.name)
+                assert ("discard_outdated(__name__)" in source) == calls_other_modules(module.name)
+
+
+def test_only_outdated_code_of_callers_is_discarded(tmp_path):
+    compiled = "from numba import njit\n"
+    (tmp_path / "callee.py").write_text(f"{compiled}@njit(cache=True)\ndef factor():\n    return 2.0\n")
+    (tmp_path / "caller.py").write_text(
+        f"{compiled}from callee import factor\nfrom asperity.machine_code import discard_outdated\n"
+        "@njit(cache=True)\ndef scaled(x):\n    return factor() * x\ndiscard_outdated(__name__)\n"
+    )
+    ask = [
+        sys.executable,
+        "-c",
+        "from caller import scaled; print(scaled(1.0), scaled.stats.cache_hits.total())",
+    ]
+
+    def answer():
+        return subprocess.run(ask, cwd=tmp_path, check=True, capture_output=True, text=True).stdout.split()
+
+    assert answer() == ["2.0", "0"]
+    assert answer() == ["2.0", "1"]
+    (tmp_path / "callee.py").write_text((tmp_path / "callee.py").read_text().replace("2.0", "3.0"))
+    assert answer() == ["3.0", "0"]
+    assert answer() == ["3.0", "1"]

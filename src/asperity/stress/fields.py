@@ -13,6 +13,7 @@ import numpy as np
 from numba import njit
 
 from asperity.elasticity.layer import COMPONENTS
+from asperity.machine_code import discard_outdated
 from asperity.stress.principal import LARGEST_SHEAR, PRINCIPAL_1, PRINCIPAL_2, PRINCIPAL_3, principal_stresses
 from asperity.types import Array
 
@@ -234,3 +235,6 @@ def moments(one: Any, two: Any) -> tuple[float, float, float]:
         mean_two += row_two
         product += row_product
     return mean_one / one.size, mean_two / one.size, product / one.size
+
+
+discard_outdated(__name__)

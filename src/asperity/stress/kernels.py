@@ -10,7 +10,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
+from asperity.elasticity.kernels import half_space_kernels
 from asperity.elasticity.layer import COMPONENTS
+from asperity.machine_code import discard_outdated
 
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = (COMPONENTS.index(name) for name in ("xx", "yy", "zz", "yz", "xz", "xy"))
 
@@ -194,20 +196,21 @@ def shared_columns(
     rows, columns = out.shape[1], factors.shape[1]
     qx = wavevectors.qx[first : first + columns]
     depth = half_depth + half_depth
-    decay, scaled = factors[5], factors[6]
+    scaled = factors[6]
     for j in range(rows // 2 + 1):
         for i in range(columns):
             scaled[i] = depth * np.sqrt(qx[i] * qx[i] + qy[j] * qy[j])
         for i in range(columns):
-            decay[i] = np.exp(-float(scaled[i]))
-        for i in range(columns):
-            square, along = qx[i] * qx[i] + qy[j] * qy[j], decay[i] - scaled[i] * decay[i]
-            factors[0, i] = decay[i] + scaled[i] * decay[i]
+            square = qx[i] * qx[i] + qy[j] * qy[j]
+            # Of these kernels none that is used depends on Poisson's ratio.
+            normal, along, shear, _, _ = half_space_kernels(float(scaled[i]), 0.0)
+            decay = normal - shear
+            factors[0, i] = normal
             factors[1, i] = along
             factors[2, i] = along / square
-            factors[3, i] = (decay[i] + decay[i]) / square
+            factors[3, i] = 2 * decay / square
             factors[4, i] = odd_qy[j] * (along / square)
-            factors[6, i] = depth * odd_qy[j] * decay[i]
+            factors[6, i] = depth * odd_qy[j] * decay
             factors[5, i] = odd_qy[j] * factors[3, i]
         if j == 0 and first == 0:
             for m in range(1, SHARED_COLUMNS):
@@ -269,3 +272,6 @@ def all_parts(
             k, odd = 2 * i, half_depth * odd_qx[i]
             yz[k], yz[k + 1] = shear[k + 1], -shear[k]
             xz[k], xz[k + 1] = odd * (z[k + 1] + along[k + 1]), -odd * (z[k] + along[k])
+
+
+discard_outdated(__name__)

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
+from asperity.machine_code import discard_outdated
 from asperity.stress.fields import PLACES, Field, Parts, fill_row, value_at
 
 _compiled = njit(cache=True, error_model="numpy", nogil=True)
@@ -413,3 +414,6 @@ def _stencil(node: int, others: int, nodes: int, periodic: bool, place: Any, wei
         for m in range(6):
             if m != k:
                 weight[k] *= fraction - (m - 2)
+
+
+discard_outdated(__name__)
