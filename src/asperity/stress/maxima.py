@@ -217,14 +217,14 @@ def _search_row(
     for i in range(columns):
         magnitude, beside = abs(here[i]), max(abs(previous[i]), abs(after[i]))
         across[i] = max(beside, magnitude)
-        flags[i] = (magnitude > beside) & (magnitude > floor)
+        flags[i] = (magnitude >= beside) & (magnitude > floor)
     inner = here[1 : columns - 1]
     left, right, flagged = across[: columns - 2], across[2:columns], flags[1 : columns - 1]
     for i in range(columns - 2):
-        flagged[i] &= abs(inner[i]) > max(left[i], right[i])
+        flagged[i] &= abs(inner[i]) >= max(left[i], right[i])
     last = columns - 1
-    flags[0] &= abs(here[0]) > max(across[1], across[last if periodic else 1])
-    flags[last] &= abs(here[last]) > max(across[last - 1], across[0 if periodic else last - 1])
+    flags[0] &= abs(here[0]) >= max(across[1], across[last if periodic else 1])
+    flags[last] &= abs(here[last]) >= max(across[last - 1], across[0 if periodic else last - 1])
     for i in range(columns, columns + _WORD):
         flags[i] = 0
     count = room.counts[t]
@@ -232,14 +232,24 @@ def _search_row(
         if room.words[word]:
             for i in range(_WORD * word, _WORD * word + _WORD):
                 if flags[i]:
-                    room.found[t, count] = row * columns + i
+                    around = room.around[t, count]
                     for b in range(3):
                         place = neighbour(i + b - 1, columns, periodic)
-                        room.around[t, count, 0, b] = previous[place]
-                        room.around[t, count, 1, b] = here[place]
-                        room.around[t, count, 2, b] = after[place]
-                    count += 1
+                        around[0, b] = previous[place]
+                        around[1, b] = here[place]
+                        around[2, b] = after[place]
+                    if _is_first_of_equals(around):
+                        room.found[t, count] = row * columns + i
+                        count += 1
     room.counts[t] = count
+
+
+@_inlined
+def _is_first_of_equals(around: Any) -> bool:
+    """True if of nine values whose largest magnitude is that of the centre none before it is as large."""
+    centre = abs(around[1, 1])
+    earlier = max(abs(around[0, 0]), abs(around[0, 1]), abs(around[0, 2]), abs(around[1, 0]))
+    return centre > earlier
 
 
 @_inlined

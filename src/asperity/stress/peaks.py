@@ -4,9 +4,12 @@ Neighbours
 ----------
 A node of a plane has the 8 nodes around it, and in each of the two adjacent planes the 9 values at the same
 lateral positions: 26 in all. If an adjacent plane has another grid, the values there are interpolated (six
-nodes along each axis). A peak is strictly larger than all its neighbours. In the surface, the plane at depth
-0, there are none above. Any other first plane and the last plane have no peaks. Over a periodic boundary, a
-node at an edge has neighbours at the opposite edge. Over a free boundary it has none across its edge.
+nodes along each axis). A peak is larger than all its neighbours. Of adjacent nodes of a plane with the same
+value, such as the two that face each other across the mirror of a mirrored map, the upper and then the left
+one counts as larger: which of them is the peak, or whether one is, does not hang on rounding. In the surface,
+the plane at depth 0, there are no neighbours above. Any other first plane and the last plane have no peaks.
+Over a periodic boundary, a node at an edge has neighbours at the opposite edge. Over a free boundary it has
+none across its edge.
 
 Where the grid changes between two planes, each plane compares on its own nodes, so that both or neither could
 claim a peak between them. There, two maxima that face each other (within a spacing of the coarser grid) are
@@ -98,7 +101,7 @@ class Peaks:
 
 
 def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "periodic") -> Peaks:
-    """Maxima of |field| strictly above their 8 neighbours in a plane.
+    """Maxima of |field| above their 8 neighbours in a plane; of equal neighbours the first one counts.
 
     Parameters
     ----------
@@ -150,7 +153,7 @@ def find_peaks(
     floor: float = 0.0,
     boundary: str = "periodic",
 ) -> Peaks:
-    """Maxima of |field| strictly above their 26 neighbours in a stream of planes.
+    """Maxima of |field| above their 26 neighbours in a stream of planes.
 
     Parameters
     ----------
@@ -432,7 +435,7 @@ def _positions(
 
 
 def _plane_maxima(plane: SearchedPlane, floor: float) -> Maxima:
-    """Nodes whose magnitude is above the floor and strictly above its 8 neighbours, in their order."""
+    """Nodes whose magnitude is above the floor and above its 8 neighbours, in their order."""
     rows, columns = plane.grid.shape
     real = plane.parts.values.dtype
     capacity = (rows // 2 + 2) * (columns // 2 + 1)
