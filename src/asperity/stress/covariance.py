@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from asperity.spectral import Fourier, Grid, Work, resample
-from asperity.stress.fields import fill_fields, moments, pack
+from asperity.stress.fields import SHARED, fill_fields, moments, pack
 from asperity.stress.planes import LinearPlane
 from asperity.stress.search import SoughtField
 from asperity.stress.statistics import LagRings
@@ -182,7 +182,8 @@ class References:
             np.array([getattr(field, name) for field in compiled], plane.dtype)
             for name in ("ratio", "uniform")
         )
-        fill_fields(plane.parts(), compiled[0].kind, ratios, uniforms, places, out)
+        shared = np.empty(SHARED, plane.dtype)
+        fill_fields(plane.parts(), compiled[0].kind, ratios, uniforms, places, shared, out)
 
     def add_again(self, number: int, plane: LinearPlane) -> None:
         """Compare a plane above some references that has not been compared."""

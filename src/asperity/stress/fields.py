@@ -86,10 +86,10 @@ _inlined = njit(
 
 
 @_inlined
-def _von_mises(x: float, y: float, z: float, yz: float, xz: float, xy: float) -> float:
-    first, second = x - y, y - z
-    shear = xy * xy + yz * yz + xz * xz
-    return np.sqrt((first * first + first * second) + second * second + (shear + shear + shear))
+def _von_mises(first: float, second: float, xy: float, across: float) -> float:
+    """The von Mises stress from σ_xx − σ_yy, σ_yy − σ_zz, σ_xy and σ_yz² + σ_xz²."""
+    shear = xy * xy + across
+    return np.sqrt(first * (first + second) + second * second + (shear + shear + shear))
 
 
 @_inlined
@@ -111,7 +111,7 @@ def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: 
 
 @_compiled
 def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
-    """Fill `out`, (columns,), with one row of a field."""
+    """Fill `out`, at least (columns,), with one row of a field other than the von Mises stress."""
     values, place, columns, mean = parts
     kind, ratio, uniform = field
     if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
@@ -137,33 +137,84 @@ def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
         return
     yz, xz, xy = values[place[_YZ], row], values[place[_XZ], row], values[place[_XY], row]
     slope_xy = values[place[_SLOPE_XY], row]
-    if kind == _VON_MISES:
-        for i in range(columns):
-            slope_yy = xx[i] + yy[i] + zz[i] + mean - slope[i]
-            x, y = xx[i] + ratio * slope[i] + uniform, yy[i] + ratio * slope_yy + uniform
-            out[i] = _von_mises(x, y, zz[i], yz[i], xz[i], xy[i] + ratio * slope_xy[i])
-        return
     for i in range(columns):
         slope_yy = xx[i] + yy[i] + zz[i] + mean - slope[i]
         x, y = xx[i] + ratio * slope[i] + uniform, yy[i] + ratio * slope_yy + uniform
         out[i] = _measure(kind, x, y, zz[i], yz[i], xz[i], xy[i] + ratio * slope_xy[i])
 
 
+SHARED = (5, 512)
+"""Numbers of a node that all its von Mises stresses share, and nodes of which they fit into the cache."""
+
+
 @_compiled
-def fill_fields(parts: Any, kind: int, ratios: Any, uniforms: Any, places: Any, out: Any) -> None:
-    """Fill some of the arrays of `out`, (fields, rows, columns), with fields of one kind.
+def fill_von_mises(
+    parts: Any, row: int, ratios: Any, uniforms: Any, places: Any, shared: Any, out: Any, line: int, at: int
+) -> None:
+    """Fill one row of several von Mises stresses.
 
     Parameters
     ----------
     parts : Parts
-    kind : int
+    row : int
     ratios, uniforms : (fields,) arrays in the precision of the plane
     places : integer array
         Which fields are computed.
+    shared : `SHARED` array in the precision of the plane
+        Room for what they share.
+    out : (fields, lines, numbers) array
+        Field m is written to ``out[m, line, at:]``.
+    line, at : int
+    """
+    values, place, columns, mean = parts
+    all_xx, all_yy, all_zz = values[place[_XX], row], values[place[_YY], row], values[place[_ZZ], row]
+    all_yz, all_xz, all_xy = values[place[_YZ], row], values[place[_XZ], row], values[place[_XY], row]
+    all_slope, all_slope_xy = values[place[_SLOPE_XX], row], values[place[_SLOPE_XY], row]
+    first, slope_first, second, slope_yy, across = shared[0], shared[1], shared[2], shared[3], shared[4]
+    for start in range(0, columns, shared.shape[1]):
+        stop = min(start + shared.shape[1], columns)
+        xx, yy, zz, slope = all_xx[start:stop], all_yy[start:stop], all_zz[start:stop], all_slope[start:stop]
+        yz, xz, xy, slope_xy = (
+            all_yz[start:stop],
+            all_xz[start:stop],
+            all_xy[start:stop],
+            all_slope_xy[start:stop],
+        )
+        for i in range(xx.size):
+            slope_yy[i] = xx[i] + yy[i] + zz[i] + mean - slope[i]
+        for i in range(xx.size):
+            first[i] = xx[i] - yy[i]
+        for i in range(xx.size):
+            slope_first[i] = slope[i] - slope_yy[i]
+        for i in range(xx.size):
+            second[i] = yy[i] - zz[i]
+        for i in range(xx.size):
+            across[i] = yz[i] * yz[i] + xz[i] * xz[i]
+        for m in places:
+            ratio, uniform, field = ratios[m], uniforms[m], out[m, line, at + start : at + stop]
+            for i in range(field.size):
+                field[i] = _von_mises(
+                    first[i] + ratio * slope_first[i],
+                    second[i] + ratio * slope_yy[i] + uniform,
+                    xy[i] + ratio * slope_xy[i],
+                    across[i],
+                )
+
+
+@_compiled
+def fill_fields(
+    parts: Any, kind: int, ratios: Any, uniforms: Any, places: Any, shared: Any, out: Any
+) -> None:
+    """Fill some of the arrays of `out`, (fields, rows, columns), with fields of one kind.
+
+    Arguments are those of `fill_von_mises`, and `kind` as of `Field`.
     """
     for row in range(out.shape[1]):
-        for m in places:
-            fill_row(parts, Field(kind, ratios[m], uniforms[m]), row, out[m, row])
+        if kind == _VON_MISES:
+            fill_von_mises(parts, row, ratios, uniforms, places, shared, out, row, 0)
+        else:
+            for m in places:
+                fill_row(parts, Field(kind, ratios[m], uniforms[m]), row, out[m, row])
 
 
 def needed_parts(kind: int, place: Array) -> Array:
@@ -207,7 +258,8 @@ def value_at(parts: Any, field: Any, row: Any, column: Any) -> float:
     xy = values[place[_XY], row, column] + ratio * values[place[_SLOPE_XY], row, column]
     yz, xz = values[place[_YZ], row, column], values[place[_XZ], row, column]
     if kind == _VON_MISES:
-        return _von_mises(x, y, zz, yz, xz, xy)
+        first, second = xx - yy + ratio * (slope - slope_yy), yy - zz + ratio * slope_yy + uniform
+        return _von_mises(first, second, xy, yz * yz + xz * xz)
     return _measure(kind, x, y, zz, yz, xz, xy)
 
 

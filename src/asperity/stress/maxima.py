@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
 from asperity.machine_code import discard_outdated
-from asperity.stress.fields import PLACES, Field, Parts, fill_row, value_at
+from asperity.stress.fields import PLACES, SHARED, Field, Parts, fill_row, fill_von_mises, value_at
 
 _compiled = njit(cache=True, error_model="numpy", nogil=True)
 _inlined = njit(
@@ -31,10 +32,10 @@ _FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, 
 _INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) for k in range(6)])
 """Denominators of Lagrange's formula on six nodes."""
 
-_LANES = 64
-"""Numbers that are compared at once."""
+_MARGIN = 16
+"""Numbers beside a row of values, of which the nearest are those beyond the edge."""
 
-_BLOCK = 256
+_BLOCK = 1024
 """Numbers that are summed in their own precision."""
 
 _WORD = 8
@@ -46,6 +47,8 @@ class Search(NamedTuple):
 
     Parameters
     ----------
+    von_mises : integer array
+        Which fields are von Mises stresses: the first ones.
     kinds : (fields,) integer array
     ratios, uniforms : (fields,) arrays in the precision of the plane
         As of `asperity.stress.fields.Field`.
@@ -60,6 +63,7 @@ class Search(NamedTuple):
         True if only maxima above their neighbours in the plane above are taken.
     """
 
+    von_mises: Any
     kinds: Any
     ratios: Any
     uniforms: Any
@@ -75,9 +79,11 @@ class Room(NamedTuple):
 
     Parameters
     ----------
-    rows : (fields, 3, at least columns) array in the precision of the plane
+    rows : (fields, 3, columns + 2 `_MARGIN`) array in the precision of the plane
         The last three rows of each field.
-    across : (at least columns,) array in the precision of the plane
+    bits : the same as integers
+    shared : `SHARED` array in the precision of the plane
+    skipped : (at least columns,) array in the precision of the plane
     flags, words : (at least columns + 8,) uint8 array, the same as uint64
     found : (fields, nodes) integer array
         Flat indices of the maxima.
@@ -90,7 +96,9 @@ class Room(NamedTuple):
     """
 
     rows: Any
-    across: Any
+    bits: Any
+    shared: Any
+    skipped: Any
     flags: Any
     words: Any
     found: Any
@@ -98,6 +106,36 @@ class Room(NamedTuple):
     above: Any
     counts: Any
     before: Any
+
+
+def room_for(
+    fields: int, columns: int, most: int, real: np.dtype[Any], empty: Callable[[str, Any, Any], Any]
+) -> Room:
+    """Room for a number of fields and at most so many maxima of each.
+
+    Parameters
+    ----------
+    fields, columns, most : int
+    real : dtype
+        Precision of the plane.
+    empty : callable
+        Makes an array with any values from a name, a shape and a type.
+    """
+    rows = empty("rows", (fields, 3, columns + 2 * _MARGIN), real)
+    flags = empty("flags", (_WORD * (columns // _WORD + 2),), np.uint8)
+    return Room(
+        rows,
+        rows.view(f"i{real.itemsize}"),
+        empty("shared", SHARED, real),
+        empty("skipped", (columns,), real),
+        flags,
+        flags.view(np.uint64),
+        empty("found", (fields, most), np.int64),
+        empty("around", (fields, most, 3, 3), real),
+        empty("above", (fields, most, 3, 3), real),
+        np.zeros(fields, np.int64),
+        np.zeros(fields, np.int64),
+    )
 
 
 @_compiled
@@ -130,34 +168,60 @@ def search_rows(
         Sum of each row, of its squares, its largest value, and over the compared nodes the sum of the field
         and of its product with the reference; empty if nothing is summed.
     """
-    rows = parts.values.shape[1]
-    columns = parts.columns
-    for t in range(search.kinds.size):
+    rows, columns, periodic = parts.values.shape[1], parts.columns, search.periodic
+    fields = search.kinds.size
+    for t in range(fields):
         room.before[t] = room.counts[t]
     for j in range(first, last):
-        row = neighbour(j, rows, search.periodic)
-        for t in range(search.kinds.size):
-            here = room.rows[t, j % 3]
-            field = Field(search.kinds[t], search.ratios[t], search.uniforms[t])
-            fill_row(parts, field, row, here)
+        row, line = neighbour(j, rows, periodic), j % 3
+        of_plane = search.ratios, search.uniforms
+        if search.von_mises.size:
+            fill_von_mises(parts, row, *of_plane, search.von_mises, room.shared, room.rows, line, _MARGIN)
+        for t in range(fields):
+            values = room.rows[t, line]
+            if t >= search.von_mises.size:
+                field = Field(search.kinds[t], search.ratios[t], search.uniforms[t])
+                fill_row(parts, field, row, values[_MARGIN:])
             m = search.averaged[t]
             if m >= 0 and sums.size:
-                _sum_row(here, columns, row, reference, m, room.across, sums[m, row])
-            if search.sought[t] and j - start >= 2:
-                previous, centre = room.rows[t, (j - 2) % 3], room.rows[t, (j - 1) % 3]
-                row_before = neighbour(j - 1, rows, search.periodic)
-                _search_row(previous, centre, here, columns, search, room, t, row_before)
+                _sum_row(
+                    room.rows, room.bits, t, line, columns, row, reference, m, room.skipped, sums[m, row]
+                )
+            if search.sought[t]:
+                _fill_margins(values, columns, periodic)
+                if j - start >= 2:
+                    _search_row(j - 1, columns, neighbour(j - 1, rows, periodic), search.floor, room, t)
     if search.compared:
         # While the rows of the plane above are in the cache for all fields.
-        for t in range(search.kinds.size):
+        for t in range(fields):
             field = Field(search.kinds[t], search.ratios[t], search.uniforms[t])
-            room.counts[t] = _keep_above(above, field, search.periodic, room, t)
+            room.counts[t] = _keep_above(above, field, periodic, room, t)
+
+
+@_inlined
+def _fill_margins(line: Any, columns: int, periodic: bool) -> None:
+    """Repeat the values beyond the edges of a row."""
+    line[_MARGIN - 1] = line[_MARGIN + neighbour(-1, columns, periodic)]
+    line[_MARGIN + columns] = line[_MARGIN + neighbour(columns, columns, periodic)]
 
 
 @_reduction
-def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, lanes: Any, out: Any) -> None:
+def _sum_row(
+    rows: Any,
+    bits: Any,
+    t: int,
+    line: int,
+    columns: int,
+    row: int,
+    reference: Any,
+    m: int,
+    room: Any,
+    out: Any,
+) -> None:
+    here = rows[t, line, _MARGIN:]
     out[0], out[1] = _sums(here, here, columns)
-    out[2] = _largest(here, columns, lanes)
+    bits[t, line, 0] = _largest(bits[t, line, _MARGIN:], columns)
+    out[2] = rows[t, line, 0]
     out[3] = out[4] = 0.0
     if m >= reference.shape[0]:
         return
@@ -165,12 +229,12 @@ def _sum_row(here: Any, columns: int, row: int, reference: Any, m: int, lanes: A
     if row % step:
         return
     other = reference[m, row // step]
-    if step == 1:
-        out[3], out[4] = out[0], _sums(here, other, columns)[1]
-    else:
+    if step == 2:
         for i in range(other.size):
-            lanes[i] = here[i * step]
-        out[3], out[4] = _sums(lanes, other, other.size)
+            room[i] = here[2 * i]
+        out[3], out[4] = _sums(room, other, other.size)
+    else:
+        out[3], out[4] = _sums(here, other, other.size)
 
 
 @_reduction
@@ -189,67 +253,57 @@ def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
     return total, product
 
 
-@_reduction
-def _largest(values: Any, count: int, lanes: Any) -> float:
-    """Largest of some values ≥ 0, with room for `_LANES` numbers that are compared at once."""
-    for k in range(_LANES):
-        lanes[k] = 0.0
-    whole = count - count % _LANES
-    for first in range(0, whole, _LANES):
-        some = values[first : first + _LANES]
-        for k in range(_LANES):
-            lanes[k] = max(lanes[k], some[k])
-    largest = lanes[0]
-    for k in range(1, _LANES):
-        largest = max(largest, lanes[k])
-    for i in range(whole, count):
-        largest = max(largest, values[i])
+@_compiled
+def _largest(bits: Any, count: int) -> int:
+    """Bits of the largest of some values ≥ 0, from their bits, which are in the same order.
+
+    Loops that compare integers are vectorised, those that compare floating-point numbers are not.
+    """
+    largest = bits[0]
+    for i in range(count):
+        largest = max(largest, bits[i])
     return largest
 
 
 @_reduction
-def _search_row(
-    previous: Any, here: Any, after: Any, columns: int, search: Any, room: Any, t: int, row: int
-) -> None:
+def _search_row(j: int, columns: int, row: int, floor: float, room: Any, t: int) -> None:
     """Add the maxima of one row, from the values in it and in the rows beside it."""
-    across, flags, periodic = room.across, room.flags, search.periodic
-    floor = search.floor
+    previous, here, after = room.rows[t, (j - 1) % 3], room.rows[t, j % 3], room.rows[t, (j + 1) % 3]
+    centre, left, right = here[_MARGIN:], here[_MARGIN - 1 :], here[_MARGIN + 1 :]
+    upper, lower = previous[_MARGIN:], after[_MARGIN:]
+    flags = room.flags
     for i in range(columns):
-        magnitude, beside = abs(here[i]), max(abs(previous[i]), abs(after[i]))
-        across[i] = max(beside, magnitude)
-        flags[i] = (magnitude >= beside) & (magnitude > floor)
-    inner = here[1 : columns - 1]
-    left, right, flagged = across[: columns - 2], across[2:columns], flags[1 : columns - 1]
-    for i in range(columns - 2):
-        flagged[i] &= abs(inner[i]) >= max(left[i], right[i])
-    last = columns - 1
-    flags[0] &= abs(here[0]) >= max(across[1], across[last if periodic else 1])
-    flags[last] &= abs(here[last]) >= max(across[last - 1], across[0 if periodic else last - 1])
+        magnitude = abs(centre[i])
+        flags[i] = (
+            (magnitude > floor)
+            & (magnitude >= abs(left[i]))
+            & (magnitude >= abs(right[i]))
+            & (magnitude >= abs(upper[i]))
+            & (magnitude >= abs(lower[i]))
+        )
     for i in range(columns, columns + _WORD):
         flags[i] = 0
-    count = room.counts[t]
     for word in range((columns + _WORD - 1) // _WORD):
         if room.words[word]:
             for i in range(_WORD * word, _WORD * word + _WORD):
                 if flags[i]:
-                    around = room.around[t, count]
-                    for b in range(3):
-                        place = neighbour(i + b - 1, columns, periodic)
-                        around[0, b] = previous[place]
-                        around[1, b] = here[place]
-                        around[2, b] = after[place]
-                    if _is_first_of_equals(around):
-                        room.found[t, count] = row * columns + i
-                        count += 1
-    room.counts[t] = count
+                    _add_maximum(previous, here, after, i, row * columns, room, t)
 
 
 @_inlined
-def _is_first_of_equals(around: Any) -> bool:
-    """True if of nine values whose largest magnitude is that of the centre none before it is as large."""
+def _add_maximum(previous: Any, here: Any, after: Any, column: int, first: int, room: Any, t: int) -> None:
+    """Add a node to the maxima if none of its neighbours is higher, and none before it as high."""
+    count = room.counts[t]
+    around = room.around[t, count]
+    for b in range(3):
+        place = _MARGIN + column + b - 1
+        around[0, b], around[1, b], around[2, b] = previous[place], here[place], after[place]
     centre = abs(around[1, 1])
     earlier = max(abs(around[0, 0]), abs(around[0, 1]), abs(around[0, 2]), abs(around[1, 0]))
-    return centre > earlier
+    later = max(abs(around[1, 2]), abs(around[2, 0]), abs(around[2, 1]), abs(around[2, 2]))
+    if centre > earlier and centre >= later:
+        room.found[t, count] = first + column
+        room.counts[t] = count + 1
 
 
 @_inlined
@@ -268,9 +322,15 @@ def _keep_above(parts: Any, field: Any, periodic: bool, room: Any, t: int) -> in
     columns = parts.columns
     found, around, above = room.found[t], room.around[t], room.above[t]
     kept = room.before[t]
+    # Straight through all: the processor fetches the next values while it waits for these.
     for n in range(kept, room.counts[t]):
+        above[n, 1, 1] = value_at(parts, field, found[n] // columns, found[n] % columns)
+    for n in range(kept, room.counts[t]):
+        magnitude = abs(around[n, 1, 1])
+        if not magnitude > abs(above[n, 1, 1]):
+            continue
         row, column = found[n] // columns, found[n] % columns
-        if _exceeds(parts, field, row, column, periodic, abs(around[n, 1, 1]), above[kept]):
+        if _exceeds(parts, field, row, column, periodic, magnitude, above[kept]):
             found[kept] = found[n]
             for k in range(9):
                 around[kept, k // 3, k % 3] = around[n, k // 3, k % 3]

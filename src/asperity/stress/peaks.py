@@ -40,7 +40,7 @@ from asperity.stress.arguments import (
     checked_ratio,
 )
 from asperity.stress.fields import KINDS, PLACES, Field, Parts, needed_parts
-from asperity.stress.maxima import Room, Search, Stencil, compare, search_rows
+from asperity.stress.maxima import Search, Stencil, compare, room_for, search_rows
 from asperity.stress.planes import StressPlane
 from asperity.stress.refinement import refine_in_plane, refine_in_solid
 from asperity.types import Array
@@ -439,21 +439,10 @@ def _plane_maxima(plane: SearchedPlane, floor: float) -> Maxima:
     rows, columns = plane.grid.shape
     real = plane.parts.values.dtype
     capacity = (rows // 2 + 2) * (columns // 2 + 1)
-    padded = -(-columns // 64) * 64 + 64
-    flags = np.empty(padded, np.uint8)
-    room = Room(
-        np.empty((1, 3, padded), real),
-        np.empty(padded, real),
-        flags,
-        flags.view(np.uint64),
-        np.empty((1, capacity), np.int64),
-        np.empty((1, capacity, 3, 3), real),
-        np.empty((1, 0, 3, 3), real),
-        np.zeros(1, np.int64),
-        np.zeros(1, np.int64),
-    )
+    room = room_for(1, columns, capacity, real, lambda _, shape, dtype: np.empty(shape, dtype))
     kind, ratio, uniform = plane.field
     search = Search(
+        np.empty(0, np.int64),
         np.array([kind]),
         np.array([ratio], real),
         np.array([uniform], real),

@@ -59,7 +59,7 @@ from asperity.stress.arguments import (
     checked_threads,
     checked_tolerance,
 )
-from asperity.stress.fields import KINDS, Field, Parts, fill_fields
+from asperity.stress.fields import KINDS, SHARED, Field, Parts, fill_fields
 from asperity.stress.free_boundary import FreePlanes
 from asperity.stress.parts import Part
 from asperity.stress.periodic import PeriodicPlanes, Visit
@@ -180,7 +180,9 @@ class LinearPlane:
             out = np.empty(next(iter(self.constant.values())).shape, self.dtype)
         kind, ratio, uniform = self.compiled(name, poisson)
         ratios, uniforms = (np.array([value], self.dtype) for value in (ratio, uniform))
-        fill_fields(self.parts(), kind, ratios, uniforms, np.array([0]), out.reshape(1, -1, out.shape[-1]))
+        rows = out.reshape(1, -1, out.shape[-1])
+        shared = np.empty(SHARED, self.dtype)
+        fill_fields(self.parts(), kind, ratios, uniforms, np.array([0]), shared, rows)
         return out
 
     def sample(self, name: str, poisson: float, gather: Gather) -> Array:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.stress.fields import KINDS, Field
-from asperity.stress.maxima import Room, Search, search_rows
+from asperity.stress.maxima import Room, Search, room_for, search_rows
 from asperity.stress.periodic import KeptArrays, bands_of
 from asperity.stress.planes import LinearPlane
 from asperity.types import Array
@@ -51,7 +51,7 @@ class PlaneSearch:
     Parameters
     ----------
     fields : sequence of SoughtField
-        Those with a reference first among the averaged ones.
+        Von Mises stresses first, and those with a reference first among the averaged ones.
     periodic : bool
 
     Attributes
@@ -67,6 +67,8 @@ class PlaneSearch:
         self.fields, self._periodic = list(fields), periodic
         self.maxima: list[tuple[Array, Array, Array]] = []
         self.sums = np.empty((0, 0, SUMS))
+        others = [number for number, field in enumerate(fields) if field.name != "von_mises"]
+        self._von_mises = np.arange(min(others, default=len(self.fields)))
         averaged = np.cumsum([field.averaged for field in fields]) - 1
         self._averaged = np.where([field.averaged for field in fields], averaged, -1)
         self._kept = KeptArrays()
@@ -79,6 +81,7 @@ class PlaneSearch:
         self._above = above.parts() if above is not None and compared else self._parts
         compiled = [field.compiled(plane) for field in self.fields]
         self._search = Search(
+            self._von_mises,
             np.array([field.kind for field in compiled]),
             np.array([field.ratio for field in compiled], real),
             np.array([field.uniform for field in compiled], real),
@@ -132,19 +135,7 @@ class PlaneSearch:
         fields, columns = len(self.fields), self._parts.columns
         real = self._parts.values.dtype
         capacity = (rows // 2 + 1) * (columns // 2 + 1)
-        padded = -(-columns // 64) * 64 + 64
-        flags = self._kept.array("flags", (padded,), np.uint8)
-        return Room(
-            self._kept.array("rows", (fields, 3, padded), real),
-            self._kept.array("across", (padded,), real),
-            flags,
-            flags.view(np.uint64),
-            self._kept.array("found", (fields, capacity), np.int64),
-            self._kept.array("around", (fields, capacity, 3, 3), real),
-            self._kept.array("above", (fields, capacity, 3, 3), real),
-            np.zeros(fields, np.int64),
-            np.zeros(fields, np.int64),
-        )
+        return room_for(fields, columns, capacity, real, self._kept.array)
 
 
 def _maxima_in(room: Room) -> list[tuple[Array, Array, Array]]:
