@@ -18,14 +18,15 @@ import numpy as np
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.spectral import Fourier, Grid, resample
 from asperity.stress.kernels import (
-    SHARED_COLUMNS,
+    COLUMN_PARTS,
+    ColumnRoom,
     PlaneKernels,
     TractionKernels,
     Wavevectors,
     add_sliding_stress,
-    all_parts,
+    half_space_columns,
+    half_space_xz,
     mode_stress,
-    shared_columns,
 )
 from asperity.stress.parts import ALL_PARTS, Part
 from asperity.stress.truncation import PlaneGrid, Truncation
@@ -146,82 +147,86 @@ class PeriodicPlanes:
 
         def transform_columns(first: int) -> None:
             last = min(first + COLUMNS_AT_ONCE, columns)
-            shape = source.count, grid.shape[0], last - first
-            block = kept.array("block", shape, fourier.complex)
+            count = sum(spectra[own].shape[0] for own in source.columns)
+            block = kept.array("block", (count, grid.shape[0], last - first), fourier.complex)
             source.fill_columns(first, last, block)
-            fourier.inverse_along_y(block, spectra[: source.count, :, first:last])
+            start = 0
+            for own in source.columns:
+                target = spectra[own, :, first:last]
+                fourier.inverse_along_y(block[start : start + target.shape[0]], target)
+                start += target.shape[0]
 
         def transform_rows(band: int) -> None:
             for first, last in strips_of(*bands[band]):
                 rows = values[:, first:last, : grid.shape[1]]
-                shape = rows[source.transformed].shape[0], last - first, spectra.shape[2]
-                strip = kept.array("strip", shape, fourier.complex)
-                source.fill_rows(spectra, first, last, strip, columns)
-                strip[:, :, columns:] = 0
-                fourier.inverse_along_x(strip, rows[source.transformed])
+                source.complete_rows(values, first, last, columns)
+                coefficients = spectra[source.transformed, first:last]
+                coefficients[:, :, columns:] = 0
+                fourier.inverse_along_x(coefficients, rows[source.transformed])
                 source.complete(first, last, rows)
                 visit(band, first, last)
 
         run(transform_columns, range(0, columns, COLUMNS_AT_ONCE))
         bands = bands_of(grid.shape[0])
         run(transform_rows, range(len(bands)))
-        along_y = source.count * columns / grid.half_shape[1]
+        along_y = sum(spectra[own].shape[0] for own in source.columns) * columns / grid.half_shape[1]
         return round(grid.size * (along_y + len(parts[source.transformed])) / 2)
 
-    def _source(self, depth: float, parts: Sequence[Part]) -> _SharedSpectra | _SurfaceSpectra | _Spectra:
+    def _source(self, depth: float, parts: Sequence[Part]) -> _HalfSpaceSpectra | _SurfaceSpectra | _Spectra:
         if tuple(parts) == ALL_PARTS and self._layer.height is None and not any(self._traction):
             if depth == 0 and self._fourier.grid == self._finest[0]:
                 return _SurfaceSpectra(self._modes, self._fourier, self._pressure)
-            return _SharedSpectra(depth, self._modes, self._fourier)
+            return _HalfSpaceSpectra(depth, self._modes, self._fourier, self._kept)
         return _Spectra(depth, self._modes, self._fourier, self._layer, parts, self._traction)
 
 
-class _SharedSpectra:
-    """Spectra of all parts A and B in a half-space, from fewer functions transformed along y.
+class _HalfSpaceSpectra:
+    """Spectra of all parts A and B in a half-space.
 
     Attributes
     ----------
-    count : int
-        Number of functions to transform along y.
+    columns : sequence of slices
+        Parts that are transformed along y.
     transformed : slice
         Parts that are transformed along x.
     """
 
-    count, transformed = SHARED_COLUMNS, slice(None)
+    columns, transformed = (slice(0, 4), slice(5, 8)), slice(None)
 
-    def __init__(self, depth: float, modes: Array, fourier: Fourier) -> None:
+    def __init__(self, depth: float, modes: Array, fourier: Fourier, kept: KeptArrays) -> None:
         grid, real = fourier.grid, fourier.real
-        self._real, self._half_depth = real, real.type(0.5 * depth)
-        self._mean = real.type(modes[0, 0].real)
+        self._real, self._kept = real, kept
+        self._depth, self._half_depth = real.type(depth), real.type(0.5 * depth)
         self._modes = modes.view(real)
         self._wavevectors = Wavevectors(
             *(q.astype(real) for q in (grid.qx, grid.qy, grid.odd_qx, grid.odd_qy))
         )
 
     def fill_columns(self, first: int, last: int, out: Array) -> None:
-        """Fill `out` with some columns of the functions, to be transformed along y."""
-        factors = np.empty((SHARED_COLUMNS, last - first), self._real)
-        common = self._half_depth, self._modes, self._wavevectors
-        shared_columns(*common, first, factors, out.view(self._real))
+        """Fill `out` with some columns of the parts to be transformed along y."""
+        size = last - first
+        of_plane = self._kept.array("columns", (3, size), self._real)
+        precise = self._kept.array("exponentials", (3, size), np.dtype(float))
+        factors = self._kept.array("factors", (COLUMN_PARTS, 2 * size), self._real)
+        room = ColumnRoom(*of_plane, *precise[:2], precise[2].view(np.int64), precise[2], factors)
+        half_space_columns(self._depth, self._modes, self._wavevectors, first, room, out.view(self._real))
 
-    def fill_rows(self, spectra: Array, first: int, last: int, out: Array, columns: int) -> None:
-        """Fill `out` with some rows and the first columns of the parts, to be transformed along x."""
-        wavevectors = self._wavevectors._replace(qx=self._wavevectors.qx[:columns])
-        common = self._half_depth, self._mean, spectra.view(self._real), wavevectors
-        all_parts(*common, first, last, out.view(self._real))
+    def complete_rows(self, values: Array, first: int, last: int, columns: int) -> None:
+        """Fill the parts that have not been transformed along y, in some rows and the first columns."""
+        half_space_xz(self._half_depth, self._wavevectors.odd_qx[:columns], first, last, values)
 
     def complete(self, first: int, last: int, out: Array) -> None:
-        """Fill some rows of the parts that are not transformed."""
+        """Fill some rows of the parts that are not transformed along x."""
 
 
 class _SurfaceSpectra:
-    """Spectra of all parts A and B in the surface of a half-space; attributes as of `_SharedSpectra`.
+    """Spectra of all parts A and B in the surface of a half-space; attributes as of `_HalfSpaceSpectra`.
 
     There σ_zz is minus the pressure, σ_yz and σ_xz are zero, and A_xx + A_yy = σ_zz, B_xx = 2 A_yy and
     B_xy = −2 A_xy but for the uniform mode: A_xx and A_xy alone are transformed.
     """
 
-    count, transformed = 2, slice(0, 6, 5)
+    columns, transformed = (slice(0, 6, 5),), slice(0, 6, 5)
 
     def __init__(self, modes: Array, fourier: Fourier, pressure: Array) -> None:
         grid = fourier.grid
@@ -234,17 +239,16 @@ class _SurfaceSpectra:
         self._pressure, self._mean = pressure, fourier.real.type(modes[0, 0].real)
 
     def fill_columns(self, first: int, last: int, out: Array) -> None:
-        """Fill `out` with some columns of the functions, to be transformed along y."""
-        out[0] = self._over_square[:, first:last]
-        np.multiply(self._odd_qy[:, None], out[0], out=out[1])
+        """Fill `out` with some columns of the parts to be transformed along y."""
+        np.multiply(-(self._qx[first:last] ** 2), self._over_square[:, first:last], out=out[0])
+        np.multiply(-self._odd_qx[first:last], self._over_square[:, first:last], out=out[1])
+        out[1] *= self._odd_qy[:, None]
 
-    def fill_rows(self, spectra: Array, first: int, last: int, out: Array, columns: int) -> None:
-        """Fill `out` with some rows and the first columns of the parts, to be transformed along x."""
-        np.multiply(-(self._qx**2), spectra[0, first:last], out=out[0])
-        np.multiply(-self._odd_qx, spectra[1, first:last], out=out[1])
+    def complete_rows(self, values: Array, first: int, last: int, columns: int) -> None:
+        """Fill the parts that have not been transformed along y."""
 
     def complete(self, first: int, last: int, out: Array) -> None:
-        """Fill some rows of the parts that are not transformed."""
+        """Fill some rows of the parts that are not transformed along x."""
         xx, yy, zz, yz, xz, xy, slope_xx, slope_xy = out
         np.negative(self._pressure[first:last], out=zz, casting="same_kind")
         np.subtract(zz, xx, out=yy)
@@ -255,7 +259,7 @@ class _SurfaceSpectra:
 
 
 class _Spectra:
-    """Spectra of any parts, also under a shear traction; attributes as of `_SharedSpectra`."""
+    """Spectra of any parts, also under a shear traction; attributes as of `_HalfSpaceSpectra`."""
 
     transformed = slice(None)
 
@@ -270,7 +274,7 @@ class _Spectra:
     ) -> None:
         grid = fourier.grid
         kernels = layer.grid_kernels(grid, depth, fourier.real)
-        self.count = len(parts)
+        self.columns = (slice(0, len(parts)),)
         self._kernels = PlaneKernels(kernels.normal, kernels.longitudinal, kernels.shear)
         self._traction_kernels = None
         if any(traction):
@@ -295,9 +299,8 @@ class _Spectra:
                     spectrum,
                 )
 
-    def fill_rows(self, spectra: Array, first: int, last: int, out: Array, columns: int) -> None:
-        """Fill `out` with some rows and the first columns of the parts, to be transformed along x."""
-        out[:, :, :columns] = spectra[: self.count, first:last, :columns]
+    def complete_rows(self, values: Array, first: int, last: int, columns: int) -> None:
+        """Fill the parts that have not been transformed along y."""
 
     def complete(self, first: int, last: int, out: Array) -> None:
-        """Fill some rows of the parts that are not transformed."""
+        """Fill some rows of the parts that are not transformed along x."""
