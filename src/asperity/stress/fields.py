@@ -41,12 +41,12 @@ class Parts(NamedTuple):
 
     Parameters
     ----------
-    values : (parts, rows, at least `columns`) array
+    values : (rows, parts, at least `columns`) array
         A row may be longer than the plane.
     place : (`PLACES`,) integer array
-        Where in `values` A_xx, A_yy, A_zz, A_yz, A_xz, A_xy, B_xx, B_yy and B_xy are; −1 for one that is not
-        needed, or for B_yy, which follows from A_xx + A_yy + A_zz = B_xx + B_yy but for the uniform mode.
-        Where A is the stress itself, any of its components stands for B.
+        Where in a row of `values` A_xx, A_yy, A_zz, A_yz, A_xz, A_xy, B_xx, B_yy and B_xy are; −1 for one
+        that is not needed, or for B_yy, which follows from A_xx + A_yy + A_zz = B_xx + B_yy but for the
+        uniform mode. Where A is the stress itself, any of its components stands for B.
     columns : int
     mean_pressure : float
         Minus the uniform part of A_zz, in the precision of `values`.
@@ -115,28 +115,28 @@ def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
     values, place, columns, mean = parts
     kind, ratio, uniform = field
     if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
-        a = values[place[kind], row]
+        a = values[row, place[kind]]
         if kind in (_ZZ, _YZ, _XZ):
             for i in range(columns):
                 out[i] = a[i]
             return
-        b = values[place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], row]
+        b = values[row, place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind]]
         added = uniform - uniform if kind == _XY else uniform
         for i in range(columns):
             out[i] = a[i] + ratio * b[i] + added
         return
-    xx, yy, zz = values[place[_XX], row], values[place[_YY], row], values[place[_ZZ], row]
+    xx, yy, zz = values[row, place[_XX]], values[row, place[_YY]], values[row, place[_ZZ]]
     if kind == _HYDROSTATIC:
         for i in range(columns):
             out[i] = _hydrostatic(xx[i] + yy[i] + zz[i], ratio, uniform, mean)
         return
-    slope = values[place[_SLOPE_XX], row]
+    slope = values[row, place[_SLOPE_XX]]
     if kind == _YY:
         for i in range(columns):
             out[i] = yy[i] + ratio * (xx[i] + yy[i] + zz[i] + mean - slope[i]) + uniform
         return
-    yz, xz, xy = values[place[_YZ], row], values[place[_XZ], row], values[place[_XY], row]
-    slope_xy = values[place[_SLOPE_XY], row]
+    yz, xz, xy = values[row, place[_YZ]], values[row, place[_XZ]], values[row, place[_XY]]
+    slope_xy = values[row, place[_SLOPE_XY]]
     for i in range(columns):
         slope_yy = xx[i] + yy[i] + zz[i] + mean - slope[i]
         x, y = xx[i] + ratio * slope[i] + uniform, yy[i] + ratio * slope_yy + uniform
@@ -167,9 +167,9 @@ def fill_von_mises(
     line, at : int
     """
     values, place, columns, mean = parts
-    all_xx, all_yy, all_zz = values[place[_XX], row], values[place[_YY], row], values[place[_ZZ], row]
-    all_yz, all_xz, all_xy = values[place[_YZ], row], values[place[_XZ], row], values[place[_XY], row]
-    all_slope, all_slope_xy = values[place[_SLOPE_XX], row], values[place[_SLOPE_XY], row]
+    all_xx, all_yy, all_zz = values[row, place[_XX]], values[row, place[_YY]], values[row, place[_ZZ]]
+    all_yz, all_xz, all_xy = values[row, place[_YZ]], values[row, place[_XZ]], values[row, place[_XY]]
+    all_slope, all_slope_xy = values[row, place[_SLOPE_XX]], values[row, place[_SLOPE_XY]]
     first, slope_first, second, slope_yy, across = shared[0], shared[1], shared[2], shared[3], shared[4]
     for start in range(0, columns, shared.shape[1]):
         stop = min(start + shared.shape[1], columns)
@@ -239,24 +239,24 @@ def value_at(parts: Any, field: Any, row: Any, column: Any) -> float:
     values, place, _, mean = parts
     kind, ratio, uniform = field
     if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
-        value = values[place[kind], row, column]
+        value = values[row, place[kind], column]
         if kind in (_ZZ, _YZ, _XZ):
             return value
-        slope = values[place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], row, column]
+        slope = values[row, place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], column]
         return value + ratio * slope + (uniform - uniform if kind == _XY else uniform)
-    xx = values[place[_XX], row, column]
-    yy = values[place[_YY], row, column]
-    zz = values[place[_ZZ], row, column]
+    xx = values[row, place[_XX], column]
+    yy = values[row, place[_YY], column]
+    zz = values[row, place[_ZZ], column]
     if kind == _HYDROSTATIC:
         return _hydrostatic(xx + yy + zz, ratio, uniform, mean)
-    slope = values[place[_SLOPE_XX], row, column]
+    slope = values[row, place[_SLOPE_XX], column]
     slope_yy = xx + yy + zz + mean - slope
     y = yy + ratio * slope_yy + uniform
     if kind == _YY:
         return y
     x = xx + ratio * slope + uniform
-    xy = values[place[_XY], row, column] + ratio * values[place[_SLOPE_XY], row, column]
-    yz, xz = values[place[_YZ], row, column], values[place[_XZ], row, column]
+    xy = values[row, place[_XY], column] + ratio * values[row, place[_SLOPE_XY], column]
+    yz, xz = values[row, place[_YZ], column], values[row, place[_XZ], column]
     if kind == _VON_MISES:
         first, second = xx - yy + ratio * (slope - slope_yy), yy - zz + ratio * slope_yy + uniform
         return _von_mises(first, second, xy, yz * yz + xz * xz)

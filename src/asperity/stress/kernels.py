@@ -312,11 +312,11 @@ def half_space_xz(half_depth: float, odd_qx: Any, first: int, last: int, parts: 
     odd_qx : (columns,) array
     first, last : int
         Rows to fill.
-    parts : (at least 5, ny, at least 2 columns) array
+    parts : (ny, at least 5, at least 2 columns) array
         A_xx, A_yy, A_zz, A_yz and A_xz, real and imaginary parts in turn.
     """
     for j in range(first, last):
-        xx, yy, zz, xz = parts[_XX, j], parts[_YY, j], parts[_ZZ, j], parts[_XZ, j]
+        xx, yy, zz, xz = parts[j, _XX], parts[j, _YY], parts[j, _ZZ], parts[j, _XZ]
         for i in range(odd_qx.size):
             factor = half_depth * odd_qx[i]
             xz[2 * i] = -factor * (xx[2 * i + 1] + yy[2 * i + 1] + zz[2 * i + 1])

@@ -168,7 +168,7 @@ def search_rows(
         Sum of each row, of its squares, its largest value, and over the compared nodes the sum of the field
         and of its product with the reference; empty if nothing is summed.
     """
-    rows, columns, periodic = parts.values.shape[1], parts.columns, search.periodic
+    rows, columns, periodic = parts.values.shape[0], parts.columns, search.periodic
     fields = search.kinds.size
     for t in range(fields):
         room.before[t] = room.counts[t]
@@ -343,7 +343,7 @@ def _exceeds(
     parts: Any, field: Any, row: int, column: int, periodic: bool, magnitude: float, out: Any
 ) -> bool:
     """True if a magnitude is above the nine values at and around a node, which are written to `out`."""
-    rows, columns = parts.values.shape[1], parts.columns
+    rows, columns = parts.values.shape[0], parts.columns
     for k in range(9):
         a, b = _FROM_CENTRE[k]
         line, place = neighbour(row + a, rows, periodic), neighbour(column + b, columns, periodic)
@@ -363,7 +363,7 @@ class Stencil(NamedTuple):
         True for the linear parts on which the field depends.
     place : (`PLACES`,) integer array
         As of `Parts`, where the parts are all there in their order.
-    given : (`PLACES`, 1, 1) array
+    given : (1, `PLACES`, 1) array
         Room for the parts at one point.
     places, weights : (2, 6) integer and float array
         Room for the nodes around it.
@@ -411,7 +411,7 @@ def compare(
         Filled where it is.
     All arrays of numbers but those of `stencil` are in the precision of the plane.
     """
-    same = parts.values.shape[1] == other[0] and parts.columns == other[1]
+    same = parts.values.shape[0] == other[0] and parts.columns == other[1]
     for n in range(row.size):
         if same:
             kept[n] = _exceeds(parts, field, row[n], column[n], periodic, magnitude[n], out[n])
@@ -440,11 +440,11 @@ def _exceeds_between(
     precise = Field(field.kind, np.float64(field.ratio), np.float64(field.uniform))
     for k in range(9):
         a, b = _FROM_CENTRE[k]
-        _stencil(row + a, other[0], parts.values.shape[1], periodic, places[0], weights[0])
+        _stencil(row + a, other[0], parts.values.shape[0], periodic, places[0], weights[0])
         _stencil(column + b, other[1], parts.columns, periodic, places[1], weights[1])
         for part in range(PLACES):
             if needed[part]:
-                given[part, 0, 0] = _weighted(parts.values[parts.place[part]], places, weights)
+                given[0, part, 0] = _weighted(parts.values, parts.place[part], places, weights)
         value = value_at(there, precise, origin, origin)
         out[a + 1, b + 1] = value
         if not magnitude > abs(value):
@@ -453,13 +453,13 @@ def _exceeds_between(
 
 
 @_inlined
-def _weighted(values: Any, places: Any, weights: Any) -> float:
+def _weighted(values: Any, part: int, places: Any, weights: Any) -> float:
     place, weight = places[1], weights[1]
     a, b, c, d, e, f = place[0], place[1], place[2], place[3], place[4], place[5]
     u, v, w, x, y, z = weight[0], weight[1], weight[2], weight[3], weight[4], weight[5]
     total = 0.0
     for k in range(6):
-        line = values[places[0, k]]
+        line = values[places[0, k], part]
         along = (u * line[a] + v * line[b]) + (w * line[c] + x * line[d]) + (y * line[e] + z * line[f])
         total += weights[0, k] * along
     return total

@@ -219,7 +219,7 @@ class SearchedPlane:
     def of_field(cls, depth: float, grid: Grid, field: Array, periodic: bool) -> SearchedPlane:
         """A plane with a field of its own."""
         zero = field.dtype.type(0)
-        values = np.ascontiguousarray(field)[None]
+        values = np.ascontiguousarray(field)[:, None]
         parts = Parts(values, np.zeros(PLACES, np.int64), grid.shape[1], zero)
         return cls(depth, grid, parts, Field(KINDS["zz"], zero, zero), periodic)
 
@@ -240,7 +240,7 @@ class SearchedPlane:
         stencil = Stencil(
             needed_parts(self.field.kind, place),
             np.where(place >= 0, np.arange(PLACES), -1),
-            np.empty((PLACES, 1, 1)),
+            np.empty((1, PLACES, 1)),
             np.empty((2, 6), np.int64),
             np.empty((2, 6)),
         )

@@ -35,14 +35,17 @@ from asperity.types import Array
 COLUMNS_AT_ONCE = 64
 """Columns of a block."""
 
-ROWS_AT_ONCE = 16
-"""Rows of a strip."""
+LINES_AT_ONCE = 64
+"""Rows of all parts together of a strip, or a few more: they are transformed in groups of up to sixteen."""
+
+ROWS_OF_GROUP = 16
+"""Rows of a group, of which bands are made."""
 
 BANDS = 8
-"""Most groups of consecutive strips, each of which one thread goes through from the first to the last."""
+"""Most groups of consecutive rows, each of which one thread goes through from the first to the last."""
 
-STRIPS_OF_BAND = 8
-"""Fewest strips of a band, if there are several bands."""
+GROUPS_OF_BAND = 8
+"""Fewest groups of a band, if there are several bands."""
 
 Run = Callable[[Callable[[Any], None], Sequence[Any]], None]
 """Calls a function for every item of a sequence, on one thread or several."""
@@ -53,15 +56,16 @@ Visit = Callable[[int, int, int], None]
 
 def bands_of(rows: int) -> list[tuple[int, int]]:
     """First and last row + 1 of every band of a plane."""
-    strips = -(-rows // ROWS_AT_ONCE)
-    bands = min(BANDS, max(1, strips // STRIPS_OF_BAND))
-    edges = [min(rows, ROWS_AT_ONCE * (strips * band // bands)) for band in range(bands + 1)]
+    groups = -(-rows // ROWS_OF_GROUP)
+    bands = min(BANDS, max(1, groups // GROUPS_OF_BAND))
+    edges = [min(rows, ROWS_OF_GROUP * (groups * band // bands)) for band in range(bands + 1)]
     return list(pairwise(edges))
 
 
-def strips_of(first: int, last: int) -> list[tuple[int, int]]:
-    """First and last row + 1 of every strip of a band."""
-    return [(row, min(row + ROWS_AT_ONCE, last)) for row in range(first, last, ROWS_AT_ONCE)]
+def strips_of(first: int, last: int, parts: int) -> list[tuple[int, int]]:
+    """First and last row + 1 of every strip of a band of a plane with so many parts."""
+    rows = max(8, LINES_AT_ONCE // parts // 8 * 8)
+    return [(row, min(row + rows, last)) for row in range(first, last, rows)]
 
 
 class KeptArrays(threading.local):
@@ -113,8 +117,12 @@ class PeriodicPlanes:
 
     @staticmethod
     def row_length(grid: Grid) -> int:
-        """Numbers in a row of the arrays that are filled: room for the coefficients of a row."""
-        return 2 * (grid.shape[1] // 2 + 1)
+        """Numbers in a row of the arrays that are filled: room for the coefficients of a row.
+
+        An odd multiple of 16: rows that are a multiple of 4096 bytes apart share the same lines of the cache.
+        """
+        coefficients = grid.shape[1] // 2 + 1
+        return 16 * (-(-coefficients // 8) | 1)
 
     def compute(
         self, depth: float, own: PlaneGrid, parts: Sequence[Part], values: Array, run: Run, visit: Visit
@@ -127,7 +135,7 @@ class PeriodicPlanes:
         own : PlaneGrid
             Of this plane.
         parts : sequence of Part
-        values : (parts, ny, 2 (nx // 2 + 1)) array
+        values : (ny, parts, `row_length`) array
             The first nx columns of each row are filled.
         run, visit : callable
 
@@ -142,35 +150,37 @@ class PeriodicPlanes:
             self._fourier = Fourier(grid, self._fourier.dtype)
             self._modes = resample(self._finest[1], self._finest[0], grid)
         fourier, kept = self._fourier, self._kept
-        spectra = values.view(fourier.complex)
+        spectra = values.view(fourier.complex)[:, :, : grid.half_shape[1]]
         source = self._source(depth, parts)
 
         def transform_columns(first: int) -> None:
             last = min(first + COLUMNS_AT_ONCE, columns)
-            count = sum(spectra[own].shape[0] for own in source.columns)
+            count = sum(spectra[0, own].shape[0] for own in source.columns)
             block = kept.array("block", (count, grid.shape[0], last - first), fourier.complex)
             source.fill_columns(first, last, block)
             start = 0
             for own in source.columns:
-                target = spectra[own, :, first:last]
+                target = spectra[:, own, first:last].transpose(1, 0, 2)
                 fourier.inverse_along_y(block[start : start + target.shape[0]], target)
                 start += target.shape[0]
 
         def transform_rows(band: int) -> None:
-            for first, last in strips_of(*bands[band]):
-                rows = values[:, first:last, : grid.shape[1]]
+            for first, last in strips_of(*bands[band], len(parts)):
                 source.complete_rows(values, first, last, columns)
-                coefficients = spectra[source.transformed, first:last]
-                coefficients[:, :, columns:] = 0
-                fourier.inverse_along_x(coefficients, rows[source.transformed])
-                source.complete(first, last, rows)
+                spectra[first:last, :, columns:] = 0
+                for own in source.rows:
+                    lines = values[first:last, own].reshape(1, -1, values.shape[2])
+                    coefficients = lines.view(fourier.complex)[:, :, : grid.half_shape[1]]
+                    fourier.inverse_along_x(coefficients, lines[:, :, : grid.shape[1]])
+                source.complete(first, last, values[first:last, :, : grid.shape[1]])
                 visit(band, first, last)
 
         run(transform_columns, range(0, columns, COLUMNS_AT_ONCE))
         bands = bands_of(grid.shape[0])
         run(transform_rows, range(len(bands)))
-        along_y = sum(spectra[own].shape[0] for own in source.columns) * columns / grid.half_shape[1]
-        return round(grid.size * (along_y + len(parts[source.transformed])) / 2)
+        along_y = sum(spectra[0, own].shape[0] for own in source.columns) * columns / grid.half_shape[1]
+        along_x = sum(spectra[0, own].shape[0] for own in source.rows)
+        return round(grid.size * (along_y + along_x) / 2)
 
     def _source(self, depth: float, parts: Sequence[Part]) -> _HalfSpaceSpectra | _SurfaceSpectra | _Spectra:
         if tuple(parts) == ALL_PARTS and self._layer.height is None and not any(self._traction):
@@ -187,11 +197,11 @@ class _HalfSpaceSpectra:
     ----------
     columns : sequence of slices
         Parts that are transformed along y.
-    transformed : slice
-        Parts that are transformed along x.
+    rows : sequence of slices
+        Parts that are transformed along x, all at once or one by one.
     """
 
-    columns, transformed = (slice(0, 4), slice(5, 8)), slice(None)
+    columns, rows = (slice(0, 4), slice(5, 8)), (slice(None),)
 
     def __init__(self, depth: float, modes: Array, fourier: Fourier, kept: KeptArrays) -> None:
         grid, real = fourier.grid, fourier.real
@@ -226,7 +236,7 @@ class _SurfaceSpectra:
     B_xy = −2 A_xy but for the uniform mode: A_xx and A_xy alone are transformed.
     """
 
-    columns, transformed = (slice(0, 6, 5),), slice(0, 6, 5)
+    columns = rows = (slice(0, 1), slice(5, 6))
 
     def __init__(self, modes: Array, fourier: Fourier, pressure: Array) -> None:
         grid = fourier.grid
@@ -249,7 +259,7 @@ class _SurfaceSpectra:
 
     def complete(self, first: int, last: int, out: Array) -> None:
         """Fill some rows of the parts that are not transformed along x."""
-        xx, yy, zz, yz, xz, xy, slope_xx, slope_xy = out
+        xx, yy, zz, yz, xz, xy, slope_xx, slope_xy = out.swapaxes(0, 1)
         np.negative(self._pressure[first:last], out=zz, casting="same_kind")
         np.subtract(zz, xx, out=yy)
         yy += self._mean
@@ -261,7 +271,7 @@ class _SurfaceSpectra:
 class _Spectra:
     """Spectra of any parts, also under a shear traction; attributes as of `_HalfSpaceSpectra`."""
 
-    transformed = slice(None)
+    rows = (slice(None),)
 
     def __init__(
         self,

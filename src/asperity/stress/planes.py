@@ -129,7 +129,7 @@ class LinearPlane:
         Poisson's ratio → uniform part of σ_xx and σ_yy.
     done : float
         Share of the work of the whole stream that is done with this plane.
-    values : (parts, ny, at least nx) array, optional
+    values : (ny, parts, at least nx) array, optional
         One array that holds A and then B.
     scale : float
         The root mean square of σ_zz or less, as far as it is known before the plane is computed.
@@ -160,7 +160,7 @@ class LinearPlane:
         arrays = [*self.constant.values(), *self.slope.values()]
         values = self.values
         if values is None:
-            values = np.stack([array.reshape(-1, array.shape[-1]) for array in arrays])
+            values = np.stack([array.reshape(-1, array.shape[-1]) for array in arrays], axis=1)
         slope = self.slope or self.constant
         own = {name: number for number, name in enumerate(self.constant)}
         slopes = {name: number + len(own) for number, name in enumerate(self.slope)} or own
@@ -374,8 +374,8 @@ class _PlaneStream:
             for depth, own, share in zip(self.depths, source.plan, done, strict=True):
                 grid = own.grid
                 rooms.rotate()
-                rooms[0], values = _array_in(rooms[0], (len(parts), grid.shape[0], source.row_length(grid)))
-                fields = [values[number, :, : grid.shape[1]] for number in range(len(parts))]
+                rooms[0], values = _array_in(rooms[0], (grid.shape[0], len(parts), source.row_length(grid)))
+                fields = [values[:, number, : grid.shape[1]] for number in range(len(parts))]
                 constant = {part.component: field for part, field in zip(constants, fields, strict=False)}
                 slope = {
                     part.component: field

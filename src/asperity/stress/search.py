@@ -111,7 +111,7 @@ class PlaneSearch:
 
     def finish(self) -> None:
         """Search the rows at the edges of the bands, when all have been filled."""
-        rows = self._parts.values.shape[1]
+        rows = self._parts.values.shape[0]
         edges = [start for start, _ in self._bands]
         around = [(edge - 2, edge + 2) for edge in edges]
         if not self._periodic:
