@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from asperity.spectral import Fourier, Grid, good_size, resample
-from asperity.stress.peaks import PeakFinder, Peaks, find_peaks, plane_peaks
+from asperity.stress.peak_finder import PeakFinder
+from asperity.stress.peaks import Peaks, find_peaks, plane_peaks
 from asperity.stress.planes import StressPlane
 
 

@@ -39,10 +39,13 @@ from asperity.stress.arguments import (
 )
 from asperity.stress.covariance import References
 from asperity.stress.depths import depth_grid
-from asperity.stress.peaks import Maxima, PeakFinder, Peaks, SearchedPlane, plane_peaks
+from asperity.stress.peak_finder import PeakFinder
+from asperity.stress.peaks import plane_peaks
 from asperity.stress.periodic import Visit
+from asperity.stress.plane_maxima import Maxima, SearchedPlane
 from asperity.stress.planes import LinearPlane, Watch, linear_planes
 from asperity.stress.pressed import ContactLike, PressedSolid
+from asperity.stress.refinement import Peaks
 from asperity.stress.search import PlaneSearch, SoughtField
 from asperity.stress.selection import peak_dataset
 from asperity.types import Array, Progress
@@ -305,7 +308,11 @@ class _StressAnalysis:
         """Search the rows of a plane when they are computed."""
         # The floor is known when the plane is; until then, one that is a little lower.
         floor = max(plane.bound, 0.99 * self.settings.floor * plane.scale)
-        self._search.start(plane, self._last, floor, self.references.on(plane))
+        nothing = np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0)
+        upper = [
+            self._finders[field].candidates if field.sought else nothing for field in self._search.fields
+        ]
+        self._search.start(plane, self._last, upper, floor, self.references.on(plane))
         return self._search.add_rows
 
     def _add(self, number: int, plane: LinearPlane) -> None:
@@ -321,12 +328,13 @@ class _StressAnalysis:
         scale = np.sqrt(search.sums[count, :, 1].sum() / grid.size)
         floor = max(plane.bound, self.settings.floor * scale, ROUNDING * scale)
         parts, periodic = plane.parts(), boundary_of(self.contact) == "periodic"
-        for field, (nodes, here, above) in zip(search.fields, search.maxima, strict=True):
+        every = zip(search.fields, search.maxima, search.lower, strict=True)
+        for field, (nodes, here, above), lower in every:
             if field.sought:
                 high = np.flatnonzero(np.abs(here[:, 1, 1]) > floor)
                 maxima = Maxima.at(nodes[high], here[high], grid, above[high] if compared else None)
                 searched = SearchedPlane(plane.depth, grid, parts, field.compiled(plane), periodic)
-                self._finders[field].add_maxima(searched, maxima)
+                self._finders[field].add_maxima(searched, maxima, lower if compared else None)
 
     def peaks(self, lateral: str) -> dict[tuple[str, float], Peaks]:
         """Quantity and Poisson's ratio (NaN: the same for every one) → its peaks, when all planes passed."""

@@ -1,15 +1,17 @@
-"""Compiled search for the maxima of fields in a plane, and their comparison with the adjacent planes."""
+"""Compiled search for the maxima of fields in the rows of a plane, and sums of these."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
 from asperity.machine_code import discard_outdated
-from asperity.stress.fields import PLACES, SHARED, Field, Parts, fill_row, fill_von_mises, value_at
+from asperity.stress.fields import SHARED, Field, fill_row, fill_von_mises, value_at
+from asperity.stress.neighbours import exceeds, neighbour
+from asperity.types import Array
 
 _compiled = njit(cache=True, error_model="numpy", nogil=True)
 _inlined = njit(
@@ -25,12 +27,6 @@ _reduction = njit(
     nogil=True,
     fastmath={"reassoc", "nnan", "nsz", "contract"},
 )
-
-_FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1))
-"""A node and its neighbours: most maxima end at the node itself."""
-
-_INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) for k in range(6)])
-"""Denominators of Lagrange's formula on six nodes."""
 
 _MARGIN = 16
 """Numbers beside a row of values, of which the nearest are those beyond the edge."""
@@ -138,11 +134,48 @@ def room_for(
     )
 
 
+class Upper(NamedTuple):
+    """Maxima of the plane above, if it is on the same grid, to be compared with the rows of this plane.
+
+    Parameters
+    ----------
+    first : (fields, rows + 1) integer array
+        Place of the first maximum of each row among those of all fields.
+    column : (maxima,) integer array
+    magnitude : (maxima,) array in the precision of the plane
+    kept : (maxima,) bool array
+        Becomes true where the magnitude is above all nine values at and around the node.
+    values : (maxima, 3, 3) array in the precision of the plane
+        Becomes these values.
+    """
+
+    first: Any
+    column: Any
+    magnitude: Any
+    kept: Any
+    values: Any
+
+
+def upper_for(maxima: Sequence[tuple[Array, Array, Array]], rows: int, real: np.dtype[Any]) -> Upper:
+    """Maxima of each field, given by their rows, which rise, their columns and their magnitudes."""
+    first = np.zeros((len(maxima), rows + 1), np.int64)
+    start = 0
+    for t, (row, _, _) in enumerate(maxima):
+        first[t] = start + np.searchsorted(row, np.arange(rows + 1))
+        start += row.size
+    column, magnitude = (
+        np.concatenate([np.empty(0, kind), *(each[place] for each in maxima)]).astype(kind, copy=False)
+        for place, kind in ((1, np.int64), (2, real))
+    )
+    return Upper(first, column, magnitude, np.zeros(start, bool), np.empty((start, 3, 3), real))
+
+
 @_compiled
 def search_rows(
     parts: Any,
     above: Any,
     search: Any,
+    upper: Any,
     room: Any,
     start: int,
     first: int,
@@ -157,6 +190,7 @@ def search_rows(
     parts, above : Parts
         Of the plane and, if `Search.compared`, of the one above on the same grid.
     search : Search
+    upper : Upper
     room : Room
     start, first, last : int
         Rows `first` to `last` − 1 are new, those from `start` have been searched before. A row is compared
@@ -190,7 +224,9 @@ def search_rows(
             if search.sought[t]:
                 _fill_margins(values, columns, periodic)
                 if j - start >= 2:
-                    _search_row(j - 1, columns, neighbour(j - 1, rows, periodic), search.floor, room, t)
+                    searched = neighbour(j - 1, rows, periodic)
+                    _search_row(j - 1, columns, searched, search.floor, room, t)
+                    _compare_upper(upper, j - 1, searched, room, t)
     if search.compared:
         # While the rows of the plane above are in the cache for all fields.
         for t in range(fields):
@@ -290,6 +326,20 @@ def _search_row(j: int, columns: int, row: int, floor: float, room: Any, t: int)
                     _add_maximum(previous, here, after, i, row * columns, room, t)
 
 
+@_compiled
+def _compare_upper(upper: Any, j: int, row: int, room: Any, t: int) -> None:
+    """Compare the maxima of the plane above in one row with the values there and in the rows beside it."""
+    for n in range(upper.first[t, row], upper.first[t, row + 1]):
+        higher = True
+        for a in range(3):
+            line = room.rows[t, (j + a - 1) % 3]
+            for b in range(3):
+                value = line[_MARGIN + upper.column[n] + b - 1]
+                upper.values[n, a, b] = value
+                higher &= upper.magnitude[n] > abs(value)
+        upper.kept[n] = higher
+
+
 @_inlined
 def _add_maximum(previous: Any, here: Any, after: Any, column: int, first: int, room: Any, t: int) -> None:
     """Add a node to the maxima if none of its neighbours is higher, and none before it as high."""
@@ -306,16 +356,6 @@ def _add_maximum(previous: Any, here: Any, after: Any, column: int, first: int, 
         room.counts[t] = count + 1
 
 
-@_inlined
-def neighbour(node: int, nodes: int, periodic: bool) -> int:
-    """Index of a node at most two beyond the edges: at the opposite edge, or its mirror image."""
-    if node < 0:
-        return node % nodes if periodic else -node
-    if node >= nodes:
-        return node % nodes if periodic else 2 * nodes - 2 - node
-    return node
-
-
 @_compiled
 def _keep_above(parts: Any, field: Any, periodic: bool, room: Any, t: int) -> int:
     """Keep those of the last maxima that are above the plane `parts`; returns the number of all."""
@@ -330,160 +370,12 @@ def _keep_above(parts: Any, field: Any, periodic: bool, room: Any, t: int) -> in
         if not magnitude > abs(above[n, 1, 1]):
             continue
         row, column = found[n] // columns, found[n] % columns
-        if _exceeds(parts, field, row, column, periodic, magnitude, above[kept]):
+        if exceeds(parts, field, row, column, periodic, magnitude, above[kept]):
             found[kept] = found[n]
             for k in range(9):
                 around[kept, k // 3, k % 3] = around[n, k // 3, k % 3]
             kept += 1
     return kept
-
-
-@_compiled
-def _exceeds(
-    parts: Any, field: Any, row: int, column: int, periodic: bool, magnitude: float, out: Any
-) -> bool:
-    """True if a magnitude is above the nine values at and around a node, which are written to `out`."""
-    rows, columns = parts.values.shape[0], parts.columns
-    for k in range(9):
-        a, b = _FROM_CENTRE[k]
-        line, place = neighbour(row + a, rows, periodic), neighbour(column + b, columns, periodic)
-        value = value_at(parts, field, line, place)
-        out[a + 1, b + 1] = value
-        if not magnitude > abs(value):
-            return False
-    return True
-
-
-class Stencil(NamedTuple):
-    """What is interpolated between the nodes of a plane, and room for the values.
-
-    Parameters
-    ----------
-    needed : (`PLACES`,) bool array
-        True for the linear parts on which the field depends.
-    place : (`PLACES`,) integer array
-        As of `Parts`, where the parts are all there in their order.
-    given : (1, `PLACES`, 1) array
-        Room for the parts at one point.
-    places, weights : (2, 6) integer and float array
-        Room for the nodes around it.
-    """
-
-    needed: Any
-    place: Any
-    given: Any
-    places: Any
-    weights: Any
-
-
-@_compiled
-def compare(
-    parts: Any,
-    field: Any,
-    row: Any,
-    column: Any,
-    other: tuple[int, int],
-    periodic: bool,
-    magnitude: Any,
-    stencil: Any,
-    kept: Any,
-    out: Any,
-) -> None:
-    """Take the values of a field at and around nodes as long as a magnitude is above them.
-
-    On another grid, the linear parts are interpolated by Lagrange's formula on the six nearest nodes along
-    each axis.
-
-    Parameters
-    ----------
-    parts : Parts
-    field : Field
-    row, column : (nodes,) arrays
-        Nodes of a grid of the same cell.
-    other : (rows, columns)
-        Shape of this grid.
-    periodic : bool
-    magnitude : (nodes,) array
-    stencil : Stencil
-    kept : (nodes,) bool array
-        True where the magnitude is above all nine values, false elsewhere.
-    out : (nodes, 3, 3) array
-        Filled where it is.
-    All arrays of numbers but those of `stencil` are in the precision of the plane.
-    """
-    same = parts.values.shape[0] == other[0] and parts.columns == other[1]
-    for n in range(row.size):
-        if same:
-            kept[n] = _exceeds(parts, field, row[n], column[n], periodic, magnitude[n], out[n])
-        else:
-            kept[n] = _exceeds_between(
-                parts, field, row[n], column[n], other, periodic, magnitude[n], stencil, out[n]
-            )
-
-
-@_compiled
-def _exceeds_between(
-    parts: Any,
-    field: Any,
-    row: int,
-    column: int,
-    other: tuple[int, int],
-    periodic: bool,
-    magnitude: float,
-    stencil: Any,
-    out: Any,
-) -> bool:
-    """As `_exceeds`, at a node of another grid."""
-    needed, place, given, places, weights = stencil
-    there = Parts(given, place, parts.columns, np.float64(parts.mean_pressure))
-    origin = np.int64(0)
-    precise = Field(field.kind, np.float64(field.ratio), np.float64(field.uniform))
-    for k in range(9):
-        a, b = _FROM_CENTRE[k]
-        _stencil(row + a, other[0], parts.values.shape[0], periodic, places[0], weights[0])
-        _stencil(column + b, other[1], parts.columns, periodic, places[1], weights[1])
-        for part in range(PLACES):
-            if needed[part]:
-                given[0, part, 0] = _weighted(parts.values, parts.place[part], places, weights)
-        value = value_at(there, precise, origin, origin)
-        out[a + 1, b + 1] = value
-        if not magnitude > abs(value):
-            return False
-    return True
-
-
-@_inlined
-def _weighted(values: Any, part: int, places: Any, weights: Any) -> float:
-    place, weight = places[1], weights[1]
-    a, b, c, d, e, f = place[0], place[1], place[2], place[3], place[4], place[5]
-    u, v, w, x, y, z = weight[0], weight[1], weight[2], weight[3], weight[4], weight[5]
-    total = 0.0
-    for k in range(6):
-        line = values[places[0, k], part]
-        along = (u * line[a] + v * line[b]) + (w * line[c] + x * line[d]) + (y * line[e] + z * line[f])
-        total += weights[0, k] * along
-    return total
-
-
-@_compiled
-def _stencil(node: int, others: int, nodes: int, periodic: bool, place: Any, weight: Any) -> None:
-    """Places and weights of the six nodes nearest to a node of another grid, for Lagrange's interpolation.
-
-    Over a free boundary a node beyond an edge is its mirror image, and all six lie within the map.
-    """
-    if not periodic:
-        node = neighbour(node, others, periodic)
-    position = node * (nodes / others)
-    base = int(np.floor(position))
-    if not periodic:
-        base = max(2, min(base, nodes - 4))
-    fraction = position - base
-    for k in range(6):
-        place[k] = (base + k - 2) % nodes
-        weight[k] = _INVERSE_PRODUCTS[k]
-        for m in range(6):
-            if m != k:
-                weight[k] *= fraction - (m - 2)
 
 
 discard_outdated(__name__)
