@@ -89,7 +89,8 @@ class PeakFinder:
             self._depth_above = last.depth
         chosen = np.flatnonzero(kept)
         row, column = (nodes[chosen] for nodes in maxima.nodes)
-        self._candidates = maxima.select(chosen[np.lexsort((column, row))])
+        order = np.argsort(row * plane.grid.shape[1] + column, kind="stable")
+        self._candidates = maxima.select(chosen[order])
         self._last = plane
 
     def _finish(

@@ -35,8 +35,11 @@ from asperity.types import Array
 COLUMNS_AT_ONCE = 64
 """Columns of a block."""
 
-LINES_AT_ONCE = 64
-"""Rows of all parts together of a strip, or a few more: they are transformed in groups of up to sixteen."""
+STRIP_BYTES = 5 * 2**17
+"""Largest size of a strip of rows of all parts: it stays in the cache of one core."""
+
+FEWEST_ROWS = 4
+"""Rows of a strip are a multiple of this number: up to sixteen rows of parts are transformed together."""
 
 ROWS_OF_GROUP = 16
 """Rows of a group, of which bands are made."""
@@ -62,9 +65,9 @@ def bands_of(rows: int) -> list[tuple[int, int]]:
     return list(pairwise(edges))
 
 
-def strips_of(first: int, last: int, parts: int) -> list[tuple[int, int]]:
-    """First and last row + 1 of every strip of a band of a plane with so many parts."""
-    rows = max(8, LINES_AT_ONCE // parts // 8 * 8)
+def strips_of(first: int, last: int, values: Array) -> list[tuple[int, int]]:
+    """First and last row + 1 of every strip of a band of a plane with these arrays, (ny, parts, numbers)."""
+    rows = max(1, STRIP_BYTES // values.strides[0] // FEWEST_ROWS) * FEWEST_ROWS
     return [(row, min(row + rows, last)) for row in range(first, last, rows)]
 
 
@@ -165,9 +168,10 @@ class PeriodicPlanes:
                 start += target.shape[0]
 
         def transform_rows(band: int) -> None:
-            for first, last in strips_of(*bands[band], len(parts)):
+            for first, last in strips_of(*bands[band], values):
                 source.complete_rows(values, first, last, columns)
-                spectra[first:last, :, columns:] = 0
+                if columns < spectra.shape[2]:
+                    spectra[first:last, :, columns:] = 0
                 for own in source.rows:
                     lines = values[first:last, own].reshape(1, -1, values.shape[2])
                     coefficients = lines.view(fourier.complex)[:, :, : grid.half_shape[1]]
