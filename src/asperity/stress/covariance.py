@@ -118,7 +118,7 @@ class References:
             source, coefficients = modes
             fourier = Fourier(grid, field.dtype, self._threads, self._work)
             fourier.inverse(resample(coefficients, source, grid), out=field, overwrite=True)
-            self._means[m] = field.mean(dtype=float)
+            self._means[m] = moments(field, field)[0]
 
     def _transform(self, m: int, target: Grid) -> None:
         """Transform a reference that is on its own grid, and keep the modes that coarser grids need."""
@@ -168,7 +168,10 @@ class References:
         self._fill(plane, risen, self._fields)
         self._depths[risen] = plane.depth
         self._sample(plane)
-        self._means[:] = [field.mean(dtype=float) for field in self._compared]
+        if self._compared is self._fields:
+            self._means[risen] = totals[risen, 0]
+        else:
+            self._means[:] = [moments(field, field)[0] for field in self._compared]
         for m in risen.tolist():
             self._modes[m] = self._in_plane[m] = self._own[m] = None
             mean, square, _, _ = totals[m]

@@ -62,8 +62,8 @@ class Stencil(NamedTuple):
         As of `Parts`, where the parts are all there in their order.
     given : (1, `PLACES`, 1) array
         Room for the parts at one point.
-    places, weights : (2, 6) integer and float array
-        Room for the nodes around it.
+    places, weights : (2, 3, 6) integer and float array
+        Room for the nodes around it and its neighbours along each axis.
     """
 
     needed: Any
@@ -136,11 +136,13 @@ def _exceeds_between(
     precise = Field(field.kind, np.float64(field.ratio), np.float64(field.uniform))
     for k in range(9):
         a, b = _FROM_CENTRE[k]
-        _stencil(row + a, other[0], parts.values.shape[0], periodic, places[0], weights[0])
-        _stencil(column + b, other[1], parts.columns, periodic, places[1], weights[1])
+        if k < 5:  # the node, and its neighbours along the axes: those along the diagonals need no others
+            _stencil(row + a, other[0], parts.values.shape[0], periodic, places[0, a], weights[0, a])
+            _stencil(column + b, other[1], parts.columns, periodic, places[1, b], weights[1, b])
         for part in range(PLACES):
             if needed[part]:
-                given[0, part, 0] = _weighted(parts.values, parts.place[part], places, weights)
+                along_y, along_x = (places[0, a], weights[0, a]), (places[1, b], weights[1, b])
+                given[0, part, 0] = _weighted(parts.values, parts.place[part], along_y, along_x)
         value = value_at(there, precise, origin, origin)
         out[a + 1, b + 1] = value
         if not magnitude > abs(value):
@@ -149,15 +151,15 @@ def _exceeds_between(
 
 
 @_inlined
-def _weighted(values: Any, part: int, places: Any, weights: Any) -> float:
-    place, weight = places[1], weights[1]
+def _weighted(values: Any, part: int, along_y: Any, along_x: Any) -> float:
+    place, weight = along_x
     a, b, c, d, e, f = place[0], place[1], place[2], place[3], place[4], place[5]
     u, v, w, x, y, z = weight[0], weight[1], weight[2], weight[3], weight[4], weight[5]
     total = 0.0
     for k in range(6):
-        line = values[places[0, k], part]
+        line = values[along_y[0][k], part]
         along = (u * line[a] + v * line[b]) + (w * line[c] + x * line[d]) + (y * line[e] + z * line[f])
-        total += weights[0, k] * along
+        total += along_y[1][k] * along
     return total
 
 
@@ -175,7 +177,11 @@ def _stencil(node: int, others: int, nodes: int, periodic: bool, place: Any, wei
         base = max(2, min(base, nodes - 4))
     fraction = position - base
     for k in range(6):
-        place[k] = (base + k - 2) % nodes
+        place[k] = base + k - 2
+        while place[k] < 0:
+            place[k] += nodes
+        while place[k] >= nodes:
+            place[k] -= nodes
         weight[k] = _INVERSE_PRODUCTS[k]
         for m in range(6):
             if m != k:

@@ -60,8 +60,8 @@ class SearchedPlane:
             needed_parts(self.field.kind, place),
             np.where(place >= 0, np.arange(PLACES), -1),
             np.empty((1, PLACES, 1)),
-            np.empty((2, 6), np.int64),
-            np.empty((2, 6)),
+            np.empty((2, 3, 6), np.int64),
+            np.empty((2, 3, 6)),
         )
         last = grid.shape, self.periodic, magnitude.astype(real, copy=False), stencil, kept, values
         compare(self.parts, self.field, nodes[0], nodes[1], *last)
