@@ -143,7 +143,7 @@ def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
         out[i] = _measure(kind, x, y, zz[i], yz[i], xz[i], xy[i] + ratio * slope_xy[i])
 
 
-SHARED = (5, 512)
+SHARED = (5, 528)
 """Numbers of a node that all its von Mises stresses share, and nodes of which they fit into the cache."""
 
 

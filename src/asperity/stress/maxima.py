@@ -34,8 +34,8 @@ _MARGIN = 16
 _BLOCK = 1024
 """Numbers that are summed in their own precision."""
 
-_WORD = 8
-"""Flags of nodes that are looked at together."""
+_WORD, _WORDS = 8, 8
+"""Flags of nodes in a word, and words that are looked at together."""
 
 
 class Search(NamedTuple):
@@ -75,12 +75,12 @@ class Room(NamedTuple):
 
     Parameters
     ----------
-    rows : (fields, 3, columns + 2 `_MARGIN`) array in the precision of the plane
+    rows : (fields, 3, at least columns + 2 `_MARGIN`) array in the precision of the plane
         The last three rows of each field.
     bits : the same as integers
     shared : `SHARED` array in the precision of the plane
     skipped : (at least columns,) array in the precision of the plane
-    flags, words : (at least columns + 8,) uint8 array, the same as uint64
+    flags, words : (at least columns,) uint8 array, the same as uint64
     found : (fields, nodes) integer array
         Flat indices of the maxima.
     around : (fields, nodes, 3, 3) array in the precision of the plane
@@ -117,8 +117,9 @@ def room_for(
     empty : callable
         Makes an array with any values from a name, a shape and a type.
     """
-    rows = empty("rows", (fields, 3, columns + 2 * _MARGIN), real)
-    flags = empty("flags", (_WORD * (columns // _WORD + 2),), np.uint8)
+    rows = empty("rows", (fields, 3, (-(-columns // _MARGIN) + 2) * _MARGIN), real)
+    group = _WORD * _WORDS
+    flags = empty("flags", (-(-columns // group) * group,), np.uint8)
     return Room(
         rows,
         rows.view(f"i{real.itemsize}"),
@@ -317,13 +318,18 @@ def _search_row(j: int, columns: int, row: int, floor: float, room: Any, t: int)
             & (magnitude >= abs(upper[i]))
             & (magnitude >= abs(lower[i]))
         )
-    for i in range(columns, columns + _WORD):
+    for i in range(columns, flags.size):
         flags[i] = 0
-    for word in range((columns + _WORD - 1) // _WORD):
-        if room.words[word]:
-            for i in range(_WORD * word, _WORD * word + _WORD):
-                if flags[i]:
-                    _add_maximum(previous, here, after, i, row * columns, room, t)
+    for start in range(0, room.words.size, _WORDS):
+        some = room.words[start]
+        for word in range(start + 1, start + _WORDS):
+            some |= room.words[word]
+        if some:
+            for word in range(start, start + _WORDS):
+                if room.words[word]:
+                    for i in range(_WORD * word, _WORD * (word + 1)):
+                        if flags[i]:
+                            _add_maximum(previous, here, after, i, row * columns, room, t)
 
 
 @_compiled

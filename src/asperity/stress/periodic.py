@@ -35,6 +35,9 @@ from asperity.types import Array
 COLUMNS_AT_ONCE = 64
 """Columns of a block."""
 
+CACHE_LINE = 64
+"""Bytes of a line of the processor's cache."""
+
 STRIP_BYTES = 5 * 2**17
 """Largest size of a strip of rows of all parts: it stays in the cache of one core."""
 
@@ -71,6 +74,14 @@ def strips_of(first: int, last: int, values: Array) -> list[tuple[int, int]]:
     return [(row, min(row + rows, last)) for row in range(first, last, rows)]
 
 
+def aligned_array(size: int, dtype: Any) -> Array:
+    """An array with any values that begins with a line of the processor's cache."""
+    size = size * np.dtype(dtype).itemsize
+    memory = np.empty(size + CACHE_LINE, np.uint8)
+    start = -memory.ctypes.data % CACHE_LINE
+    return memory[start : start + size].view(dtype)
+
+
 class KeptArrays(threading.local):
     """Arrays of each thread that are used again: writing to new memory takes twice as long."""
 
@@ -82,7 +93,7 @@ class KeptArrays(threading.local):
         size = math.prod(shape)
         kept = self._arrays.get(name)
         if kept is None or kept.size < size or kept.dtype != dtype:
-            kept = self._arrays[name] = np.empty(size, dtype)
+            kept = self._arrays[name] = aligned_array(size, dtype)
         return kept[:size].reshape(shape)
 
 

@@ -62,7 +62,7 @@ from asperity.stress.arguments import (
 from asperity.stress.fields import KINDS, SHARED, Field, Parts, fill_fields
 from asperity.stress.free_boundary import FreePlanes
 from asperity.stress.parts import Part
-from asperity.stress.periodic import PeriodicPlanes, Visit
+from asperity.stress.periodic import PeriodicPlanes, Visit, aligned_array
 from asperity.stress.pressed import ContactLike
 from asperity.stress.truncation import envelope_of
 from asperity.types import Array, Progress
@@ -421,5 +421,5 @@ def _array_in(room: Array, shape: tuple[int, ...]) -> tuple[Array, Array]:
     """An array in memory that is kept if it is large enough, and that memory."""
     size = int(np.prod(shape))
     if room.size < size:
-        room = np.empty(size, room.dtype)
+        room = aligned_array(size, room.dtype)
     return room, room[:size].reshape(shape)
