@@ -9,7 +9,7 @@ import numpy as np
 
 from asperity.spectral import Fourier, Grid, Work, resample
 from asperity.stress.fields import SHARED, fill_fields, moments, pack
-from asperity.stress.planes import LinearPlane
+from asperity.stress.linear_plane import LinearPlane
 from asperity.stress.search import SoughtField
 from asperity.stress.statistics import LagRings
 from asperity.types import Array

@@ -140,7 +140,7 @@ class FreePlanes:
             values[:, number] = convolution(parts[number])
 
         def visit_band(band: int) -> None:
-            for first, last in strips_of(*bands[band], values):
+            for first, last in strips_of(bands[band], values):
                 visit(band, first, last)
 
         run(transform, range(len(parts)))

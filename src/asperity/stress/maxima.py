@@ -1,4 +1,4 @@
-"""Compiled search for the maxima of fields in the rows of a plane, and sums of these."""
+"""Compiled search for the maxima of fields in the rows of a plane."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from numba import njit
 from asperity.machine_code import discard_outdated
 from asperity.stress.fields import SHARED, Field, fill_row, fill_von_mises, value_at
 from asperity.stress.neighbours import exceeds, neighbour
+from asperity.stress.row_sums import sum_row
 from asperity.types import Array
 
 _compiled = njit(cache=True, error_model="numpy", nogil=True)
@@ -20,7 +21,7 @@ _inlined = njit(
     nogil=True,
     forceinline=True,
 )
-# Numbers may be added in any order, and none is NaN: only then loops that sum or compare are vectorised.
+# None of the numbers is NaN: only then loops that compare are vectorised.
 _reduction = njit(
     cache=True,
     error_model="numpy",
@@ -30,9 +31,6 @@ _reduction = njit(
 
 _MARGIN = 16
 """Numbers beside a row of values, of which the nearest are those beyond the edge."""
-
-_BLOCK = 1024
-"""Numbers that are summed in their own precision."""
 
 _WORD, _WORDS = 8, 8
 """Flags of nodes in a word, and words that are looked at together."""
@@ -219,8 +217,16 @@ def search_rows(
                 fill_row(parts, field, row, values[_MARGIN:])
             m = search.averaged[t]
             if m >= 0 and sums.size:
-                _sum_row(
-                    room.rows, room.bits, t, line, columns, row, reference, m, room.skipped, sums[m, row]
+                sum_row(
+                    values,
+                    room.bits[t, line],
+                    _MARGIN,
+                    columns,
+                    row,
+                    reference,
+                    m,
+                    room.skipped,
+                    sums[m, row],
                 )
             if search.sought[t]:
                 _fill_margins(values, columns, periodic)
@@ -240,66 +246,6 @@ def _fill_margins(line: Any, columns: int, periodic: bool) -> None:
     """Repeat the values beyond the edges of a row."""
     line[_MARGIN - 1] = line[_MARGIN + neighbour(-1, columns, periodic)]
     line[_MARGIN + columns] = line[_MARGIN + neighbour(columns, columns, periodic)]
-
-
-@_reduction
-def _sum_row(
-    rows: Any,
-    bits: Any,
-    t: int,
-    line: int,
-    columns: int,
-    row: int,
-    reference: Any,
-    m: int,
-    room: Any,
-    out: Any,
-) -> None:
-    here = rows[t, line, _MARGIN:]
-    out[0], out[1] = _sums(here, here, columns)
-    bits[t, line, 0] = _largest(bits[t, line, _MARGIN:], columns)
-    out[2] = rows[t, line, 0]
-    out[3] = out[4] = 0.0
-    if m >= reference.shape[0]:
-        return
-    step = columns // reference.shape[2]
-    if row % step:
-        return
-    other = reference[m, row // step]
-    if step == 2:
-        for i in range(other.size):
-            room[i] = here[2 * i]
-        out[3], out[4] = _sums(room, other, other.size)
-    else:
-        out[3], out[4] = _sums(here, other, other.size)
-
-
-@_reduction
-def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
-    """Sums of some values and of their products with others: in blocks in their own precision."""
-    total = product = 0.0
-    for first in range(0, count, _BLOCK):
-        last = min(first + _BLOCK, count)
-        some, same = values[first:last], others[first:last]
-        part = here = values[0] - values[0]
-        for i in range(last - first):
-            here += some[i]
-            part += some[i] * same[i]
-        total += here
-        product += part
-    return total, product
-
-
-@_compiled
-def _largest(bits: Any, count: int) -> int:
-    """Bits of the largest of some values ≥ 0, from their bits, which are in the same order.
-
-    Loops that compare integers are vectorised, those that compare floating-point numbers are not.
-    """
-    largest = bits[0]
-    for i in range(count):
-        largest = max(largest, bits[i])
-    return largest
 
 
 @_reduction

@@ -38,7 +38,7 @@ COLUMNS_AT_ONCE = 64
 CACHE_LINE = 64
 """Bytes of a line of the processor's cache."""
 
-STRIP_BYTES = 5 * 2**17
+STRIP_BYTES = 2**20
 """Largest size of a strip of rows of all parts: it stays in the cache of one core."""
 
 FEWEST_ROWS = 4
@@ -68,9 +68,10 @@ def bands_of(rows: int) -> list[tuple[int, int]]:
     return list(pairwise(edges))
 
 
-def strips_of(first: int, last: int, values: Array) -> list[tuple[int, int]]:
+def strips_of(band: tuple[int, int], values: Array) -> list[tuple[int, int]]:
     """First and last row + 1 of every strip of a band of a plane with these arrays, (ny, parts, numbers)."""
     rows = max(1, STRIP_BYTES // values.strides[0] // FEWEST_ROWS) * FEWEST_ROWS
+    first, last = band
     return [(row, min(row + rows, last)) for row in range(first, last, rows)]
 
 
@@ -179,7 +180,7 @@ class PeriodicPlanes:
                 start += target.shape[0]
 
         def transform_rows(band: int) -> None:
-            for first, last in strips_of(*bands[band], values):
+            for first, last in strips_of(bands[band], values):
                 source.complete_rows(values, first, last, columns)
                 if columns < spectra.shape[2]:
                     spectra[first:last, :, columns:] = 0
@@ -230,10 +231,18 @@ class _HalfSpaceSpectra:
     def fill_columns(self, first: int, last: int, out: Array) -> None:
         """Fill `out` with some columns of the parts to be transformed along y."""
         size = last - first
-        of_plane = self._kept.array("columns", (3, size), self._real)
-        precise = self._kept.array("exponentials", (3, size), np.dtype(float))
-        factors = self._kept.array("factors", (COLUMN_PARTS, 2 * size), self._real)
-        room = ColumnRoom(*of_plane, *precise[:2], precise[2].view(np.int64), precise[2], factors)
+        kept, real = self._kept, self._real
+        scale = kept.array("scale", (size,), np.dtype(float))
+        room = ColumnRoom(
+            scaled=kept.array("scaled", (size,), real),
+            over_square=kept.array("over_square", (size,), real),
+            decay=kept.array("decay", (size,), real),
+            argument=kept.array("argument", (size,), np.dtype(float)),
+            power=kept.array("power", (size,), np.dtype(float)),
+            exponent=scale.view(np.int64),
+            scale=scale,
+            factors=kept.array("factors", (COLUMN_PARTS, 2 * size), real),
+        )
         half_space_columns(self._depth, self._modes, self._wavevectors, first, room, out.view(self._real))
 
     def complete_rows(self, values: Array, first: int, last: int, columns: int) -> None:

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.stress.fields import KINDS, Field
+from asperity.stress.linear_plane import LinearPlane
 from asperity.stress.maxima import Room, Search, room_for, search_rows, upper_for
 from asperity.stress.periodic import KeptArrays, bands_of
-from asperity.stress.planes import LinearPlane
 from asperity.types import Array
 
 SUMS = 5
