@@ -143,7 +143,7 @@ def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
         out[i] = _measure(kind, x, y, zz[i], yz[i], xz[i], xy[i] + ratio * slope_xy[i])
 
 
-SHARED = (5, 528)
+SHARED = (4, 528)
 """Numbers of a node that all its von Mises stresses share, and nodes of which they fit into the cache."""
 
 
@@ -170,7 +170,7 @@ def fill_von_mises(
     all_xx, all_yy, all_zz = values[row, place[_XX]], values[row, place[_YY]], values[row, place[_ZZ]]
     all_yz, all_xz, all_xy = values[row, place[_YZ]], values[row, place[_XZ]], values[row, place[_XY]]
     all_slope, all_slope_xy = values[row, place[_SLOPE_XX]], values[row, place[_SLOPE_XY]]
-    first, slope_first, second, slope_yy, across = shared[0], shared[1], shared[2], shared[3], shared[4]
+    first, second, slope_yy, across = shared[0], shared[1], shared[2], shared[3]
     for start in range(0, columns, shared.shape[1]):
         stop = min(start + shared.shape[1], columns)
         xx, yy, zz, slope = all_xx[start:stop], all_yy[start:stop], all_zz[start:stop], all_slope[start:stop]
@@ -185,8 +185,6 @@ def fill_von_mises(
         for i in range(xx.size):
             first[i] = xx[i] - yy[i]
         for i in range(xx.size):
-            slope_first[i] = slope[i] - slope_yy[i]
-        for i in range(xx.size):
             second[i] = yy[i] - zz[i]
         for i in range(xx.size):
             across[i] = yz[i] * yz[i] + xz[i] * xz[i]
@@ -194,7 +192,7 @@ def fill_von_mises(
             ratio, uniform, field = ratios[m], uniforms[m], out[m, line, at + start : at + stop]
             for i in range(field.size):
                 field[i] = _von_mises(
-                    first[i] + ratio * slope_first[i],
+                    first[i] + ratio * (slope[i] - slope_yy[i]),
                     second[i] + ratio * slope_yy[i] + uniform,
                     xy[i] + ratio * slope_xy[i],
                     across[i],
@@ -211,7 +209,9 @@ def fill_fields(
     """
     for row in range(out.shape[1]):
         if kind == _VON_MISES:
-            fill_von_mises(parts, row, ratios, uniforms, places, shared, out, row, 0)
+            fill_von_mises(
+                parts, row, ratios, uniforms, places, shared, out, row, out.shape[2] - parts.columns
+            )
         else:
             for m in places:
                 fill_row(parts, Field(kind, ratios[m], uniforms[m]), row, out[m, row])

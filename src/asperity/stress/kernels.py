@@ -250,7 +250,7 @@ def _fill_decay(depth: float, qx: Any, qy: float, room: Any) -> None:
         scaled[i] = depth * np.sqrt(square)
         over_square[i] = one / square if square > zero else zero
     for i in range(qx.size):
-        argument[i] = -min(float(scaled[i]), _LARGEST_ARGUMENT)
+        argument[i] = -scaled[i] if scaled[i] < _LARGEST_ARGUMENT else -_LARGEST_ARGUMENT
     for i in range(qx.size):
         exponent[i] = np.int64(argument[i] * _LOG2_E - 0.5)
     for i in range(qx.size):
