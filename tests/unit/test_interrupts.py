@@ -105,7 +105,7 @@ def test_a_signal_ends_the_check_of_a_configuration(monkeypatch, capfd):
 
 IGNORING = """
 import signal, sys, time
-from asperity.results.dataset import atomic_write
+from asperity.results.atomic import atomic_write
 from asperity.runtime import interrupts
 interrupts.GRACE = interrupts.AGAIN = 0.1
 with interrupts.interruptible("ended"), atomic_write(sys.argv[1]) as unfinished:
@@ -131,7 +131,7 @@ def test_a_command_whose_library_ignores_the_signal_ends_too(tmp_path):
 
 TERMINATED = """
 import signal, sys
-from asperity.results.dataset import atomic_write
+from asperity.results.atomic import atomic_write
 from asperity.runtime.logs import log_to
 with log_to(sys.argv[1]), atomic_write(sys.argv[2]) as unfinished:
     unfinished.write_text("half")

@@ -10,16 +10,11 @@ import xarray as xr
 
 from asperity.spectral import Fourier, Grid
 from asperity.surface.height_map import HeightMap, MapError, OptionName
+from asperity.surface.johnson import johnson, with_moments
 from asperity.surface.measured import cell_edge, checked_map, make_periodic
 from asperity.surface.reading import Reading, unit_missing
-from asperity.surface.roughness import (
-    johnson,
-    roughness_parameters,
-    self_affine,
-    spectrum,
-    target_spectrum,
-    with_moments,
-)
+from asperity.surface.roughness import roughness_parameters, spectrum
+from asperity.surface.self_affine import self_affine, target_spectrum
 from asperity.surface.treatment import Treatment
 from asperity.types import Array
 from asperity.units import to_si
@@ -147,7 +142,7 @@ def moment_errors(
 
     They are √(6 ⟨ρ³⟩) and √(24 ⟨ρ⁴⟩), with the autocorrelation ρ of the surface averaged over the cell: the
     standard deviations of the means of the third and fourth Hermite polynomial of a Gaussian field, exact to
-    first order. Parameters are those of `asperity.surface.roughness.target_spectrum`.
+    first order. Parameters are those of `asperity.surface.self_affine.target_spectrum`.
     """
     wavenumber, power = target_spectrum(grid, hurst, wavelength_long, wavelength_short, rms_height)
     width = wavenumber[0]

@@ -171,7 +171,7 @@ def _wait_for_signal(incoming: int) -> None:
 def _end_process(line: str, number: int) -> NoReturn:
     """Print a line, delete unfinished files and end this process where it is."""
     _say(line)
-    if (results := sys.modules.get("asperity.results.dataset")) is not None:
+    if (results := sys.modules.get("asperity.results.atomic")) is not None:
         results.delete_unfinished()
     os._exit(status_after(number))
 
