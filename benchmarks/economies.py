@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from contact_run import rough
 
 import asperity as asp
 from asperity.elasticity.layer import COMPONENTS
@@ -119,7 +120,7 @@ def main():
     parser.add_argument("--repetitions", type=int, default=2)
     chosen = parser.parse_args()
     points = chosen.points
-    height = asp.self_affine((points, points), 0.8, 1 / 8, 8 / points, 1e-3, seed=1)
+    height = rough(points, 0.8)
     economies = {
         "half-space where the layer cannot be told apart": half_space(height),
         "one contact and one stream for four Poisson's ratios": every_ratio(height),

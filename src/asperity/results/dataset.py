@@ -209,6 +209,15 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     return dataset
 
 
+def read_made_from(path: str | os.PathLike[str], settings: Mapping[str, Any]) -> xr.Dataset | None:
+    """A result file as of `read`; None if it is missing, damaged or made from other settings."""
+    try:
+        dataset = read(path)
+    except DatasetError:
+        return None
+    return dataset if settings_of(dataset) == settings else None
+
+
 def verify(path: str | os.PathLike[str]) -> None:
     """Check a file of the project's own results as `read` does, in little memory.
 
