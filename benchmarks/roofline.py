@@ -16,8 +16,6 @@ from __future__ import annotations
 import argparse
 import os
 import platform
-import time
-from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -28,6 +26,7 @@ import pandas as pd
 import psutil
 from contact_run import LAYER, rough
 from numba import njit
+from timing import seconds
 
 import asperity as asp
 from asperity.contact import kernels
@@ -35,21 +34,9 @@ from asperity.contact.preconditioner import inverse_stencil
 from asperity.contact.stencil import StencilField
 from asperity.spectral import Fourier, Grid
 
-REPEATS = 9
 STREAM_NODES = 2**24
 MATRIX = 1536
 PROGRAMS = ("numpy", "numba", "ducc0", "pyfftw", "tamaas", "ContactMechanics")
-
-
-def seconds(call: Callable[[], object]) -> float:
-    """Shortest processor time of a call, after a first one that compiles."""
-    call()
-    taken = []
-    for _ in range(REPEATS):
-        start = time.process_time()
-        call()
-        taken.append(time.process_time() - start)
-    return min(taken)
 
 
 @njit(cache=True, fastmath=True)
