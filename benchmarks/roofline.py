@@ -31,7 +31,7 @@ from timing import seconds
 import asperity as asp
 from asperity.contact import kernels
 from asperity.contact.preconditioner import inverse_stencil
-from asperity.contact.stencil import StencilField
+from asperity.contact.stencil import StencilField, whole_stencil
 from asperity.spectral import Fourier, Grid
 
 STREAM_NODES = 2**24
@@ -77,13 +77,14 @@ def transforms(points: int) -> list[tuple[str, str, float, float, float]]:
 
 
 def contact_kernels(contact: asp.Contact) -> list[tuple[str, str, float, float, float]]:
-    """The scan of all nodes for the least gaps, and the stencil on the contact nodes."""
+    """The scan of all nodes for gaps below a level, and the stencil on the contact nodes."""
     height, displacement = contact.height.reshape(-1), contact.displacement.reshape(-1)
-    scan = seconds(lambda: kernels.least_gaps(height, displacement))
+    none = np.empty(0, np.uint32)
+    scan = seconds(lambda: kernels.free_nodes_below(height, displacement, none, -np.inf))
     nodes = np.flatnonzero(contact.pressure > 0).astype(np.uint32)
     field = StencilField(contact.grid, True)
     field.restrict(nodes)
-    weights = inverse_stencil(contact.grid)
+    weights = whole_stencil(inverse_stencil(contact.grid))
     values, out = contact.pressure.reshape(-1)[nodes].astype(np.float32), np.empty(nodes.size, np.float32)
     product = seconds(lambda: field.apply(weights, values, out))
     used = 2.0 * np.count_nonzero(weights) / weights.shape[0]

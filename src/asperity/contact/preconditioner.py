@@ -22,14 +22,17 @@ mean of σ.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from numba import njit
 
 from asperity.contact.kernels import dot
+from asperity.contact.places import row_plus_column
 from asperity.contact.problem import Problem
 from asperity.contact.stencil import RADIUS, StencilField, whole_stencil
+from asperity.parallel import in_parts
 from asperity.spectral import Fourier, Grid
 from asperity.types import Array
 
@@ -42,6 +45,9 @@ CELL_NODES = 16
 # solution by at most 2 %.
 COARSE_RESIDUAL_DROP = 0.03
 MAX_COARSE_ITERATIONS = 20
+
+# Rows of cells for which a thread of its own is worth while.
+LEAST_ROWS = 64
 
 
 class Preconditioner:
@@ -77,10 +83,15 @@ class Preconditioner:
     def restrict(self, nodes: Array) -> None:
         """Restrict the preconditioner to contact nodes, given by their indices in the flattened grid."""
         cells, grid = self._cells, self._grid
-        self._cell = _cells_of(nodes, *grid.shape, *cells.shape)
+        row, column = (np.arange(n) * m // n for n, m in zip(grid.shape, cells.shape, strict=True))
+        of_row, of_column = (row * cells.shape[1]).astype(np.uint32), column.astype(np.uint32)
+        self._cell = row_plus_column(nodes, of_row, of_column, self._coarse.threads)
+        # The nodes of whole rows of cells are added up together: the same sums for any number of threads.
+        first_rows = -(-np.arange(cells.shape[0] + 1) * grid.shape[0] // cells.shape[0])
+        self._first_nodes = np.searchsorted(nodes, (first_rows * grid.shape[1]).astype(nodes.dtype))
         self._weight = np.empty(nodes.size, np.float32)
         self._field.apply(self._stencil, np.ones(nodes.size, np.float32), self._weight)
-        self._cell_weight = _sum_in_cells(self._cell, self._weight, cells.size)
+        self._cell_weight = self._sums_in_cells(_add_in_cells, self._weight)
         sigma = (self._cell_weight * (cells.size / grid.size)).reshape(cells.shape)
         mean = float(sigma.mean())
         self._sigma = self._on_coarse_grid(sigma)
@@ -90,9 +101,7 @@ class Preconditioner:
     def apply(self, residual: Array, out: Array) -> None:
         """Write the pressures M r that approximately remove a residual r on the contact nodes."""
         self._field.apply(self._stencil, residual, out)
-        self._subtract_far_field(
-            _weighted_sum_in_cells(self._cell, self._weight, residual, self._cells.size), out
-        )
+        self._subtract_far_field(self._sums_in_cells(_add_weighted_in_cells, self._weight, residual), out)
 
     def apply_uniform(self) -> Array:
         """Pressures M 1 that approximately remove a residual of one on every contact node."""
@@ -105,7 +114,23 @@ class Preconditioner:
         cell_sums *= self._cells.size / self._grid.size
         displacement = self._solve_coarse(self._on_coarse_grid(cell_sums.reshape(self._cells.shape)))
         ny, nx = self._cells.shape
-        _subtract_in_cells(self._cell, self._weight, displacement[:ny, :nx].reshape(-1), out)
+        of_cells = displacement[:ny, :nx].reshape(-1)
+
+        def subtract(part: slice) -> None:
+            _subtract_in_cells(self._cell[part], self._weight[part], of_cells, out[part])
+
+        in_parts(subtract, out.size, self._coarse.threads)
+
+    def _sums_in_cells(self, add: Callable[..., None], *values: Array) -> Array:
+        """Sums over the contact nodes of each cell."""
+        sums = np.zeros(self._cells.size)
+
+        def add_rows(rows: slice) -> None:
+            part = slice(self._first_nodes[rows.start], self._first_nodes[rows.stop])
+            add(self._cell[part], *(one[part] for one in values), sums)
+
+        in_parts(add_rows, self._cells.shape[0], self._coarse.threads, smallest=LEAST_ROWS)
+        return sums
 
     def _on_coarse_grid(self, of_cells: Array) -> Array:
         """Field of the cells in single precision, on the grid of the coarse transforms, zero elsewhere."""
@@ -162,37 +187,17 @@ def inverse_stencil(grid: Grid) -> Array:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _cells_of(nodes: Any, ny: int, nx: int, cells_y: int, cells_x: int) -> Any:
-    """Indices of the cells in which contact nodes lie."""
-    cell = np.empty(nodes.size, np.uint32)
-    of_column = (np.arange(nx) * cells_x) // nx
-    row, start, first = np.int64(0), np.int64(0), np.int64(0)
-    for k in range(nodes.size):
-        node = np.int64(nodes[k])
-        if node >= start + nx:
-            row = node // nx
-            start = row * nx
-            first = (row * cells_y) // ny * cells_x
-        cell[k] = first + of_column[node - start]
-    return cell
+def _add_in_cells(cell: Any, weight: Any, sums: Any) -> None:
+    """Add the weights to the sums of their cells."""
+    for k in range(cell.size):
+        sums[cell[k]] += weight[k]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _sum_in_cells(cell: Any, weight: Any, count: int) -> Any:
-    """Sum of the weights in each cell."""
-    total = np.zeros(count)
+def _add_weighted_in_cells(cell: Any, weight: Any, values: Any, sums: Any) -> None:
+    """Add weight × value to the sums of their cells."""
     for k in range(cell.size):
-        total[cell[k]] += weight[k]
-    return total
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _weighted_sum_in_cells(cell: Any, weight: Any, values: Any, count: int) -> Any:
-    """Sum of weight × value in each cell."""
-    total = np.zeros(count)
-    for k in range(cell.size):
-        total[cell[k]] += weight[k] * values[k]
-    return total
+        sums[cell[k]] += weight[k] * values[k]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -68,20 +69,40 @@ class Problem:
     ----------
     height : (ny, nx) array
     response : Response
+    height_range : (lowest, highest), optional
+        If it is known.
     """
 
-    def __init__(self, height: Array, response: Response) -> None:
+    def __init__(
+        self, height: Array, response: Response, height_range: tuple[float, float] | None = None
+    ) -> None:
         self.response = response
         self.fourier = response.fourier
         self.grid = response.grid
         self.solid = response.solid
         self.modulus = response.solid.effective_modulus
         self.height = np.ascontiguousarray(height, dtype=response.fourier.real)
+        if height_range is not None and self.height.dtype == np.float64:
+            self.height_range = height_range
 
     @property
     def compliance(self) -> Array:
         """Factors of the coefficients, see `Response`."""
         return self.response.compliance
+
+    @cached_property
+    def height_range(self) -> tuple[float, float]:
+        """Least and largest height."""
+        flat = self.height.reshape(-1)
+        found = in_parts(lambda part: (flat[part].min(), flat[part].max()), flat.size, self.fourier.threads)
+        lowest, highest = zip(*found, strict=True)
+        return float(min(lowest)), float(max(highest))
+
+    @property
+    def largest_height(self) -> float:
+        """Largest distance of a height from zero."""
+        lowest, highest = self.height_range
+        return max(highest, -lowest)
 
     @property
     def nodal_compliance(self) -> float:
