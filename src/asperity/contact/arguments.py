@@ -15,6 +15,7 @@ from asperity.contact.response import Response
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
 from asperity.errors import shown
+from asperity.parallel import extremes
 from asperity.spectral import Grid
 from asperity.types import REAL_TYPES, Array
 
@@ -33,13 +34,13 @@ _CONTROLS: dict[str, tuple[str, Callable[[float], bool]]] = {
 """Imposed quantity → accepted numbers, for the message and as a function."""
 
 
-def checked_height(height: ArrayLike) -> tuple[Array, tuple[float, float]]:
+def checked_height(height: ArrayLike, threads: int) -> tuple[Array, tuple[float, float]]:
     """Return the surface as a real array [y, x] of finite numbers, and its least and largest height."""
     values = real_array("height", height)
     if values.ndim != 2 or values.size == 0:
         raise ValueError(f"height has the shape {values.shape}: a two-dimensional array [y, x] is needed")
     values = values.astype(float, copy=False)
-    lowest, highest = float(values.min()), float(values.max())
+    lowest, highest = extremes(values, threads)
     if not (math.isfinite(lowest) and math.isfinite(highest)):
         bad = np.count_nonzero(~np.isfinite(values))
         raise ValueError(f"height: {bad} of {values.size} nodes are not finite numbers; all must be")

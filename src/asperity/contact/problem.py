@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from asperity.contact.response import Response
-from asperity.parallel import in_parts
+from asperity.parallel import extremes, in_parts
 from asperity.types import Array
 
 
@@ -93,10 +93,7 @@ class Problem:
     @cached_property
     def height_range(self) -> tuple[float, float]:
         """Least and largest height."""
-        flat = self.height.reshape(-1)
-        found = in_parts(lambda part: (flat[part].min(), flat[part].max()), flat.size, self.fourier.threads)
-        lowest, highest = zip(*found, strict=True)
-        return float(min(lowest)), float(max(highest))
+        return extremes(self.height, self.fourier.threads)
 
     @property
     def largest_height(self) -> float:

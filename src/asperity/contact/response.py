@@ -195,8 +195,9 @@ def multiply(coefficients: Array, half: Array, threads: int) -> None:
     rows = half.shape[0]
     mirrored = half[1 : coefficients.shape[0] - rows + 1][::-1]
 
-    def multiply_columns(part: slice) -> None:
-        for factors, of in ((half, coefficients[:rows]), (mirrored, coefficients[rows:])):
-            np.multiply(of[:, part], factors[:, part], out=of[:, part])
+    def multiply_rows(part: slice) -> None:
+        for factors, first in ((half, 0), (mirrored, rows)):
+            start, stop = (min(max(row, first), first + len(factors)) for row in (part.start, part.stop))
+            coefficients[start:stop] *= factors[start - first : stop - first]
 
-    in_parts(multiply_columns, coefficients.shape[1], threads, smallest=256)
+    in_parts(multiply_rows, coefficients.shape[0], threads, smallest=256)

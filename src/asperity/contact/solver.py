@@ -127,11 +127,11 @@ def solve(
     >>> bool(abs(contact.max_pressure / hertz - 1) < 0.01)
     True
     """
-    values, height_range = checked_height(height)
+    precision, tolerance, workers = checked_settings(dtype, rtol, threads)
+    values, height_range = checked_height(height, workers)
     grid = Grid(values.shape, length)  # type: ignore[arg-type]
     solid = checked_solid(solid)
     choice("method", method, tuple(METHODS))
-    precision, tolerance, workers = checked_settings(dtype, rtol, threads)
     response = response_on(boundary, solid, grid, precision, workers)
     if method == "gfmd" and boundary != "periodic":
         raise ValueError(f"method = 'gfmd': active_set is needed for boundary = {boundary!r}")
