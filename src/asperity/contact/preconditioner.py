@@ -141,9 +141,7 @@ class Preconditioner:
 
     def _solve_coarse(self, residual: Array) -> Array:
         """Displacement y of the cells with (σ + 1/G) y = residual, which is used up."""
-        y = np.zeros_like(residual)
-        direction = np.zeros_like(residual)
-        image = np.zeros_like(residual)
+        y, direction, image, response = (np.zeros_like(residual) for _ in range(4))
         first = previous = 0.0
         for iteration in range(MAX_COARSE_ITERATIONS):
             coefficients = self._coarse.forward(residual)
@@ -155,16 +153,8 @@ class Preconditioner:
                 break
             ratio = np.float32(product / previous) if iteration else np.float32(0)
             previous = product
-            direction *= ratio
-            direction += z
-            # `image` is (mean σ + 1/G) × direction. As (mean σ + 1/G) z is the residual, no division by a
-            # compliance that may be zero is needed.
-            image *= ratio
-            image += residual
-            image -= self._mean_sigma * z
-            response = self._sigma * direction
-            response += image
-            curvature = dot(direction.reshape(-1), response.reshape(-1))
+            fields = (field.reshape(-1) for field in (residual, z, self._sigma, direction, image, response))
+            curvature = _next_direction(ratio, self._mean_sigma, *fields)
             if not curvature > 0:
                 break
             length = np.float32(product / curvature)
@@ -205,3 +195,21 @@ def _subtract_in_cells(cell: Any, weight: Any, displacement: Any, out: Any) -> N
     """Subtract weight × displacement of its cell from every contact node."""
     for k in range(cell.size):
         out[k] -= weight[k] * displacement[cell[k]]
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+def _next_direction(
+    ratio: Any, mean_sigma: Any, residual: Any, z: Any, sigma: Any, direction: Any, image: Any, response: Any
+) -> float:
+    """Update direction and response of the coarse system, and return the curvature along the direction.
+
+    `image` is (mean σ + 1/G) × direction. As (mean σ + 1/G) z is the residual, no division by a compliance
+    that may be zero is needed.
+    """
+    curvature = 0.0
+    for k in range(z.size):
+        direction[k] = ratio * direction[k] + z[k]
+        image[k] = ratio * image[k] + (residual[k] - mean_sigma * z[k])
+        response[k] = sigma[k] * direction[k] + image[k]
+        curvature += np.float64(direction[k]) * np.float64(response[k])
+    return curvature
