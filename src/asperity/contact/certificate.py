@@ -183,10 +183,12 @@ def certificate_of_fields(
     threads : int
     """
     found = np.array(results(kernels.measures_of_contact, threads, pressure.reshape(-1), gap.reshape(-1)))
-    (least, least_gap), (largest, contact_gap) = found[:, :2].min(axis=0), found[:, 2:4].max(axis=0)
-    load, mean_gap, work, support = found[:, 4:].sum(axis=0) / (pressure.size, gap.size, 1, 1)
-    if not np.isfinite(load) or not np.isfinite(mean_gap):
-        least_gap = -np.inf
+    least, least_gap = found[:, :2].min(axis=0).tolist()
+    largest, contact_gap = found[:, 2:4].max(axis=0).tolist()
+    total_pressure, total_gap, work, support = found[:, 4:].sum(axis=0).tolist()
+    load = total_pressure / pressure.size
+    if not math.isfinite(total_pressure) or not math.isfinite(total_gap):
+        least_gap = -math.inf
     largest = max(largest, -least)
     scale = max(rms_deviation(height, threads), largest * nodal_compliance) or 1.0
     imbalance = 0.0
@@ -203,7 +205,7 @@ def certificate_of_fields(
 
 def rms_deviation(values: Array, threads: int = 1) -> float:
     """Root mean square of the deviations from the mean."""
-    flat = values.reshape(-1)
+    flat = values.reshape(-1).astype(float, copy=False)
     mean = total(kernels.added, threads, flat) / flat.size
     return math.sqrt(total(kernels.squared_deviation, threads, flat, mean) / flat.size)
 
