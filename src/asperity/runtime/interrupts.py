@@ -7,6 +7,7 @@ therefore ends after the call of a compiled function that is under way. A study 
 from __future__ import annotations
 
 import _thread
+import ctypes
 import os
 import signal
 import sys
@@ -132,6 +133,7 @@ def end_study_with_jobs() -> None:
     """
     if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
         return
+    _adopt_orphans()
     incoming, outgoing = os.pipe()
     os.set_blocking(outgoing, False)
     signal.set_wakeup_fd(outgoing, warn_on_full_buffer=False)
@@ -140,6 +142,16 @@ def end_study_with_jobs() -> None:
     threading.Thread(target=_wait_for_signal, args=(incoming,), daemon=True).start()
     # Threads started later, and the programs they start, inherit this.
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+
+
+def _adopt_orphans() -> None:
+    """From now on, be the parent of programs that jobs have started and whose own parent has ended (on Linux).
+
+    A job that begins while the others are ended could otherwise not be found.
+    """
+    if sys.platform == "linux":
+        set_child_subreaper = 36  # number of the option in <linux/prctl.h>
+        ctypes.CDLL(None).prctl(set_child_subreaper, 1)
 
 
 def leave_jobs_to_cluster() -> None:
