@@ -145,7 +145,7 @@ def end_study_with_jobs() -> None:
 
 
 def _adopt_orphans() -> None:
-    """From now on, be the parent of programs that jobs have started and whose own parent has ended (on Linux).
+    """From now on, be the parent of programs of jobs whose own parent has ended, as Linux allows.
 
     A job that begins while the others are ended could otherwise not be found.
     """
