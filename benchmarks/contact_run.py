@@ -14,6 +14,7 @@ import argparse
 import json
 import os
 import time
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from importlib.metadata import version
@@ -50,12 +51,15 @@ class Transforms:
     ----------
     nodes : dict
         Precision → number of nodes transformed, those of coarser grids among them.
+    by_grid : Counter
+        Nodes of a grid and precision → number of nodes transformed.
     processor, wall : float
         Seconds in the transforms.
     """
 
     def __init__(self) -> None:
         self.nodes = {"float64": 0, "float32": 0}
+        self.by_grid: Counter[tuple[int, str]] = Counter()
         self.processor = self.wall = 0.0
 
 
@@ -72,6 +76,7 @@ def counted() -> Iterator[Transforms]:
             total.processor += time.process_time() - processor
             total.wall += time.perf_counter() - wall
             total.nodes[self.real.name] += self.work.nodes - nodes
+            total.by_grid[self.grid.size, self.real.name] += self.work.nodes - nodes
             return result
 
         return run

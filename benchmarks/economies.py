@@ -8,11 +8,12 @@ the shortest of some repetitions, on one thread.
 
 import argparse
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
+from contact_run import rough
+from timing import seconds
 
 import asperity as asp
 from asperity.elasticity.layer import COMPONENTS
@@ -21,16 +22,6 @@ from asperity.results import dataset
 
 RATIOS = (0.0, 0.25, 0.33, 0.5)
 SLAB = {"height": 1.0, "bottom": "bonded", "poisson": 0.33, "lateral": "confined"}
-
-
-def spent(call, repetitions):
-    """Shortest processor time of a call."""
-    times = []
-    for _ in range(repetitions):
-        start = time.process_time()
-        call()
-        times.append(time.process_time() - start)
-    return min(times)
 
 
 def press(height, layer):
@@ -119,7 +110,7 @@ def main():
     parser.add_argument("--repetitions", type=int, default=2)
     chosen = parser.parse_args()
     points = chosen.points
-    height = asp.self_affine((points, points), 0.8, 1 / 8, 8 / points, 1e-3, seed=1)
+    height = rough(points, 0.8)
     economies = {
         "half-space where the layer cannot be told apart": half_space(height),
         "one contact and one stream for four Poisson's ratios": every_ratio(height),
@@ -130,11 +121,11 @@ def main():
         use()  # compiles
     print("| economy | seconds | without it | saves |\n|---|---|---|---|")
     for name, calls in economies.items():
-        short, long = (spent(call, chosen.repetitions) for call in calls)
+        short, long = (seconds(call, chosen.repetitions) for call in calls)
         print(f"| {name} | {short:.2f} | {long:.2f} | {100 * (1 - short / long):.0f} % |")
     with tempfile.TemporaryDirectory() as folder:
         kept, everything, paths = no_field_written(height, Path(folder))
-        short, long = spent(kept, 1), spent(everything, 1)
+        short, long = seconds(kept, 1), seconds(everything, 1)
         one, both = paths[0].stat().st_size, sum(path.stat().st_size for path in paths)
         name = "no stress field written"
         print(f"| {name} | {short:.2f} | {long:.2f} | {100 * (1 - short / long):.0f} % |")

@@ -6,10 +6,10 @@ Without arguments all three are printed, in about two minutes on one core.
 """
 
 import sys
-import time
 from dataclasses import replace
 
 import numpy as np
+from timing import seconds
 
 import asperity as asp
 from asperity.elasticity.layer import Layer
@@ -37,17 +37,6 @@ def accuracy():
                         worst[name] = max(error, np.nan_to_num(worst[name]))
             cells = "".join(f"{worst[name]:17.1e}" if worst[name] >= 0 else f"{'-':>17}" for name in MEASURES)
             print(f"{bottom:14}{precision:11}{cells}")
-
-
-def seconds(call, repeats=7):
-    """Shortest processor time of several calls, after a first one that compiles."""
-    call()
-    times = []
-    for _ in range(repeats):
-        start = time.process_time()
-        call()
-        times.append(time.process_time() - start)
-    return min(times)
 
 
 def speed(points=2048):

@@ -18,20 +18,18 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import yaml
+from contact_run import counted, pair_seconds, rough
 
 import asperity as asp
 from asperity.contact import Contact
 from asperity.elasticity.layer import Layer
-from asperity.spectral import Fourier, Grid
 from asperity.types import Array
 
 CONFIG = Path(__file__).parents[1] / "config" / "config.yaml"
@@ -54,48 +52,14 @@ class Cost(NamedTuple):
         return f"{parts} = {self.equivalents:.1f} | {self.seconds:.2f}"
 
 
-@contextmanager
-def counted() -> Iterator[Counter[tuple[int, str]]]:
-    """Count transforms by number of nodes and precision."""
-    count: Counter[tuple[int, str]] = Counter()
-    originals = Fourier.forward, Fourier.inverse
-
-    def counting(transform: Callable) -> Callable:
-        def run(self, *arguments, **options):
-            count[self.grid.size, self.real.name] += 1
-            return transform(self, *arguments, **options)
-
-        return run
-
-    Fourier.forward, Fourier.inverse = (counting(transform) for transform in originals)
-    try:
-        yield count
-    finally:
-        Fourier.forward, Fourier.inverse = originals
-
-
-def single_fraction(points: int) -> float:
-    """Time of a single-precision pair of transforms over that of a double-precision one."""
-    grid, seconds = Grid((points, points)), {"float64": np.inf, "float32": np.inf}
-    engines = {dtype: Fourier(grid, dtype) for dtype in seconds}
-    for _ in range(30):
-        for dtype, fourier in engines.items():
-            field = np.zeros(grid.shape, fourier.real)
-            coefficients = np.zeros(grid.half_shape, fourier.complex)
-            start = time.process_time()
-            fourier.inverse(fourier.forward(field, coefficients), field, overwrite=True)
-            seconds[dtype] = min(seconds[dtype], time.process_time() - start)
-    return seconds["float32"] / seconds["float64"]
-
-
 def measured(run: Callable[[], Contact], size: int, fraction: float) -> tuple[Contact, Cost]:
     """Result and cost of a calculation on `size` nodes."""
     start = time.process_time()
-    with counted() as count:
+    with counted() as transforms:
         contact = run()
     seconds = time.process_time() - start
     weight = {"float64": 1.0, "float32": fraction}
-    pairs = {key: number * key[0] / (2 * size) for key, number in count.items()}
+    pairs = {key: nodes / (2 * size) for key, nodes in transforms.by_grid.items()}
     finest = {precision: pairs.get((size, precision), 0.0) for precision in weight}
     coarse = sum(number * weight[key[1]] for key, number in pairs.items() if key[0] != size)
     total = coarse + sum(number * weight[precision] for precision, number in finest.items())
@@ -172,9 +136,10 @@ def main() -> None:
     parser.add_argument("--areas", type=float, nargs="+", default=areas)
     options = parser.parse_args()
     for points in options.points:
-        fraction = single_fraction(points)
+        pair = pair_seconds((points, points))
+        fraction = pair["float32"][0] / pair["float64"][0]
         for hurst in options.hurst:
-            height = asp.self_affine((points, points), hurst, 1 / 8, 8 / points, 1e-3, seed=1)
+            height = rough(points, hurst)
             # Compile the library before the clock starts.
             list(asp.solve_path(height[:64, :64].copy(), LAYER, area_fractions=[0.05, 0.06, 0.07], rtol=1e-2))
             print(f"\n{points}² nodes, H = {hurst}; a pair in single precision counts {fraction:.2f}\n")

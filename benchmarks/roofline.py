@@ -16,8 +16,6 @@ from __future__ import annotations
 import argparse
 import os
 import platform
-import time
-from collections.abc import Callable
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -28,28 +26,17 @@ import pandas as pd
 import psutil
 from contact_run import LAYER, rough
 from numba import njit
+from timing import seconds
 
 import asperity as asp
 from asperity.contact import kernels
 from asperity.contact.preconditioner import inverse_stencil
-from asperity.contact.stencil import StencilField
+from asperity.contact.stencil import StencilField, whole_stencil
 from asperity.spectral import Fourier, Grid
 
-REPEATS = 9
 STREAM_NODES = 2**24
 MATRIX = 1536
 PROGRAMS = ("numpy", "numba", "ducc0", "pyfftw", "tamaas", "ContactMechanics")
-
-
-def seconds(call: Callable[[], object]) -> float:
-    """Shortest processor time of a call, after a first one that compiles."""
-    call()
-    taken = []
-    for _ in range(REPEATS):
-        start = time.process_time()
-        call()
-        taken.append(time.process_time() - start)
-    return min(taken)
 
 
 @njit(cache=True, fastmath=True)
@@ -90,13 +77,14 @@ def transforms(points: int) -> list[tuple[str, str, float, float, float]]:
 
 
 def contact_kernels(contact: asp.Contact) -> list[tuple[str, str, float, float, float]]:
-    """The scan of all nodes for the least gaps, and the stencil on the contact nodes."""
+    """The scan of all nodes for gaps below a level, and the stencil on the contact nodes."""
     height, displacement = contact.height.reshape(-1), contact.displacement.reshape(-1)
-    scan = seconds(lambda: kernels.least_gaps(height, displacement))
+    none = np.empty(0, np.uint32)
+    scan = seconds(lambda: kernels.free_nodes_below(height, displacement, none, -np.inf))
     nodes = np.flatnonzero(contact.pressure > 0).astype(np.uint32)
     field = StencilField(contact.grid, True)
     field.restrict(nodes)
-    weights = inverse_stencil(contact.grid)
+    weights = whole_stencil(inverse_stencil(contact.grid))
     values, out = contact.pressure.reshape(-1)[nodes].astype(np.float32), np.empty(nodes.size, np.float32)
     product = seconds(lambda: field.apply(weights, values, out))
     used = 2.0 * np.count_nonzero(weights) / weights.shape[0]

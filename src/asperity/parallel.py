@@ -4,17 +4,25 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
 from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from asperity.types import Array
 
 SMALLEST_PART = 16_384
 """Number of elements for which a thread of its own is worth while."""
 
+SUMMED_PART = 131_072
+"""Least number of elements that are summed up one after the other."""
+
 
 def in_parts(
-    work: Callable[[slice], object], size: int, threads: int, multiple: int = 1, smallest: int = SMALLEST_PART
-) -> list[object]:
+    work: Callable[[slice], Any], size: int, threads: int, multiple: int = 1, smallest: int = SMALLEST_PART
+) -> list[Any]:
     """Call a function for consecutive parts of `size` elements, at the same time; its results in order.
 
     The function has to compute the elements of a part independently of the others, and to release the
@@ -34,7 +42,65 @@ def in_parts(
     if parts == 1:
         return [work(slice(0, size))]
     edges = [size * part // parts // multiple * multiple for part in range(parts)] + [size]
-    return list(_pool(threads).map(work, [slice(start, stop) for start, stop in pairwise(edges)]))
+    first, *others = (slice(start, stop) for start, stop in pairwise(edges))
+    pending = [_pool(threads).submit(work, part) for part in others]
+    try:
+        found = [work(first)]
+    finally:
+        wait(pending)
+    return found + [one.result() for one in pending]
+
+
+def apply(function: Callable[..., object], threads: int, *arguments: Any) -> None:
+    """Call a function that changes arrays in place for consecutive parts of them, at the same time.
+
+    Parameters
+    ----------
+    function : callable
+        As for `in_parts`.
+    threads : int
+    *arguments
+        Arrays of the same length, of which each part is passed on, and numbers.
+    """
+    size = max(argument.size for argument in arguments if isinstance(argument, np.ndarray))
+    in_parts(lambda part: function(*_parts_of(arguments, part)), size, threads)
+
+
+def results(function: Callable[..., Any], threads: int, *arguments: Any) -> list[Any]:
+    """What a function returns for consecutive parts of arrays, in order.
+
+    The parts, and so the rounding of sums over them, are the same for any number of threads. Arguments as for
+    `apply`.
+    """
+    size = max(argument.size for argument in arguments if isinstance(argument, np.ndarray))
+    count = size // SUMMED_PART
+    if count < 2:
+        return [function(*arguments)]
+    edges = [size * part // count for part in range(count + 1)]
+
+    def some(parts: slice) -> list[Any]:
+        numbers = range(parts.start, parts.stop)
+        return [function(*_parts_of(arguments, slice(edges[k], edges[k + 1]))) for k in numbers]
+
+    return [one for group in in_parts(some, count, threads, smallest=1) for one in group]
+
+
+def total(function: Callable[..., Any], threads: int, *arguments: Any) -> Any:
+    """Sum of the `results`, of a number or of several."""
+    found = results(function, threads, *arguments)
+    return tuple(map(sum, zip(*found, strict=True))) if isinstance(found[0], tuple) else sum(found)
+
+
+def extremes(values: Array, threads: int) -> tuple[float, float]:
+    """Least and largest element of an array; not a number if one of them is not."""
+    flat = values.reshape(-1)
+    found = in_parts(lambda part: (flat[part].min(), flat[part].max()), flat.size, threads)
+    lowest, highest = np.array(found, float).T
+    return float(lowest.min()), float(highest.max())
+
+
+def _parts_of(arguments: tuple[Any, ...], part: slice) -> list[Any]:
+    return [argument[part] if isinstance(argument, np.ndarray) else argument for argument in arguments]
 
 
 @cache

@@ -71,7 +71,9 @@ def test_stability_dataset_tells_the_formulas_apart():
 
 
 def test_stability_figure_shows_every_formula():
-    stability = pytest.importorskip("asperity.paper.figures.stability")
+    pytest.importorskip("matplotlib")
+    from asperity.paper.figures import stability
+
     dataset = rounding_errors(poisson=(0.33, 0.5), smallest=0.1, largest=1e3, per_decade=1)
     figure = stability.draw({"stability": dataset})
     assert len(figure.axes) == 4

@@ -10,7 +10,7 @@ import pytest
 
 from asperity.reference import printed
 from asperity.reference.state_space import StateSpace
-from asperity.surface.roughness import self_affine
+from asperity.surface.self_affine import self_affine
 
 # Rounding of 60-digit arithmetic, with the digits lost in the solves.
 EXACT = mp.mpf(10) ** -40

@@ -126,7 +126,9 @@ def test_the_size_of_the_error_from_the_resolution_is_named():
 def test_the_body_is_named_if_there_are_two():
     texts = [a.text for a in advice.advise(an_answer(bodies=2, body={"largest_von_mises": 3e9}))]
     assert any("of the upper body" in text for text in texts)
-    assert all("lower body" not in a.text for a in advice.advise(an_answer(body={"largest_von_mises": 3e9})))
+    of_one = [a.text for a in advice.advise(an_answer(body={"largest_von_mises": 3e9}))]
+    assert of_one
+    assert not any("lower body" in text for text in of_one)
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ from bad_input import make_chain
 import asperity as asp
 from asperity.cli.main import main
 from asperity.results import dataset
+from asperity.results.atomic import write_text
 from asperity.results.export import (
     MICROMETRES_AND_MEGAPASCALS,
     make_box,
@@ -175,7 +176,7 @@ def test_texts_and_tables_have_the_same_bytes_on_windows(tmp_path, monkeypatch):
 
     def write(folder):
         folder.mkdir()
-        dataset.write_text(folder / "text.md", "one\ntwo\n")
+        write_text(folder / "text.md", "one\ntwo\n")
         write_table(table, "tradeoff", folder / "table.csv", "%.3g")
         write_surface_table(data, folder / "fields.csv", surface_fields(data), window(solid.grid))
 

@@ -7,15 +7,10 @@ import pytest
 
 import asperity as asp
 from asperity.contact.boundaries import response_on
+from asperity.contact.even_nodes import add_interpolated, add_transposed, places_of
 from asperity.contact.inner_response import MIN_POINTS, InnerResponse
 from asperity.contact.problem import Problem
-from asperity.contact.stencil import (
-    RADIUS,
-    StencilField,
-    interpolate_from_even_nodes,
-    restrict_to_even_nodes,
-    whole_stencil,
-)
+from asperity.contact.stencil import RADIUS, StencilField, whole_stencil
 from asperity.elasticity.layer import Layer
 from asperity.spectral import Grid
 from asperity.types import Array
@@ -112,20 +107,19 @@ def test_stencil_against_the_sum_of_its_definition(shape: tuple[int, int], repea
 
 def test_restriction_to_even_nodes_is_the_transpose_of_interpolation() -> None:
     ny, nx = 8, 10
-    nodes = np.arange(ny * nx, dtype=np.uint32)
+    width = nx // 2 + 1
     generator = np.random.default_rng(2)
-    coarse = generator.random((ny // 2 + 1, nx // 2 + 1))
-    values = generator.random(nodes.size)
-    interpolated = np.zeros(nodes.size)
-    interpolate_from_even_nodes(coarse, nodes, nx, interpolated)
-    summed = np.zeros_like(coarse)
-    half = ny * nx // 2
-    beyond = np.zeros(nx // 2 + 1)
-    restrict_to_even_nodes(nodes[:half], values[:half], nx, summed, ny // 4, beyond)
-    summed[ny // 4] += beyond
-    restrict_to_even_nodes(nodes[half:], values[half:], nx, summed, ny, beyond)
-    assert np.vdot(interpolated, values) == pytest.approx(np.vdot(coarse, summed), rel=1e-12)
-    plane = np.add.outer(2.0 * np.arange(ny // 2 + 1), 6.0 * np.arange(nx // 2 + 1))
-    linear = np.zeros(nodes.size)
-    interpolate_from_even_nodes(plane, nodes, nx, linear)
-    np.testing.assert_allclose(linear.reshape(ny, nx), np.add.outer(np.arange(ny), 3.0 * np.arange(nx)))
+    for nodes in (np.arange(ny * nx, dtype=np.uint32), np.array([3, 17, 28, 29, 71], np.uint32)):
+        places = places_of(nodes, (ny, nx), width)
+        coarse = generator.random((ny // 2 + 1, width))
+        values = generator.random(nodes.size)
+        interpolated = np.zeros(nodes.size)
+        add_interpolated(coarse.reshape(-1), places, width, interpolated)
+        summed = np.zeros_like(coarse)
+        add_transposed(places, values, width, summed.reshape(-1))
+        assert np.vdot(interpolated, values) == pytest.approx(np.vdot(coarse, summed), rel=1e-12)
+        plane = np.add.outer(2.0 * np.arange(ny // 2 + 1), 6.0 * np.arange(width))
+        linear = np.zeros(nodes.size)
+        add_interpolated(plane.reshape(-1), places, width, linear)
+        row, column = np.divmod(nodes.astype(int), nx)
+        np.testing.assert_allclose(linear, row + 3.0 * column)

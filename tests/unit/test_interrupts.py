@@ -8,6 +8,7 @@ import sys
 from importlib import import_module
 
 import numpy as np
+import psutil
 import pytest
 from bad_input import make_chain
 
@@ -105,7 +106,7 @@ def test_a_signal_ends_the_check_of_a_configuration(monkeypatch, capfd):
 
 IGNORING = """
 import signal, sys, time
-from asperity.results.dataset import atomic_write
+from asperity.results.atomic import atomic_write
 from asperity.runtime import interrupts
 interrupts.GRACE = interrupts.AGAIN = 0.1
 with interrupts.interruptible("ended"), atomic_write(sys.argv[1]) as unfinished:
@@ -131,7 +132,7 @@ def test_a_command_whose_library_ignores_the_signal_ends_too(tmp_path):
 
 TERMINATED = """
 import signal, sys
-from asperity.results.dataset import atomic_write
+from asperity.results.atomic import atomic_write
 from asperity.runtime.logs import log_to
 with log_to(sys.argv[1]), atomic_write(sys.argv[2]) as unfinished:
     unfinished.write_text("half")
@@ -147,3 +148,26 @@ def test_a_terminated_job_deletes_what_it_has_not_finished(tmp_path):
     assert (found.returncode, found.stderr) == (143, b"")
     assert list(tmp_path.iterdir()) == [log]
     assert "MB of memory" in log.read_text()
+
+
+ORPHAN = """
+import subprocess, sys, time
+from asperity.runtime.interrupts import end_study_with_jobs
+
+end_study_with_jobs()
+subprocess.run(["sh", "-c", "sleep 600 & echo $!"], stdout=sys.stdout)
+print("begun", flush=True)
+time.sleep(600)
+"""
+"""A study that has started a program whose own parent has ended."""
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems give such programs to their first process")
+def test_a_study_ends_programs_whose_parents_have_ended():
+    with subprocess.Popen([sys.executable, "-c", ORPHAN], stdout=subprocess.PIPE, text=True) as study:
+        number = int(study.stdout.readline())
+        assert study.stdout.readline() == "begun\n"
+        program = psutil.Process(number)
+        study.send_signal(signal.SIGTERM)
+        assert study.wait(timeout=30) == 128 + signal.SIGTERM
+        assert not program.is_running() or program.status() == "zombie"

@@ -9,9 +9,10 @@ import asperity as asp
 from asperity.contact import kernels
 from asperity.contact.boundaries import response_on
 from asperity.contact.iterate import Iterate
+from asperity.contact.places import places_in_union
 from asperity.contact.problem import Control, Problem
 from asperity.elasticity.layer import Layer
-from asperity.parallel import in_parts
+from asperity.parallel import apply, in_parts, total
 from asperity.spectral import Grid
 from asperity.types import Array
 
@@ -55,13 +56,30 @@ def test_free_nodes_below_a_level(threads: int) -> None:
     np.testing.assert_array_equal(again, free)  # known nodes above the level may be returned
 
 
-def test_merged_nodes_are_sorted_and_keep_their_values() -> None:
+def test_other_nodes_are_inserted_in_order_with_their_values() -> None:
     nodes, others = np.array([1, 5, 9], np.uint32), np.array([0, 6, 7, 12], np.uint32)
-    merged, values = kernels.merge(nodes, others, np.array([1.0, 5.0, 9.0]), np.array([0.0, 6.0, 7.0, 12.0]))
-    np.testing.assert_array_equal(merged, [0, 1, 5, 6, 7, 9, 12])
-    np.testing.assert_array_equal(values, merged)
+    places = places_in_union(nodes, others)
+    np.testing.assert_array_equal(kernels.inserted(places, nodes, others), [0, 1, 5, 6, 7, 9, 12])
+    values = kernels.inserted(places, np.array([1.0, 5.0, 9.0]), np.array([0.0, 6.0, 7.0, 12.0]))
+    np.testing.assert_array_equal(values, [0, 1, 5, 6, 7, 9, 12])
     empty = np.empty(0, np.uint32)
-    np.testing.assert_array_equal(kernels.merge(empty, nodes, np.empty(0), np.ones(3))[0], nodes)
+    np.testing.assert_array_equal(kernels.inserted(places_in_union(empty, nodes), empty, nodes), nodes)
+    np.testing.assert_array_equal(kernels.inserted(places_in_union(nodes, empty), nodes, empty), nodes)
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+def test_nodes_without_pressure_are_dropped(threads: int) -> None:
+    problem, pressure = example(threads)
+    iterate = Iterate.of_field(problem, pressure, 0.0, 1e-3)
+    iterate.evaluate(Control("mean_pressure", 1e-3))
+    nodes, gap = iterate.nodes, iterate.gap
+    np.testing.assert_array_equal(nodes, np.flatnonzero(pressure > 0))
+    left = iterate.pressure > np.quantile(iterate.pressure, 0.3)
+    iterate.pressure[~left] = 0
+    iterate.drop_free_nodes()
+    np.testing.assert_array_equal(iterate.nodes, nodes[left])
+    np.testing.assert_array_equal(iterate.gap, gap[left])
+    assert iterate.pressure.min() > 0
 
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
@@ -74,3 +92,18 @@ def test_parts_cover_all_elements_in_order(threads: int) -> None:
 
 def test_few_elements_are_one_part() -> None:
     assert in_parts(lambda part: part, 10, 4) == [slice(0, 10)]
+
+
+def test_sums_over_parts_have_the_same_bits_for_any_number_of_threads() -> None:
+    values = np.random.default_rng(0).random(300_000)
+    sums = [total(kernels.dot, threads, values, values) for threads in (1, 2, 3)]
+    assert sums[0] == sums[1] == sums[2] == pytest.approx(values @ values, rel=1e-13)
+    both = total(kernels.sum_and_dot, 2, values, values)
+    assert both == pytest.approx((values.sum(), sums[0]), rel=1e-13)
+    assert total(kernels.added, 2, values[:10]) == pytest.approx(values[:10].sum(), rel=1e-13)
+
+
+def test_arrays_are_changed_in_parts() -> None:
+    values, out = np.arange(100_000.0), np.empty(100_000)
+    apply(kernels.write_gap, 3, values, values, 1.0, out)
+    np.testing.assert_array_equal(out, 2 * values - 1)

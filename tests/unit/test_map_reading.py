@@ -247,7 +247,7 @@ def test_the_command_info_prints_the_description_or_one_line(capsys):
 
 def test_the_spectrum_of_a_self_affine_map_has_its_exponent():
     from asperity.surface.description import _spectrum_summary
-    from asperity.surface.roughness import self_affine
+    from asperity.surface.self_affine import self_affine
 
     whole = self_affine(
         (512, 512), seed=3, hurst=0.8, wavelength_long=0.25, wavelength_short=0.004, rms_height=1e-3

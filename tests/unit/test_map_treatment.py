@@ -8,7 +8,7 @@ import pytest
 from asperity.spectral import Grid
 from asperity.surface.height_map import HeightMap, MapError
 from asperity.surface.levelling import edge_step, fill_harmonic, find_spikes, low_pass_bounded
-from asperity.surface.roughness import self_affine
+from asperity.surface.self_affine import self_affine
 from asperity.surface.treatment import DESPIKE, Treatment, treat_map
 
 EDGE = 256e-6

@@ -213,7 +213,8 @@ def test_the_surfaces_of_opposite_gamma_are_mirror_images():
         )
         for sign in (1, -1)
     }
-    from asperity.surface.roughness import johnson, self_affine
+    from asperity.surface.johnson import johnson
+    from asperity.surface.self_affine import self_affine
 
     height = self_affine((64, 64), seed=3, **BAND)
     np.testing.assert_allclose(

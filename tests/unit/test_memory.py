@@ -9,7 +9,7 @@ import pytest
 
 from asperity.contact import solve, solve_path
 from asperity.elasticity.layer import Layer
-from asperity.surface.roughness import self_affine
+from asperity.surface.self_affine import self_affine
 
 STATUS = Path("/proc/self/statm")
 POINTS = 160

@@ -5,7 +5,8 @@ from itertools import product
 import numpy as np
 import pytest
 
-from asperity.accuracy.multilevel import allocate, bias, multilevel_mean, ratio
+from asperity.accuracy.allocation import allocate
+from asperity.accuracy.multilevel import bias, multilevel_mean, ratio
 
 RATE, VOLATILITY = 0.3, 0.4
 

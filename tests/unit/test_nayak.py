@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from asperity import Grid, Layer, solve
-from asperity.paper.claims.documents import with_section
+from asperity.paper.claims.documents import with_sections
 from asperity.paper.nayak.analysis import STRIP, limit, means, order_of, regress, table, with_logarithms
 from asperity.paper.nayak.collection import collect, seeds_on
 from asperity.paper.nayak.figure import draw
@@ -157,6 +157,5 @@ def test_kept_page():
     """The sections of docs/nayak.md are those of the table that is kept beside it."""
     rows = with_logarithms(pd.read_csv(ROOT / "docs/nayak.csv"))
     text = (ROOT / "docs/nayak.md").read_text(encoding="utf-8")
-    for name, section in sections(rows).items():
-        assert with_section(text, name, section) == text
+    assert with_sections(text, sections(rows)) == text
     assert rows["surface"].nunique() >= 12

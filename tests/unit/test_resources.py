@@ -1,6 +1,8 @@
 """The cost model: growth with grid, loads, ratios and settings, and agreement with stored measurements."""
 
+import re
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -56,7 +58,7 @@ def test_an_unknown_job_is_an_error():
 
 
 def test_the_paper_s_largest_jobs_are_those_on_4096_squared():
-    """Measured: 3426 MB and 4676 MB (docs/scaling.md)."""
+    """Measured: 3426 MB and 4676 MB (`python workflow/cost.py`)."""
     assert job_cost("stress", 4096**2, 4).memory == pytest.approx(3426e6, rel=0.25)
     assert job_cost("verification", 4096**2).memory == pytest.approx(4676e6, rel=0.25)
 
@@ -105,3 +107,10 @@ def test_the_announcement_sums_jobs_time_and_memory():
         f"at most {claims.memory / 2**30:.1f} GiB in one job"
     )
     assert [line.split()[1:3] for line in lines[1:]] == [["claims", "1"], ["contact", "2"]]
+
+
+def test_the_page_on_scaling_has_the_table_of_the_cost_model():
+    """``python -m asperity.accuracy.resources 1024 2048 4096 8192 16384`` prints it."""
+    page = (Path(__file__).parents[2] / "docs/scaling.md").read_text(encoding="utf-8")
+    (kept,) = re.findall(r"<!-- stages: .*? -->\n\n(.*?)\n\n<!-- end", page, re.DOTALL)
+    assert kept == stage_table([1024, 2048, 4096, 8192, 16384])

@@ -7,14 +7,9 @@ from hypothesis import strategies as st
 from scipy.stats import norm
 
 from asperity.spectral import Fourier, Grid
-from asperity.surface.roughness import (
-    johnson,
-    roughness_parameters,
-    self_affine,
-    spectrum,
-    target_spectrum,
-    with_moments,
-)
+from asperity.surface.johnson import johnson, with_moments
+from asperity.surface.roughness import roughness_parameters, spectrum
+from asperity.surface.self_affine import self_affine, target_spectrum
 
 BAND = {"hurst": 0.8, "wavelength_long": 1 / 4, "wavelength_short": 1 / 16, "rms_height": 0.01}
 

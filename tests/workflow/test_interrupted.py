@@ -9,8 +9,8 @@ import pytest
 from faults import RESULTS, results, study
 from project import copy_project, environment
 
-LONGEST_END = 20.0
-"""Seconds, on a machine that is busy with other tests."""
+LONGEST_END = 60.0
+"""Seconds after which a study that was told to end is called stuck, on a machine busy with other tests."""
 
 
 def interrupted(folder, number, path):

@@ -79,6 +79,7 @@ def test_every_part_of_the_study_has_its_heading_and_its_table(page):
 
 
 def test_the_page_needs_nothing_but_the_folder_of_the_results(page, quick_study):
+    assert len(page.sources) > 10
     assert all(source.startswith("data:image/png;base64,") for source in page.sources)
     results = quick_study.folder / "results/quick"
     for link in page.links:

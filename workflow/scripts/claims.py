@@ -12,6 +12,7 @@ from asperity.paper.claims.evidence import Evidence
 from asperity.paper.claims.statements import CLAIMS, HEADLINES
 from asperity.paper.claims.verdicts import decide
 from asperity.results import dataset
+from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
@@ -42,6 +43,6 @@ with log_to(snakemake.log[0], snakemake.output), ProgressBar("claims"), style(sn
     write_table(report.frame(findings, params.nodes), "claims", output.table)
     write_table(report.frame_of_readings(findings), "claims_readings", output.readings)
     text = report.markdown(findings, params.seeds, params.nodes, limits)
-    dataset.write_text(output.text, text)
-    dataset.write_text(output.page, report.page(findings, limits))
+    write_text(output.text, text)
+    write_text(output.page, report.page(findings, limits))
     save(overview.draw(findings), *output.picture)

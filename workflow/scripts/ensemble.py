@@ -8,6 +8,7 @@ run_in_copy()
 from asperity.paper.ensemble import figure
 from asperity.paper.ensemble.result import summary_frame
 from asperity.results import dataset, markup
+from asperity.results.atomic import write_text
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 from asperity.views.style import save, style
@@ -16,6 +17,6 @@ output = snakemake.output
 with log_to(snakemake.log[0], output), ProgressBar("ensemble"), style(snakemake.input.style):
     results = dict(zip(snakemake.params.claims, map(dataset.read, snakemake.input.data), strict=True))
     table = summary_frame(results)
-    dataset.write_text(output.table, table.to_csv(index=False, lineterminator="\n"))
-    dataset.write_text(output.text, f"{markup.markdown(table)}\n")
+    write_text(output.table, table.to_csv(index=False, lineterminator="\n"))
+    write_text(output.text, f"{markup.markdown(table)}\n")
     save(figure.draw(results), *output.picture)

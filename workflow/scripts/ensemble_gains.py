@@ -6,7 +6,8 @@ run_in_copy()
 
 
 from asperity.paper.ensemble.gains import gain_frame, known_numbers
-from asperity.results import dataset, markup
+from asperity.results import markup
+from asperity.results.atomic import write_text
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 
@@ -14,6 +15,6 @@ params, output = snakemake.params, snakemake.output
 with log_to(snakemake.log[0], output), ProgressBar("gains of the ensemble"):
     known = known_numbers(params.roles, params.files, params.laterals)
     table = gain_frame(known, params.files, params.error, params.fewest)
-    dataset.write_text(output.table, table.to_csv(index=False, lineterminator="\n"))
+    write_text(output.table, table.to_csv(index=False, lineterminator="\n"))
     text = markup.markdown(table.drop(columns="quantity", errors="ignore"))
-    dataset.write_text(output.text, f"{text}\n")
+    write_text(output.text, f"{text}\n")

@@ -11,6 +11,7 @@ from asperity.paper.ensemble.planning import Plan
 from asperity.paper.ensemble.result import level_frame, result, sentences
 from asperity.paper.ensemble.samples import read_samples
 from asperity.results import dataset, markup
+from asperity.results.atomic import write_text
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
 from asperity.views.style import save, style
@@ -30,7 +31,7 @@ with (
         settings={"claim": claim, "error": float(snakemake.wildcards.error), "surfaces": params.surfaces},
     )
     levels = level_frame(data)
-    dataset.write_text(output.table, levels.to_csv(index=False, lineterminator="\n"))
+    write_text(output.table, levels.to_csv(index=False, lineterminator="\n"))
     text = f"{sentences(claim, number(claim).quantity, data)}\n\n{markup.markdown(levels)}\n"
-    dataset.write_text(output.text, text)
+    write_text(output.text, text)
     save(figure.draw({claim: data}), output.picture)

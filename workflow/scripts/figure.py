@@ -7,6 +7,7 @@ run_in_copy()
 
 from asperity.paper.figures import caption, draw
 from asperity.results import dataset
+from asperity.results.atomic import write_text
 from asperity.runtime.logs import log_to
 from asperity.views.style import save, style
 
@@ -24,4 +25,4 @@ with log_to(snakemake.log[0], snakemake.output), style(snakemake.input.style):
     module, results = params.module, read(params.results)
     save(draw(module, results), snakemake.output.png, snakemake.output.pdf)
     text = caption(module, results, numbered=not params.own)
-    dataset.write_text(snakemake.output.caption, text)
+    write_text(snakemake.output.caption, text)

@@ -11,6 +11,7 @@ from asperity.accuracy.reduction import reduce_runs
 from asperity.accuracy.tables import errors_for_reader, errors_frame, presets_for_reader, presets_frame
 from asperity.engines import fft_engine
 from asperity.results import dataset, markup
+from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
@@ -29,11 +30,11 @@ with (
         settings={"tradeoff": settings},
     )
     measured = reduce_runs(runs)
-    dataset.write_text(snakemake.output.measured, as_json(measured))
+    write_text(snakemake.output.measured, as_json(measured))
     presets, errors = presets_frame(measured), errors_frame(measured)
     write_table(presets, "presets", snakemake.output.presets)
     write_table(errors, "tradeoff", snakemake.output.errors)
     tables = {"Presets": presets_for_reader(presets), "One parameter at a time": errors_for_reader(errors)}
     text = "\n\n".join(map(markup.markdown, tables.values()))
-    dataset.write_text(snakemake.output.table, f"{text}\n")
-    dataset.write_text(snakemake.output.page, markup.page("Speed and accuracy", tables))
+    write_text(snakemake.output.table, f"{text}\n")
+    write_text(snakemake.output.page, markup.page("Speed and accuracy", tables))

@@ -6,6 +6,7 @@ run_in_copy()
 
 
 from asperity.results import dataset, markup
+from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to
 from asperity.validation.table import for_reader, frame, markdown, table_rows
@@ -13,7 +14,7 @@ from asperity.validation.table import for_reader, frame, markdown, table_rows
 with log_to(snakemake.log[0], snakemake.output):
     datasets = {name: dataset.read(path) for name, path in snakemake.params.results.items()}
     rows = table_rows(datasets)
-    dataset.write_text(snakemake.output.table, markdown(rows))
+    write_text(snakemake.output.table, markdown(rows))
     write_table(frame(rows), "validation", snakemake.output.numbers)
     page = markup.page("Validation", {"": for_reader(rows)})
-    dataset.write_text(snakemake.output.page, page)
+    write_text(snakemake.output.page, page)

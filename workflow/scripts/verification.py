@@ -9,6 +9,7 @@ from asperity.engines import fft_engine
 from asperity.pipeline.statistics import SeedResults
 from asperity.pipeline.verification import verify
 from asperity.results import dataset, markup
+from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar
@@ -23,4 +24,4 @@ with (
     checks = verify(surface, results, dataset.read(files.statistics), progress)
     write_table(checks, "verification", snakemake.output.table)
     page = markup.page(f"Verification of {surface}", {"": checks.drop(columns="surface")})
-    dataset.write_text(snakemake.output.page, page)
+    write_text(snakemake.output.page, page)

@@ -14,7 +14,7 @@ from asperity.config.loads import without_load
 from asperity.errors import ConvergenceError
 from asperity.runtime.compiling import compiled_functions
 from asperity.runtime.progress import ProgressBar
-from asperity.surface.roughness import self_affine
+from asperity.surface.self_affine import self_affine
 
 USED = {"run": 59, "contact": 33, "stress": 29, "planes": 23}
 """What a command computes → number of compiled functions that it calls, for the bar."""

@@ -20,6 +20,7 @@ from asperity.contact.assembly import JOIN_STIFFNESS
 from asperity.contact.closing import ClosingNodes
 from asperity.contact.inner_solve import ContactSystem, Correction, InnerSolver
 from asperity.contact.iterate import Iterate
+from asperity.contact.places import places_in_union
 from asperity.contact.problem import Problem
 from asperity.contact.safeguard import SafeguardedStep
 from asperity.contact.tangent import Tangent
@@ -175,9 +176,14 @@ class AreaSteps:
         change = np.float32((load - iterate.load) / tangent.load)
         approach = iterate.approach + unit * float(change)
         nodes, gap = iterate.free_nodes_below(max(approach, iterate.approach))
-        overlap = kernels.residual(gap, approach, unit) - change * tangent.displacement_at(nodes)
+        overlap = np.empty(gap.size, np.float32)
+        kernels.residual(gap, approach, unit, overlap)
+        overlap -= change * tangent.displacement_at(nodes)
         joins, real = overlap > 0, iterate.pressure.dtype
-        pressure = kernels.add_and_release(iterate.pressure, tangent.pressure, change)
+        pressure = np.maximum(iterate.pressure + (change * tangent.pressure).astype(real), 0)
         joined = (JOIN_STIFFNESS * overlap[joins]).astype(real)
-        iterate.set_pressure(*kernels.merge(iterate.nodes, nodes[joins], pressure, joined))
+        places = places_in_union(iterate.nodes, nodes[joins])
+        iterate.set_pressure(
+            kernels.inserted(places, iterate.nodes, nodes[joins]), kernels.inserted(places, pressure, joined)
+        )
         iterate.drop_free_nodes()

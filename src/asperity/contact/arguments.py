@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -14,6 +15,7 @@ from asperity.contact.response import Response
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
 from asperity.errors import shown
+from asperity.parallel import extremes
 from asperity.spectral import Grid
 from asperity.types import REAL_TYPES, Array
 
@@ -32,16 +34,16 @@ _CONTROLS: dict[str, tuple[str, Callable[[float], bool]]] = {
 """Imposed quantity → accepted numbers, for the message and as a function."""
 
 
-def checked_height(height: ArrayLike) -> Array:
-    """Return the surface as a real array [y, x] of finite numbers."""
+def checked_height(height: ArrayLike, threads: int) -> tuple[Array, tuple[float, float]]:
+    """Return the surface as a real array [y, x] of finite numbers, and its least and largest height."""
     values = real_array("height", height)
     if values.ndim != 2 or values.size == 0:
         raise ValueError(f"height has the shape {values.shape}: a two-dimensional array [y, x] is needed")
     values = values.astype(float, copy=False)
-    bad = int(np.count_nonzero(~np.isfinite(values)))
-    if bad:
+    lowest, highest = extremes(values, threads)
+    if not (math.isfinite(lowest) and math.isfinite(highest)):
+        bad = np.count_nonzero(~np.isfinite(values))
         raise ValueError(f"height: {bad} of {values.size} nodes are not finite numbers; all must be")
-    lowest, highest = float(values.min()), float(values.max())
     if max(-lowest, highest) > LARGEST:
         raise ValueError(f"height: numbers from {-LARGEST:g} to {LARGEST:g} are needed")
     if 0 < highest - lowest < SMALLEST:
@@ -49,7 +51,7 @@ def checked_height(height: ArrayLike) -> Array:
             f"height: heights that differ by {SMALLEST:g} or more, or not at all, are needed; they differ by "
             f"{highest - lowest:.3g}"
         )
-    return values
+    return values, (lowest, highest)
 
 
 def checked_solid(solid: object) -> Solid:

@@ -14,8 +14,10 @@ up:
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +25,7 @@ from asperity.contact import kernels
 from asperity.contact.inner_solve import ContactSystem, InnerSolver
 from asperity.contact.iterate import Iterate
 from asperity.contact.problem import Problem
+from asperity.parallel import apply, total
 from asperity.types import Array
 
 # Pressure of a node that joins the contact, in units of its penetration / nodal compliance. The error
@@ -69,11 +72,13 @@ class Assembler:
         self._inner.restrict(nodes)
         preconditioner = self._inner.preconditioner
         uniform_image = preconditioner.apply_uniform()
-        uniform_sum = float(uniform_image.sum(dtype=float))
+        uniform_sum = self._total(kernels.added, uniform_image)
         if fixed_load and uniform_sum:
             iterate.approach = float(gap[0])
-            iterate.approach += kernels.weighted_mean(uniform_image, gap, iterate.approach)
-        residual = kernels.residual(gap, iterate.approach, self._unit)
+            weighted = self._total(kernels.weighted_sum, uniform_image, gap, iterate.approach)
+            iterate.approach += weighted / uniform_sum
+        residual = np.empty(gap.size, np.float32)
+        apply(kernels.residual, self._problem.fourier.threads, gap, iterate.approach, self._unit, residual)
         image = np.empty_like(residual)
         preconditioner.apply(residual, image)
         system = ContactSystem(nodes, residual, image, uniform_image, uniform_sum, fixed_load)
@@ -82,30 +87,33 @@ class Assembler:
 
     def _error(self, iterate: Iterate, system: ContactSystem) -> tuple[float, float]:
         """Estimated error of the pressure, and the part of it that is rounding, relative to its norm."""
-        norm = math.sqrt(kernels.dot(iterate.pressure, iterate.pressure))
+        norm = math.sqrt(self._total(kernels.dot, iterate.pressure, iterate.pressure))
         shift = 0.0
         if system.has_free_approach:
-            shift = float(system.image.sum(dtype=float)) / system.uniform_sum
+            shift = self._total(kernels.added, system.image) / system.uniform_sum
         _, gap_of_free = iterate.free_nodes_below(iterate.approach, reserve=self.expected_motion)
-        penetration = math.sqrt(kernels.squared_overlap(gap_of_free, iterate.approach))
+        penetration = math.sqrt(self._total(kernels.squared_overlap, gap_of_free, iterate.approach))
         error = math.hypot(
-            math.sqrt(kernels.projected_square(system.image, system.uniform_image, shift)),
+            math.sqrt(self._total(kernels.projected_square, system.image, system.uniform_image, shift)),
             JOIN_STIFFNESS * penetration / self._unit,
         )
         if self._stiffness is not None:
             error = max(error, self._response_of_layer(system))
         # Fewer gaps than contact nodes are uncertain if one of them is fixed by the approach.
         uncertain = max(system.contact_nodes.size - system.fixed_load, 0)
-        mean_pressure = float(iterate.pressure.sum(dtype=float)) / self._problem.grid.size
+        mean_pressure = self._total(kernels.added, iterate.pressure) / self._problem.grid.size
         rounding = self._rounding(mean_pressure) * math.sqrt(uncertain)
         error = max(error, rounding)
         return (error / norm, rounding / norm) if norm else (math.inf if error else 0.0, 0.0)
+
+    def _total(self, function: Callable[..., float], *arguments: Any) -> float:
+        return total(function, self._problem.fourier.threads, *arguments)
 
     def _rounding(self, mean_pressure: float) -> float:
         """Pressure of a node that corresponds to the rounding error of its gap."""
         height, compliance = self._problem.height, self._problem.response.uniform_compliance
         # The uniform displacement of a tall layer may be far larger than the heights.
-        largest = self._largest_height + compliance * mean_pressure
+        largest = self._problem.largest_height + compliance * mean_pressure
         spacing = float(np.spacing(height.dtype.type(largest)))
         return ROUNDING_FRACTION * spacing / self._unit * self._inner.preconditioner.nodal_stiffness
 
@@ -117,11 +125,6 @@ class Assembler:
         coefficients = fourier.forward(overlap.reshape(grid.shape)) * self._stiffness
         pressure = fourier.inverse(coefficients.astype(fourier.complex), overwrite=True).reshape(-1)[nodes]
         return float(np.linalg.norm(pressure - pressure.mean() if system.fixed_load else pressure))
-
-    @cached_property
-    def _largest_height(self) -> float:
-        height = self._problem.height
-        return max(float(height.max()), -float(height.min()))
 
     @cached_property
     def _stiffness(self) -> Array | None:

@@ -7,6 +7,7 @@ intermediate result of a solver.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,6 +18,7 @@ from asperity.contact.boundaries import response_on
 from asperity.elasticity.two_bodies import Solid
 from asperity.errors import ConvergenceError
 from asperity.notebook import table
+from asperity.parallel import results, total
 from asperity.spectral import Grid
 from asperity.types import Array
 
@@ -156,12 +158,17 @@ def verify_contact(
         approach = float(gap[contact].mean()) if contact.any() else float(gap.min())
     gap -= approach
     return certificate_of_fields(
-        height, pressure, gap, min(grid.spacing) / solid.effective_modulus, mean_pressure
+        height, pressure, gap, min(grid.spacing) / solid.effective_modulus, mean_pressure, threads
     )
 
 
 def certificate_of_fields(
-    height: Array, pressure: Array, gap: Array, nodal_compliance: float, mean_pressure: float | None
+    height: Array,
+    pressure: Array,
+    gap: Array,
+    nodal_compliance: float,
+    mean_pressure: float | None,
+    threads: int = 1,
 ) -> Certificate:
     """Certificate of a pressure whose gap is known.
 
@@ -173,13 +180,17 @@ def certificate_of_fields(
         Grid spacing / E*.
     mean_pressure : float, optional
         The load imposed, if it was.
+    threads : int
     """
-    least, largest, total, least_gap, contact_gap, work, support = kernels.extremes_of_contact(
-        pressure.reshape(-1), gap.reshape(-1)
-    )
+    found = np.array(results(kernels.measures_of_contact, threads, pressure.reshape(-1), gap.reshape(-1)))
+    least, least_gap = found[:, :2].min(axis=0).tolist()
+    largest, contact_gap = found[:, 2:4].max(axis=0).tolist()
+    total_pressure, total_gap, work, support = found[:, 4:].sum(axis=0).tolist()
+    load = total_pressure / pressure.size
+    if not math.isfinite(total_pressure) or not math.isfinite(total_gap):
+        least_gap = -math.inf
     largest = max(largest, -least)
-    scale = max(kernels.standard_deviation(height.reshape(-1)), largest * nodal_compliance) or 1.0
-    load = total / pressure.size
+    scale = max(rms_deviation(height, threads), largest * nodal_compliance) or 1.0
     imbalance = 0.0
     if mean_pressure is not None and mean_pressure != load:
         imbalance = abs(load - mean_pressure) / max(abs(mean_pressure), abs(load))
@@ -190,6 +201,13 @@ def certificate_of_fields(
         load_imbalance=imbalance,
         complementarity=work / (support or 1.0) / scale,
     )
+
+
+def rms_deviation(values: Array, threads: int = 1) -> float:
+    """Root mean square of the deviations from the mean."""
+    flat = values.reshape(-1).astype(float, copy=False)
+    mean = total(kernels.added, threads, flat) / flat.size
+    return math.sqrt(total(kernels.squared_deviation, threads, flat, mean) / flat.size)
 
 
 def _checked(name: str, values: Array) -> Array:

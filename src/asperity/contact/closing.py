@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from asperity.contact import kernels
 from asperity.contact.inner_response import InnerResponse
 from asperity.contact.inner_solve import Correction
@@ -46,6 +48,7 @@ class ClosingNodes:
         # No node moves upward by more than the contact nodes do, which the pressure displaces.
         upward = unit * max(0.0, -float(correction.displacement.min(initial=0)))
         nodes, gap = iterate.free_nodes_below(approach + upward + further)
-        overlap = kernels.residual(gap, approach, unit)
+        overlap = np.empty(gap.size, np.float32)
+        kernels.residual(gap, approach, unit, overlap)
         overlap -= response.respond_at(nodes, correction.pressure)
         return cls(nodes, gap, overlap, upward + max(correction.approach, 0.0))

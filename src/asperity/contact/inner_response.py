@@ -18,13 +18,14 @@ known from Phillips & White (1997, 10.1109/43.662670).
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, partial
+from itertools import pairwise
 
 import numpy as np
 
-from asperity.contact import kernels, stencil
+from asperity.contact import even_nodes, kernels, stencil
 from asperity.contact.problem import Problem
-from asperity.contact.response import Response
+from asperity.contact.response import Response, multiply
 from asperity.contact.stencil import StencilField, whole_stencil
 from asperity.parallel import in_parts
 from asperity.spectral import Fourier, Grid
@@ -74,6 +75,8 @@ class InnerResponse:
         """Choose the contact nodes, by their sorted indices in the flattened grid."""
         self._nodes = nodes
         self.field.restrict(nodes)
+        if self._divided:
+            self._far.restrict(nodes)
 
     def respond(self, pressure: Array, out: Array) -> None:
         """Write the displacements of the contact nodes under pressures on them."""
@@ -81,8 +84,8 @@ class InnerResponse:
             out[:] = self.of_all_nodes(pressure).reshape(-1)[self._nodes]
             return
         self.field.apply(self._stencil, pressure, out)
-        self._far.spread(self._nodes, pressure)
-        self._far.add_at(self._nodes, out)
+        self._far.spread(pressure)
+        self._far.add(out)
 
     def respond_at(self, nodes: Array, pressure: Array) -> Array:
         """Displacements of other nodes under pressures on the contact nodes."""
@@ -90,7 +93,7 @@ class InnerResponse:
             return self.of_all_nodes(pressure).reshape(-1)[nodes]
         self.field.spread(pressure)
         out = self.field.apply_at(self._stencil, nodes)
-        self._far.spread(self._nodes, pressure)
+        self._far.spread(pressure)
         self._far.add_at(nodes, out)
         return out
 
@@ -122,50 +125,61 @@ class FarField:
     def __init__(self, response: Response, scale: float, dtype: str = "float32") -> None:
         modes = response.mode_grid
         ny, nx = modes.shape
-        self._columns = response.grid.shape[1]
+        self._shape = response.grid.shape
         self._repeats = response.repeats
         grid = Grid((ny // 2, nx // 2), modes.length)
         self._fourier = Fourier(grid, dtype, response.fourier.threads, response.fourier.work)
-        factors = response.half_compliance[np.abs(grid.ky), : nx // 4 + 1].astype(float)
+        factors = response.half_compliance[: grid.shape[0] // 2 + 1, : nx // 4 + 1].astype(float)
         attenuation = np.ones_like(factors)
         distance = np.zeros_like(factors)
-        for wavenumber, nodes in ((grid.ky[:, None], ny), (grid.kx[None, :], nx)):
-            attenuation = attenuation * np.cos(np.pi * wavenumber / nodes) ** 2
-            distance = distance + (4 * wavenumber / nodes) ** 2
+        for wavenumber, nodes in ((grid.ky[: len(factors), None], ny), (grid.kx[None, :], nx)):
+            attenuation *= np.cos(np.pi * wavenumber / nodes) ** 2
+            distance += (4 * wavenumber / nodes) ** 2
         factors *= np.exp(-((CUTOFF**2 * distance) ** 2)) / attenuation**2 * (scale / 4)
-        self._factors = factors.astype(self._fourier.real)
+        self._half_factors = factors.astype(self._fourier.real)
         self._padded = np.zeros((grid.shape[0] + 1, grid.shape[1] + 1), self._fourier.real)
         self._coefficients = np.empty(grid.half_shape, self._fourier.complex)
 
-    def spread(self, nodes: Array, pressure: Array) -> None:
-        """Choose the nodes under pressure, and the pressures on them."""
-        padded, width = self._padded, self._columns
-        padded.fill(0)
-        # The same parts for any number of threads, so that the order of the sums is the same.
-        rows = np.arange(0, padded.shape[0], -(-padded.shape[0] // _PARTS))
-        edges = [*rows.tolist(), padded.shape[0]]
-        nodes_before = np.searchsorted(nodes, [2 * width * edge for edge in edges])
-        beyond = np.zeros((len(rows), padded.shape[1]), padded.dtype)
+    def restrict(self, nodes: Array) -> None:
+        """Choose the nodes under pressure, by their sorted indices in the flattened map."""
+        even_rows, width = self._padded.shape
+        self._places = even_nodes.places_of(nodes, self._shape, width, self._fourier.threads)
+        ny, nx = self._shape
+        rows = np.minimum(2 * (even_rows * np.arange(_PARTS + 1) // _PARTS), ny)
+        edges = np.searchsorted(nodes, (rows * nx).astype(nodes.dtype))
+        self._parts = [slice(*part) for part in pairwise(edges.tolist())]
 
-        def restrict(parts: slice) -> None:
-            for part in range(parts.start, parts.stop):
-                within = slice(nodes_before[part], nodes_before[part + 1])
-                stencil.restrict_to_even_nodes(
-                    nodes[within], pressure[within], width, padded, edges[part + 1], beyond[part]
-                )
+    def spread(self, pressure: Array) -> None:
+        """Convolve the pressures on the chosen nodes."""
+        threads, width = self._fourier.threads, self._padded.shape[1]
+        field = self._padded.reshape(-1)
+        in_parts(lambda part: field[part].fill(0), field.size, threads)
 
-        in_parts(restrict, len(rows), self._fourier.threads, smallest=1)
-        for edge, row in zip(edges[1:-1], beyond, strict=False):
-            padded[edge] += row
-        self._convolve(padded)
+        def add(parts: list[slice], some: slice) -> None:
+            for part in parts[some]:
+                even_nodes.add_transposed(self._places[part], pressure[part], width, field)
+
+        # A part ends with the row where the next one begins: of neighbours, one is added after the other.
+        for parts in (self._parts[::2], self._parts[1::2]):
+            in_parts(partial(add, parts), len(parts), threads, smallest=1)
+        self._convolve(self._padded)
+
+    def add(self, out: Array) -> None:
+        """Add the displacements at the chosen nodes to values."""
+        self._add(self._places, out)
 
     def add_at(self, nodes: Array, out: Array) -> None:
-        """Add the displacements at nodes to values."""
+        """Add the displacements at other nodes to values."""
+        width, threads = self._padded.shape[1], self._fourier.threads
+        self._add(even_nodes.places_of(nodes, self._shape, width, threads), out)
 
-        def interpolate(part: slice) -> None:
-            stencil.interpolate_from_even_nodes(self._padded, nodes[part], self._columns, out[part])
+    def _add(self, places: Array, out: Array) -> None:
+        field, width = self._padded.reshape(-1), self._padded.shape[1]
 
-        in_parts(interpolate, nodes.size, self._fourier.threads)
+        def add(part: slice) -> None:
+            even_nodes.add_interpolated(field, places[part], width, out[part])
+
+        in_parts(add, out.size, self._fourier.threads)
 
     def _convolve(self, padded: Array) -> None:
         """Replace sums over the even nodes by displacements there.
@@ -177,7 +191,7 @@ class FarField:
             padded[:, 0] += padded[:, -1]
         values = padded[:-1, :-1]
         coefficients = self._fourier.forward(values, self._coefficients)
-        coefficients *= self._factors
+        multiply(coefficients, self._half_factors, self._fourier.threads)
         self._fourier.inverse(coefficients, values, overwrite=True)
         padded[-1, :-1], padded[:-1, -1] = padded[0, :-1], padded[:-1, 0]
         padded[-1, -1] = padded[0, 0]
@@ -206,7 +220,8 @@ def near_stencil(problem: Problem) -> Array:
             unit = np.zeros(tile.shape)
             unit[y, x] = 1
             missing = response.displacement(unit)
-            far.spread(np.array([y * _TILE + x], np.uint32), np.ones(1))
+            far.restrict(np.array([y * _TILE + x], np.uint32))
+            far.spread(np.ones(1))
             far_field = np.zeros(tile.size)
             far.add_at(np.arange(tile.size, dtype=np.uint32), far_field)
             missing -= far_field.reshape(tile.shape)

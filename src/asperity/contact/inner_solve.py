@@ -26,6 +26,7 @@ from asperity.contact import kernels
 from asperity.contact.inner_response import InnerResponse
 from asperity.contact.preconditioner import Preconditioner
 from asperity.contact.problem import Problem
+from asperity.parallel import apply, total
 from asperity.types import Array
 
 # The constants were found by trial, by the number of transforms. On rough surfaces of 512² nodes, halving or
@@ -124,7 +125,7 @@ class InnerSolver:
     """
 
     def __init__(self, problem: Problem) -> None:
-        self._unit = problem.nodal_compliance
+        self._unit, self._threads = problem.nodal_compliance, problem.fourier.threads
         self.response = InnerResponse(problem)
         self.preconditioner = Preconditioner(problem, self.response.field)
         self._nodes: Array | None = None
@@ -144,7 +145,7 @@ class InnerSolver:
         The norm is that of the preconditioner, √(r·M r). Overwrites residual and image of the system, whose
         nodes have to be those chosen last.
         """
-        residual, z = system.residual, system.image
+        residual, z, threads = system.residual, system.image, self._threads
         weight, free = system.uniform_image, system.has_free_approach
         x, direction, displacement = (np.zeros_like(residual) for _ in range(3))
         response, length = np.empty_like(residual), np.float32(0)
@@ -153,9 +154,9 @@ class InnerSolver:
         while iterations < max_iterations:
             if iterations:
                 self.preconditioner.apply(residual, z)
-            total, product = kernels.sum_and_dot(z, residual)
-            shift = np.float32(total / system.uniform_sum if free else 0)
-            uniform_part = float(shift) * kernels.dot(weight, residual)
+            image_sum, product = total(kernels.sum_and_dot, threads, z, residual)
+            shift = np.float32(image_sum / system.uniform_sum if free else 0)
+            uniform_part = float(shift) * total(kernels.dot, threads, weight, residual)
             product -= uniform_part
             if iterations == 0:
                 first = product
@@ -166,19 +167,20 @@ class InnerSolver:
             ratio = 0.0
             if iterations:
                 # Polak and Ribière: z · (change of the residual) instead of z · residual.
-                changed = -float(length) * kernels.projected_dot(z, weight, shift, response)
+                change = total(kernels.projected_dot, threads, z, weight, shift, response)
+                changed = -float(length) * change
                 ratio = max(changed / previous, 0.0)
-            kernels.next_direction(direction, z, weight, shift, np.float32(ratio))
+            apply(kernels.next_direction, threads, direction, z, weight, shift, np.float32(ratio))
             previous = product
             self.response.respond(direction, response)
             iterations += 1
-            curvature = kernels.dot(direction, response)
+            curvature = total(kernels.dot, threads, direction, response)
             if not curvature > 0:
                 break
             length = np.float32(product / curvature)
-            kernels.take_step(x, residual, displacement, direction, response, length)
+            apply(kernels.take_step, threads, x, residual, displacement, direction, response, length)
         # The part of the residual that is left which a change of the approach removes.
-        uniform = kernels.dot(weight, residual) / system.uniform_sum if free else 0.0
+        uniform = total(kernels.dot, threads, weight, residual) / system.uniform_sum if free else 0.0
         return Correction(x, displacement, -(self._unit * uniform), iterations)
 
 

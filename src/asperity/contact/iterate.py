@@ -10,7 +10,7 @@ import numpy as np
 
 from asperity.contact import kernels
 from asperity.contact.problem import Control, Problem, State
-from asperity.parallel import in_parts
+from asperity.parallel import in_parts, total
 from asperity.types import Array
 
 
@@ -55,13 +55,23 @@ class Iterate:
     def of_field(cls, problem: Problem, pressure: Array, approach: float, load: float) -> Iterate:
         """Iterate of a pressure [y, x] on all nodes; negative values are set to zero."""
         flat = pressure.reshape(-1)
-        nodes = np.flatnonzero(flat > 0).astype(np.uint32)
-        return cls(problem, nodes, flat[nodes].astype(problem.fourier.real), approach, load)
+
+        def select(part: slice) -> tuple[Array, Array]:
+            nodes, values = kernels.nodes_under_pressure(flat[part])
+            return nodes + np.uint32(part.start), values
+
+        nodes, values = _joined(in_parts(select, flat.size, problem.fourier.threads))
+        return cls(problem, nodes, values.astype(problem.fourier.real, copy=False), approach, load)
+
+    @property
+    def mean_pressure(self) -> float:
+        """Mean over all nodes."""
+        return total(kernels.added, self._threads, self.pressure) / self._height.size
 
     def evaluate(self, control: Control) -> None:
         """Evaluate the gap, after scaling the pressure to the load, or to the least energy at an approach."""
         if control.fixes_load:
-            self.pressure *= self.load / (float(self.pressure.sum(dtype=float)) / self._height.size)
+            self.pressure *= self.load / self.mean_pressure
         field = self.displacement
         self._spread_pressure(field.reshape(-1))
         self._problem.displacement(field, field)
@@ -90,11 +100,12 @@ class Iterate:
 
     def drop_free_nodes(self) -> None:
         """Leave out the nodes without pressure."""
-        contact = self.pressure > 0
-        if not contact.all():
-            self.nodes, self.pressure = self.nodes[contact], self.pressure[contact]
-            if self.is_evaluated:
-                self.gap = self.gap[contact]
+        gap = self.gap if self.is_evaluated else self.pressure
+
+        def select(part: slice) -> tuple[Array, Array, Array]:
+            return kernels.only_under_pressure(self.nodes[part], self.pressure[part], gap[part])
+
+        self.nodes, self.pressure, self.gap = _joined(in_parts(select, self.nodes.size, self._threads))
 
     def free_nodes_below(self, level: float, reserve: float = 0.0) -> tuple[Array, Array]:
         """Sorted nodes out of contact with a gap below a level, and their gaps.
@@ -106,15 +117,14 @@ class Iterate:
             found = in_parts(
                 partial(self._free_nodes, bound), self._height.size, self._threads, kernels.CHUNK
             )
-            nodes, gaps = zip(*found, strict=True)
-            self._near = level + reserve, np.concatenate(nodes), np.concatenate(gaps)
+            self._near = level + reserve, *_joined(found)
         return self._near[1:]
 
     def _spread_pressure(self, field: Array) -> None:
         """Write the pressure of all nodes into a flattened field."""
 
         def spread(part: slice) -> None:
-            first, last = np.searchsorted(self.nodes, (part.start, part.stop))
+            first, last = np.searchsorted(self.nodes, np.array((part.start, part.stop), np.uint32))
             kernels.spread(
                 field[part], self.nodes[first:last] - np.uint32(part.start), self.pressure[first:last]
             )
@@ -135,10 +145,9 @@ class Iterate:
     def _free_nodes(self, bound: Any, part: slice) -> tuple[Array, Array]:
         """Nodes of a part out of contact with a gap below a bound, and their gaps."""
         height, displacement = (field[part] for field in self.fields())
-        first, last = np.searchsorted(self.nodes, (part.start, part.stop))
+        first, last = np.searchsorted(self.nodes, np.array((part.start, part.stop), np.uint32))
         nodes = self.nodes[first:last] - np.uint32(part.start)
-        least = kernels.least_gaps(height, displacement)
-        found, gap = kernels.free_nodes_below(height, displacement, nodes, least, bound)
+        found, gap = kernels.free_nodes_below(height, displacement, nodes, bound)
         return found + np.uint32(part.start), gap
 
     def refined(self, finer: Problem, load: float) -> Iterate:
@@ -198,3 +207,8 @@ class Iterate:
             self.iterations,
             displacement if self.is_evaluated else None,
         )
+
+
+def _joined(parts: list[Any]) -> Any:
+    """Arrays of consecutive parts, joined."""
+    return parts[0] if len(parts) == 1 else tuple(map(np.concatenate, zip(*parts, strict=True)))

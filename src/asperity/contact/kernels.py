@@ -9,10 +9,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
+from llvmlite import ir
+from numba import njit, types
+from numba.extending import intrinsic
 
 CHUNK = 32
-"""Number of nodes that are tested together for a gap below a level."""
+"""Number of nodes that are compared with a level together."""
 
 # Lets the compiler add in vectors: the order of a sum depends on the processor, not on the number of threads.
 _VECTOR_SUMS = {"reassoc", "contract", "nsz"}
@@ -35,63 +37,92 @@ def gaps(height: Any, displacement: Any, nodes: Any, out: Any) -> None:
         out[k] = height[nodes[k]] + displacement[nodes[k]]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS | {"nnan"})
-def least_gaps(height: Any, displacement: Any) -> Any:
-    """Least gap in each group of `CHUNK` nodes."""
-    out = np.empty(-(-height.size // CHUNK), height.dtype)
-    for c in range(out.size):
+@intrinsic
+def _lowest_bit(typing_context: Any, bits: Any) -> Any:
+    """Position of the lowest bit that is set."""
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        return builder.cttz(arguments[0], ir.Constant(ir.IntType(1), 1))
+
+    return types.uint32(types.uint32), generate
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def free_nodes_below(height: Any, displacement: Any, nodes: Any, level: Any) -> tuple[Any, Any]:
+    """Sorted nodes out of contact whose gap h + u is below a level, and their gaps.
+
+    A bit for each node, `CHUNK` in one number, says if it is one of them.
+    """
+    free = np.zeros(-(-height.size // CHUNK), np.uint32)
+    for c in range(free.size):
         h, u = height[c * CHUNK : (c + 1) * CHUNK], displacement[c * CHUNK : (c + 1) * CHUNK]
-        least = h[0] + u[0]
+        below = np.int32(0)
         for i in range(h.size):
-            gap = h[i] + u[i]
-            least = gap if gap < least else least
-        out[c] = least
+            below = np.int32(below | (np.int32(1 << i) if h[i] + u[i] < level else np.int32(0)))
+        free[c] = below
+    for k in range(nodes.size):
+        free[nodes[k] // np.uint32(CHUNK)] &= ~(np.uint32(1) << (nodes[k] % np.uint32(CHUNK)))
+    count = 0
+    for c in range(free.size):
+        bits = free[c]
+        while bits:
+            bits &= bits - np.uint32(1)
+            count += 1
+    found, gap = np.empty(count, np.uint32), np.empty(count, height.dtype)
+    count = 0
+    for c in range(free.size):
+        bits = free[c]
+        while bits:
+            i = c * CHUNK + _lowest_bit(bits)  # type: ignore[call-arg]
+            found[count], gap[count] = i, height[i] + displacement[i]
+            bits &= bits - np.uint32(1)
+            count += 1
+    return found, gap
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def inserted(places: Any, values: Any, others: Any) -> Any:
+    """Values with others inserted, which then have these places."""
+    out = np.empty(values.size + others.size, values.dtype)
+    first = 0
+    for k in range(places.size + 1):
+        place = places[k] if k < places.size else out.size
+        for i in range(first, place):
+            out[i] = values[i - k]
+        if k < places.size:
+            out[place] = others[k]
+        first = place + 1
     return out
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def free_nodes_below(
-    height: Any, displacement: Any, nodes: Any, least_gap: Any, level: Any
-) -> tuple[Any, Any]:
-    """Sorted nodes out of contact whose gap is below a level, and their gaps.
-
-    `least_gap` is that of `least_gaps`.
-    """
-    size = 0
-    for c in range(least_gap.size):
-        size += CHUNK if least_gap[c] < level else 0
-    found, gap = np.empty(size, np.uint32), np.empty(size, height.dtype)
-    count, k = 0, 0
-    for c in range(least_gap.size):
-        if not least_gap[c] < level:
-            continue
-        start, stop = c * CHUNK, min((c + 1) * CHUNK, height.size)
-        while k < nodes.size and nodes[k] < start:
+def nodes_under_pressure(field: Any) -> tuple[Any, Any]:
+    """Sorted nodes where a field is positive, and its values there."""
+    count = 0
+    for i in range(field.size):
+        count += field[i] > 0
+    nodes, values = np.empty(count, np.uint32), np.empty(count, field.dtype)
+    k = 0
+    for i in range(field.size):
+        if field[i] > 0:
+            nodes[k], values[k] = i, field[i]
             k += 1
-        for i in range(start, stop):
-            if k < nodes.size and nodes[k] == i:
-                k += 1
-            else:
-                # Written in any case, and kept if the gap is below the level.
-                found[count], gap[count] = i, height[i] + displacement[i]
-                count += gap[count] < level
-    return found[:count].copy(), gap[:count].copy()
+    return nodes, values
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def merge(nodes: Any, others: Any, values: Any, values_of_others: Any) -> tuple[Any, Any]:
-    """Two sorted sets of nodes without common elements as one, with the values on them."""
-    merged = np.empty(nodes.size + others.size, np.uint32)
-    out = np.empty(merged.size, values.dtype)
-    j, k = 0, 0
-    for i in range(merged.size):
-        if k == others.size or (j < nodes.size and nodes[j] < others[k]):
-            merged[i], out[i] = nodes[j], values[j]
-            j += 1
-        else:
-            merged[i], out[i] = others[k], values_of_others[k]
-            k += 1
-    return merged, out
+def only_under_pressure(nodes: Any, pressure: Any, gap: Any) -> tuple[Any, Any, Any]:
+    """The nodes with a positive pressure, with pressure and gap."""
+    count = 0
+    for k in range(pressure.size):
+        count += pressure[k] > 0
+    out = np.empty(count, np.uint32), np.empty(count, pressure.dtype), np.empty(count, gap.dtype)
+    count = 0
+    for k in range(pressure.size):
+        if pressure[k] > 0:
+            out[0][count], out[1][count], out[2][count] = nodes[k], pressure[k], gap[k]
+            count += 1
+    return out
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
@@ -105,49 +136,58 @@ def squared_overlap(gap: Any, approach: float) -> float:
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
-def residual(gap: Any, approach: float, unit: float) -> Any:
-    """Overlap δ − (h + u) of the contact nodes, divided by `unit`."""
-    out = np.empty(gap.size, np.float32)
+def residual(gap: Any, approach: float, unit: float, out: Any) -> None:
+    """Overlap δ − (h + u) of nodes, divided by `unit`."""
     for k in range(gap.size):
         out[k] = (approach - gap[k]) / unit
-    return out
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
-def weighted_mean(weight: Any, gap: Any, origin: float) -> float:
-    """Weighted mean of gap − origin over the contact nodes."""
-    total, norm = 0.0, 0.0
+def weighted_sum(weight: Any, gap: Any, origin: float) -> float:
+    """Weighted sum of gap − origin over the contact nodes."""
+    total = 0.0
     for k in range(gap.size):
         total += np.float64(weight[k]) * (gap[k] - origin)
-        norm += weight[k]
-    return total / norm
+    return total
 
 
 # Steps of the outer loop
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def add_and_release(pressure: Any, change: Any, fraction: Any) -> Any:
-    """Pressure with a fraction of a change added; nodes in tension are released, to zero pressure."""
-    out = np.empty_like(pressure)
+def add_and_release(pressure: Any, change: Any, joined: Any, fraction: Any, joins: Any, out: Any) -> None:
+    """Write the pressure with a fraction of a change added; nodes in tension are released, to zero pressure.
+
+    For joined nodes the fraction is `joins` instead.
+    """
     for k in range(pressure.size):
-        out[k] = max(pressure[k] + fraction * change[k], 0.0)
-    return out
+        out[k] = max(pressure[k] + (joins if joined[k] else fraction) * change[k], 0.0)
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
-def line_search(pressure: Any, pressure_before: Any, gap: Any, gap_before: Any, approach: float) -> float:
-    """Fraction, between 0 and 1, of a step of the pressure at which the energy is least."""
+def energy_along(
+    pressure: Any, pressure_before: Any, gap: Any, gap_before: Any, approach: float
+) -> tuple[float, float]:
+    """Minus the slope of the energy at the start of a step of the pressure, and the curvature along it."""
     slope, curvature = 0.0, 0.0
     for i in range(pressure.size):
         change = np.float64(pressure[i]) - np.float64(pressure_before[i])
         slope -= change * (gap_before[i] - approach)
         curvature += change * (np.float64(gap[i]) - np.float64(gap_before[i]))
-    return min(max(slope / curvature, 0.0), 1.0) if curvature > 0 else 1.0
+    return slope, curvature
 
 
 # Vector operations of the conjugate gradients; `shift` × `weight` is subtracted from the preconditioned
 # residual z, so that at a given load the corrections sum to zero
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
+def added(a: Any) -> float:
+    """Σ a."""
+    total = 0.0
+    for k in range(a.size):
+        total += np.float64(a[k])
+    return total
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
@@ -203,38 +243,53 @@ def take_step(x: Any, residual: Any, total: Any, direction: Any, response: Any, 
         residual[k] -= length * response[k]
 
 
+# Of the result, for the certificate
+
+
 @njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
-def standard_deviation(values: Any) -> float:
-    """Standard deviation, without an array of its own."""
-    mean, squares = 0.0, 0.0
+def squared_deviation(values: Any, mean: float) -> float:
+    """Σ (value − mean)²."""
+    total = 0.0
     for i in range(values.size):
-        mean += values[i]
-    mean /= values.size
-    for i in range(values.size):
-        squares += (values[i] - mean) ** 2
-    return np.sqrt(squares / values.size)
+        total += (values[i] - mean) ** 2
+    return total
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def extremes_of_contact(pressure: Any, gap: Any) -> tuple[float, float, float, float, float, float, float]:
-    """Least, largest and total pressure, least gap, and of the contact: largest |g|, Σ p |g| and Σ p.
+def write_gap(height: Any, displacement: Any, approach: Any, out: Any) -> None:
+    """Write the gap h + u − δ."""
+    for i in range(height.size):
+        out[i] = (height[i] + displacement[i]) - approach
 
-    What is not a number makes the results infinite or not numbers either.
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def gap_of_contact(pressure: Any, height: Any, displacement: Any) -> tuple[float, int]:
+    """Sum of h + u over the nodes under pressure, and their number."""
+    total, count = 0.0, 0
+    for i in range(pressure.size):
+        if pressure[i] > 0:
+            total += np.float64(height[i] + displacement[i])
+            count += 1
+    return total, count
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def measures_of_contact(pressure: Any, gap: Any) -> tuple[float, ...]:
+    """Least p, least g, largest p, largest |g| of the contact, Σ p, Σ g, and Σ p |g| and Σ p of the contact.
+
+    What is not a number in the fields makes Σ p or Σ g not a number either.
     """
-    least, largest, total = pressure[0], pressure[0], 0.0
-    least_gap, contact_gap, work, support = gap[0], 0.0, 0.0, 0.0
+    least, largest = pressure[0], pressure[0]
+    least_gap, contact_gap = gap[0], 0.0
+    total, total_gap, work, support = 0.0, 0.0, 0.0, 0.0
     for i in range(pressure.size):
         p, g = pressure[i], gap[i]
         total += p
-        # Written so that a comparison with what is not a number is kept.
-        least_gap = least_gap if least_gap <= g else g
-        if p != 0:
-            least = least if least <= p else p
-            largest = largest if largest >= p else p
-            if not p <= 0:
-                contact_gap = contact_gap if contact_gap >= abs(g) else abs(g)
-                work += p * abs(g)
-                support += p
-        elif least > 0:
-            least = p
-    return least, largest, total, least_gap, contact_gap, work, support
+        total_gap += g
+        least, largest = min(least, p), max(largest, p)
+        least_gap = min(least_gap, g)
+        if p > 0:
+            contact_gap = max(contact_gap, abs(g))
+            work += p * abs(g)
+            support += p
+    return least, least_gap, largest, contact_gap, total, total_gap, work, support

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from asperity.contact.response import Response
-from asperity.parallel import in_parts
+from asperity.parallel import extremes, in_parts
 from asperity.types import Array
 
 
@@ -68,20 +69,37 @@ class Problem:
     ----------
     height : (ny, nx) array
     response : Response
+    height_range : (lowest, highest), optional
+        If it is known.
     """
 
-    def __init__(self, height: Array, response: Response) -> None:
+    def __init__(
+        self, height: Array, response: Response, height_range: tuple[float, float] | None = None
+    ) -> None:
         self.response = response
         self.fourier = response.fourier
         self.grid = response.grid
         self.solid = response.solid
         self.modulus = response.solid.effective_modulus
         self.height = np.ascontiguousarray(height, dtype=response.fourier.real)
+        if height_range is not None and self.height.dtype == np.float64:
+            self.height_range = height_range
 
     @property
     def compliance(self) -> Array:
         """Factors of the coefficients, see `Response`."""
         return self.response.compliance
+
+    @cached_property
+    def height_range(self) -> tuple[float, float]:
+        """Least and largest height."""
+        return extremes(self.height, self.fourier.threads)
+
+    @property
+    def largest_height(self) -> float:
+        """Largest distance of a height from zero."""
+        lowest, highest = self.height_range
+        return max(highest, -lowest)
 
     @property
     def nodal_compliance(self) -> float:

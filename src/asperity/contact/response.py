@@ -78,20 +78,8 @@ class Response(ABC):
     def displacement(self, pressure: Array, out: Array | None = None) -> Array:
         """Downward displacement u[y, x] of the surface under `pressure`, by one pair of transforms."""
         self.fourier.forward(pressure, self._coefficients)
-        self._multiply(self._coefficients, self.half_compliance, self.fourier.threads)
+        multiply(self._coefficients, self.half_compliance, self.fourier.threads)
         return self.fourier.inverse(self._coefficients, out, overwrite=True)
-
-    @staticmethod
-    def _multiply(coefficients: Array, half: Array, threads: int) -> None:
-        """Multiply coefficients by factors that are the same for ky and −ky."""
-        rows = half.shape[0]
-        mirrored = half[1 : coefficients.shape[0] - rows + 1][::-1]
-
-        def multiply(part: slice) -> None:
-            for factors, of in ((half, coefficients[:rows]), (mirrored, coefficients[rows:])):
-                np.multiply(of[:, part], factors[:, part], out=of[:, part])
-
-        in_parts(multiply, coefficients.shape[1], threads, smallest=256)
 
     def release(self) -> None:
         """Give back the memory of what can be computed again."""
@@ -200,3 +188,16 @@ class PeriodicResponse(Response):
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
         """By spectral differentiation of the displacement."""
         return gradient(self.fourier.forward(displacement), self.fourier)
+
+
+def multiply(coefficients: Array, half: Array, threads: int) -> None:
+    """Multiply coefficients by factors that are the same for ky and −ky, and given for ky ≥ 0."""
+    rows = half.shape[0]
+    mirrored = half[1 : coefficients.shape[0] - rows + 1][::-1]
+
+    def multiply_rows(part: slice) -> None:
+        for factors, first in ((half, 0), (mirrored, rows)):
+            start, stop = (min(max(row, first), first + len(factors)) for row in (part.start, part.stop))
+            coefficients[start:stop] *= factors[start - first : stop - first]
+
+    in_parts(multiply_rows, coefficients.shape[0], threads, smallest=256)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import partial
+from itertools import chain
 
 import numpy as np
 
@@ -21,7 +21,9 @@ from asperity.contact.closing import ClosingNodes
 from asperity.contact.inner_response import InnerResponse
 from asperity.contact.inner_solve import Correction
 from asperity.contact.iterate import Iterate
+from asperity.contact.places import places_in_union
 from asperity.contact.problem import Problem
+from asperity.parallel import SMALLEST_PART, apply, in_parts, total
 from asperity.types import Array
 
 # On rough surfaces of 512² nodes steps are rarely shortened: halving or doubling any of the factors below
@@ -54,7 +56,7 @@ class SafeguardedStep:
     """
 
     def __init__(self, problem: Problem, response: InnerResponse) -> None:
-        self._unit = problem.nodal_compliance
+        self._unit, self._threads = problem.nodal_compliance, problem.fourier.threads
         self._response = response
         self._last: _Step | None = None
         self._fraction = 1.0
@@ -74,14 +76,23 @@ class SafeguardedStep:
         closing = ClosingNodes.after(iterate, correction, self._response, self._unit)
         joins = closing.overlap > 0
         joining, real = closing.nodes[joins], iterate.pressure.dtype
-        nothing = np.zeros(joining.size, real)
-        union = partial(kernels.merge, iterate.nodes, joining)
-        nodes, pressure = union(iterate.pressure, nothing)
-        joined_pressure = (JOIN_STIFFNESS * closing.overlap[joins]).astype(real)
-        _, change = union(correction.pressure.astype(real), joined_pressure)
-        _, gap_before = union(iterate.gap, closing.gap[joins])
-        _, joined = union(np.zeros(iterate.nodes.size, np.uint8), np.ones(joining.size, np.uint8))
-        self._last = _Step(pressure, gap_before, change, joined > 0)
+        places = places_in_union(iterate.nodes, joining)
+        joined = np.zeros(iterate.nodes.size + joining.size, np.bool_)
+        joined[places] = True
+        pairs = (
+            (iterate.nodes, joining),
+            (iterate.pressure, np.zeros(joining.size, real)),
+            (iterate.gap, closing.gap[joins]),
+            (correction.pressure.astype(real), (JOIN_STIFFNESS * closing.overlap[joins]).astype(real)),
+        )
+        inserted = in_parts(
+            lambda some: [kernels.inserted(places, *pair) for pair in pairs[some]],
+            len(pairs),
+            self._threads if joined.size > SMALLEST_PART else 1,
+            smallest=1,
+        )
+        nodes, pressure, gap_before, change = chain.from_iterable(inserted)
+        self._last = _Step(pressure, gap_before, change, joined, self._threads)
         iterate.set_pressure(nodes, self._last.pressure_after(self._fraction))
         return closing.motion
 
@@ -90,9 +101,11 @@ class SafeguardedStep:
         if self._last is None:
             return 1.0
         step = self._last
-        return kernels.line_search(
-            iterate.pressure, step.pressure_before, iterate.gap, step.gap_before, iterate.approach
+        before = step.pressure_before, iterate.gap, step.gap_before
+        slope, curvature = total(
+            kernels.energy_along, self._threads, iterate.pressure, *before, iterate.approach
         )
+        return min(max(slope / curvature, 0.0), 1.0) if curvature > 0 else 1.0
 
     def shorten(self, iterate: Iterate, fraction: float) -> None:
         """Shorten the last step; the gap has to be evaluated anew if that is noticeable."""
@@ -126,13 +139,15 @@ class _Step:
     gap_before: Array
     change: Array
     joined: Array
+    threads: int
 
     def pressure_after(self, fraction: float, joins: bool = True) -> Array:
         """Pressure after a fraction of the correction, with nodes that join or without."""
-        fractions = np.where(self.joined, float(joins), fraction).astype(self.change.dtype)
-        return kernels.add_and_release(
-            self.pressure_before, fractions * self.change, self.change.dtype.type(1)
-        )
+        out = np.empty_like(self.pressure_before)
+        fields = self.pressure_before, self.change, self.joined
+        factors = out.dtype.type(fraction), out.dtype.type(joins)
+        apply(kernels.add_and_release, self.threads, *fields, *factors, out)
+        return out
 
 
 class Stagnation:

@@ -14,6 +14,7 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
+from asperity.contact.places import row_plus_column
 from asperity.parallel import in_parts
 from asperity.spectral import Grid
 from asperity.types import Array
@@ -50,7 +51,7 @@ class StencilField:
     def restrict(self, nodes: Array) -> None:
         """Choose the nodes that bear values, by their sorted indices in the flattened map."""
         _erase(self._field.reshape(-1), self._position)
-        self._position, self._parity = _locate(nodes, self._shape[1])
+        self._position, self._parity = self._locate(nodes)
 
     def spread(self, values: Array) -> None:
         """Spread values on the nodes."""
@@ -74,8 +75,17 @@ class StencilField:
     def apply_at(self, stencil: Array, nodes: Array) -> Array:
         """Products of a stencil with the values spread last, at other nodes."""
         out = np.empty(nodes.size, np.float32)
-        self._apply(stencil, *_locate(nodes, self._shape[1]), out)
+        self._apply(stencil, *self._locate(nodes), out)
         return out
+
+    def _locate(self, nodes: Array) -> tuple[Array, Array]:
+        """Indices of nodes in the array with the margin, and 2 × parity of the row + that of the column."""
+        ny, nx = self._shape
+        rows, columns = np.arange(ny, dtype=np.uint32), np.arange(nx, dtype=np.uint32)
+        first = (rows + np.uint32(RADIUS)) * np.uint32(self._field.shape[1])
+        position = row_plus_column(nodes, first, columns + np.uint32(RADIUS), self._threads)
+        parity = (2 * (rows % 2)).astype(np.uint8), (columns % 2).astype(np.uint8)
+        return position, row_plus_column(nodes, *parity, self._threads)
 
     def _apply(self, stencil: Array, position: Array, parity: Array, out: Array) -> None:
         field, width = self._field.reshape(-1), self._field.shape[1]
@@ -101,24 +111,6 @@ def whole_stencil(quadrants: Array) -> Array:
     out = np.zeros((4, _ROWS, _LANES), np.float32)
     out[:, :, :_ROWS] = quadrants.reshape(4, RADIUS + 1, RADIUS + 1)[:, off[:, None], off]
     return out
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _locate(nodes: Any, nx: int) -> tuple[Any, Any]:
-    """Indices of nodes in the flattened array with the margin, and 2 × parity of row + parity of column."""
-    position = np.empty(nodes.size, np.uint32)
-    parity = np.empty(nodes.size, np.uint8)
-    width = nx + 2 * RADIUS
-    row, start = np.int64(0), np.int64(0)
-    for k in range(nodes.size):
-        node = np.int64(nodes[k])
-        if node >= start + nx:
-            row = node // nx
-            start = row * nx
-        column = node - start
-        position[k] = (row + RADIUS) * width + column + RADIUS
-        parity[k] = 2 * (row & 1) + (column & 1)
-    return position, parity
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -189,66 +181,3 @@ def _apply(field: Any, width: int, position: Any, parity: Any, weights: Any, out
     for k in range(position.size):
         first = np.int64(position[k]) - RADIUS * (width + 1)
         out[k] = _product(field, first, width, weights, np.int64(parity[k]))  # type: ignore[call-arg]
-
-
-# Linear interpolation from the even nodes; a field on them has a row and a column more than there are even
-# rows and columns
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def restrict_to_even_nodes(nodes: Any, values: Any, nx: int, coarse: Any, last: int, beyond: Any) -> None:
-    """Add values on nodes to the even nodes around them, by transposed interpolation.
-
-    What belongs to the row `last` of the coarse field is added to `beyond` instead: the field may be made in
-    parts, of which each ends with the row where the next one begins.
-    """
-    quarter, half = np.float32(0.25), np.float32(0.5)
-    row, start = np.int64(0), np.int64(0)
-    for k in range(nodes.size):
-        node = np.int64(nodes[k])
-        if node >= start + nx:
-            row = node // nx
-            start = row * nx
-        column = node - start
-        j, i = row >> 1, column >> 1
-        if row & 1:
-            below = beyond if j + 1 == last else coarse[j + 1]
-            if column & 1:
-                part = quarter * values[k]
-                coarse[j, i] += part
-                coarse[j, i + 1] += part
-                below[i] += part
-                below[i + 1] += part
-            else:
-                coarse[j, i] += half * values[k]
-                below[i] += half * values[k]
-        elif column & 1:
-            coarse[j, i] += half * values[k]
-            coarse[j, i + 1] += half * values[k]
-        else:
-            coarse[j, i] += values[k]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def interpolate_from_even_nodes(coarse: Any, nodes: Any, nx: int, out: Any) -> None:
-    """Add the interpolant of a field to values on nodes."""
-    quarter, half = np.float32(0.25), np.float32(0.5)
-    row, start = np.int64(0), np.int64(0)
-    for k in range(nodes.size):
-        node = np.int64(nodes[k])
-        if node >= start + nx:
-            row = node // nx
-            start = row * nx
-        column = node - start
-        j, i = row >> 1, column >> 1
-        if row & 1:
-            if column & 1:
-                out[k] += quarter * (
-                    (coarse[j, i] + coarse[j, i + 1]) + (coarse[j + 1, i] + coarse[j + 1, i + 1])
-                )
-            else:
-                out[k] += half * (coarse[j, i] + coarse[j + 1, i])
-        elif column & 1:
-            out[k] += half * (coarse[j, i] + coarse[j, i + 1])
-        else:
-            out[k] += coarse[j, i]

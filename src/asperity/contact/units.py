@@ -103,15 +103,15 @@ class Units:
         return restored
 
 
-def units_of(height: Array, solid: Solid, grid: Grid, control: Control) -> Units:
+def units_of(height_range: tuple[float, float], solid: Solid, grid: Grid, control: Control) -> Units:
     """Units for a problem: those of its numbers, unless they are near one or it is flat.
 
     The unit of heights is the range of the heights, or what the load or the approach makes of a half-space
     if that is more.
     """
     edge, modulus = max(grid.length), solid.effective_modulus
-    lowest = float(height.min())
-    extent = float(height.max()) - lowest
+    lowest, highest = height_range
+    extent = highest - lowest
     datum = 0.0 if extent else lowest
     depth = extent
     if control.kind == "mean_pressure":

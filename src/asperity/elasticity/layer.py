@@ -567,9 +567,7 @@ def _polar(qx: ArrayLike, qy: ArrayLike) -> tuple[Array, Array, Array, np.dtype]
 
 
 def _half_wavenumber(grid: Grid, dtype: DTypeLike) -> Array:
-    """|q| of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1)."""
-    rows = grid.shape[0] // 2 + 1
-    return np.hypot(np.abs(grid.qy[:rows, None]), grid.qx[None, :]).astype(real_type(dtype))
+    return grid.half_wavenumber().astype(real_type(dtype), copy=False)
 
 
 def _nyquist(grid: Grid) -> tuple[Array, Array]:

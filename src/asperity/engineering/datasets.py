@@ -12,15 +12,15 @@ import xarray as xr
 from asperity.engineering.answer import Answer
 from asperity.engineering.indenter import MapSettings
 from asperity.results.variables import SI_UNITS
+from asperity.surface.dataset import surface_dataset
 from asperity.surface.height_map import HeightMap
-from asperity.surface.roughness import roughness_parameters, spectrum
 
 
 def result_datasets(answer: Answer) -> dict[str, tuple[str, xr.Dataset]]:
     """File name → title and dataset of every result of an answer."""
     name = answer.indenter.name
     results = {
-        "surface.nc": (f"Rough surface {name}", surface_dataset(answer)),
+        "surface.nc": (f"Rough surface {name}", indenter_dataset(answer)),
         "contact.nc": (f"Contact with rough surface {name}", contact_dataset(answer)),
     }
     for body in answer.bodies:
@@ -70,28 +70,14 @@ def _counter(answer: Answer) -> dict[str, Any] | None:
     }
 
 
-def surface_dataset(answer: Answer) -> xr.Dataset:
+def indenter_dataset(answer: Answer) -> xr.Dataset:
     """The surface that was pressed, with its roughness parameters and spectrum."""
     indenter = answer.indenter
-    roughness = roughness_parameters(indenter.height, indenter.grid.length)
-    wavenumber, power = spectrum(indenter.height, indenter.grid.length)
-    y, x = indenter.grid.coordinates()
-    return xr.Dataset(
-        {
-            "height": (("y", "x"), indenter.height),
-            "rms_height": roughness.rms_height,
-            "rms_gradient": roughness.rms_gradient,
-            "skewness": roughness.skewness,
-            "kurtosis": roughness.kurtosis,
-            "spectrum": ("wavenumber", power),
-        },
-        coords={"y": y, "x": x, "wavenumber": wavenumber},
-        attrs={
-            "unit_system": SI_UNITS,
-            "map_treatment": "\n".join(indenter.done),
-            "wavelength_short": indenter.wavelength_short,
-            "edge_step": indenter.edge_step,
-        },
+    return surface_dataset(indenter.height, indenter.grid).assign_attrs(
+        unit_system=SI_UNITS,
+        map_treatment="\n".join(indenter.done),
+        wavelength_short=indenter.wavelength_short,
+        edge_step=indenter.edge_step,
     )
 
 

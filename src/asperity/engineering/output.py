@@ -11,6 +11,7 @@ from asperity.engineering.folder import atomic_folder
 from asperity.engineering.pictures import pictures
 from asperity.engineering.report import ReportPicture, report_page
 from asperity.results import dataset
+from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 
 REPORT = "report.html"
@@ -60,6 +61,6 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
             picture.figure.savefig(path, metadata={"Software": None})
             wide = picture.name.startswith("section")
             shown.append(ReportPicture(picture.body, wide, picture.caption, path.read_bytes()))
-        dataset.write_text(unfinished / REPORT, report_page(answer, shown))
+        write_text(unfinished / REPORT, report_page(answer, shown))
         names = sorted(path.name for path in unfinished.iterdir())
     return [Path(folder) / name for name in names]

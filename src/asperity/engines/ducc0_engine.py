@@ -6,12 +6,11 @@ result has the same bits for any number of threads.
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import ducc0
 import numpy as np
 
 from asperity.engines.interface import Engine
+from asperity.parallel import in_parts
 from asperity.types import Array
 
 # Lines are transformed in multiples of this number, and the remaining ones by a single thread. ducc0
@@ -48,21 +47,20 @@ class Ducc0Engine(Engine):
                 coefficients[:, columns], axes=(0,), forward=False, out=work[:, columns], nthreads=workers
             )
         lines, nx = out.shape
-        padded = out.strides[0] % _CRITICAL_STRIDE == 0 and out.dtype == np.float32
-        room = np.empty((_BLOCK, nx + _PADDING), out.dtype)[:, :nx] if padded else None
-        for rows, workers in _blocks(lines, threads, _BLOCK if padded else None):
-            target = out[rows] if room is None else room[: rows.stop - rows.start]
-            ducc0.fft.c2r(
-                work[rows],
-                axes=(1,),
-                lastsize=nx,
-                forward=False,
-                out=target,
-                nthreads=workers,
-                allow_overwriting_input=True,
-            )
-            if room is not None:
+        if out.strides[0] % _CRITICAL_STRIDE or out.dtype != np.float32:
+            for rows, workers in _blocks(lines, threads):
+                _inverse_rows(work[rows], out[rows], workers)
+            return
+
+        def transform(part: slice) -> None:
+            room = np.empty((_BLOCK, nx + _PADDING), out.dtype)[:, :nx]
+            for first in range(part.start, part.stop, _BLOCK):
+                rows = slice(first, min(first + _BLOCK, part.stop))
+                target = room[: rows.stop - first]
+                _inverse_rows(work[rows], target, 1)
                 out[rows] = target
+
+        in_parts(transform, lines, threads, multiple=_BLOCK, smallest=_BLOCK)
 
     def inverse_columns(self, coefficients: Array, out: Array, nx: int) -> None:
         ducc0.fft.c2c(coefficients, axes=(1,), forward=False, out=out, nthreads=1)
@@ -79,9 +77,20 @@ class Ducc0Engine(Engine):
         )
 
 
-def _blocks(lines: int, threads: int, most: int | None = None) -> list[tuple[slice, int]]:
-    """Blocks of lines, at most `most` each if given, with the number of threads for each."""
+def _inverse_rows(coefficients: Array, out: Array, threads: int) -> None:
+    ducc0.fft.c2r(
+        coefficients,
+        axes=(1,),
+        lastsize=out.shape[1],
+        forward=False,
+        out=out,
+        nthreads=threads,
+        allow_overwriting_input=True,
+    )
+
+
+def _blocks(lines: int, threads: int) -> list[tuple[slice, int]]:
+    """Blocks of lines, with the number of threads for each."""
     whole = lines - lines % _BLOCK
-    edges = [*range(0, whole, most or whole or 1), whole]
-    parts = [(slice(start, stop), threads) for start, stop in pairwise(edges)]
-    return [*parts, (slice(whole, lines), 1)] if whole < lines else parts
+    parts = [(slice(0, whole), threads), (slice(whole, lines), 1)]
+    return [(block, workers) for block, workers in parts if block.start < block.stop]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict
 from functools import partial
 from typing import Any
 
@@ -83,28 +82,16 @@ def solve_contact(
         curve.append((contact.area_fraction, contact.mean_pressure, contact.gradient_rms_contact))
         curve.sort()
     area_fraction, mean_pressure, gradient_rms = np.array(curve).T
-    plane = ("y", "x")
-    dataset = xr.Dataset(
-        {
-            "pressure": (plane, contact.pressure),
-            "displacement": (plane, contact.displacement),
-            "gap": (plane, contact.gap),
-            "area_fraction": contact.area_fraction,
-            "mean_pressure": contact.mean_pressure,
-            "approach": contact.approach,
-            "gradient_rms_contact": contact.gradient_rms_contact,
-            "path_area_fraction": ("load", area_fraction),
-            "path_mean_pressure": ("load", mean_pressure),
-            "path_gradient_rms_contact": ("load", gradient_rms),
-        },
-        coords={"y": surface["y"], "x": surface["x"]},
-    )
-    certificate = {
-        f"certificate_{name}": value
-        for name, value in asdict(contact.certificate).items()
-        if name != "seconds"
+    solved = contact.to_dataset()
+    dataset = solved.assign(
+        path_area_fraction=("load", area_fraction),
+        path_mean_pressure=("load", mean_pressure),
+        path_gradient_rms_contact=("load", gradient_rms),
+    ).assign_coords(y=surface["y"], x=surface["x"])
+    dataset.attrs = record | {
+        name: value for name, value in solved.attrs.items() if name.startswith("certificate_")
     }
-    return dataset.assign_attrs(record | certificate)
+    return dataset
 
 
 def largest_approach(height: Array, layer: Layer) -> float:

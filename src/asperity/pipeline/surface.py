@@ -9,17 +9,13 @@ import numpy as np
 import xarray as xr
 
 from asperity.spectral import Fourier, Grid
+from asperity.surface.dataset import surface_dataset
 from asperity.surface.height_map import HeightMap, MapError, OptionName
+from asperity.surface.johnson import johnson, with_moments
 from asperity.surface.measured import cell_edge, checked_map, make_periodic
 from asperity.surface.reading import Reading, unit_missing
-from asperity.surface.roughness import (
-    johnson,
-    roughness_parameters,
-    self_affine,
-    spectrum,
-    target_spectrum,
-    with_moments,
-)
+from asperity.surface.roughness import spectrum
+from asperity.surface.self_affine import self_affine, target_spectrum
 from asperity.surface.treatment import Treatment
 from asperity.types import Array
 from asperity.units import to_si
@@ -49,7 +45,7 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
     grid = Grid((parameters["points"], parameters["points"]))
     band = {name: parameters[name] for name in _BAND}
     gaussian, height = random_heights(parameters, grid, seed)
-    dataset = _surface_dataset(height, grid)
+    dataset = surface_dataset(height, grid)
     dataset["spectrum_target"] = ("wavenumber", target_spectrum(grid, **band)[1])
     if height is gaussian:
         dataset["skewness_error"], dataset["kurtosis_error"] = moment_errors(grid, **band)
@@ -100,7 +96,7 @@ def read_surface(parameters: Mapping[str, Any], option: OptionName = str) -> xr.
     record = kept.treatment.attributes()
     if surface.unit is not None:
         record["map_cell_length"] = cell_edge(surface, kept.treatment.periodic)
-    return _surface_dataset(kept.height, kept.grid).assign_attrs(
+    return surface_dataset(kept.height, kept.grid).assign_attrs(
         wavelength_short=kept.wavelength_short, edge_step=kept.treatment.edge_step, **record
     )
 
@@ -147,7 +143,7 @@ def moment_errors(
 
     They are √(6 ⟨ρ³⟩) and √(24 ⟨ρ⁴⟩), with the autocorrelation ρ of the surface averaged over the cell: the
     standard deviations of the means of the third and fourth Hermite polynomial of a Gaussian field, exact to
-    first order. Parameters are those of `asperity.surface.roughness.target_spectrum`.
+    first order. Parameters are those of `asperity.surface.self_affine.target_spectrum`.
     """
     wavenumber, power = target_spectrum(grid, hurst, wavelength_long, wavelength_short, rms_height)
     width = wavenumber[0]
@@ -161,21 +157,3 @@ def moment_errors(
     skewness = abs(power.mean())
     power *= correlation
     return float(np.sqrt(6 * skewness)), float(np.sqrt(24 * power.mean()))
-
-
-def _surface_dataset(height: Array, grid: Grid) -> xr.Dataset:
-    """The heights with their roughness parameters and their spectrum."""
-    roughness = roughness_parameters(height, grid.length)
-    wavenumber, power = spectrum(height, grid.length)
-    y, x = grid.coordinates()
-    return xr.Dataset(
-        {
-            "height": (("y", "x"), height),
-            "rms_height": roughness.rms_height,
-            "rms_gradient": roughness.rms_gradient,
-            "skewness": roughness.skewness,
-            "kurtosis": roughness.kurtosis,
-            "spectrum": ("wavenumber", power),
-        },
-        coords={"y": y, "x": x, "wavenumber": wavenumber},
-    )

@@ -8,15 +8,12 @@ again. It holds no wall-clock time: the same configuration gives the same number
 
 from __future__ import annotations
 
-import errno
 import hashlib
 import json
 import math
 import os
-import re
-import shutil
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -27,9 +24,9 @@ import asperity
 from asperity import accessor
 from asperity.engines import current_engine
 from asperity.errors import DatasetError, NewerFileError, shown
+from asperity.results.atomic import atomic_write
 from asperity.results.variables import ORIENTATION, STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
 from asperity.spectral import grid_of as grid_of
-from asperity.system import is_running
 
 accessor.register()
 
@@ -57,14 +54,8 @@ FFT_ENGINE = "fft_engine"
 MAX_BLOCK = 2**26
 """Bytes of a variable that are read at once to compute a fingerprint."""
 
-MIN_FREE_SPACE = 2**20
-"""A disk with fewer free bytes is called full: the NetCDF library does not say so itself."""
-
 _DENSE = ("height", "displacement", "gap")
 """Fields of which compression would save a sixth of the file and take most of the time of writing it."""
-
-_unfinished: set[Path] = set()
-"""Temporary files of this process."""
 
 _REMEDY = "delete it and run again"
 
@@ -165,69 +156,6 @@ def _encoding(name: str, dtype: np.dtype[Any]) -> dict[str, Any]:
     return packed if dtype.kind in "fiub" else packed | {"dtype": "S1"}
 
 
-@contextmanager
-def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary file beside `path`: renamed to it when the block succeeds, deleted when it fails.
-
-    Temporary files of the same name that killed processes have left are deleted too.
-
-    Raises
-    ------
-    DatasetError
-        If the file cannot be written; the message names the file and the remedy.
-    """
-    path = Path(path)
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
-    _unfinished.add(unfinished)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        _delete_abandoned(path)
-        yield unfinished
-        os.replace(unfinished, path)
-    except (OSError, RuntimeError) as error:
-        raise DatasetError(f"{path}: cannot be written ({_cause_and_remedy(error, path)}") from error
-    finally:
-        with suppress(OSError):
-            unfinished.unlink()
-        _unfinished.discard(unfinished)
-
-
-def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text file atomically, with the same bytes on every system: UTF-8, lines end with a line feed.
-
-    Raises
-    ------
-    DatasetError
-        If the file cannot be written.
-    """
-    with atomic_write(path) as unfinished:
-        unfinished.write_text(text, encoding="utf-8", newline="\n")
-
-
-def delete_unfinished() -> None:
-    """Delete the temporary files of this process, which is about to end."""
-    for path in list(_unfinished):
-        with suppress(OSError):
-            path.unlink()
-
-
-def _delete_abandoned(path: Path) -> None:
-    """Delete temporary files of `path` whose processes have ended."""
-    pattern = re.compile(rf"\.{re.escape(path.name)}\.(\d+)\.unfinished")
-    for left in path.parent.iterdir():
-        found = pattern.fullmatch(left.name)
-        if found and not is_running(int(found[1])):
-            left.unlink(missing_ok=True)
-
-
-def _cause_and_remedy(error: Exception, path: Path) -> str:
-    """End of the message that a file cannot be written."""
-    existing = next(folder for folder in path.absolute().parents if folder.is_dir())
-    if getattr(error, "errno", None) == errno.ENOSPC or shutil.disk_usage(existing).free < MIN_FREE_SPACE:
-        return "the disk is full); free some space and run again"
-    return f"{getattr(error, 'strerror', None) or error}); make its folder writable and run again"
-
-
 def settings_of(dataset: xr.Dataset) -> dict[str, Any]:
     """The settings from which a result was made."""
     return json.loads(dataset.attrs["settings"])
@@ -279,6 +207,15 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
         dataset = opened.load()
     _check(dataset, path)
     return dataset
+
+
+def read_made_from(path: str | os.PathLike[str], settings: Mapping[str, Any]) -> xr.Dataset | None:
+    """A result file as of `read`; None if it is missing, damaged or made from other settings."""
+    try:
+        dataset = read(path)
+    except DatasetError:
+        return None
+    return dataset if settings_of(dataset) == settings else None
 
 
 def verify(path: str | os.PathLike[str]) -> None:

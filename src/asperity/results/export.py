@@ -21,7 +21,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from asperity.results.dataset import atomic_write
+from asperity.results.atomic import atomic_write
 from asperity.results.tables import write_table
 from asperity.results.window import Span, Window, window
 from asperity.spectral import Grid

@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from asperity.results.dataset import atomic_write
+from asperity.results.atomic import atomic_write
 from asperity.results.export import Box, ExportUnits, export_units, image_head
 from asperity.results.window import Window
 from asperity.types import Array

@@ -12,7 +12,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
-from asperity.results.dataset import atomic_write
+from asperity.results.atomic import atomic_write
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -30,7 +30,7 @@ from asperity.stress.arguments import FIELDS
 from asperity.stress.depths import depth_grid
 from asperity.stress.planes import stress_planes
 from asperity.stress.pressed import PressedSolid
-from asperity.surface.roughness import self_affine
+from asperity.surface.self_affine import self_affine
 
 PACKAGES = ("numba", "llvmlite", "numpy")
 """Packages besides this one on whose versions the machine code depends."""

@@ -7,6 +7,7 @@ therefore ends after the call of a compiled function that is under way. A study 
 from __future__ import annotations
 
 import _thread
+import ctypes
 import os
 import signal
 import sys
@@ -132,6 +133,7 @@ def end_study_with_jobs() -> None:
     """
     if sys.platform == "win32" or threading.current_thread() is not threading.main_thread():
         return
+    _adopt_orphans()
     incoming, outgoing = os.pipe()
     os.set_blocking(outgoing, False)
     signal.set_wakeup_fd(outgoing, warn_on_full_buffer=False)
@@ -140,6 +142,16 @@ def end_study_with_jobs() -> None:
     threading.Thread(target=_wait_for_signal, args=(incoming,), daemon=True).start()
     # Threads started later, and the programs they start, inherit this.
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+
+
+def _adopt_orphans() -> None:
+    """From now on, be the parent of programs of jobs whose own parent has ended, as Linux allows.
+
+    A job that begins while the others are ended could otherwise not be found.
+    """
+    if sys.platform == "linux":
+        set_child_subreaper = 36  # number of the option in <linux/prctl.h>
+        ctypes.CDLL(None).prctl(set_child_subreaper, 1)
 
 
 def leave_jobs_to_cluster() -> None:
@@ -171,7 +183,7 @@ def _wait_for_signal(incoming: int) -> None:
 def _end_process(line: str, number: int) -> NoReturn:
     """Print a line, delete unfinished files and end this process where it is."""
     _say(line)
-    if (results := sys.modules.get("asperity.results.dataset")) is not None:
+    if (results := sys.modules.get("asperity.results.atomic")) is not None:
         results.delete_unfinished()
     os._exit(status_after(number))
 

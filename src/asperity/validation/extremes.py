@@ -24,7 +24,9 @@ from asperity.contact import solve
 from asperity.elasticity.layer import Layer
 from asperity.errors import ConvergenceError
 from asperity.spectral import Grid
-from asperity.surface.roughness import johnson, roughness_parameters, self_affine
+from asperity.surface.johnson import johnson
+from asperity.surface.roughness import roughness_parameters
+from asperity.surface.self_affine import self_affine
 from asperity.types import Array, Progress
 from asperity.validation.solution_check import ALLOWED, DIRECT_NODES, check_solution, mode_compliance
 

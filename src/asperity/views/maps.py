@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -70,6 +70,11 @@ class Look(NamedTuple):
     reduce: Callable[..., Array]
     low: float | None = None
     signed: bool = False
+
+    def limits(self, values: Iterable[Array]) -> Limits:
+        """Common limits of the colours of several results."""
+        found = robust_limits(values, self.low)
+        return found.symmetric() if self.signed else found
 
 
 HEIGHT = Look("height of the rough face, lowest touches first", "length", SEQUENTIAL, "white", np.mean)
@@ -164,9 +169,7 @@ def plot_gap(
 def draw_maps(maps: Sequence[Map], look: Look, axes: Axes | Sequence[Axes] | None) -> Figure:
     """Draw maps in common colours, and their colour bar."""
     system = maps[0].system
-    limits = robust_limits((shown.values for shown in maps), look.low)
-    if look.signed:
-        limits = limits.symmetric()
+    limits = look.limits(shown.values for shown in maps)
     unit = measure([limits.low, limits.high], look.dimension, system)
     edges = [edge for shown in maps for edge in (shown.window.x[-1], shown.window.y[-1])]
     length = measure(edges, "length", system)

@@ -16,8 +16,7 @@ from asperity.stress.planes import stress_planes
 from asperity.types import Progress
 from asperity.views.maps import Map, draw_maps
 from asperity.views.measures import measure
-from asperity.views.source import sources
-from asperity.views.stress_field import Stress, field_look
+from asperity.views.stress_field import Stress, field_look, stresses
 
 SEARCH_TOLERANCE = 1e-4
 """Largest relative error of the planes in which the depth of the largest stress is sought."""
@@ -68,11 +67,8 @@ def plot_plane(
     >>> len(figure.axes)  # the map and its colour bar
     2
     """
-    stresses = [
-        Stress.of(source, field, poisson, body, friction, sliding_direction)
-        for source in sources(contact, unit_system)
-    ]
-    maps = [_plane(stress, depth, y, x, progress) for stress in stresses]
+    found = stresses(contact, field, poisson, body, friction, sliding_direction, unit_system)
+    maps = [_plane(stress, depth, y, x, progress) for stress in found]
     return draw_maps(maps, field_look(field), axes)
 
 

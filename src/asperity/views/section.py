@@ -14,12 +14,12 @@ from asperity.results.window import Span
 from asperity.stress.depths import depth_grid
 from asperity.stress.section import stress_section
 from asperity.types import Array, Progress
-from asperity.views.colours import Limits, robust_limits
+from asperity.views.colours import Limits
 from asperity.views.maps import Look
 from asperity.views.measures import Measure, measure
 from asperity.views.panels import add_colour_bar, canvas, finish_title
-from asperity.views.source import Source, sources
-from asperity.views.stress_field import Stress, field_look
+from asperity.views.source import Source
+from asperity.views.stress_field import Stress, field_look, stresses
 
 SECTION_SHAPE = 0.25
 """Largest depth of a section over its length, where no depth is given."""
@@ -126,15 +126,10 @@ def plot_section(
     >>> len(figure.axes) >= 2
     True
     """
-    stresses = [
-        Stress.of(source, field, poisson, body, friction, sliding_direction)
-        for source in sources(contact, unit_system)
-    ]
-    sections = [_section(stress, y, x, depth, progress) for stress in stresses]
+    found = stresses(contact, field, poisson, body, friction, sliding_direction, unit_system)
+    sections = [_section(stress, y, x, depth, progress) for stress in found]
     look = field_look(field)
-    limits = robust_limits((section.values for section in sections), look.low)
-    if look.signed:
-        limits = limits.symmetric()
+    limits = look.limits(section.values for section in sections)
     if depth is None:
         faded = FADED * max(abs(limits.low), limits.high)
         bottom = max(

@@ -9,7 +9,7 @@ import numpy as np
 from asperity.stress.pressed import PressedSolid
 from asperity.views.colours import SIGNED, STRESS
 from asperity.views.maps import Look, largest_magnitude
-from asperity.views.source import Source
+from asperity.views.source import Source, sources
 
 POSITIVE = ("von_mises", "largest_shear")
 """Fields without a sign."""
@@ -43,19 +43,27 @@ class Stress(NamedTuple):
     poisson: float | None
     sliding: dict[str, Any]
 
-    @classmethod
-    def of(
-        cls,
-        source: Source,
-        field: str,
-        poisson: float | None,
-        body: str,
-        friction: float | None,
-        sliding_direction: str | float | None,
-    ) -> Stress:
-        """The field in one of the bodies of a result, with its own friction if none is given."""
-        sliding = source.sliding_of(body, friction, sliding_direction)
-        return cls(source, source.pressed(body), field, poisson, sliding)
+
+def stresses(
+    contact: Any,
+    field: str,
+    poisson: float | None,
+    body: str,
+    friction: float | None,
+    sliding_direction: str | float | None,
+    unit_system: str | None,
+) -> list[Stress]:
+    """The field in one of the bodies of each result, with its own friction if none is given."""
+    return [
+        Stress(
+            source,
+            source.pressed(body),
+            field,
+            poisson,
+            source.sliding_of(body, friction, sliding_direction),
+        )
+        for source in sources(contact, unit_system)
+    ]
 
 
 def field_words(field: str) -> str:

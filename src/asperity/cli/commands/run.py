@@ -236,25 +236,20 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any]) -> l
 
 def _bodies(values: Mapping[str, Any]) -> tuple[Any, Any]:
     """The body and the counter body, None if that is rigid."""
+    return _body(values, ""), _body(values, "counter_") if "counter_young" in values else None
+
+
+def _body(values: Mapping[str, Any], prefix: str) -> Any:
+    """The body whose settings have names with this prefix."""
     from asperity.engineering import Body
 
-    lower = Body(
-        to_si(values["young"], "pressure"),
-        values["poisson"],
-        _si(values.get("yield"), "pressure"),
-        _si(values.get("layer_height"), "length"),
-        values.get("bottom", "bonded"),
+    return Body(
+        to_si(values[f"{prefix}young"], "pressure"),
+        values[f"{prefix}poisson"],
+        _si(values.get(f"{prefix}yield"), "pressure"),
+        _si(values.get(f"{prefix}layer_height"), "length"),
+        values.get(f"{prefix}bottom", "bonded"),
     )
-    if "counter_young" not in values:
-        return lower, None
-    upper = Body(
-        to_si(values["counter_young"], "pressure"),
-        values["counter_poisson"],
-        _si(values.get("counter_yield"), "pressure"),
-        _si(values.get("counter_layer_height"), "length"),
-        values.get("counter_bottom", "bonded"),
-    )
-    return lower, upper
 
 
 def _counter_map(values: Mapping[str, Any]) -> Any:

@@ -6,7 +6,7 @@ import argparse
 
 from asperity.cli.files import check_out
 from asperity.pipeline.wisdom import measure_plans
-from asperity.results.dataset import write_text
+from asperity.results.atomic import write_text
 from asperity.runtime.progress import ProgressBar
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import pandas as pd
@@ -184,12 +184,15 @@ def shapes(found: Sequence[Finding]) -> str:
     return f"{markup.markdown(_frame(rows))}\n\n{'; '.join(each)}: {end}.".replace("'", "*")
 
 
-def with_section(text: str, name: str, section: str) -> str:
-    """A page with a section between its marks ``<!-- NAME: … -->`` and ``<!-- end of NAME -->``."""
-    marks = re.compile(rf"(<!-- {name}: .*? -->\n).*?(<!-- end of {name} -->)", re.DOTALL)
-    if not marks.search(text):
-        raise ValueError(f"no marks of section {name}")
-    return marks.sub(lambda match: f"{match[1]}\n{section}\n\n{match[2]}", text, count=1)
+def with_sections(text: str, sections: Mapping[str, str]) -> str:
+    """A page with sections, each between its marks ``<!-- NAME: … -->`` and ``<!-- end of NAME -->``."""
+    for name, section in sections.items():
+        marks = re.compile(rf"(<!-- {name}: .*? -->\n).*?(<!-- end of {name} -->)", re.DOTALL)
+        found = marks.search(text)
+        if not found:
+            raise ValueError(f"no marks of section {name}")
+        text = f"{text[: found.end(1)]}\n{section}\n\n{text[found.start(2) :]}"
+    return text
 
 
 def pages(root: Path = Path()) -> dict[Path, str]:
@@ -197,15 +200,10 @@ def pages(root: Path = Path()) -> dict[Path, str]:
     found = findings(root / TABLE)
     start = (root / "README.md").read_text(encoding="utf-8")
     claims = (root / "docs/claims.md").read_text(encoding="utf-8")
-    for name, section in (
-        ("choices", choices()),
-        ("conventions", conventions(found)),
-        ("shapes", shapes(found)),
-    ):
-        claims = with_section(claims, name, section)
+    sections = {"choices": choices(), "conventions": conventions(found), "shapes": shapes(found)}
     return {
-        Path("README.md"): with_section(start, "verdicts", readme(found)),
-        Path("docs/claims.md"): claims,
+        Path("README.md"): with_sections(start, {"verdicts": readme(found)}),
+        Path("docs/claims.md"): with_sections(claims, sections),
     }
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shutil
 from pathlib import Path
 
-from asperity.paper.claims.documents import with_section
+from asperity.paper.claims.documents import with_sections
 
 PAGE = Path("docs/multilevel.md")
 PICTURE = Path("docs/multilevel.png")
@@ -22,9 +22,10 @@ def page(text: str, results: Path) -> str:
         The page, with the marks of all `SECTIONS`.
     results : Path
     """
-    for name, table in SECTIONS.items():
-        text = with_section(text, name, (results / "ensemble" / table).read_text(encoding="utf-8"))
-    return text
+    tables = results / "ensemble"
+    return with_sections(
+        text, {name: (tables / table).read_text(encoding="utf-8") for name, table in SECTIONS.items()}
+    )
 
 
 def keep(results: Path, root: Path = Path()) -> None:

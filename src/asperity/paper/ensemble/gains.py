@@ -8,7 +8,8 @@ from itertools import pairwise
 import numpy as np
 import pandas as pd
 
-from asperity.accuracy.multilevel import allocate, bias, multilevel_mean
+from asperity.accuracy.allocation import allocate
+from asperity.accuracy.multilevel import bias, multilevel_mean
 from asperity.paper.ensemble.numbers import full_name, number, numbers
 from asperity.paper.ensemble.result import correlation
 from asperity.paper.ensemble.samples import Samples, read_samples

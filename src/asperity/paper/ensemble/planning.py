@@ -17,7 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from asperity.accuracy.multilevel import allocate, bias, multilevel_mean
+from asperity.accuracy.allocation import allocate
+from asperity.accuracy.multilevel import bias, multilevel_mean
 from asperity.accuracy.tables import minutes
 from asperity.paper.ensemble.samples import Samples
 from asperity.pipeline.blocks import SURFACE_ALONE, SURFACE_SEEDS, block_size

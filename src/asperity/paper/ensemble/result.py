@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from asperity.accuracy.multilevel import Estimate, Spread, bias, finest_variance, multilevel_mean
+from asperity.accuracy.allocation import finest_variance
+from asperity.accuracy.multilevel import Estimate, Spread, bias, multilevel_mean
 from asperity.accuracy.tables import minutes
 from asperity.paper.ensemble.planning import Plan, grid_name
 from asperity.paper.ensemble.samples import Samples

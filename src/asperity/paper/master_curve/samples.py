@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from asperity.errors import DatasetError
 from asperity.paper.nayak.samples import boundary_integral
 from asperity.pipeline.contact import solve_contact
 from asperity.pipeline.statistics import seed_statistics
@@ -55,12 +54,9 @@ def collect(config: Mapping[str, Any]) -> dict[str, xr.Dataset]:
 
 
 def _sampled(path: Path, made_from: dict[str, Any]) -> xr.Dataset:
-    try:
-        kept = dataset.read(path)
-        if dataset.settings_of(kept) == made_from:
-            return kept
-    except DatasetError:
-        pass
+    kept = dataset.read_made_from(path, made_from)
+    if kept is not None:
+        return kept
     with ProgressBar(made_from["name"]):
         found = xr.concat([_of_seed(made_from, seed) for seed in made_from["seeds"]], "seed")
     found = found.assign_coords(seed=made_from["seeds"])

@@ -13,7 +13,7 @@ import pandas as pd
 
 from asperity.config.study import read_study
 from asperity.errors import ConfigError, DatasetError
-from asperity.paper.claims.documents import with_section
+from asperity.paper.claims.documents import with_sections
 from asperity.paper.nayak.analysis import table, with_logarithms
 from asperity.paper.nayak.collection import collect
 from asperity.paper.nayak.figure import draw
@@ -34,7 +34,4 @@ except (ConfigError, DatasetError) as error:
 rows = with_logarithms(pd.read_csv(TABLE))
 with style():
     save(draw(rows), PICTURE)
-text = PAGE.read_text(encoding="utf-8")
-for name, section in sections(rows).items():
-    text = with_section(text, name, section)
-PAGE.write_text(text, encoding="utf-8")
+PAGE.write_text(with_sections(PAGE.read_text(encoding="utf-8"), sections(rows)), encoding="utf-8")

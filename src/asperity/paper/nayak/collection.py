@@ -8,7 +8,6 @@ from typing import Any
 
 import xarray as xr
 
-from asperity.errors import DatasetError
 from asperity.paper.nayak.samples import sample
 from asperity.pipeline.blocks import grid_points
 from asperity.results import dataset
@@ -67,12 +66,9 @@ def collect(config: Mapping[str, Any]) -> dict[str, dict[float, xr.Dataset]]:
 
 def _sampled(path: Path, made_from: dict[str, Any]) -> xr.Dataset:
     """Samples of one surface on one grid, from their file if it was made from the same settings."""
-    try:
-        kept = dataset.read(path)
-        if dataset.settings_of(kept) == made_from:
-            return kept
-    except DatasetError:
-        pass
+    kept = dataset.read_made_from(path, made_from)
+    if kept is not None:
+        return kept
     name, nodes = made_from["name"], made_from["nodes"]
     with ProgressBar(f"{name}, {nodes:g} nodes") as progress:
         seeds = range(1, made_from["seeds"] + 1)
