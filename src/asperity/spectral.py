@@ -281,7 +281,7 @@ class Fourier:
         coefficients : (arrays, rows, nx // 2 + 1) complex array
             From `inverse_along_y`; it is overwritten.
         out : (arrays, rows, nx) array
-            Array for the result.
+            Array for the result. Its rows may begin where those of `coefficients` do, in the same memory.
         """
         self.engine.inverse_rows(coefficients, out, self.grid.shape[0])
         return out

@@ -147,7 +147,7 @@ def test_peaks_do_not_depend_on_the_bands_in_which_planes_are_searched(contact, 
     depths = depth_grid(contact.grid, growth=0.5)
     settings = {"poisson": RATIOS, "quantities": QUANTITIES, "tolerance": 1e-5}
     whole = analyse_stress(solid, depths, **settings)
-    monkeypatch.setattr("asperity.stress.periodic.STRIPS_OF_BAND", 1)
+    monkeypatch.setattr("asperity.stress.periodic.GROUPS_OF_BAND", 1)
     bands = analyse_stress(solid, depths, **settings, threads=2)
     labels = ("x", "y", "value", "poisson", "quantity")
     order = [np.lexsort([d[f"peak_{name}"] for name in labels]) for d in (whole, bands)]

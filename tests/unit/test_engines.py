@@ -60,6 +60,24 @@ def test_errors_are_those_of_rounding(engine, shape, dtype):
     assert np.linalg.norm(fourier.inverse(found) - values) < 2 * bound * np.linalg.norm(values)
 
 
+@pytest.mark.parametrize("engine", ENGINES)
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+@pytest.mark.parametrize("nodes", [(5, 120), (40, 129)])
+def test_rows_are_transformed_in_place_with_the_same_bits(engine, dtype, nodes):
+    rows, columns = nodes
+    grid = Grid((rows, columns))
+    with asp.fft_engine(engine):
+        fourier = Fourier(grid, dtype)
+    draw = np.random.default_rng(1)
+    memory = np.zeros((1, rows, 16 * (columns // 16 + 2)), dtype)
+    coefficients = memory.view(fourier.complex)[:, :, : columns // 2 + 1]
+    coefficients.real, coefficients.imag = draw.normal(size=(2, *coefficients.shape))
+    expected = np.empty((1, rows, columns), dtype)
+    fourier.inverse_along_x(coefficients.copy(), expected)
+    fourier.inverse_along_x(coefficients, memory[:, :, :columns])
+    np.testing.assert_array_equal(memory[:, :, :columns], expected)
+
+
 @pytest.mark.parametrize("threads", [2, 3, 4])
 @pytest.mark.parametrize("size", [270, 271])
 def test_plans_have_the_same_bits_on_any_number_of_threads(wisdom, threads, size, monkeypatch):

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from asperity.spectral import Fourier, Grid, good_size, resample
-from asperity.stress.peaks import PeakFinder, Peaks, find_peaks, plane_peaks
+from asperity.stress.peak_finder import PeakFinder
+from asperity.stress.peaks import Peaks, find_peaks, plane_peaks
 from asperity.stress.planes import StressPlane
 
 
@@ -65,14 +66,42 @@ def test_maxima_on_one_grid_are_those_of_brute_force(shape):
     assert {nodes[v][0] for v in peaks.node_value[~peaks.interior]} == {0}
 
 
-def test_a_plateau_has_no_peak_and_a_floor_leaves_out_what_is_below():
+@pytest.mark.parametrize("edge", [0, 2, 7])
+def test_equal_nodes_have_one_peak_at_the_first_of_them(edge):
+    """Also across the periodic boundary, where the last row and column come before the first."""
     grid = Grid((8, 8))
-    field = np.zeros((8, 8))
-    field[2:4, 2:4] = 1.0
+    for rows, columns in ((1, 2), (2, 1), (2, 2)):
+        field = np.zeros((8, 8))
+        field[:rows, :columns] = 1.0
+        peaks = plane_peaks(np.roll(field, (edge, edge), (0, 1)), grid)
+        middle = ((edge + 0.5 * (nodes - 1)) / 8 for nodes in (rows, columns))
+        assert peaks.node_value == pytest.approx([1.0])
+        assert (peaks.y, peaks.x) == tuple(pytest.approx([place], abs=0.2 / 8) for place in middle)
+
+
+def test_a_uniform_plane_has_no_peak_and_a_floor_leaves_out_what_is_below():
+    grid = Grid((8, 8))
+    field = np.ones((8, 8))
     assert plane_peaks(field, grid).size == 0
+    field[:] = 0.0
     field[6, 6] = -0.5
     assert plane_peaks(field, grid).value == pytest.approx([-0.5], abs=1e-12)
     assert plane_peaks(field, grid, floor=0.5).size == 0
+
+
+@pytest.mark.parametrize("rounding", [0.0, 1e-16, -1e-16])
+def test_a_peak_between_equal_nodes_does_not_hang_on_rounding(rounding):
+    """A wave with its top halfway between two rows, equal or different by a unit in the last place."""
+    grid = Grid((32, 32))
+    y, x = grid.coordinates()
+    wave = np.cos(2 * np.pi * (y[:, None] + 0.5 / 32)) + np.cos(2 * np.pi * (x - 0.3))
+    wave[16:] = wave[15::-1]
+    wave[31] *= 1 + 2 * rounding
+    peaks = plane_peaks(wave, grid)
+    (highest,) = np.flatnonzero(peaks.value > 0)
+    assert peaks.value[highest] == pytest.approx(2.0, abs=1e-3)
+    distance = (peaks.y[highest] - 31.5 / 32 + 0.5) % 1 - 0.5
+    assert distance == pytest.approx(0.0, abs=1e-3)
 
 
 @pytest.mark.parametrize("seed", range(4))

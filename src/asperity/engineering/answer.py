@@ -102,9 +102,8 @@ class Answer:
         """Peaks of the contact pressure and of the fields of the answer, those of largest magnitude first.
 
         Columns: body, quantity, value_Pa, depth_m, y_m, x_m, in_solid, under_contact. Positions are those on
-        the map; the peaks of its mirror images are left out. A peak is strictly above its neighbours: a
-        maximum on the edge of a mirrored map, which has two equal nodes, is none, though it is counted among
-        the largest values of the answer.
+        the map; the peaks of its mirror images are left out. A peak on the edge of a mirrored map, between
+        two equal nodes, is listed once.
         """
         tables = []
         for body, stress in self.stresses.items():

@@ -17,7 +17,7 @@ from asperity.engineering.case import Body, Case
 from asperity.engineering.findings import Extreme
 from asperity.stress.analysis import analyse_stress
 from asperity.stress.depths import depth_grid
-from asperity.stress.planes import LinearPlane
+from asperity.stress.linear_plane import LinearPlane
 from asperity.stress.pressed import PressedSolid
 from asperity.types import Array, Progress
 

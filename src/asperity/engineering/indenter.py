@@ -209,11 +209,15 @@ class Indenter:
         return self.grid.shape[0] // images, self.grid.shape[1] // images
 
     def is_on_map(self, y: Array, x: Array) -> Array:
-        """True for places in the cell that belong to the map, and not to one of its mirror images."""
+        """True for places in the cell that belong to the map, and not to one of its mirror images.
+
+        A peak on the mirror is found between a node of the map and its image, to rounding: places up to the
+        nearest nodes of the images belong to the map. There is no second peak so near to the mirror.
+        """
         own = np.ones(np.shape(y), bool)
         if self.is_mirrored:
             for place, length, spacing in zip((y, x), self.map_length, self.grid.spacing, strict=True):
-                own &= (place < length - spacing / 2) | (place >= 2 * length - spacing / 2)
+                own &= (place < length) | (place >= 2 * length - spacing)
         return own
 
     def map_alone(self) -> Indenter:
@@ -233,9 +237,10 @@ class Indenter:
 
 
 def _folded(position: float, length: float, spacing: float) -> float:
-    if position >= 2 * length - spacing / 2:  # half a spacing before the first node
-        return 0.0
-    return position if position < length - spacing / 2 else abs(2 * length - spacing - position)
+    if position < length - spacing / 2:
+        return position
+    # Between the mirror and the first node the map has no node of its own.
+    return max(2 * length - spacing - position, 0.0)
 
 
 def read_indenter(

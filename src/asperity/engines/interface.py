@@ -71,7 +71,7 @@ class Engine(ABC):
         coefficients : (arrays, rows, nx // 2 + 1) complex array
             From `inverse_columns`; it may be overwritten.
         out : (arrays, rows, nx) array
-            Array for the result.
+            Array for the result. Its rows may begin where those of `coefficients` do, in the same memory.
         ny : int
             Nodes of the fields on a column.
         """

@@ -8,15 +8,16 @@ from typing import NamedTuple
 import numpy as np
 
 from asperity.spectral import Fourier, Grid, Work, resample
-from asperity.stress.fields import fill_fields, moments, pack
-from asperity.stress.planes import LinearPlane
+from asperity.stress.fields import SHARED, fill_fields, moments, pack
+from asperity.stress.linear_plane import LinearPlane
 from asperity.stress.search import SoughtField
 from asperity.stress.statistics import LagRings
 from asperity.types import Array
 
 SKIPPED_ABOVE = 0.5
 """Planes with more than this share of the nodes of the contact along each axis are compared at every second
-node where single precision will do: the error of the covariance is below 3e-5 of it."""
+node along each axis where single precision will do: the error of the covariance is below 3e-5 of it. Planes
+less than a spacing deep, where the stress has edges at those of the contacts, are compared at all nodes."""
 
 FEWEST_SKIPPED = 512
 """Fewest nodes along an axis of such planes."""
@@ -75,6 +76,8 @@ class References:
         self._largest = np.full(count, -np.inf)
         self._grid: Grid | None = None
         self._fields = np.empty((count, 0, 0))
+        self._compared = self._fields
+        self._depths = np.zeros(count)
         self._means = np.zeros(count)
         self._kept: list[list[_Packed] | None] = [[] for _ in fields]
         self._modes: list[tuple[Grid, Array] | None] = [None for _ in fields]
@@ -83,18 +86,29 @@ class References:
         self._rings: LagRings | None = None
 
     def on(self, plane: LinearPlane) -> Array:
-        """The references on the grid of a plane, (fields, ny, nx); none before the first plane."""
+        """The references at every node of a plane or every second one, (fields, ny, nx).
+
+        There are none before the first plane.
+        """
         if self._grid is None:
             self._fields = np.empty((len(self._sought), *plane.grid.shape), plane.dtype)
-            return self._fields[:0]
+            self._sample(plane)
+            return self._compared[:0]
         if plane.grid != self._grid:
             for m in range(len(self._sought)):
                 self._transform(m, plane.grid)
             step = self._step(plane.grid)
             ny, nx = plane.grid.shape
             self._resample(Grid((ny // step, nx // step), plane.grid.length))
-            self._grid = plane.grid
-        return self._fields
+            self._compared, self._grid = self._fields, plane.grid
+        return self._compared
+
+    def _sample(self, plane: LinearPlane) -> None:
+        """Take the values that are compared from the references on the grid of a plane."""
+        step = self._step(plane.grid)
+        self._compared = self._fields
+        if step > 1 and self._depths.min() >= min(self._finest.spacing):
+            self._compared = self._fields[:, ::step, ::step].copy()
 
     def _resample(self, grid: Grid) -> None:
         """Transform all references to a grid from their modes."""
@@ -104,7 +118,7 @@ class References:
             source, coefficients = modes
             fourier = Fourier(grid, field.dtype, self._threads, self._work)
             fourier.inverse(resample(coefficients, source, grid), out=field, overwrite=True)
-            self._means[m] = field.mean(dtype=float)
+            self._means[m] = moments(field, field)[0]
 
     def _transform(self, m: int, target: Grid) -> None:
         """Transform a reference that is on its own grid, and keep the modes that coarser grids need."""
@@ -139,7 +153,7 @@ class References:
         size, compared = plane.grid.size, self._grid is not None
         self._grid = plane.grid
         totals = sums[:, :, [0, 1, 3, 4]].sum(axis=1) / size
-        totals[:, 2:] *= size / self._fields[0].size
+        totals[:, 2:] *= size / self._compared[0].size
         largest = sums[:, :, 2].max(axis=1)
         if compared:
             means, products = totals[: len(self._sought), 2:].T
@@ -152,15 +166,22 @@ class References:
         if self._fields.shape[1:] != plane.grid.shape:
             self._resample(plane.grid)
         self._fill(plane, risen, self._fields)
+        self._depths[risen] = plane.depth
+        self._sample(plane)
+        if self._compared is self._fields:
+            self._means[risen] = totals[risen, 0]
+        else:
+            self._means[:] = [moments(field, field)[0] for field in self._compared]
         for m in risen.tolist():
             self._modes[m] = self._in_plane[m] = self._own[m] = None
             mean, square, _, _ = totals[m]
-            self._largest[m], self._means[m] = largest[m], mean
+            self._largest[m] = largest[m]
             self.number[m], self.covariance[m, number] = number, square - mean * mean
             kept = self._kept[m]
             self.missing[m] = number if kept is None else 0
             for above, packed in enumerate(kept or []):
-                self.covariance[m, above] = packed.unit * _covariance(packed.field, self._fields[m])
+                same = self._fields if packed.field.shape == plane.grid.shape else self._compared
+                self.covariance[m, above] = packed.unit * _covariance(packed.field, same[m])
 
     def _step(self, grid: Grid) -> int:
         """2 if planes on a grid are compared at every second node along each axis, else 1."""
@@ -173,7 +194,7 @@ class References:
         kept = self._kept[m]
         if not number or kept is None:
             return kept
-        return [*kept, _Packed.of(self._fields[m])] if len(kept) < MOST_KEPT else None
+        return [*kept, _Packed.of(self._compared[m])] if len(kept) < MOST_KEPT else None
 
     def _fill(self, plane: LinearPlane, places: Array, out: Array) -> None:
         """Write some of the fields of a plane to their places in `out`."""
@@ -182,7 +203,8 @@ class References:
             np.array([getattr(field, name) for field in compiled], plane.dtype)
             for name in ("ratio", "uniform")
         )
-        fill_fields(plane.parts(), compiled[0].kind, ratios, uniforms, places, out)
+        shared = np.empty(SHARED, plane.dtype)
+        fill_fields(plane.parts(), compiled[0].kind, ratios, uniforms, places, shared, out)
 
     def add_again(self, number: int, plane: LinearPlane) -> None:
         """Compare a plane above some references that has not been compared."""

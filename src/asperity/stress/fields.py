@@ -41,12 +41,12 @@ class Parts(NamedTuple):
 
     Parameters
     ----------
-    values : (parts, rows, at least `columns`) array
+    values : (rows, parts, at least `columns`) array
         A row may be longer than the plane.
     place : (`PLACES`,) integer array
-        Where in `values` A_xx, A_yy, A_zz, A_yz, A_xz, A_xy, B_xx, B_yy and B_xy are; −1 for one that is not
-        needed, or for B_yy, which follows from A_xx + A_yy + A_zz = B_xx + B_yy but for the uniform mode.
-        Where A is the stress itself, any of its components stands for B.
+        Where in a row of `values` A_xx, A_yy, A_zz, A_yz, A_xz, A_xy, B_xx, B_yy and B_xy are; −1 for one
+        that is not needed, or for B_yy, which follows from A_xx + A_yy + A_zz = B_xx + B_yy but for the
+        uniform mode. Where A is the stress itself, any of its components stands for B.
     columns : int
     mean_pressure : float
         Minus the uniform part of A_zz, in the precision of `values`.
@@ -86,10 +86,10 @@ _inlined = njit(
 
 
 @_inlined
-def _von_mises(x: float, y: float, z: float, yz: float, xz: float, xy: float) -> float:
-    first, second = x - y, y - z
-    shear = xy * xy + yz * yz + xz * xz
-    return np.sqrt((first * first + first * second) + second * second + (shear + shear + shear))
+def _von_mises(first: float, second: float, xy: float, across: float) -> float:
+    """The von Mises stress from σ_xx − σ_yy, σ_yy − σ_zz, σ_xy and σ_yz² + σ_xz²."""
+    shear = xy * xy + across
+    return np.sqrt(first * (first + second) + second * second + (shear + shear + shear))
 
 
 @_inlined
@@ -111,59 +111,110 @@ def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: 
 
 @_compiled
 def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
-    """Fill `out`, (columns,), with one row of a field."""
+    """Fill `out`, at least (columns,), with one row of a field other than the von Mises stress."""
     values, place, columns, mean = parts
     kind, ratio, uniform = field
     if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
-        a = values[place[kind], row]
+        a = values[row, place[kind]]
         if kind in (_ZZ, _YZ, _XZ):
             for i in range(columns):
                 out[i] = a[i]
             return
-        b = values[place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], row]
+        b = values[row, place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind]]
         added = uniform - uniform if kind == _XY else uniform
         for i in range(columns):
             out[i] = a[i] + ratio * b[i] + added
         return
-    xx, yy, zz = values[place[_XX], row], values[place[_YY], row], values[place[_ZZ], row]
+    xx, yy, zz = values[row, place[_XX]], values[row, place[_YY]], values[row, place[_ZZ]]
     if kind == _HYDROSTATIC:
         for i in range(columns):
             out[i] = _hydrostatic(xx[i] + yy[i] + zz[i], ratio, uniform, mean)
         return
-    slope = values[place[_SLOPE_XX], row]
+    slope = values[row, place[_SLOPE_XX]]
     if kind == _YY:
         for i in range(columns):
             out[i] = yy[i] + ratio * (xx[i] + yy[i] + zz[i] + mean - slope[i]) + uniform
         return
-    yz, xz, xy = values[place[_YZ], row], values[place[_XZ], row], values[place[_XY], row]
-    slope_xy = values[place[_SLOPE_XY], row]
-    if kind == _VON_MISES:
-        for i in range(columns):
-            slope_yy = xx[i] + yy[i] + zz[i] + mean - slope[i]
-            x, y = xx[i] + ratio * slope[i] + uniform, yy[i] + ratio * slope_yy + uniform
-            out[i] = _von_mises(x, y, zz[i], yz[i], xz[i], xy[i] + ratio * slope_xy[i])
-        return
+    yz, xz, xy = values[row, place[_YZ]], values[row, place[_XZ]], values[row, place[_XY]]
+    slope_xy = values[row, place[_SLOPE_XY]]
     for i in range(columns):
         slope_yy = xx[i] + yy[i] + zz[i] + mean - slope[i]
         x, y = xx[i] + ratio * slope[i] + uniform, yy[i] + ratio * slope_yy + uniform
         out[i] = _measure(kind, x, y, zz[i], yz[i], xz[i], xy[i] + ratio * slope_xy[i])
 
 
+SHARED = (4, 528)
+"""Numbers of a node that all its von Mises stresses share, and nodes of which they fit into the cache."""
+
+
 @_compiled
-def fill_fields(parts: Any, kind: int, ratios: Any, uniforms: Any, places: Any, out: Any) -> None:
-    """Fill some of the arrays of `out`, (fields, rows, columns), with fields of one kind.
+def fill_von_mises(
+    parts: Any, row: int, ratios: Any, uniforms: Any, places: Any, shared: Any, out: Any, line: int, at: int
+) -> None:
+    """Fill one row of several von Mises stresses.
 
     Parameters
     ----------
     parts : Parts
-    kind : int
+    row : int
     ratios, uniforms : (fields,) arrays in the precision of the plane
     places : integer array
         Which fields are computed.
+    shared : `SHARED` array in the precision of the plane
+        Room for what they share.
+    out : (fields, lines, numbers) array
+        Field m is written to ``out[m, line, at:]``.
+    line, at : int
+    """
+    values, place, columns, mean = parts
+    all_xx, all_yy, all_zz = values[row, place[_XX]], values[row, place[_YY]], values[row, place[_ZZ]]
+    all_yz, all_xz, all_xy = values[row, place[_YZ]], values[row, place[_XZ]], values[row, place[_XY]]
+    all_slope, all_slope_xy = values[row, place[_SLOPE_XX]], values[row, place[_SLOPE_XY]]
+    first, second, slope_yy, across = shared[0], shared[1], shared[2], shared[3]
+    for start in range(0, columns, shared.shape[1]):
+        stop = min(start + shared.shape[1], columns)
+        xx, yy, zz, slope = all_xx[start:stop], all_yy[start:stop], all_zz[start:stop], all_slope[start:stop]
+        yz, xz, xy, slope_xy = (
+            all_yz[start:stop],
+            all_xz[start:stop],
+            all_xy[start:stop],
+            all_slope_xy[start:stop],
+        )
+        for i in range(xx.size):
+            slope_yy[i] = xx[i] + yy[i] + zz[i] + mean - slope[i]
+        for i in range(xx.size):
+            first[i] = xx[i] - yy[i]
+        for i in range(xx.size):
+            second[i] = yy[i] - zz[i]
+        for i in range(xx.size):
+            across[i] = yz[i] * yz[i] + xz[i] * xz[i]
+        for m in places:
+            ratio, uniform, field = ratios[m], uniforms[m], out[m, line, at + start : at + stop]
+            for i in range(field.size):
+                field[i] = _von_mises(
+                    first[i] + ratio * (slope[i] - slope_yy[i]),
+                    second[i] + ratio * slope_yy[i] + uniform,
+                    xy[i] + ratio * slope_xy[i],
+                    across[i],
+                )
+
+
+@_compiled
+def fill_fields(
+    parts: Any, kind: int, ratios: Any, uniforms: Any, places: Any, shared: Any, out: Any
+) -> None:
+    """Fill some of the arrays of `out`, (fields, rows, columns), with fields of one kind.
+
+    Arguments are those of `fill_von_mises`, and `kind` as of `Field`.
     """
     for row in range(out.shape[1]):
-        for m in places:
-            fill_row(parts, Field(kind, ratios[m], uniforms[m]), row, out[m, row])
+        if kind == _VON_MISES:
+            fill_von_mises(
+                parts, row, ratios, uniforms, places, shared, out, row, out.shape[2] - parts.columns
+            )
+        else:
+            for m in places:
+                fill_row(parts, Field(kind, ratios[m], uniforms[m]), row, out[m, row])
 
 
 def needed_parts(kind: int, place: Array) -> Array:
@@ -188,26 +239,27 @@ def value_at(parts: Any, field: Any, row: Any, column: Any) -> float:
     values, place, _, mean = parts
     kind, ratio, uniform = field
     if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
-        value = values[place[kind], row, column]
+        value = values[row, place[kind], column]
         if kind in (_ZZ, _YZ, _XZ):
             return value
-        slope = values[place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], row, column]
+        slope = values[row, place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], column]
         return value + ratio * slope + (uniform - uniform if kind == _XY else uniform)
-    xx = values[place[_XX], row, column]
-    yy = values[place[_YY], row, column]
-    zz = values[place[_ZZ], row, column]
+    xx = values[row, place[_XX], column]
+    yy = values[row, place[_YY], column]
+    zz = values[row, place[_ZZ], column]
     if kind == _HYDROSTATIC:
         return _hydrostatic(xx + yy + zz, ratio, uniform, mean)
-    slope = values[place[_SLOPE_XX], row, column]
+    slope = values[row, place[_SLOPE_XX], column]
     slope_yy = xx + yy + zz + mean - slope
     y = yy + ratio * slope_yy + uniform
     if kind == _YY:
         return y
     x = xx + ratio * slope + uniform
-    xy = values[place[_XY], row, column] + ratio * values[place[_SLOPE_XY], row, column]
-    yz, xz = values[place[_YZ], row, column], values[place[_XZ], row, column]
+    xy = values[row, place[_XY], column] + ratio * values[row, place[_SLOPE_XY], column]
+    yz, xz = values[row, place[_YZ], column], values[row, place[_XZ], column]
     if kind == _VON_MISES:
-        return _von_mises(x, y, zz, yz, xz, xy)
+        first, second = xx - yy + ratio * (slope - slope_yy), yy - zz + ratio * slope_yy + uniform
+        return _von_mises(first, second, xy, yz * yz + xz * xz)
     return _measure(kind, x, y, zz, yz, xz, xy)
 
 

@@ -137,10 +137,10 @@ class FreePlanes:
         convolution = self._convolution(depth, grid)
 
         def transform(number: int) -> None:
-            values[number] = convolution(parts[number])
+            values[:, number] = convolution(parts[number])
 
         def visit_band(band: int) -> None:
-            for first, last in strips_of(*bands[band]):
+            for first, last in strips_of(bands[band], values):
                 visit(band, first, last)
 
         run(transform, range(len(parts)))

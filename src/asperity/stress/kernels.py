@@ -5,14 +5,13 @@ Arrays that belong together are passed as named tuples. The arrays may be in sin
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
 
-from asperity.elasticity.kernels import half_space_kernels
 from asperity.elasticity.layer import COMPONENTS
-from asperity.machine_code import discard_outdated
 
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = (COMPONENTS.index(name) for name in ("xx", "yy", "zz", "yz", "xz", "xy"))
 
@@ -159,119 +158,166 @@ def add_sliding_stress(
             out[j, k] += complex(-factor * p.imag, factor * p.real)
 
 
-SHARED_COLUMNS = 7
-"""Functions of the modes from which `all_parts` makes the eight parts A and B of a half-space."""
+COLUMN_PARTS = 7
+"""Parts A and B of a half-space, all but A_xz, that `half_space_columns` fills."""
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
-def shared_columns(
-    half_depth: float,
-    pressure: Any,
-    wavevectors: Any,
-    first: int,
-    factors: Any,
-    out: Any,
-) -> None:
-    """Fill some columns of the functions of the modes that the parts of a half-space share.
-
-    With P the coefficients of the pressure, E = e^(−q depth), Z = (1 + q depth) E and L = (1 − q depth) E,
-    the functions are Z P, L P, L P/q², 2 E P/q², qy L P/q², 2 qy E P/q² and qy depth E P; all but the first
-    are zero at q = 0. The parts are these times factors that depend on qx alone, see `all_parts`: transforms
-    along y are done before, for seven functions in place of eight parts.
+class ColumnRoom(NamedTuple):
+    """Arrays for one row of some columns, in double precision or, where it is said, that of the plane.
 
     Parameters
     ----------
-    half_depth : float
+    scaled, over_square, decay : (columns,) arrays in the precision of the plane
+    argument, power : (columns,) arrays
+    exponent, scale : (columns,) arrays, the same memory as integers and as numbers
+    factors : (`COLUMN_PARTS`, 2 columns) array in the precision of the plane
+    """
+
+    scaled: Any
+    over_square: Any
+    decay: Any
+    argument: Any
+    power: Any
+    exponent: Any
+    scale: Any
+    factors: Any
+
+
+_COLUMN_XY, _COLUMN_SLOPE_XX, _COLUMN_SLOPE_XY = 4, 5, 6
+
+_LARGEST_ARGUMENT = 700.0
+_LOG2_E = 1 / math.log(2.0)
+_LN2_HIGH = 0.693145751953125
+_LN2_LOW = 1.4286068203094173e-06
+_TAYLOR = tuple(1.0 / math.factorial(k) for k in range(13, -1, -1))
+"""Coefficients of e^x, the highest first."""
+
+_MANTISSA, _BIAS = 52, 1023
+"""Bits of the mantissa of a number in double precision, and its exponent for 1."""
+
+_contracted = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
+_inlined = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"}, forceinline=True)
+
+
+@_contracted
+def half_space_columns(
+    depth: float, pressure: Any, wavevectors: Any, first: int, room: Any, out: Any
+) -> None:
+    """Fill some columns of the coefficients of the parts A and B in a half-space.
+
+    A_xz is left out: it is the only part odd in qx and even in qy, and i qx depth/2 times the sum of A_xx,
+    A_yy and A_zz. This factor depends on qx alone, so that it can be applied after the transforms along y,
+    which are thus done for seven parts in place of eight.
+
+    Parameters
+    ----------
+    depth : float
     pressure : (ny, 2 (nx // 2 + 1)) array
         Coefficients of the contact pressure, real and imaginary parts in turn.
     wavevectors : Wavevectors
     first : int
         First column to fill.
-    factors : (`SHARED_COLUMNS`, columns) array
-        Room for the factors of one row.
-    out : (`SHARED_COLUMNS`, ny, 2 columns) array
-        Real and imaginary parts in turn.
+    room : ColumnRoom
+    out : (`COLUMN_PARTS`, ny, 2 columns) array
+        A_xx, A_yy, A_zz, A_yz, A_xy, B_xx and B_xy, real and imaginary parts in turn.
     """
-    qy, odd_qy = wavevectors.qy, wavevectors.odd_qy
-    rows, columns = out.shape[1], factors.shape[1]
-    qx = wavevectors.qx[first : first + columns]
-    depth = half_depth + half_depth
-    scaled = factors[6]
+    rows, columns = out.shape[1], out.shape[2] // 2
+    qx, odd_qx = wavevectors.qx[first : first + columns], wavevectors.odd_qx[first : first + columns]
     for j in range(rows // 2 + 1):
-        for i in range(columns):
-            scaled[i] = depth * np.sqrt(qx[i] * qx[i] + qy[j] * qy[j])
-        for i in range(columns):
-            square = qx[i] * qx[i] + qy[j] * qy[j]
-            # Of these kernels none that is used depends on Poisson's ratio.
-            normal, along, shear, _, _ = half_space_kernels(float(scaled[i]), 0.0)
-            decay = normal - shear
-            factors[0, i] = normal
-            factors[1, i] = along
-            factors[2, i] = along / square
-            factors[3, i] = 2 * decay / square
-            factors[4, i] = odd_qy[j] * (along / square)
-            factors[6, i] = depth * odd_qy[j] * decay
-            factors[5, i] = odd_qy[j] * factors[3, i]
-        if j == 0 and first == 0:
-            for m in range(1, SHARED_COLUMNS):
-                factors[m, 0] = 0.0
-        # The row of −qy has the same factors but for the sign of those odd in qy, the last three.
-        mirrored = rows - j if j else 0
-        for m in range(SHARED_COLUMNS):
-            odd = m > 3
-            for i in range(columns):
-                k, factor = 2 * (first + i), factors[m, i]
-                out[m, j, 2 * i] = factor * pressure[j, k]
-                out[m, j, 2 * i + 1] = factor * pressure[j, k + 1]
-            if mirrored != j:
-                for i in range(columns):
-                    k, factor = 2 * (first + i), -factors[m, i] if odd else factors[m, i]
-                    out[m, mirrored, 2 * i] = factor * pressure[mirrored, k]
-                    out[m, mirrored, 2 * i + 1] = factor * pressure[mirrored, k + 1]
+        _fill_decay(depth, qx, wavevectors.qy[j], room)
+        _fill_factors(depth, qx, odd_qx, wavevectors.qy[j], wavevectors.odd_qy[j], room)
+        # The row of −qy has the same factors but for the sign of those odd in qy.
+        for sign, row in ((1, j), (-1, rows - j)):
+            if sign == 1 or 0 < j < row:
+                coefficients = pressure[row, 2 * first : 2 * (first + columns)]
+                for m in range(COLUMN_PARTS):
+                    own = qx.dtype.type(sign if m in (_YZ, _COLUMN_XY, _COLUMN_SLOPE_XY) else 1)
+                    _multiply(room.factors[m], own, coefficients, m == _YZ, out[m, row])
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
-def all_parts(
-    half_depth: float, mean: float, columns: Any, wavevectors: Any, first: int, last: int, out: Any
-) -> None:
-    """Fill some rows of the parts A and B of all components in a half-space, to be transformed along x.
+@_contracted
+def _fill_decay(depth: float, qx: Any, qy: float, room: Any) -> None:
+    """Fill `room` with q depth, 1/q² (0 at q = 0) and e^(−q depth) for one row of modes.
+
+    The exponential is 2^n times a Taylor series on |x| ≤ ln 2 / 2, in double precision: NumPy's would not be
+    vectorised.
+    """
+    scaled, over_square, argument = room.scaled, room.over_square, room.argument
+    power, exponent, scale, decay = room.power, room.exponent, room.scale, room.decay
+    zero, one = qx.dtype.type(0), qx.dtype.type(1)
+    for i in range(qx.size):
+        square = qx[i] * qx[i] + qy * qy
+        scaled[i] = depth * np.sqrt(square)
+        over_square[i] = one / square if square > zero else zero
+    for i in range(qx.size):
+        argument[i] = -scaled[i] if scaled[i] < _LARGEST_ARGUMENT else -_LARGEST_ARGUMENT
+    for i in range(qx.size):
+        exponent[i] = np.int64(argument[i] * _LOG2_E - 0.5)
+    for i in range(qx.size):
+        argument[i] = argument[i] - exponent[i] * _LN2_HIGH - exponent[i] * _LN2_LOW
+    for i in range(qx.size):
+        x = argument[i]
+        total = _TAYLOR[0]
+        for coefficient in _TAYLOR[1:]:
+            total = total * x + coefficient
+        power[i] = total
+    for i in range(qx.size):
+        exponent[i] = (exponent[i] + _BIAS) << _MANTISSA
+    for i in range(qx.size):
+        decay[i] = power[i] * scale[i]
+
+
+@_contracted
+def _fill_factors(depth: float, qx: Any, odd_qx: Any, qy: float, odd_qy: float, room: Any) -> None:
+    """Fill the factors of the pressure, each twice in turn, that of A_yz without the imaginary unit."""
+    scaled, over_square, decay, factors = room.scaled, room.over_square, room.decay, room.factors
+    xx, yy, zz, yz = factors[_XX], factors[_YY], factors[_ZZ], factors[_YZ]
+    xy, slope_xx, slope_xy = factors[_COLUMN_XY], factors[_COLUMN_SLOPE_XX], factors[_COLUMN_SLOPE_XY]
+    one = qx.dtype.type(1)
+    for i in range(qx.size):
+        xx[2 * i] = xx[2 * i + 1] = (scaled[i] - one) * decay[i] * (qx[i] * qx[i] * over_square[i])
+    for i in range(qx.size):
+        yy[2 * i] = yy[2 * i + 1] = (scaled[i] - one) * decay[i] * (qy * qy * over_square[i])
+    for i in range(qx.size):
+        zz[2 * i] = zz[2 * i + 1] = -(scaled[i] + one) * decay[i]
+    for i in range(qx.size):
+        yz[2 * i] = yz[2 * i + 1] = depth * odd_qy * decay[i]
+    for i in range(qx.size):
+        xy[2 * i] = xy[2 * i + 1] = (scaled[i] - one) * decay[i] * (odd_qx[i] * odd_qy * over_square[i])
+    for i in range(qx.size):
+        slope_xx[2 * i] = slope_xx[2 * i + 1] = -(decay[i] + decay[i]) * (qy * qy * over_square[i])
+    for i in range(qx.size):
+        slope_xy[2 * i] = slope_xy[2 * i + 1] = (decay[i] + decay[i]) * (odd_qx[i] * odd_qy * over_square[i])
+
+
+@_inlined
+def _multiply(factors: Any, sign: float, pressure: Any, turned: bool, out: Any) -> None:
+    """Fill `out` with factors times coefficients, times −i if turned."""
+    if turned:
+        for i in range(out.size // 2):
+            out[2 * i] = sign * factors[2 * i] * pressure[2 * i + 1]
+            out[2 * i + 1] = -sign * factors[2 * i + 1] * pressure[2 * i]
+    else:
+        for k in range(out.size):
+            out[k] = sign * factors[k] * pressure[k]
+
+
+@_contracted
+def half_space_xz(half_depth: float, odd_qx: Any, first: int, last: int, parts: Any) -> None:
+    """Fill some rows of A_xz after the transform along y, from A_xx, A_yy and A_zz.
 
     Parameters
     ----------
     half_depth : float
-    mean : float
-        Pressure mode q = 0, of which σ_zz alone has a part.
-    columns : (parts, ny, 2 (nx // 2 + 1)) array
-        The functions of `shared_columns` after their transform along y; real and imaginary parts in turn.
-    wavevectors : Wavevectors
+    odd_qx : (columns,) array
     first, last : int
         Rows to fill.
-    out : (8, last − first, 2 (nx // 2 + 1)) array
-        A_xx, A_yy, A_zz, A_yz, A_xz, A_xy, B_xx and B_xy; real and imaginary parts in turn.
+    parts : (ny, at least 5, at least 2 columns) array
+        A_xx, A_yy, A_zz, A_yz and A_xz, real and imaginary parts in turn.
     """
-    qx, odd_qx = wavevectors.qx, wavevectors.odd_qx
     for j in range(first, last):
-        z, along, along_over_square = columns[0, j], columns[1, j], columns[2, j]
-        both_over_square, turned, both_turned = columns[3, j], columns[4, j], columns[5, j]
-        shear = columns[6, j]
-        n = j - first
-        xx, yy, zz, yz, xz, xy = out[0, n], out[1, n], out[2, n], out[3, n], out[4, n], out[5, n]
-        slope_xx, slope_xy = out[6, n], out[7, n]
-        for i in range(qx.size):
-            square, odd = qx[i] * qx[i], odd_qx[i]
-            for k in (2 * i, 2 * i + 1):
-                across = square * along_over_square[k]
-                xx[k] = -across
-                yy[k] = across - along[k]
-                zz[k] = -z[k]
-                xy[k] = -odd * turned[k]
-                slope_xx[k] = square * both_over_square[k] - (z[k] + along[k])
-                slope_xy[k] = odd * both_turned[k]
-        slope_xx[0] += mean
-        for i in range(qx.size):
-            k, odd = 2 * i, half_depth * odd_qx[i]
-            yz[k], yz[k + 1] = shear[k + 1], -shear[k]
-            xz[k], xz[k + 1] = odd * (z[k + 1] + along[k + 1]), -odd * (z[k] + along[k])
-
-
-discard_outdated(__name__)
+        xx, yy, zz, xz = parts[j, _XX], parts[j, _YY], parts[j, _ZZ], parts[j, _XZ]
+        for i in range(odd_qx.size):
+            factor = half_depth * odd_qx[i]
+            xz[2 * i] = -factor * (xx[2 * i + 1] + yy[2 * i + 1] + zz[2 * i + 1])
+            xz[2 * i + 1] = factor * (xx[2 * i] + yy[2 * i] + zz[2 * i])

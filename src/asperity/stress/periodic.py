@@ -18,14 +18,15 @@ import numpy as np
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.spectral import Fourier, Grid, resample
 from asperity.stress.kernels import (
-    SHARED_COLUMNS,
+    COLUMN_PARTS,
+    ColumnRoom,
     PlaneKernels,
     TractionKernels,
     Wavevectors,
     add_sliding_stress,
-    all_parts,
+    half_space_columns,
+    half_space_xz,
     mode_stress,
-    shared_columns,
 )
 from asperity.stress.parts import ALL_PARTS, Part
 from asperity.stress.truncation import PlaneGrid, Truncation
@@ -34,14 +35,23 @@ from asperity.types import Array
 COLUMNS_AT_ONCE = 64
 """Columns of a block."""
 
-ROWS_AT_ONCE = 16
-"""Rows of a strip."""
+CACHE_LINE = 64
+"""Bytes of a line of the processor's cache."""
+
+STRIP_BYTES = 2**20
+"""Largest size of a strip of rows of all parts: it stays in the cache of one core."""
+
+FEWEST_ROWS = 4
+"""Rows of a strip are a multiple of this number: up to sixteen rows of parts are transformed together."""
+
+ROWS_OF_GROUP = 16
+"""Rows of a group, of which bands are made."""
 
 BANDS = 8
-"""Most groups of consecutive strips, each of which one thread goes through from the first to the last."""
+"""Most groups of consecutive rows, each of which one thread goes through from the first to the last."""
 
-STRIPS_OF_BAND = 8
-"""Fewest strips of a band, if there are several bands."""
+GROUPS_OF_BAND = 8
+"""Fewest groups of a band, if there are several bands."""
 
 Run = Callable[[Callable[[Any], None], Sequence[Any]], None]
 """Calls a function for every item of a sequence, on one thread or several."""
@@ -52,15 +62,25 @@ Visit = Callable[[int, int, int], None]
 
 def bands_of(rows: int) -> list[tuple[int, int]]:
     """First and last row + 1 of every band of a plane."""
-    strips = -(-rows // ROWS_AT_ONCE)
-    bands = min(BANDS, max(1, strips // STRIPS_OF_BAND))
-    edges = [min(rows, ROWS_AT_ONCE * (strips * band // bands)) for band in range(bands + 1)]
+    groups = -(-rows // ROWS_OF_GROUP)
+    bands = min(BANDS, max(1, groups // GROUPS_OF_BAND))
+    edges = [min(rows, ROWS_OF_GROUP * (groups * band // bands)) for band in range(bands + 1)]
     return list(pairwise(edges))
 
 
-def strips_of(first: int, last: int) -> list[tuple[int, int]]:
-    """First and last row + 1 of every strip of a band."""
-    return [(row, min(row + ROWS_AT_ONCE, last)) for row in range(first, last, ROWS_AT_ONCE)]
+def strips_of(band: tuple[int, int], values: Array) -> list[tuple[int, int]]:
+    """First and last row + 1 of every strip of a band of a plane with these arrays, (ny, parts, numbers)."""
+    rows = max(1, STRIP_BYTES // values.strides[0] // FEWEST_ROWS) * FEWEST_ROWS
+    first, last = band
+    return [(row, min(row + rows, last)) for row in range(first, last, rows)]
+
+
+def aligned_array(size: int, dtype: Any) -> Array:
+    """An array with any values that begins with a line of the processor's cache."""
+    size = size * np.dtype(dtype).itemsize
+    memory = np.empty(size + CACHE_LINE, np.uint8)
+    start = -memory.ctypes.data % CACHE_LINE
+    return memory[start : start + size].view(dtype)
 
 
 class KeptArrays(threading.local):
@@ -74,7 +94,7 @@ class KeptArrays(threading.local):
         size = math.prod(shape)
         kept = self._arrays.get(name)
         if kept is None or kept.size < size or kept.dtype != dtype:
-            kept = self._arrays[name] = np.empty(size, dtype)
+            kept = self._arrays[name] = aligned_array(size, dtype)
         return kept[:size].reshape(shape)
 
 
@@ -112,8 +132,12 @@ class PeriodicPlanes:
 
     @staticmethod
     def row_length(grid: Grid) -> int:
-        """Numbers in a row of the arrays that are filled: room for the coefficients of a row."""
-        return 2 * (grid.shape[1] // 2 + 1)
+        """Numbers in a row of the arrays that are filled: room for the coefficients of a row.
+
+        An odd multiple of 16: rows that are a multiple of 4096 bytes apart share the same lines of the cache.
+        """
+        coefficients = grid.shape[1] // 2 + 1
+        return 16 * (-(-coefficients // 8) | 1)
 
     def compute(
         self, depth: float, own: PlaneGrid, parts: Sequence[Part], values: Array, run: Run, visit: Visit
@@ -126,7 +150,7 @@ class PeriodicPlanes:
         own : PlaneGrid
             Of this plane.
         parts : sequence of Part
-        values : (parts, ny, 2 (nx // 2 + 1)) array
+        values : (ny, parts, `row_length`) array
             The first nx columns of each row are filled.
         run, visit : callable
 
@@ -141,87 +165,102 @@ class PeriodicPlanes:
             self._fourier = Fourier(grid, self._fourier.dtype)
             self._modes = resample(self._finest[1], self._finest[0], grid)
         fourier, kept = self._fourier, self._kept
-        spectra = values.view(fourier.complex)
+        spectra = values.view(fourier.complex)[:, :, : grid.half_shape[1]]
         source = self._source(depth, parts)
 
         def transform_columns(first: int) -> None:
             last = min(first + COLUMNS_AT_ONCE, columns)
-            shape = source.count, grid.shape[0], last - first
-            block = kept.array("block", shape, fourier.complex)
+            count = sum(spectra[0, own].shape[0] for own in source.columns)
+            block = kept.array("block", (count, grid.shape[0], last - first), fourier.complex)
             source.fill_columns(first, last, block)
-            fourier.inverse_along_y(block, spectra[: source.count, :, first:last])
+            start = 0
+            for own in source.columns:
+                target = spectra[:, own, first:last].transpose(1, 0, 2)
+                fourier.inverse_along_y(block[start : start + target.shape[0]], target)
+                start += target.shape[0]
 
         def transform_rows(band: int) -> None:
-            for first, last in strips_of(*bands[band]):
-                rows = values[:, first:last, : grid.shape[1]]
-                shape = rows[source.transformed].shape[0], last - first, spectra.shape[2]
-                strip = kept.array("strip", shape, fourier.complex)
-                source.fill_rows(spectra, first, last, strip, columns)
-                strip[:, :, columns:] = 0
-                fourier.inverse_along_x(strip, rows[source.transformed])
-                source.complete(first, last, rows)
+            for first, last in strips_of(bands[band], values):
+                source.complete_rows(values, first, last, columns)
+                if columns < spectra.shape[2]:
+                    spectra[first:last, :, columns:] = 0
+                for own in source.rows:
+                    lines = values[first:last, own].reshape(1, -1, values.shape[2])
+                    coefficients = lines.view(fourier.complex)[:, :, : grid.half_shape[1]]
+                    fourier.inverse_along_x(coefficients, lines[:, :, : grid.shape[1]])
+                source.complete(first, last, values[first:last, :, : grid.shape[1]])
                 visit(band, first, last)
 
         run(transform_columns, range(0, columns, COLUMNS_AT_ONCE))
         bands = bands_of(grid.shape[0])
         run(transform_rows, range(len(bands)))
-        along_y = source.count * columns / grid.half_shape[1]
-        return round(grid.size * (along_y + len(parts[source.transformed])) / 2)
+        along_y = sum(spectra[0, own].shape[0] for own in source.columns) * columns / grid.half_shape[1]
+        along_x = sum(spectra[0, own].shape[0] for own in source.rows)
+        return round(grid.size * (along_y + along_x) / 2)
 
-    def _source(self, depth: float, parts: Sequence[Part]) -> _SharedSpectra | _SurfaceSpectra | _Spectra:
+    def _source(self, depth: float, parts: Sequence[Part]) -> _HalfSpaceSpectra | _SurfaceSpectra | _Spectra:
         if tuple(parts) == ALL_PARTS and self._layer.height is None and not any(self._traction):
             if depth == 0 and self._fourier.grid == self._finest[0]:
                 return _SurfaceSpectra(self._modes, self._fourier, self._pressure)
-            return _SharedSpectra(depth, self._modes, self._fourier)
+            return _HalfSpaceSpectra(depth, self._modes, self._fourier, self._kept)
         return _Spectra(depth, self._modes, self._fourier, self._layer, parts, self._traction)
 
 
-class _SharedSpectra:
-    """Spectra of all parts A and B in a half-space, from fewer functions transformed along y.
+class _HalfSpaceSpectra:
+    """Spectra of all parts A and B in a half-space.
 
     Attributes
     ----------
-    count : int
-        Number of functions to transform along y.
-    transformed : slice
-        Parts that are transformed along x.
+    columns : sequence of slices
+        Parts that are transformed along y.
+    rows : sequence of slices
+        Parts that are transformed along x, all at once or one by one.
     """
 
-    count, transformed = SHARED_COLUMNS, slice(None)
+    columns, rows = (slice(0, 4), slice(5, 8)), (slice(None),)
 
-    def __init__(self, depth: float, modes: Array, fourier: Fourier) -> None:
+    def __init__(self, depth: float, modes: Array, fourier: Fourier, kept: KeptArrays) -> None:
         grid, real = fourier.grid, fourier.real
-        self._real, self._half_depth = real, real.type(0.5 * depth)
-        self._mean = real.type(modes[0, 0].real)
+        self._real, self._kept = real, kept
+        self._depth, self._half_depth = real.type(depth), real.type(0.5 * depth)
         self._modes = modes.view(real)
         self._wavevectors = Wavevectors(
             *(q.astype(real) for q in (grid.qx, grid.qy, grid.odd_qx, grid.odd_qy))
         )
 
     def fill_columns(self, first: int, last: int, out: Array) -> None:
-        """Fill `out` with some columns of the functions, to be transformed along y."""
-        factors = np.empty((SHARED_COLUMNS, last - first), self._real)
-        common = self._half_depth, self._modes, self._wavevectors
-        shared_columns(*common, first, factors, out.view(self._real))
+        """Fill `out` with some columns of the parts to be transformed along y."""
+        size = last - first
+        kept, real = self._kept, self._real
+        scale = kept.array("scale", (size,), np.dtype(float))
+        room = ColumnRoom(
+            scaled=kept.array("scaled", (size,), real),
+            over_square=kept.array("over_square", (size,), real),
+            decay=kept.array("decay", (size,), real),
+            argument=kept.array("argument", (size,), np.dtype(float)),
+            power=kept.array("power", (size,), np.dtype(float)),
+            exponent=scale.view(np.int64),
+            scale=scale,
+            factors=kept.array("factors", (COLUMN_PARTS, 2 * size), real),
+        )
+        half_space_columns(self._depth, self._modes, self._wavevectors, first, room, out.view(self._real))
 
-    def fill_rows(self, spectra: Array, first: int, last: int, out: Array, columns: int) -> None:
-        """Fill `out` with some rows and the first columns of the parts, to be transformed along x."""
-        wavevectors = self._wavevectors._replace(qx=self._wavevectors.qx[:columns])
-        common = self._half_depth, self._mean, spectra.view(self._real), wavevectors
-        all_parts(*common, first, last, out.view(self._real))
+    def complete_rows(self, values: Array, first: int, last: int, columns: int) -> None:
+        """Fill the parts that have not been transformed along y, in some rows and the first columns."""
+        half_space_xz(self._half_depth, self._wavevectors.odd_qx[:columns], first, last, values)
 
     def complete(self, first: int, last: int, out: Array) -> None:
-        """Fill some rows of the parts that are not transformed."""
+        """Fill some rows of the parts that are not transformed along x."""
 
 
 class _SurfaceSpectra:
-    """Spectra of all parts A and B in the surface of a half-space; attributes as of `_SharedSpectra`.
+    """Spectra of all parts A and B in the surface of a half-space; attributes as of `_HalfSpaceSpectra`.
 
     There σ_zz is minus the pressure, σ_yz and σ_xz are zero, and A_xx + A_yy = σ_zz, B_xx = 2 A_yy and
     B_xy = −2 A_xy but for the uniform mode: A_xx and A_xy alone are transformed.
     """
 
-    count, transformed = 2, slice(0, 6, 5)
+    columns = rows = (slice(0, 1), slice(5, 6))
 
     def __init__(self, modes: Array, fourier: Fourier, pressure: Array) -> None:
         grid = fourier.grid
@@ -234,18 +273,17 @@ class _SurfaceSpectra:
         self._pressure, self._mean = pressure, fourier.real.type(modes[0, 0].real)
 
     def fill_columns(self, first: int, last: int, out: Array) -> None:
-        """Fill `out` with some columns of the functions, to be transformed along y."""
-        out[0] = self._over_square[:, first:last]
-        np.multiply(self._odd_qy[:, None], out[0], out=out[1])
+        """Fill `out` with some columns of the parts to be transformed along y."""
+        np.multiply(-(self._qx[first:last] ** 2), self._over_square[:, first:last], out=out[0])
+        np.multiply(-self._odd_qx[first:last], self._over_square[:, first:last], out=out[1])
+        out[1] *= self._odd_qy[:, None]
 
-    def fill_rows(self, spectra: Array, first: int, last: int, out: Array, columns: int) -> None:
-        """Fill `out` with some rows and the first columns of the parts, to be transformed along x."""
-        np.multiply(-(self._qx**2), spectra[0, first:last], out=out[0])
-        np.multiply(-self._odd_qx, spectra[1, first:last], out=out[1])
+    def complete_rows(self, values: Array, first: int, last: int, columns: int) -> None:
+        """Fill the parts that have not been transformed along y."""
 
     def complete(self, first: int, last: int, out: Array) -> None:
-        """Fill some rows of the parts that are not transformed."""
-        xx, yy, zz, yz, xz, xy, slope_xx, slope_xy = out
+        """Fill some rows of the parts that are not transformed along x."""
+        xx, yy, zz, yz, xz, xy, slope_xx, slope_xy = out.swapaxes(0, 1)
         np.negative(self._pressure[first:last], out=zz, casting="same_kind")
         np.subtract(zz, xx, out=yy)
         yy += self._mean
@@ -255,9 +293,9 @@ class _SurfaceSpectra:
 
 
 class _Spectra:
-    """Spectra of any parts, also under a shear traction; attributes as of `_SharedSpectra`."""
+    """Spectra of any parts, also under a shear traction; attributes as of `_HalfSpaceSpectra`."""
 
-    transformed = slice(None)
+    rows = (slice(None),)
 
     def __init__(
         self,
@@ -270,7 +308,7 @@ class _Spectra:
     ) -> None:
         grid = fourier.grid
         kernels = layer.grid_kernels(grid, depth, fourier.real)
-        self.count = len(parts)
+        self.columns = (slice(0, len(parts)),)
         self._kernels = PlaneKernels(kernels.normal, kernels.longitudinal, kernels.shear)
         self._traction_kernels = None
         if any(traction):
@@ -295,9 +333,8 @@ class _Spectra:
                     spectrum,
                 )
 
-    def fill_rows(self, spectra: Array, first: int, last: int, out: Array, columns: int) -> None:
-        """Fill `out` with some rows and the first columns of the parts, to be transformed along x."""
-        out[:, :, :columns] = spectra[: self.count, first:last, :columns]
+    def complete_rows(self, values: Array, first: int, last: int, columns: int) -> None:
+        """Fill the parts that have not been transformed along y."""
 
     def complete(self, first: int, last: int, out: Array) -> None:
-        """Fill some rows of the parts that are not transformed."""
+        """Fill some rows of the parts that are not transformed along x."""

@@ -49,7 +49,6 @@ from asperity.finite import require_finite
 from asperity.spectral import Fourier, Grid, Work
 from asperity.stress.arguments import (
     FIELDS,
-    MEASURES,
     boundary_of,
     checked_contact,
     checked_depths,
@@ -59,10 +58,10 @@ from asperity.stress.arguments import (
     checked_threads,
     checked_tolerance,
 )
-from asperity.stress.fields import KINDS, Field, Parts, fill_fields
 from asperity.stress.free_boundary import FreePlanes
+from asperity.stress.linear_plane import LinearPlane, components_for
 from asperity.stress.parts import Part
-from asperity.stress.periodic import PeriodicPlanes, Visit
+from asperity.stress.periodic import PeriodicPlanes, Visit, aligned_array
 from asperity.stress.pressed import ContactLike
 from asperity.stress.truncation import envelope_of
 from asperity.types import Array, Progress
@@ -73,9 +72,6 @@ square."""
 
 SINGLE_PRECISION_PRESSURES = (1e-10, 1e15)
 """Largest pressures for which single precision will do: squares of stresses stay within it."""
-
-
-_NORMAL = ("xx", "yy", "zz")
 
 
 @dataclass(frozen=True, repr=False)
@@ -104,94 +100,6 @@ class StressPlane:
     def __repr__(self) -> str:
         ny, nx = self.grid.shape
         return f"<StressPlane of {ny} × {nx} nodes at depth {self.depth:.4g}: {', '.join(self.fields)}>"
-
-
-Gather = Callable[[Array], Array]
-"""Takes values out of a field [y, x], the same places of every field."""
-
-
-@dataclass(frozen=True)
-class LinearPlane:
-    """One plane of the stress as A + ν B, from which every field follows for every Poisson's ratio.
-
-    Parameters
-    ----------
-    depth, grid, bound
-        As in `StressPlane`.
-    constant : dict
-        Component → field A[y, x], in the unit of the contact pressure.
-    slope : dict
-        Component → field B[y, x]. Empty if ν is fixed; A is the stress itself then. If all components are
-        there, B_yy is left out: it follows from A_xx + A_yy + A_zz = B_xx + B_yy but for the uniform mode.
-    mean_pressure : float
-        Of the cell.
-    lateral : mapping of float to float
-        Poisson's ratio → uniform part of σ_xx and σ_yy.
-    done : float
-        Share of the work of the whole stream that is done with this plane.
-    values : (parts, ny, at least nx) array, optional
-        One array that holds A and then B.
-    scale : float
-        The root mean square of σ_zz or less, as far as it is known before the plane is computed.
-
-    Notes
-    -----
-    The arrays are used again: those of a plane hold the plane after the next when it is computed.
-    """
-
-    depth: float
-    grid: Grid
-    bound: float
-    constant: dict[str, Array]
-    slope: dict[str, Array]
-    mean_pressure: float
-    lateral: dict[float, float]
-    done: float = 1.0
-    values: Array | None = None
-    scale: float = 0.0
-
-    @property
-    def dtype(self) -> np.dtype[Any]:
-        """Precision of the fields."""
-        return next(iter(self.constant.values())).dtype
-
-    def parts(self) -> Parts:
-        """The parts as the compiled functions take them."""
-        arrays = [*self.constant.values(), *self.slope.values()]
-        values = self.values
-        if values is None:
-            values = np.stack([array.reshape(-1, array.shape[-1]) for array in arrays])
-        slope = self.slope or self.constant
-        own = {name: number for number, name in enumerate(self.constant)}
-        slopes = {name: number + len(own) for number, name in enumerate(self.slope)} or own
-        place = [own.get(name, -1) for name in COMPONENTS]
-        place += [slopes.get(name, -1) for name in ("xx", "yy", "xy")]
-        columns = next(iter(slope.values())).shape[-1]
-        return Parts(values, np.array(place), columns, self.dtype.type(self.mean_pressure))
-
-    def compiled(self, name: str, poisson: float) -> Field:
-        """One field as the compiled functions take it."""
-        real = self.dtype.type
-        return Field(KINDS[name], real(poisson if self.slope else 0.0), real(self.lateral[poisson]))
-
-    def field(self, name: str, poisson: float, out: Array | None = None) -> Array:
-        """The field `name` for one Poisson's ratio, (ny, nx), written to `out` if it is given."""
-        if out is None:
-            out = np.empty(next(iter(self.constant.values())).shape, self.dtype)
-        kind, ratio, uniform = self.compiled(name, poisson)
-        ratios, uniforms = (np.array([value], self.dtype) for value in (ratio, uniform))
-        fill_fields(self.parts(), kind, ratios, uniforms, np.array([0]), out.reshape(1, -1, out.shape[-1]))
-        return out
-
-    def sample(self, name: str, poisson: float, gather: Gather) -> Array:
-        """The field `name` where `gather` takes the values of A and B from."""
-        all_there = len(self.constant) == len(COMPONENTS)
-        needed = COMPONENTS if name == "yy" and all_there else _components_for((name,))
-        constant, slope = (
-            {component: gather(field) for component, field in parts.items() if component in needed}
-            for parts in (self.constant, self.slope)
-        )
-        return replace(self, constant=constant, slope=slope, values=None).field(name, poisson)
 
 
 Watch = Callable[[LinearPlane], Visit]
@@ -315,7 +223,7 @@ def linear_planes(
         layer=contact.layer,
         depths=checked_depths(depths, contact),
         ratios=checked_ratios(poisson, contact.layer),
-        components=_components_for(checked_names("fields", fields, FIELDS)),
+        components=components_for(checked_names("fields", fields, FIELDS)),
         tolerance=tolerance,
         dtype="float32" if single else "float64",
         threads=checked_threads(threads),
@@ -324,16 +232,6 @@ def linear_planes(
         boundary=boundary,
     )
     return stream.planes(pressure, watch)
-
-
-def _components_for(fields: Sequence[str]) -> tuple[str, ...]:
-    """Components from which the fields follow, in the order of `COMPONENTS`."""
-    needed = set(fields)
-    if needed.intersection(MEASURES):
-        return COMPONENTS
-    if "hydrostatic" in needed:
-        needed.update(_NORMAL)
-    return tuple(name for name in COMPONENTS if name in needed)
 
 
 @dataclass(frozen=True)
@@ -372,8 +270,8 @@ class _PlaneStream:
             for depth, own, share in zip(self.depths, source.plan, done, strict=True):
                 grid = own.grid
                 rooms.rotate()
-                rooms[0], values = _array_in(rooms[0], (len(parts), grid.shape[0], source.row_length(grid)))
-                fields = [values[number, :, : grid.shape[1]] for number in range(len(parts))]
+                rooms[0], values = _array_in(rooms[0], (grid.shape[0], len(parts), source.row_length(grid)))
+                fields = [values[:, number, : grid.shape[1]] for number in range(len(parts))]
                 constant = {part.component: field for part, field in zip(constants, fields, strict=False)}
                 slope = {
                     part.component: field
@@ -419,5 +317,5 @@ def _array_in(room: Array, shape: tuple[int, ...]) -> tuple[Array, Array]:
     """An array in memory that is kept if it is large enough, and that memory."""
     size = int(np.prod(shape))
     if room.size < size:
-        room = np.empty(size, room.dtype)
+        room = aligned_array(size, room.dtype)
     return room, room[:size].reshape(shape)

@@ -8,13 +8,17 @@ from dataclasses import dataclass
 import numpy as np
 
 from asperity.stress.fields import KINDS, Field
-from asperity.stress.maxima import Room, Search, search_rows
+from asperity.stress.linear_plane import LinearPlane
+from asperity.stress.maxima import Room, Search, room_for, search_rows, upper_for
 from asperity.stress.periodic import KeptArrays, bands_of
-from asperity.stress.planes import LinearPlane
 from asperity.types import Array
 
 SUMS = 5
 """Numbers that `asperity.stress.maxima.search_rows` sums of each row."""
+
+
+Candidates = tuple[Array, Array, Array]
+"""Rows, columns and magnitudes of maxima."""
 
 
 @dataclass(frozen=True)
@@ -51,7 +55,7 @@ class PlaneSearch:
     Parameters
     ----------
     fields : sequence of SoughtField
-        Those with a reference first among the averaged ones.
+        Von Mises stresses first, and those with a reference first among the averaged ones.
     periodic : bool
 
     Attributes
@@ -59,6 +63,9 @@ class PlaneSearch:
     maxima : list of (nodes, here, above)
         Flat indices of the maxima of each field in the last plane, and the values at and around them in it
         and, if that is on the same grid, in the plane above, of which only those are left that exceed it.
+    lower : list of (kept, values)
+        For the maxima of each field in the plane above, if it is on the same grid: which of them are above
+        the nine values at and around the node in the last plane, and these values.
     sums : (averaged, rows, `SUMS`) array
         As of `asperity.stress.maxima.search_rows`, of the last plane.
     """
@@ -66,19 +73,43 @@ class PlaneSearch:
     def __init__(self, fields: Sequence[SoughtField], periodic: bool) -> None:
         self.fields, self._periodic = list(fields), periodic
         self.maxima: list[tuple[Array, Array, Array]] = []
+        self.lower: list[tuple[Array, Array]] = []
         self.sums = np.empty((0, 0, SUMS))
+        others = [number for number, field in enumerate(fields) if field.name != "von_mises"]
+        self._von_mises = np.arange(min(others, default=len(self.fields)))
         averaged = np.cumsum([field.averaged for field in fields]) - 1
         self._averaged = np.where([field.averaged for field in fields], averaged, -1)
         self._kept = KeptArrays()
 
-    def start(self, plane: LinearPlane, above: LinearPlane | None, floor: float, reference: Array) -> None:
-        """Begin a plane, whose maxima at or below `floor` are left out."""
+    def start(
+        self,
+        plane: LinearPlane,
+        above: LinearPlane | None,
+        upper: Sequence[Candidates],
+        floor: float,
+        reference: Array,
+    ) -> None:
+        """Begin a plane.
+
+        Parameters
+        ----------
+        plane : LinearPlane
+        above : LinearPlane or None
+            The plane before it.
+        upper : sequence of (rows, columns, magnitudes)
+            Maxima of each field in the plane above, by rising rows.
+        floor : float
+            Maxima at or below it are left out.
+        reference : array
+            As of `asperity.stress.maxima.search_rows`.
+        """
         real = plane.dtype
         self._parts = plane.parts()
         compared = above is not None and above.grid == plane.grid
         self._above = above.parts() if above is not None and compared else self._parts
         compiled = [field.compiled(plane) for field in self.fields]
         self._search = Search(
+            self._von_mises,
             np.array([field.kind for field in compiled]),
             np.array([field.ratio for field in compiled], real),
             np.array([field.uniform for field in compiled], real),
@@ -88,6 +119,9 @@ class PlaneSearch:
             self._periodic,
             compared,
         )
+        nothing = np.empty(0, np.int64)
+        candidates = upper if compared else [(nothing, nothing, nothing)] * len(self.fields)
+        self._upper = upper_for(candidates, plane.grid.shape[0], real)
         self._reference = reference
         self.sums = np.empty((int(self._averaged.max()) + 1, plane.grid.shape[0], SUMS))
         self._bands = bands_of(plane.grid.shape[0])
@@ -108,7 +142,7 @@ class PlaneSearch:
 
     def finish(self) -> None:
         """Search the rows at the edges of the bands, when all have been filled."""
-        rows = self._parts.values.shape[1]
+        rows = self._parts.values.shape[0]
         edges = [start for start, _ in self._bands]
         around = [(edge - 2, edge + 2) for edge in edges]
         if not self._periodic:
@@ -120,31 +154,21 @@ class PlaneSearch:
             self._search_rows(room, start, start, stop, nothing)
             self._found.append(_maxima_in(room))
         self.maxima = []
+        ends = self._upper.first[:, [0, -1]]
+        self.lower = [(self._upper.kept[a:b], self._upper.values[a:b]) for a, b in ends.tolist()]
         for each in zip(*self._found, strict=True):
             nodes, here, above = (np.concatenate(part) for part in zip(*each, strict=True))
             self.maxima.append((nodes, here, above))
 
     def _search_rows(self, room: Room, start: int, first: int, last: int, sums: Array) -> None:
         both, rows = (self._parts, self._above), (start, first, last)
-        search_rows(*both, self._search, room, *rows, self._reference, sums)
+        search_rows(*both, self._search, self._upper, room, *rows, self._reference, sums)
 
     def _room(self, rows: int) -> Room:
         fields, columns = len(self.fields), self._parts.columns
         real = self._parts.values.dtype
         capacity = (rows // 2 + 1) * (columns // 2 + 1)
-        padded = -(-columns // 64) * 64 + 64
-        flags = self._kept.array("flags", (padded,), np.uint8)
-        return Room(
-            self._kept.array("rows", (fields, 3, padded), real),
-            self._kept.array("across", (padded,), real),
-            flags,
-            flags.view(np.uint64),
-            self._kept.array("found", (fields, capacity), np.int64),
-            self._kept.array("around", (fields, capacity, 3, 3), real),
-            self._kept.array("above", (fields, capacity, 3, 3), real),
-            np.zeros(fields, np.int64),
-            np.zeros(fields, np.int64),
-        )
+        return room_for(fields, columns, capacity, real, self._kept.array)
 
 
 def _maxima_in(room: Room) -> list[tuple[Array, Array, Array]]:

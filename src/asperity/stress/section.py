@@ -29,7 +29,8 @@ from asperity.stress.arguments import (
     checked_ratios,
 )
 from asperity.stress.depths import depth_grid
-from asperity.stress.planes import LinearPlane, linear_planes
+from asperity.stress.linear_plane import LinearPlane
+from asperity.stress.planes import linear_planes
 from asperity.stress.pressed import ContactLike
 from asperity.types import Array, Progress
 

@@ -15,8 +15,8 @@ import xarray as xr
 from asperity.errors import one_line, shown
 from asperity.stress.arguments import boundary_of, checked_name, checked_ratio
 from asperity.stress.peak_kinds import SELECTIONS
-from asperity.stress.peaks import Peaks
 from asperity.stress.pressed import ContactLike
+from asperity.stress.refinement import Peaks
 from asperity.types import Array
 
 _LABELS = ("peak_quantity", "peak_poisson")

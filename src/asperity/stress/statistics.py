@@ -164,9 +164,7 @@ class LagRings:
 
     def __init__(self, grid: Grid) -> None:
         self._grid, width = grid, min(grid.spacing)
-        y, x = grid.coordinates()
-        # The covariance is the same at opposite lags: half of the rows hold all of it.
-        y, x = y[: grid.shape[0] // 2 + 1], np.minimum(x, grid.length[1] - x)
+        y, x = (axis[: axis.size // 2 + 1] for axis in grid.coordinates())
         rings = int(min(grid.length) / 2 / width + 1e-9) + 1
         number = np.rint(np.hypot(y[:, None], x[None, :]) / width).astype(np.int64)
         self.lag, self._ring = width * np.arange(rings), np.minimum(number, rings)
@@ -184,40 +182,41 @@ class LagRings:
         work : Work, optional
             Where the transform is counted.
         """
-        power = (modes.real**2 + modes.imag**2).astype(modes.dtype)
+        power = modes.real**2 + modes.imag**2
         power[0, 0] = 0.0
+        # Lags (y, x) and (y, −x) are in the same ring: their mean has a power that is even in both axes.
+        power[1:] = 0.5 * (power[1:] + power[:0:-1])
         if grid != self._grid:
             power = resample(power, grid, self._grid)
-        fourier = Fourier(self._grid, power.real.dtype)
-        rows = self._ring.shape[0]
-        # The power is real: two columns are transformed along y as one complex column, and parted afterwards.
+        fourier = Fourier(self._grid, power.dtype)
+        rows, nodes = self._ring.shape
+        # Of a real even column the transform is real: two are transformed along y as one complex column.
         half = (power.shape[1] + 1) // 2
-        pairs = power[None, :, :half].copy()
-        pairs[0, :, : power.shape[1] - half] += 1j * power[:, half:]
+        pairs = np.zeros((1, power.shape[0], half), fourier.complex)
+        pairs.real[0] = power[:, :half]
+        pairs.imag[0, :, : power.shape[1] - half] = power[:, half:]
         for first in range(0, half, LINES_AT_ONCE):
             block = pairs[:, :, first : first + LINES_AT_ONCE]
             fourier.inverse_along_y(block, block)
-        here = pairs[0, :rows]
-        opposite = pairs[0, -np.arange(rows)].conj()
-        columns = np.empty((1, rows, power.shape[1]), power.dtype)
-        columns[0, :, :half] = (here + opposite) / 2
-        columns[0, :, half:] = ((here - opposite) / 2j)[:, : power.shape[1] - half]
+        columns = np.zeros((1, rows, power.shape[1]), fourier.complex)
+        columns.real[0, :, :half] = pairs.real[0, :rows]
+        columns.real[0, :, half:] = pairs.imag[0, :rows, : power.shape[1] - half]
         covariance = np.empty((1, rows, self._grid.shape[1]), fourier.real)
         for first in range(0, rows, LINES_AT_ONCE):
             strip = slice(first, min(first + LINES_AT_ONCE, rows))
-            fourier.inverse_along_x(columns[:, strip].copy(), covariance[:, strip])
+            fourier.inverse_along_x(columns[:, strip], covariance[:, strip])
         if work is not None:
             work.nodes += self._grid.size // 2
-        return self._sum(covariance[0]) / self._count
+        return self._sum(covariance[0, :, :nodes]) / self._count
 
     def _sum(self, values: Array) -> Array:
-        """Sum over all nodes of each ring, from half of the rows."""
-        rows, nodes = values.shape[0], self._grid.shape[0]
-        once = [0, rows - 1] if nodes % 2 == 0 else [0]
-        weights = np.full((rows, 1), 2.0)
-        weights[once] = 1.0
-        total = np.bincount(self._ring.ravel(), (weights * values).ravel(), self.lag.size + 1)
-        return total[: self.lag.size]
+        """Sum over all nodes of each ring, from those with y and x up to half of the cell."""
+        along_y, along_x = (np.full(n // 2 + 1, 2.0) for n in self._grid.shape)
+        for weights, nodes in zip((along_y, along_x), self._grid.shape, strict=True):
+            weights[[0, nodes // 2] if nodes % 2 == 0 else [0]] = 1.0
+        weighted = values * along_x
+        weighted *= along_y[:, None]
+        return np.bincount(self._ring.ravel(), weighted.ravel(), self.lag.size + 1)[: self.lag.size]
 
 
 def half_length(distance: Array, correlation: Array, share: float = 0.5) -> float:

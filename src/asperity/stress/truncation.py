@@ -85,7 +85,7 @@ class Truncation:
         self._layer = layer
         self._envelope = envelope
         width = 2 * np.pi / max(grid.length)
-        numbers = np.floor(grid.wavenumber() / width)
+        numbers = np.floor(np.hypot(grid.qy[: grid.shape[0] // 2 + 1, None], grid.qx) / width)
         if numbers.max() < numbers.size:
             ring = numbers.astype(np.int64)
             occupied = np.arange(int(ring.max()) + 1)
@@ -94,9 +94,10 @@ class Truncation:
             ring = ring.reshape(numbers.shape)
         rings = occupied.size
         self._width, self._wavenumber = width, width * occupied
-        amplitude = np.abs(pressure) * grid.multiplicity
+        magnitude = np.abs(pressure)
+        amplitude, power = (_folded(each * grid.multiplicity) for each in (magnitude, magnitude * magnitude))
         self._qx, self._of_columns = grid.qx, amplitude.sum(axis=0)
-        self._power = np.bincount(ring.ravel(), (amplitude * np.abs(pressure)).ravel(), rings)
+        self._power = np.bincount(ring.ravel(), power.ravel(), rings)
         self._mean_square = float(np.abs(pressure[0, 0]) ** 2)
         self._power[0] = 0.0
         last = _coarsest_grid_of_modes(grid, self.grids)
@@ -164,11 +165,20 @@ def coarser_grids(grid: Grid) -> list[Grid]:
             return grids
 
 
+def _folded(values: Array) -> Array:
+    """Sum over the modes ±ky of values of the stored modes, (ny // 2 + 1, nx // 2 + 1)."""
+    half = values.shape[0] // 2
+    out = values[: half + 1].copy()
+    out[1 : values.shape[0] - half] += values[:half:-1]
+    return out
+
+
 def _coarsest_grid_of_modes(grid: Grid, grids: Sequence[Grid]) -> Array:
-    """Index of the last (coarsest) of the grids that keeps each stored mode, (ny, nx // 2 + 1)."""
-    last = np.zeros(grid.half_shape, np.int64)
-    for number, coarse in enumerate(grids[1:], start=1):
-        rows = 2 * np.abs(grid.ky) < coarse.shape[0]
-        columns = 2 * grid.kx < coarse.shape[1]
-        last[np.ix_(rows, columns)] = number
-    return last
+    """Index of the last (coarsest) of the grids that keeps the modes ±ky, (ny // 2 + 1, nx // 2 + 1)."""
+    along_y, along_x = (
+        np.sum(
+            [2 * np.arange(nodes // 2 + 1) < coarse.shape[axis] for coarse in grids[1:]], axis=0, dtype=int
+        )
+        for axis, nodes in enumerate(grid.shape)
+    )
+    return np.minimum.outer(along_y, along_x)
