@@ -33,8 +33,9 @@ class FreeResponse(Response):
     def on(cls, solid: Solid, grid: Grid, dtype: object, threads: int = 1) -> Self:
         return cls(solid, PaddedFourier(grid, dtype, threads))  # type: ignore[arg-type]
 
-    def _modes(self) -> Array:
-        return compliance_modes(self.grid, self.solid.effective_modulus).astype(self.fourier.real)
+    def _half_modes(self) -> Array:
+        rows = self.mode_grid.shape[0] // 2 + 1
+        return compliance_modes(self.grid, self.solid.effective_modulus)[:rows].astype(self.fourier.real)
 
     @property
     def mode_grid(self) -> Grid:

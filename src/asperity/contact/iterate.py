@@ -120,14 +120,16 @@ class Iterate:
             self._near = level + reserve, *_joined(found)
         return self._near[1:]
 
+    def _within(self, part: slice) -> tuple[Array, Array]:
+        """Nodes within a part of the flattened field, counted from its start, and their pressures."""
+        first, last = np.searchsorted(self.nodes, np.array((part.start, part.stop), np.uint32))
+        return self.nodes[first:last] - np.uint32(part.start), self.pressure[first:last]
+
     def _spread_pressure(self, field: Array) -> None:
         """Write the pressure of all nodes into a flattened field."""
 
         def spread(part: slice) -> None:
-            first, last = np.searchsorted(self.nodes, np.array((part.start, part.stop), np.uint32))
-            kernels.spread(
-                field[part], self.nodes[first:last] - np.uint32(part.start), self.pressure[first:last]
-            )
+            kernels.spread(field[part], *self._within(part))
 
         in_parts(spread, field.size, self._threads)
 
@@ -145,8 +147,7 @@ class Iterate:
     def _free_nodes(self, bound: Any, part: slice) -> tuple[Array, Array]:
         """Nodes of a part out of contact with a gap below a bound, and their gaps."""
         height, displacement = (field[part] for field in self.fields())
-        first, last = np.searchsorted(self.nodes, np.array((part.start, part.stop), np.uint32))
-        nodes = self.nodes[first:last] - np.uint32(part.start)
+        nodes, _ = self._within(part)
         found, gap = kernels.free_nodes_below(height, displacement, nodes, bound)
         return found + np.uint32(part.start), gap
 
@@ -162,12 +163,15 @@ class Iterate:
             self.displacement = self._problem.displacement(field, field)
         real = finer.height.dtype.type
         stiffness, approach = real(finer.modulus / min(finer.grid.spacing)), real(self.approach)
-        field = self.displacement
-        flat, nodes = field.reshape(-1), self.nodes[self.pressure > 0]
-        flat[nodes] = approach - self._height[nodes]
-        field *= -stiffness
-        flat[nodes] += self.pressure[self.pressure > 0]
-        out = self._problem.response.interpolated(field, finer.response)
+        self.drop_free_nodes()
+        flat = self.displacement.reshape(-1)
+
+        def subtract_gap(part: slice) -> None:
+            nodes, pressure = self._within(part)
+            kernels.pressure_less_gap(self._height[part], nodes, pressure, approach, stiffness, flat[part])
+
+        in_parts(subtract_gap, flat.size, self._threads)
+        out = self._problem.response.interpolated(self.displacement, finer.response)
 
         def subtract(rows: slice) -> None:
             gap = finer.height[rows] - approach

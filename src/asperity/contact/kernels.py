@@ -37,6 +37,17 @@ def gaps(height: Any, displacement: Any, nodes: Any, out: Any) -> None:
         out[k] = height[nodes[k]] + displacement[nodes[k]]
 
 
+@njit(cache=True, nogil=True, error_model="numpy")
+def pressure_less_gap(
+    height: Any, nodes: Any, pressure: Any, approach: Any, stiffness: Any, displacement: Any
+) -> None:
+    """Replace the displacement u by the pressure less stiffness × u; on nodes under pressure u is δ − h."""
+    for i in range(displacement.size):
+        displacement[i] *= -stiffness
+    for k in range(nodes.size):
+        displacement[nodes[k]] = pressure[k] - stiffness * (approach - height[nodes[k]])
+
+
 @intrinsic
 def _lowest_bit(typing_context: Any, bits: Any) -> Any:
     """Position of the lowest bit that is set."""

@@ -64,7 +64,7 @@ class Response(ABC):
     @cached_property
     def half_compliance(self) -> Array:
         """Real factors that turn coefficients of a pressure, ky ≥ 0, into those of its displacement."""
-        return self._modes()[: self.mode_grid.shape[0] // 2 + 1].copy()
+        return self._half_modes()
 
     @property
     def compliance(self) -> Array:
@@ -108,7 +108,8 @@ class Response(ABC):
         """Response of a solid on a grid, with a precision and a number of threads."""
 
     @abstractmethod
-    def _modes(self) -> Array: ...
+    def _half_modes(self) -> Array:
+        """Factors of the coefficients with ky ≥ 0."""
 
     @property
     @abstractmethod
@@ -149,8 +150,8 @@ class PeriodicResponse(Response):
     def on(cls, solid: Solid, grid: Grid, dtype: object, threads: int = 1) -> Self:
         return cls(solid, Fourier(grid, dtype, threads))  # type: ignore[arg-type]
 
-    def _modes(self) -> Array:
-        modes = self.solid.grid_surface_compliance(self.grid, self.fourier.real)
+    def _half_modes(self) -> Array:
+        modes = self.solid.half_grid_surface_compliance(self.grid, self.fourier.real)
         if self.holds_mean:
             modes[0, 0] = 0
         return modes

@@ -462,7 +462,11 @@ class Layer:
 
         Rows of equal |qy| are evaluated once.
         """
-        return mirror_rows(self.surface_compliance(_half_wavenumber(grid, dtype)), grid)
+        return mirror_rows(self.half_grid_surface_compliance(grid, dtype), grid)
+
+    def half_grid_surface_compliance(self, grid: Grid, dtype: DTypeLike = "float64") -> Array:
+        """`grid_surface_compliance` of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1)."""
+        return self.surface_compliance(_half_wavenumber(grid, dtype))
 
     def grid_kernels(self, grid: Grid, depth: float, dtype: DTypeLike = "float64") -> Kernels:
         """`kernels` at one depth for the rows 0 ≤ ky ≤ ny/2 of a grid, (ny // 2 + 1, nx // 2 + 1).

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.layer import Layer, mirror_rows
 from asperity.notebook import table
 from asperity.spectral import Grid
 from asperity.types import Array
@@ -81,9 +81,12 @@ class TwoBodies:
 
     def grid_surface_compliance(self, grid: Grid, dtype: DTypeLike = "float64") -> Array:
         """`surface_compliance` of every stored mode of a grid, (ny, nx // 2 + 1)."""
-        return np.asarray(
-            self.lower.grid_surface_compliance(grid, dtype) + self.upper.grid_surface_compliance(grid, dtype)
-        )
+        return mirror_rows(self.half_grid_surface_compliance(grid, dtype), grid)
+
+    def half_grid_surface_compliance(self, grid: Grid, dtype: DTypeLike = "float64") -> Array:
+        """`grid_surface_compliance` of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1)."""
+        lower, upper = (body.half_grid_surface_compliance(grid, dtype) for body in (self.lower, self.upper))
+        return np.asarray(lower + upper)
 
 
 Solid = Layer | TwoBodies
