@@ -24,7 +24,12 @@ MOST_OF_AREA_CONTROL = 1.3
 MOST_OF_PATH = 5.0
 MOST_GIB = {8192: 3.0, 16384: 20.0}
 COMPARED_GRID = 2048
-STUDY_AIMS = {"paper": (180.0, 330.0), "quick": (45.0, np.nan), "dry-run": (2.0, np.nan)}
+STUDY_AIMS = {
+    "paper": (180.0, 330.0),
+    "quick": (45.0, np.nan),
+    "dry-run": (2.0, np.nan),
+    "ensemble": (900.0, np.nan),
+}
 
 HEAD = """# Performance
 

@@ -1,10 +1,11 @@
 """Wall time, processor time and memory of the study, from nothing, and of a dry run.
 
-    python benchmarks/study.py [paper] [quick] [dry-run] [--out results/benchmarks]
+    python benchmarks/study.py [paper] [quick] [dry-run] [ensemble] [--out results/benchmarks]
 
-runs the study of the paper, the quick study, and a dry run of the paper's, on two cores, each into a new
-folder that is deleted afterwards. Without arguments all three. Prints a table, and keeps its rows in
-``study.csv``. Processor time is that of all jobs and of Snakemake; memory is the largest of any process.
+runs the study of the paper, the quick study, a dry run of the paper's, and the ensemble of eight seeds, on
+two cores, each into a new folder that is deleted afterwards. Without arguments all four. Prints a table, and
+keeps its rows in ``study.csv``. Processor time is that of all jobs and of Snakemake; memory is the largest of
+any process.
 """
 
 from __future__ import annotations
@@ -24,7 +25,12 @@ import asperity
 from asperity.runtime.costs import job_costs
 
 ROOT = Path(__file__).parents[1]
-OPTIONS = {"paper": [], "quick": ["--configfile", "config/quick.yaml"], "dry-run": ["--dry-run", "--quiet"]}
+OPTIONS = {
+    "paper": [],
+    "quick": ["--configfile", "config/quick.yaml"],
+    "dry-run": ["--dry-run", "--quiet"],
+    "ensemble": ["--configfile", "config/ensemble.yaml"],
+}
 
 
 def measure(name: str, cores: int) -> dict[str, object]:
