@@ -19,10 +19,10 @@ import argparse
 
 import numpy as np
 
+from asperity.markup import markdown
 from asperity.paper.ensemble.planning import Plan, next_plan, pilot
 from asperity.paper.ensemble.result import result
 from asperity.paper.ensemble.samples import Samples
-from asperity.results.markup import markdown
 
 LIMIT, SLOPE, SCATTER = 1.0, 0.05, 0.04
 SETTINGS = {"nodes": [4, 8, 16, 32, 64], "pilot": 6}

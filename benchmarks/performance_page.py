@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from performance_plots import FAST, PRECISION, STEEPEST, STYLES, TARGET, at_error, fast_runs, periodic
 
-from asperity.results.markup import markdown
+from asperity.markup import markdown
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "docs/performance"

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from asperity.results.markup import markdown
+from asperity.markup import markdown
 from asperity.results.tables import write_table
 from asperity.runtime.costs import cost_table, job_costs
 

@@ -24,7 +24,7 @@ import pandas as pd
 from asperity.accuracy.measured import MeasuredTradeoff, load
 from asperity.accuracy.tables import minutes
 from asperity.config.presets import PRESETS, AccuracySettings
-from asperity.results.markup import markdown
+from asperity.markup import markdown
 from asperity.spectral import Fourier, Grid
 
 PAPER = PRESETS["paper"]

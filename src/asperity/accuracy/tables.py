@@ -10,7 +10,7 @@ import pandas as pd
 from asperity.accuracy.measured import MeasuredTradeoff
 from asperity.accuracy.outputs import OUTPUTS
 from asperity.config.presets import PRESETS
-from asperity.results.markup import markdown
+from asperity.markup import markdown
 
 PARAMETER_LABELS = {
     "points_per_wavelength": "`points` on `wavelength_short`",

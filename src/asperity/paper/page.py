@@ -13,10 +13,10 @@ import pandas as pd
 
 import asperity
 from asperity.accuracy.tables import errors_for_reader, presets_for_reader
+from asperity.markup import html_table, inline
 from asperity.paper.figures import Description
 from asperity.results.atomic import atomic_write
 from asperity.results.dataset import PAPER
-from asperity.results.markup import html_table, inline
 from asperity.runtime.costs import cost_table, job_costs
 from asperity.validation.table import Row, for_reader
 

@@ -2,7 +2,7 @@
 
 A table is a data frame of pandas with one row for each case and numbers as numbers. `TABLES` describes all of
 them; `docs/tables.md` shows it. For a reader a table is made into Markdown or HTML by
-`asperity.results.markup`.
+`asperity.markup`.
 """
 
 from __future__ import annotations
