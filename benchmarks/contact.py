@@ -50,7 +50,7 @@ LARGEST = {
     "active_set float64": (2048, 16384),
     "active_set float32": (2048, 4096),
     "gfmd float64": (1024, 2048),
-    "tamaas": (2048, 2048),
+    "tamaas": (1024, 2048),
     "ContactMechanics": (1024, 1024),
 }
 

@@ -6,11 +6,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from asperity import markup
 from asperity.config.study import read_study
 from asperity.paper.claims.documents import findings, pages
 from asperity.paper.claims.report import count_of, verdict_in_words
 from asperity.paper.claims.statements import CLAIMS
-from asperity.results import markup
 
 ROOT = Path(__file__).parents[2]
 

@@ -10,11 +10,11 @@ import pandas as pd
 import pytest
 
 import asperity as asp
+from asperity import markup
 from asperity.engineering import Body, run
 from asperity.paper.claims.documents import findings
 from asperity.paper.claims.report import frame as frame_of_verdicts
 from asperity.paper.claims.report import frame_of_readings
-from asperity.results import markup
 from asperity.results.export import peak_table
 from asperity.results.tables import TABLES, check_columns, describe_tables, units, write_table
 from asperity.runtime.costs import cost_table, job_costs

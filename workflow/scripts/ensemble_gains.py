@@ -5,8 +5,8 @@ from asperity.runtime.preloaded import run_in_copy
 run_in_copy()
 
 
+from asperity import markup
 from asperity.paper.ensemble.gains import gain_frame, known_numbers
-from asperity.results import markup
 from asperity.results.atomic import write_text
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar

@@ -5,12 +5,13 @@ from asperity.runtime.preloaded import run_in_copy
 run_in_copy()
 
 
+from asperity import markup
 from asperity.paper.ensemble import figure
 from asperity.paper.ensemble.numbers import number
 from asperity.paper.ensemble.planning import Plan
 from asperity.paper.ensemble.result import level_frame, result, sentences
 from asperity.paper.ensemble.samples import read_samples
-from asperity.results import dataset, markup
+from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.runtime.logs import log_to
 from asperity.runtime.progress import ProgressBar

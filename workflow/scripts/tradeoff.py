@@ -5,12 +5,13 @@ from asperity.runtime.preloaded import run_in_copy
 run_in_copy()
 
 
+from asperity import markup
 from asperity.accuracy.measured import as_json
 from asperity.accuracy.measurement import measure
 from asperity.accuracy.reduction import reduce_runs
 from asperity.accuracy.tables import errors_for_reader, errors_frame, presets_for_reader, presets_frame
 from asperity.engines import fft_engine
-from asperity.results import dataset, markup
+from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to

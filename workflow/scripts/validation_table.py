@@ -5,7 +5,8 @@ from asperity.runtime.preloaded import run_in_copy
 run_in_copy()
 
 
-from asperity.results import dataset, markup
+from asperity import markup
+from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to

@@ -5,10 +5,11 @@ from asperity.runtime.preloaded import run_in_copy
 run_in_copy()
 
 
+from asperity import markup
 from asperity.engines import fft_engine
 from asperity.pipeline.statistics import SeedResults
 from asperity.pipeline.verification import verify
-from asperity.results import dataset, markup
+from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.runtime.logs import log_to

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from asperity.results import markup
+from asperity import markup
 from asperity.validation.convergence import convergence_order
 from asperity.validation.finite_elements import FIELDS, largest_differences
 

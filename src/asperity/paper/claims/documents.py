@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from asperity import markup
 from asperity.config.schema import accepted, schema
 from asperity.paper.claims.conventions import CLEAR, CONVENTIONS, Support, support
 from asperity.paper.claims.report import (
@@ -31,7 +32,6 @@ from asperity.paper.claims.verdicts import (
     Finding,
     tally,
 )
-from asperity.results import markup
 
 TABLE = Path("docs/ensemble.csv")
 PAGE = Path("docs/ensemble.md")

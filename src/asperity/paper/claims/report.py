@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 import asperity
+from asperity import markup
 from asperity.paper.claims.continuum import continuum
 from asperity.paper.claims.evidence import Evidence, Measure
 from asperity.paper.claims.verdicts import (
@@ -24,7 +25,6 @@ from asperity.paper.claims.verdicts import (
     conclude,
     tally,
 )
-from asperity.results import markup
 
 _RULE = f"""\
 Under one reading of the paper a statement holds if the {100 * CONFIDENCE:g} % interval of the mean over seeds

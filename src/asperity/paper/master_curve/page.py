@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
+from asperity import markup
 from asperity.paper.claims.report import with_error
 from asperity.paper.master_curve.analysis import (
     COLLAPSED,
@@ -16,7 +17,6 @@ from asperity.paper.master_curve.analysis import (
     of_poisson,
     scatter,
 )
-from asperity.results import markup
 
 INPUTS = ("ln A", "H", "ln λ_l/λ_s")
 """Terms of the fit in what is known before the contact is computed."""

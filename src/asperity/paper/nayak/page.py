@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import pandas as pd
 
+from asperity import markup
 from asperity.paper.claims.report import with_error
 from asperity.paper.nayak.analysis import NUMBERS, TERMS, Regression, regress
-from asperity.results import markup
 
 STRUCTURE = ("ln_nayak", "hurst", "ln_ratio")
 """Terms that describe the surface, each tried beside the area."""
