@@ -143,6 +143,7 @@ class ActiveSet:
             correction = self._inner.solve(system, *accuracy.next(iterate.error))
             iterate.iterations += correction.iterations
             if self._area is None:
+                del system  # the step needs memory
                 motion = self._step.take(iterate, correction)
             else:
                 motion = self._area.take(iterate, system, correction)

@@ -1,9 +1,9 @@
 """Compilation of the numba functions of the package before the jobs of a study need them.
 
 Numba compiles a function when it is first called with arguments of some types, and keeps the machine code in
-a file beside the module, where other processes find it. All functions together take some twenty seconds, and
-150 MB of memory that the calculation itself does not need. Compiling them once, before other jobs start,
-keeps these jobs from compiling the same functions side by side.
+a file beside the module, where other processes find it. All functions together take some 25 s, and 150 MB of
+memory that the calculation itself does not need. Compiling them once, before other jobs start, keeps these
+jobs from compiling the same functions side by side.
 """
 
 from __future__ import annotations
