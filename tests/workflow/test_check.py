@@ -24,14 +24,14 @@ def test_the_quick_study_has_the_numbers_of_the_reference(quick):
     assert "numbers as in tests/reference/quick.json" in found.stdout
 
 
-KERNEL = (
-    "elasticity/kernels.py",
-    "(1.0 + d) * a, (1.0 - d) * a, d * a,",
-    "(1.0 + d) * a, 1.01 * (1.0 - d) * a, d * a,",
-)
+KERNEL = "stress/kernels.py", "(scaled[i] - one) * decay[i]", "(scaled[i] - one) * 1.01 * decay[i]"
 """The kernel of the lateral stress below the surface of a half-space."""
 
-SURFACE = "stress/periodic.py", "np.multiply(-(self._qx**2)", "np.multiply(-1.01 * (self._qx**2)"
+SURFACE = (
+    "stress/periodic.py",
+    "np.multiply(-(self._qx[first:last] ** 2)",
+    "np.multiply(-1.01 * (self._qx[first:last] ** 2)",
+)
 """The lateral stress in the surface itself, which follows from the pressure without this kernel."""
 
 
@@ -40,7 +40,7 @@ SURFACE = "stress/periodic.py", "np.multiply(-(self._qx**2)", "np.multiply(-1.01
     [
         # The highest lateral stress lies in the surface if the solid is confined, and below it if it is free.
         # The von Mises stress has the lateral stress as a part, the shear stress xz has not.
-        (KERNEL, {"free/xx.p99@0.33", "profile.largest@0.33"}, {"xz.p99@0.33"}),
+        (KERNEL, {"free/xx.p50@0.33", "profile.largest@0.33"}, {"xz.p99@0.33"}),
         (SURFACE, {"xx.p99@0.33"}, {"xz.p99@0.33", "zz.p99@0.33"}),
     ],
 )
