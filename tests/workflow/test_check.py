@@ -24,7 +24,7 @@ def test_the_quick_study_has_the_numbers_of_the_reference(quick):
     assert "numbers as in tests/reference/quick.json" in found.stdout
 
 
-KERNEL = "stress/kernels.py", "(scaled[i] - one) * decay[i]", "(scaled[i] - one) * 1.01 * decay[i]"
+KERNEL = "elasticity/kernels.py", "(one + d) * a, (one - d) * a", "(one + d) * a, (one - d) * 1.01 * a"
 """The kernel of the lateral stress below the surface of a half-space."""
 
 SURFACE = (

@@ -274,14 +274,15 @@ def write_gap(height: Any, displacement: Any, approach: Any, out: Any) -> None:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def gap_of_contact(pressure: Any, height: Any, displacement: Any) -> tuple[float, int]:
-    """Sum of h + u over the nodes under pressure, and their number."""
-    total, count = 0.0, 0
+def gap_of_contact(pressure: Any, height: Any, displacement: Any) -> tuple[float, int, float]:
+    """Sum of h + u over the nodes under pressure, their number, and the sum of the pressure."""
+    total_gap, count, total = 0.0, 0, 0.0
     for i in range(pressure.size):
+        total += np.float64(pressure[i])
         if pressure[i] > 0:
-            total += np.float64(height[i] + displacement[i])
+            total_gap += np.float64(height[i] + displacement[i])
             count += 1
-    return total, count
+    return total_gap, count, total
 
 
 @njit(cache=True, nogil=True, error_model="numpy")

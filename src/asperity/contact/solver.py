@@ -220,7 +220,7 @@ def _certified(
     pairs = problem.fourier.work.pairs(grid)
     gap = np.empty_like(problem.height)
     flat = [field.reshape(-1) for field in (pressure, problem.height, displacement, gap)]
-    total_gap, nodes = total(kernels.gap_of_contact, threads, *flat[:3])
+    total_gap, nodes, total_pressure = total(kernels.gap_of_contact, threads, *flat[:3])
     approach = state.approach if control.kind == "approach" or nodes == 0 else total_gap / nodes
     apply(kernels.write_gap, threads, *flat[1:3], gap.dtype.type(approach), flat[3])
     load = state.load if control.kind == "mean_pressure" else None
@@ -239,7 +239,7 @@ def _certified(
             boundary=problem.response.boundary,
             threads=threads,
         )
-    mean_pressure, area_fraction = total(kernels.added, threads, flat[0]) / grid.size, nodes / grid.size
+    mean_pressure, area_fraction = total_pressure / grid.size, nodes / grid.size
     reached = {"area_fraction": area_fraction, "mean_pressure": mean_pressure}
     found = Contact(
         height=problem.height,

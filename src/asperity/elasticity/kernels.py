@@ -107,12 +107,18 @@ def _sinhc_difference(square_a: float, square_b: float) -> float:
     return total
 
 
+@_inlined
+def half_space_stresses(one: Any, d: Any, a: Any) -> tuple[Any, Any, Any]:
+    """Z, L and T of the half-space, given a = e^(−d); `one` is 1 in their precision."""
+    return (one + d) * a, (one - d) * a, d * a
+
+
 @_compiled
 def half_space_kernels(d: float, poisson: float) -> Values:
     """Z, L, T, V and W of the half-space."""
     a = np.exp(-d)
     m = 1.0 - 2.0 * poisson
-    return (1.0 + d) * a, (1.0 - d) * a, d * a, (m - d) * a, (1.0 + m + d) * a
+    return *half_space_stresses(1.0, d, a), (m - d) * a, (1.0 + m + d) * a
 
 
 @_compiled

@@ -11,7 +11,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
+from asperity.elasticity.kernels import half_space_stresses
 from asperity.elasticity.layer import COMPONENTS
+from asperity.machine_code import discard_outdated
 
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = (COMPONENTS.index(name) for name in ("xx", "yy", "zz", "yz", "xz", "xy"))
 
@@ -275,15 +277,19 @@ def _fill_factors(depth: float, qx: Any, odd_qx: Any, qy: float, odd_qy: float, 
     xy, slope_xx, slope_xy = factors[_COLUMN_XY], factors[_COLUMN_SLOPE_XX], factors[_COLUMN_SLOPE_XY]
     one = qx.dtype.type(1)
     for i in range(qx.size):
-        xx[2 * i] = xx[2 * i + 1] = (scaled[i] - one) * decay[i] * (qx[i] * qx[i] * over_square[i])
+        _, longitudinal, _ = half_space_stresses(one, scaled[i], decay[i])
+        xx[2 * i] = xx[2 * i + 1] = -longitudinal * (qx[i] * qx[i] * over_square[i])
     for i in range(qx.size):
-        yy[2 * i] = yy[2 * i + 1] = (scaled[i] - one) * decay[i] * (qy * qy * over_square[i])
+        _, longitudinal, _ = half_space_stresses(one, scaled[i], decay[i])
+        yy[2 * i] = yy[2 * i + 1] = -longitudinal * (qy * qy * over_square[i])
     for i in range(qx.size):
-        zz[2 * i] = zz[2 * i + 1] = -(scaled[i] + one) * decay[i]
+        normal, _, _ = half_space_stresses(one, scaled[i], decay[i])
+        zz[2 * i] = zz[2 * i + 1] = -normal
     for i in range(qx.size):
         yz[2 * i] = yz[2 * i + 1] = depth * odd_qy * decay[i]
     for i in range(qx.size):
-        xy[2 * i] = xy[2 * i + 1] = (scaled[i] - one) * decay[i] * (odd_qx[i] * odd_qy * over_square[i])
+        _, longitudinal, _ = half_space_stresses(one, scaled[i], decay[i])
+        xy[2 * i] = xy[2 * i + 1] = -longitudinal * (odd_qx[i] * odd_qy * over_square[i])
     for i in range(qx.size):
         slope_xx[2 * i] = slope_xx[2 * i + 1] = -(decay[i] + decay[i]) * (qy * qy * over_square[i])
     for i in range(qx.size):
@@ -321,3 +327,6 @@ def half_space_xz(half_depth: float, odd_qx: Any, first: int, last: int, parts: 
             factor = half_depth * odd_qx[i]
             xz[2 * i] = -factor * (xx[2 * i + 1] + yy[2 * i + 1] + zz[2 * i + 1])
             xz[2 * i + 1] = factor * (xx[2 * i] + yy[2 * i] + zz[2 * i])
+
+
+discard_outdated(__name__)
