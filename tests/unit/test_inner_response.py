@@ -101,7 +101,7 @@ def test_stencil_against_the_sum_of_its_definition(shape: tuple[int, int], repea
     stencil.apply(whole_stencil(quadrants), values, found)
     np.testing.assert_allclose(found, [product(int(node)) for node in nodes], rtol=1e-4, atol=1e-4)
     others = np.arange(shape[0] * shape[1], dtype=np.uint32)
-    everywhere = stencil.apply_at(whole_stencil(quadrants), others)
+    everywhere = stencil.apply_at(whole_stencil(quadrants), values, others)
     np.testing.assert_allclose(everywhere, [product(int(node)) for node in others], rtol=1e-4, atol=1e-4)
 
 

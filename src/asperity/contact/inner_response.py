@@ -91,8 +91,7 @@ class InnerResponse:
         """Displacements of other nodes under pressures on the contact nodes."""
         if not self._divided:
             return self.of_all_nodes(pressure).reshape(-1)[nodes]
-        self.field.spread(pressure)
-        out = self.field.apply_at(self._stencil, nodes)
+        out = self.field.apply_at(self._stencil, pressure, nodes)
         self._far.spread(pressure)
         self._far.add_at(nodes, out)
         return out

@@ -1,12 +1,12 @@
 """Stencils applied to values on the contact nodes: the product with a kernel of short range.
 
-Values are spread on an array with a margin that repeats the map, or is zero if nothing surrounds the map. The
-weights of a stencil are symmetric, and may differ between even and odd rows and columns.
+The map is taken in strips of rows, which stay in the processor's cache. The values of a strip and of the rows
+around it are spread on an array with a margin that repeats the map, or is zero if nothing surrounds the map.
+The weights of a stencil are symmetric, and may differ between even and odd rows and columns.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -14,7 +14,6 @@ from llvmlite import ir
 from numba import njit, types
 from numba.extending import intrinsic
 
-from asperity.contact.places import row_plus_column
 from asperity.parallel import in_parts
 from asperity.spectral import Grid
 from asperity.types import Array
@@ -26,9 +25,13 @@ RADIUS = 3
 _ROWS = 2 * RADIUS + 1
 _LANES = _ROWS + 1
 
+# Numbers in a strip with its margin, which are half of a cache of 1 MiB, and its least number of rows.
+_STRIP = 2**17
+_LEAST_ROWS = 16
+
 
 class StencilField:
-    """Values on contact nodes, spread on an array with a margin, to which stencils are applied.
+    """Applies stencils to values on chosen nodes of a map.
 
     Parameters
     ----------
@@ -39,26 +42,15 @@ class StencilField:
     """
 
     def __init__(self, grid: Grid, repeats: bool, threads: int = 1) -> None:
-        self._threads = threads
+        self._shape, self._repeats, self._threads = grid.shape, repeats, threads
         ny, nx = grid.shape
-        self._shape = grid.shape
-        self._repeats = repeats
-        # The last row of a stencil reads one number beyond it.
-        memory = np.zeros((ny + 2 * RADIUS) * (nx + 2 * RADIUS) + 1, np.float32)
-        self._field = memory[:-1].reshape(ny + 2 * RADIUS, nx + 2 * RADIUS)
-        self._position = np.empty(0, np.uint32)
+        width = nx + 2 * RADIUS
+        self._strip_shape = min(ny, max(_LEAST_ROWS, _STRIP // width)) + 2 * RADIUS, width
+        self._strips: list[Array] = []
 
     def restrict(self, nodes: Array) -> None:
         """Choose the nodes that bear values, by their sorted indices in the flattened map."""
-        _erase(self._field.reshape(-1), self._position)
-        self._position, self._parity = self._locate(nodes)
-
-    def spread(self, values: Array) -> None:
-        """Spread values on the nodes."""
-        field = self._field.reshape(-1)
-        self._in_parts(lambda part: _scatter(field, self._position[part], values[part]), values.size)
-        if self._repeats:
-            _fill_margin(self._field)
+        self._nodes, self._first = nodes, self._first_in_rows(nodes)
 
     def apply(self, stencil: Array, values: Array, out: Array) -> None:
         """Write the products of a stencil with values on the nodes, at the nodes.
@@ -69,34 +61,33 @@ class StencilField:
             From `whole_stencil`.
         values, out : (count,) arrays
         """
-        self.spread(values)
-        self._apply(stencil, self._position, self._parity, out)
+        self._apply(stencil, values, self._nodes, self._first, out)
 
-    def apply_at(self, stencil: Array, nodes: Array) -> Array:
-        """Products of a stencil with the values spread last, at other nodes."""
+    def apply_at(self, stencil: Array, values: Array, nodes: Array) -> Array:
+        """Products of a stencil with values on the chosen nodes, at other nodes, sorted as well."""
         out = np.empty(nodes.size, np.float32)
-        self._apply(stencil, *self._locate(nodes), out)
+        self._apply(stencil, values, nodes, self._first_in_rows(nodes), out)
         return out
 
-    def _locate(self, nodes: Array) -> tuple[Array, Array]:
-        """Indices of nodes in the array with the margin, and 2 × parity of the row + that of the column."""
+    def _first_in_rows(self, nodes: Array) -> Array:
+        """Place of the first of some nodes in each row, and their number."""
         ny, nx = self._shape
-        rows, columns = np.arange(ny, dtype=np.uint32), np.arange(nx, dtype=np.uint32)
-        first = (rows + np.uint32(RADIUS)) * np.uint32(self._field.shape[1])
-        position = row_plus_column(nodes, first, columns + np.uint32(RADIUS), self._threads)
-        parity = (2 * (rows % 2)).astype(np.uint8), (columns % 2).astype(np.uint8)
-        return position, row_plus_column(nodes, *parity, self._threads)
+        return np.searchsorted(nodes, (np.arange(ny + 1) * nx).astype(nodes.dtype))
 
-    def _apply(self, stencil: Array, position: Array, parity: Array, out: Array) -> None:
-        field, width = self._field.reshape(-1), self._field.shape[1]
-
+    def _apply(self, stencil: Array, values: Array, nodes: Array, first: Array, out: Array) -> None:
         def apply(part: slice) -> None:
-            _apply(field, width, position[part], parity[part], stencil, out[part])
+            rows = np.searchsorted(first[:-1], (part.start, part.stop))
+            strip = self._strips.pop() if self._strips else self._new_strip()
+            given = self._nodes, self._first, values
+            _apply_in_strips(strip, *given, self._shape, self._repeats, stencil, *rows, nodes, first, out)
+            self._strips.append(strip)
 
-        self._in_parts(apply, out.size)
+        in_parts(apply, out.size, self._threads)
 
-    def _in_parts(self, work: Callable[[slice], None], count: int) -> None:
-        in_parts(work, count, self._threads)
+    def _new_strip(self) -> Array:
+        # The last row of a stencil reads one number beyond it.
+        rows, width = self._strip_shape
+        return np.zeros(rows * width + 1, np.float32)[:-1].reshape(rows, width)
 
 
 def whole_stencil(quadrants: Array) -> Array:
@@ -111,32 +102,6 @@ def whole_stencil(quadrants: Array) -> Array:
     out = np.zeros((4, _ROWS, _LANES), np.float32)
     out[:, :, :_ROWS] = quadrants.reshape(4, RADIUS + 1, RADIUS + 1)[:, off[:, None], off]
     return out
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _scatter(field: Any, position: Any, values: Any) -> None:
-    for k in range(position.size):
-        field[position[k]] = values[k]
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _erase(field: Any, position: Any) -> None:
-    for k in range(position.size):
-        field[position[k]] = 0
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
-def _fill_margin(field: Any) -> None:
-    """Repeat the map periodically in the margin."""
-    ny, nx = field.shape[0] - 2 * RADIUS, field.shape[1] - 2 * RADIUS
-    for i in range(RADIUS, RADIUS + ny):
-        for step in range(1, RADIUS + 1):
-            field[i, RADIUS - step] = field[i, RADIUS + (nx - step) % nx]
-            field[i, RADIUS + nx + step - 1] = field[i, RADIUS + (step - 1) % nx]
-    for step in range(1, RADIUS + 1):
-        for j in range(field.shape[1]):
-            field[RADIUS - step, j] = field[RADIUS + (ny - step) % ny, j]
-            field[RADIUS + ny + step - 1, j] = field[RADIUS + (step - 1) % ny, j]
 
 
 @intrinsic
@@ -176,8 +141,88 @@ def _product(typing_context: Any, field: Any, first: Any, width: Any, weights: A
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _apply(field: Any, width: int, position: Any, parity: Any, weights: Any, out: Any) -> None:
-    """Product of the stencil with the field, at positions."""
-    for k in range(position.size):
-        first = np.int64(position[k]) - RADIUS * (width + 1)
-        out[k] = _product(field, first, width, weights, np.int64(parity[k]))  # type: ignore[call-arg]
+def _apply_in_strips(
+    strip: Any,
+    nodes: Any,
+    first: Any,
+    values: Any,
+    shape: tuple[int, int],
+    repeats: bool,
+    weights: Any,
+    begin: int,
+    end: int,
+    others: Any,
+    first_other: Any,
+    out: Any,
+) -> None:
+    """Product of the stencil with values on nodes, at the other nodes of some rows of the map.
+
+    Parameters
+    ----------
+    strip : array
+        Zero before and after.
+    nodes, first, values
+        The nodes that bear values, and the place of the first one in each row.
+    shape, repeats
+        Of the map.
+    weights : array
+        The stencil.
+    begin, end : int
+        The rows.
+    others, first_other, out
+        The nodes of the products, and the place of the first one in each row.
+    """
+    rows, width = strip.shape[0] - 2 * RADIUS, strip.shape[1]
+    flat = strip.reshape(-1)
+    for top in range(begin, end, rows):
+        bottom = min(top + rows, end)
+        if first_other[top] == first_other[bottom]:
+            continue
+        for line in range(bottom - top + 2 * RADIUS):
+            row = _row_of(top + line - RADIUS, shape[0], repeats)
+            if row >= 0:
+                some = slice(first[row], first[row + 1])
+                _spread(nodes[some], values[some], row * shape[1], strip[line], repeats)
+        for row in range(top, bottom):
+            some = slice(first_other[row], first_other[row + 1])
+            start, parity = row * shape[1], 2 * (row % 2)
+            _multiply(flat[(row - top) * width :], width, others[some], start, weights, parity, out[some])
+        for line in range(bottom - top + 2 * RADIUS):
+            row = _row_of(top + line - RADIUS, shape[0], repeats)
+            if row >= 0:
+                _erase(nodes[first[row] : first[row + 1]], row * shape[1], strip[line])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _row_of(row: int, rows: int, repeats: bool) -> int:
+    """The row of the map that is repeated beyond its edges; −1 if nothing is there."""
+    return row % rows if repeats else row if 0 <= row < rows else -1
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _spread(nodes: Any, values: Any, start: int, line: Any, repeats: bool) -> None:
+    """Write the values of a row, whose first node has the index `start`, and what repeats in its margin."""
+    columns = line.size - 2 * RADIUS
+    for k in range(nodes.size):
+        line[np.int64(nodes[k]) - start + RADIUS] = values[k]
+    if repeats:
+        for step in range(1, RADIUS + 1):
+            line[RADIUS - step] = line[RADIUS + (columns - step) % columns]
+            line[RADIUS + columns + step - 1] = line[RADIUS + (step - 1) % columns]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _multiply(field: Any, width: int, nodes: Any, start: int, weights: Any, parity: int, out: Any) -> None:
+    """Product of the stencil with the strip from the row `RADIUS` above nodes of one row of the map."""
+    for k in range(nodes.size):
+        column = np.int64(nodes[k]) - start
+        out[k] = _product(field, column, width, weights, parity + column % 2)  # type: ignore[call-arg]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _erase(nodes: Any, start: int, line: Any) -> None:
+    """Make a row zero again."""
+    for k in range(nodes.size):
+        line[np.int64(nodes[k]) - start + RADIUS] = 0
+    line[:RADIUS] = 0
+    line[line.size - RADIUS :] = 0
