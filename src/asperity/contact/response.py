@@ -10,9 +10,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from functools import cached_property
-from typing import ClassVar, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
+from numba import njit
 
 from asperity.elasticity.layer import mirror_rows
 from asperity.elasticity.two_bodies import Solid
@@ -199,6 +200,17 @@ def multiply(coefficients: Array, half: Array, threads: int) -> None:
     def multiply_rows(part: slice) -> None:
         for factors, first in ((half, 0), (mirrored, rows)):
             start, stop = (min(max(row, first), first + len(factors)) for row in (part.start, part.stop))
-            coefficients[start:stop] *= factors[start - first : stop - first]
+            some = coefficients[start:stop].view(half.dtype)
+            _multiply(some, factors[start - first : stop - first])
 
     in_parts(multiply_rows, coefficients.shape[0], threads, smallest=256)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _multiply(coefficients: Any, factors: Any) -> None:
+    """Multiply coefficients, real and imaginary parts in turn, by real factors."""
+    for j in range(factors.shape[0]):
+        row, factor = coefficients[j], factors[j]
+        for i in range(factor.size):
+            row[2 * i] *= factor[i]
+            row[2 * i + 1] *= factor[i]
