@@ -76,10 +76,22 @@ class StencilField:
 
     def _apply(self, stencil: Array, values: Array, nodes: Array, first: Array, out: Array) -> None:
         def apply(part: slice) -> None:
-            rows = np.searchsorted(first[:-1], (part.start, part.stop))
+            begin, end = np.searchsorted(first[:-1], (part.start, part.stop))
             strip = self._strips.pop() if self._strips else self._new_strip()
-            given = self._nodes, self._first, values
-            _apply_in_strips(strip, *given, self._shape, self._repeats, stencil, *rows, nodes, first, out)
+            _apply_in_strips(
+                strip,
+                self._nodes,
+                self._first,
+                values,
+                self._shape,
+                self._repeats,
+                stencil,
+                begin,
+                end,
+                nodes,
+                first,
+                out,
+            )
             self._strips.append(strip)
 
         in_parts(apply, out.size, self._threads)

@@ -10,10 +10,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from asperity.elasticity.layer import COMPONENTS
 from asperity.machine_code import discard_outdated
+from asperity.stress.compiled import compiled, inlined, reduction
 from asperity.stress.principal import LARGEST_SHEAR, PRINCIPAL_1, PRINCIPAL_2, PRINCIPAL_3, principal_stresses
 from asperity.types import Array
 
@@ -76,29 +76,20 @@ class Field(NamedTuple):
     uniform: Any
 
 
-_compiled = njit(cache=True, error_model="numpy", nogil=True)
-_inlined = njit(
-    cache=True,
-    error_model="numpy",
-    nogil=True,
-    forceinline=True,
-)
-
-
-@_inlined
+@inlined
 def _von_mises(first: float, second: float, xy: float, across: float) -> float:
     """The von Mises stress from σ_xx − σ_yy, σ_yy − σ_zz, σ_xy and σ_yz² + σ_xz²."""
     shear = xy * xy + across
     return np.sqrt(first * (first + second) + second * second + (shear + shear + shear))
 
 
-@_inlined
+@inlined
 def _hydrostatic(trace: float, ratio: float, uniform: float, mean_pressure: float) -> float:
     """A third of the trace of A + ν B; that of B is the trace of A without its uniform part."""
     return (trace + ratio * (trace + mean_pressure) + uniform + uniform) / 3.0
 
 
-@_compiled
+@compiled
 def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: float) -> float:
     """The largest shear stress or a principal stress."""
     first, second, third = principal_stresses(float(x), float(y), float(z), float(yz), float(xz), float(xy))
@@ -109,7 +100,7 @@ def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: 
     return second if kind == _MEASURES + PRINCIPAL_2 else third
 
 
-@_compiled
+@compiled
 def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
     """Fill `out`, at least (columns,), with one row of a field other than the von Mises stress."""
     values, place, columns, mean = parts
@@ -147,7 +138,7 @@ SHARED = (4, 528)
 """Numbers of a node that all its von Mises stresses share, and nodes of which they fit into the cache."""
 
 
-@_compiled
+@compiled
 def fill_von_mises(
     parts: Any, row: int, ratios: Any, uniforms: Any, places: Any, shared: Any, out: Any, line: int, at: int
 ) -> None:
@@ -199,7 +190,7 @@ def fill_von_mises(
                 )
 
 
-@_compiled
+@compiled
 def fill_fields(
     parts: Any, kind: int, ratios: Any, uniforms: Any, places: Any, shared: Any, out: Any
 ) -> None:
@@ -233,7 +224,7 @@ def needed_parts(kind: int, place: Array) -> Array:
     return needed
 
 
-@_inlined
+@inlined
 def value_at(parts: Any, field: Any, row: Any, column: Any) -> float:
     """A field at one node."""
     values, place, _, mean = parts
@@ -263,7 +254,7 @@ def value_at(parts: Any, field: Any, row: Any, column: Any) -> float:
     return _measure(kind, x, y, zz, yz, xz, xy)
 
 
-@_compiled
+@compiled
 def pack(values: Any, factor: float, out: Any) -> None:
     """Fill an array of 16-bit integers with values ≥ 0 times a factor, rounded."""
     for j in range(values.shape[0]):
@@ -271,8 +262,7 @@ def pack(values: Any, factor: float, out: Any) -> None:
             out[j, i] = np.uint16(np.int32(values[j, i] * factor + 0.5))
 
 
-# Numbers may be added in any order, and none is NaN: only then loops that sum are vectorised.
-@njit(cache=True, error_model="numpy", nogil=True, fastmath={"reassoc", "nnan", "nsz", "contract"})
+@reduction
 def moments(one: Any, two: Any) -> tuple[float, float, float]:
     """Means of two fields and of their product, summed row by row."""
     mean_one = mean_two = product = 0.0

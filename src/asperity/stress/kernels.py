@@ -9,11 +9,11 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from asperity.elasticity.kernels import half_space_stresses
 from asperity.elasticity.layer import COMPONENTS
 from asperity.machine_code import discard_outdated
+from asperity.stress.compiled import compiled, contracted, contracted_inlined
 
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = (COMPONENTS.index(name) for name in ("xx", "yy", "zz", "yz", "xz", "xy"))
 
@@ -45,7 +45,7 @@ class Wavevectors(NamedTuple):
     odd_qy: Any
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@compiled
 def mode_stress(
     component: int, a: float, b: float, pressure: Any, kernels: Any, wavevectors: Any, first: int, out: Any
 ) -> None:
@@ -92,7 +92,7 @@ def mode_stress(
             out[j, n] = complex(-factor * p.real, -factor * p.imag)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@compiled
 def add_sliding_stress(
     component: int,
     a: float,
@@ -197,11 +197,8 @@ _TAYLOR = tuple(1.0 / math.factorial(k) for k in range(13, -1, -1))
 _MANTISSA, _BIAS = 52, 1023
 """Bits of the mantissa of a number in double precision, and its exponent for 1."""
 
-_contracted = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
-_inlined = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"}, forceinline=True)
 
-
-@_contracted
+@contracted
 def half_space_columns(
     depth: float, pressure: Any, wavevectors: Any, first: int, room: Any, out: Any
 ) -> None:
@@ -237,7 +234,7 @@ def half_space_columns(
                     _multiply(room.factors[m], own, coefficients, m == _YZ, out[m, row])
 
 
-@_contracted
+@contracted
 def _fill_decay(depth: float, qx: Any, qy: float, room: Any) -> None:
     """Fill `room` with q depth, 1/q² (0 at q = 0) and e^(−q depth) for one row of modes.
 
@@ -269,7 +266,7 @@ def _fill_decay(depth: float, qx: Any, qy: float, room: Any) -> None:
         decay[i] = power[i] * scale[i]
 
 
-@_contracted
+@contracted
 def _fill_factors(depth: float, qx: Any, odd_qx: Any, qy: float, odd_qy: float, room: Any) -> None:
     """Fill the factors of the pressure, each twice in turn, that of A_yz without the imaginary unit."""
     scaled, over_square, decay, factors = room.scaled, room.over_square, room.decay, room.factors
@@ -296,7 +293,7 @@ def _fill_factors(depth: float, qx: Any, odd_qx: Any, qy: float, odd_qy: float, 
         slope_xy[2 * i] = slope_xy[2 * i + 1] = (decay[i] + decay[i]) * (odd_qx[i] * odd_qy * over_square[i])
 
 
-@_inlined
+@contracted_inlined
 def _multiply(factors: Any, sign: float, pressure: Any, turned: bool, out: Any) -> None:
     """Fill `out` with factors times coefficients, times −i if turned."""
     if turned:
@@ -308,7 +305,7 @@ def _multiply(factors: Any, sign: float, pressure: Any, turned: bool, out: Any) 
             out[k] = sign * factors[k] * pressure[k]
 
 
-@_contracted
+@contracted
 def half_space_xz(half_depth: float, odd_qx: Any, first: int, last: int, parts: Any) -> None:
     """Fill some rows of A_xz after the transform along y, from A_xx, A_yy and A_zz.
 

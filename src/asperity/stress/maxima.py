@@ -6,28 +6,13 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from asperity.machine_code import discard_outdated
+from asperity.stress.compiled import compiled, inlined, reduction
 from asperity.stress.fields import SHARED, Field, fill_row, fill_von_mises, value_at
 from asperity.stress.neighbours import exceeds, neighbour
 from asperity.stress.row_sums import sum_row
 from asperity.types import Array
-
-_compiled = njit(cache=True, error_model="numpy", nogil=True)
-_inlined = njit(
-    cache=True,
-    error_model="numpy",
-    nogil=True,
-    forceinline=True,
-)
-# None of the numbers is NaN: only then loops that compare are vectorised.
-_reduction = njit(
-    cache=True,
-    error_model="numpy",
-    nogil=True,
-    fastmath={"reassoc", "nnan", "nsz", "contract"},
-)
 
 _MARGIN = 16
 """Numbers beside a row of values, of which the nearest are those beyond the edge."""
@@ -169,7 +154,7 @@ def upper_for(maxima: Sequence[tuple[Array, Array, Array]], rows: int, real: np.
     return Upper(first, column, magnitude, np.zeros(start, bool), np.empty((start, 3, 3), real))
 
 
-@_compiled
+@compiled
 def search_rows(
     parts: Any,
     above: Any,
@@ -241,14 +226,14 @@ def search_rows(
             room.counts[t] = _keep_above(above, field, periodic, room, t)
 
 
-@_inlined
+@inlined
 def _fill_margins(line: Any, columns: int, periodic: bool) -> None:
     """Repeat the values beyond the edges of a row."""
     line[_MARGIN - 1] = line[_MARGIN + neighbour(-1, columns, periodic)]
     line[_MARGIN + columns] = line[_MARGIN + neighbour(columns, columns, periodic)]
 
 
-@_reduction
+@reduction
 def _search_row(j: int, columns: int, row: int, floor: float, room: Any, t: int) -> None:
     """Add the maxima of one row, from the values in it and in the rows beside it."""
     previous, here, after = room.rows[t, (j - 1) % 3], room.rows[t, j % 3], room.rows[t, (j + 1) % 3]
@@ -278,7 +263,7 @@ def _search_row(j: int, columns: int, row: int, floor: float, room: Any, t: int)
                             _add_maximum(previous, here, after, i, row * columns, room, t)
 
 
-@_compiled
+@compiled
 def _compare_upper(upper: Any, j: int, row: int, room: Any, t: int) -> None:
     """Compare the maxima of the plane above in one row with the values there and in the rows beside it."""
     for n in range(upper.first[t, row], upper.first[t, row + 1]):
@@ -292,7 +277,7 @@ def _compare_upper(upper: Any, j: int, row: int, room: Any, t: int) -> None:
         upper.kept[n] = higher
 
 
-@_inlined
+@inlined
 def _add_maximum(previous: Any, here: Any, after: Any, column: int, first: int, room: Any, t: int) -> None:
     """Add a node to the maxima if none of its neighbours is higher, and none before it as high."""
     count = room.counts[t]
@@ -308,7 +293,7 @@ def _add_maximum(previous: Any, here: Any, after: Any, column: int, first: int, 
         room.counts[t] = count + 1
 
 
-@_compiled
+@compiled
 def _keep_above(parts: Any, field: Any, periodic: bool, room: Any, t: int) -> int:
     """Keep those of the last maxima that are above the plane `parts`; returns the number of all."""
     columns = parts.columns

@@ -5,18 +5,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 
 from asperity.machine_code import discard_outdated
+from asperity.stress.compiled import compiled, inlined
 from asperity.stress.fields import PLACES, Field, Parts, value_at
-
-_compiled = njit(cache=True, error_model="numpy", nogil=True)
-_inlined = njit(
-    cache=True,
-    error_model="numpy",
-    nogil=True,
-    forceinline=True,
-)
 
 _FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1))
 """A node and its neighbours: most maxima end at the node itself."""
@@ -25,7 +17,7 @@ _INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) f
 """Denominators of Lagrange's formula on six nodes."""
 
 
-@_inlined
+@inlined
 def neighbour(node: int, nodes: int, periodic: bool) -> int:
     """Index of a node at most two beyond the edges: at the opposite edge, or its mirror image."""
     if node < 0:
@@ -35,7 +27,7 @@ def neighbour(node: int, nodes: int, periodic: bool) -> int:
     return node
 
 
-@_compiled
+@compiled
 def exceeds(
     parts: Any, field: Any, row: int, column: int, periodic: bool, magnitude: float, out: Any
 ) -> bool:
@@ -73,7 +65,7 @@ class Stencil(NamedTuple):
     weights: Any
 
 
-@_compiled
+@compiled
 def compare(
     parts: Any,
     field: Any,
@@ -117,7 +109,7 @@ def compare(
             kept[n] = _exceeds_between(parts, field, *at, other, periodic, magnitude[n], stencil, out[n])
 
 
-@_compiled
+@compiled
 def _exceeds_between(
     parts: Any,
     field: Any,
@@ -150,7 +142,7 @@ def _exceeds_between(
     return True
 
 
-@_inlined
+@inlined
 def _weighted(values: Any, part: int, along_y: Any, along_x: Any) -> float:
     place, weight = along_x
     a, b, c, d, e, f = place[0], place[1], place[2], place[3], place[4], place[5]
@@ -163,7 +155,7 @@ def _weighted(values: Any, part: int, along_y: Any, along_x: Any) -> float:
     return total
 
 
-@_compiled
+@compiled
 def _stencil(node: int, others: int, nodes: int, periodic: bool, place: Any, weight: Any) -> None:
     """Places and weights of the six nodes nearest to a node of another grid, for Lagrange's interpolation.
 

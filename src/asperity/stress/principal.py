@@ -11,13 +11,14 @@ principal direction (W. M. Scherzinger, C. R. Dohrmann, Comput. Methods Appl. Me
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from asperity.stress.compiled import compiled
 
 LARGEST_SHEAR, PRINCIPAL_1, PRINCIPAL_2, PRINCIPAL_3 = range(4)
 """Numbers of the fields that follow from the principal stresses."""
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@compiled
 def principal_stresses(
     xx: float, yy: float, zz: float, yz: float, xz: float, xy: float
 ) -> tuple[float, float, float]:
@@ -51,7 +52,7 @@ def principal_stresses(
     return mean + scale * max(upper, apart), mean + scale * upper, mean + scale * min(lower, apart)
 
 
-@njit(cache=True, error_model="numpy", nogil=True)
+@compiled
 def _tensor_across(a: float, b: float, c: float, f: float, g: float, h: float) -> tuple[float, float, float]:
     """A tensor with one eigenvalue 0 in the plane across that direction: two normal elements and the shear.
 

@@ -4,21 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from numba import njit
-
-# Numbers may be added in any order, and none is NaN: only then loops that sum are vectorised.
-_reduction = njit(
-    cache=True,
-    error_model="numpy",
-    nogil=True,
-    fastmath={"reassoc", "nnan", "nsz", "contract"},
-)
+from asperity.stress.compiled import reduction
 
 _BLOCK = 1024
 """Numbers that are summed in their own precision."""
 
 
-@_reduction
+@reduction
 def sum_row(
     values: Any,
     bits: Any,
@@ -66,7 +58,7 @@ def sum_row(
         out[3], out[4] = _sums(here, other, other.size)
 
 
-@_reduction
+@reduction
 def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
     """Sums of some values and of their products with others: in blocks in their own precision."""
     total = product = 0.0
@@ -82,7 +74,7 @@ def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
     return total, product
 
 
-@_reduction
+@reduction
 def _largest(bits: Any, count: int) -> int:
     """Bits of the largest of some values ≥ 0, from their bits, which are in the same order.
 
