@@ -31,6 +31,7 @@ from numba import njit
 from asperity.contact.kernels import dot
 from asperity.contact.places import row_plus_column
 from asperity.contact.problem import Problem
+from asperity.contact.response import multiply_rows
 from asperity.contact.stencil import RADIUS, StencilField, whole_stencil
 from asperity.parallel import in_parts
 from asperity.spectral import Fourier, Grid
@@ -146,13 +147,14 @@ class Preconditioner:
 
     def _solve_coarse(self, residual: Array) -> Array:
         """Displacement y of the cells with (σ + 1/G) y = residual, which is used up."""
-        y, direction, image, response = (np.zeros_like(residual) for _ in range(4))
+        y, direction, image, response, z = (np.zeros_like(residual) for _ in range(5))
+        coefficients = np.empty(self._coarse.grid.half_shape, self._coarse.complex)
         drop = min(COARSE_RESIDUAL_DROP, COARSE_RESIDUAL_DROP_OF_EDGE / max(residual.shape))
         first = previous = 0.0
         for iteration in range(MAX_COARSE_ITERATIONS):
-            coefficients = self._coarse.forward(residual)
-            coefficients *= self._inverse_for_mean
-            z = self._coarse.inverse(coefficients, overwrite=True)
+            self._coarse.forward(residual, coefficients)
+            multiply_rows(coefficients.view(np.float32), self._inverse_for_mean)
+            self._coarse.inverse(coefficients, z, overwrite=True)
             product = dot(residual.reshape(-1), z.reshape(-1))
             first = first or product
             if not product > drop**2 * first:
@@ -164,8 +166,7 @@ class Preconditioner:
             if not curvature > 0:
                 break
             length = np.float32(product / curvature)
-            y += length * direction
-            residual -= length * response
+            _take_step(length, *(field.reshape(-1) for field in (direction, response, y, residual)))
         return y
 
 
@@ -219,3 +220,11 @@ def _next_direction(
         response[k] = sigma[k] * direction[k] + image[k]
         curvature += np.float64(direction[k]) * np.float64(response[k])
     return curvature
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _take_step(length: Any, direction: Any, response: Any, y: Any, residual: Any) -> None:
+    """Solution y ← y + length × d of the coarse system, and its residual r ← r − length × response."""
+    for k in range(y.size):
+        y[k] += length * direction[k]
+        residual[k] -= length * response[k]

@@ -197,17 +197,17 @@ def multiply(coefficients: Array, half: Array, threads: int) -> None:
     rows = half.shape[0]
     mirrored = half[1 : coefficients.shape[0] - rows + 1][::-1]
 
-    def multiply_rows(part: slice) -> None:
+    def multiply_some(part: slice) -> None:
         for factors, first in ((half, 0), (mirrored, rows)):
             start, stop = (min(max(row, first), first + len(factors)) for row in (part.start, part.stop))
             some = coefficients[start:stop].view(half.dtype)
-            _multiply(some, factors[start - first : stop - first])
+            multiply_rows(some, factors[start - first : stop - first])
 
-    in_parts(multiply_rows, coefficients.shape[0], threads, smallest=256)
+    in_parts(multiply_some, coefficients.shape[0], threads, smallest=256)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _multiply(coefficients: Any, factors: Any) -> None:
+def multiply_rows(coefficients: Any, factors: Any) -> None:
     """Multiply coefficients, real and imaginary parts in turn, by real factors."""
     for j in range(factors.shape[0]):
         row, factor = coefficients[j], factors[j]
