@@ -8,8 +8,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from asperity.compiled import compiled
 from asperity.contact.places import row_plus_column
 from asperity.types import Array
 
@@ -33,7 +33,7 @@ def places_of(nodes: Array, shape: tuple[int, int], width: int, threads: int = 1
     return row_plus_column(nodes, of_row, 4 * (columns // 2) + columns % 2, threads)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def add_transposed(places: Any, values: Any, width: int, field: Any) -> None:
     """Add values on nodes to a flattened field on the even nodes around them, by transposed interpolation."""
     half = np.float32(0.5)
@@ -51,7 +51,7 @@ def add_transposed(places: Any, values: Any, width: int, field: Any) -> None:
         field[i + 1] += after
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def add_interpolated(field: Any, places: Any, width: int, out: Any) -> None:
     """Add the interpolant of a flattened field on the even nodes to values on nodes."""
     quarter = np.float32(0.25)

@@ -30,8 +30,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from asperity.compiled import compiled
 from asperity.contact.area_control import AreaControl
 from asperity.contact.problem import Control, Problem, State
 from asperity.contact.solver_progress import ConvergenceProgress
@@ -279,7 +279,7 @@ def _rms_gradient(problem: Problem) -> float:
     return float(np.sqrt(np.sum(power @ problem.grid.multiplicity)))
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _advance_modes(
     now: Any, before: Any, stiffness: Any, squared_step: float, gamma: float, push: float
 ) -> None:

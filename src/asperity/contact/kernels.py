@@ -10,19 +10,18 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
+
+from asperity.compiled import compiled, makes_arrays, sums
 
 CHUNK = 32
 """Number of nodes that are compared with a level together."""
 
-# Lets the compiler add in vectors: the order of a sum depends on the processor, not on the number of threads.
-_VECTOR_SUMS = {"reassoc", "contract", "nsz"}
-
 # The contact nodes and their gaps
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def spread(field: Any, nodes: Any, values: Any) -> None:
     """Write values on nodes of a field, and zero on all others."""
     field[:] = 0
@@ -30,14 +29,14 @@ def spread(field: Any, nodes: Any, values: Any) -> None:
         field[nodes[k]] = values[k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def gaps(height: Any, displacement: Any, nodes: Any, out: Any) -> None:
     """Write the gap h + u of nodes."""
     for k in range(nodes.size):
         out[k] = height[nodes[k]] + displacement[nodes[k]]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def pressure_less_gap(
     height: Any, nodes: Any, pressure: Any, approach: Any, stiffness: Any, displacement: Any
 ) -> None:
@@ -58,7 +57,7 @@ def _lowest_bit(typing_context: Any, bits: Any) -> Any:
     return types.uint32(types.uint32), generate
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@makes_arrays
 def free_nodes_below(height: Any, displacement: Any, nodes: Any, level: Any) -> tuple[Any, Any]:
     """Sorted nodes out of contact whose gap h + u is below a level, and their gaps.
 
@@ -91,7 +90,7 @@ def free_nodes_below(height: Any, displacement: Any, nodes: Any, level: Any) -> 
     return found, gap
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@makes_arrays
 def inserted(places: Any, values: Any, others: Any) -> Any:
     """Values with others inserted, which then have these places."""
     out = np.empty(values.size + others.size, values.dtype)
@@ -106,7 +105,7 @@ def inserted(places: Any, values: Any, others: Any) -> Any:
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@makes_arrays
 def nodes_under_pressure(field: Any) -> tuple[Any, Any]:
     """Sorted nodes where a field is positive, and its values there."""
     count = 0
@@ -121,7 +120,7 @@ def nodes_under_pressure(field: Any) -> tuple[Any, Any]:
     return nodes, values
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@makes_arrays
 def only_under_pressure(nodes: Any, pressure: Any, gap: Any) -> tuple[Any, Any, Any]:
     """The nodes with a positive pressure, with pressure and gap."""
     count = 0
@@ -136,7 +135,7 @@ def only_under_pressure(nodes: Any, pressure: Any, gap: Any) -> tuple[Any, Any, 
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
+@sums
 def squared_overlap(gap: Any, approach: float) -> float:
     """Sum of the squared overlaps δ − (h + u) of the nodes that penetrate."""
     total = 0.0
@@ -146,14 +145,14 @@ def squared_overlap(gap: Any, approach: float) -> float:
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
+@sums
 def residual(gap: Any, approach: float, unit: float, out: Any) -> None:
     """Overlap δ − (h + u) of nodes, divided by `unit`."""
     for k in range(gap.size):
         out[k] = (approach - gap[k]) / unit
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
+@sums
 def weighted_sum(weight: Any, gap: Any, origin: float) -> float:
     """Weighted sum of gap − origin over the contact nodes."""
     total = 0.0
@@ -165,7 +164,7 @@ def weighted_sum(weight: Any, gap: Any, origin: float) -> float:
 # Steps of the outer loop
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def add_and_release(pressure: Any, change: Any, joined: Any, fraction: Any, joins: Any, out: Any) -> None:
     """Write the pressure with a fraction of a change added; nodes in tension are released, to zero pressure.
 
@@ -175,7 +174,7 @@ def add_and_release(pressure: Any, change: Any, joined: Any, fraction: Any, join
         out[k] = max(pressure[k] + (joins if joined[k] else fraction) * change[k], 0.0)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
+@sums
 def energy_along(
     pressure: Any, pressure_before: Any, gap: Any, gap_before: Any, approach: float
 ) -> tuple[float, float]:
@@ -192,7 +191,7 @@ def energy_along(
 # residual z, so that at a given load the corrections sum to zero
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
+@sums
 def added(a: Any) -> float:
     """Σ a."""
     total = 0.0
@@ -201,7 +200,7 @@ def added(a: Any) -> float:
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
+@sums
 def dot(a: Any, b: Any) -> float:
     """Σ a b."""
     total = 0.0
@@ -210,7 +209,7 @@ def dot(a: Any, b: Any) -> float:
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
+@sums
 def sum_and_dot(a: Any, b: Any) -> tuple[float, float]:
     """Σ a and Σ a b."""
     total, product = 0.0, 0.0
@@ -220,7 +219,7 @@ def sum_and_dot(a: Any, b: Any) -> tuple[float, float]:
     return total, product
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
+@sums
 def projected_square(z: Any, weight: Any, shift: float) -> float:
     """Σ (z − shift × weight)²."""
     total = 0.0
@@ -229,7 +228,7 @@ def projected_square(z: Any, weight: Any, shift: float) -> float:
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
+@sums
 def projected_dot(z: Any, weight: Any, shift: Any, values: Any) -> float:
     """Σ (z − shift × weight) × values."""
     total = 0.0
@@ -238,14 +237,14 @@ def projected_dot(z: Any, weight: Any, shift: Any, values: Any) -> float:
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def next_direction(direction: Any, z: Any, weight: Any, shift: Any, ratio: Any) -> None:
     """Direction d ← z − shift × weight + ratio × d."""
     for k in range(direction.size):
         direction[k] = z[k] - shift * weight[k] + ratio * direction[k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def take_step(x: Any, residual: Any, total: Any, direction: Any, response: Any, length: Any) -> None:
     """Solution x ← x + length × d, its displacement likewise, and residual r ← r − length × G d."""
     for k in range(x.size):
@@ -257,7 +256,7 @@ def take_step(x: Any, residual: Any, total: Any, direction: Any, response: Any, 
 # Of the result, for the certificate
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath=_VECTOR_SUMS)
+@sums
 def squared_deviation(values: Any, mean: float) -> float:
     """Σ (value − mean)²."""
     total = 0.0
@@ -266,14 +265,14 @@ def squared_deviation(values: Any, mean: float) -> float:
     return total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def write_gap(height: Any, displacement: Any, approach: Any, out: Any) -> None:
     """Write the gap h + u − δ."""
     for i in range(height.size):
         out[i] = (height[i] + displacement[i]) - approach
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def gap_of_contact(pressure: Any, height: Any, displacement: Any) -> tuple[float, int, float]:
     """Sum of h + u over the nodes under pressure, their number, and the sum of the pressure."""
     total_gap, count, total = 0.0, 0, 0.0
@@ -285,7 +284,7 @@ def gap_of_contact(pressure: Any, height: Any, displacement: Any) -> tuple[float
     return total_gap, count, total
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def measures_of_contact(pressure: Any, gap: Any) -> tuple[float, ...]:
     """Least p, least g, largest p, largest |g| of the contact, Σ p, Σ g, and Σ p |g| and Σ p of the contact.
 

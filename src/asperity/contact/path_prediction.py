@@ -14,8 +14,8 @@ from numbers import Real
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from asperity.compiled import compiled
 from asperity.contact.solution import Contact
 from asperity.types import Array
 
@@ -110,7 +110,7 @@ def _level_of_mean(values: Array, mean: float) -> float | None:
     return None
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _excess(values: Any, level: float) -> tuple[float, int]:
     """Sum of what exceeds a level, and number of values that do."""
     total, count = 0.0, 0

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from asperity.compiled import compiled
 from asperity.parallel import in_parts
 from asperity.types import Array
 
@@ -35,7 +35,7 @@ def places_in_union(nodes: Array, others: Array) -> Array:
     return np.searchsorted(nodes, others) + np.arange(others.size)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _row_plus_column(nodes: Any, of_row: Any, of_column: Any, out: Any) -> None:
     row, start = np.int64(0), np.int64(0)
     for k in range(nodes.size):

@@ -26,8 +26,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from asperity.compiled import compiled, sums
 from asperity.contact.kernels import dot
 from asperity.contact.places import row_plus_column
 from asperity.contact.problem import Problem
@@ -183,28 +183,28 @@ def inverse_stencil(grid: Grid) -> Array:
     return np.broadcast_to(weights, (2, 2, *weights.shape)).astype(np.float32)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _add_in_cells(cell: Any, weight: Any, sums: Any) -> None:
     """Add the weights to the sums of their cells."""
     for k in range(cell.size):
         sums[cell[k]] += weight[k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _add_weighted_in_cells(cell: Any, weight: Any, values: Any, sums: Any) -> None:
     """Add weight × value to the sums of their cells."""
     for k in range(cell.size):
         sums[cell[k]] += weight[k] * values[k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _subtract_in_cells(cell: Any, weight: Any, displacement: Any, out: Any) -> None:
     """Subtract weight × displacement of its cell from every contact node."""
     for k in range(cell.size):
         out[k] -= weight[k] * displacement[cell[k]]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+@sums
 def _next_direction(
     ratio: Any, mean_sigma: Any, residual: Any, z: Any, sigma: Any, direction: Any, image: Any, response: Any
 ) -> float:
@@ -222,7 +222,7 @@ def _next_direction(
     return curvature
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _take_step(length: Any, direction: Any, response: Any, y: Any, residual: Any) -> None:
     """Solution y ← y + length × d of the coarse system, and its residual r ← r − length × response."""
     for k in range(y.size):

@@ -13,8 +13,8 @@ from functools import cached_property
 from typing import Any, ClassVar, Self
 
 import numpy as np
-from numba import njit
 
+from asperity.compiled import compiled
 from asperity.elasticity.layer import mirror_rows
 from asperity.elasticity.two_bodies import Solid
 from asperity.parallel import in_parts
@@ -206,7 +206,7 @@ def multiply(coefficients: Array, half: Array, threads: int) -> None:
     in_parts(multiply_some, coefficients.shape[0], threads, smallest=256)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def multiply_rows(coefficients: Any, factors: Any) -> None:
     """Multiply coefficients, real and imaginary parts in turn, by real factors."""
     for j in range(factors.shape[0]):

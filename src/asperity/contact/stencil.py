@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 from llvmlite import ir
-from numba import njit, types
+from numba import types
 from numba.extending import intrinsic
 
+from asperity.compiled import compiled
 from asperity.parallel import in_parts
 from asperity.spectral import Grid
 from asperity.types import Array
@@ -152,7 +153,7 @@ def _product(typing_context: Any, field: Any, first: Any, width: Any, weights: A
     return types.float32(field, types.intp, types.intp, weights, types.intp), generate
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _apply_in_strips(
     strip: Any,
     nodes: Any,
@@ -205,13 +206,13 @@ def _apply_in_strips(
                 _erase(nodes[first[row] : first[row + 1]], row * shape[1], strip[line])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _row_of(row: int, rows: int, repeats: bool) -> int:
     """The row of the map that is repeated beyond its edges; −1 if nothing is there."""
     return row % rows if repeats else row if 0 <= row < rows else -1
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _spread(nodes: Any, values: Any, start: int, line: Any, repeats: bool) -> None:
     """Write the values of a row, whose first node has the index `start`, and what repeats in its margin."""
     columns = line.size - 2 * RADIUS
@@ -223,7 +224,7 @@ def _spread(nodes: Any, values: Any, start: int, line: Any, repeats: bool) -> No
             line[RADIUS + columns + step - 1] = line[RADIUS + (step - 1) % columns]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _multiply(field: Any, width: int, nodes: Any, start: int, weights: Any, parity: int, out: Any) -> None:
     """Product of the stencil with the strip from the row `RADIUS` above nodes of one row of the map."""
     for k in range(nodes.size):
@@ -231,7 +232,7 @@ def _multiply(field: Any, width: int, nodes: Any, start: int, weights: Any, pari
         out[k] = _product(field, column, width, weights, parity + column % 2)  # type: ignore[call-arg]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled
 def _erase(nodes: Any, start: int, line: Any) -> None:
     """Make a row zero again."""
     for k in range(nodes.size):

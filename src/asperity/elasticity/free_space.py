@@ -23,9 +23,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import ArrayLike
 
+from asperity.compiled import compiled
 from asperity.spectral import Fourier, Grid, good_size
 from asperity.types import Array
 
@@ -70,7 +70,7 @@ def rectangle_slope_x(
     return out
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _span(low: float, high: float, aside: float) -> float:
     """asinh(high / |aside|) − asinh(low / |aside|) for high > |low|, without cancellation."""
     if low <= 0:
@@ -79,13 +79,13 @@ def _span(low: float, high: float, aside: float) -> float:
     return np.log1p((high - low) * (1 + (high + low) / (far + near)) / (low + near))
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _part(edge: float, low: float, high: float) -> float:
     """One of the four terms of the displacement; zero in the limit of an edge through the point."""
     return edge * _span(low, high, edge) if edge != 0 else 0.0
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _fill_compliance(y: Any, x: Any, half_y: float, half_x: float, out: Any) -> None:
     """∫∫ dξ dη / ρ over the rectangle, at points with y, x ≥ 0."""
     for i in range(out.size):
@@ -94,7 +94,7 @@ def _fill_compliance(y: Any, x: Any, half_y: float, half_x: float, out: Any) -> 
         out[i] = along_x + _part(y2, x1, x2) - _part(y1, x1, x2)
 
 
-@njit(cache=True, error_model="numpy")
+@compiled
 def _fill_slope(y: Any, x: Any, half_y: float, half_x: float, out: Any) -> None:
     """∂/∂x of ∫∫ dξ dη / ρ over the rectangle, at points with y, x ≥ 0."""
     for i in range(out.size):

@@ -31,7 +31,8 @@ import math
 from typing import Any
 
 import numpy as np
-from numba import njit
+
+from asperity.compiled import fused, fused_inlined
 
 HALF_SPACE, BONDED, FRICTIONLESS, FREE = range(4)
 """Kinds of solid."""
@@ -39,19 +40,8 @@ HALF_SPACE, BONDED, FRICTIONLESS, FREE = range(4)
 Values = tuple[float, float, float, float, float]
 """The kernels Z, L, T, V, W of one mode at one depth."""
 
-# Of the fast-math options only contraction to fused multiply-adds: infinities and NaN keep their meaning.
-_compiled = njit(cache=True, error_model="numpy", nogil=True, fastmath={"contract"})
-# Inlined into the calling loop, which LLVM can then vectorise.
-_inlined = njit(
-    cache=True,
-    error_model="numpy",
-    nogil=True,
-    fastmath={"contract"},
-    forceinline=True,
-)
 
-
-@_compiled
+@fused
 def _decay(x: float) -> tuple[float, float]:
     """e^(−x) and 1 − e^(−x) for x ≥ 0, both to full relative precision, from one exponential."""
     if x < 0.5:
@@ -68,7 +58,7 @@ _COSH_SERIES = tuple(1.0 / math.factorial(2 * k) for k in range(9, 0, -1))
 _SINHC_SERIES = tuple(1.0 / math.factorial(2 * k + 1) for k in range(1, 13))
 
 
-@_inlined
+@fused_inlined
 def _sinh_rest(square: float) -> float:
     """(sinh x / x − 1)/x² as a function of x², for x ≤ 1."""
     total = 0.0
@@ -77,7 +67,7 @@ def _sinh_rest(square: float) -> float:
     return total
 
 
-@_inlined
+@fused_inlined
 def _cosh_rest(square: float) -> float:
     """(cosh x − 1)/x² as a function of x², for x ≤ 1.
 
@@ -89,14 +79,14 @@ def _cosh_rest(square: float) -> float:
     return total
 
 
-@_inlined
+@fused_inlined
 def _double_sinh_rest(square: float) -> float:
     """(sinh 2x / (2x) − 1)/x² as a function of x², for x ≤ 1."""
     sinh, cosh = _sinh_rest(square), _cosh_rest(square)
     return sinh + cosh + square * sinh * cosh
 
 
-@_inlined
+@fused_inlined
 def _sinhc_difference(square_a: float, square_b: float) -> float:
     """(sinh a / a − sinh b / b)/(a² − b²) as a function of a² and b², for b ≤ a ≤ 2."""
     power, power_b, total = 0.0, 1.0, 0.0
@@ -107,13 +97,13 @@ def _sinhc_difference(square_a: float, square_b: float) -> float:
     return total
 
 
-@_inlined
+@fused_inlined
 def half_space_stresses(one: Any, d: Any, a: Any) -> tuple[Any, Any, Any]:
     """Z, L and T of the half-space, given a = e^(−d); `one` is 1 in their precision."""
     return (one + d) * a, (one - d) * a, d * a
 
 
-@_compiled
+@fused
 def half_space_kernels(d: float, poisson: float) -> Values:
     """Z, L, T, V and W of the half-space."""
     a = np.exp(-d)
@@ -121,7 +111,7 @@ def half_space_kernels(d: float, poisson: float) -> Values:
     return *half_space_stresses(1.0, d, a), (m - d) * a, (1.0 + m + d) * a
 
 
-@_compiled
+@fused
 def frictionless_kernels(h: float, t: float, d: float, poisson: float) -> Values:
     """Z, L, T, V and W of a layer on a rigid frictionless support."""
     if h < 1.0:
@@ -143,7 +133,7 @@ def frictionless_kernels(h: float, t: float, d: float, poisson: float) -> Values
     )
 
 
-@_inlined
+@fused_inlined
 def _thin_frictionless_kernels(h: float, t: float, d: float, poisson: float) -> Values:
     """`frictionless_kernels` for h < 1, by series."""
     s = h + t
@@ -163,7 +153,7 @@ def _thin_frictionless_kernels(h: float, t: float, d: float, poisson: float) -> 
     return normal, longitudinal, shear, along, downward
 
 
-@_compiled
+@fused
 def bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values:
     """Z, L, T, V and W of a layer bonded to a rigid support."""
     if h < 1.0:
@@ -193,7 +183,7 @@ def bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values:
     return normal, longitudinal, shear, along, downward
 
 
-@_inlined
+@fused_inlined
 def _thin_bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values:
     """`bonded_kernels` for h < 1, by series."""
     m = 1.0 - 2.0 * poisson
@@ -232,14 +222,14 @@ def _thin_bonded_kernels(h: float, t: float, d: float, poisson: float) -> Values
     return normal, longitudinal, shear, along, downward
 
 
-@_compiled
+@fused
 def half_space_shear_kernels(d: float) -> Values:
     """N, M, X, P and Q of the half-space under a shear traction."""
     a = np.exp(-d)
     return d * a, (2.0 - d) * a, (1.0 - d) * a, a, a
 
 
-@_compiled
+@fused
 def bonded_shear_kernels(h: float, t: float, d: float, poisson: float) -> Values:
     """N, M, X, P and Q of a layer bonded to a rigid support, under a shear traction; for any h."""
     m = 1.0 - 2.0 * poisson
@@ -273,7 +263,7 @@ _DEEPEST = 700.0
 _BOTTOM_OUT_OF_REACH = 40.0
 
 
-@_compiled
+@fused
 def fill_kernels(kind: int, q: Any, depth: Any, height: float, poisson: float, out: Any) -> None:
     """Write the kernels of all modes to the rows of `out`, for one depth of all modes or one of each mode."""
     can_be_thin = kind != HALF_SPACE and depth.size == 1
@@ -297,7 +287,7 @@ def fill_kernels(kind: int, q: Any, depth: Any, height: float, poisson: float, o
             _fill_any(kind, q, depth, height, poisson, out, first, last)
 
 
-@_compiled
+@fused
 def _fill_thin(kind: int, q: Any, depth: float, height: float, poisson: float, rows: Any) -> None:
     """Write the kernels of modes with 0 < q height < 1 at one depth."""
     normal, longitudinal, shear, along, downward = rows
@@ -313,7 +303,7 @@ def _fill_thin(kind: int, q: Any, depth: float, height: float, poisson: float, r
             normal[n], longitudinal[n], shear[n], along[n], downward[n] = values
 
 
-@_compiled
+@fused
 def _fill_any(
     kind: int, q: Any, depth: Any, height: float, poisson: float, out: Any, first: int, last: int
 ) -> None:
@@ -337,7 +327,7 @@ def _fill_any(
         out[0, n], out[1, n], out[2, n], out[3, n], out[4, n] = values
 
 
-@_compiled
+@fused
 def fill_shear_kernels(kind: int, q: Any, depth: float, height: float, poisson: float, out: Any) -> None:
     """Write the kernels of a shear traction of all modes at one depth to the rows of `out`.
 
@@ -357,7 +347,7 @@ def fill_shear_kernels(kind: int, q: Any, depth: float, height: float, poisson: 
         out[0, n], out[1, n], out[2, n], out[3, n], out[4, n] = values
 
 
-@_compiled
+@fused
 def fill_surface_compliance(
     kind: int, q: Any, height: float, poisson: float, unit: float, uniform: float, out: Any
 ) -> None:
@@ -396,7 +386,7 @@ def fill_surface_compliance(
                 out[n] = unit / wavenumber * (2.0 + beyond) / bending
 
 
-@_compiled
+@fused
 def fill_face_compliance(q: Any, height: float, half_space: bool, poisson: float, out: Any) -> None:
     """Write the elements of the compliance of a free layer, in units of (1 + ν)/E.
 

@@ -11,9 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from asperity.compiled import compiled, inlined, sums_without_nan
 from asperity.elasticity.layer import COMPONENTS
 from asperity.machine_code import discard_outdated
-from asperity.stress.compiled import compiled, inlined, reduction
 from asperity.stress.principal import LARGEST_SHEAR, PRINCIPAL_1, PRINCIPAL_2, PRINCIPAL_3, principal_stresses
 from asperity.types import Array
 
@@ -262,7 +262,7 @@ def pack(values: Any, factor: float, out: Any) -> None:
             out[j, i] = np.uint16(np.int32(values[j, i] * factor + 0.5))
 
 
-@reduction
+@sums_without_nan
 def moments(one: Any, two: Any) -> tuple[float, float, float]:
     """Means of two fields and of their product, summed row by row."""
     mean_one = mean_two = product = 0.0

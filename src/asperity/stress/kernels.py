@@ -10,10 +10,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from asperity.compiled import compiled, fused, fused_inlined
 from asperity.elasticity.kernels import half_space_stresses
 from asperity.elasticity.layer import COMPONENTS
 from asperity.machine_code import discard_outdated
-from asperity.stress.compiled import compiled, contracted, contracted_inlined
 
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = (COMPONENTS.index(name) for name in ("xx", "yy", "zz", "yz", "xz", "xy"))
 
@@ -198,7 +198,7 @@ _MANTISSA, _BIAS = 52, 1023
 """Bits of the mantissa of a number in double precision, and its exponent for 1."""
 
 
-@contracted
+@fused
 def half_space_columns(
     depth: float, pressure: Any, wavevectors: Any, first: int, room: Any, out: Any
 ) -> None:
@@ -234,7 +234,7 @@ def half_space_columns(
                     _multiply(room.factors[m], own, coefficients, m == _YZ, out[m, row])
 
 
-@contracted
+@fused
 def _fill_decay(depth: float, qx: Any, qy: float, room: Any) -> None:
     """Fill `room` with q depth, 1/q² (0 at q = 0) and e^(−q depth) for one row of modes.
 
@@ -266,7 +266,7 @@ def _fill_decay(depth: float, qx: Any, qy: float, room: Any) -> None:
         decay[i] = power[i] * scale[i]
 
 
-@contracted
+@fused
 def _fill_factors(depth: float, qx: Any, odd_qx: Any, qy: float, odd_qy: float, room: Any) -> None:
     """Fill the factors of the pressure, each twice in turn, that of A_yz without the imaginary unit."""
     scaled, over_square, decay, factors = room.scaled, room.over_square, room.decay, room.factors
@@ -293,7 +293,7 @@ def _fill_factors(depth: float, qx: Any, odd_qx: Any, qy: float, odd_qy: float, 
         slope_xy[2 * i] = slope_xy[2 * i + 1] = (decay[i] + decay[i]) * (odd_qx[i] * odd_qy * over_square[i])
 
 
-@contracted_inlined
+@fused_inlined
 def _multiply(factors: Any, sign: float, pressure: Any, turned: bool, out: Any) -> None:
     """Fill `out` with factors times coefficients, times −i if turned."""
     if turned:
@@ -305,7 +305,7 @@ def _multiply(factors: Any, sign: float, pressure: Any, turned: bool, out: Any) 
             out[k] = sign * factors[k] * pressure[k]
 
 
-@contracted
+@fused
 def half_space_xz(half_depth: float, odd_qx: Any, first: int, last: int, parts: Any) -> None:
     """Fill some rows of A_xz after the transform along y, from A_xx, A_yy and A_zz.
 

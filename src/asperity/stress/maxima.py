@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from asperity.compiled import compiled, inlined, sums_without_nan
 from asperity.machine_code import discard_outdated
-from asperity.stress.compiled import compiled, inlined, reduction
 from asperity.stress.fields import SHARED, Field, fill_row, fill_von_mises, value_at
 from asperity.stress.neighbours import exceeds, neighbour
 from asperity.stress.row_sums import sum_row
@@ -233,7 +233,7 @@ def _fill_margins(line: Any, columns: int, periodic: bool) -> None:
     line[_MARGIN + columns] = line[_MARGIN + neighbour(columns, columns, periodic)]
 
 
-@reduction
+@sums_without_nan
 def _search_row(j: int, columns: int, row: int, floor: float, room: Any, t: int) -> None:
     """Add the maxima of one row, from the values in it and in the rows beside it."""
     previous, here, after = room.rows[t, (j - 1) % 3], room.rows[t, j % 3], room.rows[t, (j + 1) % 3]

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from asperity.compiled import compiled, inlined
 from asperity.machine_code import discard_outdated
-from asperity.stress.compiled import compiled, inlined
 from asperity.stress.fields import PLACES, Field, Parts, value_at
 
 _FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1))

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from asperity.stress.compiled import compiled
+from asperity.compiled import compiled
 
 LARGEST_SHEAR, PRINCIPAL_1, PRINCIPAL_2, PRINCIPAL_3 = range(4)
 """Numbers of the fields that follow from the principal stresses."""

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from asperity.stress.compiled import reduction
+from asperity.compiled import sums_without_nan
 
 _BLOCK = 1024
 """Numbers that are summed in their own precision."""
 
 
-@reduction
+@sums_without_nan
 def sum_row(
     values: Any,
     bits: Any,
@@ -58,7 +58,7 @@ def sum_row(
         out[3], out[4] = _sums(here, other, other.size)
 
 
-@reduction
+@sums_without_nan
 def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
     """Sums of some values and of their products with others: in blocks in their own precision."""
     total = product = 0.0
@@ -74,7 +74,7 @@ def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
     return total, product
 
 
-@reduction
+@sums_without_nan
 def _largest(bits: Any, count: int) -> int:
     """Bits of the largest of some values ≥ 0, from their bits, which are in the same order.
 
