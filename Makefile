@@ -58,7 +58,8 @@ wheel-test: $(VENV)/ready ## Install the wheel in empty environments from the pa
 	pytest -m wheel tests/wheel
 
 test-oldest: ## Run the unit tests with the oldest versions of all dependencies (requirements-oldest.lock)
-	$(MAKE) VENV=.venv-oldest LOCK=requirements-oldest.lock PYTEST="-W default" unit-tests
+	NUMBA_CACHE_DIR=$(CURDIR)/.venv-oldest/machine_code \
+		$(MAKE) VENV=.venv-oldest LOCK=requirements-oldest.lock PYTEST="-W default" unit-tests
 
 test-python: ## Run the unit tests with another Python: make test-python PYTHON=python3.13
 	$(MAKE) VENV=.venv-$$($(PYTHON) -c 'import sys; print("%d.%d" % sys.version_info[:2])') unit-tests

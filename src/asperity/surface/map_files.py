@@ -282,7 +282,7 @@ def _instrument_map(path: Path, given: Reading, option: OptionName) -> tuple[Fil
 def _channel_index(channels: list[Channel], wanted: str | int | None, reader: Any, option: str) -> int:
     """Number of the wanted channel; without a wish, that of the default channel of the format."""
     if not channels:
-        raise ValueError("no height map in the file")
+        raise ValueError("not a height map that can be read (the file holds none)")
     if wanted is None:
         default = int(reader.default_channel.index)
         heights = [number for number, channel in enumerate(channels) if channel.kind == "height"]
