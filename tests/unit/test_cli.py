@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -169,6 +170,16 @@ def test_a_missing_package_is_one_line(tmp_path, name, command):
     package = PACKAGES[extra][name]
     assert found.stderr == f"asperity: not installed: {package}; install with: {command}\n"
     assert not found.stdout
+
+
+def test_all_missing_packages_of_a_command_are_named(monkeypatch, capsys):
+    missing = ("matplotlib", "snakemake")
+    monkeypatch.setattr(
+        "asperity.packages.find_spec", lambda name: None if name in missing else find_spec(name)
+    )
+    assert main(["ensemble", "--claim", "one_and_a_half"]) == 1
+    line = 'asperity: not installed: matplotlib, snakemake; install with: pip install "asperity[study]"\n'
+    assert capsys.readouterr().err == line
 
 
 def test_solve_imposes_pressure_force_and_approach_alike(tmp_path, capsys):

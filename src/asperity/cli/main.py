@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from importlib import import_module
 
 from asperity.errors import ConvergenceError, DatasetError, InputError, PreflightError, fail
-from asperity.packages import BASE, NAMES, PACKAGES, message, require
+from asperity.packages import BASE, NAMES, PACKAGES, MissingPackageError, message, require
 from asperity.runtime.interrupts import COMMAND_LINE, Interrupted, interruptible
 
 
@@ -42,6 +42,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return max(map(fail, error.lines), default=1)
     except Interrupted as interrupted:
         return fail(COMMAND_LINE, interrupted.status)
+    except MissingPackageError as error:
+        return fail(str(error))
     except ModuleNotFoundError as error:
         module = (error.name or "").split(".")[0]
         return fail(message([module]) if module in NAMES else str(error))
