@@ -14,6 +14,9 @@ import os
 import time
 from pathlib import Path
 
+# Threads of BLAS that wait for work would count as processor time.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 import psutil
 from contact import KEY, kept
 from contact_run import compile_library, counted, rough, solver_of, transform_cost
