@@ -78,7 +78,10 @@ class StencilField:
     def _apply(self, stencil: Array, values: Array, nodes: Array, first: Array, out: Array) -> None:
         def apply(part: slice) -> None:
             begin, end = np.searchsorted(first[:-1], (part.start, part.stop))
-            strip = self._strips.pop() if self._strips else self._new_strip()
+            try:
+                strip = self._strips.pop()
+            except IndexError:
+                strip = self._new_strip()
             _apply_in_strips(
                 strip,
                 self._nodes,
