@@ -23,6 +23,9 @@ LEAST_OF_TWO_THREADS = 1.7
 MOST_OF_AREA_CONTROL = 1.3
 MOST_OF_PATH = 5.0
 MOST_GIB = {8192: 3.0, 16384: 20.0}
+MOST_OF_STRESS = 2.0
+MOST_PLANES = 15.0
+MOST_STRESS_GIB = {2048: 1.0, 4096: 3.0}
 COMPARED_GRID = 2048
 STUDY_AIMS = {
     "paper": (180.0, 330.0),
@@ -166,12 +169,18 @@ def aims(folder: Path) -> str:
             "≥",
             LEAST_OF_TWO_THREADS,
         )
-    paths = folder / "load_path.txt"
-    text = paths.read_text("utf-8") if paths.exists() else ""
-    for value in re.findall(r"^Mean ratio ([\d.]+)", text, re.MULTILINE):
-        add("area control over the solution at its load, pairs", float(value), "≤", MOST_OF_AREA_CONTROL)
-    for value in re.findall(r"^Path .* pairs, .* s: ([\d.]+) times", text, re.MULTILINE):
-        add("path of 14 areas over one solution, pairs", float(value), "≤", MOST_OF_PATH, ".1f")
+    for points, hurst, area, area_time, path, path_time in load_paths(folder):
+        of = f"{points}², H = {hurst}"
+        add(f"area control over the solution at its load, transforms, {of}", area, "≤", MOST_OF_AREA_CONTROL)
+        add(f"the same in time, {of}", area_time, "≤", MOST_OF_AREA_CONTROL)
+        add(f"path of 14 areas over one solution, transforms, {of}", path, "≤", MOST_OF_PATH, ".1f")
+        add(f"the same in time, {of}", path_time, "≤", MOST_OF_PATH, ".1f")
+    for points, equivalents, ratio, memory in stress_runs(folder):
+        if points == COMPARED_GRID:
+            add(f"stress: time over that of its transforms, {points}²", ratio, "≤", MOST_OF_STRESS)
+            add(f"stress: plane equivalents, {points}²", equivalents, "≤", MOST_PLANES, ".1f")
+        if points in MOST_STRESS_GIB:
+            add(f"stress: peak memory at {points}²", memory, "≤", MOST_STRESS_GIB[points], ".2f", " GiB")
     found = read(folder, "study")
     for name, (wall, seconds) in STUDY_AIMS.items():
         row = None if found is None or name not in set(found["study"]) else found.set_index("study").loc[name]
@@ -180,6 +189,28 @@ def aims(folder: Path) -> str:
             spent = np.nan if row is None else row["seconds"]
             add(f"study, {name}: processor time", spent, "≤", seconds, ".0f", " s")
     return f"## Aims\n\n{table_of(rows)}\n"
+
+
+def load_paths(folder: Path) -> list[tuple[str, str, float, float, float, float]]:
+    """Grid, Hurst exponent, and ratios of area control and of the path, of transforms and of time."""
+    paths = folder / "load_path.txt"
+    text = paths.read_text("utf-8") if paths.exists() else ""
+    found = re.findall(
+        r"^(\d+)² nodes, H = ([\d.]+);.*?^Mean ratio ([\d.]+), of time ([\d.]+)$"
+        r".*?^Path [^\n]*: ([\d.]+) times [^\n]* and ([\d.]+) times its time$",
+        text,
+        re.MULTILINE | re.DOTALL,
+    )
+    return [(points, hurst, *map(float, ratios)) for points, hurst, *ratios in found]
+
+
+def stress_runs(folder: Path) -> list[tuple[int, float, float, float]]:
+    """Grid, plane equivalents, time over that of the transforms, and peak memory of each run."""
+    printed = folder / "stress.txt"
+    text = printed.read_text("utf-8") if printed.exists() else ""
+    row = r"^ *(\d+)² +\d+ +([\d.]+) +[\d.]+ s +[\d.]+ s +([\d.]+) +([\d.]+) GiB"
+    found = re.findall(row, text, re.MULTILINE)
+    return [(int(points), *map(float, numbers)) for points, *numbers in found]
 
 
 def two_threads(folder: Path) -> dict[float, tuple[int, float]]:
