@@ -1,8 +1,8 @@
 """Decorators of the loops that numba compiles to machine code.
 
 All of them keep the machine code for later runs, release the interpreter's lock, and divide by zero as NumPy
-does. A loop that makes no array is compiled without counting references to arrays: counting took a tenth of
-the time of an analysis of the stress.
+does. A loop that makes no array is compiled without counting references to arrays, which takes time in loops
+over the rows of a plane.
 """
 
 from __future__ import annotations

@@ -153,7 +153,7 @@ class Preconditioner:
         first = previous = 0.0
         for iteration in range(MAX_COARSE_ITERATIONS):
             self._coarse.forward(residual, coefficients)
-            multiply_rows(coefficients.view(np.float32), self._inverse_for_mean)
+            multiply_rows(coefficients, self._inverse_for_mean)
             self._coarse.inverse(coefficients, z, overwrite=True)
             product = dot(residual.reshape(-1), z.reshape(-1))
             first = first or product

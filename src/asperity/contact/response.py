@@ -200,14 +200,18 @@ def multiply(coefficients: Array, half: Array, threads: int) -> None:
     def multiply_some(part: slice) -> None:
         for factors, first in ((half, 0), (mirrored, rows)):
             start, stop = (min(max(row, first), first + len(factors)) for row in (part.start, part.stop))
-            some = coefficients[start:stop].view(half.dtype)
-            multiply_rows(some, factors[start - first : stop - first])
+            multiply_rows(coefficients[start:stop], factors[start - first : stop - first])
 
     in_parts(multiply_some, coefficients.shape[0], threads, smallest=256)
 
 
+def multiply_rows(coefficients: Array, factors: Array) -> None:
+    """Multiply coefficients by real factors of the same shape."""
+    _multiply(coefficients.view(coefficients.real.dtype), factors)
+
+
 @compiled
-def multiply_rows(coefficients: Any, factors: Any) -> None:
+def _multiply(coefficients: Any, factors: Any) -> None:
     """Multiply coefficients, real and imaginary parts in turn, by real factors."""
     for j in range(factors.shape[0]):
         row, factor = coefficients[j], factors[j]
