@@ -43,7 +43,7 @@ def test_code_compiled_with_functions_of_other_modules_is_discarded_when_these_c
     for module in walk_packages(asperity.__path__, "asperity."):
         if module.name != "asperity.__main__" and find_spec(module.name):
             source = Path(find_spec(module.name).origin).read_text()
-            if "from asperity.compiled import" in source:
+            if "njit" in source or "from asperity.compiled import" in source:
                 import_module(module.name)
                 needed |= {module.name} if calls_other_modules(module.name) else set()
                 done |= {module.name} if "discard_outdated(__name__)" in source else set()
