@@ -20,8 +20,9 @@ from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 
-# Threads of BLAS that wait for work would count as processor time.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+import one_thread  # noqa: F401
+
+# isort: split
 
 import numpy as np
 import psutil

@@ -10,6 +10,10 @@ import argparse
 import tempfile
 from pathlib import Path
 
+import one_thread  # noqa: F401
+
+# isort: split
+
 import numpy as np
 import xarray as xr
 from contact_run import rough

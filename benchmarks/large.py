@@ -14,8 +14,9 @@ import os
 import time
 from pathlib import Path
 
-# Threads of BLAS that wait for work would count as processor time.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+import one_thread  # noqa: F401
+
+# isort: split
 
 import psutil
 from contact import KEY, kept

@@ -17,15 +17,15 @@ norm, against a solution at an estimated error of 1e-10 at the same load.
 from __future__ import annotations
 
 import argparse
-import os
 import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-# Threads of BLAS that wait for work would count as processor time.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+import one_thread  # noqa: F401
+
+# isort: split
 
 import numpy as np
 import yaml

@@ -193,12 +193,10 @@ def aims(folder: Path) -> str:
 
 def load_paths(folder: Path) -> list[tuple[str, str, float, float, float, float]]:
     """Grid, Hurst exponent, and ratios of area control and of the path, of transforms and of time."""
-    paths = folder / "load_path.txt"
-    text = paths.read_text("utf-8") if paths.exists() else ""
     found = re.findall(
         r"^(\d+)² nodes, H = ([\d.]+);.*?^Mean ratio ([\d.]+), of time ([\d.]+)$"
         r".*?^Path [^\n]*: ([\d.]+) times [^\n]* and ([\d.]+) times its time$",
-        text,
+        printed(folder, "load_path", fenced=False),
         re.MULTILINE | re.DOTALL,
     )
     return [(points, hurst, *map(float, ratios)) for points, hurst, *ratios in found]
@@ -206,10 +204,8 @@ def load_paths(folder: Path) -> list[tuple[str, str, float, float, float, float]
 
 def stress_runs(folder: Path) -> list[tuple[int, float, float, float]]:
     """Grid, plane equivalents, time over that of the transforms, and peak memory of each run."""
-    printed = folder / "stress.txt"
-    text = printed.read_text("utf-8") if printed.exists() else ""
     row = r"^ *(\d+)² +\d+ +([\d.]+) +[\d.]+ s +[\d.]+ s +([\d.]+) +([\d.]+) GiB"
-    found = re.findall(row, text, re.MULTILINE)
+    found = re.findall(row, printed(folder, "stress", fenced=False), re.MULTILINE)
     return [(int(points), *map(float, numbers)) for points, *numbers in found]
 
 
@@ -360,8 +356,6 @@ def growth(folder: Path) -> str:
         found = {name: number(exponent(fast, column)) for name, column in columns.items()}
         grids = f"{fast['points'].iloc[0]}² to {fast['points'].iloc[-1]}²"
         rows.append({"H": f"{hurst}", "grids": grids, **found})
-    largest = folder / "large.txt"
-    solved = f"```text\n{largest.read_text('utf-8').rstrip()}\n```\n" if largest.exists() else ""
     return f"""
 ## Growth, and the largest grid
 
@@ -375,7 +369,7 @@ The largest grid is one command, which makes the surface within the same memory.
 known; the certificate is computed from the pressure alone.
 
 {command(folder, "large")}
-{solved}"""
+{printed(folder, "large", fenced=True)}"""
 
 
 def threads(folder: Path) -> str:

@@ -14,13 +14,13 @@ for the rows and once for the columns.
 from __future__ import annotations
 
 import argparse
-import os
 import platform
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-# Threads of BLAS that wait for work would count as processor time.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+import one_thread  # noqa: F401
+
+# isort: split
 
 import numpy as np
 import pandas as pd

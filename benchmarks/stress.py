@@ -12,7 +12,6 @@ comparison.
 
 import argparse
 import json
-import os
 import subprocess
 import sys
 import time
@@ -20,8 +19,9 @@ from itertools import pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-# Threads of BLAS that wait for work would count as processor time.
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+import one_thread  # noqa: F401
+
+# isort: split
 
 import ducc0
 import numpy as np
