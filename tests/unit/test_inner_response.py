@@ -105,6 +105,23 @@ def test_stencil_against_the_sum_of_its_definition(shape: tuple[int, int], repea
     np.testing.assert_allclose(everywhere, [product(int(node)) for node in others], rtol=1e-4, atol=1e-4)
 
 
+@pytest.mark.parametrize("repeats", [True, False])
+def test_strips_and_threads_change_no_bit_of_a_stencil(repeats, monkeypatch) -> None:
+    generator, shape = np.random.default_rng(3), (301, 203)
+    weights = whole_stencil(generator.random((2, 2, RADIUS + 1, RADIUS + 1)).astype(np.float32))
+    nodes = np.flatnonzero(generator.random(shape).reshape(-1) < 0.6).astype(np.uint32)
+    values, found = generator.random(nodes.size).astype(np.float32), []
+    for least_rows, threads in ((shape[0], 1), (2, 1), (5, 2)):
+        monkeypatch.setattr("asperity.contact.stencil._STRIP", 1)
+        monkeypatch.setattr("asperity.contact.stencil._LEAST_ROWS", least_rows)
+        stencil = StencilField(Grid(shape), repeats, threads)
+        stencil.restrict(nodes)
+        found.append(np.empty_like(values))
+        stencil.apply(weights, values, found[-1])
+    np.testing.assert_array_equal(found[1], found[0])
+    np.testing.assert_array_equal(found[2], found[0])
+
+
 def test_restriction_to_even_nodes_is_the_transpose_of_interpolation() -> None:
     ny, nx = 8, 10
     width = nx // 2 + 1
