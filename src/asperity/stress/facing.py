@@ -37,15 +37,16 @@ def facing_pairs(
 
     at_upper = places(upper_plane, upper.nodes, 0.0, 0.0)
     at_lower = places(lower_plane, lower.nodes, 0.0, 0.0)
-    near = np.flatnonzero(_are_near(at_lower, at_upper, box, upper_plane.periodic))
+    of_upper, of_lower = (upper.field, at_upper), (lower.field, at_lower)
+    near = np.flatnonzero(_are_near(of_lower, of_upper, box, upper_plane.periodic))
     if not near.size:
         return np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0, bool)
     lower = lower.select(near)
     high, *offset_up = refine_in_plane(upright(upper.here, upper.here))
     low, *offset_low = refine_in_plane(upright(lower.here, lower.here))
-    place_up = places(upper_plane, upper.nodes, *offset_up)
-    place_low = places(lower_plane, lower.nodes, *offset_low)
-    size = box if upper_plane.periodic else None
+    place_up = _apart(upper.field, places(upper_plane, upper.nodes, *offset_up))
+    place_low = _apart(lower.field, places(lower_plane, lower.nodes, *offset_low))
+    size = np.array([*box, 0.0]) if upper_plane.periodic else None
     distance, facing = cKDTree(place_low, boxsize=size).query(place_up, p=np.inf)
     back = np.asarray(cKDTree(place_up, boxsize=size).query(place_low, p=np.inf)[1])
     pair = np.flatnonzero((np.asarray(distance) <= 1.0) & (back[facing] == np.arange(high.size)))
@@ -53,19 +54,25 @@ def facing_pairs(
     return pair, near[partner], high[pair] > low[partner]
 
 
-def _are_near(places: Array, others: Array, box: Array, periodic: bool) -> Array:
+def _apart(field: Array, places: Array) -> Array:
+    """Places in three dimensions, of which the third keeps different fields apart."""
+    return np.column_stack([places, 2.0 * field])
+
+
+def _are_near(places: tuple[Array, Array], others: tuple[Array, Array], box: Array, periodic: bool) -> Array:
     """True for all places within `REACH` of one of the others, and for some of those that are not.
 
-    Places are counted in squares at least as wide as the reach: those in the square of one of the others and
-    in the eight around it are near.
+    Places are given with their fields, and counted in squares at least as wide as the reach: those in the
+    square of one of the others and in the eight around it are near.
     """
     count = np.maximum(box / REACH, 1).astype(int)
-    square, other = (np.minimum((each / box * count).astype(int), count - 1) for each in (places, others))
-    taken = np.zeros(count + 2, bool)
+    square, other = (np.minimum((each / box * count).astype(int), count - 1) for _, each in (places, others))
+    (own, _), (field, _) = places, others
+    taken = np.zeros((max(own.max(), field.max()) + 1, *(count + 2)), bool)
     for step_y in (0, 1, 2):
         for step_x in (0, 1, 2):
-            taken[other[:, 0] + step_y, other[:, 1] + step_x] = True
+            taken[field, other[:, 0] + step_y, other[:, 1] + step_x] = True
     if periodic:
-        taken[[1, -2]] |= taken[[-1, 0]]
         taken[:, [1, -2]] |= taken[:, [-1, 0]]
-    return taken[square[:, 0] + 1, square[:, 1] + 1]
+        taken[:, :, [1, -2]] |= taken[:, :, [-1, 0]]
+    return taken[own, square[:, 0] + 1, square[:, 1] + 1]

@@ -7,6 +7,7 @@ bits, in the precision of the plane.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -74,6 +75,26 @@ class Field(NamedTuple):
     kind: int
     ratio: Any
     uniform: Any
+
+
+class Fields(NamedTuple):
+    """Several fields of a plane: arrays of what a `Field` consists of."""
+
+    kinds: Any
+    ratios: Any
+    uniforms: Any
+
+    @classmethod
+    def of(cls, fields: Sequence[Field], real: np.dtype[Any]) -> Fields:
+        """The fields of a plane in this precision."""
+        kinds, ratios, uniforms = zip(*fields, strict=True)
+        return cls(np.array(kinds), np.array(ratios, real), np.array(uniforms, real))
+
+
+@inlined
+def field_at(fields: Any, number: int) -> Any:
+    """One of several fields."""
+    return Field(fields.kinds[number], fields.ratios[number], fields.uniforms[number])
 
 
 @inlined

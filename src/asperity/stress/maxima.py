@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from asperity.compiled import compiled, inlined, sums_without_nan
 from asperity.machine_code import discard_outdated
-from asperity.stress.fields import SHARED, Field, fill_row, fill_von_mises, value_at
+from asperity.stress.fields import SHARED, field_at, fill_row, fill_von_mises, value_at
 from asperity.stress.neighbours import exceeds, neighbour
 from asperity.stress.row_sums import sum_row
 from asperity.types import Array
@@ -26,11 +26,9 @@ class Search(NamedTuple):
 
     Parameters
     ----------
+    fields : Fields
     von_mises : integer array
         Which fields are von Mises stresses: the first ones.
-    kinds : (fields,) integer array
-    ratios, uniforms : (fields,) arrays in the precision of the plane
-        As of `asperity.stress.fields.Field`.
     sought : (fields,) bool array
         True where maxima are sought.
     averaged : (fields,) integer array
@@ -42,10 +40,8 @@ class Search(NamedTuple):
         True if only maxima above their neighbours in the plane above are taken.
     """
 
+    fields: Any
     von_mises: Any
-    kinds: Any
-    ratios: Any
-    uniforms: Any
     sought: Any
     averaged: Any
     floor: float
@@ -64,14 +60,14 @@ class Room(NamedTuple):
     shared : `SHARED` array in the precision of the plane
     skipped : (at least columns,) array in the precision of the plane
     flags, words : (at least columns,) uint8 array, the same as uint64
-    found : (fields, nodes) integer array
-        Flat indices of the maxima.
-    around : (fields, nodes, 3, 3) array in the precision of the plane
+    field, row, column : (maxima,) integer arrays
+        Fields and nodes of the maxima, by rising rows, fields and columns.
+    around : (maxima, 3, 3) array in the precision of the plane
         Values at and around them.
-    above : (fields, nodes, 3, 3) array in the precision of the plane
+    above : (maxima, 3, 3) array in the precision of the plane
         Those in the plane above, if it is on the same grid.
-    counts, before : (fields,) integer arrays
-        Number of the maxima found so far, and before the last rows.
+    count : (1,) integer array
+        Number of the maxima found so far.
     """
 
     rows: Any
@@ -80,11 +76,12 @@ class Room(NamedTuple):
     skipped: Any
     flags: Any
     words: Any
-    found: Any
+    field: Any
+    row: Any
+    column: Any
     around: Any
     above: Any
-    counts: Any
-    before: Any
+    count: Any
 
 
 def room_for(
@@ -110,11 +107,12 @@ def room_for(
         empty("skipped", (columns,), real),
         flags,
         flags.view(np.uint64),
-        empty("found", (fields, most), np.int64),
-        empty("around", (fields, most, 3, 3), real),
-        empty("above", (fields, most, 3, 3), real),
-        np.zeros(fields, np.int64),
-        np.zeros(fields, np.int64),
+        empty("field", (fields * most,), np.int64),
+        empty("row", (fields * most,), np.int64),
+        empty("column", (fields * most,), np.int64),
+        empty("around", (fields * most, 3, 3), real),
+        empty("above", (fields * most, 3, 3), real),
+        np.zeros(1, np.int64),
     )
 
 
@@ -123,8 +121,8 @@ class Upper(NamedTuple):
 
     Parameters
     ----------
-    first : (fields, rows + 1) integer array
-        Place of the first maximum of each row among those of all fields.
+    first : (rows × fields + 1,) integer array
+        Place of the first maximum of each field in each row among all.
     column : (maxima,) integer array
     magnitude : (maxima,) array in the precision of the plane
     kept : (maxima,) bool array
@@ -140,18 +138,12 @@ class Upper(NamedTuple):
     values: Any
 
 
-def upper_for(maxima: Sequence[tuple[Array, Array, Array]], rows: int, real: np.dtype[Any]) -> Upper:
-    """Maxima of each field, given by their rows, which rise, their columns and their magnitudes."""
-    first = np.zeros((len(maxima), rows + 1), np.int64)
-    start = 0
-    for t, (row, _, _) in enumerate(maxima):
-        first[t] = start + np.searchsorted(row, np.arange(rows + 1))
-        start += row.size
-    column, magnitude = (
-        np.concatenate([np.empty(0, kind), *(each[place] for each in maxima)]).astype(kind, copy=False)
-        for place, kind in ((1, np.int64), (2, real))
-    )
-    return Upper(first, column, magnitude, np.zeros(start, bool), np.empty((start, 3, 3), real))
+def upper_for(line: Array, column: Array, magnitude: Array, lines: int) -> Upper:
+    """Maxima given by row × fields + field, which rises, columns and magnitudes."""
+    first = np.zeros(lines + 1, np.int64)
+    np.cumsum(np.bincount(line, minlength=lines), out=first[1:])
+    values = np.empty((line.size, 3, 3), magnitude.dtype)
+    return Upper(first, column, magnitude, np.zeros(line.size, bool), values)
 
 
 @compiled
@@ -187,19 +179,16 @@ def search_rows(
         and of its product with the reference; empty if nothing is summed.
     """
     rows, columns, periodic = parts.values.shape[0], parts.columns, search.periodic
-    fields = search.kinds.size
-    for t in range(fields):
-        room.before[t] = room.counts[t]
+    fields, before = search.sought.size, room.count[0]
     for j in range(first, last):
         row, line = neighbour(j, rows, periodic), j % 3
-        of_plane = search.ratios, search.uniforms
+        of_plane = search.fields.ratios, search.fields.uniforms
         if search.von_mises.size:
             fill_von_mises(parts, row, *of_plane, search.von_mises, room.shared, room.rows, line, _MARGIN)
         for t in range(fields):
             values = room.rows[t, line]
             if t >= search.von_mises.size:
-                field = Field(search.kinds[t], search.ratios[t], search.uniforms[t])
-                fill_row(parts, field, row, values[_MARGIN:])
+                fill_row(parts, field_at(search.fields, t), row, values[_MARGIN:])
             m = search.averaged[t]
             if m >= 0 and sums.size:
                 sum_row(
@@ -218,12 +207,9 @@ def search_rows(
                 if j - start >= 2:
                     searched = neighbour(j - 1, rows, periodic)
                     _search_row(j - 1, columns, searched, search.floor, room, t)
-                    _compare_upper(upper, j - 1, searched, room, t)
+                    _compare_upper(upper, j - 1, searched * fields + t, room, t)
     if search.compared:
-        # While the rows of the plane above are in the cache for all fields.
-        for t in range(fields):
-            field = Field(search.kinds[t], search.ratios[t], search.uniforms[t])
-            room.counts[t] = _keep_above(above, field, periodic, room, t)
+        room.count[0] = _keep_above(above, search.fields, periodic, room, before)
 
 
 @inlined
@@ -260,13 +246,13 @@ def _search_row(j: int, columns: int, row: int, floor: float, room: Any, t: int)
                 if room.words[word]:
                     for i in range(_WORD * word, _WORD * (word + 1)):
                         if flags[i]:
-                            _add_maximum(previous, here, after, i, row * columns, room, t)
+                            _add_maximum(previous, here, after, i, row, room, t)
 
 
 @compiled
-def _compare_upper(upper: Any, j: int, row: int, room: Any, t: int) -> None:
+def _compare_upper(upper: Any, j: int, row_and_field: int, room: Any, t: int) -> None:
     """Compare the maxima of the plane above in one row with the values there and in the rows beside it."""
-    for n in range(upper.first[t, row], upper.first[t, row + 1]):
+    for n in range(upper.first[row_and_field], upper.first[row_and_field + 1]):
         higher = True
         for a in range(3):
             line = room.rows[t, (j + a - 1) % 3]
@@ -278,10 +264,10 @@ def _compare_upper(upper: Any, j: int, row: int, room: Any, t: int) -> None:
 
 
 @inlined
-def _add_maximum(previous: Any, here: Any, after: Any, column: int, first: int, room: Any, t: int) -> None:
+def _add_maximum(previous: Any, here: Any, after: Any, column: int, row: int, room: Any, t: int) -> None:
     """Add a node to the maxima if none of its neighbours is higher, and none before it as high."""
-    count = room.counts[t]
-    around = room.around[t, count]
+    count = room.count[0]
+    around = room.around[count]
     for b in range(3):
         place = _MARGIN + column + b - 1
         around[0, b], around[1, b], around[2, b] = previous[place], here[place], after[place]
@@ -289,26 +275,25 @@ def _add_maximum(previous: Any, here: Any, after: Any, column: int, first: int, 
     earlier = max(abs(around[0, 0]), abs(around[0, 1]), abs(around[0, 2]), abs(around[1, 0]))
     later = max(abs(around[1, 2]), abs(around[2, 0]), abs(around[2, 1]), abs(around[2, 2]))
     if centre > earlier and centre >= later:
-        room.found[t, count] = first + column
-        room.counts[t] = count + 1
+        room.field[count], room.row[count], room.column[count] = t, row, column
+        room.count[0] = count + 1
 
 
 @compiled
-def _keep_above(parts: Any, field: Any, periodic: bool, room: Any, t: int) -> int:
+def _keep_above(parts: Any, fields: Any, periodic: bool, room: Any, before: int) -> int:
     """Keep those of the last maxima that are above the plane `parts`; returns the number of all."""
-    columns = parts.columns
-    found, around, above = room.found[t], room.around[t], room.above[t]
-    kept = room.before[t]
+    field, row, column, around, above = room.field, room.row, room.column, room.around, room.above
     # Straight through all: the processor fetches the next values while it waits for these.
-    for n in range(kept, room.counts[t]):
-        above[n, 1, 1] = value_at(parts, field, found[n] // columns, found[n] % columns)
-    for n in range(kept, room.counts[t]):
+    for n in range(before, room.count[0]):
+        above[n, 1, 1] = value_at(parts, field_at(fields, field[n]), row[n], column[n])
+    kept = before
+    for n in range(before, room.count[0]):
         magnitude = abs(around[n, 1, 1])
         if not magnitude > abs(above[n, 1, 1]):
             continue
-        row, column = found[n] // columns, found[n] % columns
-        if exceeds(parts, field, row, column, periodic, magnitude, above[kept]):
-            found[kept] = found[n]
+        own = field_at(fields, field[n])
+        if exceeds(parts, own, row[n], column[n], periodic, magnitude, above[kept]):
+            field[kept], row[kept], column[kept] = field[n], row[n], column[n]
             for k in range(9):
                 around[kept, k // 3, k % 3] = around[n, k // 3, k % 3]
             kept += 1

@@ -8,7 +8,7 @@ import numpy as np
 
 from asperity.compiled import compiled, inlined
 from asperity.machine_code import discard_outdated
-from asperity.stress.fields import PLACES, Field, Parts, value_at
+from asperity.stress.fields import PLACES, Field, Parts, field_at, value_at
 
 _FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1))
 """A node and its neighbours: most maxima end at the node itself."""
@@ -48,8 +48,8 @@ class Stencil(NamedTuple):
 
     Parameters
     ----------
-    needed : (`PLACES`,) bool array
-        True for the linear parts on which the field depends.
+    needed : (fields, `PLACES`) bool array
+        True for the linear parts on which a field depends.
     place : (`PLACES`,) integer array
         As of `Parts`, where the parts are all there in their order.
     given : (1, `PLACES`, 1) array
@@ -68,7 +68,8 @@ class Stencil(NamedTuple):
 @compiled
 def compare(
     parts: Any,
-    field: Any,
+    fields: Any,
+    which: Any,
     row: Any,
     column: Any,
     other: tuple[int, int],
@@ -78,7 +79,7 @@ def compare(
     kept: Any,
     out: Any,
 ) -> None:
-    """Take the values of a field at and around nodes as long as a magnitude is above them.
+    """Take the values of fields at and around nodes as long as a magnitude is above them.
 
     On another grid, the linear parts are interpolated by Lagrange's formula on the six nearest nodes along
     each axis.
@@ -86,9 +87,9 @@ def compare(
     Parameters
     ----------
     parts : Parts
-    field : Field
-    row, column : (nodes,) arrays
-        Nodes of a grid of the same cell.
+    fields : Fields
+    which, row, column : (nodes,) arrays
+        One of the fields, and a node of a grid of the same cell.
     other : (rows, columns)
         Shape of this grid.
     periodic : bool
@@ -100,37 +101,43 @@ def compare(
         Filled where it is.
     All arrays of numbers but those of `stencil` are in the precision of the plane.
     """
-    same = parts.values.shape[0] == other[0] and parts.columns == other[1]
+    rows = parts.values.shape[0]
+    same = rows == other[0] and parts.columns == other[1]
     for n in range(row.size):
+        field = field_at(fields, which[n])
         if same:
             kept[n] = exceeds(parts, field, row[n], column[n], periodic, magnitude[n], out[n])
-        else:
-            at = row[n], column[n]
-            kept[n] = _exceeds_between(parts, field, *at, other, periodic, magnitude[n], stencil, out[n])
+            continue
+        if n == 0 or row[n] != row[n - 1]:
+            for a in (-1, 0, 1):
+                along_y = stencil.places[0, a], stencil.weights[0, a]
+                _stencil(row[n] + a, other[0], rows, periodic, *along_y)
+        needed = stencil.needed[which[n]]
+        along_x = column[n], other[1]
+        kept[n] = _exceeds_between(parts, field, needed, *along_x, periodic, magnitude[n], stencil, out[n])
 
 
 @compiled
 def _exceeds_between(
     parts: Any,
     field: Any,
-    row: int,
+    needed: Any,
     column: int,
-    other: tuple[int, int],
+    columns: int,
     periodic: bool,
     magnitude: float,
     stencil: Any,
     out: Any,
 ) -> bool:
-    """As `exceeds`, at a node of another grid."""
-    needed, place, given, places, weights = stencil
+    """As `exceeds`, at a node of another grid, for whose row the stencil is there."""
+    place, given, places, weights = stencil.place, stencil.given, stencil.places, stencil.weights
     there = Parts(given, place, parts.columns, np.float64(parts.mean_pressure))
     origin = np.int64(0)
     precise = Field(field.kind, np.float64(field.ratio), np.float64(field.uniform))
     for k in range(9):
         a, b = _FROM_CENTRE[k]
-        if k < 5:  # the node, and its neighbours along the axes: those along the diagonals need no others
-            _stencil(row + a, other[0], parts.values.shape[0], periodic, places[0, a], weights[0, a])
-            _stencil(column + b, other[1], parts.columns, periodic, places[1, b], weights[1, b])
+        if k < 4 and a == 0:  # the node and its neighbours in the row: those in other rows need no others
+            _stencil(column + b, columns, parts.columns, periodic, places[1, b], weights[1, b])
         for part in range(PLACES):
             if needed[part]:
                 along_y, along_x = (places[0, a], weights[0, a]), (places[1, b], weights[1, b])

@@ -1,4 +1,4 @@
-"""Search for the peaks of one field in a stream of planes."""
+"""Search for the peaks of fields in a stream of planes."""
 
 from __future__ import annotations
 
@@ -12,12 +12,17 @@ from asperity.types import Array
 
 
 class PeakFinder:
-    """Finds the maxima of one field as its planes are added one by one.
+    """Finds the peaks of one or several fields as their planes are added one by one.
 
     Parameters
     ----------
     boundary : "periodic" | "free"
         That of the contact.
+
+    Attributes
+    ----------
+    candidates : Maxima or None
+        The maxima in the last plane that may be peaks; None before the first plane.
     """
 
     def __init__(self, boundary: str = "periodic") -> None:
@@ -25,22 +30,20 @@ class PeakFinder:
         self._found: list[Neighbourhoods] = []
         self._last: SearchedPlane | None = None
         self._depth_above: float | None = None
-        self._candidates: Maxima | None = None
+        self.candidates: Maxima | None = None
 
     def peaks(self) -> Peaks:
         """All peaks found so far: those of every plane but the last."""
         return peaks_of(self._found, self._periodic)
 
-    @property
-    def candidates(self) -> tuple[Array, Array, Array]:
-        """Rows, which rise, columns and magnitudes of the maxima in the last plane that may be peaks."""
-        found = self._candidates
-        if found is None:
-            return np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0)
-        return *found.nodes, np.abs(found.here[:, 1, 1])
+    def peaks_of_fields(self, fields: int) -> list[Peaks]:
+        """The same for each of the fields."""
+        every = self.peaks()
+        field = np.concatenate([np.empty(0, np.int64), *(found.field for found in self._found)])
+        return [every.select(np.flatnonzero(field == number)) for number in range(fields)]
 
     def add(self, depth: float, grid: Grid, field: Array, floor: float = 0.0) -> None:
-        """Add the next plane downward.
+        """Add the next plane downward, of one field.
 
         Parameters
         ----------
@@ -71,10 +74,10 @@ class PeakFinder:
             For the `candidates`: which of them exceed this plane, and the nine values in it; by default they
             are compared here.
         """
-        last, upper = self._last, self._candidates
+        last, upper = self._last, self.candidates
         if last is None:
             # Of the planes that may come first, the surface alone has no neighbour above.
-            kept = np.full(maxima.here.shape[0], plane.depth == 0)
+            kept = np.full(maxima.size, plane.depth == 0)
         else:
             if not plane.depth > last.depth:
                 raise ValueError(
@@ -84,39 +87,37 @@ class PeakFinder:
             if maxima.above is None:
                 kept, maxima.above = last.compare(maxima, plane.grid)
             else:
-                kept = np.ones(maxima.here.shape[0], bool)
-            self._finish(last, plane, maxima, kept, lower or plane.compare(upper, last.grid))
+                kept = np.ones(maxima.size, bool)
+            self._finish(last, plane, upper, maxima, kept, lower or plane.compare(upper, last.grid))
             self._depth_above = last.depth
-        chosen = np.flatnonzero(kept)
-        row, column = (nodes[chosen] for nodes in maxima.nodes)
-        order = np.argsort(row * plane.grid.shape[1] + column, kind="stable")
-        self._candidates = maxima.select(chosen[order])
+        self.candidates = maxima.select(np.flatnonzero(kept))
         self._last = plane
 
     def _finish(
         self,
         last: SearchedPlane,
         plane: SearchedPlane,
+        upper: Maxima,
         lower: Maxima,
         lower_kept: Array,
         compared: tuple[Array, Array],
     ) -> None:
         """Decide on the candidates of the last plane, and on those of this plane that face them."""
-        upper = self._candidates
-        assert upper is not None
         kept, below = compared
-        if last.grid.shape != plane.grid.shape and upper.here.size and lower.here.size:
+        if last.grid.shape != plane.grid.shape and upper.size and lower.size:
             pair, partner, wins = facing_pairs(upper, last, lower, plane)
             kept[pair], lower_kept[partner] = wins, ~wins
             # Maxima that win have not been compared with all nine values.
             won, won_below = pair[wins], partner[~wins]
             assert lower.above is not None
-            below[won] = plane.values_around(upper.select(won).nodes, last.grid)
-            lower.above[won_below] = last.values_around(lower.select(won_below).nodes, plane.grid)
+            below[won] = plane.values_around(upper.select(won), last.grid)
+            lower.above[won_below] = last.values_around(lower.select(won_below), plane.grid)
         depths = None if self._depth_above is None else (self._depth_above, last.depth, plane.depth)
         every = np.flatnonzero(kept)
         if every.size:
             some, under = upper.select(every), below[every]
             above = under if some.above is None else some.above
-            found = Neighbourhoods(some.nodes, some.here, above, under, depths, last.depth, last.grid)
+            found = Neighbourhoods(
+                some.field, some.nodes, some.here, above, under, depths, last.depth, last.grid
+            )
             self._found.append(found)

@@ -84,7 +84,8 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "p
     plane = SearchedPlane.of_field(0.0, grid, field, periodic)
     maxima = plane_maxima(plane, checked_floor(floor))
     here = maxima.here
-    found = peaks_of([Neighbourhoods(maxima.nodes, here, here, here, None, 0.0, grid)], periodic)
+    plane_found = Neighbourhoods(maxima.field, maxima.nodes, here, here, here, None, 0.0, grid)
+    found = peaks_of([plane_found], periodic)
     require_finite("plane_peaks", vars(found))
     return found
 

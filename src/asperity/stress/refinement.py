@@ -62,6 +62,10 @@ class Peaks:
             row, column = np.clip(row, 0, grid.shape[0] - 1), np.clip(column, 0, grid.shape[1] - 1)
         return np.asarray(pressure)[row, column] > 0
 
+    def select(self, chosen: Array) -> Peaks:
+        """Some of the peaks."""
+        return Peaks(*(getattr(self, f.name)[chosen] for f in fields(self)))
+
     @classmethod
     def join(cls, parts: Iterable[Peaks]) -> Peaks:
         """All peaks of several sets, in their order."""
@@ -77,6 +81,8 @@ class Neighbourhoods(NamedTuple):
 
     Parameters
     ----------
+    field : (peaks,) integer array
+        Which field.
     nodes : (rows, columns)
     here : (peaks, 3, 3) array
         In the plane.
@@ -90,6 +96,7 @@ class Neighbourhoods(NamedTuple):
         Of the plane.
     """
 
+    field: Array
     nodes: Nodes
     here: Array
     above: Array

@@ -7,18 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from asperity.stress.fields import KINDS, Field
+from asperity.stress.fields import KINDS, Field, Fields
 from asperity.stress.linear_plane import LinearPlane
 from asperity.stress.maxima import Room, Search, room_for, search_rows, upper_for
 from asperity.stress.periodic import KeptArrays, bands_of
+from asperity.stress.plane_maxima import Maxima
 from asperity.types import Array
 
 SUMS = 5
 """Numbers that `asperity.stress.maxima.search_rows` sums of each row."""
-
-
-Candidates = tuple[Array, Array, Array]
-"""Rows, columns and magnitudes of maxima."""
 
 
 @dataclass(frozen=True)
@@ -60,20 +57,20 @@ class PlaneSearch:
 
     Attributes
     ----------
-    maxima : list of (nodes, here, above)
-        Flat indices of the maxima of each field in the last plane, and the values at and around them in it
-        and, if that is on the same grid, in the plane above, of which only those are left that exceed it.
-    lower : list of (kept, values)
-        For the maxima of each field in the plane above, if it is on the same grid: which of them are above
-        the nine values at and around the node in the last plane, and these values.
+    compiled : Fields
+        The fields of the last plane.
+    maxima : Maxima
+        Of the fields in the last plane. If the plane above is on the same grid, only those are left that
+        exceed it.
+    lower : (kept, values) or None
+        For the maxima in the plane above, if it is on the same grid: which of them are above the nine values
+        at and around the node in the last plane, and these values.
     sums : (averaged, rows, `SUMS`) array
         As of `asperity.stress.maxima.search_rows`, of the last plane.
     """
 
     def __init__(self, fields: Sequence[SoughtField], periodic: bool) -> None:
         self.fields, self._periodic = list(fields), periodic
-        self.maxima: list[tuple[Array, Array, Array]] = []
-        self.lower: list[tuple[Array, Array]] = []
         self.sums = np.empty((0, 0, SUMS))
         others = [number for number, field in enumerate(fields) if field.name != "von_mises"]
         self._von_mises = np.arange(min(others, default=len(self.fields)))
@@ -85,7 +82,7 @@ class PlaneSearch:
         self,
         plane: LinearPlane,
         above: LinearPlane | None,
-        upper: Sequence[Candidates],
+        upper: Maxima | None,
         floor: float,
         reference: Array,
     ) -> None:
@@ -96,37 +93,38 @@ class PlaneSearch:
         plane : LinearPlane
         above : LinearPlane or None
             The plane before it.
-        upper : sequence of (rows, columns, magnitudes)
-            Maxima of each field in the plane above, by rising rows.
+        upper : Maxima, optional
+            Those in the plane above that may be peaks.
         floor : float
             Maxima at or below it are left out.
         reference : array
             As of `asperity.stress.maxima.search_rows`.
         """
-        real = plane.dtype
+        real, rows = plane.dtype, plane.grid.shape[0]
         self._parts = plane.parts()
         compared = above is not None and above.grid == plane.grid
         self._above = above.parts() if above is not None and compared else self._parts
-        compiled = [field.compiled(plane) for field in self.fields]
+        self.compiled = Fields.of([field.compiled(plane) for field in self.fields], real)
         self._search = Search(
+            self.compiled,
             self._von_mises,
-            np.array([field.kind for field in compiled]),
-            np.array([field.ratio for field in compiled], real),
-            np.array([field.uniform for field in compiled], real),
             np.array([field.sought for field in self.fields]),
             self._averaged,
             real.type(floor),
             self._periodic,
             compared,
         )
-        nothing = np.empty(0, np.int64)
-        candidates = upper if compared else [(nothing, nothing, nothing)] * len(self.fields)
-        self._upper = upper_for(candidates, plane.grid.shape[0], real)
+        if upper is not None and compared:
+            line = upper.nodes[0] * len(self.fields) + upper.field
+            self._upper = upper_for(line, upper.nodes[1], upper.magnitude, rows * len(self.fields))
+        else:
+            nothing = np.empty(0, np.int64)
+            self._upper = upper_for(nothing, nothing, np.empty(0, real), rows * len(self.fields))
         self._reference = reference
-        self.sums = np.empty((int(self._averaged.max()) + 1, plane.grid.shape[0], SUMS))
-        self._bands = bands_of(plane.grid.shape[0])
+        self.sums = np.empty((int(self._averaged.max()) + 1, rows, SUMS))
+        self._bands = bands_of(rows)
         self._rooms: list[Room | None] = [None] * len(self._bands)
-        self._found: list[list[tuple[Array, Array, Array]]] = [[] for _ in self._bands]
+        self._found: list[tuple[Array, ...]] = [() for _ in self._bands]
 
     def add_rows(self, band: int, first: int, last: int) -> None:
         """Search some rows that have been filled, the next ones of a band."""
@@ -137,7 +135,7 @@ class PlaneSearch:
         assert room is not None
         self._search_rows(room, start, first, last, self.sums)
         if last == stop:
-            self._found[band] = _maxima_in(room)
+            self._found[band] = self._maxima_in(room)
             self._rooms[band] = None
 
     def finish(self) -> None:
@@ -152,13 +150,12 @@ class PlaneSearch:
         for start, stop in around:
             room = self._room(stop - start)
             self._search_rows(room, start, start, stop, nothing)
-            self._found.append(_maxima_in(room))
-        self.maxima = []
-        ends = self._upper.first[:, [0, -1]]
-        self.lower = [(self._upper.kept[a:b], self._upper.values[a:b]) for a, b in ends.tolist()]
-        for each in zip(*self._found, strict=True):
-            nodes, here, above = (np.concatenate(part) for part in zip(*each, strict=True))
-            self.maxima.append((nodes, here, above))
+            self._found.append(self._maxima_in(room))
+        arrays = [np.concatenate(part) for part in zip(*self._found, strict=True)]
+        field, row, column, here = arrays[:4]
+        found = Maxima(field, (row, column), here, arrays[4] if self._search.compared else None)
+        self.maxima = found.select(np.argsort(row * len(self.fields) + field, kind="stable"))
+        self.lower = (self._upper.kept, self._upper.values) if self._search.compared else None
 
     def _search_rows(self, room: Room, start: int, first: int, last: int, sums: Array) -> None:
         both, rows = (self._parts, self._above), (start, first, last)
@@ -170,10 +167,9 @@ class PlaneSearch:
         capacity = (rows // 2 + 1) * (columns // 2 + 1)
         return room_for(fields, columns, capacity, real, self._kept.array)
 
-
-def _maxima_in(room: Room) -> list[tuple[Array, Array, Array]]:
-    """Nodes of the maxima of each field that have been found, and the values around them."""
-    return [
-        (found[:count].copy(), around[:count].copy(), above[:count].copy())
-        for found, around, above, count in zip(room.found, room.around, room.above, room.counts, strict=True)
-    ]
+    def _maxima_in(self, room: Room) -> tuple[Array, ...]:
+        """Fields, rows and columns of the maxima that have been found, and the values around them."""
+        found = [room.field, room.row, room.column, room.around]
+        if self._search.compared:
+            found.append(room.above)
+        return tuple(array[: room.count[0]].copy() for array in found)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -15,7 +16,7 @@ from asperity.stress.linear_plane import LinearPlane
 from asperity.stress.peak_finder import PeakFinder
 from asperity.stress.peaks import plane_peaks
 from asperity.stress.periodic import Visit
-from asperity.stress.plane_maxima import Maxima, SearchedPlane
+from asperity.stress.plane_maxima import SearchedPlane
 from asperity.stress.planes import Watch, linear_planes
 from asperity.stress.pressed import ContactLike
 from asperity.stress.refinement import Peaks
@@ -72,7 +73,7 @@ class StreamAnalysis:
         fields = dict.fromkeys(self.field(*kind) for kind in kinds)
         self.von_mises = [field for field in fields if field.name == "von_mises"]
         self._search = PlaneSearch(list(fields), boundary == "periodic")
-        self._finders = {field: PeakFinder(boundary) for field in fields if field.sought}
+        self._finder = PeakFinder(boundary)
         planes = settings.depths.size
         self.mean, self.largest = np.zeros((2, len(self.von_mises), planes))
         self.references = References(self.von_mises, planes, contact.grid, settings.threads, settings.work)
@@ -125,33 +126,30 @@ class StreamAnalysis:
         """Search the rows of a plane when they are computed."""
         # The floor is known when the plane is; until then, one that is a little lower.
         floor = max(plane.bound, 0.99 * self.settings.floor * plane.scale)
-        nothing = np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0)
-        upper = [
-            self._finders[field].candidates if field.sought else nothing for field in self._search.fields
-        ]
-        self._search.start(plane, self._last, upper, floor, self.references.on(plane))
+        reference = self.references.on(plane)
+        self._search.start(plane, self._last, self._finder.candidates, floor, reference)
         return self._search.add_rows
 
     def _add(self, number: int, plane: LinearPlane) -> None:
-        search, grid, last = self._search, plane.grid, self._last
-        compared = last is not None and last.grid == grid
+        search, size = self._search, plane.grid.size
         search.finish()
         self._last = plane
-        self.points[number] = max(grid.shape)
+        self.points[number] = max(plane.grid.shape)
         self.references.add(number, plane, search.sums)
         count = len(self.von_mises)
-        self.mean[:, number] = search.sums[:count, :, 0].sum(axis=1) / grid.size
+        self.mean[:, number] = search.sums[:count, :, 0].sum(axis=1) / size
         self.largest[:, number] = search.sums[:count, :, 2].max(axis=1)
-        scale = np.sqrt(search.sums[count, :, 1].sum() / grid.size)
+        scale = np.sqrt(search.sums[count, :, 1].sum() / size)
         floor = max(plane.bound, self.settings.floor * scale, ROUNDING * scale)
-        parts, periodic = plane.parts(), boundary_of(self.contact) == "periodic"
-        every = zip(search.fields, search.maxima, search.lower, strict=True)
-        for field, (nodes, here, above), lower in every:
-            if field.sought:
-                high = np.flatnonzero(np.abs(here[:, 1, 1]) > floor)
-                maxima = Maxima.at(nodes[high], here[high], grid, above[high] if compared else None)
-                searched = SearchedPlane(plane.depth, grid, parts, field.compiled(plane), periodic)
-                self._finders[field].add_maxima(searched, maxima, lower if compared else None)
+        maxima = search.maxima.select(np.flatnonzero(search.maxima.magnitude > floor))
+        periodic = boundary_of(self.contact) == "periodic"
+        searched = SearchedPlane(plane.depth, plane.grid, plane.parts(), search.compiled, periodic)
+        self._finder.add_maxima(searched, maxima, search.lower)
+
+    @cached_property
+    def _peaks_of_fields(self) -> dict[SoughtField, Peaks]:
+        fields = self._search.fields
+        return dict(zip(fields, self._finder.peaks_of_fields(len(fields)), strict=True))
 
     def peaks(self, lateral: str) -> dict[tuple[str, float], Peaks]:
         """Quantity and Poisson's ratio (NaN: the same for every one) → its peaks, when all planes passed."""
@@ -164,5 +162,5 @@ class StreamAnalysis:
                 continue
             labels = {np.nan: ratios[0]} if self.is_alike(name) else {ratio: ratio for ratio in ratios}
             for label, ratio in labels.items():
-                found[name, label] = self._finders[self.field(name, lateral, ratio)].peaks()
+                found[name, label] = self._peaks_of_fields[self.field(name, lateral, ratio)]
         return found
