@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asperity.stress.plane_maxima import Maxima, SearchedPlane
-from asperity.stress.refinement import Nodes, refine_in_plane, upright
+from asperity.stress.refinement import Nodes, refine_in_plane
 from asperity.types import Array
 
 REACH = 3.001
@@ -42,8 +42,8 @@ def facing_pairs(
     if not near.size:
         return np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0, bool)
     lower = lower.select(near)
-    high, *offset_up = refine_in_plane(upright(upper.here, upper.here))
-    low, *offset_low = refine_in_plane(upright(lower.here, lower.here))
+    high, *offset_up = refine_in_plane(upper.here)
+    low, *offset_low = refine_in_plane(lower.here)
     place_up = _apart(upper.field, places(upper_plane, upper.nodes, *offset_up))
     place_low = _apart(lower.field, places(lower_plane, lower.nodes, *offset_low))
     size = np.array([*box, 0.0]) if upper_plane.periodic else None

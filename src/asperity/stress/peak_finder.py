@@ -90,7 +90,7 @@ class PeakFinder:
                 kept = np.ones(maxima.size, bool)
             self._finish(last, plane, upper, maxima, kept, lower or plane.compare(upper, last.grid))
             self._depth_above = last.depth
-        self.candidates = maxima.select(np.flatnonzero(kept))
+        self.candidates = maxima if kept.all() else maxima.select(np.flatnonzero(kept))
         self._last = plane
 
     def _finish(

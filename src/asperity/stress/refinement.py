@@ -1,6 +1,6 @@
 """Peaks between the nodes, from quadratics through the values at and around the nodes of maxima.
 
-All functions work on many maxima at once. Offsets are in grid spacings from the node.
+Offsets are in grid spacings from the node.
 """
 
 from __future__ import annotations
@@ -11,14 +11,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from asperity.compiled import compiled, inlined
+from asperity.machine_code import discard_outdated
 from asperity.spectral import Grid
 from asperity.types import Array
 
 MIN_DETERMINANT = 1e-12
 """A smaller determinant of the second derivatives, over the product of those along the axes, is rounding."""
-
-PEAKS_AT_ONCE = 16384
-"""Peaks refined together: bounds the memory for their neighbourhoods."""
 
 Nodes = tuple[Array, Array]
 """Rows and columns of nodes of a plane."""
@@ -115,161 +114,138 @@ def peaks_of(planes: Sequence[Neighbourhoods], periodic: bool) -> Peaks:
     periodic : bool
         True if positions beyond an edge of the cell are those at the opposite edge.
     """
-    found = []
-    some: list[Neighbourhoods] = []
-    for plane in planes:
-        if some and (some[0].depths is None or sum(each.here.shape[0] for each in some) > PEAKS_AT_ONCE):
-            found.append(_refined(some, periodic))
-            some = []
-        some.append(plane)
-    if some:
-        found.append(_refined(some, periodic))
-    return Peaks.join(found)
+    return Peaks.join([_refined(plane, periodic) for plane in planes])
 
 
-def _refined(planes: Sequence[Neighbourhoods], periodic: bool) -> Peaks:
-    """Peaks of some planes, of which the surface is none or the only one."""
-    sizes = [plane.here.shape[0] for plane in planes]
-
-    def each(values: Sequence[Any]) -> Array:
-        """The value of its plane for every peak."""
-        return np.repeat(np.array(values), sizes, axis=0)
-
-    here = np.concatenate([plane.here for plane in planes]).astype(float, copy=False)
-    if planes[0].depths is None:
-        value, y, x = refine_in_plane(upright(here, here))
-        depth = each([plane.depth for plane in planes])
+def _refined(plane: Neighbourhoods, periodic: bool) -> Peaks:
+    """Peaks of one plane."""
+    here, depth = plane.here, np.full(plane.here.shape[0], float(plane.depth))
+    if plane.depths is None:
+        value, *offsets = refine_in_plane(here)
     else:
-        above, below = (np.concatenate([getattr(p, name) for p in planes]) for name in ("above", "below"))
-        cube = np.stack([upright(values, here) for values in (above, here, below)], axis=1)
-        value, depth, y, x = refine_in_solid(cube, *each([plane.depths for plane in planes]).T)
-    row, column = (np.concatenate([plane.nodes[axis] for plane in planes]) for axis in (0, 1))
-    shape, spacing = (
-        each([getattr(plane.grid, name) for plane in planes]).T for name in ("shape", "spacing")
+        value, depth, *offsets = refine_in_solid(plane.above, here, plane.below, plane.depths)
+    along = zip(plane.nodes, offsets, plane.grid.shape, plane.grid.spacing, strict=True)
+    y, x = (
+        ((nodes + offset) % count if periodic else nodes + offset) * step
+        for nodes, offset, count, step in along
     )
-    return Peaks(
-        value * np.sign(here[:, 1, 1]),
-        depth,
-        _position(row + y, shape[0], periodic) * spacing[0],
-        _position(column + x, shape[1], periodic) * spacing[1],
-        here[:, 1, 1],
-        np.full(y.size, planes[0].depths is not None),
-    )
+    node_value = here[:, 1, 1].astype(float)
+    interior = np.full(value.size, plane.depths is not None)
+    return Peaks(value * np.sign(node_value), depth, y, x, node_value, interior)
 
 
-def _position(place: Array, nodes: Array, periodic: bool) -> Array:
-    return place % nodes if periodic else place
-
-
-def upright(values: Array, centre: Array) -> Array:
-    """Neighbourhoods with the sign changed where the value at their centre is negative."""
-    return values * np.sign(centre[:, 1:2, 1:2])
-
-
-def refine_in_plane(values: Array) -> tuple[Array, Array, Array]:
-    """Value and offsets y, x of the maxima of quadratics through 3 × 3 values.
+def refine_in_plane(values: Array) -> Array:
+    """Magnitude and offsets y, x, (3, maxima), of the maxima of quadratics through 3 × 3 values.
 
     Parameters
     ----------
     values : (maxima, 3, 3) array
-        Along y and x, the node in the middle.
+        Along y and x, the node in the middle. Where that is negative, the sign of all nine is changed.
     """
-    centre = values[:, 1, 1]
-    gradient = np.stack([values[:, 2, 1] - values[:, 0, 1], values[:, 1, 2] - values[:, 1, 0]], axis=1) / 2
-    hessian = np.empty((centre.size, 2, 2))
-    hessian[:, 0, 0] = values[:, 2, 1] - 2 * centre + values[:, 0, 1]
-    hessian[:, 1, 1] = values[:, 1, 2] - 2 * centre + values[:, 1, 0]
-    hessian[:, 0, 1] = hessian[:, 1, 0] = _mixed_difference(values)
-    step = _step_to_maximum(gradient, hessian)
-    return centre + 0.5 * np.sum(gradient * step, axis=1), step[:, 0], step[:, 1]
+    out = np.empty((3, values.shape[0]))
+    _refine_in_plane(values, out)
+    return out
 
 
-def refine_in_solid(
-    values: Array, above: Array | float, here: Array | float, below: Array | float
-) -> tuple[Array, Array, Array, Array]:
-    """Value, depth and offsets y, x of the maxima of quadratics through 3 × 3 × 3 values.
+def refine_in_solid(above: Array, here: Array, below: Array, depths: tuple[float, float, float]) -> Array:
+    """Magnitude, depth and offsets y, x, (4, maxima), of the maxima of quadratics through 3 × 3 × 3 values.
 
     Parameters
     ----------
-    values : (maxima, 3, 3, 3) array
-        Along depth, y and x, the node in the middle.
-    above, here, below : (maxima,) arrays or float
-        Depths of the three planes, which may be unequally spaced.
+    above, here, below : (maxima, 3, 3) arrays
+        Of three planes, along y and x, the node in the middle of `here`. Where that is negative, the sign of
+        all values is changed.
+    depths : tuple of float
+        Of the three planes, which may be unequally spaced.
     """
-    up, down = here - above, below - here
+    out = np.empty((4, here.shape[0]))
+    _refine_in_solid(above, here, below, *depths, out)
+    return out
+
+
+@compiled
+def _refine_in_plane(values: Any, out: Any) -> None:
+    for n in range(values.shape[0]):
+        centre, along_y, along_x, yy, xx, yx = _derivatives(values[n], np.sign(np.float64(values[n, 1, 1])))
+        # A third axis on which nothing changes.
+        second = -1.0, 0.0, 0.0, yy, yx, xx
+        _, y, x = _step_to_maximum((0.0, along_y, along_x), second, 1.0)
+        out[0, n] = centre + 0.5 * (along_y * y + along_x * x)
+        out[1, n], out[2, n] = y, x
+
+
+@compiled
+def _refine_in_solid(
+    above: Any, here: Any, below: Any, depth_above: float, depth: float, depth_below: float, out: Any
+) -> None:
+    up, down = depth - depth_above, depth_below - depth
     weight_up, weight_down = -down / (up * (up + down)), up / (down * (up + down))
-    unit = np.minimum(up, down)
-
-    def slope(lines: Array) -> Array:
-        """Derivative along depth of the quadratic through three planes, per `unit`."""
-        middle = lines[:, 1]
-        return unit * (weight_up * (lines[:, 0] - middle) + weight_down * (lines[:, 2] - middle))
-
-    centre = values[:, 1, 1, 1]
-    gradient = np.empty((centre.size, 3))
-    hessian = np.empty((centre.size, 3, 3))
-    column = values[:, :, 1, 1]
-    gradient[:, 0] = slope(column)
-    gradient[:, 1] = (values[:, 1, 2, 1] - values[:, 1, 0, 1]) / 2
-    gradient[:, 2] = (values[:, 1, 1, 2] - values[:, 1, 1, 0]) / 2
-    hessian[:, 0, 0] = (
-        2 * unit**2 * ((column[:, 0] - centre) / up + (column[:, 2] - centre) / down) / (up + down)
-    )
-    hessian[:, 1, 1] = values[:, 1, 2, 1] - 2 * centre + values[:, 1, 0, 1]
-    hessian[:, 2, 2] = values[:, 1, 1, 2] - 2 * centre + values[:, 1, 1, 0]
-    hessian[:, 1, 2] = hessian[:, 2, 1] = _mixed_difference(values[:, 1])
-    hessian[:, 0, 1] = hessian[:, 1, 0] = slope((values[:, :, 2, 1] - values[:, :, 0, 1]) / 2)
-    hessian[:, 0, 2] = hessian[:, 2, 0] = slope((values[:, :, 1, 2] - values[:, :, 1, 0]) / 2)
-    reach = np.ones_like(gradient)
-    reach[:, 0] = np.maximum(up, down) / unit
-    step = _step_to_maximum(gradient, hessian, reach)
-    value = centre + 0.5 * np.sum(gradient * step, axis=1)
-    return value, here + unit * step[:, 0], step[:, 1], step[:, 2]
+    unit = min(up, down)
+    reach = max(up, down) / unit
+    for n in range(here.shape[0]):
+        sign = np.sign(np.float64(here[n, 1, 1]))
+        centre, along_y, along_x, yy, xx, yx = _derivatives(here[n], sign)
+        over, over_y, over_x, _, _, _ = _derivatives(above[n], sign)
+        under, under_y, under_x, _, _, _ = _derivatives(below[n], sign)
+        # Derivatives along depth per `unit`, of the quadratics through three planes.
+        along_z = unit * (weight_up * (over - centre) + weight_down * (under - centre))
+        zy = unit * (weight_up * (over_y - along_y) + weight_down * (under_y - along_y))
+        zx = unit * (weight_up * (over_x - along_x) + weight_down * (under_x - along_x))
+        zz = 2 * (unit * unit) * ((over - centre) / up + (under - centre) / down) / (up + down)
+        gradient, second = (along_z, along_y, along_x), (zz, zy, zx, yy, yx, xx)
+        z, y, x = _step_to_maximum(gradient, second, reach)
+        out[0, n] = centre + 0.5 * (along_z * z + along_y * y + along_x * x)
+        out[1, n], out[2, n], out[3, n] = depth + unit * z, y, x
 
 
-def _mixed_difference(values: Array) -> Array:
-    """Second difference along y and x of 3 × 3 values."""
-    return (values[:, 2, 2] - values[:, 2, 0] - values[:, 0, 2] + values[:, 0, 0]) / 4
+@inlined
+def _derivatives(values: Any, sign: float) -> tuple[float, ...]:
+    """Value at the middle of 3 × 3 values times a sign, slopes along y and x, and ∂²/∂y², ∂²/∂x², ∂²/∂y∂x."""
+    centre = sign * values[1, 1]
+    left, right, upper, lower = values[1, 0], values[1, 2], values[0, 1], values[2, 1]
+    left, right, upper, lower = sign * left, sign * right, sign * upper, sign * lower
+    corners = sign * values[2, 2] - sign * values[2, 0] - sign * values[0, 2] + sign * values[0, 0]
+    slopes = (lower - upper) / 2, (right - left) / 2
+    return centre, *slopes, lower - 2 * centre + upper, right - 2 * centre + left, corners / 4
 
 
-def _step_to_maximum(gradient: Array, hessian: Array, reach: Array | float = 1.0) -> Array:
-    """Newton's steps to the maxima of quadratics.
+@inlined
+def _step_to_maximum(gradient: Any, second: Any, reach: float) -> tuple[float, float, float]:
+    """Newton's step to the maximum of a quadratic.
 
-    Where a quadratic has no maximum within `reach`, the axis that gains most is refined alone, by at most
-    half a spacing.
+    Where it has no maximum within `reach` along the first axis and one spacing along the others, the axis
+    that gains most is refined alone, by at most half a spacing.
+
+    Parameters
+    ----------
+    gradient : three numbers
+    second : six numbers
+        Second derivatives: the upper triangle of their matrix, row by row.
+    reach : float
     """
-    axes = np.arange(gradient.shape[1])
-    curvature = hessian[:, axes, axes]
-    adjugate, determinant = _adjugate(hessian)
-    regular = np.abs(determinant) > MIN_DETERMINANT * np.abs(np.prod(curvature, axis=1))
-    safe = np.where(regular, determinant, 1.0)
-    step = -np.einsum("nij,nj->ni", adjugate, gradient) / safe[:, None]
+    u, v, w = gradient
+    a, b, c, d, e, f = second
+    # The adjugate of the matrix, divided by the determinant below.
+    aa, ab, ac = d * f - e * e, c * e - b * f, b * e - c * d
+    bb, bc, cc = a * f - c * c, b * c - a * e, a * d - b * b
+    determinant = a * aa + b * ab + c * ac
     # Sylvester's criterion: leading minors of alternating sign.
-    leading = hessian[:, 0, 0] * hessian[:, 1, 1] - hessian[:, 0, 1] ** 2
-    downhill = (hessian[:, 0, 0] < 0) & (leading > 0)
-    if axes.size == 3:
-        downhill &= determinant < 0
-    trusted = regular & downhill & np.all(np.abs(step) <= reach, axis=1)
-    alone = np.where(curvature < 0, -gradient / np.where(curvature < 0, curvature, -1.0), 0.0)
-    alone = np.clip(alone, -0.5, 0.5)
-    largest = np.argmax(np.abs(alone * gradient), axis=1)
-    single = np.where(axes == largest[:, None], alone, 0.0)
-    return np.where(trusted[:, None], step, single)
+    if abs(determinant) > MIN_DETERMINANT * abs(a * d * f) and a < 0 and cc > 0 and determinant < 0:
+        z = -(aa * u + ab * v + ac * w) / determinant
+        y = -(ab * u + bb * v + bc * w) / determinant
+        x = -(ac * u + bc * v + cc * w) / determinant
+        if abs(z) <= reach and abs(y) <= 1 and abs(x) <= 1:
+            return z, y, x
+    z, y, x = _step_alone(u, a), _step_alone(v, d), _step_alone(w, f)
+    if abs(z * u) >= abs(y * v) and abs(z * u) >= abs(x * w):
+        return z, 0.0, 0.0
+    return (0.0, y, 0.0) if abs(y * v) >= abs(x * w) else (0.0, 0.0, x)
 
 
-def _adjugate(matrix: Array) -> tuple[Array, Array]:
-    """Adjugates and determinants of symmetric matrices, (matrices, 2, 2) or (matrices, 3, 3)."""
-    a, b, d = matrix[:, 0, 0], matrix[:, 0, 1], matrix[:, 1, 1]
-    out = np.empty_like(matrix)
-    if matrix.shape[1] == 2:
-        out[:, 0, 0], out[:, 1, 1] = d, a
-        out[:, 0, 1] = out[:, 1, 0] = -b
-        return out, a * d - b * b
-    c, e, f = matrix[:, 0, 2], matrix[:, 1, 2], matrix[:, 2, 2]
-    out[:, 0, 0] = d * f - e * e
-    out[:, 1, 1] = a * f - c * c
-    out[:, 2, 2] = a * d - b * b
-    out[:, 0, 1] = out[:, 1, 0] = c * e - b * f
-    out[:, 0, 2] = out[:, 2, 0] = b * e - c * d
-    out[:, 1, 2] = out[:, 2, 1] = b * c - a * e
-    return out, a * out[:, 0, 0] + b * out[:, 0, 1] + c * out[:, 0, 2]
+@inlined
+def _step_alone(slope: float, second: float) -> float:
+    """Step along one axis."""
+    return min(max(-slope / second, -0.5), 0.5) if second < 0 else 0.0
+
+
+discard_outdated(__name__)

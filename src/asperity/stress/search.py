@@ -59,9 +59,6 @@ class PlaneSearch:
     ----------
     compiled : Fields
         The fields of the last plane.
-    maxima : Maxima
-        Of the fields in the last plane. If the plane above is on the same grid, only those are left that
-        exceed it.
     lower : (kept, values) or None
         For the maxima in the plane above, if it is on the same grid: which of them are above the nine values
         at and around the node in the last plane, and these values.
@@ -151,11 +148,18 @@ class PlaneSearch:
             room = self._room(stop - start)
             self._search_rows(room, start, start, stop, nothing)
             self._found.append(self._maxima_in(room))
+        self.lower = (self._upper.kept, self._upper.values) if self._search.compared else None
+
+    def maxima_above(self, floor: float) -> Maxima:
+        """Maxima of the fields in the last plane of a magnitude above a floor, that of the search or higher.
+
+        If the plane above is on the same grid, only those are left that exceed it.
+        """
         arrays = [np.concatenate(part) for part in zip(*self._found, strict=True)]
         field, row, column, here = arrays[:4]
         found = Maxima(field, (row, column), here, arrays[4] if self._search.compared else None)
-        self.maxima = found.select(np.argsort(row * len(self.fields) + field, kind="stable"))
-        self.lower = (self._upper.kept, self._upper.values) if self._search.compared else None
+        order = np.argsort(row * len(self.fields) + field, kind="stable")
+        return found.select(order[found.magnitude[order] > floor])
 
     def _search_rows(self, room: Room, start: int, first: int, last: int, sums: Array) -> None:
         both, rows = (self._parts, self._above), (start, first, last)

@@ -141,10 +141,9 @@ class StreamAnalysis:
         self.largest[:, number] = search.sums[:count, :, 2].max(axis=1)
         scale = np.sqrt(search.sums[count, :, 1].sum() / size)
         floor = max(plane.bound, self.settings.floor * scale, ROUNDING * scale)
-        maxima = search.maxima.select(np.flatnonzero(search.maxima.magnitude > floor))
         periodic = boundary_of(self.contact) == "periodic"
         searched = SearchedPlane(plane.depth, plane.grid, plane.parts(), search.compiled, periodic)
-        self._finder.add_maxima(searched, maxima, search.lower)
+        self._finder.add_maxima(searched, search.maxima_above(floor), search.lower)
 
     @cached_property
     def _peaks_of_fields(self) -> dict[SoughtField, Peaks]:
