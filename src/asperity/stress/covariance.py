@@ -117,8 +117,8 @@ class References:
             assert modes is not None
             source, coefficients = modes
             fourier = Fourier(grid, field.dtype, self._threads, self._work)
+            self._means[m] = coefficients[0, 0].real
             fourier.inverse(resample(coefficients, source, grid), out=field, overwrite=True)
-            self._means[m] = moments(field, field)[0]
 
     def _transform(self, m: int, target: Grid) -> None:
         """Transform a reference that is on its own grid, and keep the modes that coarser grids need."""

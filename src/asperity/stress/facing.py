@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asperity.stress.plane_maxima import Maxima, SearchedPlane
-from asperity.stress.refinement import Nodes, refine_in_plane
+from asperity.stress.refinement import refine_in_plane
 from asperity.types import Array
 
 REACH = 3.001
@@ -31,21 +31,19 @@ def facing_pairs(
     scale = np.maximum(upper_plane.grid.spacing, lower_plane.grid.spacing)
     box = np.array(upper_plane.grid.length) / scale
 
-    def places(plane: SearchedPlane, nodes: Nodes, y: Array | float, x: Array | float) -> Array:
-        place = np.stack([nodes[0] + y, nodes[1] + x], axis=1) * (plane.grid.spacing / scale)
-        return place % box if plane.periodic else place
+    def places(plane: SearchedPlane, maxima: Maxima, y: Array, x: Array) -> Array:
+        """Refined places in spacings, and in a third dimension, which keeps fields apart."""
+        place = np.stack([maxima.nodes[0] + y, maxima.nodes[1] + x], axis=1) * (plane.grid.spacing / scale)
+        return np.column_stack([place % box if plane.periodic else place, 2.0 * maxima.field])
 
-    at_upper = places(upper_plane, upper.nodes, 0.0, 0.0)
-    at_lower = places(lower_plane, lower.nodes, 0.0, 0.0)
-    of_upper, of_lower = (upper.field, at_upper), (lower.field, at_lower)
-    near = np.flatnonzero(_are_near(of_lower, of_upper, box, upper_plane.periodic))
+    near = np.flatnonzero(_are_near(lower, lower_plane, upper, upper_plane, box))
     if not near.size:
         return np.empty(0, np.int64), np.empty(0, np.int64), np.empty(0, bool)
     lower = lower.select(near)
     high, *offset_up = refine_in_plane(upper.here)
     low, *offset_low = refine_in_plane(lower.here)
-    place_up = _apart(upper.field, places(upper_plane, upper.nodes, *offset_up))
-    place_low = _apart(lower.field, places(lower_plane, lower.nodes, *offset_low))
+    place_up = places(upper_plane, upper, *offset_up)
+    place_low = places(lower_plane, lower, *offset_low)
     size = np.array([*box, 0.0]) if upper_plane.periodic else None
     distance, facing = cKDTree(place_low, boxsize=size).query(place_up, p=np.inf)
     back = np.asarray(cKDTree(place_up, boxsize=size).query(place_low, p=np.inf)[1])
@@ -54,25 +52,30 @@ def facing_pairs(
     return pair, near[partner], high[pair] > low[partner]
 
 
-def _apart(field: Array, places: Array) -> Array:
-    """Places in three dimensions, of which the third keeps different fields apart."""
-    return np.column_stack([places, 2.0 * field])
+def _are_near(
+    maxima: Maxima, plane: SearchedPlane, others: Maxima, other_plane: SearchedPlane, box: Array
+) -> Array:
+    """True for all maxima within `REACH` of another one of their field, and for some of those that are not.
 
-
-def _are_near(places: tuple[Array, Array], others: tuple[Array, Array], box: Array, periodic: bool) -> Array:
-    """True for all places within `REACH` of one of the others, and for some of those that are not.
-
-    Places are given with their fields, and counted in squares at least as wide as the reach: those in the
-    square of one of the others and in the eight around it are near.
+    The cell, `box` spacings long, is divided into squares at least as wide as the reach: maxima in the square
+    of another one and in the eight around it are near.
     """
     count = np.maximum(box / REACH, 1).astype(int)
-    square, other = (np.minimum((each / box * count).astype(int), count - 1) for _, each in (places, others))
-    (own, _), (field, _) = places, others
-    taken = np.zeros((max(own.max(), field.max()) + 1, *(count + 2)), bool)
+
+    def squares(plane: SearchedPlane, maxima: Maxima) -> tuple[Array, Array]:
+        row, column = (
+            (np.arange(nodes) * squares // nodes)[place]
+            for nodes, squares, place in zip(plane.grid.shape, count, maxima.nodes, strict=True)
+        )
+        return row, column
+
+    row, column = squares(other_plane, others)
+    taken = np.zeros((max(maxima.field.max(), others.field.max()) + 1, *(count + 2)), bool)
     for step_y in (0, 1, 2):
         for step_x in (0, 1, 2):
-            taken[field, other[:, 0] + step_y, other[:, 1] + step_x] = True
-    if periodic:
+            taken[others.field, row + step_y, column + step_x] = True
+    if plane.periodic:
         taken[:, [1, -2]] |= taken[:, [-1, 0]]
         taken[:, :, [1, -2]] |= taken[:, :, [-1, 0]]
-    return taken[own, square[:, 0] + 1, square[:, 1] + 1]
+    row, column = squares(plane, maxima)
+    return taken[maxima.field, row + 1, column + 1]

@@ -5,13 +5,15 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from asperity.arguments import LARGEST, finite_array, number, whole_number
+from asperity.compiled import compiled
 from asperity.errors import shown
 from asperity.finite import require_finite
+from asperity.machine_code import discard_outdated
 from asperity.spectral import Fourier, Grid, Work, resample
 from asperity.types import Array
 
@@ -166,8 +168,8 @@ class LagRings:
         self._grid, width = grid, min(grid.spacing)
         y, x = (axis[: axis.size // 2 + 1] for axis in grid.coordinates())
         rings = int(min(grid.length) / 2 / width + 1e-9) + 1
-        number = np.rint(np.hypot(y[:, None], x[None, :]) / width).astype(np.int64)
-        self.lag, self._ring = width * np.arange(rings), np.minimum(number, rings)
+        number = np.rint(np.hypot(y[:, None], x[None, :]) / width)
+        self.lag, self._ring = width * np.arange(rings), np.minimum(number, rings).astype(np.int32)
         self._count = self._sum(np.ones(number.shape))
 
     def autocovariance(self, modes: Array, grid: Grid, work: Work | None = None) -> Array:
@@ -182,10 +184,9 @@ class LagRings:
         work : Work, optional
             Where the transform is counted.
         """
-        power = modes.real**2 + modes.imag**2
-        power[0, 0] = 0.0
         # Lags (y, x) and (y, −x) are in the same ring: their mean has a power that is even in both axes.
-        power[1:] = 0.5 * (power[1:] + power[:0:-1])
+        power = np.empty(modes.shape, modes.real.dtype)
+        _fill_even_power(modes, power)
         if grid != self._grid:
             power = resample(power, grid, self._grid)
         fourier = Fourier(self._grid, power.dtype)
@@ -214,9 +215,29 @@ class LagRings:
         along_y, along_x = (np.full(n // 2 + 1, 2.0) for n in self._grid.shape)
         for weights, nodes in zip((along_y, along_x), self._grid.shape, strict=True):
             weights[[0, nodes // 2] if nodes % 2 == 0 else [0]] = 1.0
-        weighted = values * along_x
-        weighted *= along_y[:, None]
-        return np.bincount(self._ring.ravel(), weighted.ravel(), self.lag.size + 1)[: self.lag.size]
+        sums = np.zeros(self.lag.size + 1)
+        _add_to_rings(values, along_y, along_x, self._ring, sums)
+        return sums[:-1]
+
+
+@compiled
+def _fill_even_power(modes: Any, out: Any) -> None:
+    """Fill `out` with the squared magnitudes of modes, each with the mean of ky and −ky, without the mean."""
+    rows, columns = modes.shape
+    for j in range(rows):
+        for i in range(columns):
+            one, two = modes[j, i], modes[(rows - j) % rows, i]
+            power = one.real * one.real + one.imag * one.imag
+            out[j, i] = (power + (two.real * two.real + two.imag * two.imag)) / 2
+    out[0, 0] = 0
+
+
+@compiled
+def _add_to_rings(values: Any, along_y: Any, along_x: Any, ring: Any, sums: Any) -> None:
+    """Add values, weighted along both axes, to the sums of their rings."""
+    for j in range(ring.shape[0]):
+        for i in range(ring.shape[1]):
+            sums[ring[j, i]] += along_y[j] * along_x[i] * values[j, i]
 
 
 def half_length(distance: Array, correlation: Array, share: float = 0.5) -> float:
@@ -249,3 +270,6 @@ def decay_lengths(
         half_length(depth[below] - reference, along_depth[below] / variance, share),
         half_length(lag, in_plane / variance, share),
     )
+
+
+discard_outdated(__name__)
