@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from asperity.bits import lowest_bit
 from asperity.compiled import compiled, inlined, sums_without_nan
 from asperity.machine_code import discard_outdated
 from asperity.stress.fields import SHARED, field_at, fill_row, fill_von_mises, value_at
@@ -17,8 +18,8 @@ from asperity.types import Array
 _MARGIN = 16
 """Numbers beside a row of values, of which the nearest are those beyond the edge."""
 
-_WORD, _WORDS = 8, 8
-"""Flags of nodes in a word, and words that are looked at together."""
+_CHUNK = 32
+"""Nodes that are compared with their neighbours together: a bit of one number for each."""
 
 
 class Search(NamedTuple):
@@ -59,7 +60,8 @@ class Room(NamedTuple):
     bits : the same as integers
     shared : `SHARED` array in the precision of the plane
     skipped : (at least columns,) array in the precision of the plane
-    flags, words : (at least columns,) uint8 array, the same as uint64
+    flags : (at least columns / `_CHUNK`,) uint32 array
+        A bit for every node of a row.
     field, row, column : (maxima,) integer arrays
         Fields and nodes of the maxima, by rising rows, fields and columns.
     around : (maxima, 3, 3) array in the precision of the plane
@@ -75,7 +77,6 @@ class Room(NamedTuple):
     shared: Any
     skipped: Any
     flags: Any
-    words: Any
     field: Any
     row: Any
     column: Any
@@ -98,15 +99,12 @@ def room_for(
         Makes an array with any values from a name, a shape and a type.
     """
     rows = empty("rows", (fields, 3, (-(-columns // _MARGIN) + 2) * _MARGIN), real)
-    group = _WORD * _WORDS
-    flags = empty("flags", (-(-columns // group) * group,), np.uint8)
     return Room(
         rows,
         rows.view(f"i{real.itemsize}"),
         empty("shared", SHARED, real),
         empty("skipped", (columns,), real),
-        flags,
-        flags.view(np.uint64),
+        empty("flags", (-(-columns // _CHUNK),), np.uint32),
         empty("field", (fields * most,), np.int64),
         empty("row", (fields * most,), np.int64),
         empty("column", (fields * most,), np.int64),
@@ -225,28 +223,33 @@ def _search_row(j: int, columns: int, row: int, floor: float, room: Any, t: int)
     previous, here, after = room.rows[t, (j - 1) % 3], room.rows[t, j % 3], room.rows[t, (j + 1) % 3]
     centre, left, right = here[_MARGIN:], here[_MARGIN - 1 :], here[_MARGIN + 1 :]
     upper, lower = previous[_MARGIN:], after[_MARGIN:]
-    flags = room.flags
-    for i in range(columns):
+    flags, whole = room.flags, columns // _CHUNK
+    for c in range(whole):
+        n = c * _CHUNK
+        flags[c] = _higher(centre[n:], left[n:], right[n:], upper[n:], lower[n:], floor, _CHUNK)
+    if flags.size > whole:
+        n = whole * _CHUNK
+        flags[whole] = _higher(centre[n:], left[n:], right[n:], upper[n:], lower[n:], floor, columns - n)
+    for c in range(flags.size):
+        if flags[c]:
+            _add_maxima(previous, here, after, flags[c], c * _CHUNK, row, room, t)
+
+
+@inlined
+def _higher(centre: Any, left: Any, right: Any, upper: Any, lower: Any, floor: float, count: int) -> Any:
+    """A bit for each of some nodes, set if it is above a floor and none of its four neighbours is higher."""
+    bits = np.int32(0)
+    for i in range(count):
         magnitude = abs(centre[i])
-        flags[i] = (
+        higher = (
             (magnitude > floor)
             & (magnitude >= abs(left[i]))
             & (magnitude >= abs(right[i]))
             & (magnitude >= abs(upper[i]))
             & (magnitude >= abs(lower[i]))
         )
-    for i in range(columns, flags.size):
-        flags[i] = 0
-    for start in range(0, room.words.size, _WORDS):
-        some = room.words[start]
-        for word in range(start + 1, start + _WORDS):
-            some |= room.words[word]
-        if some:
-            for word in range(start, start + _WORDS):
-                if room.words[word]:
-                    for i in range(_WORD * word, _WORD * (word + 1)):
-                        if flags[i]:
-                            _add_maximum(previous, here, after, i, row, room, t)
+        bits = np.int32(bits | (np.int32(1 << i) if higher else np.int32(0)))
+    return np.uint32(bits)
 
 
 @compiled
@@ -263,20 +266,25 @@ def _compare_upper(upper: Any, j: int, row_and_field: int, room: Any, t: int) ->
         upper.kept[n] = higher
 
 
-@inlined
-def _add_maximum(previous: Any, here: Any, after: Any, column: int, row: int, room: Any, t: int) -> None:
-    """Add a node to the maxima if none of its neighbours is higher, and none before it as high."""
-    count = room.count[0]
-    around = room.around[count]
-    for b in range(3):
-        place = _MARGIN + column + b - 1
-        around[0, b], around[1, b], around[2, b] = previous[place], here[place], after[place]
-    centre = abs(around[1, 1])
-    earlier = max(abs(around[0, 0]), abs(around[0, 1]), abs(around[0, 2]), abs(around[1, 0]))
-    later = max(abs(around[1, 2]), abs(around[2, 0]), abs(around[2, 1]), abs(around[2, 2]))
-    if centre > earlier and centre >= later:
-        room.field[count], room.row[count], room.column[count] = t, row, column
-        room.count[0] = count + 1
+@compiled
+def _add_maxima(
+    previous: Any, here: Any, after: Any, bits: int, start: int, row: int, room: Any, t: int
+) -> None:
+    """Add those of some nodes to the maxima of which no neighbour is higher, and none before it as high."""
+    while bits:
+        column = start + np.int64(lowest_bit(bits))  # type: ignore[call-arg]
+        bits &= bits - np.uint32(1)
+        count = room.count[0]
+        around = room.around[count]
+        for b in range(3):
+            place = _MARGIN + column + b - 1
+            around[0, b], around[1, b], around[2, b] = previous[place], here[place], after[place]
+        centre = abs(around[1, 1])
+        earlier = max(abs(around[0, 0]), abs(around[0, 1]), abs(around[0, 2]), abs(around[1, 0]))
+        later = max(abs(around[1, 2]), abs(around[2, 0]), abs(around[2, 1]), abs(around[2, 2]))
+        if centre > earlier and centre >= later:
+            room.field[count], room.row[count], room.column[count] = t, row, column
+            room.count[0] = count + 1
 
 
 @compiled
