@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from asperity.bits import lowest_bit
 from asperity.compiled import compiled, inlined, sums_without_nan
+from asperity.intrinsics import lowest_bit
 from asperity.machine_code import discard_outdated
 from asperity.stress.fields import SHARED, field_at, fill_row, fill_von_mises, value_at
 from asperity.stress.neighbours import exceeds, neighbour
@@ -203,9 +203,16 @@ def search_rows(
             if search.sought[t]:
                 _fill_margins(values, columns, periodic)
                 if j - start >= 2:
-                    searched = neighbour(j - 1, rows, periodic)
-                    _search_row(j - 1, columns, searched, search.floor, room, t)
-                    _compare_upper(upper, j - 1, searched * fields + t, room, t)
+                    previous, here, after = room.rows[t, (j - 2) % 3], room.rows[t, (j - 1) % 3], values
+                    searched, flags = neighbour(j - 1, rows, periodic), room.flags
+                    _mark_higher(previous, here, after, columns, search.floor, flags)
+                    for c in range(flags.size):
+                        if flags[c]:
+                            _add_maxima(previous, here, after, flags[c], c * _CHUNK, searched, room, t)
+                    line_of_upper = searched * fields + t
+                    n, end = upper.first[line_of_upper], upper.first[line_of_upper + 1]
+                    if n < end:
+                        _compare_upper(previous, here, after, upper, n, end)
     if search.compared:
         room.count[0] = _keep_above(above, search.fields, periodic, room, before)
 
@@ -218,26 +225,22 @@ def _fill_margins(line: Any, columns: int, periodic: bool) -> None:
 
 
 @sums_without_nan
-def _search_row(j: int, columns: int, row: int, floor: float, room: Any, t: int) -> None:
-    """Add the maxima of one row, from the values in it and in the rows beside it."""
-    previous, here, after = room.rows[t, (j - 1) % 3], room.rows[t, j % 3], room.rows[t, (j + 1) % 3]
+def _mark_higher(previous: Any, here: Any, after: Any, columns: int, floor: float, flags: Any) -> None:
+    """Mark the nodes of a row that are above a floor, and of whose four neighbours none is higher."""
     centre, left, right = here[_MARGIN:], here[_MARGIN - 1 :], here[_MARGIN + 1 :]
     upper, lower = previous[_MARGIN:], after[_MARGIN:]
-    flags, whole = room.flags, columns // _CHUNK
+    whole = columns // _CHUNK
     for c in range(whole):
         n = c * _CHUNK
         flags[c] = _higher(centre[n:], left[n:], right[n:], upper[n:], lower[n:], floor, _CHUNK)
     if flags.size > whole:
         n = whole * _CHUNK
         flags[whole] = _higher(centre[n:], left[n:], right[n:], upper[n:], lower[n:], floor, columns - n)
-    for c in range(flags.size):
-        if flags[c]:
-            _add_maxima(previous, here, after, flags[c], c * _CHUNK, row, room, t)
 
 
 @inlined
 def _higher(centre: Any, left: Any, right: Any, upper: Any, lower: Any, floor: float, count: int) -> Any:
-    """A bit for each of some nodes, set if it is above a floor and none of its four neighbours is higher."""
+    """A bit for each of some nodes, for `_mark_higher`."""
     bits = np.int32(0)
     for i in range(count):
         magnitude = abs(centre[i])
@@ -253,14 +256,13 @@ def _higher(centre: Any, left: Any, right: Any, upper: Any, lower: Any, floor: f
 
 
 @compiled
-def _compare_upper(upper: Any, j: int, row_and_field: int, room: Any, t: int) -> None:
-    """Compare the maxima of the plane above in one row with the values there and in the rows beside it."""
-    for n in range(upper.first[row_and_field], upper.first[row_and_field + 1]):
+def _compare_upper(previous: Any, here: Any, after: Any, upper: Any, first: int, last: int) -> None:
+    """Compare maxima of the plane above in one row with the values there and in the rows beside it."""
+    for n in range(first, last):
         higher = True
-        for a in range(3):
-            line = room.rows[t, (j + a - 1) % 3]
-            for b in range(3):
-                value = line[_MARGIN + upper.column[n] + b - 1]
+        for b in range(3):
+            place = _MARGIN + upper.column[n] + b - 1
+            for a, value in enumerate((previous[place], here[place], after[place])):
                 upper.values[n, a, b] = value
                 higher &= upper.magnitude[n] > abs(value)
         upper.kept[n] = higher

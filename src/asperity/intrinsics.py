@@ -1,4 +1,4 @@
-"""Bits of whole numbers, in compiled loops."""
+"""Operations of the processor that Python does not have, for compiled loops."""
 
 from __future__ import annotations
 
