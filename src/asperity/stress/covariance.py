@@ -122,7 +122,7 @@ class References:
 
     def _transform(self, m: int, target: Grid) -> None:
         """Transform a reference that is on its own grid, and keep the modes that coarser grids need."""
-        self._kept[m] = None
+        self._compare_kept(m)
         if self._modes[m] is None:
             assert self._grid is not None
             field = self._fields[m]
@@ -158,9 +158,12 @@ class References:
         if compared:
             means, products = totals[: len(self._sought), 2:].T
             self.covariance[:, number] = products - means * self._means
-        risen = np.flatnonzero(largest[: len(self._sought)] > self._largest)
-        for m in range(len(self._sought)):
-            self._kept[m] = self._kept_above(m, number) if m in risen else None
+        has_risen = largest[: len(self._sought)] > self._largest
+        for m in np.flatnonzero(~has_risen).tolist():
+            self._compare_kept(m)
+        risen = np.flatnonzero(has_risen)
+        for m in risen.tolist():
+            self._kept[m] = self._kept_above(m, number)
         if not risen.size:
             return
         if self._fields.shape[1:] != plane.grid.shape:
@@ -177,11 +180,7 @@ class References:
             mean, square, _, _ = totals[m]
             self._largest[m] = largest[m]
             self.number[m], self.covariance[m, number] = number, square - mean * mean
-            kept = self._kept[m]
-            self.missing[m] = number if kept is None else 0
-            for above, packed in enumerate(kept or []):
-                same = self._fields if packed.field.shape == plane.grid.shape else self._compared
-                self.covariance[m, above] = packed.unit * _covariance(packed.field, same[m])
+            self.missing[m] = number if self._kept[m] is None else 0
 
     def _step(self, grid: Grid) -> int:
         """2 if planes on a grid are compared at every second node along each axis, else 1."""
@@ -195,6 +194,13 @@ class References:
         if not number or kept is None:
             return kept
         return [*kept, _Packed.of(self._compared[m])] if len(kept) < MOST_KEPT else None
+
+    def _compare_kept(self, m: int) -> None:
+        """Compare the kept planes with the reference below them, and give back their memory."""
+        for above, packed in enumerate(self._kept[m] or []):
+            same = self._fields if packed.field.shape == self._fields.shape[1:] else self._compared
+            self.covariance[m, above] = packed.unit * _covariance(packed.field, same[m])
+        self._kept[m] = None
 
     def _fill(self, plane: LinearPlane, places: Array, out: Array) -> None:
         """Write some of the fields of a plane to their places in `out`."""
