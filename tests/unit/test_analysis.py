@@ -67,6 +67,17 @@ def test_peaks_are_those_of_a_search_in_the_full_planes(contact):
             np.testing.assert_array_equal(got["peak_interior"].values[other], expected.interior[kept][order])
 
 
+def test_fields_that_are_searched_together_have_the_peaks_of_each_alone(contact):
+    """To the last bit, also where the grid changes and maxima of several fields face each other."""
+    together = analyse_stress(contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=1e-3)
+    assert np.unique(together["plane_points"]).size > 4
+    for name in QUANTITIES[1:]:
+        alone = analyse_stress(contact, poisson=RATIOS, quantities=[name], tolerance=1e-3)
+        mine, expected = (asp.peaks(data, name, RATIOS[1]) for data in (together, alone))
+        assert expected.sizes["peak"] > 20
+        xr.testing.assert_equal(mine, expected)
+
+
 def test_pressure_peaks_are_those_of_the_surface(contact, result):
     expected = plane_peaks(contact.pressure, contact.grid)
     peaks = asp.peaks(result, "pressure", 0.5)
