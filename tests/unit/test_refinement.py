@@ -10,7 +10,7 @@ UNIT = 0.2  # the smaller distance of the planes
 
 
 def quadratics(count, axes, seed=0):
-    """Heights, places (along depth per `UNIT`, y, x) and second derivatives of maxima near the middle node."""
+    """Heights, places (depth per `UNIT`, y, x) and second derivatives of maxima near the middle node."""
     draw = np.random.default_rng(seed)
     root = draw.standard_normal((count, axes, axes))
     second = -np.einsum("nij,nkj->nik", root, root) - 0.5 * np.eye(axes)
@@ -47,7 +47,6 @@ def test_maxima_of_quadratics_in_a_plane_are_exact(sign):
 def test_maxima_of_quadratics_between_unequal_planes_are_exact(sign):
     heights, places, second = quadratics(200, 3)
     along = (np.array(DEPTHS) - DEPTHS[1]) / UNIT
-    # Three planes do not hold the terms in depth × y × x: they are those of a quadratic.
     planes = [sign * stencil(heights, places, second, depth) for depth in along]
     value, depth, y, x = refine_in_solid(*planes, DEPTHS)
     np.testing.assert_allclose(value, heights, rtol=1e-12)
