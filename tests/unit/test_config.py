@@ -10,6 +10,7 @@ import pytest
 import yaml
 from project import hide
 
+from asperity.accuracy.scenes import NEEDED
 from asperity.config.check import check, needed_instead
 from asperity.config.defaults import complete, default
 from asperity.config.describe import with_settings
@@ -27,6 +28,35 @@ SETTINGS = dict(settings(schema()))
 @pytest.mark.parametrize("overlay", sorted((ROOT / "config").glob("*.yaml")), ids=lambda path: path.name)
 def test_the_configurations_of_the_repository_are_accepted(overlay):
     check(merged(PAPER, load(overlay)))
+
+
+def paths_of(tree, path=()):
+    """Path to every key of a configuration."""
+    for key, value in tree.items():
+        yield (*path, key)
+        if isinstance(value, dict):
+            yield from paths_of(value, (*path, key))
+
+
+@pytest.mark.parametrize("needed", [None, NEEDED], ids=["study", "plan"])
+def test_whatever_is_left_out_or_emptied_is_accepted_or_named(needed):
+    """One key at a time: no other error than the line that names a setting."""
+    named = 0
+    for path in paths_of(PAPER):
+        for value in (None, {}, [], 0, "text"):
+            config = copy.deepcopy(PAPER)
+            tree = config
+            for key in path[:-1]:
+                tree = tree[key]
+            if value is None:
+                del tree[path[-1]]
+            else:
+                tree[path[-1]] = value
+            try:
+                check(config, needed)
+            except ConfigError:
+                named += 1
+    assert named > 100
 
 
 def test_every_setting_is_described_in_words():

@@ -128,6 +128,13 @@ def test_a_bad_value_late_in_a_path_is_named() -> None:
         next(path)
 
 
+def test_an_area_that_no_number_holds_is_refused_after_two_solutions() -> None:
+    path = solve_path(rough(32), HALF_SPACE, area_fractions=[0.1, 0.11, 10**400])
+    assert next(path).area_fraction < next(path).area_fraction
+    with pytest.raises(ValueError, match=r"^area_fraction = 1000.*needed"):
+        next(path)
+
+
 # Steps of the load towards an area
 
 

@@ -14,7 +14,7 @@ from asperity.config.schema import schema
 from asperity.config.study import ALL_SURFACES, with_base
 from asperity.errors import ConfigError, shown
 
-NEEDED = ("surfaces", "hurst", "wavelength_long", "wavelength_short")
+NEEDED = ("surfaces", "hurst", "wavelength_long", "wavelength_short", "skewness", "kurtosis")
 """Keys without a default that a plan needs; a study needs others too, such as labels."""
 
 

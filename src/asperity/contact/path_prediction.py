@@ -15,6 +15,7 @@ from typing import Any
 
 import numpy as np
 
+from asperity.arguments import LARGEST
 from asperity.compiled import compiled
 from asperity.contact.solution import Contact
 from asperity.types import Array
@@ -78,7 +79,7 @@ class PathPrediction:
 
     def pressure(self, value: float) -> Array | None:
         """Pressure to start from at a value of what is imposed; None if it is too far from the last ones."""
-        if len(self._solved) < 2 or not isinstance(value, Real) or not value > self._origin:
+        if len(self._solved) < 2 or not isinstance(value, Real) or not self._origin < value <= LARGEST:
             return None
         before, last = self._solved
         step, change = last.imposed - before.imposed, math.log(value - self._origin) - last.imposed
