@@ -269,12 +269,16 @@ def test_a_selection_without_peaks_has_no_percentiles():
         ({"stresses": []}, "gradients"),
         ({"gradients": [1.0]}, "gradients"),
         ({"gradients": [1.0, 0.0]}, "gradients"),
-        ({"resamples": 0}, "resamples"),
-        ({"confidence": 1.0}, "confidence"),
+        ({"resamples": 0}, "resamples = 0: a whole number from 1 to 1000000 is needed"),
+        ({"resamples": 2**60}, "resamples = 1152921504606846976"),
+        ({"confidence": 1.0}, r"confidence = 1\.0: a number between 0 and 1 is needed"),
+        ({"confidence": None}, "confidence = None: a number between 0 and 1 is needed"),
+        ({"seed": -1}, "seed = -1: a whole number ≥ 0 is needed"),
+        ({"seed": "1"}, "seed = '1': a whole number ≥ 0 is needed"),
         ({"bins": 0}, "bins"),
         ({"stresses": [stress(), stress().assign_coords(lag=[0.0, 0.1, 0.3])]}, "stresses.*lag"),
     ],
 )
 def test_ensemble_refuses_what_does_not_fit(changes, message):
-    with pytest.raises(ValueError, match=f"^{message}"):
+    with pytest.raises((ValueError, TypeError), match=f"^{message}"):
         pool_peaks(**({"stresses": [stress(), stress(1)], "gradients": [1.0, 1.0]} | changes))

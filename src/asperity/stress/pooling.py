@@ -17,6 +17,7 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
+from asperity.arguments import number, real_array, whole_number
 from asperity.finite import require_finite
 from asperity.stress.peak_kinds import SELECTIONS
 from asperity.stress.selection import peaks
@@ -33,6 +34,9 @@ PERCENTS = (50.0, 90.0, 99.0, 99.9)
 
 HIGHEST_SHARE = 0.1
 """Share of the peaks that counts as the highest ones."""
+
+MOST_RESAMPLES = 1_000_000
+"""Most resamples of the bootstrap."""
 
 _PERCENTILE_BINS = 8192
 """Bins in which percentiles of a resample are found; their error is a ten-thousandth of the largest peak."""
@@ -65,11 +69,11 @@ def pool_peaks(
         ḡ of each seed.
     bins : int
     resamples : int
-        Number of bootstrap resamples.
+        Number of bootstrap resamples, at most `MOST_RESAMPLES`.
     confidence : float
-        Share of the resamples within a band.
+        Share of the resamples within a band, between 0 and 1.
     seed : int
-        Seed of the bootstrap.
+        Seed of the bootstrap, at least 0.
 
     Returns
     -------
@@ -80,7 +84,7 @@ def pool_peaks(
 
     Raises
     ------
-    ValueError
+    ValueError, TypeError
         If the analyses do not fit together or a setting is out of range.
 
     Examples
@@ -98,7 +102,15 @@ def pool_peaks(
     >>> round(float((density * width).sum()), 6)
     1.0
     """
-    stresses, scale = _checked(stresses, gradients, resamples, confidence)
+    stresses, scale = _checked(stresses, gradients)
+    resamples = whole_number(
+        "resamples",
+        resamples,
+        f"a whole number from 1 to {MOST_RESAMPLES}",
+        lambda count: 1 <= count <= MOST_RESAMPLES,
+    )
+    confidence = number("confidence", confidence, "a number between 0 and 1", lambda share: 0 < share < 1)
+    seed = whole_number("seed", seed, "a whole number ≥ 0", lambda number: number >= 0)
     bootstrap = _Bootstrap(len(stresses), resamples, confidence, seed)
     first = stresses[0]
     depth_edges = _depth_edges(first["plane_depth"].values)
@@ -119,20 +131,14 @@ def pool_peaks(
     return pooled
 
 
-def _checked(
-    stresses: Sequence[xr.Dataset], gradients: Sequence[float], resamples: int, confidence: float
-) -> tuple[list[xr.Dataset], Array]:
-    stresses, scale = list(stresses), np.asarray(gradients, dtype=float)
+def _checked(stresses: Sequence[xr.Dataset], gradients: Sequence[float]) -> tuple[list[xr.Dataset], Array]:
+    stresses, scale = list(stresses), real_array("gradients", gradients).astype(float)
     if not stresses or scale.shape != (len(stresses),):
         raise ValueError(
             f"gradients = {gradients!r}: one for each of the {len(stresses)} stresses (at least one)"
         )
     if not (np.all(np.isfinite(scale)) and np.all(scale > 0)):
         raise ValueError(f"gradients = {gradients!r}: positive finite numbers are needed")
-    if resamples < 1:
-        raise ValueError(f"resamples = {resamples!r}: at least 1 is needed")
-    if not 0 < confidence < 1:
-        raise ValueError(f"confidence = {confidence!r}: a number between 0 and 1 is needed")
     for name in ("quantity", "poisson", "plane_depth", "lag"):
         if any(not np.array_equal(stress[name].values, stresses[0][name].values) for stress in stresses):
             raise ValueError(f"stresses: all must have the same {name}")
