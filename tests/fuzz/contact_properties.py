@@ -106,10 +106,11 @@ def reach(contact):
 
 
 def rounding(contact):
-    """Rounding error of the heights, over their rms."""
-    rms = float(np.std(contact.height, dtype=float))
+    """Rounding error of the heights, over the scale of the certificate."""
+    nodal_compliance = min(contact.grid.spacing) / contact.solid.effective_modulus
+    scale = max(float(np.std(contact.height, dtype=float)), float(contact.max_pressure) * nodal_compliance)
     largest = float(np.abs(contact.height).max())
-    return 10 * float(np.finfo(contact.pressure.dtype).eps) * largest / rms if rms else 0.0
+    return 10 * float(np.finfo(contact.pressure.dtype).eps) * largest / scale if scale else 0.0
 
 
 paths = st.fixed_dictionaries(

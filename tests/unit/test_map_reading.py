@@ -60,6 +60,16 @@ def test_a_gzip_file_is_read_like_what_is_in_it(tmp_path):
     np.testing.assert_array_equal(read_map(packed).height, read_map(DATA / "steel.x3p").height)
 
 
+@pytest.mark.parametrize("place", [2, 40, -6], ids=["method", "content", "check sum"])
+def test_a_damaged_gzip_file_is_named(tmp_path, place):
+    content = bytearray(gzip.compress(b"".join(b"%d 2 3\n" % line for line in range(2000))))
+    content[place] ^= 255
+    packed = tmp_path / "map.txt.gz"
+    packed.write_bytes(content)
+    with pytest.raises(MapError, match=r"map\.txt\.gz: a gzip file without damage is needed"):
+        read_map(packed)
+
+
 def test_a_channel_is_chosen_by_name_or_number():
     detail = 1e-9 * HEIGHT[:12, :16]
     for channel in ("Detail", 1, "1"):

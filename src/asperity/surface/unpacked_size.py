@@ -165,7 +165,13 @@ def _gzip_size(file: IO[bytes], most: float) -> int:
 
 
 def gunzipped(file: IO[bytes], most: float) -> Iterable[bytes]:
-    """Content of a gzip file in small chunks, until more than `most` bytes have come."""
+    """Content of a gzip file in small chunks, until more than `most` bytes have come.
+
+    Raises
+    ------
+    ValueError
+        If the file is damaged.
+    """
     unpack = zlib.decompressobj(wbits=31)
     count = 0
     pending = b""
@@ -173,7 +179,10 @@ def gunzipped(file: IO[bytes], most: float) -> Iterable[bytes]:
         pending = pending or file.read(_CHUNK)
         if not pending:
             return
-        chunk = unpack.decompress(pending, _CHUNK)
+        try:
+            chunk = unpack.decompress(pending, _CHUNK)
+        except zlib.error as error:
+            raise ValueError(f"a gzip file without damage is needed ({error})") from error
         pending = unpack.unconsumed_tail
         count += len(chunk)
         if chunk:
