@@ -69,13 +69,14 @@ def apply(function: Callable[..., object], threads: int, *arguments: Any) -> Non
 def results(function: Callable[..., Any], threads: int, *arguments: Any) -> list[Any]:
     """What a function returns for consecutive parts of arrays, in order.
 
-    The parts, and so the rounding of sums over them, are the same for any number of threads. Arguments as for
-    `apply`.
+    The parts, and so the rounding of sums over them, are the same for any number of threads, and two or four
+    threads have equal numbers of them. Arguments as for `apply`.
     """
     size = max(argument.size for argument in arguments if isinstance(argument, np.ndarray))
     count = size // SUMMED_PART
     if count < 2:
         return [function(*arguments)]
+    count -= count % 4 if count > 4 else count % 2
     edges = [size * part // count for part in range(count + 1)]
 
     def some(parts: slice) -> list[Any]:

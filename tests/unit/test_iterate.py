@@ -12,7 +12,7 @@ from asperity.contact.iterate import Iterate
 from asperity.contact.places import places_in_union
 from asperity.contact.problem import Control, Problem
 from asperity.elasticity.layer import Layer
-from asperity.parallel import apply, in_parts, total
+from asperity.parallel import SUMMED_PART, apply, in_parts, results, total
 from asperity.spectral import Grid
 from asperity.types import Array
 
@@ -101,6 +101,14 @@ def test_sums_over_parts_have_the_same_bits_for_any_number_of_threads() -> None:
     both = total(kernels.sum_and_dot, 2, values, values)
     assert both == pytest.approx((values.sum(), sums[0]), rel=1e-13)
     assert total(kernels.added, 2, values[:10]) == pytest.approx(values[:10].sum(), rel=1e-13)
+
+
+@pytest.mark.parametrize(("number", "parts"), [(1, 1), (2, 2), (3, 2), (4, 4), (7, 4), (14, 12)])
+def test_sums_are_taken_over_numbers_of_parts_that_threads_can_share(number: int, parts: int) -> None:
+    values = np.arange(number * SUMMED_PART + 1)
+    found = results(lambda part: part, 2, values)
+    assert len(found) == parts
+    np.testing.assert_array_equal(np.concatenate(found), values)
 
 
 def test_arrays_are_changed_in_parts() -> None:
