@@ -98,8 +98,10 @@ def test_sums_over_parts_have_the_same_bits_for_any_number_of_threads() -> None:
     values = np.random.default_rng(0).random(300_000)
     sums = [total(kernels.dot, threads, values, values) for threads in (1, 2, 3)]
     assert sums[0] == sums[1] == sums[2] == pytest.approx(values @ values, rel=1e-13)
-    both = total(kernels.sum_and_dot, 2, values, values)
-    assert both == pytest.approx((values.sum(), sums[0]), rel=1e-13)
+    several = total(kernels.sums_of_iteration, 2, values, 2 * values, 3 * values, values[::-1])
+    crossed = values @ values[::-1]
+    expected = values.sum(), 3 * sums[0], 6 * sums[0], crossed, 2 * crossed
+    assert several == pytest.approx(expected, rel=1e-13)
     assert total(kernels.added, 2, values[:10]) == pytest.approx(values[:10].sum(), rel=1e-13)
 
 

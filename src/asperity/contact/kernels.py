@@ -210,13 +210,18 @@ def dot(a: Any, b: Any) -> float:
 
 
 @sums
-def sum_and_dot(a: Any, b: Any) -> tuple[float, float]:
-    """Σ a and Σ a b."""
-    total, product = 0.0, 0.0
-    for k in range(a.size):
-        total += a[k]
-        product += np.float64(a[k]) * np.float64(b[k])
-    return total, product
+def sums_of_iteration(z: Any, weight: Any, residual: Any, response: Any) -> tuple[float, ...]:
+    """Σ z, Σ z × residual, Σ weight × residual, Σ z × response and Σ weight × response."""
+    total, product, uniform, change, uniform_change = 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(z.size):
+        image, w = np.float64(z[k]), np.float64(weight[k])
+        r, y = np.float64(residual[k]), np.float64(response[k])
+        total += image
+        product += image * r
+        uniform += w * r
+        change += image * y
+        uniform_change += w * y
+    return total, product, uniform, change, uniform_change
 
 
 @sums
@@ -228,29 +233,29 @@ def projected_square(z: Any, weight: Any, shift: float) -> float:
     return total
 
 
-@sums
-def projected_dot(z: Any, weight: Any, shift: Any, values: Any) -> float:
-    """Σ (z − shift × weight) × values."""
-    total = 0.0
-    for k in range(z.size):
-        total += np.float64(z[k] - shift * weight[k]) * np.float64(values[k])
-    return total
-
-
 @compiled
-def next_direction(direction: Any, z: Any, weight: Any, shift: Any, ratio: Any) -> None:
-    """Direction d ← z − shift × weight + ratio × d."""
-    for k in range(direction.size):
-        direction[k] = z[k] - shift * weight[k] + ratio * direction[k]
-
-
-@compiled
-def take_step(x: Any, residual: Any, total: Any, direction: Any, response: Any, length: Any) -> None:
-    """Solution x ← x + length × d, its displacement likewise, and residual r ← r − length × G d."""
+def step_and_next_direction(
+    x: Any, direction: Any, z: Any, weight: Any, length: Any, shift: Any, ratio: Any
+) -> None:
+    """Solution x ← x + length × d, then direction d ← z − shift × weight + ratio × d."""
     for k in range(x.size):
-        x[k] += length * direction[k]
-        total[k] += length * response[k]
-        residual[k] -= length * response[k]
+        d = direction[k]
+        x[k] += length * d
+        direction[k] = z[k] - shift * weight[k] + ratio * d
+
+
+@compiled
+def add_multiple(values: Any, others: Any, factor: Any) -> None:
+    """Add factor × others to values."""
+    for k in range(values.size):
+        values[k] += factor * others[k]
+
+
+@compiled
+def less_multiple(values: Any, others: Any, factor: Any, out: Any) -> None:
+    """Write values − factor × others."""
+    for k in range(values.size):
+        out[k] = values[k] - factor * others[k]
 
 
 # Of the result, for the certificate
