@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -92,6 +94,25 @@ def test_parts_cover_all_elements_in_order(threads: int) -> None:
 
 def test_few_elements_are_one_part() -> None:
     assert in_parts(lambda part: part, 10, 4) == [slice(0, 10)]
+
+
+def test_errors_in_any_part_are_raised_when_all_parts_have_ended() -> None:
+    ended = []
+
+    def work(failing: int, part: slice) -> None:
+        if part.start == failing:
+            raise ValueError(f"part {failing}")
+        ended.append(part.start)
+
+    for failing in (0, 4, 8):
+        with pytest.raises(ValueError, match=f"part {failing}"):
+            in_parts(partial(work, failing), 12, 3, smallest=1)
+    assert sorted(ended) == [0, 0, 4, 4, 8, 8]
+
+
+def test_parts_of_parts_do_not_wait_for_each_other() -> None:
+    found = in_parts(lambda _: in_parts(lambda part: part, 4, 2, smallest=1), 2, 2, smallest=1)
+    assert found == 2 * [[slice(0, 2), slice(2, 4)]]
 
 
 def test_sums_over_parts_have_the_same_bits_for_any_number_of_threads() -> None:
