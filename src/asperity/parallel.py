@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cache
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from queue import SimpleQueue
 from threading import Lock, Thread
 from typing import Any
 
 import numpy as np
+from numpy.typing import DTypeLike
 
 from asperity.types import Array
 
@@ -95,6 +96,39 @@ def total(function: Callable[..., Any], threads: int, *arguments: Any) -> Any:
     """Sum of the `results`, of a number or of several."""
     found = results(function, threads, *arguments)
     return tuple(map(sum, zip(*found, strict=True))) if isinstance(found[0], tuple) else sum(found)
+
+
+def select(
+    count: Callable[[slice], int],
+    write: Callable[..., object],
+    size: int,
+    threads: int,
+    types: Sequence[DTypeLike],
+    multiple: int = 1,
+) -> tuple[Array, ...]:
+    """What is chosen among `size` elements, in order.
+
+    Parameters
+    ----------
+    count : callable
+        Returns how many are chosen in a part, given its slice.
+    write : callable
+        Writes them; called with the same slice and, for each type, an array of as many elements.
+    size, threads, multiple : int
+        As for `in_parts`.
+    types : sequence of types
+        Of the arrays that are returned.
+    """
+    parts = in_parts(lambda part: (part, count(part)), size, threads, multiple)
+    ends = list(accumulate(number for _, number in parts))
+    chosen = tuple(np.empty(ends[-1], one) for one in types)
+
+    def write_some(some: slice) -> None:
+        for (part, number), end in zip(parts[some], ends[some], strict=True):
+            write(part, *(array[end - number : end] for array in chosen))
+
+    in_parts(write_some, len(parts), threads, smallest=1)
+    return chosen
 
 
 def extremes(values: Array, threads: int) -> tuple[float, float]:

@@ -14,7 +14,7 @@ from asperity.contact.iterate import Iterate
 from asperity.contact.places import places_in_union
 from asperity.contact.problem import Control, Problem
 from asperity.elasticity.layer import Layer
-from asperity.parallel import SUMMED_PART, apply, in_parts, results, total
+from asperity.parallel import SUMMED_PART, apply, in_parts, results, select, total
 from asperity.spectral import Grid
 from asperity.types import Array
 
@@ -94,6 +94,22 @@ def test_parts_cover_all_elements_in_order(threads: int) -> None:
 
 def test_few_elements_are_one_part() -> None:
     assert in_parts(lambda part: part, 10, 4) == [slice(0, 10)]
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_elements_are_selected_in_order_on_any_number_of_threads(threads: int) -> None:
+    field = np.random.default_rng(0).normal(size=100_000)
+    found, values = select(
+        lambda part: kernels.count_positive(field[part]),
+        lambda part, *chosen: kernels.write_positive(field[part], part.start, *chosen),
+        field.size,
+        threads,
+        (np.uint32, np.float32),
+    )
+    np.testing.assert_array_equal(found, np.flatnonzero(field > 0))
+    np.testing.assert_array_equal(values, field[field > 0].astype(np.float32))
+    assert found.dtype == np.uint32
+    assert values.dtype == np.float32
 
 
 def test_errors_in_any_part_are_raised_when_all_parts_have_ended() -> None:

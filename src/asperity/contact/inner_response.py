@@ -99,7 +99,7 @@ class InnerResponse:
     def of_all_nodes(self, pressure: Array) -> Array:
         """Displacement [y, x] of all nodes, to single precision."""
         field = np.empty(self._response.grid.shape, np.float32)
-        kernels.spread(field.reshape(-1), self._nodes, pressure)
+        kernels.spread(field.reshape(-1), self._nodes, pressure, 0)
         self._in_single_precision.displacement(field, field)
         field *= np.float32(1 / self._unit)
         return field
