@@ -21,6 +21,9 @@ SMALLEST_PART = 16_384
 SUMMED_PART = 131_072
 """Least number of elements that are summed up one after the other."""
 
+STRIP = 131_072
+"""Number of elements of which several arrays stay in the processor's cache."""
+
 
 def in_parts(
     work: Callable[[slice], Any], size: int, threads: int, multiple: int = 1, smallest: int = SMALLEST_PART
@@ -55,6 +58,21 @@ def in_parts(
         for call in pending:
             call.wait()
     return found + [call.result() for call in pending]
+
+
+def in_strips(work: Callable[[slice], object], shape: tuple[int, int], threads: int) -> None:
+    """Call a function for strips of rows of an array, at the same time on several threads.
+
+    A strip has about `STRIP` elements: what the function computes one after the other stays in the cache.
+    """
+    rows, columns = shape
+    strip = max(1, STRIP // columns)
+
+    def some(part: slice) -> None:
+        for first in range(part.start, part.stop, strip):
+            work(slice(first, min(first + strip, part.stop)))
+
+    in_parts(some, rows, threads, smallest=strip)
 
 
 def apply(function: Callable[..., object], threads: int, *arguments: Any) -> None:

@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import asperity as asp
+from asperity import parallel
 from asperity.contact.boundaries import response_on
 from asperity.contact.even_nodes import add_interpolated, add_transposed, places_of
-from asperity.contact.inner_response import MIN_POINTS, InnerResponse
+from asperity.contact.inner_response import MIN_POINTS, FarField, InnerResponse
 from asperity.contact.problem import Problem
+from asperity.contact.response import PeriodicResponse
 from asperity.contact.stencil import RADIUS, StencilField, whole_stencil
 from asperity.elasticity.layer import Layer
+from asperity.elasticity.two_bodies import Solid, TwoBodies
 from asperity.spectral import Grid
 from asperity.types import Array
 
@@ -120,6 +125,29 @@ def test_strips_and_threads_change_no_bit_of_a_stencil(repeats, monkeypatch) -> 
         stencil.apply(weights, values, found[-1])
     np.testing.assert_array_equal(found[1], found[0])
     np.testing.assert_array_equal(found[2], found[0])
+
+
+@pytest.mark.parametrize("solid", [SOLIDS["half-space"], TwoBodies(SOLIDS["tall"], SOLIDS["thin"])])
+def test_strips_and_threads_change_no_bit_of_a_compliance(solid: Solid, monkeypatch: Any) -> None:
+    grid = Grid((134, 160))
+    whole = PeriodicResponse.on(solid, grid, "float64")
+    np.testing.assert_array_equal(whole.half_compliance, solid.half_grid_surface_compliance(grid))
+    pressure = np.random.default_rng(0).random(200)
+    nodes = np.arange(0, grid.size, grid.size // 200, dtype=np.uint32)[:200]
+
+    def far_field(response: PeriodicResponse) -> Array:
+        far, out = FarField(response, 1.0), np.zeros(grid.size)
+        far.restrict(nodes)
+        far.spread(pressure)
+        far.add_at(np.arange(grid.size, dtype=np.uint32), out)
+        return out
+
+    expected = far_field(whole)
+    monkeypatch.setattr(parallel, "STRIP", 300)
+    for threads in (1, 3):
+        response = PeriodicResponse.on(solid, grid, "float64", threads)
+        np.testing.assert_array_equal(response.half_compliance, whole.half_compliance)
+        np.testing.assert_array_equal(far_field(response), expected)
 
 
 def test_restriction_to_even_nodes_is_the_transpose_of_interpolation() -> None:

@@ -14,7 +14,7 @@ from asperity.contact.iterate import Iterate
 from asperity.contact.places import places_in_union
 from asperity.contact.problem import Control, Problem
 from asperity.elasticity.layer import Layer
-from asperity.parallel import SUMMED_PART, apply, in_parts, results, select, total
+from asperity.parallel import STRIP, SUMMED_PART, apply, in_parts, in_strips, results, select, total
 from asperity.spectral import Grid
 from asperity.types import Array
 
@@ -94,6 +94,20 @@ def test_parts_cover_all_elements_in_order(threads: int) -> None:
 
 def test_few_elements_are_one_part() -> None:
     assert in_parts(lambda part: part, 10, 4) == [slice(0, 10)]
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_strips_cover_all_rows_once(threads: int) -> None:
+    seen = np.zeros(1000, int)
+    longest = []
+
+    def work(rows: slice) -> None:
+        seen[rows] += 1
+        longest.append(rows.stop - rows.start)
+
+    in_strips(work, (1000, STRIP // 100), threads)
+    assert (seen == 1).all()
+    assert max(longest) == 100
 
 
 @pytest.mark.parametrize("threads", [1, 2, 3])

@@ -27,7 +27,7 @@ from asperity.contact import even_nodes, kernels, stencil
 from asperity.contact.problem import Problem
 from asperity.contact.response import Response, multiply
 from asperity.contact.stencil import StencilField, whole_stencil
-from asperity.parallel import in_parts
+from asperity.parallel import in_parts, in_strips
 from asperity.spectral import Fourier, Grid
 from asperity.types import Array
 
@@ -128,14 +128,19 @@ class FarField:
         self._repeats = response.repeats
         grid = Grid((ny // 2, nx // 2), modes.length)
         self._fourier = Fourier(grid, dtype, response.fourier.threads, response.fourier.work)
-        factors = response.half_compliance[: grid.shape[0] // 2 + 1, : nx // 4 + 1].astype(float)
-        attenuation = np.ones_like(factors)
-        distance = np.zeros_like(factors)
-        for wavenumber, nodes in ((grid.ky[: len(factors), None], ny), (grid.kx[None, :], nx)):
-            attenuation *= np.cos(np.pi * wavenumber / nodes) ** 2
-            distance += (4 * wavenumber / nodes) ** 2
-        factors *= np.exp(-((CUTOFF**2 * distance) ** 2)) / attenuation**2 * (scale / 4)
-        self._half_factors = factors.astype(self._fourier.real)
+        half = response.half_compliance[: grid.shape[0] // 2 + 1, : nx // 4 + 1]
+        self._half_factors = np.empty(half.shape, self._fourier.real)
+        (cosine_y, distance_y), (cosine_x, distance_x) = (
+            (np.cos(np.pi * wavenumber / nodes) ** 2, (4 * wavenumber / nodes) ** 2)
+            for wavenumber, nodes in ((grid.ky[: len(half), None], ny), (grid.kx[None, :], nx))
+        )
+
+        def fill(rows: slice) -> None:
+            attenuation, distance = cosine_y[rows] * cosine_x, distance_y[rows] + distance_x
+            factors = np.exp(-((CUTOFF**2 * distance) ** 2)) / attenuation**2 * (scale / 4)
+            self._half_factors[rows] = half[rows].astype(float) * factors
+
+        in_strips(fill, half.shape, response.fourier.threads)
         self._padded = np.zeros((grid.shape[0] + 1, grid.shape[1] + 1), self._fourier.real)
         self._coefficients = np.empty(grid.half_shape, self._fourier.complex)
 
