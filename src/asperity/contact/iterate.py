@@ -8,7 +8,7 @@ import numpy as np
 
 from asperity.contact import kernels
 from asperity.contact.problem import Control, Problem, State
-from asperity.parallel import in_parts, select, total
+from asperity.parallel import apply, in_parts, select, total
 from asperity.types import Array
 
 
@@ -183,13 +183,8 @@ class Iterate:
 
         in_parts(subtract_gap, flat.size, self._threads)
         out = self._problem.response.interpolated(self.displacement, finer.response)
-
-        def subtract(rows: slice) -> None:
-            gap = finer.height[rows] - approach
-            gap *= stiffness
-            np.subtract(out[rows], gap, out=out[rows])
-
-        in_parts(subtract, out.shape[0], self._threads, smallest=256)
+        heights = finer.height.reshape(-1)
+        apply(kernels.subtract_gap, self._threads, heights, approach, stiffness, out.reshape(-1))
         start = Iterate.of_field(finer, out, self.approach, load)
         start.iterations = self.iterations
         return start

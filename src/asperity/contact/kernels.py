@@ -51,6 +51,20 @@ def pressure_less_gap(
         displacement[i] = pressure[k] - stiffness * (approach - height[i])
 
 
+@compiled
+def subtract_gap(height: Any, approach: Any, stiffness: Any, pressure: Any) -> None:
+    """Subtract stiffness × (h − δ) from a pressure."""
+    for i in range(pressure.size):
+        pressure[i] -= stiffness * (height[i] - approach)
+
+
+@compiled
+def write_from_datum(height: Any, datum: float, out: Any) -> None:
+    """Write heights, measured from a datum, in the precision of `out`."""
+    for i in range(height.size):
+        out[i] = height[i] - datum
+
+
 @intrinsic
 def _lowest_bit(typing_context: Any, bits: Any) -> Any:
     """Position of the lowest bit that is set."""
