@@ -10,7 +10,7 @@ import pytest
 import asperity as asp
 from asperity import parallel
 from asperity.contact.boundaries import response_on
-from asperity.contact.even_nodes import add_interpolated, add_transposed, places_of
+from asperity.contact.even_nodes import add_interpolated, add_transposed, places_of, spread_transposed
 from asperity.contact.inner_response import MIN_POINTS, FarField, InnerResponse
 from asperity.contact.problem import Problem
 from asperity.contact.response import PeriodicResponse
@@ -168,3 +168,21 @@ def test_restriction_to_even_nodes_is_the_transpose_of_interpolation() -> None:
         add_interpolated(plane.reshape(-1), places, width, linear)
         row, column = np.divmod(nodes.astype(int), nx)
         np.testing.assert_allclose(linear, row + 3.0 * column)
+
+
+@pytest.mark.parametrize("strips", [2, 3, 8])
+def test_pressures_are_added_up_strip_by_strip(strips: int) -> None:
+    """As all at once on a field of zeros, whatever the field held before."""
+    ny, nx = shape = (48, 40)
+    rows, width = ny // 2 + 1, nx // 2 + 1
+    nodes = np.flatnonzero(np.random.default_rng(0).random(ny * nx) < 0.3).astype(np.uint32)
+    values, places = np.random.default_rng(1).random(nodes.size), places_of(nodes, shape, width)
+    expected = np.zeros(rows * width)
+    add_transposed(places, values, width, expected)
+    edges = rows * np.arange(strips + 1) // strips
+    first = np.searchsorted(nodes, np.minimum(2 * edges, ny) * nx)
+    field = np.full(rows * width, 7.0)
+    for odd, count in enumerate(((strips + 1) // 2, strips // 2)):
+        for number in range(count):
+            spread_transposed(places, values, first, edges, width, number, number + 1, odd, field)
+    np.testing.assert_allclose(field, expected, rtol=1e-14)
