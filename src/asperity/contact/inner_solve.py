@@ -181,8 +181,11 @@ class InnerSolver:
             if not curvature > 0:
                 break
             length = np.float32(product / curvature)
-            apply(kernels.less_multiple, threads, residual, response, length, left)
-            residual = left
+            if iterations == 1:
+                apply(kernels.less_multiple, threads, residual, response, length, left)
+                residual = left
+            else:
+                apply(kernels.add_multiple, threads, residual, response, -length)
         if length:
             apply(kernels.add_multiple, threads, x, direction, length)
         # The part of the residual that is left which a change of the approach removes.

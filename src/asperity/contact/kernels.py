@@ -293,7 +293,7 @@ def add_multiple(values: Any, others: Any, factor: Any) -> None:
 
 @compiled
 def less_multiple(values: Any, others: Any, factor: Any, out: Any) -> None:
-    """Write values − factor × others."""
+    """Write values − factor × others to another array: in the same one, `add_multiple` is faster."""
     for k in range(values.size):
         out[k] = values[k] - factor * others[k]
 
