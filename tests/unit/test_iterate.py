@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
 import numpy as np
 import pytest
@@ -56,6 +57,26 @@ def test_free_nodes_below_a_level(threads: int) -> None:
     np.testing.assert_array_equal(gaps, gap.reshape(-1)[free])
     again, _ = iterate.free_nodes_below(float(np.quantile(gap, 0.1)))
     np.testing.assert_array_equal(again, free)  # known nodes above the level may be returned
+
+
+def test_one_scan_for_free_nodes_follows_an_evaluation_in_double_precision(monkeypatch: Any) -> None:
+    """The solution in single precision tells how far gaps will close."""
+    calls = {"evaluate": 0, "_free_nodes_below": 0}
+
+    def counted(name: str) -> None:
+        genuine = getattr(Iterate, name)
+
+        def method(self: Iterate, *arguments: Any) -> Any:
+            calls[name] += self.pressure.dtype == np.float64
+            return genuine(self, *arguments)
+
+        monkeypatch.setattr(Iterate, name, method)
+
+    for name in calls:
+        counted(name)
+    height = asp.self_affine((256, 256), 0.8, 1 / 8, 1 / 32, 1e-3, seed=1)
+    asp.solve(height, Layer(1.0, 0.0), mean_pressure=1e-3)
+    assert calls["evaluate"] == calls["_free_nodes_below"] > 0
 
 
 def test_other_nodes_are_inserted_in_order_with_their_values() -> None:

@@ -33,6 +33,8 @@ class Iterate:
         u at the last evaluation.
     is_evaluated : bool
         True if gap and displacement are those of the pressure.
+    expected_motion : float
+        By which gaps are expected to close in the next step, 0 if that is not known.
     error, iterations
         As in `State`.
     """
@@ -47,6 +49,7 @@ class Iterate:
         self.approach, self.load = approach, load
         self.error, self.iterations = math.inf, 0
         self.is_evaluated = False
+        self.expected_motion = 0.0
         self._near: tuple[float, Array, Array] | None = None
 
     @classmethod
