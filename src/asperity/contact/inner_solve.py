@@ -187,6 +187,7 @@ class InnerSolver:
             else:
                 apply(kernels.add_multiple, threads, residual, response, -length)
         if length:
+            # The last step, which no next direction has followed.
             apply(kernels.add_multiple, threads, x, direction, length)
         # The part of the residual that is left which a change of the approach removes.
         excess = total(kernels.dot, threads, weight, residual) / system.uniform_sum if free else 0.0
