@@ -80,8 +80,8 @@ def transforms(points: int) -> list[tuple[str, str, float, float, float]]:
 def contact_kernels(contact: asp.Contact) -> list[tuple[str, str, float, float, float]]:
     """The scan of all nodes for gaps below a level, and the stencil on the contact nodes."""
     height, displacement = contact.height.reshape(-1), contact.displacement.reshape(-1)
-    none = np.empty(0, np.uint32)
-    scan = seconds(lambda: kernels.free_nodes_below(height, displacement, none, -np.inf))
+    none, free = np.empty(0, np.uint32), np.empty(-(-height.size // kernels.CHUNK), np.uint32)
+    scan = seconds(lambda: kernels.mark_free_nodes_below(height, displacement, none, 0, -np.inf, free))
     nodes = np.flatnonzero(contact.pressure > 0).astype(np.uint32)
     field = StencilField(contact.grid, True)
     field.restrict(nodes)

@@ -49,6 +49,9 @@ if TYPE_CHECKING:
 MOST_NODES = 2**31 - 1
 """Largest number of nodes on an axis."""
 
+ALL = slice(None)
+"""All rows of an array."""
+
 
 @dataclass(frozen=True)
 class Grid:
@@ -144,12 +147,12 @@ class Grid:
         """|q| of every stored mode, (ny, nx // 2 + 1)."""
         return self.half_wavenumber()[np.abs(self.ky)]
 
-    def half_wavenumber(self) -> Array:
-        """|q| of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1)."""
+    def half_wavenumber(self, rows: slice = ALL) -> Array:
+        """|q| of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1), or of some of them."""
         qy, qx = self.qy[: self.shape[0] // 2 + 1, None], self.qx[None, :]
         # Divided by a power of two first, so that no square overflows or vanishes: faster than `np.hypot`.
         unit = math.ldexp(1.0, math.frexp(max(np.abs(qy).max(), qx.max()))[1])
-        out = (qy / unit) ** 2 + (qx / unit) ** 2
+        out = (qy[rows] / unit) ** 2 + (qx / unit) ** 2
         np.sqrt(out, out=out)
         out *= unit
         return out

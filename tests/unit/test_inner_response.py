@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
 import asperity as asp
+from asperity import parallel
 from asperity.contact.boundaries import response_on
-from asperity.contact.even_nodes import add_interpolated, add_transposed, places_of
-from asperity.contact.inner_response import MIN_POINTS, InnerResponse
+from asperity.contact.even_nodes import add_interpolated, add_transposed, places_of, spread_transposed
+from asperity.contact.inner_response import MIN_POINTS, FarField, InnerResponse
 from asperity.contact.problem import Problem
+from asperity.contact.response import PeriodicResponse
 from asperity.contact.stencil import RADIUS, StencilField, whole_stencil
 from asperity.elasticity.layer import Layer
+from asperity.elasticity.two_bodies import Solid, TwoBodies
 from asperity.spectral import Grid
 from asperity.types import Array
 
@@ -122,6 +127,29 @@ def test_strips_and_threads_change_no_bit_of_a_stencil(repeats, monkeypatch) -> 
     np.testing.assert_array_equal(found[2], found[0])
 
 
+@pytest.mark.parametrize("solid", [SOLIDS["half-space"], TwoBodies(SOLIDS["tall"], SOLIDS["thin"])])
+def test_strips_and_threads_change_no_bit_of_a_compliance(solid: Solid, monkeypatch: Any) -> None:
+    grid = Grid((134, 160))
+    whole = PeriodicResponse.on(solid, grid, "float64")
+    np.testing.assert_array_equal(whole.half_compliance, solid.half_grid_surface_compliance(grid))
+    pressure = np.random.default_rng(0).random(200)
+    nodes = np.arange(0, grid.size, grid.size // 200, dtype=np.uint32)[:200]
+
+    def far_field(response: PeriodicResponse) -> Array:
+        far, out = FarField(response, 1.0), np.zeros(grid.size)
+        far.restrict(nodes)
+        far.spread(pressure)
+        far.add_at(np.arange(grid.size, dtype=np.uint32), out)
+        return out
+
+    expected = far_field(whole)
+    monkeypatch.setattr(parallel, "STRIP", 300)
+    for threads in (1, 3):
+        response = PeriodicResponse.on(solid, grid, "float64", threads)
+        np.testing.assert_array_equal(response.half_compliance, whole.half_compliance)
+        np.testing.assert_array_equal(far_field(response), expected)
+
+
 def test_restriction_to_even_nodes_is_the_transpose_of_interpolation() -> None:
     ny, nx = 8, 10
     width = nx // 2 + 1
@@ -140,3 +168,21 @@ def test_restriction_to_even_nodes_is_the_transpose_of_interpolation() -> None:
         add_interpolated(plane.reshape(-1), places, width, linear)
         row, column = np.divmod(nodes.astype(int), nx)
         np.testing.assert_allclose(linear, row + 3.0 * column)
+
+
+@pytest.mark.parametrize("strips", [2, 3, 8])
+def test_pressures_are_added_up_strip_by_strip(strips: int) -> None:
+    """As all at once on a field of zeros, whatever the field held before."""
+    ny, nx = shape = (48, 40)
+    rows, width = ny // 2 + 1, nx // 2 + 1
+    nodes = np.flatnonzero(np.random.default_rng(0).random(ny * nx) < 0.3).astype(np.uint32)
+    values, places = np.random.default_rng(1).random(nodes.size), places_of(nodes, shape, width)
+    expected = np.zeros(rows * width)
+    add_transposed(places, values, width, expected)
+    edges = rows * np.arange(strips + 1) // strips
+    first = np.searchsorted(nodes, np.minimum(2 * edges, ny) * nx)
+    field = np.full(rows * width, 7.0)
+    for odd, count in enumerate(((strips + 1) // 2, strips // 2)):
+        for number in range(count):
+            spread_transposed(places, values, first, edges, width, number, number + 1, odd, field)
+    np.testing.assert_allclose(field, expected, rtol=1e-14)

@@ -141,3 +141,5 @@ def test_inner_solve_agrees_with_a_dense_solve(layer: str, fixed_load: bool) -> 
         assert abs(correction.pressure.sum()) < 1e-4 * np.abs(correction.pressure).sum()
     error = np.linalg.norm(correction.pressure - exact) / np.linalg.norm(exact)
     assert error < 2e-4
+    displaced = matrix @ correction.pressure
+    assert np.abs(correction.displacement - displaced).max() < 2e-5 * np.abs(displaced).max()

@@ -147,7 +147,7 @@ class ActiveSet:
                 motion = self._step.take(iterate, correction)
             else:
                 motion = self._area.take(iterate, system, correction)
-            self._assembler.expected_motion = EXPECTED_DECREASE * motion
+            iterate.expected_motion = EXPECTED_DECREASE * motion
             if converged:
                 iterate.drop_free_nodes()
                 return True

@@ -49,17 +49,11 @@ class Assembler:
     problem : Problem
     inner : InnerSolver
         Restricted to the contact nodes of each system that is assembled.
-
-    Attributes
-    ----------
-    expected_motion : float
-        By which gaps are expected to close in the next step.
     """
 
     def __init__(self, problem: Problem, inner: InnerSolver) -> None:
         self._problem = problem
         self._inner = inner
-        self.expected_motion = 0.0
         self._unit = problem.nodal_compliance
 
     def assemble(self, iterate: Iterate, fixed_load: bool) -> ContactSystem:
@@ -91,7 +85,7 @@ class Assembler:
         shift = 0.0
         if system.has_free_approach:
             shift = self._total(kernels.added, system.image) / system.uniform_sum
-        _, gap_of_free = iterate.free_nodes_below(iterate.approach, reserve=self.expected_motion)
+        _, gap_of_free = iterate.free_nodes_below(iterate.approach, reserve=iterate.expected_motion)
         penetration = math.sqrt(self._total(kernels.squared_overlap, gap_of_free, iterate.approach))
         error = math.hypot(
             math.sqrt(self._total(kernels.projected_square, system.image, system.uniform_image, shift)),

@@ -52,6 +52,37 @@ def add_transposed(places: Any, values: Any, width: int, field: Any) -> None:
 
 
 @compiled
+def spread_transposed(
+    places: Any, values: Any, first: Any, edges: Any, width: int, begin: int, end: int, odd: int, field: Any
+) -> None:
+    """Write what `add_transposed` makes of values to every second strip of rows of a field.
+
+    The values of a strip are added to its rows and to the first row of the next one. The even strips have to
+    be written before the odd ones: they set that row to zero too, so that odd ones can add to it.
+
+    Parameters
+    ----------
+    places, values
+        Of the nodes, sorted.
+    first, edges
+        The first node and the first row of each strip, and their numbers at the end.
+    width : int
+        Columns of the field.
+    begin, end : int
+        Of the even or odd strips, those from number `begin` to before `end`.
+    odd : int
+        1 for the odd strips, 0 for the even ones.
+    field
+        Flattened.
+    """
+    for strip in range(2 * begin + odd, 2 * end + odd, 2):
+        top, bottom = edges[strip], edges[strip + 1]
+        field[(top + odd) * width : (bottom + 1 - odd) * width] = 0
+        some = slice(first[strip], first[strip + 1])
+        add_transposed(places[some], values[some], width, field)
+
+
+@compiled
 def add_interpolated(field: Any, places: Any, width: int, out: Any) -> None:
     """Add the interpolant of a flattened field on the even nodes to values on nodes."""
     quarter = np.float32(0.25)

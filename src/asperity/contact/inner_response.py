@@ -19,7 +19,6 @@ known from Phillips & White (1997, 10.1109/43.662670).
 from __future__ import annotations
 
 from functools import cached_property, partial
-from itertools import pairwise
 
 import numpy as np
 
@@ -27,7 +26,7 @@ from asperity.contact import even_nodes, kernels, stencil
 from asperity.contact.problem import Problem
 from asperity.contact.response import Response, multiply
 from asperity.contact.stencil import StencilField, whole_stencil
-from asperity.parallel import in_parts
+from asperity.parallel import STRIP, in_parts, in_strips
 from asperity.spectral import Fourier, Grid
 from asperity.types import Array
 
@@ -42,9 +41,6 @@ MIN_POINTS = 128
 # The spacings of a grid that is divided differ at most by this factor: the stencil has the same radius, in
 # nodes, on both axes.
 MAX_SPACING_RATIO = 1.5
-
-# Parts in which pressures are added up on every second node.
-_PARTS = 8
 
 # Nodes on the edge of the small map on which the stencil is computed.
 _TILE = 64
@@ -99,7 +95,7 @@ class InnerResponse:
     def of_all_nodes(self, pressure: Array) -> Array:
         """Displacement [y, x] of all nodes, to single precision."""
         field = np.empty(self._response.grid.shape, np.float32)
-        kernels.spread(field.reshape(-1), self._nodes, pressure)
+        kernels.spread(field.reshape(-1), self._nodes, pressure, 0)
         self._in_single_precision.displacement(field, field)
         field *= np.float32(1 / self._unit)
         return field
@@ -128,14 +124,19 @@ class FarField:
         self._repeats = response.repeats
         grid = Grid((ny // 2, nx // 2), modes.length)
         self._fourier = Fourier(grid, dtype, response.fourier.threads, response.fourier.work)
-        factors = response.half_compliance[: grid.shape[0] // 2 + 1, : nx // 4 + 1].astype(float)
-        attenuation = np.ones_like(factors)
-        distance = np.zeros_like(factors)
-        for wavenumber, nodes in ((grid.ky[: len(factors), None], ny), (grid.kx[None, :], nx)):
-            attenuation *= np.cos(np.pi * wavenumber / nodes) ** 2
-            distance += (4 * wavenumber / nodes) ** 2
-        factors *= np.exp(-((CUTOFF**2 * distance) ** 2)) / attenuation**2 * (scale / 4)
-        self._half_factors = factors.astype(self._fourier.real)
+        half = response.half_compliance[: grid.shape[0] // 2 + 1, : nx // 4 + 1]
+        self._half_factors = np.empty(half.shape, self._fourier.real)
+        (cosine_y, distance_y), (cosine_x, distance_x) = (
+            (np.cos(np.pi * wavenumber / nodes) ** 2, (4 * wavenumber / nodes) ** 2)
+            for wavenumber, nodes in ((grid.ky[: len(half), None], ny), (grid.kx[None, :], nx))
+        )
+
+        def fill(rows: slice) -> None:
+            attenuation, distance = cosine_y[rows] * cosine_x, distance_y[rows] + distance_x
+            factors = np.exp(-((CUTOFF**2 * distance) ** 2)) / attenuation**2 * (scale / 4)
+            self._half_factors[rows] = half[rows].astype(float) * factors
+
+        in_strips(fill, half.shape, response.fourier.threads)
         self._padded = np.zeros((grid.shape[0] + 1, grid.shape[1] + 1), self._fourier.real)
         self._coefficients = np.empty(grid.half_shape, self._fourier.complex)
 
@@ -144,23 +145,22 @@ class FarField:
         even_rows, width = self._padded.shape
         self._places = even_nodes.places_of(nodes, self._shape, width, self._fourier.threads)
         ny, nx = self._shape
-        rows = np.minimum(2 * (even_rows * np.arange(_PARTS + 1) // _PARTS), ny)
-        edges = np.searchsorted(nodes, (rows * nx).astype(nodes.dtype))
-        self._parts = [slice(*part) for part in pairwise(edges.tolist())]
+        strips = max(2, even_rows * width // max(STRIP, width))
+        self._edges = even_rows * np.arange(strips + 1) // strips
+        first_rows = np.minimum(2 * self._edges, ny)
+        self._first_nodes = np.searchsorted(nodes, (first_rows * nx).astype(nodes.dtype))
 
     def spread(self, pressure: Array) -> None:
         """Convolve the pressures on the chosen nodes."""
-        threads, width = self._fourier.threads, self._padded.shape[1]
-        field = self._padded.reshape(-1)
-        in_parts(lambda part: field[part].fill(0), field.size, threads)
+        width, field = self._padded.shape[1], self._padded.reshape(-1)
+        strips = self._edges, width
 
-        def add(parts: list[slice], some: slice) -> None:
-            for part in parts[some]:
-                even_nodes.add_transposed(self._places[part], pressure[part], width, field)
+        def spread(odd: int, some: slice) -> None:
+            chosen = some.start, some.stop, odd
+            even_nodes.spread_transposed(self._places, pressure, self._first_nodes, *strips, *chosen, field)
 
-        # A part ends with the row where the next one begins: of neighbours, one is added after the other.
-        for parts in (self._parts[::2], self._parts[1::2]):
-            in_parts(partial(add, parts), len(parts), threads, smallest=1)
+        for odd, count in enumerate((self._edges.size // 2, (self._edges.size - 1) // 2)):
+            in_parts(partial(spread, odd), count, self._fourier.threads, smallest=1)
         self._convolve(self._padded)
 
     def add(self, out: Array) -> None:

@@ -63,7 +63,7 @@ class ContactSystem:
     contact_nodes : (count,) array of unsigned integers
         Indices in the flattened grid.
     residual : (count,) array
-        Overlap r to be removed. `InnerSolver.solve` overwrites it.
+        Overlap r to be removed.
     image : (count,) array
         Its image M r under the preconditioner. `InnerSolver.solve` overwrites it.
     uniform_image : (count,) array
@@ -99,7 +99,8 @@ class Correction:
     pressure : (count,) array
         Change of the pressure of the contact nodes.
     displacement : (count,) array
-        Its displacement of the contact nodes, in units of `Problem.nodal_compliance`.
+        Its displacement of the contact nodes, in units of `Problem.nodal_compliance`, to the rounding of the
+        residual.
     approach : float
         Change of the approach that goes with it, zero at a given approach.
     iterations : int
@@ -142,21 +143,23 @@ class InnerSolver:
     ) -> Correction:
         """Solve the system until the norm of its residual has dropped by a factor, or for some iterations.
 
-        The norm is that of the preconditioner, √(r·M r). Overwrites residual and image of the system, whose
-        nodes have to be those chosen last.
+        The norm is that of the preconditioner, √(r·M r). Overwrites the image of the system, whose nodes have
+        to be those chosen last.
         """
         residual, z, threads = system.residual, system.image, self._threads
         weight, free = system.uniform_image, system.has_free_approach
-        x, direction, displacement = (np.zeros_like(residual) for _ in range(3))
-        response, length = np.empty_like(residual), np.float32(0)
+        x, direction, response = (np.zeros_like(residual) for _ in range(3))
+        left = np.empty_like(residual)
+        length = np.float32(0)
         first = previous = math.nan
         iterations = 0
         while iterations < max_iterations:
             if iterations:
                 self.preconditioner.apply(residual, z)
-            image_sum, product = total(kernels.sum_and_dot, threads, z, residual)
+            sums = total(kernels.sums_of_iteration, threads, z, weight, residual, response)
+            image_sum, product, uniform, change, uniform_change = sums
             shift = np.float32(image_sum / system.uniform_sum if free else 0)
-            uniform_part = float(shift) * total(kernels.dot, threads, weight, residual)
+            uniform_part = float(shift) * uniform
             product -= uniform_part
             if iterations == 0:
                 first = product
@@ -167,21 +170,30 @@ class InnerSolver:
             ratio = 0.0
             if iterations:
                 # Polak and Ribière: z · (change of the residual) instead of z · residual.
-                change = total(kernels.projected_dot, threads, z, weight, shift, response)
-                changed = -float(length) * change
+                changed = -float(length) * (change - float(shift) * uniform_change)
                 ratio = max(changed / previous, 0.0)
-            apply(kernels.next_direction, threads, direction, z, weight, shift, np.float32(ratio))
-            previous = product
+            factors = length, shift, np.float32(ratio)
+            apply(kernels.step_and_next_direction, threads, x, direction, z, weight, *factors)
+            length, previous = np.float32(0), product
             self.response.respond(direction, response)
             iterations += 1
             curvature = total(kernels.dot, threads, direction, response)
             if not curvature > 0:
                 break
             length = np.float32(product / curvature)
-            apply(kernels.take_step, threads, x, residual, displacement, direction, response, length)
+            if iterations == 1:
+                apply(kernels.less_multiple, threads, residual, response, length, left)
+                residual = left
+            else:
+                apply(kernels.add_multiple, threads, residual, response, -length)
+        if length:
+            # The last step, which no next direction has followed.
+            apply(kernels.add_multiple, threads, x, direction, length)
         # The part of the residual that is left which a change of the approach removes.
-        uniform = total(kernels.dot, threads, weight, residual) / system.uniform_sum if free else 0.0
-        return Correction(x, displacement, -(self._unit * uniform), iterations)
+        excess = total(kernels.dot, threads, weight, residual) / system.uniform_sum if free else 0.0
+        displacement = response
+        apply(kernels.less_multiple, threads, system.residual, residual, np.float32(1), displacement)
+        return Correction(x, displacement, -(self._unit * excess), iterations)
 
 
 class InnerAccuracy:

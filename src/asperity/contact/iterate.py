@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from functools import partial
-from typing import Any
 
 import numpy as np
 
 from asperity.contact import kernels
 from asperity.contact.problem import Control, Problem, State
-from asperity.parallel import in_parts, total
+from asperity.parallel import apply, in_parts, select, total
 from asperity.types import Array
 
 
@@ -35,6 +33,8 @@ class Iterate:
         u at the last evaluation.
     is_evaluated : bool
         True if gap and displacement are those of the pressure.
+    expected_motion : float
+        By which gaps are expected to close in the next step, 0 if that is not known.
     error, iterations
         As in `State`.
     """
@@ -49,19 +49,21 @@ class Iterate:
         self.approach, self.load = approach, load
         self.error, self.iterations = math.inf, 0
         self.is_evaluated = False
+        self.expected_motion = 0.0
         self._near: tuple[float, Array, Array] | None = None
 
     @classmethod
     def of_field(cls, problem: Problem, pressure: Array, approach: float, load: float) -> Iterate:
         """Iterate of a pressure [y, x] on all nodes; negative values are set to zero."""
         flat = pressure.reshape(-1)
-
-        def select(part: slice) -> tuple[Array, Array]:
-            nodes, values = kernels.nodes_under_pressure(flat[part])
-            return nodes + np.uint32(part.start), values
-
-        nodes, values = _joined(in_parts(select, flat.size, problem.fourier.threads))
-        return cls(problem, nodes, values.astype(problem.fourier.real, copy=False), approach, load)
+        nodes, values = select(
+            lambda part: kernels.count_positive(flat[part]),
+            lambda part, *chosen: kernels.write_positive(flat[part], part.start, *chosen),
+            flat.size,
+            problem.fourier.threads,
+            (np.uint32, problem.fourier.real),
+        )
+        return cls(problem, nodes, values, approach, load)
 
     @property
     def mean_pressure(self) -> float:
@@ -101,11 +103,14 @@ class Iterate:
     def drop_free_nodes(self) -> None:
         """Leave out the nodes without pressure."""
         gap = self.gap if self.is_evaluated else self.pressure
-
-        def select(part: slice) -> tuple[Array, Array, Array]:
-            return kernels.only_under_pressure(self.nodes[part], self.pressure[part], gap[part])
-
-        self.nodes, self.pressure, self.gap = _joined(in_parts(select, self.nodes.size, self._threads))
+        fields = self.nodes, self.pressure, gap
+        self.nodes, self.pressure, self.gap = select(
+            lambda part: kernels.count_positive(fields[1][part]),
+            lambda part, *left: kernels.write_nodes_under_pressure(*(one[part] for one in fields), *left),
+            self.nodes.size,
+            self._threads,
+            [one.dtype for one in fields],
+        )
 
     def free_nodes_below(self, level: float, reserve: float = 0.0) -> tuple[Array, Array]:
         """Sorted nodes out of contact with a gap below a level, and their gaps.
@@ -113,23 +118,38 @@ class Iterate:
         Nodes up to `reserve` above the level are kept for the next call, and may be returned as well.
         """
         if self._near is None or self._near[0] < level:
-            bound = self._height.dtype.type(level + reserve)
-            found = in_parts(
-                partial(self._free_nodes, bound), self._height.size, self._threads, kernels.CHUNK
-            )
-            self._near = level + reserve, *_joined(found)
+            nodes, gap = self._free_nodes_below(level + reserve)
+            self._near = level + reserve, nodes, gap
         return self._near[1:]
 
-    def _within(self, part: slice) -> tuple[Array, Array]:
-        """Nodes within a part of the flattened field, counted from its start, and their pressures."""
-        first, last = np.searchsorted(self.nodes, np.array((part.start, part.stop), np.uint32))
-        return self.nodes[first:last] - np.uint32(part.start), self.pressure[first:last]
+    def _free_nodes_below(self, level: float) -> tuple[Array, ...]:
+        height, displacement = self.fields()
+        bound = height.dtype.type(level)
+        free = np.empty(-(-height.size // kernels.CHUNK), np.uint32)
+
+        def marks(part: slice) -> Array:
+            return free[part.start // kernels.CHUNK : -(-part.stop // kernels.CHUNK)]
+
+        def mark(part: slice) -> int:
+            fields = height[part], displacement[part]
+            contact_nodes = self.nodes[self._within(part)]
+            return kernels.mark_free_nodes_below(*fields, contact_nodes, part.start, bound, marks(part))
+
+        def write(part: slice, *found: Array) -> None:
+            kernels.write_marked(height[part], displacement[part], part.start, marks(part), *found)
+
+        return select(mark, write, height.size, self._threads, (np.uint32, height.dtype), kernels.CHUNK)
+
+    def _within(self, part: slice) -> slice:
+        """Where the nodes within a part of the flattened field stand."""
+        return slice(*np.searchsorted(self.nodes, np.array((part.start, part.stop), np.uint32)))
 
     def _spread_pressure(self, field: Array) -> None:
         """Write the pressure of all nodes into a flattened field."""
 
         def spread(part: slice) -> None:
-            kernels.spread(field[part], *self._within(part))
+            within = self._within(part)
+            kernels.spread(field[part], self.nodes[within], self.pressure[within], part.start)
 
         in_parts(spread, field.size, self._threads)
 
@@ -143,13 +163,6 @@ class Iterate:
 
         in_parts(gather, self.nodes.size, self._threads)
         self._near = None
-
-    def _free_nodes(self, bound: Any, part: slice) -> tuple[Array, Array]:
-        """Nodes of a part out of contact with a gap below a bound, and their gaps."""
-        height, displacement = (field[part] for field in self.fields())
-        nodes, _ = self._within(part)
-        found, gap = kernels.free_nodes_below(height, displacement, nodes, bound)
-        return found + np.uint32(part.start), gap
 
     def refined(self, finer: Problem, load: float) -> Iterate:
         """Start for a finer grid: the interpolated pressure less the interpolated gap / nodal compliance.
@@ -167,18 +180,14 @@ class Iterate:
         flat = self.displacement.reshape(-1)
 
         def subtract_gap(part: slice) -> None:
-            nodes, pressure = self._within(part)
-            kernels.pressure_less_gap(self._height[part], nodes, pressure, approach, stiffness, flat[part])
+            within = self._within(part)
+            contact = self.nodes[within], self.pressure[within], part.start
+            kernels.pressure_less_gap(self._height[part], *contact, approach, stiffness, flat[part])
 
         in_parts(subtract_gap, flat.size, self._threads)
         out = self._problem.response.interpolated(self.displacement, finer.response)
-
-        def subtract(rows: slice) -> None:
-            gap = finer.height[rows] - approach
-            gap *= stiffness
-            np.subtract(out[rows], gap, out=out[rows])
-
-        in_parts(subtract, out.shape[0], self._threads, smallest=256)
+        heights = finer.height.reshape(-1)
+        apply(kernels.subtract_gap, self._threads, heights, approach, stiffness, out.reshape(-1))
         start = Iterate.of_field(finer, out, self.approach, load)
         start.iterations = self.iterations
         return start
@@ -211,8 +220,3 @@ class Iterate:
             self.iterations,
             displacement if self.is_evaluated else None,
         )
-
-
-def _joined(parts: list[Any]) -> Any:
-    """Arrays of consecutive parts, joined."""
-    return parts[0] if len(parts) == 1 else tuple(map(np.concatenate, zip(*parts, strict=True)))

@@ -22,11 +22,11 @@ CHUNK = 32
 
 
 @compiled
-def spread(field: Any, nodes: Any, values: Any) -> None:
-    """Write values on nodes of a field, and zero on all others."""
+def spread(field: Any, nodes: Any, values: Any, start: int) -> None:
+    """Write values on nodes of a part of a field, whose first node is `start`, and zero on all others."""
     field[:] = 0
     for k in range(nodes.size):
-        field[nodes[k]] = values[k]
+        field[nodes[k] - start] = values[k]
 
 
 @compiled
@@ -38,13 +38,31 @@ def gaps(height: Any, displacement: Any, nodes: Any, out: Any) -> None:
 
 @compiled
 def pressure_less_gap(
-    height: Any, nodes: Any, pressure: Any, approach: Any, stiffness: Any, displacement: Any
+    height: Any, nodes: Any, pressure: Any, start: int, approach: Any, stiffness: Any, displacement: Any
 ) -> None:
-    """Replace the displacement u by the pressure less stiffness × u; on nodes under pressure u is δ − h."""
+    """Replace the displacement u by the pressure less stiffness × u; on nodes under pressure u is δ − h.
+
+    Of a part of the field, whose first node is `start`.
+    """
     for i in range(displacement.size):
         displacement[i] *= -stiffness
     for k in range(nodes.size):
-        displacement[nodes[k]] = pressure[k] - stiffness * (approach - height[nodes[k]])
+        i = nodes[k] - start
+        displacement[i] = pressure[k] - stiffness * (approach - height[i])
+
+
+@compiled
+def subtract_gap(height: Any, approach: Any, stiffness: Any, pressure: Any) -> None:
+    """Subtract stiffness × (h − δ) from a pressure."""
+    for i in range(pressure.size):
+        pressure[i] -= stiffness * (height[i] - approach)
+
+
+@compiled
+def write_from_datum(height: Any, datum: float, out: Any) -> None:
+    """Write heights, measured from a datum, in the precision of `out`."""
+    for i in range(height.size):
+        out[i] = height[i] - datum
 
 
 @intrinsic
@@ -57,13 +75,29 @@ def _lowest_bit(typing_context: Any, bits: Any) -> Any:
     return types.uint32(types.uint32), generate
 
 
-@makes_arrays
-def free_nodes_below(height: Any, displacement: Any, nodes: Any, level: Any) -> tuple[Any, Any]:
-    """Sorted nodes out of contact whose gap h + u is below a level, and their gaps.
+@compiled
+def mark_free_nodes_below(
+    height: Any, displacement: Any, nodes: Any, start: int, level: Any, free: Any
+) -> int:
+    """Mark the nodes of a part of a field that are out of contact and whose gap h + u is below a level.
 
-    A bit for each node, `CHUNK` in one number, says if it is one of them.
+    Parameters
+    ----------
+    height, displacement
+        Of the part.
+    nodes
+        Contact nodes in it.
+    start : int
+        Its first node.
+    level
+    free : array of unsigned integers
+        A bit for each node of the part is written, `CHUNK` in one number.
+
+    Returns
+    -------
+    int
+        Number of the nodes.
     """
-    free = np.zeros(-(-height.size // CHUNK), np.uint32)
     for c in range(free.size):
         h, u = height[c * CHUNK : (c + 1) * CHUNK], displacement[c * CHUNK : (c + 1) * CHUNK]
         below = np.int32(0)
@@ -71,23 +105,28 @@ def free_nodes_below(height: Any, displacement: Any, nodes: Any, level: Any) -> 
             below = np.int32(below | (np.int32(1 << i) if h[i] + u[i] < level else np.int32(0)))
         free[c] = below
     for k in range(nodes.size):
-        free[nodes[k] // np.uint32(CHUNK)] &= ~(np.uint32(1) << (nodes[k] % np.uint32(CHUNK)))
+        node = np.uint32(nodes[k] - start)
+        free[node // np.uint32(CHUNK)] &= ~(np.uint32(1) << (node % np.uint32(CHUNK)))
     count = 0
     for c in range(free.size):
         bits = free[c]
         while bits:
             bits &= bits - np.uint32(1)
             count += 1
-    found, gap = np.empty(count, np.uint32), np.empty(count, height.dtype)
-    count = 0
+    return count
+
+
+@compiled
+def write_marked(height: Any, displacement: Any, start: int, free: Any, nodes: Any, gap: Any) -> None:
+    """Write the nodes that are marked in a part of a field, and their gaps h + u."""
+    k = 0
     for c in range(free.size):
         bits = free[c]
         while bits:
             i = c * CHUNK + _lowest_bit(bits)  # type: ignore[call-arg]
-            found[count], gap[count] = i, height[i] + displacement[i]
+            nodes[k], gap[k] = start + i, height[i] + displacement[i]
             bits &= bits - np.uint32(1)
-            count += 1
-    return found, gap
+            k += 1
 
 
 @makes_arrays
@@ -105,34 +144,35 @@ def inserted(places: Any, values: Any, others: Any) -> Any:
     return out
 
 
-@makes_arrays
-def nodes_under_pressure(field: Any) -> tuple[Any, Any]:
-    """Sorted nodes where a field is positive, and its values there."""
+@compiled
+def count_positive(values: Any) -> int:
+    """Number of positive values."""
     count = 0
-    for i in range(field.size):
-        count += field[i] > 0
-    nodes, values = np.empty(count, np.uint32), np.empty(count, field.dtype)
+    for k in range(values.size):
+        count += values[k] > 0
+    return count
+
+
+@compiled
+def write_positive(field: Any, start: int, nodes: Any, values: Any) -> None:
+    """Write the nodes where a part of a field is positive, whose first node is `start`, and its values."""
     k = 0
     for i in range(field.size):
         if field[i] > 0:
-            nodes[k], values[k] = i, field[i]
+            nodes[k], values[k] = start + i, field[i]
             k += 1
-    return nodes, values
 
 
-@makes_arrays
-def only_under_pressure(nodes: Any, pressure: Any, gap: Any) -> tuple[Any, Any, Any]:
-    """The nodes with a positive pressure, with pressure and gap."""
-    count = 0
-    for k in range(pressure.size):
-        count += pressure[k] > 0
-    out = np.empty(count, np.uint32), np.empty(count, pressure.dtype), np.empty(count, gap.dtype)
-    count = 0
+@compiled
+def write_nodes_under_pressure(
+    nodes: Any, pressure: Any, gap: Any, nodes_left: Any, pressure_left: Any, gap_left: Any
+) -> None:
+    """Write the nodes with a positive pressure, with pressure and gap."""
+    left = 0
     for k in range(pressure.size):
         if pressure[k] > 0:
-            out[0][count], out[1][count], out[2][count] = nodes[k], pressure[k], gap[k]
-            count += 1
-    return out
+            nodes_left[left], pressure_left[left], gap_left[left] = nodes[k], pressure[k], gap[k]
+            left += 1
 
 
 @sums
@@ -210,13 +250,18 @@ def dot(a: Any, b: Any) -> float:
 
 
 @sums
-def sum_and_dot(a: Any, b: Any) -> tuple[float, float]:
-    """Σ a and Σ a b."""
-    total, product = 0.0, 0.0
-    for k in range(a.size):
-        total += a[k]
-        product += np.float64(a[k]) * np.float64(b[k])
-    return total, product
+def sums_of_iteration(z: Any, weight: Any, residual: Any, response: Any) -> tuple[float, ...]:
+    """Σ z, Σ z × residual, Σ weight × residual, Σ z × response and Σ weight × response."""
+    total, product, uniform, change, uniform_change = 0.0, 0.0, 0.0, 0.0, 0.0
+    for k in range(z.size):
+        image, w = np.float64(z[k]), np.float64(weight[k])
+        r, y = np.float64(residual[k]), np.float64(response[k])
+        total += image
+        product += image * r
+        uniform += w * r
+        change += image * y
+        uniform_change += w * y
+    return total, product, uniform, change, uniform_change
 
 
 @sums
@@ -228,29 +273,29 @@ def projected_square(z: Any, weight: Any, shift: float) -> float:
     return total
 
 
-@sums
-def projected_dot(z: Any, weight: Any, shift: Any, values: Any) -> float:
-    """Σ (z − shift × weight) × values."""
-    total = 0.0
-    for k in range(z.size):
-        total += np.float64(z[k] - shift * weight[k]) * np.float64(values[k])
-    return total
-
-
 @compiled
-def next_direction(direction: Any, z: Any, weight: Any, shift: Any, ratio: Any) -> None:
-    """Direction d ← z − shift × weight + ratio × d."""
-    for k in range(direction.size):
-        direction[k] = z[k] - shift * weight[k] + ratio * direction[k]
-
-
-@compiled
-def take_step(x: Any, residual: Any, total: Any, direction: Any, response: Any, length: Any) -> None:
-    """Solution x ← x + length × d, its displacement likewise, and residual r ← r − length × G d."""
+def step_and_next_direction(
+    x: Any, direction: Any, z: Any, weight: Any, length: Any, shift: Any, ratio: Any
+) -> None:
+    """Solution x ← x + length × d, then direction d ← z − shift × weight + ratio × d."""
     for k in range(x.size):
-        x[k] += length * direction[k]
-        total[k] += length * response[k]
-        residual[k] -= length * response[k]
+        d = direction[k]
+        x[k] += length * d
+        direction[k] = z[k] - shift * weight[k] + ratio * d
+
+
+@compiled
+def add_multiple(values: Any, others: Any, factor: Any) -> None:
+    """Add factor × others to values."""
+    for k in range(values.size):
+        values[k] += factor * others[k]
+
+
+@compiled
+def less_multiple(values: Any, others: Any, factor: Any, out: Any) -> None:
+    """Write values − factor × others to another array: in the same one, `add_multiple` is faster."""
+    for k in range(values.size):
+        out[k] = values[k] - factor * others[k]
 
 
 # Of the result, for the certificate

@@ -118,7 +118,7 @@ def _start(
     single.response.release()
     pressure = iterate.pressure.astype(problem.fourier.real)
     start = Iterate(problem, iterate.nodes, pressure, iterate.approach + datum, iterate.load)
-    start.iterations = iterate.iterations
+    start.iterations, start.expected_motion = iterate.iterations, iterate.expected_motion
     return start, inner
 
 

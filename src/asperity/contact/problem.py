@@ -7,8 +7,9 @@ from functools import cached_property
 
 import numpy as np
 
+from asperity.contact import kernels
 from asperity.contact.response import Response
-from asperity.parallel import extremes, in_parts
+from asperity.parallel import apply, extremes
 from asperity.types import Array
 
 
@@ -127,9 +128,6 @@ class Problem:
     def in_single_precision(self, datum: float) -> Problem:
         """The same problem in single precision, with heights measured from a datum."""
         height = np.empty(self.grid.shape, np.float32)
-
-        def subtract(rows: slice) -> None:
-            np.subtract(self.height[rows], datum, out=height[rows], casting="same_kind")
-
-        in_parts(subtract, self.grid.shape[0], self.fourier.threads, smallest=256)
+        heights = self.height.reshape(-1)
+        apply(kernels.write_from_datum, self.fourier.threads, heights, datum, height.reshape(-1))
         return Problem(height, self.response.in_single_precision())

@@ -17,7 +17,7 @@ import numpy as np
 from asperity.compiled import compiled
 from asperity.elasticity.layer import mirror_rows
 from asperity.elasticity.two_bodies import Solid
-from asperity.parallel import in_parts
+from asperity.parallel import in_parts, in_strips
 from asperity.spectral import Fourier, Grid, gradient, resample
 from asperity.types import Array
 
@@ -152,7 +152,13 @@ class PeriodicResponse(Response):
         return cls(solid, Fourier(grid, dtype, threads))  # type: ignore[arg-type]
 
     def _half_modes(self) -> Array:
-        modes = self.solid.half_grid_surface_compliance(self.grid, self.fourier.real)
+        rows, columns = self.grid.shape[0] // 2 + 1, self.grid.shape[1] // 2 + 1
+        modes = np.empty((rows, columns), self.fourier.real)
+
+        def fill(strip: slice) -> None:
+            modes[strip] = self.solid.half_grid_surface_compliance(self.grid, modes.dtype, strip)
+
+        in_strips(fill, modes.shape, self.fourier.threads)
         if self.holds_mean:
             modes[0, 0] = 0
         return modes

@@ -62,7 +62,7 @@ class SoftMode:
         if not curvature > 0:
             return False
         pressure = np.zeros(size, iterate.pressure.dtype)
-        kernels.spread(pressure, nodes, iterate.pressure)
+        kernels.spread(pressure, nodes, iterate.pressure, 0)
         height, displacement = iterate.fields()
         overlap = (iterate.approach - (height + displacement)) / self._unit
         joining = np.where(pressure == 0, np.maximum(overlap, 0), 0)
@@ -93,6 +93,6 @@ class SoftMode:
     def _respond(self, pressure: Array, iterate: Iterate) -> Array:
         """Displacement of all nodes under a pressure, in units of `Problem.nodal_compliance`."""
         field = np.empty(self._problem.grid.shape, self._problem.fourier.real)
-        kernels.spread(field.reshape(-1), iterate.nodes, pressure)
+        kernels.spread(field.reshape(-1), iterate.nodes, pressure, 0)
         iterate.iterations += 1
         return self._problem.displacement(field, field).reshape(-1) / self._unit

@@ -64,7 +64,7 @@ from asperity.elasticity.kernels import (
     fill_surface_compliance,
 )
 from asperity.notebook import table
-from asperity.spectral import Grid, real_type
+from asperity.spectral import ALL, Grid, real_type
 from asperity.types import Array
 
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
@@ -464,9 +464,11 @@ class Layer:
         """
         return mirror_rows(self.half_grid_surface_compliance(grid, dtype), grid)
 
-    def half_grid_surface_compliance(self, grid: Grid, dtype: DTypeLike = "float64") -> Array:
-        """`grid_surface_compliance` of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1)."""
-        return self.surface_compliance(_half_wavenumber(grid, dtype))
+    def half_grid_surface_compliance(
+        self, grid: Grid, dtype: DTypeLike = "float64", rows: slice = ALL
+    ) -> Array:
+        """`grid_surface_compliance` of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1), or of some."""
+        return self.surface_compliance(_half_wavenumber(grid, dtype, rows))
 
     def grid_kernels(self, grid: Grid, depth: float, dtype: DTypeLike = "float64") -> Kernels:
         """`kernels` at one depth for the rows 0 ≤ ky ≤ ny/2 of a grid, (ny // 2 + 1, nx // 2 + 1).
@@ -570,8 +572,8 @@ def _polar(qx: ArrayLike, qy: ArrayLike) -> tuple[Array, Array, Array, np.dtype]
     return q, x / safe, y / safe, kind
 
 
-def _half_wavenumber(grid: Grid, dtype: DTypeLike) -> Array:
-    return grid.half_wavenumber().astype(real_type(dtype), copy=False)
+def _half_wavenumber(grid: Grid, dtype: DTypeLike, rows: slice = ALL) -> Array:
+    return grid.half_wavenumber(rows).astype(real_type(dtype), copy=False)
 
 
 def _nyquist(grid: Grid) -> tuple[Array, Array]:

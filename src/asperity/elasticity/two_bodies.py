@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from asperity.elasticity.layer import Layer, mirror_rows
 from asperity.notebook import table
-from asperity.spectral import Grid
+from asperity.spectral import ALL, Grid
 from asperity.types import Array
 
 
@@ -83,9 +83,12 @@ class TwoBodies:
         """`surface_compliance` of every stored mode of a grid, (ny, nx // 2 + 1)."""
         return mirror_rows(self.half_grid_surface_compliance(grid, dtype), grid)
 
-    def half_grid_surface_compliance(self, grid: Grid, dtype: DTypeLike = "float64") -> Array:
-        """`grid_surface_compliance` of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1)."""
-        lower, upper = (body.half_grid_surface_compliance(grid, dtype) for body in (self.lower, self.upper))
+    def half_grid_surface_compliance(
+        self, grid: Grid, dtype: DTypeLike = "float64", rows: slice = ALL
+    ) -> Array:
+        """`grid_surface_compliance` of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1), or of some."""
+        bodies = self.lower, self.upper
+        lower, upper = (body.half_grid_surface_compliance(grid, dtype, rows) for body in bodies)
         return np.asarray(lower + upper)
 
 
