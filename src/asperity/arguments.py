@@ -62,6 +62,15 @@ def whole_number(name: str, value: Any, accepted: str, accepts: Callable[[int], 
     return converted
 
 
+def pair(name: str, value: Any, accepted: str) -> tuple[Any, Any]:
+    """The two elements of a tuple, list or array of one dimension."""
+    is_sequence = isinstance(value, (tuple, list)) or (isinstance(value, np.ndarray) and value.ndim == 1)
+    if not is_sequence or len(value) != 2:
+        raise ValueError(f"{name} = {shown(value)}: {accepted} is needed")
+    first, second = value
+    return first, second
+
+
 def choice(name: str, value: Any, known: Sequence[str]) -> str:
     """One of the known words."""
     if not isinstance(value, str) or value not in known:

@@ -342,6 +342,15 @@ def test_start_from_the_solution_saves_transforms() -> None:
     assert warm.certificate.pairs < 0.5 * cold.certificate.pairs
 
 
+@pytest.mark.parametrize("method", ["active_set", "gfmd"])
+def test_tension_in_a_given_start_counts_as_no_pressure(method):
+    height = rough((32, 32))
+    settings = {"area_fraction": 0.1, "rtol": 1e-4, "method": method}
+    cold = solve(height, HALF_SPACE, **settings)
+    warm = solve(height, HALF_SPACE, **settings, initial=np.full((32, 32), -1e-3))
+    np.testing.assert_allclose(warm.pressure, cold.pressure, atol=1e-3 * cold.max_pressure)
+
+
 # The certificate
 
 

@@ -69,6 +69,8 @@ def test_a_smooth_cylinder_gives_the_line_contact_of_hertz():
         ({"radius": 0.0}, r"^radius = 0.0: a number > 0"),
         ({"radius": -2.0}, r"^radius = -2.0: a number > 0"),
         ({"centre": (1.0,)}, r"^centre = \(1.0,\): None or a pair"),
+        ({"centre": np.array(1.0)}, r"^centre = .*: None or a pair"),
+        ({"centre": np.ones((2, 2))}, r"^centre = .*: None or a pair"),
         ({"centre": (1.0, np.nan)}, r"^centre = nan: None or a pair"),
         ({"length": asp.Grid((3, 3))}, r"^length = Grid.*: a grid of the shape of the heights, \(4, 4\),"),
         ({"height": np.zeros(4)}, r"^height of shape \(4,\)"),

@@ -86,7 +86,7 @@ def solve(
         `DampedDynamics.pressure_and_error`.
     progress : callable, optional
     initial : (ny, nx) array, optional
-        Start from the displacement under this pressure.
+        Start from the displacement under this pressure; negative values are set to zero.
     damping_fraction : float
         Damping, as a fraction of the critical damping of the slowest mode.
 
@@ -95,6 +95,7 @@ def solve(
     ConvergenceError
         If the surface is not at rest after `MAX_STEPS` steps, or if rounding keeps it from coming to rest.
     """
+    initial = None if initial is None else np.maximum(initial, 0)
     load = _first_load(problem, control, initial)
     dynamics = DampedDynamics(problem, control, initial, damping_fraction)
     state = State(np.zeros_like(problem.height), control.value, load)
@@ -263,8 +264,8 @@ def _first_load(problem: Problem, control: Control, initial: Array | None) -> fl
     """Load to begin with."""
     if control.kind == "mean_pressure":
         return control.value
-    if initial is not None:
-        return float(np.mean(initial, dtype=float))
+    if initial is not None and (mean := float(np.mean(initial, dtype=float))):
+        return mean
     if control.kind == "approach":
         return 0.0
     # The area fraction of small loads is about two times load / (E* × rms gradient).

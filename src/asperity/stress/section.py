@@ -16,6 +16,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from asperity.arguments import pair
 from asperity.errors import shown
 from asperity.finite import require_finite
 from asperity.stress.arguments import (
@@ -256,10 +257,9 @@ def _positions(name: str, extent: Any, contact: ContactLike, axis: int, spacing:
         first, last = 0.0, length - step if length > step else 0.0
     else:
         accepted = f"a pair (first, last) of rising positions from 0 to {length:g}"
-        if not isinstance(extent, (tuple, list, np.ndarray)) or len(extent) != 2:
-            raise ValueError(f"{name} = {shown(extent)}: {accepted} is needed")
         first, last = (
-            checked_number(name, edge, accepted, lambda value: 0 <= value <= length) for edge in extent
+            checked_number(name, edge, accepted, lambda value: 0 <= value <= length)
+            for edge in pair(name, extent, accepted)
         )
         if last < first:
             raise ValueError(f"{name} = {shown(extent)}: {accepted} is needed")

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from asperity.arguments import LARGEST, finite_array, number, whole_number
+from asperity.arguments import LARGEST, finite_array, number, pair, whole_number
 from asperity.compiled import compiled
 from asperity.errors import shown
 from asperity.finite import require_finite
@@ -89,9 +89,10 @@ def bin_edges(values: Array, bins: int, limits: tuple[float, float] | None = Non
         half = max(0.5, bins * width)
         return np.linspace(values[0] - half, values[0] + half, bins + 1)
     accepted = "a pair of finite rising numbers, farther apart than their rounding,"
-    if not isinstance(limits, (tuple, list, np.ndarray)) or len(limits) != 2:
-        raise ValueError(f"limits = {shown(limits)}: {accepted} is needed")
-    first, last = (number("limits", limit, accepted, lambda size: abs(size) <= LARGEST) for limit in limits)
+    first, last = (
+        number("limits", limit, accepted, lambda size: abs(size) <= LARGEST)
+        for limit in pair("limits", limits, accepted)
+    )
     if not last - first > 2 * bins * max(NARROWEST_BIN, float(np.spacing(max(abs(first), abs(last))))):
         raise ValueError(f"limits = {shown(limits)}: {accepted} is needed")
     return np.linspace(first, last, bins + 1)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.arguments import LARGEST, choice, finite_array, magnitude, number
+from asperity.arguments import LARGEST, choice, finite_array, magnitude, number, pair
 from asperity.errors import shown
 from asperity.finite import require_finite
 from asperity.spectral import Grid
@@ -118,9 +118,8 @@ def _from_centre(grid: Grid, centre: tuple[float, float] | None) -> tuple[Array,
     if centre is None:
         return y - 0.5 * y[-1], x - 0.5 * x[-1]
     accepted = f"None or a pair (y, x) of numbers from {-LARGEST:g} to {LARGEST:g}"
-    if not isinstance(centre, (tuple, list, np.ndarray)) or len(centre) != 2:
-        raise ValueError(f"centre = {shown(centre)}: {accepted} is needed")
     middle_y, middle_x = (
-        number("centre", value, accepted, lambda place: abs(place) <= LARGEST) for value in centre
+        number("centre", value, accepted, lambda place: abs(place) <= LARGEST)
+        for value in pair("centre", centre, accepted)
     )
     return y - middle_y, x - middle_x
