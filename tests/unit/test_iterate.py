@@ -161,11 +161,6 @@ def test_errors_in_any_part_are_raised_when_all_parts_have_ended() -> None:
     assert sorted(ended) == [0, 0, 4, 4, 8, 8]
 
 
-def test_parts_of_parts_do_not_wait_for_each_other() -> None:
-    found = in_parts(lambda _: in_parts(lambda part: part, 4, 2, smallest=1), 2, 2, smallest=1)
-    assert found == 2 * [[slice(0, 2), slice(2, 4)]]
-
-
 def test_sums_over_parts_have_the_same_bits_for_any_number_of_threads() -> None:
     values = np.random.default_rng(0).random(300_000)
     sums = [total(kernels.dot, threads, values, values) for threads in (1, 2, 3)]
