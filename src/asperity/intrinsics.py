@@ -7,11 +7,17 @@ from typing import Any
 from llvmlite import ir
 from numba.extending import intrinsic
 
+from asperity.compiled import inlined
+
+
+@inlined
+def lowest_bit(bits: Any) -> Any:
+    """Position of the lowest bit that is set in a number other than zero."""
+    return _trailing_zeros(bits)  # type: ignore[call-arg]
+
 
 @intrinsic
-def lowest_bit(typing_context: Any, bits: Any) -> Any:
-    """Position of the lowest bit that is set in a number other than zero."""
-
+def _trailing_zeros(typing_context: Any, bits: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         return builder.cttz(arguments[0], ir.Constant(ir.IntType(1), 1))
 

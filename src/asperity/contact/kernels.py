@@ -9,11 +9,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
 
 from asperity.compiled import compiled, makes_arrays, sums
+from asperity.intrinsics import lowest_bit
+from asperity.machine_code import discard_outdated
 
 CHUNK = 32
 """Number of nodes that are compared with a level together."""
@@ -65,16 +64,6 @@ def write_from_datum(height: Any, datum: float, out: Any) -> None:
         out[i] = height[i] - datum
 
 
-@intrinsic
-def _lowest_bit(typing_context: Any, bits: Any) -> Any:
-    """Position of the lowest bit that is set."""
-
-    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        return builder.cttz(arguments[0], ir.Constant(ir.IntType(1), 1))
-
-    return types.uint32(types.uint32), generate
-
-
 @compiled
 def mark_free_nodes_below(
     height: Any, displacement: Any, nodes: Any, start: int, level: Any, free: Any
@@ -123,7 +112,7 @@ def write_marked(height: Any, displacement: Any, start: int, free: Any, nodes: A
     for c in range(free.size):
         bits = free[c]
         while bits:
-            i = c * CHUNK + _lowest_bit(bits)  # type: ignore[call-arg]
+            i = c * CHUNK + lowest_bit(bits)
             nodes[k], gap[k] = start + i, height[i] + displacement[i]
             bits &= bits - np.uint32(1)
             k += 1
@@ -349,3 +338,6 @@ def measures_of_contact(pressure: Any, gap: Any) -> tuple[float, ...]:
             work += p * abs(g)
             support += p
     return least, least_gap, largest, contact_gap, total, total_gap, work, support
+
+
+discard_outdated(__name__)

@@ -270,11 +270,11 @@ def _compare_upper(previous: Any, here: Any, after: Any, upper: Any, first: int,
 
 @compiled
 def _add_maxima(
-    previous: Any, here: Any, after: Any, bits: int, start: int, row: int, room: Any, t: int
+    previous: Any, here: Any, after: Any, bits: Any, start: int, row: int, room: Any, t: int
 ) -> None:
     """Add those of some nodes to the maxima of which no neighbour is higher, and none before it as high."""
     while bits:
-        column = start + np.int64(lowest_bit(bits))  # type: ignore[call-arg]
+        column = start + np.int64(lowest_bit(bits))
         bits &= bits - np.uint32(1)
         count = room.count[0]
         around = room.around[count]

@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from asperity.compiled import compiled, inlined
-from asperity.machine_code import discard_outdated
 from asperity.spectral import Grid
 from asperity.types import Array
 
@@ -246,6 +245,3 @@ def _step_to_maximum(gradient: Any, second: Any, reach: float) -> tuple[float, f
 def _step_alone(slope: float, second: float) -> float:
     """Step along one axis."""
     return min(max(-slope / second, -0.5), 0.5) if second < 0 else 0.0
-
-
-discard_outdated(__name__)

@@ -13,7 +13,6 @@ from asperity.arguments import LARGEST, finite_array, number, pair, whole_number
 from asperity.compiled import compiled
 from asperity.errors import shown
 from asperity.finite import require_finite
-from asperity.machine_code import discard_outdated
 from asperity.spectral import Fourier, Grid, Work, resample
 from asperity.types import Array
 
@@ -271,6 +270,3 @@ def decay_lengths(
         half_length(depth[below] - reference, along_depth[below] / variance, share),
         half_length(lag, in_plane / variance, share),
     )
-
-
-discard_outdated(__name__)
