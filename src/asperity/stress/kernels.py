@@ -305,31 +305,6 @@ def _multiply(factors: Any, sign: float, pressure: Any, turned: bool, out: Any) 
             out[k] = sign * factors[k] * pressure[k]
 
 
-@compiled
-def surface_columns(pressure: Any, wavevectors: Any, first: int, out: Any) -> None:
-    """Fill some columns of the coefficients of A_xx and A_xy in the surface of a half-space.
-
-    Parameters
-    ----------
-    pressure : (ny, nx // 2 + 1) complex array
-        Coefficients of the contact pressure.
-    wavevectors : Wavevectors
-    first : int
-        First column to fill.
-    out : (2, ny, columns) complex array
-    """
-    qx, qy, odd_qx, odd_qy = wavevectors
-    for j in range(out.shape[1]):
-        for n in range(out.shape[2]):
-            i = first + n
-            square = qx[i] * qx[i] + qy[j] * qy[j]
-            over_square = 1.0 / square if square > 0.0 else 0.0
-            p = pressure[j, i]
-            xx, xy = -qx[i] * qx[i] * over_square, -odd_qx[i] * odd_qy[j] * over_square
-            out[0, j, n] = complex(xx * p.real, xx * p.imag)
-            out[1, j, n] = complex(xy * p.real, xy * p.imag)
-
-
 @fused
 def half_space_xz(half_depth: float, odd_qx: Any, first: int, last: int, parts: Any) -> None:
     """Fill some rows of A_xz after the transform along y, from A_xx, A_yy and A_zz.

@@ -27,7 +27,6 @@ from asperity.stress.kernels import (
     half_space_columns,
     half_space_xz,
     mode_stress,
-    surface_columns,
 )
 from asperity.stress.parts import ALL_PARTS, Part
 from asperity.stress.truncation import PlaneGrid, Truncation
@@ -265,13 +264,19 @@ class _SurfaceSpectra:
 
     def __init__(self, modes: Array, fourier: Fourier, pressure: Array) -> None:
         grid = fourier.grid
-        self._modes = modes
-        self._wavevectors = Wavevectors(grid.qx, grid.qy, grid.odd_qx, grid.odd_qy)
+        square = grid.qx**2 + grid.qy[:, None] ** 2
+        square[0, 0] = np.inf
+        self._over_square = (modes / square).astype(modes.dtype)
+        self._qx, self._odd_qx, self._odd_qy = (
+            q.astype(fourier.real) for q in (grid.qx, grid.odd_qx, grid.odd_qy)
+        )
         self._pressure, self._mean = pressure, fourier.real.type(modes[0, 0].real)
 
     def fill_columns(self, first: int, last: int, out: Array) -> None:
         """Fill `out` with some columns of the parts to be transformed along y."""
-        surface_columns(self._modes, self._wavevectors, first, out)
+        np.multiply(-(self._qx[first:last] ** 2), self._over_square[:, first:last], out=out[0])
+        np.multiply(-self._odd_qx[first:last], self._over_square[:, first:last], out=out[1])
+        out[1] *= self._odd_qy[:, None]
 
     def complete_rows(self, values: Array, first: int, last: int, columns: int) -> None:
         """Fill the parts that have not been transformed along y."""
