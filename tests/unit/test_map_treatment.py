@@ -163,3 +163,8 @@ def test_a_wavelength_out_of_range_is_shown_with_its_unit():
     line = "wavelength_short = 1 µm: a number ≥ 8 µm (two nodes), ≤ 512 µm is needed"
     with pytest.raises(MapError, match=re.escape(line)):
         treat_map(as_map(steel()), Treatment("tilt", "mirrored", wavelength_short=1e-6))
+
+
+def test_a_wavelength_that_no_number_holds_is_refused():
+    with pytest.raises(MapError, match=r"wavelength_short = 1000.*: a number ≥ 8 µm"):
+        treat_map(as_map(steel()), Treatment("tilt", "mirrored", wavelength_short=10**400))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from asperity.stress.refinement import refine_in_plane, refine_in_solid
+from asperity.stress.refinement import refine_in_plane, refine_in_solid, wrapped
 
 DEPTHS = (0.2, 0.5, 0.7)
 UNIT = 0.2  # the smaller distance of the planes
@@ -71,3 +71,10 @@ def test_a_step_along_one_axis_is_at_most_half_a_spacing():
     assert 0 <= max(abs(y[0]), abs(x[0])) <= 0.5
     assert min(abs(y[0]), abs(x[0])) == 0
     assert value >= 1
+
+
+def test_places_in_a_periodic_cell_are_below_its_length():
+    """Also just beyond the first edge, where the remainder is rounded to the length."""
+    assert -1e-20 % 5.0 == 5.0
+    places = np.array([[-1e-20, -0.5], [5.0, 7.0], [2.0, 6.9]])
+    np.testing.assert_allclose(wrapped(places, np.array([5.0, 7.0])), [[0, 6.5], [0, 0], [2, 6.9]])

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asperity.stress.plane_maxima import Maxima, SearchedPlane
-from asperity.stress.refinement import refine_in_plane
+from asperity.stress.refinement import refine_in_plane, wrapped
 from asperity.types import Array
 
 REACH = 3.001
@@ -34,7 +34,7 @@ def facing_pairs(
     def places(plane: SearchedPlane, maxima: Maxima, y: Array, x: Array) -> Array:
         """Refined places in spacings, and in a third dimension, which keeps fields apart."""
         place = np.stack([maxima.nodes[0] + y, maxima.nodes[1] + x], axis=1) * (plane.grid.spacing / scale)
-        return np.column_stack([place % box if plane.periodic else place, 2.0 * maxima.field])
+        return np.column_stack([wrapped(place, box) if plane.periodic else place, 2.0 * maxima.field])
 
     near = np.flatnonzero(_are_near(lower, lower_plane, upper, upper_plane, box))
     if not near.size:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, fields
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from asperity.compiled import compiled, inlined
 from asperity.spectral import Grid
@@ -125,12 +126,19 @@ def _refined(plane: Neighbourhoods, periodic: bool) -> Peaks:
         value, depth, *offsets = refine_in_solid(plane.above, here, plane.below, plane.depths)
     along = zip(plane.nodes, offsets, plane.grid.shape, plane.grid.spacing, strict=True)
     y, x = (
-        ((nodes + offset) % count if periodic else nodes + offset) * step
+        (wrapped(nodes + offset, count) if periodic else nodes + offset) * step
         for nodes, offset, count, step in along
     )
     node_value = here[:, 1, 1].astype(float)
     interior = np.full(value.size, plane.depths is not None)
     return Peaks(value * np.sign(node_value), depth, y, x, node_value, interior)
+
+
+def wrapped(places: Array, length: ArrayLike) -> Array:
+    """Places in a periodic cell, from 0 to below its length."""
+    inside = places % length
+    # The remainder of a small negative number may be rounded to the length.
+    return np.where(inside < length, inside, 0.0)
 
 
 def refine_in_plane(values: Array) -> Array:

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.arguments import choice, number, whole_number
+from asperity.arguments import LARGEST, choice, number, whole_number
 from asperity.errors import shown
 from asperity.finite import require_finite
 from asperity.spectral import Grid, good_size
@@ -258,7 +258,8 @@ def _wavelength_problem(surface: HeightMap, treatment: Treatment, name: str) -> 
     low, high = (shown_si(edge, "m", 6) if unit else f"{edge:.6g}" for edge in (shortest, longest))
     if isinstance(given, (int, float)) and shortest * (1 - 1e-9) <= given <= longest * (1 + 1e-9):
         return []
-    value = shown_si(given, "m", 6) if unit and isinstance(given, (int, float)) else shown(given)
+    in_metres = unit and isinstance(given, (int, float)) and abs(given) <= LARGEST
+    value = shown_si(given, "m", 6) if in_metres else shown(given)
     return [f"{name} = {value}: a number ≥ {low} (two nodes), ≤ {high} is needed"]
 
 
