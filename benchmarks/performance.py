@@ -46,7 +46,8 @@ def commands(grids: list[int]) -> dict[str, str]:
     return {
         "roofline": f"python benchmarks/roofline.py {out}",
         "contact": f"python benchmarks/contact.py --points {' '.join(map(str, grids))} {out}",
-        "threads": f"python benchmarks/contact.py --points {threads} --threads 1 2 {fast} {out}",
+        # In a folder of its own, so that both runs of a ratio are of the same time.
+        "threads": f"python benchmarks/contact.py --points {threads} --threads 1 2 {fast} {out}/threads",
         "large": f"python benchmarks/large.py --points {large} {out}",
         "load_path": f"python benchmarks/load_path.py --points {some(PATH_GRIDS)}",
         "stress": f"python benchmarks/stress.py --grids {some(STRESS_GRIDS)}",

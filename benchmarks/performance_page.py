@@ -211,7 +211,7 @@ def stress_runs(folder: Path) -> list[tuple[int, float, float, float]]:
 
 def two_threads(folder: Path) -> dict[float, tuple[int, float]]:
     """Hurst exponent → largest grid that was run on both, and wall time on one thread over that on two."""
-    table = read(folder, "contact")
+    table = read(folder / "threads", "contact")
     if table is None:
         return {}
     found = {}
@@ -373,7 +373,7 @@ known; the certificate is computed from the pressure alone.
 
 
 def threads(folder: Path) -> str:
-    table = read(folder, "contact")
+    table = read(folder / "threads", "contact")
     rows = []
     if table is not None:
         for _, run in table[table["threads"] == 2].iterrows():

@@ -203,16 +203,8 @@ def search_rows(
             if search.sought[t]:
                 _fill_margins(values, columns, periodic)
                 if j - start >= 2:
-                    previous, here, after = room.rows[t, (j - 2) % 3], room.rows[t, (j - 1) % 3], values
-                    searched, flags = neighbour(j - 1, rows, periodic), room.flags
-                    _mark_higher(previous, here, after, columns, search.floor, flags)
-                    for c in range(flags.size):
-                        if flags[c]:
-                            _add_maxima(previous, here, after, flags[c], c * _CHUNK, searched, room, t)
-                    line_of_upper = searched * fields + t
-                    n, end = upper.first[line_of_upper], upper.first[line_of_upper + 1]
-                    if n < end:
-                        _compare_upper(previous, here, after, upper, n, end)
+                    searched = neighbour(j - 1, rows, periodic)
+                    _search_row(room, t, j - 1, searched, columns, search.floor, upper, fields)
     if search.compared:
         room.count[0] = _keep_above(above, search.fields, periodic, room, before)
 
@@ -222,6 +214,25 @@ def _fill_margins(line: Any, columns: int, periodic: bool) -> None:
     """Repeat the values beyond the edges of a row."""
     line[_MARGIN - 1] = line[_MARGIN + neighbour(-1, columns, periodic)]
     line[_MARGIN + columns] = line[_MARGIN + neighbour(columns, columns, periodic)]
+
+
+@inlined
+def _search_row(
+    room: Any, t: int, j: int, row: int, columns: int, floor: float, upper: Any, fields: int
+) -> None:
+    """Add the maxima of one row of a field, and compare those of the plane above with it.
+
+    The values in the row and in those beside it are the last three of the field in `room`, the row's own at
+    the place `j` modulo three.
+    """
+    previous, here, after = room.rows[t, (j - 1) % 3], room.rows[t, j % 3], room.rows[t, (j + 1) % 3]
+    _mark_higher(previous, here, after, columns, floor, room.flags)
+    for c in range(room.flags.size):
+        if room.flags[c]:
+            _add_maxima(previous, here, after, room.flags[c], c * _CHUNK, row, room, t)
+    first, last = upper.first[row * fields + t], upper.first[row * fields + t + 1]
+    if first < last:
+        _compare_upper(previous, here, after, upper, first, last)
 
 
 @sums_without_nan
