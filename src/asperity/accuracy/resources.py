@@ -87,7 +87,7 @@ class _Line(NamedTuple):
 # Fitted to logs of the paper's study, on grids of 512² to 4096² (docs/scaling.md). The seconds of surface,
 # contact and stress are those of the imports; their calculation follows the time laws.
 _LINES = {
-    "machine code": _Line(400, seconds=12),
+    "machine code": _Line(480, seconds=12),
     "wisdom": _Line(150, seconds=1, time_per_node=15e3),  # over the nodes on an edge
     "surface": _Line(190, 39, seconds=2, disk_per_node=8.1),
     "measured surface": _Line(250, 31, seconds=5, time_per_node=0.8, disk_per_node=8.1),
