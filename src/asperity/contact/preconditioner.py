@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 from asperity.compiled import compiled, sums
-from asperity.contact.kernels import dot
+from asperity.contact.kernels import add_multiple, dot
 from asperity.contact.places import row_plus_column
 from asperity.contact.problem import Problem
 from asperity.contact.response import multiply_rows
@@ -166,7 +166,8 @@ class Preconditioner:
             if not curvature > 0:
                 break
             length = np.float32(product / curvature)
-            _take_step(length, *(field.reshape(-1) for field in (direction, response, y, residual)))
+            add_multiple(y.reshape(-1), direction.reshape(-1), length)
+            add_multiple(residual.reshape(-1), response.reshape(-1), -length)
         return y
 
 
@@ -220,11 +221,3 @@ def _next_direction(
         response[k] = sigma[k] * direction[k] + image[k]
         curvature += np.float64(direction[k]) * np.float64(response[k])
     return curvature
-
-
-@compiled
-def _take_step(length: Any, direction: Any, response: Any, y: Any, residual: Any) -> None:
-    """Solution y ← y + length × d of the coarse system, and its residual r ← r − length × response."""
-    for k in range(y.size):
-        y[k] += length * direction[k]
-        residual[k] -= length * response[k]
