@@ -333,12 +333,13 @@ def resample(coefficients: Array, source: Grid, target: Grid) -> Array:
         raise ValueError(f"target of length {target.length}: that of the source, {source.length}, is needed")
     if source.shape == target.shape:
         return coefficients.copy()
-    out = np.zeros(target.half_shape, coefficients.dtype)
+    out = np.empty(target.half_shape, coefficients.dtype)
     rows = (min(source.shape[0], target.shape[0]) - 1) // 2
     columns = (min(source.shape[1], target.shape[1]) - 1) // 2 + 1
     out[: rows + 1, :columns] = coefficients[: rows + 1, :columns]
-    if rows:
-        out[-rows:, :columns] = coefficients[-rows:, :columns]
+    out[rows + 1 : target.shape[0] - rows, :columns] = 0
+    out[target.shape[0] - rows :, :columns] = coefficients[source.shape[0] - rows :, :columns]
+    out[:, columns:] = 0
     return out
 
 

@@ -77,6 +77,7 @@ class References:
         self._grid: Grid | None = None
         self._fields = np.empty((count, 0, 0))
         self._compared = self._fields
+        self._unfilled: dict[int, LinearPlane] = {}
         self._depths = np.zeros(count)
         self._means = np.zeros(count)
         self._kept: list[list[_Packed] | None] = [[] for _ in fields]
@@ -92,7 +93,7 @@ class References:
         """
         if self._grid is None:
             self._fields = np.empty((len(self._sought), *plane.grid.shape), plane.dtype)
-            self._sample(plane)
+            self._compared = self._fields
             return self._compared[:0]
         if plane.grid != self._grid:
             for m in range(len(self._sought)):
@@ -102,13 +103,6 @@ class References:
             self._resample(Grid((ny // step, nx // step), plane.grid.length))
             self._compared, self._grid = self._fields, plane.grid
         return self._compared
-
-    def _sample(self, plane: LinearPlane) -> None:
-        """Take the values that are compared from the references on the grid of a plane."""
-        step = self._step(plane.grid)
-        self._compared = self._fields
-        if step > 1 and self._depths.min() >= min(self._finest.spacing):
-            self._compared = self._fields[:, ::step, ::step].copy()
 
     def _resample(self, grid: Grid) -> None:
         """Transform all references to a grid from their modes."""
@@ -122,6 +116,7 @@ class References:
 
     def _transform(self, m: int, target: Grid) -> None:
         """Transform a reference that is on its own grid, and keep the modes that coarser grids need."""
+        self._complete(m)
         self._compare_kept(m)
         if self._modes[m] is None:
             assert self._grid is not None
@@ -159,28 +154,56 @@ class References:
             means, products = totals[: len(self._sought), 2:].T
             self.covariance[:, number] = products - means * self._means
         has_risen = largest[: len(self._sought)] > self._largest
-        for m in np.flatnonzero(~has_risen).tolist():
-            self._compare_kept(m)
         risen = np.flatnonzero(has_risen)
+        for m in risen.tolist():
+            self._unfilled.pop(m, None)
+        for m in np.flatnonzero(~has_risen).tolist():
+            self._complete(m)
+            self._compare_kept(m)
         for m in risen.tolist():
             self._kept[m] = self._kept_above(m, number)
         if not risen.size:
             return
         if self._fields.shape[1:] != plane.grid.shape:
             self._resample(plane.grid)
-        self._fill(plane, risen, self._fields)
         self._depths[risen] = plane.depth
-        self._sample(plane)
-        if self._compared is self._fields:
-            self._means[risen] = totals[risen, 0]
-        else:
-            self._means[:] = [moments(field, field)[0] for field in self._compared]
+        self._take(plane, risen, totals[risen, 0])
         for m in risen.tolist():
             self._modes[m] = self._in_plane[m] = self._own[m] = None
             mean, square, _, _ = totals[m]
             self._largest[m] = largest[m]
             self.number[m], self.covariance[m, number] = number, square - mean * mean
             self.missing[m] = number if self._kept[m] is None else 0
+
+    def _take(self, plane: LinearPlane, risen: Array, means: Array) -> None:
+        """Take some fields of a plane, with these means, as references.
+
+        Where only every second value is compared, the others are left out for now: the largest value often
+        rises from plane to plane, and all values are needed of the last plane alone.
+        """
+        step = self._step(plane.grid)
+        if step == 1 or self._depths.min() < min(self._finest.spacing):
+            self._compared = self._fields
+            self._fill(plane, risen, self._fields)
+            self._means[risen] = means
+            return
+        changed = risen.tolist()
+        if self._compared is self._fields:
+            self._compared = self._fields[:, ::step, ::step].copy()
+            changed = range(len(self._sought))
+        self._fill(plane, risen, self._compared)
+        self._unfilled.update(dict.fromkeys(risen.tolist(), plane))
+        for m in changed:
+            self._means[m] = moments(self._compared[m], self._compared[m])[0]
+
+    def _complete(self, m: int) -> None:
+        """Take all values of a reference, if some have been left out, while its plane is still there."""
+        plane = self._unfilled.get(m)
+        if plane is not None:
+            alike = [other for other, its in self._unfilled.items() if its is plane]
+            self._fill(plane, np.array(alike), self._fields)
+            for other in alike:
+                del self._unfilled[other]
 
     def _step(self, grid: Grid) -> int:
         """2 if planes on a grid are compared at every second node along each axis, else 1."""
@@ -203,18 +226,21 @@ class References:
         self._kept[m] = None
 
     def _fill(self, plane: LinearPlane, places: Array, out: Array) -> None:
-        """Write some of the fields of a plane to their places in `out`."""
+        """Write some of the fields of a plane to their places in `out`, at all nodes or every second one."""
         compiled = [field.compiled(plane) for field in self._sought]
         ratios, uniforms = (
             np.array([getattr(field, name) for field in compiled], plane.dtype)
             for name in ("ratio", "uniform")
         )
         shared = np.empty(SHARED, plane.dtype)
-        fill_fields(plane.parts(), compiled[0].kind, ratios, uniforms, places, shared, out)
+        line = np.empty((len(compiled), 1, plane.grid.shape[1]), plane.dtype)
+        fill_fields(plane.parts(), compiled[0].kind, ratios, uniforms, places, shared, line, out)
 
     def add_again(self, number: int, plane: LinearPlane) -> None:
         """Compare a plane above some references that has not been compared."""
         again = np.flatnonzero(self.missing > number)
+        for m in again.tolist():
+            self._complete(m)
         here = np.empty((len(self._sought), *plane.grid.shape), plane.dtype)
         self._fill(plane, again, here)
         for m in again.tolist():

@@ -46,9 +46,10 @@ def facing_pairs(
     place_low = places(lower_plane, lower, *offset_low)
     size = np.array([*box, 0.0]) if upper_plane.periodic else None
     distance, facing = cKDTree(place_low, boxsize=size).query(place_up, p=np.inf)
-    back = np.asarray(cKDTree(place_up, boxsize=size).query(place_low, p=np.inf)[1])
-    pair = np.flatnonzero((np.asarray(distance) <= 1.0) & (back[facing] == np.arange(high.size)))
-    partner = np.asarray(facing)[pair]
+    close = np.flatnonzero(np.asarray(distance) <= 1.0)
+    partner = np.asarray(facing)[close]
+    mutual = np.asarray(cKDTree(place_up, boxsize=size).query(place_low[partner], p=np.inf)[1]) == close
+    pair, partner = close[mutual], partner[mutual]
     return pair, near[partner], high[pair] > low[partner]
 
 

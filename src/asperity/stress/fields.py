@@ -14,6 +14,7 @@ import numpy as np
 
 from asperity.compiled import compiled, inlined, sums_without_nan
 from asperity.elasticity.layer import COMPONENTS
+from asperity.intrinsics import every_second, fetch
 from asperity.machine_code import discard_outdated
 from asperity.stress.principal import LARGEST_SHEAR, PRINCIPAL_1, PRINCIPAL_2, PRINCIPAL_3, principal_stresses
 from asperity.types import Array
@@ -101,7 +102,8 @@ def field_at(fields: Any, number: int) -> Any:
 def _von_mises(first: float, second: float, xy: float, across: float) -> float:
     """The von Mises stress from σ_xx − σ_yy, σ_yy − σ_zz, σ_xy and σ_yz² + σ_xz²."""
     shear = xy * xy + across
-    return np.sqrt(first * (first + second) + second * second + (shear + shear + shear))
+    # A number in single precision leaves the precision of the others as it is.
+    return np.sqrt(first * (first + second) + second * second + np.float32(3) * shear)
 
 
 @inlined
@@ -155,7 +157,7 @@ def fill_row(parts: Any, field: Any, row: int, out: Any) -> None:
         out[i] = _measure(kind, x, y, zz[i], yz[i], xz[i], xy[i] + ratio * slope_xy[i])
 
 
-SHARED = (4, 528)
+SHARED = (5, 528)
 """Numbers of a node that all its von Mises stresses share, and nodes of which they fit into the cache."""
 
 
@@ -182,7 +184,7 @@ def fill_von_mises(
     all_xx, all_yy, all_zz = values[row, place[_XX]], values[row, place[_YY]], values[row, place[_ZZ]]
     all_yz, all_xz, all_xy = values[row, place[_YZ]], values[row, place[_XZ]], values[row, place[_XY]]
     all_slope, all_slope_xy = values[row, place[_SLOPE_XX]], values[row, place[_SLOPE_XY]]
-    first, second, slope_yy, across = shared[0], shared[1], shared[2], shared[3]
+    first, second, slope_yy, across, slope_first = shared[0], shared[1], shared[2], shared[3], shared[4]
     for start in range(0, columns, shared.shape[1]):
         stop = min(start + shared.shape[1], columns)
         xx, yy, zz, slope = all_xx[start:stop], all_yy[start:stop], all_zz[start:stop], all_slope[start:stop]
@@ -195,6 +197,8 @@ def fill_von_mises(
         for i in range(xx.size):
             slope_yy[i] = xx[i] + yy[i] + zz[i] + mean - slope[i]
         for i in range(xx.size):
+            slope_first[i] = slope[i] - slope_yy[i]
+        for i in range(xx.size):
             first[i] = xx[i] - yy[i]
         for i in range(xx.size):
             second[i] = yy[i] - zz[i]
@@ -204,7 +208,7 @@ def fill_von_mises(
             ratio, uniform, field = ratios[m], uniforms[m], out[m, line, at + start : at + stop]
             for i in range(field.size):
                 field[i] = _von_mises(
-                    first[i] + ratio * (slope[i] - slope_yy[i]),
+                    first[i] + ratio * slope_first[i],
                     second[i] + ratio * slope_yy[i] + uniform,
                     xy[i] + ratio * slope_xy[i],
                     across[i],
@@ -213,20 +217,27 @@ def fill_von_mises(
 
 @compiled
 def fill_fields(
-    parts: Any, kind: int, ratios: Any, uniforms: Any, places: Any, shared: Any, out: Any
+    parts: Any, kind: int, ratios: Any, uniforms: Any, places: Any, shared: Any, line: Any, out: Any
 ) -> None:
     """Fill some of the arrays of `out`, (fields, rows, columns), with fields of one kind.
 
-    Arguments are those of `fill_von_mises`, and `kind` as of `Field`.
+    Arguments are those of `fill_von_mises`, and `kind` as of `Field`. If `out` has half the rows and columns
+    of the plane, it is filled with every second value of every second row, and `line`, (fields, 1, columns),
+    is room for one row.
     """
+    halved = out.shape[1] < parts.values.shape[0]
     for row in range(out.shape[1]):
+        target, own, here = (line, 2 * row, 0) if halved else (out, row, row)
         if kind == _VON_MISES:
-            fill_von_mises(
-                parts, row, ratios, uniforms, places, shared, out, row, out.shape[2] - parts.columns
-            )
+            at = target.shape[2] - parts.columns
+            fill_von_mises(parts, own, ratios, uniforms, places, shared, target, here, at)
         else:
             for m in places:
-                fill_row(parts, Field(kind, ratios[m], uniforms[m]), row, out[m, row])
+                fill_row(parts, Field(kind, ratios[m], uniforms[m]), own, target[m, here])
+        if halved:
+            for m in places:
+                for i in range(out.shape[2]):
+                    out[m, row, i] = every_second(line[m, 0], i)
 
 
 def needed_parts(kind: int, place: Array) -> Array:
@@ -273,6 +284,20 @@ def value_at(parts: Any, field: Any, row: Any, column: Any) -> float:
         first, second = xx - yy + ratio * (slope - slope_yy), yy - zz + ratio * slope_yy + uniform
         return _von_mises(first, second, xy, yz * yz + xz * xz)
     return _measure(kind, x, y, zz, yz, xz, xy)
+
+
+@inlined
+def fetch_at(parts: Any, field: Any, row: Any, column: Any) -> None:
+    """Have the processor fetch what `value_at` will read, without waiting for it."""
+    values, place = parts.values, parts.place
+    kind = field.kind
+    if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
+        fetch(values, row, place[kind], column)
+        if kind not in (_ZZ, _YZ, _XZ):
+            fetch(values, row, place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], column)
+        return
+    for part in range(values.shape[1]):
+        fetch(values, row, part, column)
 
 
 @compiled

@@ -306,7 +306,7 @@ def _multiply(factors: Any, sign: float, pressure: Any, turned: bool, out: Any) 
 
 
 @fused
-def half_space_xz(half_depth: float, odd_qx: Any, first: int, last: int, parts: Any) -> None:
+def half_space_xz(half_depth: float, odd_qx: Any, first: int, last: int, parts: Any, room: Any) -> None:
     """Fill some rows of A_xz after the transform along y, from A_xx, A_yy and A_zz.
 
     Parameters
@@ -317,13 +317,27 @@ def half_space_xz(half_depth: float, odd_qx: Any, first: int, last: int, parts: 
         Rows to fill.
     parts : (ny, at least 5, at least 2 columns) array
         A_xx, A_yy, A_zz, A_yz and A_xz, real and imaginary parts in turn.
+    room : (2 columns,) array
     """
     for j in range(first, last):
         xx, yy, zz, xz = parts[j, _XX], parts[j, _YY], parts[j, _ZZ], parts[j, _XZ]
+        # The sum first: only loops that read and write few arrays are turned into operations on vectors.
+        for k in range(room.size):
+            room[k] = xx[k] + yy[k] + zz[k]
         for i in range(odd_qx.size):
             factor = half_depth * odd_qx[i]
-            xz[2 * i] = -factor * (xx[2 * i + 1] + yy[2 * i + 1] + zz[2 * i + 1])
-            xz[2 * i + 1] = factor * (xx[2 * i] + yy[2 * i] + zz[2 * i])
+            xz[2 * i] = -factor * room[2 * i + 1]
+            xz[2 * i + 1] = factor * room[2 * i]
+
+
+@compiled
+def clear_columns(parts: Any, first: int, last: int, start: int, stop: int) -> None:
+    """Set some columns of some rows of (rows, parts, columns) to zero."""
+    for j in range(first, last):
+        for part in range(parts.shape[1]):
+            line = parts[j, part, start:stop]
+            for i in range(line.size):
+                line[i] = 0
 
 
 discard_outdated(__name__)

@@ -7,19 +7,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from asperity.compiled import compiled, inlined, sums_without_nan
-from asperity.intrinsics import lowest_bit
+from asperity.compiled import compiled, inlined
+from asperity.intrinsics import BITS, higher, higher_than, lowest_bit
 from asperity.machine_code import discard_outdated
-from asperity.stress.fields import SHARED, field_at, fill_row, fill_von_mises, value_at
+from asperity.stress.fields import SHARED, fetch_at, field_at, fill_row, fill_von_mises, value_at
 from asperity.stress.neighbours import exceeds, neighbour
 from asperity.stress.row_sums import sum_row
 from asperity.types import Array
 
 _MARGIN = 16
 """Numbers beside a row of values, of which the nearest are those beyond the edge."""
-
-_CHUNK = 32
-"""Nodes that are compared with their neighbours together: a bit of one number for each."""
 
 
 class Search(NamedTuple):
@@ -55,13 +52,15 @@ class Room(NamedTuple):
 
     Parameters
     ----------
-    rows : (fields, 3, at least columns + 2 `_MARGIN`) array in the precision of the plane
+    rows : (fields, 3, at least columns + `_MARGIN` + `BITS`) array in the precision of the plane
         The last three rows of each field.
     bits : the same as integers
     shared : `SHARED` array in the precision of the plane
-    skipped : (at least columns,) array in the precision of the plane
-    flags : (at least columns / `_CHUNK`,) uint32 array
-        A bit for every node of a row.
+    pending : (fields, words) uint32 array
+        A bit for every node of the last row of a field: the nodes that are maxima if no neighbour in the next
+        row is higher.
+    flags : (words,) uint32 array
+        The same for one field, of the row before.
     field, row, column : (maxima,) integer arrays
         Fields and nodes of the maxima, by rising rows, fields and columns.
     around : (maxima, 3, 3) array in the precision of the plane
@@ -75,7 +74,7 @@ class Room(NamedTuple):
     rows: Any
     bits: Any
     shared: Any
-    skipped: Any
+    pending: Any
     flags: Any
     field: Any
     row: Any
@@ -98,13 +97,14 @@ def room_for(
     empty : callable
         Makes an array with any values from a name, a shape and a type.
     """
-    rows = empty("rows", (fields, 3, (-(-columns // _MARGIN) + 2) * _MARGIN), real)
+    words = -(-columns // BITS)
+    rows = empty("rows", (fields, 3, (words + 2) * BITS), real)
     return Room(
         rows,
         rows.view(f"i{real.itemsize}"),
         empty("shared", SHARED, real),
-        empty("skipped", (columns,), real),
-        empty("flags", (-(-columns // _CHUNK),), np.uint32),
+        empty("pending", (fields, words), np.uint32),
+        empty("flags", (words,), np.uint32),
         empty("field", (fields * most,), np.int64),
         empty("row", (fields * most,), np.int64),
         empty("column", (fields * most,), np.int64),
@@ -189,22 +189,22 @@ def search_rows(
                 fill_row(parts, field_at(search.fields, t), row, values[_MARGIN:])
             m = search.averaged[t]
             if m >= 0 and sums.size:
-                sum_row(
-                    values,
-                    room.bits[t, line],
-                    _MARGIN,
-                    columns,
-                    row,
-                    reference,
-                    m,
-                    room.skipped,
-                    sums[m, row],
-                )
+                sum_row(values, room.bits[t, line], _MARGIN, columns, row, reference, m, sums[m, row])
             if search.sought[t]:
                 _fill_margins(values, columns, periodic)
+                if j > start:
+                    _mark(
+                        values, room.rows[t, (j - 1) % 3], columns, search.floor, room.pending[t], room.flags
+                    )
+                else:
+                    room.pending[t] = 0
                 if j - start >= 2:
                     searched = neighbour(j - 1, rows, periodic)
-                    _search_row(room, t, j - 1, searched, columns, search.floor, upper, fields)
+                    found = room.count[0]
+                    _search_row(room, t, j - 1, searched, upper, fields)
+                    if search.compared:
+                        for n in range(found, room.count[0]):
+                            fetch_at(above, field_at(search.fields, t), searched, room.column[n])
     if search.compared:
         room.count[0] = _keep_above(above, search.fields, periodic, room, before)
 
@@ -216,54 +216,41 @@ def _fill_margins(line: Any, columns: int, periodic: bool) -> None:
     line[_MARGIN + columns] = line[_MARGIN + neighbour(columns, columns, periodic)]
 
 
+@compiled
+def _mark(here: Any, previous: Any, columns: int, floor: float, pending: Any, flags: Any) -> None:
+    """Mark the nodes of a row and of the one before it that may be maxima, from their four neighbours.
+
+    A node is marked in `pending` if it is above the floor, higher than its neighbours in the row before and on
+    the left, and not lower than that on the right. It is left in `flags` if that in the next row is not
+    higher either. One comparison thus tells of two nodes.
+    """
+    following = higher(here, _MARGIN, here, _MARGIN - 1)
+    for c in range(flags.size):
+        place = _MARGIN + c * BITS
+        higher_left = following
+        following = higher(here, place + BITS, here, place + BITS - 1)
+        lower_right = (higher_left >> np.uint32(1)) | (following << np.uint32(BITS - 1))
+        higher_before = higher(here, place, previous, place)
+        flags[c] = pending[c] & ~higher_before
+        pending[c] = higher_than(here, place, floor) & higher_before & higher_left & ~lower_right
+    if columns % BITS:
+        pending[flags.size - 1] &= (np.uint32(1) << np.uint32(columns % BITS)) - np.uint32(1)
+
+
 @inlined
-def _search_row(
-    room: Any, t: int, j: int, row: int, columns: int, floor: float, upper: Any, fields: int
-) -> None:
-    """Add the maxima of one row of a field, and compare those of the plane above with it.
+def _search_row(room: Any, t: int, j: int, row: int, upper: Any, fields: int) -> None:
+    """Add the maxima among the marked nodes of one row, and compare those of the plane above with it.
 
     The values in the row and in those beside it are the last three of the field in `room`, the row's own at
     the place `j` modulo three.
     """
     previous, here, after = room.rows[t, (j - 1) % 3], room.rows[t, j % 3], room.rows[t, (j + 1) % 3]
-    _mark_higher(previous, here, after, columns, floor, room.flags)
     for c in range(room.flags.size):
         if room.flags[c]:
-            _add_maxima(previous, here, after, room.flags[c], c * _CHUNK, row, room, t)
+            _add_maxima(previous, here, after, room.flags[c], c * BITS, row, room, t)
     first, last = upper.first[row * fields + t], upper.first[row * fields + t + 1]
     if first < last:
         _compare_upper(previous, here, after, upper, first, last)
-
-
-@sums_without_nan
-def _mark_higher(previous: Any, here: Any, after: Any, columns: int, floor: float, flags: Any) -> None:
-    """Mark the nodes of a row that are above a floor, and of whose four neighbours none is higher."""
-    centre, left, right = here[_MARGIN:], here[_MARGIN - 1 :], here[_MARGIN + 1 :]
-    upper, lower = previous[_MARGIN:], after[_MARGIN:]
-    whole = columns // _CHUNK
-    for c in range(whole):
-        n = c * _CHUNK
-        flags[c] = _higher(centre[n:], left[n:], right[n:], upper[n:], lower[n:], floor, _CHUNK)
-    if flags.size > whole:
-        n = whole * _CHUNK
-        flags[whole] = _higher(centre[n:], left[n:], right[n:], upper[n:], lower[n:], floor, columns - n)
-
-
-@inlined
-def _higher(centre: Any, left: Any, right: Any, upper: Any, lower: Any, floor: float, count: int) -> Any:
-    """A bit for each of some nodes, for `_mark_higher`."""
-    bits = np.int32(0)
-    for i in range(count):
-        magnitude = abs(centre[i])
-        higher = (
-            (magnitude > floor)
-            & (magnitude >= abs(left[i]))
-            & (magnitude >= abs(right[i]))
-            & (magnitude >= abs(upper[i]))
-            & (magnitude >= abs(lower[i]))
-        )
-        bits = np.int32(bits | (np.int32(1 << i) if higher else np.int32(0)))
-    return np.uint32(bits)
 
 
 @compiled
@@ -304,21 +291,29 @@ def _add_maxima(
 def _keep_above(parts: Any, fields: Any, periodic: bool, room: Any, before: int) -> int:
     """Keep those of the last maxima that are above the plane `parts`; returns the number of all."""
     field, row, column, around, above = room.field, room.row, room.column, room.around, room.above
-    # Straight through all: the processor fetches the next values while it waits for these.
-    for n in range(before, room.count[0]):
-        above[n, 1, 1] = value_at(parts, field_at(fields, field[n]), row[n], column[n])
     kept = before
     for n in range(before, room.count[0]):
-        magnitude = abs(around[n, 1, 1])
-        if not magnitude > abs(above[n, 1, 1]):
-            continue
         own = field_at(fields, field[n])
-        if exceeds(parts, own, row[n], column[n], periodic, magnitude, above[kept]):
-            field[kept], row[kept], column[kept] = field[n], row[n], column[n]
-            for k in range(9):
-                around[kept, k // 3, k % 3] = around[n, k // 3, k % 3]
+        if abs(around[n, 1, 1]) > abs(value_at(parts, own, row[n], column[n])):
+            for j in (-1, 1):
+                fetch_at(parts, own, neighbour(row[n] + j, parts.values.shape[0], periodic), column[n])
+            _move(room, n, kept)
+            kept += 1
+    last, kept = kept, before
+    for n in range(before, last):
+        own = field_at(fields, field[n])
+        if exceeds(parts, own, row[n], column[n], periodic, abs(around[n, 1, 1]), above[kept]):
+            _move(room, n, kept)
             kept += 1
     return kept
+
+
+@inlined
+def _move(room: Any, n: int, place: int) -> None:
+    """Write a maximum, without the values above it, to another place."""
+    room.field[place], room.row[place], room.column[place] = room.field[n], room.row[n], room.column[n]
+    for k in range(9):
+        room.around[place, k // 3, k % 3] = room.around[n, k // 3, k % 3]
 
 
 discard_outdated(__name__)

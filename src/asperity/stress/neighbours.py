@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from asperity.compiled import compiled, inlined
+from asperity.intrinsics import fetch
 from asperity.machine_code import discard_outdated
 from asperity.stress.fields import PLACES, Field, Parts, field_at, value_at
 
@@ -15,6 +16,10 @@ _FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, 
 
 _INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) for k in range(6)])
 """Denominators of Lagrange's formula on six nodes."""
+
+
+_AHEAD = 4
+"""Values of a node are fetched into the cache while so many nodes before it are compared."""
 
 
 @inlined
@@ -112,9 +117,26 @@ def compare(
             for a in (-1, 0, 1):
                 along_y = stencil.places[0, a], stencil.weights[0, a]
                 _stencil(row[n] + a, other[0], rows, periodic, *along_y)
+        later = n + _AHEAD
+        if later < row.size:
+            _fetch_between(parts, stencil.needed[which[later]], row[later], column[later], other)
         needed = stencil.needed[which[n]]
         along_x = column[n], other[1]
         kept[n] = _exceeds_between(parts, field, needed, *along_x, periodic, magnitude[n], stencil, out[n])
+
+
+@inlined
+def _fetch_between(parts: Any, needed: Any, row: int, column: int, other: tuple[int, int]) -> None:
+    """Have the processor fetch what `_exceeds_between` first reads for a node away from the edges."""
+    values, place = parts.values, parts.place
+    rows, columns = values.shape[0], parts.columns
+    first, left = row * rows // other[0] - 2, column * columns // other[1] - 2
+    if 0 <= first < rows - 5 and 0 <= left < columns - 5:
+        for part in range(PLACES):
+            if needed[part]:
+                for j in range(first, first + 6):
+                    fetch(values, j, place[part], left)
+                    fetch(values, j, place[part], left + 5)
 
 
 @compiled

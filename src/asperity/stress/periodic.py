@@ -24,6 +24,7 @@ from asperity.stress.kernels import (
     TractionKernels,
     Wavevectors,
     add_sliding_stress,
+    clear_columns,
     half_space_columns,
     half_space_xz,
     mode_stress,
@@ -183,7 +184,7 @@ class PeriodicPlanes:
             for first, last in strips_of(bands[band], values):
                 source.complete_rows(values, first, last, columns)
                 if columns < spectra.shape[2]:
-                    spectra[first:last, :, columns:] = 0
+                    clear_columns(values, first, last, 2 * columns, 2 * spectra.shape[2])
                 for own in source.rows:
                     lines = values[first:last, own].reshape(1, -1, values.shape[2])
                     coefficients = lines.view(fourier.complex)[:, :, : grid.half_shape[1]]
@@ -247,7 +248,8 @@ class _HalfSpaceSpectra:
 
     def complete_rows(self, values: Array, first: int, last: int, columns: int) -> None:
         """Fill the parts that have not been transformed along y, in some rows and the first columns."""
-        half_space_xz(self._half_depth, self._wavevectors.odd_qx[:columns], first, last, values)
+        room = self._kept.array("trace", (2 * columns,), self._real)
+        half_space_xz(self._half_depth, self._wavevectors.odd_qx[:columns], first, last, values, room)
 
     def complete(self, first: int, last: int, out: Array) -> None:
         """Fill some rows of the parts that are not transformed along x."""
@@ -263,20 +265,20 @@ class _SurfaceSpectra:
     columns = rows = (slice(0, 1), slice(5, 6))
 
     def __init__(self, modes: Array, fourier: Fourier, pressure: Array) -> None:
-        grid = fourier.grid
-        square = grid.qx**2 + grid.qy[:, None] ** 2
-        square[0, 0] = np.inf
-        self._over_square = (modes / square).astype(modes.dtype)
-        self._qx, self._odd_qx, self._odd_qy = (
-            q.astype(fourier.real) for q in (grid.qx, grid.odd_qx, grid.odd_qy)
-        )
+        self._modes, self._grid, self._real = modes, fourier.grid, fourier.real
         self._pressure, self._mean = pressure, fourier.real.type(modes[0, 0].real)
 
     def fill_columns(self, first: int, last: int, out: Array) -> None:
         """Fill `out` with some columns of the parts to be transformed along y."""
-        np.multiply(-(self._qx[first:last] ** 2), self._over_square[:, first:last], out=out[0])
-        np.multiply(-self._odd_qx[first:last], self._over_square[:, first:last], out=out[1])
-        out[1] *= self._odd_qy[:, None]
+        grid, modes = self._grid, self._modes[:, first:last]
+        square = grid.qx[first:last] ** 2 + grid.qy[:, None] ** 2
+        if first == 0:
+            square[0, 0] = np.inf
+        over_square = (modes * (1 / square)).astype(modes.dtype)
+        qx, odd_qx = (q[first:last].astype(self._real) for q in (grid.qx, grid.odd_qx))
+        np.multiply(-(qx**2), over_square, out=out[0])
+        np.multiply(-odd_qx, over_square, out=out[1])
+        out[1] *= grid.odd_qy.astype(self._real)[:, None]
 
     def complete_rows(self, values: Array, first: int, last: int, columns: int) -> None:
         """Fill the parts that have not been transformed along y."""

@@ -5,6 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from asperity.compiled import sums_without_nan
+from asperity.intrinsics import every_second
+from asperity.machine_code import discard_outdated
 
 _BLOCK = 1024
 """Numbers that are summed in their own precision."""
@@ -19,10 +21,9 @@ def sum_row(
     row: int,
     reference: Any,
     m: int,
-    room: Any,
     out: Any,
 ) -> None:
-    """Sum one row of a field.
+    """Sum one row of a field ≥ 0, or of any field whose largest value is not asked for.
 
     Parameters
     ----------
@@ -31,56 +32,66 @@ def sum_row(
     bits : the same as integers
     at, columns, row : int
     reference : (fields, rows / step, columns / step) array
-        Fields with which this one is compared at every `step`-th node.
+        Fields with which this one is compared at every `step`-th node, with a step of 1 or 2.
     m : int
         Which of these it is compared with, if there are so many.
-    room : (at least columns / step,) array
     out : (5,) array
         Becomes the sum of the row, of its squares, its largest value, and over the compared nodes the sum of
         the field and of its product with the reference.
     """
     here = values[at:]
-    out[0], out[1] = _sums(here, here, columns)
-    bits[0] = _largest(bits[at:], columns)
+    out[0], out[1], bits[0] = _sums(here, bits[at:], columns)
     out[2] = values[0]
     out[3] = out[4] = 0.0
     if m >= reference.shape[0]:
         return
     step = columns // reference.shape[2]
-    if row % step:
-        return
-    other = reference[m, row // step]
-    if step == 2:
-        for i in range(other.size):
-            room[i] = here[2 * i]
-        out[3], out[4] = _sums(room, other, other.size)
-    else:
-        out[3], out[4] = _sums(here, other, other.size)
+    if row % step == 0:
+        out[3], out[4] = _products(here, reference[m, row // step], step)
 
 
 @sums_without_nan
-def _sums(values: Any, others: Any, count: int) -> tuple[float, float]:
-    """Sums of some values and of their products with others: in blocks in their own precision."""
-    total = product = 0.0
+def _sums(values: Any, bits: Any, count: int) -> tuple[float, float, int]:
+    """Sums of some values and of their squares, and the bits of the largest.
+
+    The bits of numbers ≥ 0 are in the order of the numbers. Comparisons of integers are turned into
+    operations on vectors, those of floating-point numbers are not.
+    """
+    total = squares = 0.0
+    largest = bits[0]
     for first in range(0, count, _BLOCK):
         last = min(first + _BLOCK, count)
-        some, same = values[first:last], others[first:last]
-        part = here = values[0] - values[0]
+        some, their_bits = values[first:last], bits[first:last]
+        part = square = values[0] - values[0]
         for i in range(last - first):
-            here += some[i]
-            part += some[i] * same[i]
-        total += here
-        product += part
-    return total, product
+            part += some[i]
+            square += some[i] * some[i]
+            largest = max(largest, their_bits[i])
+        total += part
+        squares += square
+    return total, squares, largest
 
 
 @sums_without_nan
-def _largest(bits: Any, count: int) -> int:
-    """Bits of the largest of some values ≥ 0, from their bits, which are in the same order.
+def _products(values: Any, others: Any, step: int) -> tuple[float, float]:
+    """Sums of every first or second of some values, and of their products with others."""
+    total = products = 0.0
+    for first in range(0, others.size, _BLOCK):
+        last = min(first + _BLOCK, others.size)
+        some, other = values[step * first :], others[first:last]
+        part = product = values[0] - values[0]
+        if step == 1:
+            for i in range(last - first):
+                part += some[i]
+                product += some[i] * other[i]
+        else:
+            for i in range(last - first):
+                value = every_second(some, i)
+                part += value
+                product += value * other[i]
+        total += part
+        products += product
+    return total, products
 
-    Loops that compare integers are vectorised, those that compare floating-point numbers are not.
-    """
-    largest = bits[0]
-    for i in range(count):
-        largest = max(largest, bits[i])
-    return largest
+
+discard_outdated(__name__)

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
+from typing import Any
 
 import numpy as np
 
@@ -46,6 +49,25 @@ class SoughtField:
         return Field(KINDS[self.name], real(ratio), real(self.uniform * plane.mean_pressure))
 
 
+class _KeptRoom(threading.local):
+    """The room of each thread, used again as long as it is large enough."""
+
+    def __init__(self) -> None:
+        self._arrays = KeptArrays()
+        self._kind: tuple[object, ...] = ()
+        self._rows = 0
+
+    def empty(self, fields: int, columns: int, rows: int, real: np.dtype[Any]) -> Room:
+        """Room for so many rows, without maxima."""
+        kind = fields, columns, real
+        if kind != self._kind or rows > self._rows:
+            most = (rows // 2 + 1) * (columns // 2 + 1)
+            self._room = room_for(fields, columns, most, real, self._arrays.array)
+            self._kind, self._rows = kind, rows
+        self._room.count[0] = 0
+        return self._room
+
+
 class PlaneSearch:
     """Computes and searches fields of one plane after the other; keeps its memory.
 
@@ -73,7 +95,7 @@ class PlaneSearch:
         self._von_mises = np.arange(min(others, default=len(self.fields)))
         averaged = np.cumsum([field.averaged for field in fields]) - 1
         self._averaged = np.where([field.averaged for field in fields], averaged, -1)
-        self._kept = KeptArrays()
+        self._kept = _KeptRoom()
 
     def start(
         self,
@@ -142,12 +164,20 @@ class PlaneSearch:
         around = [(edge - 2, edge + 2) for edge in edges]
         if not self._periodic:
             around[0] = (-1, 2)
+            edges.append(rows)
             around.append((rows - 2, rows + 1))
         nothing = np.empty((0, 0, SUMS))
-        for start, stop in around:
+        before, after = [], []
+        for edge, (start, stop) in zip(edges, around, strict=True):
             room = self._room(stop - start)
             self._search_rows(room, start, start, stop, nothing)
-            self._found.append(self._maxima_in(room))
+            found = self._maxima_in(room)
+            of_row_before = np.count_nonzero(found[1] != edge)
+            before.append(tuple(array[:of_row_before] for array in found))
+            after.append(tuple(array[of_row_before:] for array in found))
+        if self._periodic:
+            before.append(before[0])
+        self._found = [*chain(*zip(after, self._found, before[1:], strict=False))]
         self.lower = (self._upper.kept, self._upper.values) if self._search.compared else None
 
     def maxima_above(self, floor: float) -> Maxima:
@@ -158,18 +188,15 @@ class PlaneSearch:
         arrays = [np.concatenate(part) for part in zip(*self._found, strict=True)]
         field, row, column, here = arrays[:4]
         found = Maxima(field, (row, column), here, arrays[4] if self._search.compared else None)
-        order = np.argsort(row * len(self.fields) + field, kind="stable")
-        return found.select(order[found.magnitude[order] > floor])
+        high = found.magnitude > floor
+        return found if high.all() else found.select(np.flatnonzero(high))
 
     def _search_rows(self, room: Room, start: int, first: int, last: int, sums: Array) -> None:
         both, rows = (self._parts, self._above), (start, first, last)
         search_rows(*both, self._search, self._upper, room, *rows, self._reference, sums)
 
     def _room(self, rows: int) -> Room:
-        fields, columns = len(self.fields), self._parts.columns
-        real = self._parts.values.dtype
-        capacity = (rows // 2 + 1) * (columns // 2 + 1)
-        return room_for(fields, columns, capacity, real, self._kept.array)
+        return self._kept.empty(len(self.fields), self._parts.columns, rows, self._parts.values.dtype)
 
     def _maxima_in(self, room: Room) -> tuple[Array, ...]:
         """Fields, rows and columns of the maxima that have been found, and the values around them."""

@@ -168,7 +168,7 @@ class LagRings:
         self._grid, width = grid, min(grid.spacing)
         y, x = (axis[: axis.size // 2 + 1] for axis in grid.coordinates())
         rings = int(min(grid.length) / 2 / width + 1e-9) + 1
-        number = np.rint(np.hypot(y[:, None], x[None, :]) / width)
+        number = np.rint(np.sqrt((y[:, None] / width) ** 2 + (x / width) ** 2))
         self.lag, self._ring = width * np.arange(rings), np.minimum(number, rings).astype(np.int32)
         self._count = self._sum(np.ones(number.shape))
 
@@ -193,15 +193,17 @@ class LagRings:
         rows, nodes = self._ring.shape
         # Of a real even column the transform is real: two are transformed along y as one complex column.
         half = (power.shape[1] + 1) // 2
-        pairs = np.zeros((1, power.shape[0], half), fourier.complex)
+        others = power.shape[1] - half
+        pairs = np.empty((1, power.shape[0], half), fourier.complex)
         pairs.real[0] = power[:, :half]
-        pairs.imag[0, :, : power.shape[1] - half] = power[:, half:]
+        pairs.imag[0, :, :others] = power[:, half:]
+        pairs.imag[0, :, others:] = 0
         for first in range(0, half, LINES_AT_ONCE):
             block = pairs[:, :, first : first + LINES_AT_ONCE]
             fourier.inverse_along_y(block, block)
         columns = np.zeros((1, rows, power.shape[1]), fourier.complex)
         columns.real[0, :, :half] = pairs.real[0, :rows]
-        columns.real[0, :, half:] = pairs.imag[0, :rows, : power.shape[1] - half]
+        columns.real[0, :, half:] = pairs.imag[0, :rows, :others]
         covariance = np.empty((1, rows, self._grid.shape[1]), fourier.real)
         for first in range(0, rows, LINES_AT_ONCE):
             strip = slice(first, min(first + LINES_AT_ONCE, rows))

@@ -85,7 +85,9 @@ class Truncation:
         self._layer = layer
         self._envelope = envelope
         width = 2 * np.pi / max(grid.length)
-        numbers = np.floor(np.hypot(grid.qy[: grid.shape[0] // 2 + 1, None], grid.qx) / width)
+        numbers = np.sqrt(grid.qy[: grid.shape[0] // 2 + 1, None] ** 2 + grid.qx**2)
+        numbers /= width
+        np.floor(numbers, out=numbers)
         if numbers.max() < numbers.size:
             ring = numbers.astype(np.int64)
             occupied = np.arange(int(ring.max()) + 1)
@@ -95,7 +97,9 @@ class Truncation:
         rings = occupied.size
         self._width, self._wavenumber = width, width * occupied
         magnitude = np.abs(pressure)
-        amplitude, power = (_folded(each * grid.multiplicity) for each in (magnitude, magnitude * magnitude))
+        amplitude = _folded(magnitude, grid.multiplicity)
+        magnitude *= magnitude
+        power = _folded(magnitude, grid.multiplicity)
         self._qx, self._of_columns = grid.qx, amplitude.sum(axis=0)
         self._power = np.bincount(ring.ravel(), power.ravel(), rings)
         self._mean_square = float(np.abs(pressure[0, 0]) ** 2)
@@ -165,11 +169,11 @@ def coarser_grids(grid: Grid) -> list[Grid]:
             return grids
 
 
-def _folded(values: Array) -> Array:
-    """Sum over the modes ±ky of values of the stored modes, (ny // 2 + 1, nx // 2 + 1)."""
+def _folded(values: Array, multiplicity: Array) -> Array:
+    """Weighted sum over the modes ±ky of values of the stored modes, (ny // 2 + 1, nx // 2 + 1)."""
     half = values.shape[0] // 2
-    out = values[: half + 1].copy()
-    out[1 : values.shape[0] - half] += values[:half:-1]
+    out = values[: half + 1] * multiplicity
+    out[1 : values.shape[0] - half] += values[:half:-1] * multiplicity
     return out
 
 
