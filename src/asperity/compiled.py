@@ -30,3 +30,7 @@ sums = _loop(fastmath={"reassoc", "contract", "nsz"})
 
 # None of the numbers is NaN: only then some loops that sum or compare are turned into operations on vectors.
 sums_without_nan = _loop(fastmath={"reassoc", "nnan", "nsz", "contract"})
+
+# To be called by other compiled loops. A copy of its own in each of them might add in another order: which of
+# the copies runs depends on what has been compiled in the same process, and what before.
+inlined_sums_without_nan = _loop(fastmath={"reassoc", "nnan", "nsz", "contract"}, forceinline=True)

@@ -77,6 +77,8 @@ class References:
         self._grid: Grid | None = None
         self._fields = np.empty((count, 0, 0))
         self._compared = self._fields
+        self._spare = self._taken = self._fields[:0]
+        self._rises = False
         self._unfilled: dict[int, LinearPlane] = {}
         self._depths = np.zeros(count)
         self._means = np.zeros(count)
@@ -103,6 +105,23 @@ class References:
             self._resample(Grid((ny // step, nx // step), plane.grid.length))
             self._compared, self._grid = self._fields, plane.grid
         return self._compared
+
+    def room_for(self, plane: LinearPlane) -> Array:
+        """Where the fields of a plane are to be written that may become references, after a call of `on`.
+
+        At every node or every second one, as they will be compared; empty if they are hardly needed.
+        """
+        step = self._step(plane.grid)
+        is_compared_at_all_nodes = step == 1 or plane.depth < min(self._finest.spacing)
+        self._taken = self._fields[:0]
+        if self._grid is None and is_compared_at_all_nodes:
+            self._taken = self._fields
+        elif self._rises and not is_compared_at_all_nodes:
+            count, ny, nx = len(self._sought), *plane.grid.shape
+            if self._spare.shape != (count, ny // step, nx // step):
+                self._spare = np.empty((count, ny // step, nx // step), plane.dtype)
+            self._taken = self._spare
+        return self._taken
 
     def _resample(self, grid: Grid) -> None:
         """Transform all references to a grid from their modes."""
@@ -155,6 +174,7 @@ class References:
             self.covariance[:, number] = products - means * self._means
         has_risen = largest[: len(self._sought)] > self._largest
         risen = np.flatnonzero(has_risen)
+        self._rises = risen.size > 0
         for m in risen.tolist():
             self._unfilled.pop(m, None)
         for m in np.flatnonzero(~has_risen).tolist():
@@ -184,14 +204,21 @@ class References:
         step = self._step(plane.grid)
         if step == 1 or self._depths.min() < min(self._finest.spacing):
             self._compared = self._fields
-            self._fill(plane, risen, self._fields)
+            if self._taken is not self._fields:
+                self._fill(plane, risen, self._fields)
             self._means[risen] = means
             return
-        changed = risen.tolist()
+        all_rise, changed = risen.size == len(self._sought), risen.tolist()
         if self._compared is self._fields:
-            self._compared = self._fields[:, ::step, ::step].copy()
+            sampled = self._fields[:, ::step, ::step]
+            self._compared = np.empty(sampled.shape, sampled.dtype) if all_rise else sampled.copy()
             changed = range(len(self._sought))
-        self._fill(plane, risen, self._compared)
+        if self._taken.size == 0:
+            self._fill(plane, risen, self._compared)
+        elif all_rise:
+            self._compared, self._spare = self._spare, self._compared
+        else:
+            self._compared[risen] = self._spare[risen]
         self._unfilled.update(dict.fromkeys(risen.tolist(), plane))
         for m in changed:
             self._means[m] = moments(self._compared[m], self._compared[m])[0]

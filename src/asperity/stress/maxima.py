@@ -12,7 +12,7 @@ from asperity.intrinsics import BITS, higher, higher_than, lowest_bit
 from asperity.machine_code import discard_outdated
 from asperity.stress.fields import SHARED, fetch_at, field_at, fill_row, fill_von_mises, value_at
 from asperity.stress.neighbours import exceeds, neighbour
-from asperity.stress.row_sums import sum_row
+from asperity.stress.row_sums import sum_row, take_row
 from asperity.types import Array
 
 _MARGIN = 16
@@ -155,6 +155,7 @@ def search_rows(
     first: int,
     last: int,
     reference: Any,
+    taken: Any,
     sums: Any,
 ) -> None:
     """Compute the fields of some rows of a plane, search the rows above them for maxima, and sum.
@@ -172,9 +173,11 @@ def search_rows(
         Rows beyond the edges are those at the opposite edge or their mirror image.
     reference : (averaged, rows / step, columns / step) array
         Fields with which each averaged one is compared at every `step`-th node; empty if there are none.
+    taken : (averaged, rows / step, columns / step) array
+        Becomes the averaged fields at every `step`-th node; empty if they are not needed.
     sums : (averaged, rows, 5) array
         Sum of each row, of its squares, its largest value, and over the compared nodes the sum of the field
-        and of its product with the reference; empty if nothing is summed.
+        and of its product with the reference; empty if nothing is summed or taken.
     """
     rows, columns, periodic = parts.values.shape[0], parts.columns, search.periodic
     fields, before = search.sought.size, room.count[0]
@@ -190,6 +193,7 @@ def search_rows(
             m = search.averaged[t]
             if m >= 0 and sums.size:
                 sum_row(values, room.bits[t, line], _MARGIN, columns, row, reference, m, sums[m, row])
+                take_row(values, _MARGIN, columns, row, taken, m)
             if search.sought[t]:
                 _fill_margins(values, columns, periodic)
                 if j > start:
@@ -220,8 +224,8 @@ def _fill_margins(line: Any, columns: int, periodic: bool) -> None:
 def _mark(here: Any, previous: Any, columns: int, floor: float, pending: Any, flags: Any) -> None:
     """Mark the nodes of a row and of the one before it that may be maxima, from their four neighbours.
 
-    A node is marked in `pending` if it is above the floor, higher than its neighbours in the row before and on
-    the left, and not lower than that on the right. It is left in `flags` if that in the next row is not
+    A node is marked in `pending` if it is above the floor, higher than its neighbours in the row before and
+    on the left, and not lower than that on the right. It is left in `flags` if that in the next row is not
     higher either. One comparison thus tells of two nodes.
     """
     following = higher(here, _MARGIN, here, _MARGIN - 1)

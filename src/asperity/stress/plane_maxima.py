@@ -131,7 +131,7 @@ def plane_maxima(plane: SearchedPlane, floor: float) -> Maxima:
         False,
     )
     # One row more at both ends: the rows at the edges are compared with their neighbours too.
-    nothing = np.empty((0, 1, 1), real), np.empty((0, 0, 0))
+    nothing = np.empty((0, 1, 1), real), np.empty((0, 1, 1), real), np.empty((0, 0, 0))
     nodes = np.empty(0, np.int64)
     upper = upper_for(nodes, nodes, np.empty(0, real), rows)
     search_rows(plane.parts, plane.parts, search, upper, room, -1, -1, rows + 1, *nothing)

@@ -1,10 +1,10 @@
-"""Compiled sums over one row of a field."""
+"""Compiled sums over one row of a field, and copies of it."""
 
 from __future__ import annotations
 
 from typing import Any
 
-from asperity.compiled import sums_without_nan
+from asperity.compiled import compiled, inlined_sums_without_nan
 from asperity.intrinsics import every_second
 from asperity.machine_code import discard_outdated
 
@@ -12,7 +12,7 @@ _BLOCK = 1024
 """Numbers that are summed in their own precision."""
 
 
-@sums_without_nan
+@inlined_sums_without_nan
 def sum_row(
     values: Any,
     bits: Any,
@@ -50,7 +50,33 @@ def sum_row(
         out[3], out[4] = _products(here, reference[m, row // step], step)
 
 
-@sums_without_nan
+@compiled
+def take_row(values: Any, at: int, columns: int, row: int, out: Any, m: int) -> None:
+    """Write one row of a field, or every second value of every second row, to its place.
+
+    Parameters
+    ----------
+    values, at, columns, row
+        As of `sum_row`.
+    out : (fields, rows / step, columns / step) array
+    m : int
+        Which of the fields of `out` it is, if there are so many.
+    """
+    if m >= out.shape[0]:
+        return
+    here, step = values[at:], columns // out.shape[2]
+    if row % step:
+        return
+    line = out[m, row // step]
+    if step == 1:
+        for i in range(line.size):
+            line[i] = here[i]
+    else:
+        for i in range(line.size):
+            line[i] = every_second(here, i)
+
+
+@inlined_sums_without_nan
 def _sums(values: Any, bits: Any, count: int) -> tuple[float, float, int]:
     """Sums of some values and of their squares, and the bits of the largest.
 
@@ -72,7 +98,7 @@ def _sums(values: Any, bits: Any, count: int) -> tuple[float, float, int]:
     return total, squares, largest
 
 
-@sums_without_nan
+@inlined_sums_without_nan
 def _products(values: Any, others: Any, step: int) -> tuple[float, float]:
     """Sums of every first or second of some values, and of their products with others."""
     total = products = 0.0

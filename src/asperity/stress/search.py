@@ -104,6 +104,7 @@ class PlaneSearch:
         upper: Maxima | None,
         floor: float,
         reference: Array,
+        taken: Array,
     ) -> None:
         """Begin a plane.
 
@@ -116,7 +117,7 @@ class PlaneSearch:
             Those in the plane above that may be peaks.
         floor : float
             Maxima at or below it are left out.
-        reference : array
+        reference, taken : arrays
             As of `asperity.stress.maxima.search_rows`.
         """
         real, rows = plane.dtype, plane.grid.shape[0]
@@ -139,7 +140,7 @@ class PlaneSearch:
         else:
             nothing = np.empty(0, np.int64)
             self._upper = upper_for(nothing, nothing, np.empty(0, real), rows * len(self.fields))
-        self._reference = reference
+        self._references = reference, taken
         self.sums = np.empty((int(self._averaged.max()) + 1, rows, SUMS))
         self._bands = bands_of(rows)
         self._rooms: list[Room | None] = [None] * len(self._bands)
@@ -193,7 +194,7 @@ class PlaneSearch:
 
     def _search_rows(self, room: Room, start: int, first: int, last: int, sums: Array) -> None:
         both, rows = (self._parts, self._above), (start, first, last)
-        search_rows(*both, self._search, self._upper, room, *rows, self._reference, sums)
+        search_rows(*both, self._search, self._upper, room, *rows, *self._references, sums)
 
     def _room(self, rows: int) -> Room:
         return self._kept.empty(len(self.fields), self._parts.columns, rows, self._parts.values.dtype)

@@ -127,7 +127,8 @@ class StreamAnalysis:
         # The floor is known when the plane is; until then, one that is a little lower.
         floor = max(plane.bound, 0.99 * self.settings.floor * plane.scale)
         reference = self.references.on(plane)
-        self._search.start(plane, self._last, self._finder.candidates, floor, reference)
+        taken = self.references.room_for(plane)
+        self._search.start(plane, self._last, self._finder.candidates, floor, reference, taken)
         return self._search.add_rows
 
     def _add(self, number: int, plane: LinearPlane) -> None:
