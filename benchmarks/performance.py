@@ -42,12 +42,10 @@ def commands(grids: list[int]) -> dict[str, str]:
     threads = min(THREADS_GRID, largest)
     large = LARGE_GRID if largest >= GRIDS[-1] else 2 * largest
     out = f"--out {FOLDER.relative_to(ROOT)}"
-    fast = '--solver "active_set float64" --tolerance 1e-6'
     return {
         "roofline": f"python benchmarks/roofline.py {out}",
         "contact": f"python benchmarks/contact.py --points {' '.join(map(str, grids))} {out}",
-        # In a folder of its own, so that both runs of a ratio are of the same time.
-        "threads": f"python benchmarks/contact.py --points {threads} --threads 1 2 {fast} {out}/threads",
+        "threads": f"python benchmarks/two_threads.py --points {threads} {out}",
         "large": f"python benchmarks/large.py --points {large} {out}",
         "load_path": f"python benchmarks/load_path.py --points {some(PATH_GRIDS)}",
         "stress": f"python benchmarks/stress.py --grids {some(STRESS_GRIDS)}",

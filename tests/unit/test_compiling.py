@@ -8,6 +8,7 @@ from pathlib import Path
 from pkgutil import walk_packages
 
 from numba import njit
+from numba.core.registry import CPUDispatcher
 
 import asperity
 from asperity.cli.compiling import compile_visibly
@@ -38,17 +39,39 @@ def test_what_the_small_calculation_refuses_is_left_to_the_command(capsys):
     assert capsys.readouterr().err == ""
 
 
+def source_of(module):
+    return Path(find_spec(module).origin).read_text()
+
+
 def test_code_compiled_with_functions_of_other_modules_is_discarded_when_these_change():
     needed, done = set(), set()
     for module in walk_packages(asperity.__path__, "asperity."):
         if module.name != "asperity.__main__" and find_spec(module.name):
-            source = Path(find_spec(module.name).origin).read_text()
+            source = source_of(module.name)
             if "njit" in source or "from asperity.compiled import" in source:
                 import_module(module.name)
                 needed |= {module.name} if calls_other_modules(module.name) else set()
                 done |= {module.name} if "discard_outdated(__name__)" in source else set()
     assert needed
     assert done == needed
+
+
+def test_sums_in_any_order_are_inlined_where_other_loops_call_them():
+    # Else two copies, which may add in different orders, would stand in the callee and in the caller.
+    found = 0
+    for module in walk_packages(asperity.__path__, "asperity."):
+        if module.name == "asperity.__main__" or "asperity.compiled import" not in source_of(module.name):
+            continue
+        for function in vars(import_module(module.name)).values():
+            if isinstance(function, CPUDispatcher):
+                called = map(function.py_func.__globals__.get, function.py_func.__code__.co_names)
+                for one in called:
+                    if isinstance(one, CPUDispatcher) and "reassoc" in (
+                        one.targetoptions.get("fastmath") or ()
+                    ):
+                        assert one.targetoptions.get("forceinline"), one
+                        found += 1
+    assert found
 
 
 def test_only_outdated_code_of_callers_is_discarded(tmp_path):
