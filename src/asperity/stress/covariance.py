@@ -243,7 +243,10 @@ class References:
         kept = self._kept[m]
         if not number or kept is None:
             return kept
-        return [*kept, _Packed.of(self._compared[m])] if len(kept) < MOST_KEPT else None
+        if len(kept) == MOST_KEPT:
+            return None
+        field = self._compared[m]
+        return [*kept, _Packed.of(field, self._largest[m] if self._compared is self._fields else field.max())]
 
     def _compare_kept(self, m: int) -> None:
         """Compare the kept planes with the reference below them, and give back their memory."""
@@ -291,9 +294,9 @@ class _Packed(NamedTuple):
     field: Array
 
     @classmethod
-    def of(cls, field: Array) -> _Packed:
+    def of(cls, field: Array, largest: float) -> _Packed:
         """A field ≥ 0, in steps of its largest value over `PACKED`, or as it is in double precision."""
-        largest = float(field.max())
+        largest = float(largest)
         if field.dtype != np.float32 or not largest:
             return cls(1.0, field.copy())
         packed = np.empty(field.shape, np.uint16)
