@@ -29,8 +29,8 @@ KERNEL = "elasticity/kernels.py", "(one + d) * a, (one - d) * a", "(one + d) * a
 
 SURFACE = (
     "stress/periodic.py",
-    "np.multiply(-(self._qx[first:last] ** 2)",
-    "np.multiply(-1.01 * (self._qx[first:last] ** 2)",
+    "np.multiply(-(qx**2)",
+    "np.multiply(-1.01 * (qx**2)",
 )
 """The lateral stress in the surface itself, which follows from the pressure without this kernel."""
 

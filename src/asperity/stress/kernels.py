@@ -331,36 +331,6 @@ def half_space_xz(half_depth: float, odd_qx: Any, first: int, last: int, parts: 
 
 
 @compiled
-def complete_surface(pressure: Any, mean: float, first: int, parts: Any) -> None:
-    """Fill the other parts of some rows of the surface of a half-space from A_xx and A_xy.
-
-    Parameters
-    ----------
-    pressure : (ny, nx) array
-    mean : float
-        Its mean, in the precision of the parts.
-    first : int
-        The first of the rows.
-    parts : (rows, 8, nx) array
-        Parts A in the order of `COMPONENTS`, B_xx and B_xy.
-    """
-    for j in range(parts.shape[0]):
-        xx, yy, zz, xy = parts[j, _XX], parts[j, _YY], parts[j, _ZZ], parts[j, _XY]
-        yz, xz, slope_xx, slope_xy = parts[j, _YZ], parts[j, _XZ], parts[j, 6], parts[j, 7]
-        above = pressure[first + j]
-        for i in range(zz.size):
-            zz[i] = -above[i]
-        for i in range(zz.size):
-            yy[i] = zz[i] - xx[i] + mean
-        for i in range(zz.size):
-            slope_xx[i] = yy[i] + yy[i]
-        for i in range(zz.size):
-            slope_xy[i] = -(xy[i] + xy[i])
-        for i in range(zz.size):
-            yz[i] = xz[i] = 0
-
-
-@compiled
 def clear_columns(parts: Any, first: int, last: int, start: int, stop: int) -> None:
     """Set some columns of some rows of (rows, parts, columns) to zero."""
     for j in range(first, last):

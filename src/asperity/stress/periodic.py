@@ -25,7 +25,6 @@ from asperity.stress.kernels import (
     Wavevectors,
     add_sliding_stress,
     clear_columns,
-    complete_surface,
     half_space_columns,
     half_space_xz,
     mode_stress,
@@ -286,7 +285,13 @@ class _SurfaceSpectra:
 
     def complete(self, first: int, last: int, out: Array) -> None:
         """Fill some rows of the parts that are not transformed along x."""
-        complete_surface(self._pressure, self._mean, first, out)
+        xx, yy, zz, yz, xz, xy, slope_xx, slope_xy = out.swapaxes(0, 1)
+        np.negative(self._pressure[first:last], out=zz, casting="same_kind")
+        np.subtract(zz, xx, out=yy)
+        yy += self._mean
+        np.multiply(yy, 2, out=slope_xx)
+        np.multiply(xy, -2, out=slope_xy)
+        yz[...] = xz[...] = 0
 
 
 class _Spectra:
