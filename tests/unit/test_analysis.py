@@ -143,13 +143,29 @@ def test_planes_above_the_reference_that_are_not_kept_are_computed_again(contact
     xr.testing.assert_identical(again.drop_vars(name), result.drop_vars(name))
 
 
-def test_every_second_node_is_enough_for_the_covariance(monkeypatch):
+@pytest.mark.parametrize("most_kept", [1, 8])
+@pytest.mark.parametrize("last", ["deepest", "reference", "above the reference"])
+def test_every_second_node_is_enough_for_the_covariance(last, most_kept, monkeypatch):
+    """Also where the largest value rises to the last plane; the rest is the same to the last bit."""
     solid = rough(192)
-    every = analyse_stress(solid, poisson=RATIOS, quantities=("zz",), tolerance=1e-4)["covariance_depth"]
+    depths = solid.grid.spacing[0] * np.array([0, 0.5, 1, 1.5, 2, 2.5, 3, 4, 6, 10, 30])
+    ratios = [0.0, 0.25, 0.5]
+    reference = analyse_stress(solid, depths, ratios, tolerance=1e-4)["reference_depth"].values
+    assert np.unique(reference).size > 1
+    deepest = int(np.searchsorted(depths, reference.max()))
+    depths = depths[
+        : {"deepest": depths.size, "reference": deepest + 1, "above the reference": deepest}[last]
+    ]
+    monkeypatch.setattr("asperity.stress.covariance.MOST_KEPT", most_kept)
+    every = analyse_stress(solid, depths, ratios, tolerance=1e-4)
     monkeypatch.setattr("asperity.stress.covariance.FEWEST_SKIPPED", 32)
-    second = analyse_stress(solid, poisson=RATIOS, quantities=("zz",), tolerance=1e-4)["covariance_depth"]
-    assert (every != second).any()
-    np.testing.assert_allclose(second, every, rtol=0, atol=1e-4 * float(every.max()))
+    second = analyse_stress(solid, depths, ratios, tolerance=1e-4)
+    name = "covariance_depth"
+    if last == "deepest":  # else all others may have been computed again, at all nodes
+        assert (every[name] != second[name]).any()
+    largest = float(every[name].max())
+    np.testing.assert_allclose(second[name], every[name], rtol=0, atol=1e-4 * largest)
+    xr.testing.assert_identical(second.drop_vars(name), every.drop_vars(name))
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])

@@ -114,7 +114,7 @@ class References:
         step = self._step(plane.grid)
         is_compared_at_all_nodes = step == 1 or plane.depth < min(self._finest.spacing)
         self._taken = self._fields[:0]
-        if self._grid is None and is_compared_at_all_nodes:
+        if self._grid is None:
             self._taken = self._fields
         elif self._rises and not is_compared_at_all_nodes:
             count, ny, nx = len(self._sought), *plane.grid.shape
