@@ -54,7 +54,7 @@ LARGE_ERROR = 0.05
 # of the pressure is below the limit.
 FEW_NODES = 20
 FEW_OF_AREA = 0.02
-MAX_STEPS_OF_FEW = 1
+MAX_STEPS_OF_FEW = 2
 MAX_ERROR_OF_FEW = 2e-3
 
 
