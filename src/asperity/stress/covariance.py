@@ -111,12 +111,11 @@ class References:
 
         At every node or every second one, as they will be compared; empty if they are hardly needed.
         """
-        step = self._step(plane.grid)
-        is_compared_at_all_nodes = step == 1 or plane.depth < min(self._finest.spacing)
+        step = self._step(plane.grid, plane.depth)
         self._taken = self._fields[:0]
         if self._grid is None:
             self._taken = self._fields
-        elif self._rises and not is_compared_at_all_nodes:
+        elif self._rises and step > 1:
             count, ny, nx = len(self._sought), *plane.grid.shape
             if self._spare.shape != (count, ny // step, nx // step):
                 self._spare = np.empty((count, ny // step, nx // step), plane.dtype)
@@ -201,8 +200,8 @@ class References:
         Where only every second value is compared, the others are left out for now: the largest value often
         rises from plane to plane, and all values are needed of the last plane alone.
         """
-        step = self._step(plane.grid)
-        if step == 1 or self._depths.min() < min(self._finest.spacing):
+        step = self._step(plane.grid, self._depths.min())
+        if step == 1:
             self._compared = self._fields
             if self._taken is not self._fields:
                 self._fill(plane, risen, self._fields)
@@ -213,13 +212,15 @@ class References:
             sampled = self._fields[:, ::step, ::step]
             self._compared = np.empty(sampled.shape, sampled.dtype) if all_rise else sampled.copy()
             changed = range(len(self._sought))
-        if self._taken.size == 0:
-            self._fill(plane, risen, self._compared)
-        elif all_rise:
-            self._compared, self._spare = self._spare, self._compared
+        if self._taken.size:
+            if all_rise:
+                self._compared, self._spare = self._spare, self._compared
+            else:
+                self._compared[risen] = self._spare[risen]
+            self._unfilled.update(dict.fromkeys(risen.tolist(), plane))
         else:
-            self._compared[risen] = self._spare[risen]
-        self._unfilled.update(dict.fromkeys(risen.tolist(), plane))
+            self._fill(plane, risen, self._fields)
+            self._compared[risen] = self._fields[risen, ::step, ::step]
         for m in changed:
             self._means[m] = moments(self._compared[m], self._compared[m])[0]
 
@@ -232,8 +233,10 @@ class References:
             for other in alike:
                 del self._unfilled[other]
 
-    def _step(self, grid: Grid) -> int:
-        """2 if planes on a grid are compared at every second node along each axis, else 1."""
+    def _step(self, grid: Grid, depth: float = np.inf) -> int:
+        """2 if planes on a grid, from a depth on, are compared at every second node of each axis, else 1."""
+        if depth < min(self._finest.spacing):
+            return 1
         fine = [n > SKIPPED_ABOVE * most for n, most in zip(grid.shape, self._finest.shape, strict=True)]
         even = [n % 2 == 0 and n >= FEWEST_SKIPPED for n in grid.shape]
         return 2 if self._fields.dtype == np.float32 and all(fine) and all(even) else 1
@@ -245,8 +248,7 @@ class References:
             return kept
         if len(kept) == MOST_KEPT:
             return None
-        field = self._compared[m]
-        return [*kept, _Packed.of(field, self._largest[m] if self._compared is self._fields else field.max())]
+        return [*kept, _Packed.of(self._compared[m], float(self._largest[m]))]
 
     def _compare_kept(self, m: int) -> None:
         """Compare the kept planes with the reference below them, and give back their memory."""
@@ -256,15 +258,14 @@ class References:
         self._kept[m] = None
 
     def _fill(self, plane: LinearPlane, places: Array, out: Array) -> None:
-        """Write some of the fields of a plane to their places in `out`, at all nodes or every second one."""
+        """Write some of the fields of a plane to their places in `out`."""
         compiled = [field.compiled(plane) for field in self._sought]
         ratios, uniforms = (
             np.array([getattr(field, name) for field in compiled], plane.dtype)
             for name in ("ratio", "uniform")
         )
         shared = np.empty(SHARED, plane.dtype)
-        line = np.empty((len(compiled), 1, plane.grid.shape[1]), plane.dtype)
-        fill_fields(plane.parts(), compiled[0].kind, ratios, uniforms, places, shared, line, out)
+        fill_fields(plane.parts(), compiled[0].kind, ratios, uniforms, places, shared, out)
 
     def add_again(self, number: int, plane: LinearPlane) -> None:
         """Compare a plane above some references that has not been compared."""
@@ -295,8 +296,7 @@ class _Packed(NamedTuple):
 
     @classmethod
     def of(cls, field: Array, largest: float) -> _Packed:
-        """A field ≥ 0, in steps of its largest value over `PACKED`, or as it is in double precision."""
-        largest = float(largest)
+        """A field from 0 to `largest`, in steps of that over `PACKED`, or as it is in double precision."""
         if field.dtype != np.float32 or not largest:
             return cls(1.0, field.copy())
         packed = np.empty(field.shape, np.uint16)

@@ -14,7 +14,7 @@ import numpy as np
 
 from asperity.compiled import compiled, inlined, sums_without_nan
 from asperity.elasticity.layer import COMPONENTS
-from asperity.intrinsics import every_second, fetch
+from asperity.intrinsics import fetch
 from asperity.machine_code import discard_outdated
 from asperity.stress.principal import LARGEST_SHEAR, PRINCIPAL_1, PRINCIPAL_2, PRINCIPAL_3, principal_stresses
 from asperity.types import Array
@@ -217,27 +217,20 @@ def fill_von_mises(
 
 @compiled
 def fill_fields(
-    parts: Any, kind: int, ratios: Any, uniforms: Any, places: Any, shared: Any, line: Any, out: Any
+    parts: Any, kind: int, ratios: Any, uniforms: Any, places: Any, shared: Any, out: Any
 ) -> None:
     """Fill some of the arrays of `out`, (fields, rows, columns), with fields of one kind.
 
-    Arguments are those of `fill_von_mises`, and `kind` as of `Field`. If `out` has half the rows and columns
-    of the plane, it is filled with every second value of every second row, and `line`, (fields, 1, columns),
-    is room for one row.
+    Arguments are those of `fill_von_mises`, and `kind` as of `Field`.
     """
-    halved = out.shape[1] < parts.values.shape[0]
     for row in range(out.shape[1]):
-        target, own, here = (line, 2 * row, 0) if halved else (out, row, row)
         if kind == _VON_MISES:
-            at = target.shape[2] - parts.columns
-            fill_von_mises(parts, own, ratios, uniforms, places, shared, target, here, at)
+            fill_von_mises(
+                parts, row, ratios, uniforms, places, shared, out, row, out.shape[2] - parts.columns
+            )
         else:
             for m in places:
-                fill_row(parts, Field(kind, ratios[m], uniforms[m]), own, target[m, here])
-        if halved:
-            for m in places:
-                for i in range(out.shape[2]):
-                    out[m, row, i] = every_second(line[m, 0], i)
+                fill_row(parts, Field(kind, ratios[m], uniforms[m]), row, out[m, row])
 
 
 def needed_parts(kind: int, place: Array) -> Array:

@@ -92,7 +92,7 @@ class LinearPlane:
         ratios, uniforms = (np.array([value], self.dtype) for value in (ratio, uniform))
         rows = out.reshape(1, -1, out.shape[-1])
         shared = np.empty(SHARED, self.dtype)
-        fill_fields(self.parts(), kind, ratios, uniforms, np.array([0]), shared, rows, rows)
+        fill_fields(self.parts(), kind, ratios, uniforms, np.array([0]), shared, rows)
         return out
 
     def sample(self, name: str, poisson: float, gather: Gather) -> Array:

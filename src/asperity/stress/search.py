@@ -178,6 +178,7 @@ class PlaneSearch:
             after.append(tuple(array[of_row_before:] for array in found))
         if self._periodic:
             before.append(before[0])
+        # By rising rows: of every band its first row, those between, and its last one.
         self._found = [*chain(*zip(after, self._found, before[1:], strict=False))]
         self.lower = (self._upper.kept, self._upper.values) if self._search.compared else None
 
