@@ -388,7 +388,7 @@ def threads(folder: Path) -> str:
 ## Two threads
 
 {command(folder, "threads")}
-The contact is solved nine times on one thread and on two alternately, in one process. The shortest times
+The contact is solved on one thread and on two alternately, several times in one process. The shortest times
 count; the median ratio is that of consecutive runs. How well the transforms scale depends on the bandwidth of
 memory that other virtual machines on the same host leave.
 
