@@ -32,9 +32,9 @@ STEEPEST = 1.05
 """Exponent of the number of nodes in the time that is aimed at."""
 
 
-def periodic(table: pd.DataFrame, threads: int = 1) -> pd.DataFrame:
-    """Runs over a periodic boundary at the load that is shown."""
-    chosen = (table["boundary"] == "periodic") & (table["threads"] == threads) & (table["load"] == 0.05)
+def periodic(table: pd.DataFrame) -> pd.DataFrame:
+    """Runs on one thread over a periodic boundary at the load that is shown."""
+    chosen = (table["boundary"] == "periodic") & (table["threads"] == 1) & (table["load"] == 0.05)
     return table[chosen]
 
 
