@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
-from functools import cache
+from functools import partial
 from itertools import accumulate, pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike
 
+from asperity.tasks import results_of
 from asperity.types import Array
 
 SMALLEST_PART = 16_384
@@ -20,17 +19,26 @@ SMALLEST_PART = 16_384
 SUMMED_PART = 131_072
 """Least number of elements that are summed up one after the other."""
 
+PARTS_OF_THREAD = 4
+"""Largest number of parts for each thread: one that has done its own takes those of another."""
+
 STRIP = 131_072
 """Number of elements of which several arrays stay in the processor's cache."""
 
 
 def in_parts(
-    work: Callable[[slice], Any], size: int, threads: int, multiple: int = 1, smallest: int = SMALLEST_PART
+    work: Callable[[slice], Any],
+    size: int,
+    threads: int,
+    multiple: int = 1,
+    smallest: int = SMALLEST_PART,
+    meanwhile: Callable[[], object] | None = None,
 ) -> list[Any]:
     """Call a function for consecutive parts of `size` elements, at the same time; its results in order.
 
     The function has to compute the elements of a part independently of the others, and to release the
-    interpreter's lock, as functions compiled with ``nogil=True`` do.
+    interpreter's lock, as functions compiled with ``nogil=True`` do. The parts depend on the number of
+    threads.
 
     Parameters
     ----------
@@ -41,18 +49,14 @@ def in_parts(
         Parts begin at multiples of this number.
     smallest : int
         Least number of elements of a part.
+    meanwhile : callable, optional
+        Called without arguments by one of the threads, at the same time.
     """
-    parts = max(1, min(threads, size // smallest))
-    if parts == 1:
-        return [work(slice(0, size))]
+    first = [] if meanwhile is None else [meanwhile]
+    parts = max(1, min(threads * PARTS_OF_THREAD, size // smallest)) if threads > 1 else 1
     edges = [size * part // parts // multiple * multiple for part in range(parts)] + [size]
-    first, *others = (slice(start, stop) for start, stop in pairwise(edges))
-    pending = [_pool(threads).submit(work, part) for part in others]
-    try:
-        found = [work(first)]
-    finally:
-        wait(pending)
-    return found + [one.result() for one in pending]
+    tasks = first + [partial(work, slice(start, stop)) for start, stop in pairwise(edges)]
+    return results_of(tasks, threads)[len(first) :]
 
 
 def in_strips(work: Callable[[slice], object], shape: tuple[int, int], threads: int) -> None:
@@ -97,12 +101,9 @@ def results(function: Callable[..., Any], threads: int, *arguments: Any) -> list
         return [function(*arguments)]
     count -= count % 4 if count > 4 else count % 2
     edges = [size * part // count for part in range(count + 1)]
-
-    def some(parts: slice) -> list[Any]:
-        numbers = range(parts.start, parts.stop)
-        return [function(*_parts_of(arguments, slice(edges[k], edges[k + 1]))) for k in numbers]
-
-    return [one for group in in_parts(some, count, threads, smallest=1) for one in group]
+    return results_of(
+        [partial(function, *_parts_of(arguments, slice(*edge))) for edge in pairwise(edges)], threads
+    )
 
 
 def total(function: Callable[..., Any], threads: int, *arguments: Any) -> Any:
@@ -154,13 +155,3 @@ def extremes(values: Array, threads: int) -> tuple[float, float]:
 
 def _parts_of(arguments: tuple[Any, ...], part: slice) -> list[Any]:
     return [argument[part] if isinstance(argument, np.ndarray) else argument for argument in arguments]
-
-
-@cache
-def _pool(threads: int) -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(threads, thread_name_prefix="asperity")
-
-
-if hasattr(os, "register_at_fork"):
-    # A copy of a process has none of its threads.
-    os.register_at_fork(after_in_child=_pool.cache_clear)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,6 @@ from asperity.contact.iterate import Iterate
 from asperity.contact.places import places_in_union
 from asperity.contact.problem import Control, Problem
 from asperity.elasticity.layer import Layer
-from asperity.parallel import STRIP, SUMMED_PART, apply, in_parts, in_strips, results, select, total
 from asperity.spectral import Grid
 from asperity.types import Array
 
@@ -103,84 +101,3 @@ def test_nodes_without_pressure_are_dropped(threads: int) -> None:
     np.testing.assert_array_equal(iterate.nodes, nodes[left])
     np.testing.assert_array_equal(iterate.gap, gap[left])
     assert iterate.pressure.min() > 0
-
-
-@pytest.mark.parametrize("threads", [1, 2, 5])
-def test_parts_cover_all_elements_in_order(threads: int) -> None:
-    parts = in_parts(lambda part: part, 1000, threads, multiple=32, smallest=100)
-    assert len(parts) == threads
-    assert [index for part in parts for index in range(part.start, part.stop)] == list(range(1000))
-    assert all(part.start % 32 == 0 for part in parts)
-
-
-def test_few_elements_are_one_part() -> None:
-    assert in_parts(lambda part: part, 10, 4) == [slice(0, 10)]
-
-
-@pytest.mark.parametrize("threads", [1, 2, 3])
-def test_strips_cover_all_rows_once(threads: int) -> None:
-    seen = np.zeros(1000, int)
-    longest = []
-
-    def work(rows: slice) -> None:
-        seen[rows] += 1
-        longest.append(rows.stop - rows.start)
-
-    in_strips(work, (1000, STRIP // 100), threads)
-    assert (seen == 1).all()
-    assert max(longest) == 100
-
-
-@pytest.mark.parametrize("threads", [1, 2, 3])
-def test_elements_are_selected_in_order_on_any_number_of_threads(threads: int) -> None:
-    field = np.random.default_rng(0).normal(size=100_000)
-    found, values = select(
-        lambda part: kernels.count_positive(field[part]),
-        lambda part, *chosen: kernels.write_positive(field[part], part.start, *chosen),
-        field.size,
-        threads,
-        (np.uint32, np.float32),
-    )
-    np.testing.assert_array_equal(found, np.flatnonzero(field > 0))
-    np.testing.assert_array_equal(values, field[field > 0].astype(np.float32))
-    assert found.dtype == np.uint32
-    assert values.dtype == np.float32
-
-
-def test_errors_in_any_part_are_raised_when_all_parts_have_ended() -> None:
-    ended = []
-
-    def work(failing: int, part: slice) -> None:
-        if part.start == failing:
-            raise ValueError(f"part {failing}")
-        ended.append(part.start)
-
-    for failing in (0, 4, 8):
-        with pytest.raises(ValueError, match=f"part {failing}"):
-            in_parts(partial(work, failing), 12, 3, smallest=1)
-    assert sorted(ended) == [0, 0, 4, 4, 8, 8]
-
-
-def test_sums_over_parts_have_the_same_bits_for_any_number_of_threads() -> None:
-    values = np.random.default_rng(0).random(300_000)
-    sums = [total(kernels.dot, threads, values, values) for threads in (1, 2, 3)]
-    assert sums[0] == sums[1] == sums[2] == pytest.approx(values @ values, rel=1e-13)
-    several = total(kernels.sums_of_iteration, 2, values, 2 * values, 3 * values, values[::-1])
-    crossed = values @ values[::-1]
-    expected = values.sum(), 3 * sums[0], 6 * sums[0], crossed, 2 * crossed
-    assert several == pytest.approx(expected, rel=1e-13)
-    assert total(kernels.added, 2, values[:10]) == pytest.approx(values[:10].sum(), rel=1e-13)
-
-
-@pytest.mark.parametrize(("number", "parts"), [(1, 1), (2, 2), (3, 2), (4, 4), (7, 4), (14, 12)])
-def test_sums_are_taken_over_numbers_of_parts_that_threads_can_share(number: int, parts: int) -> None:
-    values = np.arange(number * SUMMED_PART + 1)
-    found = results(lambda part: part, 2, values)
-    assert len(found) == parts
-    np.testing.assert_array_equal(np.concatenate(found), values)
-
-
-def test_arrays_are_changed_in_parts() -> None:
-    values, out = np.arange(100_000.0), np.empty(100_000)
-    apply(kernels.write_gap, 3, values, values, 1.0, out)
-    np.testing.assert_array_equal(out, 2 * values - 1)

@@ -48,7 +48,7 @@ class FreeResponse(Response):
         return rectangle_compliance(0.0, 0.0, self.grid.length, self.solid.effective_modulus).item()
 
     def on_cells(self, cells: Grid) -> tuple[Fourier, Array]:
-        fourier = Fourier(padded_grid(cells), np.float32, self.fourier.threads, self.fourier.work)
+        fourier = Fourier(padded_grid(cells), np.float32, 1, self.fourier.work)
         return fourier, compliance_modes(cells, self.solid.effective_modulus)
 
     def coarsened(self, height: Array, shape: tuple[int, int]) -> tuple[Response, Array]:

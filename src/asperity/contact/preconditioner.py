@@ -76,7 +76,7 @@ class Preconditioner:
 
     def __init__(self, problem: Problem, field: StencilField) -> None:
         grid = problem.grid
-        self._field = field
+        self._field, self._threads = field, problem.fourier.threads
         quadrants = inverse_stencil(grid)
         self._stencil = whole_stencil(quadrants)
         self.nodal_stiffness = float(quadrants[0, 0, 0, 0])
@@ -91,7 +91,7 @@ class Preconditioner:
         cells, grid = self._cells, self._grid
         row, column = (np.arange(n) * m // n for n, m in zip(grid.shape, cells.shape, strict=True))
         of_row, of_column = (row * cells.shape[1]).astype(np.uint32), column.astype(np.uint32)
-        self._cell = row_plus_column(nodes, of_row, of_column, self._coarse.threads)
+        self._cell = row_plus_column(nodes, of_row, of_column, self._threads)
         # The nodes of whole rows of cells are added up together: the same sums for any number of threads.
         first_rows = -(-np.arange(cells.shape[0] + 1) * grid.shape[0] // cells.shape[0])
         self._first_nodes = np.searchsorted(nodes, (first_rows * grid.shape[1]).astype(nodes.dtype))
@@ -106,26 +106,32 @@ class Preconditioner:
 
     def apply(self, residual: Array, out: Array) -> None:
         """Write the pressures M r that approximately remove a residual r on the contact nodes."""
-        self._field.apply(self._stencil, residual, out)
-        self._subtract_far_field(self._sums_in_cells(_add_weighted_in_cells, self._weight, residual), out)
+        sums = self._sums_in_cells(_add_weighted_in_cells, self._weight, residual)
+        # The coarse system is too small for several threads: the others apply the stencil.
+        found: list[Array] = []
+        self._field.apply(self._stencil, residual, out, lambda: found.append(self._displacement(sums)))
+        self._subtract_far_field(found[0], out)
 
     def apply_uniform(self) -> Array:
         """Pressures M 1 that approximately remove a residual of one on every contact node."""
         out = self._weight.copy()
-        self._subtract_far_field(self._cell_weight.copy(), out)
+        self._subtract_far_field(self._displacement(self._cell_weight.copy()), out)
         return out
 
-    def _subtract_far_field(self, cell_sums: Array, out: Array) -> None:
-        """Subtract V (σ + 1/G)⁻¹ Vᵀ r, given the sums of w r over the cells, which are used up."""
+    def _subtract_far_field(self, displacement: Array, out: Array) -> None:
+        """Subtract V y, given the displacement y of the cells."""
+
+        def subtract(part: slice) -> None:
+            _subtract_in_cells(self._cell[part], self._weight[part], displacement, out[part])
+
+        in_parts(subtract, out.size, self._threads)
+
+    def _displacement(self, cell_sums: Array) -> Array:
+        """Displacement (σ + 1/G)⁻¹ Vᵀ r of the cells, given the sums of w r over them, which are used up."""
         cell_sums *= self._cells.size / self._grid.size
         displacement = self._solve_coarse(self._on_coarse_grid(cell_sums.reshape(self._cells.shape)))
         ny, nx = self._cells.shape
-        of_cells = displacement[:ny, :nx].reshape(-1)
-
-        def subtract(part: slice) -> None:
-            _subtract_in_cells(self._cell[part], self._weight[part], of_cells, out[part])
-
-        in_parts(subtract, out.size, self._coarse.threads)
+        return displacement[:ny, :nx].reshape(-1)
 
     def _sums_in_cells(self, add: Callable[..., None], *values: Array) -> Array:
         """Sums over the contact nodes of each cell."""
@@ -135,7 +141,7 @@ class Preconditioner:
             part = slice(self._first_nodes[rows.start], self._first_nodes[rows.stop])
             add(self._cell[part], *(one[part] for one in values), sums)
 
-        in_parts(add_rows, self._cells.shape[0], self._coarse.threads, smallest=LEAST_ROWS)
+        in_parts(add_rows, self._cells.shape[0], self._threads, smallest=LEAST_ROWS)
         return sums
 
     def _on_coarse_grid(self, of_cells: Array) -> Array:

@@ -119,7 +119,7 @@ class Response(ABC):
 
     @abstractmethod
     def on_cells(self, cells: Grid) -> tuple[Fourier, Array]:
-        """Transforms and factors in double precision for fields on coarse cells of the map.
+        """Transforms on one thread, and factors in double precision, for fields on coarse cells of the map.
 
         The grid of the transforms may be larger than that of the cells; fields are zero there.
         """
@@ -176,7 +176,7 @@ class PeriodicResponse(Response):
         return float(self.half_compliance[0, 0])
 
     def on_cells(self, cells: Grid) -> tuple[Fourier, Array]:
-        fourier = Fourier(cells, np.float32, self.fourier.threads, self.fourier.work)
+        fourier = Fourier(cells, np.float32, 1, self.fourier.work)
         response = PeriodicResponse(self.solid, Fourier(cells), holds_mean=self.holds_mean)
         return fourier, response.compliance
 

@@ -7,6 +7,7 @@ The weights of a stencil are symmetric, and may differ between even and odd rows
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -53,7 +54,9 @@ class StencilField:
         """Choose the nodes that bear values, by their sorted indices in the flattened map."""
         self._nodes, self._first = nodes, self._first_in_rows(nodes)
 
-    def apply(self, stencil: Array, values: Array, out: Array) -> None:
+    def apply(
+        self, stencil: Array, values: Array, out: Array, meanwhile: Callable[[], object] | None = None
+    ) -> None:
         """Write the products of a stencil with values on the nodes, at the nodes.
 
         Parameters
@@ -61,8 +64,10 @@ class StencilField:
         stencil : array
             From `whole_stencil`.
         values, out : (count,) arrays
+        meanwhile : callable, optional
+            Called without arguments by one of the threads, at the same time.
         """
-        self._apply(stencil, values, self._nodes, self._first, out)
+        self._apply(stencil, values, self._nodes, self._first, out, meanwhile)
 
     def apply_at(self, stencil: Array, values: Array, nodes: Array) -> Array:
         """Products of a stencil with values on the chosen nodes, at other nodes, sorted as well."""
@@ -75,7 +80,15 @@ class StencilField:
         ny, nx = self._shape
         return np.searchsorted(nodes, (np.arange(ny + 1) * nx).astype(nodes.dtype))
 
-    def _apply(self, stencil: Array, values: Array, nodes: Array, first: Array, out: Array) -> None:
+    def _apply(
+        self,
+        stencil: Array,
+        values: Array,
+        nodes: Array,
+        first: Array,
+        out: Array,
+        meanwhile: Callable[[], object] | None = None,
+    ) -> None:
         def apply(part: slice) -> None:
             begin, end = np.searchsorted(first[:-1], (part.start, part.stop))
             try:
@@ -98,7 +111,7 @@ class StencilField:
             )
             self._strips.append(strip)
 
-        in_parts(apply, out.size, self._threads)
+        in_parts(apply, out.size, self._threads, meanwhile=meanwhile)
 
     def _new_strip(self) -> Array:
         # The last row of a stencil reads one number beyond it.

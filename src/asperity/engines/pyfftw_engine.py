@@ -14,7 +14,7 @@ length, a transform in place takes a tenth longer than one from an array to anot
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from importlib.metadata import version
 from itertools import pairwise
 
@@ -24,6 +24,7 @@ import pyfftw
 from asperity.engines.interface import Engine
 from asperity.engines.plans import Key, Plan, Workspace, keys_of
 from asperity.engines.wisdom import Wisdom
+from asperity.tasks import results_of
 from asperity.types import Array
 
 _SMALL = 2**20
@@ -131,9 +132,5 @@ class PyfftwEngine(Engine):
                 self._idle.append(workspace)
 
         workers = min(threads, len(starts)) if lines * length > _SMALL else 1
-        if workers == 1:
-            work(starts)
-            return
         edges = [len(starts) * number // workers for number in range(workers + 1)]
-        with ThreadPoolExecutor(workers) as pool:
-            list(pool.map(work, (starts[first:last] for first, last in pairwise(edges))))
+        results_of([partial(work, starts[first:last]) for first, last in pairwise(edges)], workers)

@@ -37,8 +37,8 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -64,6 +64,7 @@ from asperity.stress.parts import Part
 from asperity.stress.periodic import PeriodicPlanes, Visit, aligned_array
 from asperity.stress.pressed import ContactLike
 from asperity.stress.truncation import envelope_of
+from asperity.tasks import results_of
 from asperity.types import Array, Progress
 
 SINGLE_PRECISION_TOLERANCE = 3e-5
@@ -262,36 +263,34 @@ class _PlaneStream:
         constants, slopes = self._parts()
         parts = constants + slopes
         rooms = deque([np.empty(0, self.dtype)] * 2)
-        with ThreadPoolExecutor(self.threads) as pool:
 
-            def run(function: Callable[[Any], None], items: Sequence[Any]) -> None:
-                list(pool.map(function, items))
+        def run(function: Callable[[Any], None], items: Sequence[Any]) -> None:
+            results_of([partial(function, item) for item in items], self.threads)
 
-            for depth, own, share in zip(self.depths, source.plan, done, strict=True):
-                grid = own.grid
-                rooms.rotate()
-                rooms[0], values = _array_in(rooms[0], (grid.shape[0], len(parts), source.row_length(grid)))
-                fields = [values[:, number, : grid.shape[1]] for number in range(len(parts))]
-                constant = {part.component: field for part, field in zip(constants, fields, strict=False)}
-                slope = {
-                    part.component: field
-                    for part, field in zip(slopes, fields[len(constants) :], strict=True)
-                }
-                plane = LinearPlane(
-                    float(depth),
-                    grid,
-                    own.bound,
-                    constant,
-                    slope,
-                    mean,
-                    lateral,
-                    float(share),
-                    values,
-                    own.scale,
-                )
-                visit = watch(plane) if watch is not None else lambda *_: None
-                self.work.nodes += source.compute(depth, own, parts, values, run, visit)
-                yield plane
+        for depth, own, share in zip(self.depths, source.plan, done, strict=True):
+            grid = own.grid
+            rooms.rotate()
+            rooms[0], values = _array_in(rooms[0], (grid.shape[0], len(parts), source.row_length(grid)))
+            fields = [values[:, number, : grid.shape[1]] for number in range(len(parts))]
+            constant = {part.component: field for part, field in zip(constants, fields, strict=False)}
+            slope = {
+                part.component: field for part, field in zip(slopes, fields[len(constants) :], strict=True)
+            }
+            plane = LinearPlane(
+                float(depth),
+                grid,
+                own.bound,
+                constant,
+                slope,
+                mean,
+                lateral,
+                float(share),
+                values,
+                own.scale,
+            )
+            visit = watch(plane) if watch is not None else lambda *_: None
+            self.work.nodes += source.compute(depth, own, parts, values, run, visit)
+            yield plane
 
     def _source(self, pressure: Array) -> PeriodicPlanes | FreePlanes:
         """Where the parts of the stress come from."""
