@@ -24,6 +24,7 @@ from performance_plots import draw
 ROOT = Path(__file__).parents[1]
 GRIDS = [512, 1024, 2048, 4096, 8192]
 STRESS_GRIDS = [1024, 2048, 4096]
+PARTS_GRIDS = [2048, 4096]
 PATH_GRIDS = [1024, 2048]
 THREADS_GRID = 4096
 LARGE_GRID = 16384
@@ -45,6 +46,7 @@ def commands(grids: list[int]) -> dict[str, str]:
     return {
         "roofline": f"python benchmarks/roofline.py {out}",
         "contact": f"python benchmarks/contact.py --points {' '.join(map(str, grids))} {out}",
+        "parts": f"python benchmarks/contact_parts.py --points {some(PARTS_GRIDS)} {out}",
         "threads": f"python benchmarks/two_threads.py --points {threads} {out}",
         "large": f"python benchmarks/large.py --points {large} {out}",
         "load_path": f"python benchmarks/load_path.py --points {some(PATH_GRIDS)}",

@@ -62,7 +62,7 @@ fraction of the time of a double one that a pair in single precision takes, meas
 def page(folder: Path) -> str:
     """The page."""
     parts = [HEAD, machine(folder), TIMES, aims(folder)]
-    sections = (contact, growth, threads, load_path, body, study, roofline)
+    sections = (contact, where_time_goes, growth, threads, load_path, body, study, roofline)
     return "\n".join([*parts, *(section(folder) for section in sections)]).rstrip() + "\n"
 
 
@@ -323,7 +323,40 @@ def all_runs(table: pd.DataFrame) -> str:
     return table_of(rows)
 
 
-# Growth and threads
+# Parts of the solver, growth and threads
+
+
+def where_time_goes(folder: Path) -> str:
+    table, compared = read(folder, "parts"), read(folder, "stencils")
+    if table is None or compared is None:
+        return f"\n## Where the time of a contact goes\n\n{command(folder, 'parts')}"
+    rows = {name: {"part": name} for name in table["part"].unique()}
+    for (points, hurst), run in table.groupby(["points", "hurst"]):
+        for name, seconds, share in zip(run["part"], run["seconds"], run["share"], strict=True):
+            rows[name][f"{points}², H = {hurst}"] = f"{1e3 * seconds:.0f} ms, {100 * share:.0f} %"
+    economies = [
+        {
+            "nodes": f"{run['points']}²",
+            "H": f"{run['hurst']}",
+            "inner displacements": "stencil and coarser grid" if run["stencils"] else "whole grid",
+            "s": three(run["seconds"]),
+            "over its transforms": number(run["over_transforms"]),
+            "pair equivalents": number(run["equivalents"], ".1f"),
+        }
+        for _, run in compared.iterrows()
+    ]
+    return f"""
+## Where the time of a contact goes
+
+{command(folder, "parts")}
+Wall times of one solution on one thread, from samples of the function that is at work:
+
+{table_of(list(rows.values()))}
+Stencils and a coarser grid stand in for transforms of the whole grid in the inner solves. Without them a
+solution takes longer, and more transforms, so that what is not a transform is a smaller part of it
+(processor times, the shortest of some runs):
+
+{table_of(economies)}"""
 
 
 def exponent(runs: pd.DataFrame, column: str) -> float:

@@ -27,7 +27,7 @@ from asperity.engines.wisdom import Wisdom
 from asperity.tasks import results_of
 from asperity.types import Array
 
-_SMALL = 2**20
+_SMALL = 2**19
 """Number of values up to which an array is transformed by one thread: several would wait for each other."""
 
 
