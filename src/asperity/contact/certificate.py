@@ -119,7 +119,7 @@ def verify_contact(
     boundary : "periodic" | "free"
         As for `asperity.contact.solve`.
     threads : int
-        Threads of the Fourier transforms.
+        The certificate does not depend on it.
 
     Returns
     -------

@@ -90,7 +90,7 @@ def solve(
         Precision of the fields. If the tolerance is not reached in single precision, the problem is solved
         again in double precision, and the fields are rounded at the end.
     threads : int
-        Threads of the Fourier transforms; the solution does not depend on it.
+        The solution does not depend on it.
     progress : callable, optional
         Called as progress(done, total).
     initial : Contact or (ny, nx) array, optional
