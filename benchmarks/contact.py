@@ -26,7 +26,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from contact_run import LAYER, rough
+from contact_run import LAYER, load_on, rough
 
 import asperity as asp
 from asperity.types import Array
@@ -78,7 +78,7 @@ def tolerances_on(points: int, solver: str) -> tuple[float, ...]:
 def measure(points: int, hurst: float, fraction: float, options: argparse.Namespace) -> Iterator[dict]:
     """Run the solvers on one surface at one load, `fraction` × E* × rms gradient."""
     height = rough(points, hurst)
-    load = fraction * asp.roughness_parameters(height).rms_gradient
+    load = load_on(height, fraction)
     truth = None
     if points <= options.largest_reference:
         settings = {"boundary": options.boundary, "rtol": REFERENCE_TOLERANCE}

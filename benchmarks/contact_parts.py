@@ -26,18 +26,13 @@ import one_thread  # noqa: F401
 # isort: split
 
 import pandas as pd
-from contact_run import compile_library, counted, pair_seconds, rough, solver_of
+from contact_run import SOLVER, TOLERANCE, compile_library, cost_of, load_on, rough, solver_of
 
 import asperity as asp
 from asperity.contact import inner_response
-from asperity.types import Array
 
-SOLVER = "active_set float64"
-FRACTION = 0.05
-TOLERANCE = 1e-6
 SECONDS = 10.0
 INTERVAL = 5e-4
-REPEATS = 5
 
 PARTS = {
     "engines": "transforms",
@@ -96,15 +91,10 @@ def watched(seconds: Counter[str]) -> Iterator[None]:
         sys.setswitchinterval(interval)
 
 
-def problem(points: int, hurst: float) -> tuple[Array, float]:
-    """Surface and load."""
-    height = rough(points, hurst)
-    return height, FRACTION * asp.roughness_parameters(height).rms_gradient
-
-
-def shares(points: int, hurst: float) -> pd.DataFrame:
-    """Seconds of each part in one solution, and its share of all."""
-    solver, (height, load) = solver_of(SOLVER), problem(points, hurst)
+def seconds_of_parts(points: int, hurst: float) -> pd.DataFrame:
+    """Seconds of each part in one solution."""
+    solver, height = solver_of(SOLVER), rough(points, hurst)
+    load = load_on(height)
     solver.solve(height, load, TOLERANCE)
     seconds: Counter[str] = Counter()
     runs, start = 0, time.perf_counter()
@@ -113,33 +103,23 @@ def shares(points: int, hurst: float) -> pd.DataFrame:
             solver.solve(height, load, TOLERANCE)
             runs += 1
     names = list(dict.fromkeys(PARTS.values()))
-    table = pd.DataFrame({"part": names, "seconds": [seconds[name] / runs for name in names]})
-    table["share"] = table["seconds"] / table["seconds"].sum()
-    return table.assign(points=points, hurst=hurst)
+    found = {"part": names, "seconds": [seconds[name] / runs for name in names]}
+    return pd.DataFrame(found | {"points": points, "hurst": hurst})
 
 
 def without_stencils(points: int, hurst: float) -> pd.DataFrame:
-    """Processor time and pair equivalents with inner displacements by stencils, and without them."""
-    solver, (height, load) = solver_of(SOLVER), problem(points, hurst)
-    pairs = pair_seconds(height.shape)
-    fraction = pairs["float32"][0] / pairs["float64"][0]
+    """Cost of a solution with inner displacements by stencils, and without them."""
+    solver, height = solver_of(SOLVER), rough(points, hurst)
     least, rows = inner_response.MIN_POINTS, []
     for uses_stencils in (True, False):
         inner_response.MIN_POINTS = least if uses_stencils else 2 * points
-        solver.solve(height, load, TOLERANCE)
-        runs = []
-        for _ in range(REPEATS):
-            with counted() as spent:
-                start = time.process_time()
-                solver.solve(height, load, TOLERANCE)
-                taken = time.process_time() - start
-            double, single = (spent.nodes[name] / (2 * height.size) for name in ("float64", "float32"))
-            runs.append((taken, taken / spent.processor, double + fraction * single))
-        rows.append((points, hurst, uses_stencils, *min(runs)))
+        _, cost = cost_of(solver, height, load_on(height), TOLERANCE)
+        names = "seconds", "transform_seconds", "equivalents"
+        rows.append(
+            {"points": points, "hurst": hurst, "stencils": uses_stencils} | {n: cost[n] for n in names}
+        )
     inner_response.MIN_POINTS = least
-    return pd.DataFrame(
-        rows, columns=["points", "hurst", "stencils", "seconds", "over_transforms", "equivalents"]
-    )
+    return pd.DataFrame(rows)
 
 
 def main() -> None:
@@ -148,13 +128,13 @@ def main() -> None:
     )
     parser.add_argument("--points", type=int, nargs="+", default=[2048])
     parser.add_argument("--hurst", type=float, nargs="+", default=[0.2, 0.8])
-    parser.add_argument("--out", type=Path, help="folder of parts.csv")
+    parser.add_argument("--out", type=Path, help="folder of the tables")
     options = parser.parse_args()
     compile_library(solver_of(SOLVER), TOLERANCE)
-    tables = [shares(points, hurst) for points in options.points for hurst in options.hurst]
+    tables = [seconds_of_parts(points, hurst) for points in options.points for hurst in options.hurst]
     for table in tables:
         print(f"{table['points'][0]}² nodes, H = {table['hurst'][0]}, {table['seconds'].sum():.3f} s")
-        print(table[["part", "seconds", "share"]].round(4).to_string(index=False), flush=True)
+        print(table[["part", "seconds"]].round(4).to_string(index=False), flush=True)
     compared = pd.concat(
         without_stencils(points, hurst) for points in options.points for hurst in options.hurst
     )

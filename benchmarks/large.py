@@ -20,14 +20,20 @@ import one_thread  # noqa: F401
 
 import psutil
 from contact import KEY, kept
-from contact_run import compile_library, counted, rough, solver_of, transform_cost
+from contact_run import (
+    FRACTION,
+    SOLVER,
+    TOLERANCE,
+    compile_library,
+    counted,
+    load_on,
+    rough,
+    solver_of,
+    transform_cost,
+)
 
 import asperity as asp
 from asperity.system import peak_memory, reset_peak_memory
-
-SOLVER = "active_set float64"
-FRACTION = 0.05
-TOLERANCE = 1e-6
 
 
 class Step:
@@ -69,7 +75,7 @@ def main() -> None:
     print(f"{points}² nodes, H = {options.hurst}, threads: {options.threads}; load {os.getloadavg()[0]:.1f}")
     with Step("surface"):
         height = rough(points, options.hurst)
-    load = FRACTION * asp.roughness_parameters(height).rms_gradient
+    load = load_on(height)
     with Step("contact") as step, counted() as transforms:
         contact = solver.solve(height, load, TOLERANCE)
     print(f"transforms{transforms.wall:9.1f} s wall {transforms.processor:9.1f} s processor time")

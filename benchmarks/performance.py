@@ -46,7 +46,7 @@ def commands(grids: list[int]) -> dict[str, str]:
     return {
         "roofline": f"python benchmarks/roofline.py {out}",
         "contact": f"python benchmarks/contact.py --points {' '.join(map(str, grids))} {out}",
-        "parts": f"python benchmarks/contact_parts.py --points {some(PARTS_GRIDS)} {out}",
+        "contact_parts": f"python benchmarks/contact_parts.py --points {some(PARTS_GRIDS)} {out}",
         "threads": f"python benchmarks/two_threads.py --points {threads} {out}",
         "large": f"python benchmarks/large.py --points {large} {out}",
         "load_path": f"python benchmarks/load_path.py --points {some(PATH_GRIDS)}",

@@ -111,8 +111,11 @@ def machine(folder: Path) -> str:
     hardware = (
         f"{facts.pop('processor')}, {facts.pop('cores')} cores, {facts.pop('memory')}, {facts.pop('system')}"
     )
-    programs = ", ".join(f"{name} {value}" for name, value in facts.items() if value != "not installed")
-    return f"Machine: {hardware}. Programs: {programs}.\n"
+    programs = [f"{name} {value}" for name, value in facts.items() if value != "not installed"]
+    runs = read(folder, "contact")
+    if runs is not None:
+        programs += [name for name in runs["program"].unique() if not name.startswith("asperity")]
+    return f"Machine: {hardware}. Programs: {', '.join(programs)}.\n"
 
 
 def runs_of(folder: Path) -> pd.DataFrame | None:
@@ -329,10 +332,11 @@ def all_runs(table: pd.DataFrame) -> str:
 def where_time_goes(folder: Path) -> str:
     table, compared = read(folder, "parts"), read(folder, "stencils")
     if table is None or compared is None:
-        return f"\n## Where the time of a contact goes\n\n{command(folder, 'parts')}"
+        return f"\n## Where the time of a contact goes\n\n{command(folder, 'contact_parts')}"
     rows = {name: {"part": name} for name in table["part"].unique()}
     for (points, hurst), run in table.groupby(["points", "hurst"]):
-        for name, seconds, share in zip(run["part"], run["seconds"], run["share"], strict=True):
+        for name, seconds in zip(run["part"], run["seconds"], strict=True):
+            share = seconds / run["seconds"].sum()
             rows[name][f"{points}², H = {hurst}"] = f"{1e3 * seconds:.0f} ms, {100 * share:.0f} %"
     economies = [
         {
@@ -340,7 +344,7 @@ def where_time_goes(folder: Path) -> str:
             "H": f"{run['hurst']}",
             "inner displacements": "stencil and coarser grid" if run["stencils"] else "whole grid",
             "s": three(run["seconds"]),
-            "over its transforms": number(run["over_transforms"]),
+            "over its transforms": number(run["seconds"] / run["transform_seconds"]),
             "pair equivalents": number(run["equivalents"], ".1f"),
         }
         for _, run in compared.iterrows()
@@ -348,7 +352,7 @@ def where_time_goes(folder: Path) -> str:
     return f"""
 ## Where the time of a contact goes
 
-{command(folder, "parts")}
+{command(folder, "contact_parts")}
 Wall times of one solution on one thread, from samples of the function that is at work:
 
 {table_of(list(rows.values()))}

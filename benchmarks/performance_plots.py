@@ -150,7 +150,7 @@ def draw_errors(table: pd.DataFrame, path: Path) -> None:
                 some["seconds"], some["error"], color=colour, marker=marker, markersize=4, label=label
             )
         axis.axhline(TARGET, color="0.5", linewidth=0.8, linestyle="--")
-        axis.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+        axis.xaxis.set_major_locator(LogLocator(subs=(1, 3)))
         axis.xaxis.set_major_formatter("{x:g}")
         axis.xaxis.set_minor_formatter(NullFormatter())
         axis.set(xlabel=f"processor time, s, {known['points'].iloc[0]}² nodes")

@@ -25,7 +25,7 @@ import one_thread  # noqa: F401
 import numpy as np
 import pandas as pd
 import psutil
-from contact_run import LAYER, rough
+from contact_run import LAYER, load_on, rough
 from numba import njit
 from timing import seconds
 
@@ -37,7 +37,7 @@ from asperity.spectral import Fourier, Grid
 
 STREAM_NODES = 2**24
 MATRIX = 1536
-PROGRAMS = ("numpy", "numba", "ducc0", "pyfftw", "tamaas", "ContactMechanics")
+PROGRAMS = ("numpy", "numba", "ducc0", "pyfftw")
 
 
 @njit(cache=True, fastmath=True)
@@ -109,8 +109,7 @@ def peak_search(contact: asp.Contact) -> tuple[str, str, float, float, float]:
 def table(points: int) -> pd.DataFrame:
     """Operations, bytes, seconds, intensity and rates of ceilings and kernels."""
     height = rough(points, 0.8)
-    load = 0.05 * asp.roughness_parameters(height).rms_gradient
-    contact = asp.solve(height, LAYER, mean_pressure=load)
+    contact = asp.solve(height, LAYER, mean_pressure=load_on(height))
     rows = [*ceilings(), *transforms(points), *contact_kernels(contact), peak_search(contact)]
     found = pd.DataFrame(rows, columns=["kernel", "precision", "operations", "bytes", "seconds"])
     found["intensity"] = found["operations"] / found["bytes"]

@@ -20,13 +20,8 @@ import one_thread  # noqa: F401
 # isort: split
 
 import pandas as pd
-from contact_run import compile_library, counted, rough, solver_of
+from contact_run import SOLVER, TOLERANCE, compile_library, counted, load_on, rough, solver_of
 
-import asperity as asp
-
-SOLVER = "active_set float64"
-FRACTION = 0.05
-TOLERANCE = 1e-6
 PAIRS = 9
 
 
@@ -44,7 +39,7 @@ def main() -> None:
     rows = []
     for hurst in options.hurst:
         height = rough(options.points, hurst)
-        load = FRACTION * asp.roughness_parameters(height).rms_gradient
+        load = load_on(height)
         walls: tuple[list[float], list[float]] = [], []
         transforms: tuple[list[float], list[float]] = [], []
         for number in range(options.pairs + 1):

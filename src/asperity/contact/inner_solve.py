@@ -148,7 +148,7 @@ class InnerSolver:
         """
         residual, z, threads = system.residual, system.image, self._threads
         weight, free = system.uniform_image, system.has_free_approach
-        x, direction, response = (np.zeros(residual.size, residual.dtype) for _ in range(3))
+        x, direction, response = (np.zeros_like(residual) for _ in range(3))
         left = np.empty_like(residual)
         length = np.float32(0)
         first = previous = math.nan
