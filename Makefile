@@ -11,20 +11,20 @@ UPDATE ?=
 # Options of snakemake for the study that CONFIG and RESULTS name, by default the paper's.
 STUDY = $(if $(CONFIG),--configfile $(CONFIG)) $(if $(RESULTS),--config "results=$(RESULTS)")
 FILES = $(CONFIG) $(if $(RESULTS),--results "$(RESULTS)")
-FOLDER = $$(python -m asperity.config results $(FILES))
+FOLDER = $$(python -m asperity.study.config results $(FILES))
 VENV := .venv
 LOCK := requirements.lock
 COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --universal --python-version 3.11 \
 	--extra study --extra maps --extra crate --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick claims verify test lint check fuzz fuzz-study wheel-test test-oldest test-python test-faults soak test-slurm bad-input report crate docs bench tradeoff calculix lock clean
+.PHONY: help study quick claims pages verify test lint check fuzz fuzz-study wheel-test test-oldest test-python test-slurm bad-input report crate docs bench tradeoff lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
 
 study: $(VENV)/ready ## Make every figure of the paper, in results/figures; CONFIG=mine.yaml RESULTS=folder for a study of your own
-	$(if $(CONFIG),python -m asperity.config check $(FILES))
+	$(if $(CONFIG),python -m asperity.study.config check $(FILES))
 	snakemake --cores $(CORES) $(STUDY)
 
 quick: $(VENV)/ready ## Run every rule of the study on small cells, into results/quick (half a minute)
@@ -34,7 +34,14 @@ claims: $(VENV)/ready ## Test the paper's statements on the ensemble (a quarter 
 	snakemake --cores $(CORES) --configfile config/ensemble.yaml -- results/ensemble/claims.md
 	python -m asperity.paper.claims results/ensemble
 
-verify: $(VENV)/ready ## Check the fingerprint of every result of a study and name the damaged ones; CONFIG=, RESULTS= as for study
+pages: $(VENV)/ready ## Write the generated pages again from the tables that are kept, and fail if one differs from the commit
+	python -m asperity.paper.claims
+	python -m asperity.study.config describe config/README.md
+	python studies/nayak/nayak.py
+	python studies/master_curve/master_curve.py
+	git diff --exit-code -- '*.md'
+
+verify: $(VENV)/ready ## Compare every result of a study with the manifest of its run; CONFIG=, RESULTS= as for study
 	python workflow/verify.py "$(FOLDER)"
 
 test: lint ## Run lint and all tests, among them the quick study from nothing (six minutes on two cores)
@@ -70,12 +77,6 @@ unit-tests: $(VENV)/ready
 fuzz-study: $(VENV)/ready ## Run random configurations that the check accepts to their end, for MINUTES=10 from SEED=0
 	python tests/fuzz/fuzz_study.py --minutes $(or $(MINUTES),10) --seed $(or $(SEED),0)
 
-test-faults: $(VENV)/ready ## Kill a small study at fifty random moments and run it again; table in results/faults.md
-	python tests/workflow/faults.py --kills 50
-
-soak: $(VENV)/ready ## Disturb a small study again and again, for MINUTES=60 from SEED=1, and compare its results each time
-	python tests/workflow/soak.py --minutes $(or $(MINUTES),60) --seed $(or $(SEED),1)
-
 test-slurm: $(VENV)/ready ## Run the quick study on a SLURM started for it (apt install slurmctld slurmd slurm-client munge)
 	pytest -m slurm tests/slurm
 
@@ -92,15 +93,11 @@ crate: study ## Describe the results of the study as an RO-Crate, ro-crate-metad
 docs: $(VENV)/ready ## Build the documentation site with its gallery, without a network, into docs/_build/html
 	MPLBACKEND=Agg python -m sphinx -b html -W --keep-going -n docs docs/_build/html
 
-bench: $(VENV)/ready ## Measure speed and memory, and write docs/performance.md; GRIDS="512 1024 2048" PARTS="contact study" for less
-	python benchmarks/performance.py $(if $(GRIDS),--grids $(GRIDS)) $(if $(PARTS),--parts $(PARTS))
+bench: $(VENV)/ready ## Measure speed and memory, and write docs/performance.md; GRIDS="512 1024 2048" PARTS="contact stress" for less
+	python benchmarks/page.py $(if $(GRIDS),--grids $(GRIDS)) $(if $(PARTS),--parts $(PARTS))
 
 tradeoff: $(VENV)/ready ## Errors and costs of all settings of accuracy, measured anew for asperity plan and config/README.md
 	python workflow/store_tradeoff.py
-
-calculix: $(VENV)/ready ## Compare with CalculiX too, which must be installed, and add it to the validation table
-	snakemake --cores $(CORES) results/validation/calculix.nc
-	snakemake --cores $(CORES) --forcerun validation_table -- results/validation/table.md
 
 lock: ## Update requirements.lock from pyproject.toml, keeping versions that still fit, and requirements-oldest.lock (needs uv)
 	$(COMPILE) --output-file requirements.lock --extra slurm --extra lint --extra docs

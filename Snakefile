@@ -2,20 +2,12 @@
 import sys
 
 try:
-    from asperity.errors import ConfigError, PreflightError
-    from asperity.runtime.preflight import require_packages
+    from asperity.core.packages import require
 
-    require_packages()
-    from asperity.runtime.interrupts import end_study_with_jobs
-    from asperity.runtime.snakemake_internals import is_main_process
-
-    if is_main_process(workflow):
-        end_study_with_jobs()
-    from asperity.config.study import read_study
-    from asperity.runtime.snakemake_internals import overlays, settings_given
+    require()
+    from asperity.core.errors import ConfigError
+    from asperity.study.config.study import read_study
 except ImportError as error:
-    sys.exit(f'study: not installed: {error.name}; install with: pip install "asperity[study]"')
-except PreflightError as error:
     sys.exit(f"study: {error}")
 
 
@@ -23,8 +15,9 @@ report: "workflow/report/overview.rst"
 
 
 # Not by `configfile`: a configuration on the command line stands alone, and is read more strictly than by Snakemake.
+# The two attributes hold what --configfile and --config give.
 try:
-    study = read_study(overlays(workflow), settings_given(workflow))
+    study = read_study([*map(str, workflow.overwrite_configfiles)], workflow.config_settings.config)
 except ConfigError as error:
     sys.exit(f"config: {error}")
 
@@ -41,22 +34,14 @@ wildcard_constraints:
     seed=r"\d+",
 
 
-include: "workflow/rules/common.smk"
+include: "workflow/rules/code.smk"
 include: "workflow/rules/inputs.smk"
-include: "workflow/rules/ensemble_inputs.smk"
 include: "workflow/rules/resources.smk"
-include: "workflow/rules/machine_code.smk"
-include: "workflow/rules/fft_wisdom.smk"
-include: "workflow/rules/surface.smk"
-include: "workflow/rules/contact.smk"
-include: "workflow/rules/stress.smk"
-include: "workflow/rules/statistics.smk"
+include: "workflow/rules/stages.smk"
 include: "workflow/rules/validation.smk"
 include: "workflow/rules/figures.smk"
-include: "workflow/rules/verification.smk"
 include: "workflow/rules/claims.smk"
 include: "workflow/rules/tradeoff.smk"
-include: "workflow/rules/ensemble.smk"
 include: "workflow/rules/handlers.smk"
 
 
@@ -69,7 +54,6 @@ rule all:
         rules.validation_table.output if VALIDATIONS else [],
         rules.verified.input,
         rules.claims.output if config["claims"] else [],
-        [*rules.ensemble.output, *rules.ensemble_gains.output] if ENSEMBLE["claims"] else [],
         expand(rules.tradeoff.output, extent=["reduced"] if "reduced" in config["tradeoff"] else []),
 
 

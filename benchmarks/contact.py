@@ -1,57 +1,66 @@
-"""Comparison of contact solvers: time, memory, transforms and true error by grid.
+"""Time, memory, transforms and true error of contact solvers by grid.
 
     python benchmarks/contact.py --points 512 1024 2048 --out results/benchmarks
 
-prints a table, a row for each run, and keeps the rows in ``contact.csv`` of the folder; a run that is there
-already is replaced. Every run is a process of its own (`benchmarks/contact_run.py`), one after the other.
-Errors are relative L2 errors of the pressure, against a converged reference: the active-set solver at an
-estimated error of 1e-10. On larger grids than ``--largest-reference`` they are not known. With ``--boundary
-free`` nothing surrounds the map, and a pair of transforms of the padded map counts as three.
+Each row of the table is one run in a process of its own, kept in ``contact.csv`` of the folder in place of an
+earlier one. Times are processor times on one thread, the least of up to three runs. True errors are relative
+L2 errors of the pressure, against the active-set solver at an estimated error of 1e-10; on grids larger than
+``--largest-reference`` they are not known.
 
-Other programs are compared if they are installed (`pip install 'asperity[peers]'`), on grids up to `LARGEST`.
+A pair is a forward and an inverse Fourier transform of the grid. Transforms of coarser grids count in
+proportion to their nodes. In *pair equivalents*, one in single precision counts as the fraction of the time
+of a double one that it takes, measured in the same process.
+
+With ``--threads`` the contact is solved on one thread and on two alternately, and ``threads.csv`` is written.
 """
 
 from __future__ import annotations
 
 import argparse
-import importlib.util
-import itertools
 import json
+import os
+import statistics
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.metadata import version
 from pathlib import Path
+from typing import Any
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # waiting threads would count as processor time
 
 import numpy as np
 import pandas as pd
-from contact_run import LAYER, load_on, rough
+import peers
+import psutil
 
 import asperity as asp
-from asperity.types import Array
+from asperity.core.system import peak_memory, reset_peak_memory
+from asperity.core.types import Array
+from asperity.elasticity.loaded_rectangle import PaddedFourier
+from asperity.fourier.grid import Fourier, Grid
 
-RUN = Path(__file__).with_name("contact_run.py")
+LAYER = asp.Layer(1.0, 0.0)
+FRACTION = 0.05
+"""Mean pressure over E* times the rms gradient."""
+
 REFERENCE_TOLERANCE = 1e-10
+COMPILED_POINTS = 256
+"""Edge of the contacts that compile the solver before the clock starts."""
 
-# Solvers with their precision, and the tolerances at which they run; other programs define theirs
-# differently.
-TOLERANCES: dict[str, tuple[float, ...]] = {
-    "active_set float64": (1e-3, 1e-4, 1e-5, 1e-6),
-    "active_set float32": (1e-3, 1e-4),
-    "gfmd float64": (1e-3, 1e-5, 1e-7),
-    "tamaas": (1e-5, 1e-6),
-    "ContactMechanics": (1e-3, 1e-5, 1e-7),
-}
+REPEATS, SECONDS_TO_REPEAT = 3, 10.0
+"""A run is repeated while all together take less than so many seconds."""
 
-# Nodes on an edge of the largest grid on which a solver runs at all its tolerances, and on which it runs at
-# all. On larger grids than the first it runs at the last of its tolerances.
-LARGEST = {
-    "active_set float64": (2048, 16384),
-    "active_set float32": (2048, 4096),
-    "gfmd float64": (1024, 2048),
-    "tamaas": (1024, 2048),
-    "ContactMechanics": (1024, 1024),
+# Solver → tolerances at which it runs, the largest grid for all of them, and the largest for the last one.
+RUNS: dict[str, tuple[tuple[float, ...], int, int]] = {
+    "active_set float64": ((1e-3, 1e-4, 1e-5, 1e-6), 2048, 16384),
+    "active_set float32": ((1e-3, 1e-4), 2048, 4096),
+    "gfmd float64": ((1e-3, 1e-5, 1e-7), 1024, 2048),
+    "tamaas": ((1e-5, 1e-6), 1024, 2048),
+    "ContactMechanics": ((1e-3, 1e-5, 1e-7), 1024, 1024),
 }
 
 KEY = ["points", "hurst", "load", "boundary", "threads", "solver", "tolerance"]
@@ -63,113 +72,220 @@ COLUMNS = [
 ]
 
 
-def is_installed(solver: str) -> bool:
-    """True if the program of a solver can be run here."""
-    return solver not in ("tamaas", "ContactMechanics") or importlib.util.find_spec(solver) is not None
+def rough(points: int, hurst: float) -> Array:
+    """Rough surface with the longest wave L/8 and eight nodes on the shortest."""
+    return asp.self_affine((points, points), hurst, 1 / 8, 8 / points, 1e-3, seed=1)
 
 
-def tolerances_on(points: int, solver: str) -> tuple[float, ...]:
-    """The tolerances at which a solver runs on a grid."""
-    at_all_of_them, at_all = LARGEST[solver]
-    values = TOLERANCES[solver]
-    return values if points <= at_all_of_them else values[-1:] if points <= at_all else ()
+def load_on(height: Array) -> float:
+    """Mean pressure of the comparison."""
+    return FRACTION * asp.roughness_parameters(height).rms_gradient
 
 
-def measure(points: int, hurst: float, fraction: float, options: argparse.Namespace) -> Iterator[dict]:
-    """Run the solvers on one surface at one load, `fraction` × E* × rms gradient."""
-    height = rough(points, hurst)
-    load = load_on(height, fraction)
-    truth = None
+class Transforms:
+    """Nodes by precision, and processor and wall time, of all Fourier transforms while `counted` runs."""
+
+    def __init__(self) -> None:
+        self.nodes = {"float64": 0, "float32": 0}
+        self.processor = self.wall = 0.0
+
+
+@contextmanager
+def counted() -> Iterator[Transforms]:
+    """Count and time the transforms of all grids."""
+    total = Transforms()
+    originals = [
+        (kind, name, getattr(kind, name))
+        for kind in (Fourier, PaddedFourier)
+        for name in ("forward", "inverse")
+    ]
+
+    def watched(transform: Any) -> Any:
+        def run(self: Fourier, *arguments: object, **options: object) -> Array:
+            nodes, wall, processor = self.work.nodes, time.perf_counter(), time.process_time()
+            result = transform(self, *arguments, **options)
+            total.processor += time.process_time() - processor
+            total.wall += time.perf_counter() - wall
+            total.nodes[self.real.name] += self.work.nodes - nodes
+            return result
+
+        return run
+
+    for kind, name, transform in originals:
+        setattr(kind, name, watched(transform))
+    try:
+        yield total
+    finally:
+        for kind, name, transform in originals:
+            setattr(kind, name, transform)
+
+
+def pair_seconds(shape: tuple[int, int]) -> dict[str, tuple[float, float]]:
+    """Precision → least processor and wall time of a pair of transforms, the two precisions alternating."""
+    transforms = {}
+    for precision in ("float64", "float32"):
+        fourier, field = Fourier(Grid(shape), precision), np.random.default_rng(0).random(shape, precision)
+        transforms[precision] = fourier, field, fourier.forward(field)
+    best = dict.fromkeys(transforms, (np.inf, np.inf))
+    for _ in range(7):
+        for precision, (fourier, field, coefficients) in transforms.items():
+            processor, wall = time.process_time(), time.perf_counter()
+            fourier.inverse(fourier.forward(field, coefficients), field, overwrite=True)
+            taken = time.process_time() - processor, time.perf_counter() - wall
+            best[precision] = min(best[precision][0], taken[0]), min(best[precision][1], taken[1])
+    return best
+
+
+def solve(solver: str, height: Array, load: float, tolerance: float, boundary: str) -> tuple[Array, float]:
+    """Pressure of a solver, and the largest violation in its certificate."""
+    if solver in peers.SOLVERS:
+        return peers.SOLVERS[solver](height, load, tolerance, boundary), np.nan
+    method, dtype = solver.split()
+    settings = {"method": method, "dtype": dtype, "boundary": boundary}
+    contact = asp.solve(height, LAYER, mean_pressure=load, rtol=tolerance, **settings)
+    return contact.pressure, contact.certificate.worst
+
+
+def run_once(options: argparse.Namespace) -> None:
+    """Solve for the heights in a file, write the pressure beside it, and print the cost as JSON."""
+    height, (solver,), (tolerance,) = np.load(options.run), options.solver, options.tolerance
+    load, spent, cost = load_on(height), 0.0, {"seconds": np.inf}
+    if solver not in peers.SOLVERS:
+        for hurst in (0.2, 0.8):
+            solve(solver, rough(COMPILED_POINTS, hurst), 5e-3, tolerance, options.boundary)
+    for number in range(REPEATS):
+        if number and spent * (number + 1) / number > SECONDS_TO_REPEAT:
+            break
+        before = psutil.Process().memory_info().rss
+        reset_peak_memory()
+        with counted() as transforms:
+            wall, processor = time.perf_counter(), time.process_time()
+            pressure, certificate = solve(solver, height, load, tolerance, options.boundary)
+            processor, wall = time.process_time() - processor, time.perf_counter() - wall
+        spent += processor
+        if not number:  # later runs find memory that this one has left
+            added = (1e6 * peak_memory() - before) / height.size
+            memory = {"memory_GB": peak_memory() / 1e3, "bytes_per_node": added}
+        if processor < cost["seconds"]:
+            cost = {"seconds": processor, "wall": wall}
+            cost |= {"transform_seconds": transforms.processor, "transform_wall": transforms.wall}
+            nodes = transforms.nodes
+    if solver in peers.SOLVERS:
+        program = f"{solver} {version(solver)}"
+        del cost["transform_seconds"], cost["transform_wall"]
+    else:
+        program = f"asperity {asp.__version__}"
+        alone = pair_seconds(height.shape)
+        double, single = (nodes[name] / (2 * height.size) for name in ("float64", "float32"))
+        fraction = alone["float32"][0] / alone["float64"][0]
+        cost |= {"pair_seconds": alone["float64"][0], "pair_wall": alone["float64"][1]}
+        cost |= {"single_fraction": fraction, "double_pairs": double, "single_pairs": single}
+        cost["equivalents"] = double + fraction * single
+    np.save(options.run.with_name("pressure.npy"), pressure)
+    cost |= memory | {"program": program, "certificate": certificate, "load_average": os.getloadavg()[0]}
+    print(json.dumps(cost))
+
+
+def measure(points: int, hurst: float, options: argparse.Namespace) -> Iterator[dict[str, Any]]:
+    """Run the solvers on one surface, each at its tolerances, in processes of their own."""
+    height, truth = rough(points, hurst), None
+    load = load_on(height)
     if points <= options.largest_reference:
-        settings = {"boundary": options.boundary, "rtol": REFERENCE_TOLERANCE}
-        truth = asp.solve(height, LAYER, mean_pressure=load, **settings).pressure
+        truth, _ = solve("active_set float64", height, load, REFERENCE_TOLERANCE, options.boundary)
     with tempfile.TemporaryDirectory() as folder:
-        heights, pressure = Path(folder) / "heights.npy", Path(folder) / "pressure.npy"
+        heights = Path(folder) / "heights.npy"
         np.save(heights, height)
-        del height
         for solver in options.solver:
-            if not is_installed(solver) or (solver.startswith("gfmd") and options.boundary == "free"):
+            tolerances, largest_of_all, largest = RUNS[solver]
+            is_absent = solver in peers.SOLVERS and not peers.is_installed(solver)
+            if points > largest or is_absent or (solver.startswith("gfmd") and options.boundary == "free"):
                 continue
-            tolerances = options.tolerance or tolerances_on(points, solver)
-            for tolerance, threads in itertools.product(tolerances, options.threads):
-                command = [sys.executable, str(RUN), str(heights), "--load", str(load), "--solver", solver]
+            few = tolerances if points <= largest_of_all else tolerances[-1:]
+            for tolerance in options.tolerance or few:
+                command = [sys.executable, __file__, "--run", str(heights), "--solver", solver]
                 command += ["--tolerance", str(tolerance), "--boundary", options.boundary]
-                command += ["--threads", str(threads)]
-                if truth is not None:
-                    command += ["--pressure", str(pressure)]
                 run = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
-                key = (points, hurst, fraction, options.boundary, threads, solver, tolerance)
-                yield {
-                    **dict(zip(KEY, key, strict=True)),
-                    **json.loads(run.stdout.splitlines()[-1]),
-                    "error": np.nan if truth is None else relative_error(np.load(pressure), truth),
-                    "date": time.strftime("%Y-%m-%d"),
-                }
+                key = points, hurst, FRACTION, options.boundary, 1, solver, tolerance
+                row = dict(zip(KEY, key, strict=True)) | json.loads(run.stdout.splitlines()[-1])
+                if truth is not None:
+                    row["error"] = relative_error(np.load(heights.with_name("pressure.npy")), truth)
+                yield row | {"date": time.strftime("%Y-%m-%d")}
 
 
 def relative_error(pressure: Array, truth: Array) -> float:
+    """L2 norm of the difference over that of the truth."""
     return float(np.linalg.norm(pressure - truth) / np.linalg.norm(truth))
 
 
-def kept(row: dict, path: Path) -> None:
+def keep(row: dict[str, Any], path: Path) -> None:
     """Write a row to the table in a file, in place of an earlier one of the same run."""
-    new = pd.DataFrame([row]).reindex(columns=COLUMNS)
+    table = pd.DataFrame([row]).reindex(columns=COLUMNS)
     if path.exists():
         old = pd.read_csv(path)
-        same = np.logical_and.reduce([old[name] == row[name] for name in KEY])
-        new = pd.concat([old[~same], new]) if not same.all() else new
-    new = new.sort_values(KEY[:-1], kind="stable")
-    new.to_csv(path, index=False, float_format="%.5g", lineterminator="\n")
+        table = pd.concat([old, table]).drop_duplicates(KEY, keep="last").sort_values(KEY[:-1], kind="stable")
+    table.to_csv(path, index=False, float_format="%.5g", lineterminator="\n")
 
 
-def line(row: dict) -> str:
-    """A row of the printed table."""
-    shares = [row["seconds"] / row.get(name, np.nan) for name in ("transform_seconds", "pair_seconds")]
-    cells = [
-        f"{row['points']}",
-        f"{row['hurst']}",
-        f"{row['load']}",
-        row["solver"] + (f", {row['threads']} threads" if row["threads"] > 1 else ""),
-        f"{row['tolerance']:.0e}",
-        f"{row['error']:.1e}",
-        f"{row['seconds']:.2f}",
-        f"{row['wall']:.2f}",
-        f"{row['memory_GB']:.2f}",
-        *(f"{row.get(name, np.nan):.1f}" for name in ("double_pairs", "single_pairs", "equivalents")),
-        *(f"{share:.2f}" for share in shares),
-    ]
-    return f"| {' | '.join(cells)} |".replace(" nan ", "  ")
+def compare_threads(points: int, hurst: float, pairs: int = 9) -> dict[str, Any]:
+    """Wall times of a contact and of its transforms on one thread and on two, alternately in one process."""
+    height = rough(points, hurst)
+    load = load_on(height)
+    walls, transforms = np.empty((2, 2, pairs + 1))
+    for number in range(pairs + 1):
+        for threads in (1, 2):
+            with counted() as spent:
+                start = time.perf_counter()
+                asp.solve(height, LAYER, mean_pressure=load, rtol=1e-6, threads=threads)
+                walls[threads - 1, number] = time.perf_counter() - start
+            transforms[threads - 1, number] = spent.wall
+    walls, transforms = (
+        walls[:, 1:],
+        transforms[:, 1:],
+    )  # the first pair compiles and finds no memory to reuse
+    return {
+        "points": points,
+        "hurst": hurst,
+        "one": walls[0].min(),
+        "two": walls[1].min(),
+        "median_ratio": statistics.median(walls[0] / walls[1]),
+        "transforms": transforms[0].min() / transforms[1].min(),
+        "load_average": os.getloadavg()[0],
+        "date": time.strftime("%Y-%m-%d"),
+    }
 
 
 def main() -> None:
-    """Run the comparison; print its table and keep its numbers."""
+    """Run the comparison and keep its numbers."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("--points", type=int, nargs="+", default=[256, 1024])
+    parser.add_argument("--points", type=int, nargs="+", default=[256, 1024], help="nodes on an edge")
     parser.add_argument("--hurst", type=float, nargs="+", default=[0.2, 0.8])
-    parser.add_argument("--load", type=float, nargs="+", default=[0.05], help="mean pressure over E* ḡ")
     parser.add_argument("--boundary", default="periodic", choices=["periodic", "free"])
-    parser.add_argument("--solver", nargs="+", default=list(TOLERANCES), choices=TOLERANCES)
-    parser.add_argument(
-        "--tolerance", type=float, nargs="+", help="of all solvers, instead of those listed in the script"
-    )
-    parser.add_argument("--threads", type=int, nargs="+", default=[1])
-    parser.add_argument(
-        "--largest-reference", type=int, default=4096, help="largest grid with a converged reference"
-    )
+    parser.add_argument("--solver", nargs="+", default=list(RUNS), choices=RUNS)
+    parser.add_argument("--tolerance", type=float, nargs="+", help="instead of those listed in the script")
+    parser.add_argument("--threads", action="store_true", help="compare one thread with two instead")
+    parser.add_argument("--largest-reference", type=int, default=4096)
     parser.add_argument("--out", type=Path, default=Path("results/benchmarks"))
+    parser.add_argument("--run", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
+    if options.run:
+        run_once(options)
+        return
     options.out.mkdir(parents=True, exist_ok=True)
-    print("| points | H | load / (E* ḡ) | solver | tolerance | true error | s | wall s | GB ", end="")
-    print("| double pairs | single pairs | equivalents | / transforms | / one pair |")
-    print("|---" * 14 + "|")
+    if options.threads:
+        rows = [compare_threads(points, hurst) for points in options.points for hurst in options.hurst]
+        table = pd.DataFrame(rows)
+        print(table.to_string(index=False))
+        table.to_csv(options.out / "threads.csv", index=False, float_format="%.4g", lineterminator="\n")
+        return
     for points in options.points:
         for hurst in options.hurst:
-            for load in options.load:
-                for row in measure(points, hurst, load, options):
-                    kept(row, options.out / "contact.csv")
-                    print(line(row), flush=True)
+            for row in measure(points, hurst, options):
+                keep(row, options.out / "contact.csv")
+                shown = ("seconds", "memory_GB", "equivalents", "error")
+                numbers = ", ".join(f"{name} {row[name]:.3g}" for name in shown if name in row)
+                print(f"{points}², H = {hurst}, {row['solver']}, {row['tolerance']:g}: {numbers}", flush=True)
 
 
 if __name__ == "__main__":

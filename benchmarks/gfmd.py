@@ -12,12 +12,12 @@ import numpy as np
 
 import asperity as asp
 from asperity.contact import gfmd
-from asperity.contact.boundaries import response_on
+from asperity.contact.compliance import response_on
 from asperity.contact.problem import Control, Problem
+from asperity.core.errors import ConvergenceError
 from asperity.elasticity.layer import Layer
-from asperity.errors import ConvergenceError
+from asperity.fourier.grid import Grid
 from asperity.reference.pivoting import pivot
-from asperity.spectral import Grid
 
 HALF_SPACE = Layer(1.0, 0.0)
 SLAB = Layer(1.0, 0.0, 1.0)
@@ -40,7 +40,8 @@ def steps_to_rest(height, layer, control, damping_fraction):
 
     The damping is given as a fraction of the critical damping of the slowest mode.
     """
-    problem = Problem(height, response_on("periodic", layer, Grid(height.shape)))
+    response = response_on("periodic", layer, Grid(height.shape), omits_mean=control.fixes_load)
+    problem = Problem(height, response)
     try:
         return gfmd.solve(problem, control, TOLERANCE, None, None, damping_fraction).iterations
     except ConvergenceError:

@@ -18,7 +18,8 @@ from pathlib import Path
 
 import numpy as np
 
-from asperity.engineering import Body, MapSettings, run
+from asperity import MapOptions
+from asperity.engineering import Body, run
 
 DATA = Path(__file__).parents[1] / "tests" / "data"
 FILES = (
@@ -31,7 +32,7 @@ FILES = (
     "steel.xyz",
     "steel.npy",
 )
-NEEDED = {"steel.npy": {"unit": "um", "physical_size": (80e-6, 96e-6), "orientation": "peaks up"}}
+NEEDED = {"steel.npy": {"unit": "um", "physical_size": ("80 um", "96 um"), "orientation": "peaks up"}}
 """What a file does not say."""
 
 NUMBERS = {
@@ -47,8 +48,8 @@ MOST_SECONDS, MOST_MEGABYTES = 10.0, 1000.0
 
 def answer_in_python(name: str) -> dict[str, float]:
     """The numbers from `asperity.engineering.run`."""
-    settings = MapSettings(despike=8, **NEEDED.get(name, {}))
-    answer = run(DATA / name, Body(210e9, 0.3), mean_pressure=50e6, map_settings=settings)
+    options = MapOptions(despike=8, **NEEDED.get(name, {}))
+    answer = run(DATA / name, Body(210e9, 0.3), mean_pressure=50e6, map_options=options)
     frame = answer.frame().set_index("name")["value"]
     return {number: float(frame[number]) for number in NUMBERS}
 
@@ -57,7 +58,7 @@ def command(path: Path, out: Path, **needed: object) -> list[str]:
     """The command that gives the same answer."""
     given = ["--young", "210 GPa", "--poisson", "0.3", "--pressure", "50 MPa", "--despike", "8"]
     for option, value in needed.items():
-        values = [f"{1e6 * edge:g} um" for edge in value] if isinstance(value, tuple) else [str(value)]
+        values = list(value) if isinstance(value, tuple) else [str(value)]
         given += [f"--{option.replace('_', '-')}", *values]
     return [sys.executable, "-m", "asperity", "run", str(path), *given, "--out", str(out)]
 

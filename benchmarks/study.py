@@ -22,7 +22,7 @@ from pathlib import Path
 import pandas as pd
 
 import asperity
-from asperity.runtime.costs import job_costs
+from asperity.study.cost.benchmark import job_costs
 
 ROOT = Path(__file__).parents[1]
 OPTIONS = {
@@ -42,7 +42,7 @@ def measure(name: str, cores: int) -> dict[str, object]:
         command += ["--config", f"results={folder}"]
         run = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
         wall = time.perf_counter() - start
-        jobs = job_costs(Path(folder, "log"))
+        jobs = job_costs(Path(folder))
     if run.returncode:
         sys.exit(run.stdout[-2000:] + run.stderr[-2000:])
     after = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -15,8 +15,8 @@ from importlib.util import find_spec
 import pytest
 from hypothesis import settings
 
-from asperity.engines import ENGINES, fft_engine
-from asperity.engines.choice import VARIABLE
+from asperity.fourier import ENGINES, fft_engine
+from asperity.fourier.engine import VARIABLE
 
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(name, "1")

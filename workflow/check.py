@@ -15,9 +15,9 @@ from typing import NamedTuple
 
 import xarray as xr
 
-from asperity.config.reader import load
-from asperity.engines import DEFAULT, ENGINES
+from asperity.fourier import DEFAULT, ENGINES
 from asperity.results import dataset
+from asperity.study.config.reader import load
 
 CONFIG = "config/quick.yaml"
 REFERENCE = Path("tests/reference/quick.json")
@@ -56,19 +56,8 @@ OF_PEAKS = {
 }
 """The same for variables along `quantity` and `poisson`."""
 
-OF_COUNTED = {
-    "count": "seed_counted_count",
-    "deviation": "seed_counted_deviation",
-    "depth_high": "seed_counted_depth_highest",
-    "depth_patch_correlation": "seed_counted_correlation",
-}
-"""The same for variables along `counted` and `poisson`."""
-
-OF_DECAY = {"decay.depth": "seed_decay_depth", "decay.plane": "seed_decay_plane"}
-"""The same for variables along `decay` and `poisson`."""
-
 OF_UNIFORM_MODE = ("von_mises", "xx")
-"""Quantities that another condition of the uniform mode changes."""
+"""Quantities that another condition of the mean (q = 0) mode changes."""
 
 PERCENTILES = {"p50": 0.5, "p90": 0.9, "p99": 0.99, "largest": 1.0}
 """Name of a number in the reference → level of the quantiles of the peaks."""
@@ -159,13 +148,13 @@ def collect(folder: Path, surfaces: list[str]) -> dict[str, float]:
             statistics = dataset.read(path)
             for seed in statistics["seed"].values:
                 one = statistics.sel(seed=seed)
-                found = numbers_of_seed(one) | numbers_of_readings(one)
+                found = numbers_of_seed(one) | numbers_of_patches(one)
                 numbers |= {f"{surface}/seed{seed}/{name}": value for name, value in found.items()}
-        for path in sorted(folder.glob(f"readings/*/statistics/{surface}.nc")):
+        for path in sorted(folder.glob(f"interpretations/*/statistics/{surface}.nc")):
             statistics, lateral = dataset.read(path).sel(quantity=list(OF_UNIFORM_MODE)), path.parts[-3]
             for seed in statistics["seed"].values:
                 one = statistics.sel(seed=seed)
-                found = numbers_of_stress(one) | numbers_of_readings(one)
+                found = numbers_of_stress(one) | numbers_of_patches(one)
                 numbers |= {f"{surface}/seed{seed}/{lateral}/{name}": value for name, value in found.items()}
     return numbers
 
@@ -192,24 +181,14 @@ def numbers_of_stress(statistics: xr.Dataset) -> dict[str, float]:
     return numbers
 
 
-def numbers_of_readings(statistics: xr.Dataset) -> dict[str, float]:
-    """Numbers of one seed under other readings of the claims than the study's own."""
-    numbers = {}
-    for ratio in statistics["poisson"].values:
-        one = statistics.sel(poisson=ratio)
-        for counted in one["counted"].values[1:]:
-            peaks = one.sel(counted=counted)
-            values = {name: peaks[variable] for name, variable in OF_COUNTED.items()}
-            values |= {
-                name: peaks["seed_counted_quantile"].sel(level=level) for name, level in PERCENTILES.items()
-            }
-            numbers |= {f"{counted}.{name}@{ratio:g}": float(value) for name, value in values.items()}
-        numbers |= {
-            f"{name}.{share:.3g}@{ratio:g}": float(one[variable].sel(decay=share))
-            for name, variable in OF_DECAY.items()
-            for share in one["decay"].values[1:]
-        }
-    return numbers
+def numbers_of_patches(statistics: xr.Dataset) -> dict[str, float]:
+    """Correlations of depth and patch of one seed under the interpretations of the claims."""
+    found = statistics["seed_patch_correlation"]
+    return {
+        f"{patches}.depth_patch_correlation@{ratio:g}": float(found.sel(patches=patches, poisson=ratio))
+        for patches in found["patches"].values
+        for ratio in found["poisson"].values
+    }
 
 
 def run(folder: str, cores: int, surfaces: list[str], engine: str) -> None:

@@ -7,17 +7,17 @@ import re
 import subprocess
 from pathlib import Path
 
-from asperity.accuracy.measured import MeasuredTradeoff, as_json, from_json
-from asperity.accuracy.tables import describe_presets
+from asperity.study.cost.measured import MeasuredTradeoff, as_json, from_json
+from asperity.study.cost.tables import describe_presets
 
-STORED = Path("src/asperity/accuracy/measured.json")
+STORED = Path("src/asperity/study/cost/measured.json")
 README = Path("config/README.md")
 MEASURED = Path("results/tradeoff/full/measured.json")
 
 
 def with_table(text: str, measured: MeasuredTradeoff) -> str:
     """The text of the README with its table of the presets replaced."""
-    mark = "<!-- presets: python -m asperity.accuracy.plan -->\n"
+    mark = "<!-- presets: python -m asperity.study.cost.tables -->\n"
     return re.sub(f"(?<={re.escape(mark)})(\\|.*\n)*", lambda _: describe_presets(measured) + "\n", text)
 
 

@@ -23,10 +23,10 @@ grid = asp.Grid((128, 128), 0.3e-3)
 hertz = Hertz.from_load(20.0, 10e-3, steel.effective_modulus)
 
 # %%
-# The pressure is known, so that no contact has to be solved: a ``PressedSolid`` is a solid under any
+# The pressure is known, so that no contact has to be solved: a ``LoadedSolid`` is a solid under any
 # pressure.
 y, x = (axis - (axis[0] + axis[-1]) / 2 for axis in grid.coordinates())
-pressed = asp.PressedSolid(hertz.pressure(np.hypot(y[:, None], x)), grid, steel, "free")
+pressed = asp.LoadedSolid(hertz.pressure(np.hypot(y[:, None], x)), grid, steel, "free")
 a, p0 = hertz.contact_radius, hertz.largest_pressure
 
 # %%

@@ -25,7 +25,7 @@ for seed in range(1, 5):
     gradients.append(contact.gradient_rms_contact)
 
 # %%
-# Values, depths and places of the peaks are a dataset, or a table of pandas.
+# Values, depths and positions of the peaks are a dataset, or a table of pandas.
 found = asp.peaks(stresses[0], "von_mises", poisson=0.33, selection="under_contact")
 table = found.to_dataframe()
 table.nlargest(5, "peak_value")

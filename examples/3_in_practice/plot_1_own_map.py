@@ -9,7 +9,7 @@ does the same with ``asperity run steel.x3p --young "210 GPa" --poisson 0.3 …`
 import matplotlib.pyplot as plt
 
 import asperity as asp
-from asperity.engineering import Body, MapSettings, run
+from asperity.engineering import Body, run
 
 # %%
 # Any format that SurfaceTopography reads. This map is part of the repository: 40 × 48 pixels of 2 µm, with
@@ -23,8 +23,8 @@ print(f"{surface.name}: {size} µm, {surface.missing} points without data, perio
 # filtered, and the cell is refined so that the contacts are resolved.
 steel = Body(young=210e9, poisson=0.3, yield_stress=1.5e9)
 aluminium = Body(young=70e9, poisson=0.33, yield_stress=300e6)
-treatment = MapSettings(despike=8, wavelength_short=16e-6, points=192)
-answer = run(surface, steel, aluminium, mean_pressure=20e6, map_settings=treatment)
+treatment = asp.MapOptions(despike=8, wavelength_short="16 um", points=192)
+answer = run(surface, steel, aluminium, mean_pressure=20e6, map_options=treatment)
 print(answer)
 
 # %%

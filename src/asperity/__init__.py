@@ -6,7 +6,7 @@ The public names are listed in ``__init__.pyi`` and imported when first used.
 from importlib.util import find_spec
 from typing import Any
 
-__version__ = "0.2.0"
+from asperity.core.version import __version__ as __version__
 
 # Without lazy_loader there are no public names; the command line and the study can still report that.
 if find_spec("lazy_loader"):
@@ -17,11 +17,13 @@ if find_spec("lazy_loader"):
     def __getattr__(name: str) -> Any:
         """A public name; without the packages that it needs, an error that names what to install."""
         try:
-            return _attribute(name)
+            found = _attribute(name)
+            import asperity.views.accessor  # noqa: F401  makes ``dataset.asperity`` known to xarray
         except ModuleNotFoundError as error:
-            from asperity.packages import NAMES, MissingPackageError, message
+            from asperity.core.packages import NAMES, MissingPackageError, message
 
             module = (error.name or "").split(".")[0]
             if module not in NAMES or isinstance(error, MissingPackageError):
                 raise
             raise MissingPackageError(message([module]), name=module) from error
+        return found

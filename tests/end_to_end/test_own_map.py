@@ -14,10 +14,10 @@ import pytest
 
 import asperity as asp
 from asperity.cli.main import main
-from asperity.config.study import read_study
-from asperity.engineering import Body, MapSettings, run
-from asperity.engineering.indenter import read_indenter
+from asperity.engineering import Body, run
+from asperity.engineering.case import read_face
 from asperity.results import dataset
+from asperity.study.config.study import read_study
 
 ROOT = Path(__file__).parents[2]
 DATA = ROOT / "tests/data"
@@ -73,7 +73,7 @@ LOADS = {
 
 
 @pytest.mark.parametrize("kind", LOADS)
-def test_the_load_is_imposed_alike_by_library_configuration_and_command(kind, answers, tmp_path):
+def test_every_interface_imposes_the_same_load(kind, answers, tmp_path):
     setting, text, value = LOADS[kind]
     steel = ["--young", "210 GPa", "--poisson", "0.3"]
     assert main([*COMMAND, *steel, f"--{setting.replace('_', '-')}", text]) == 0
@@ -81,10 +81,10 @@ def test_the_load_is_imposed_alike_by_library_configuration_and_command(kind, an
         f"engineering: {{young: 210 GPa, poisson: 0.3, {setting}: {text}}}", encoding="utf-8"
     )
     assert main([*COMMAND, "--config", "steel.yaml"]) == 0
-    settings = MapSettings(despike=8)
-    answers.append(run(DATA / "steel.x3p", Body(210e9, 0.3), **{kind: value}, map_settings=settings))
+    settings = asp.MapOptions(despike=8)
+    answers.append(run(DATA / "steel.x3p", Body(210e9, 0.3), **{kind: value}, map_options=settings))
     found = [answer.contact for answer in answers]
-    indenter = read_indenter(DATA / "steel.x3p", settings)
+    indenter = read_face(DATA / "steel.x3p", settings)
     # The library's force is that on the whole cell, its approach the position of the indenter.
     imposed = {"force": 4 * value, "approach": value + indenter.height.min()}.get(kind, value)
     layer = asp.Layer(210e9, 0.3)
@@ -96,32 +96,13 @@ def test_the_load_is_imposed_alike_by_library_configuration_and_command(kind, an
     assert reached == pytest.approx(value, rel=0.05 if kind == "area_fraction" else 1e-5)
 
 
-def test_an_approach_to_full_contact_is_refused_before_anything_is_computed(answers, capsys):
-    with pytest.raises(SystemExit):
-        main([*COMMAND, "--young", "210 GPa", "--poisson", "0.3", "--approach", "1 mm"])
-    (line,) = capsys.readouterr().err.splitlines()
-    assert re.match(r"asperity: --approach = 1 mm: less than [\d.]+ nm is needed", line)
-    assert not answers
-
-
-def test_problems_of_options_and_of_the_map_are_reported_together(capsys):
+def test_all_problems_of_a_run_are_reported(capsys):
     with pytest.raises(SystemExit):
         main(["run", str(DATA / "steel.npy"), "--young", "210", "--despike", "1", "--orientation", "up"])
     said = capsys.readouterr().err.splitlines()
     starts = [re.search(r"(--[a-z-]+)", line)[1] for line in said]
     wanted = ("young", "despike", "orientation", "poisson", "pressure", "out", "physical-size", "unit")
     assert sorted(starts) == sorted(f"--{name}" for name in wanted)
-
-
-def test_problems_of_options_are_said_before_the_map_is_read(monkeypatch, capsys):
-    """A package that reads maps takes a second or more to import."""
-    said = []
-    reads = "asperity.engineering.indenter.read_indenter"
-    monkeypatch.setattr(reads, lambda *_: said.extend(capsys.readouterr().err.splitlines()))
-    monkeypatch.setattr("asperity.cli.commands.run._too_deep", lambda *_: "")
-    with pytest.raises(SystemExit):
-        main(["run", str(DATA / "steel.x3p"), "--young", "210"])
-    assert [re.search(r"--([a-z]+)", line)[1] for line in said] == ["young", "poisson", "pressure", "out"]
 
 
 FIRST_MINUTES = re.findall(r"^    (asperity (?:info|run) .*)$", README + OWN_MAP, re.MULTILINE)
@@ -169,7 +150,7 @@ def test_every_option_of_the_table_can_be_added(added, answers):
     assert answers
 
 
-def test_the_example_in_python_runs_and_its_results_are_drawn_and_exported(monkeypatch, tmp_path, capsys):
+def test_results_of_the_python_example_are_drawn(monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
     shutil.copy(DATA / "steel.x3p", tmp_path)
     (example,) = re.findall(r"```python\n(.*?)```", OWN_MAP, re.DOTALL)
@@ -197,3 +178,11 @@ def test_the_studies_of_the_pages_are_accepted(monkeypatch, tmp_path):
     assert mine["results"] == "results/mine"
     assert half["contact"]["area_fraction"] == 0.05
     assert half["results"] == "results/half"
+
+
+def test_an_approach_to_full_contact_is_refused(answers, capsys):
+    with pytest.raises(SystemExit):
+        main([*COMMAND, "--young", "210 GPa", "--poisson", "0.3", "--approach", "1 mm"])
+    (line,) = capsys.readouterr().err.splitlines()
+    assert re.match(r"asperity: --approach = 1 mm: less than [\d.]+ nm is needed", line)
+    assert not answers

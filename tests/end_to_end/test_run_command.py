@@ -8,9 +8,8 @@ import pytest
 
 from asperity.cli.main import main
 from asperity.engineering import Body, run, write_answer
-from asperity.engineering.folder import atomic_folder
 from asperity.results import dataset
-from asperity.surface.height_map import HeightMap
+from asperity.surface.reading.height_map import HeightMap
 
 # SurfaceTopography warns of an optional package when it is first imported.
 
@@ -48,15 +47,16 @@ def folder(path, tmp_path_factory):
     return out
 
 
-def test_the_folder_holds_results_pictures_tables_and_a_report(folder):
+def test_the_folder_holds_all_files(folder):
     assert {file.name for file in folder.iterdir()} == {
         *("surface.nc", "contact.nc", "stress.nc", "peaks.csv", "answer.csv", "report.html"),
+        ".asperity-run.json",
         *("height.png", "pressure.png", "section.png", "plane.png", "peaks.png"),
     }
     assert [file.name for file in folder.parent.iterdir()] == ["steel"]
 
 
-def test_result_files_are_in_si_units_and_agree_with_each_other(folder):
+def test_result_files_are_in_si_and_agree(folder):
     contact, stress = (dataset.read(folder / f"{stage}.nc") for stage in ("contact", "stress"))
     assert contact.attrs["unit_system"] == stress.attrs["unit_system"] == "SI"
     assert (contact["pressure"].attrs["units"], contact["x"].attrs["units"]) == ("Pa", "m")
@@ -84,7 +84,9 @@ def test_the_report_is_whole_without_a_network(folder):
         assert words in page
 
 
-def test_a_second_answer_replaces_the_first_and_other_folders_are_left_alone(path, folder, tmp_path, capsys):
+def test_a_second_answer_replaces_the_first_alone(path, folder, tmp_path, capsys):
+    (folder / "thesis.tex").write_text("precious")
+    (folder / ".unfinished-killed").mkdir()
     before = (folder / "contact.nc").stat().st_ino
     arguments = ["run", str(path), *COMMAND[:4], "--area-fraction", "0.02", "--out"]
     assert main([*arguments, str(folder)]) == 0
@@ -92,32 +94,20 @@ def test_a_second_answer_replaces_the_first_and_other_folders_are_left_alone(pat
     assert "real contact area imposed: 2 %" in printed
     assert f"report    {folder / 'report.html'}" in printed
     assert (folder / "contact.nc").stat().st_ino != before
-    (tmp_path / "thesis.tex").write_text("precious")
-    with pytest.raises(SystemExit):
-        main([*arguments, str(tmp_path)])
-    assert "--out" in (errors := capsys.readouterr().err)
-    assert "thesis.tex" in errors
-    assert [file.name for file in tmp_path.iterdir()] == ["thesis.tex"]
+    assert (folder / "thesis.tex").read_text() == "precious"
+    assert not list(folder.glob(".unfinished*"))
 
 
-def test_nothing_is_left_of_an_answer_that_could_not_be_written(tmp_path):
-    def interrupted():
-        with atomic_folder(tmp_path / "steel") as unfinished:
-            (unfinished / "report.html").write_text("half")
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        interrupted()
-    assert list(tmp_path.iterdir()) == []
-
-
-def test_what_a_killed_process_has_left_is_deleted(tmp_path):
-    left = tmp_path / ".steel.4194305.unfinished"  # above the largest process number of Linux
-    left.mkdir()
-    (left / "report.html").write_text("half")
-    with atomic_folder(tmp_path / "steel") as unfinished:
-        (unfinished / "report.html").write_text("whole")
-    assert [file.name for file in tmp_path.iterdir()] == ["steel"]
+def test_files_that_run_has_not_written_are_kept(path, tmp_path, capsys):
+    (tmp_path / "contact.nc").write_text("of asperity solve")
+    for source, out, message in (
+        (path, tmp_path, "holds contact.nc, which asperity run has not written"),
+        (path, path.parent, "holds the map; another folder is needed"),
+    ):
+        with pytest.raises(SystemExit):
+            main(["run", str(source), *COMMAND, "--out", str(out)])
+        assert message in capsys.readouterr().err
+    assert (tmp_path / "contact.nc").read_text() == "of asperity solve"
 
 
 def test_everything_wrong_is_named_at_once(tmp_path, capsys):
@@ -145,12 +135,6 @@ def test_everything_wrong_is_named_at_once(tmp_path, capsys):
     assert "(kPa, MPa, GPa, N/mm^2) is needed" in lines[0]
 
 
-def test_a_counter_body_needs_both_its_constants(path, tmp_path, capsys):
-    with pytest.raises(SystemExit):
-        main(["run", str(path), *COMMAND, "--counter-young", "70 GPa", "--out", str(tmp_path / "out")])
-    assert "--counter-poisson: missing" in capsys.readouterr().err
-
-
 def test_a_configuration_can_say_the_materials(path, tmp_path, capsys):
     config = tmp_path / "steel.yaml"
     config.write_text(
@@ -172,12 +156,12 @@ def test_a_configuration_can_say_the_materials(path, tmp_path, capsys):
     assert "engineering.colour: unknown key" in errors
 
 
-def test_the_commands_of_single_stages_refuse_results_of_a_run(folder, tmp_path, capsys):
+def test_single_stages_refuse_results_of_a_run(folder, tmp_path, capsys):
     assert main(["stress", str(folder / "contact.nc"), "--out", str(tmp_path / "stress.nc")]) == 1
     assert "a result of asperity run, which makes those of all stages itself" in capsys.readouterr().err
 
 
-def test_ten_lines_of_python_give_the_same_as_the_command(steel, tmp_path, folder, path):
+def test_python_gives_the_same_as_the_command(steel, tmp_path, folder, path):
     answer = run(path, Body(210e9, 0.3, yield_stress=1.5e9), area_fraction=0.02)
     written = write_answer(answer, tmp_path / "steel")
     assert (tmp_path / "steel" / "report.html") in written

@@ -5,13 +5,12 @@ or the exception by which they were refused; and for every defect how often it w
 and where it was raised. The exit status is 1 if there is one.
 
 Results must be finite and keep their promises. Wrong input must be refused by an exception of the package, or
-by a ValueError or TypeError that the package itself raises. No input may take longer than `TIMES` contacts of
-64 × 64 nodes, measured on the machine as it is at that moment, or more than four gigabytes of memory.
+by a ValueError or TypeError that the package itself raises. No input may take longer than `SECONDS` or more
+than `BYTES` of memory (Windows: without these limits).
 """
 
 import argparse
 import contextlib
-import faulthandler
 import gc
 import os
 import random
@@ -25,6 +24,7 @@ from collections import Counter
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import psutil
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis.errors import Flaky
@@ -32,41 +32,25 @@ from inputs import LONGEST_MESSAGE, PromiseError
 from properties import PROPERTIES
 
 import asperity as asp
-from asperity import errors
-from asperity.surface.height_map import MapError
+from asperity.core import errors
 
 try:
     import resource
-except ImportError:  # Windows, where inputs are tried without limits
+except ImportError:  # Windows
     resource = None
 
 EXAMPLES = 40
 """Inputs that one round tries of each property."""
 
-LARGEST_SHARE = 0.2
-"""Part of the whole time that one round may take to find the smallest example of a defect."""
-
-TIMES = 3000
-"""Time that one input may take, in times of one contact of 64 × 64 nodes."""
-
-LEAST_SECONDS = 30
-"""The same, at least: compiling a function takes longer than a contact."""
-
+SECONDS = 60
 BYTES = 4 * 2**30
-"""Memory that one input may take."""
 
 PACKAGE = str(Path(asp.__file__).parent)
-OWN = (
-    errors.ConfigError,
-    errors.ConvergenceError,
-    errors.DatasetError,
-    errors.PlanError,
-    errors.PreflightError,
-)
+OWN = tuple(kind for kind in vars(errors).values() if isinstance(kind, type) and issubclass(kind, Exception))
 
 
 class DefectError(AssertionError):
-    """Base of the exceptions that stand for a defect each."""
+    """Base of the exceptions that stand for a defect each: hypothesis tells defects apart by their class."""
 
 
 class SlowError(BaseException):
@@ -75,19 +59,11 @@ class SlowError(BaseException):
 
 def stop(*_):
     """Signal handler that ends an input that takes too long."""
-    raise SlowError("longer than is accepted")
-
-
-def accepted_seconds():
-    """Seconds that one input may take while the machine is as busy as it is now."""
-    height = np.random.default_rng(0).standard_normal((64, 64))
-    begin = time.perf_counter()
-    asp.solve(height, asp.Layer(1.0, 0.3), area_fraction=0.1)
-    return max(LEAST_SECONDS, TIMES * (time.perf_counter() - begin))
+    raise SlowError(f"longer than {SECONDS} s")
 
 
 @contextlib.contextmanager
-def limits(seconds, size):
+def limits():
     """Raise `SlowError` or `MemoryError` in a block that takes more time, or more memory than before."""
     if resource is None:
         yield
@@ -95,8 +71,8 @@ def limits(seconds, size):
     used = psutil.Process().memory_info().vms
     _, hard = resource.getrlimit(resource.RLIMIT_AS)
     signal.signal(signal.SIGALRM, stop)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
-    resource.setrlimit(resource.RLIMIT_AS, (used + size, hard))
+    signal.setitimer(signal.ITIMER_REAL, SECONDS)
+    resource.setrlimit(resource.RLIMIT_AS, (used + BYTES, hard))
     try:
         yield
     finally:
@@ -110,20 +86,12 @@ class Search:
     def __init__(self, name):
         self.name = name
         self.strategy, self.function = PROPERTIES[name]
-        self.outcomes = Counter()
-        self.defects = Counter()
-        self.examples = {}
-        self.kinds = {}  # a class of exception for each defect: hypothesis tells defects apart by it
-        self.known = set()
-        self.ends = 0.0
-        self.seconds = float(LEAST_SECONDS)
+        self.outcomes, self.defects = Counter(), Counter()
+        self.examples, self.kinds = {}, {}
 
     def round(self, number, ends):
         """Try some inputs, and find the smallest that show defects which no earlier round has shown."""
-        self.ends = ends
-        self.known = set(self.defects)
-        self.seconds = accepted_seconds()
-        seen = {}
+        known, seen = set(self.defects), {}
 
         @seed(number)
         @settings(
@@ -140,9 +108,9 @@ class Search:
             text = repr(case)
             if text not in seen:
                 # After the time is over only the examples found are shown again, which ends the shrinking.
-                seen[text] = self.attempt(case) if time.monotonic() < self.ends else None
-            if (defect := seen[text]) is not None and defect not in self.known:
-                self.keep(defect, text)
+                seen[text] = self.attempt(case) if time.monotonic() < ends else None
+            if (defect := seen[text]) is not None and defect not in known:
+                self.examples[defect] = min(self.examples.get(defect, text), text, key=len)
                 raise self.kinds.setdefault(defect, type("DefectError", (DefectError,), {}))(defect)
 
         with warnings.catch_warnings(), open(os.devnull, "w") as nowhere:
@@ -153,79 +121,39 @@ class Search:
                 except* (DefectError, Flaky):
                     pass
 
-    def keep(self, defect, text):
-        """Keep the shortest example of a defect."""
-        if len(text) < len(self.examples.get(defect, text + " ")):
-            self.examples[defect] = text
-
     def attempt(self, case):
         """Try an input; its defect as one line, or None."""
         try:
-            with limits(self.seconds, BYTES), np.errstate(all="ignore"):
-                outcome = self.function(case)
+            with limits(), np.errstate(all="ignore"):
+                outcome, defect = self.function(case), None
         except (Exception, SlowError) as error:
             defect = defect_of(error)
-            if defect is None:
-                self.outcomes[type(error).__name__] += 1
-                return None
-            if isinstance(error, MemoryError):
-                gc.collect()
-            self.outcomes["DEFECT"] += 1
-            self.defects[defect] += 1
-            return defect
+            outcome = type(error).__name__ if defect is None else "DEFECT"
+            gc.collect()
         self.outcomes[outcome] += 1
-        return None
+        if defect is not None:
+            self.defects[defect] += 1
+        return defect
 
 
 def defect_of(error):
     """A defect as one line: its kind, and where it was raised; None for a refusal of the package's own.
 
-    A ValueError or TypeError is the package's own if one of its lines raises it: those of compiled functions
-    of Python and NumPy have a line of the package as their last one too, which calls them.
+    A ValueError or TypeError is the package's own if the last line of its traceback is a ``raise`` of the
+    package: those of compiled functions have a line of the package as their last one too, which calls them.
     """
-    last = traceback.extract_tb(error.__traceback__)[-1]
-    ours = last.filename.startswith(PACKAGE) and (last.line or "").startswith("raise ")
-    if isinstance(error, OWN) or (
-        type(error) in (ValueError, TypeError, MapError) and ours and is_message(error)
-    ):
-        return None
+    frames = traceback.extract_tb(error.__traceback__)
+    ours = [frame for frame in frames if frame.filename.startswith(PACKAGE)]
+    is_raised = ours and frames[-1] is ours[-1] and (frames[-1].line or "").startswith("raise ")
+    if isinstance(error, OWN) or (isinstance(error, (ValueError, TypeError)) and is_raised):
+        lines = getattr(error, "lines", [str(error)])
+        if all(line.isprintable() and 0 < len(line) < LONGEST_MESSAGE for line in lines):
+            return None
     if isinstance(error, PromiseError):
-        return f"{error}"
-    frames = [
-        frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.startswith(PACKAGE)
-    ]
-    place = f"{Path(frames[-1].filename).relative_to(PACKAGE)}:{frames[-1].name}" if frames else "outside"
+        return str(error)
+    origin = f"{Path(ours[-1].filename).relative_to(PACKAGE)}:{ours[-1].name}" if ours else "outside"
     first = re.sub(r"[0-9]+", "0", str(error).splitlines()[0])[:80] if str(error) else ""
-    return f"{type(error).__name__} in {place}: {first}"
-
-
-def is_message(error):
-    """True for one line that is not too long, as all messages of the package are, or one for each problem."""
-    lines = error.lines if isinstance(error, errors.InputError) else [str(error)]
-    return all(line.isprintable() and 0 < len(line) < LONGEST_MESSAGE for line in lines)
-
-
-def report(searches):
-    """Outcomes and defects as text."""
-    outcomes = sum((search.outcomes for search in searches), Counter())
-    columns = [name for name, _ in outcomes.most_common()]
-    widths = [max(len(name), 6) for name in columns]
-    lines = [
-        "  ".join(["property   ", " tried", *(f"{c:>{w}}" for c, w in zip(columns, widths, strict=True))])
-    ]
-    for search in [*searches, None]:
-        counts = outcomes if search is None else search.outcomes
-        cells = (f"{counts[c] or '':>{w}}" for c, w in zip(columns, widths, strict=True))
-        name = "all" if search is None else search.name
-        lines.append("  ".join([f"{name:11}", f"{sum(counts.values()):6}", *cells]))
-    for search in searches:
-        for defect, count in search.defects.most_common():
-            lines += [
-                "",
-                f"{search.name}, {count} times: {defect}",
-                f"    {search.examples.get(defect, '')[:1500]}",
-            ]
-    return "\n".join(lines)
+    return f"{type(error).__name__} in {origin}: {first}"
 
 
 def main():
@@ -239,17 +167,19 @@ def main():
     chosen = parser.parse_args()
     number = random.randrange(10**6) if chosen.seed is None else chosen.seed
     print(f"fuzz: {chosen.minutes:g} minutes, seed {number}", flush=True)
-    faulthandler.enable()
     searches = [Search(name) for name in chosen.only]
-    ends = time.monotonic() + 60 * chosen.minutes
-    rounds = 0
+    ends, rounds = time.monotonic() + 60 * chosen.minutes, 0
     with contextlib.suppress(KeyboardInterrupt):
         while time.monotonic() < ends:
             for search in searches:
-                share = time.monotonic() + LARGEST_SHARE * 60 * chosen.minutes
-                search.round(1000 * number + rounds, min(ends, share))
+                # Finding the smallest example of a defect may take a fifth of the time.
+                search.round(1000 * number + rounds, min(ends, time.monotonic() + 12 * chosen.minutes))
             rounds += 1
-    print(report(searches))
+    table = pd.DataFrame({search.name: search.outcomes for search in searches}).T.fillna(0).astype(int)
+    print(table.to_string())
+    for search in searches:
+        for defect, times in search.defects.most_common():
+            print(f"\n{search.name}, {times} times: {defect}\n    {search.examples.get(defect, '')[:1500]}")
     sys.exit(any(search.defects for search in searches))
 
 

@@ -1,4 +1,4 @@
-"""Random arguments of the library: surfaces, solids, numbers, and in odd cases what is none of these."""
+"""Random arguments: surfaces, solids, numbers, and in odd cases what is none of these."""
 
 import math
 from typing import NamedTuple
@@ -31,27 +31,9 @@ def require_finite(**values):
 odd = st.shared(st.sampled_from([False, False, True]), key="odd")
 """True for a case in which some arguments are out of range, or of a wrong type."""
 
-extreme = st.sampled_from(
-    [0.0, -0.0, 5e-324, 1e-300, 1e-60, 1e-30, 1e30, 1e60, 1e300, -1.0, math.inf, -math.inf, math.nan]
-)
-wrong = st.sampled_from(
-    [
-        None,
-        "1",
-        True,
-        1j,
-        [1.0],
-        (),
-        {},
-        b"1",
-        [1.0, 2.0],
-        object,
-        10**400,
-        np.array(1.0),
-        np.True_,
-        "x" * 300,
-    ]
-)
+EXTREME = [0.0, -0.0, 5e-324, 1e-300, 1e-60, 1e-30, 1e30, 1e60, 1e300, -1.0, math.inf, -math.inf, math.nan]
+WRONG = [None, "1", True, 1j, [1.0], (), {}, b"1", object, 10**400, np.array(1.0), np.True_, "x" * 300]
+extreme, wrong = st.sampled_from(EXTREME), st.sampled_from(WRONG)
 
 
 def among(good, *bad):
@@ -69,8 +51,14 @@ def choice(*names):
     return among(st.sampled_from(names), st.sampled_from(["", "magic", None, 1, [], {}]))
 
 
+def count(low, high):
+    """A whole number in a range; in odd cases perhaps another, or none."""
+    return among(st.integers(low, high), st.sampled_from([0, -1, 2**31, 2**62, 1e300]), wrong)
+
+
 shapes = st.tuples(st.integers(1, 24), st.integers(1, 24))
 lengths = st.just(1.0) | number(1e-6, 1e6) | st.tuples(st.floats(0.1, 10), st.floats(0.1, 10))
+boundaries = choice("periodic", "free")
 
 
 class Height(NamedTuple):
@@ -97,35 +85,29 @@ heights = st.builds(
 
 def made(height):
     """The array of a surface."""
-    kind, shape, number, scale, offset = height
+    kind, shape, seed, scale, offset = height
     y, x = np.indices(shape)
-    values = np.random.default_rng(number).standard_normal(shape)
-    if kind == "smooth":
-        values = np.cos(2 * np.pi * x / shape[1]) + np.cos(2 * np.pi * y / shape[0])
-    elif kind == "levels":
-        values = np.round(values)
-    elif kind == "integers":
-        return np.round(values).astype(int)
-    elif kind == "tilted":
-        values = x.astype(float)
-    elif kind == "flat":
-        values = np.zeros(shape)
-    elif kind == "spike":
-        values = -np.where((x == 0) & (y == 0), 1.0, 0.0)
-    elif kind in ("nan", "inf", "1e300"):
+    noise = np.random.default_rng(seed).standard_normal(shape)
+    unscaled = {
+        "integers": lambda: np.round(noise).astype(int),
+        "complex": lambda: noise.astype(complex),
+        "boolean": lambda: noise > 0,
+        "objects": lambda: np.full(shape, 10**400, object),
+        "line": lambda: noise[0],
+        "empty": lambda: noise[:0],
+        "text": lambda: noise.astype(str),
+    }
+    if kind in unscaled:
+        return unscaled[kind]()
+    values = {
+        "smooth": np.cos(2 * np.pi * x / shape[1]) + np.cos(2 * np.pi * y / shape[0]),
+        "levels": np.round(noise),
+        "tilted": x.astype(float),
+        "flat": np.zeros(shape),
+        "spike": -1.0 * ((x == 0) & (y == 0)),
+    }.get(kind, noise)
+    if kind in ("nan", "inf", "1e300"):
         values[0, 0] = float(kind)
-    elif kind == "complex":
-        return values.astype(complex)
-    elif kind == "boolean":
-        return values > 0
-    elif kind == "objects":
-        return np.full(shape, 10**400, object)
-    elif kind == "line":
-        return values[0]
-    elif kind == "empty":
-        return values[:0]
-    elif kind == "text":
-        return values.astype(str)
     return values * scale + offset
 
 
@@ -137,12 +119,30 @@ layers = st.fixed_dictionaries(
         "lateral": choice("confined", "free"),
     },
 )
+bodies = layers | layers | st.tuples(layers, layers)
 
 
-def pressed(case):
+def solid_of(case):
+    """A layer, or two bodies."""
+    if isinstance(case, dict):
+        return asp.Layer(**case)
+    return asp.TwoBodies(*(asp.Layer(**body) for body in case))
+
+
+loaded = {
+    "pressure": heights,
+    "layer": layers | st.just({"young": 1.0, "poisson": 0.3}),
+    "length": lengths,
+    "boundary": boundaries,
+    "friction": st.just(0.0) | number(0, 2) | extreme,
+    "sliding_direction": choice("x", "y") | number(-360, 360),
+}
+
+
+def loaded_solid(case):
     """The pressure of a surface's upper half on a solid."""
     values = made(case["pressure"])
     if values.dtype == float:
         values = np.maximum(values, 0.0)
-    grid = asp.Grid(values.shape, case.get("length", 1.0))
-    return asp.PressedSolid(values, grid, asp.Layer(**case["layer"]), case.get("boundary", "periodic"))
+    grid = asp.Grid(values.shape, case["length"])
+    return asp.LoadedSolid(values, grid, asp.Layer(**case["layer"]), case["boundary"])

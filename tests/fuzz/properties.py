@@ -1,52 +1,458 @@
-"""Table of everything that a user calls: how an input is drawn, and what must hold whatever the input is.
+"""Everything that a user calls: how an input is drawn, and what must hold whatever the input is.
 
-A property is a strategy that draws an input, and a function that tries it and returns the outcome in a few
-words. It raises `PromiseError` if a promise is not kept. Every other exception than the package's own is a
-defect as well, which the search notices itself.
+A property is a strategy that draws an input, and a function that tries it and returns the outcome in a word.
+It raises `PromiseError` if a promise is not kept. Every other exception than the package's own is a defect as
+well, which the search notices itself.
 """
 
-from command_properties import commands, configs, map_files, try_command, try_config, try_map
-from contact_properties import certificates, contacts, paths, try_certificate, try_contact, try_path
-from stress_properties import (
-    analyses,
-    sections,
-    statistics,
-    stresses,
-    try_analysis,
-    try_section,
-    try_statistics,
-    try_stress,
+import functools
+import math
+import sys
+import tempfile
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+from hypothesis import strategies as st
+from inputs import (
+    among,
+    bodies,
+    boundaries,
+    choice,
+    count,
+    extreme,
+    heights,
+    lengths,
+    loaded,
+    loaded_solid,
+    made,
+    number,
+    require,
+    require_finite,
+    shapes,
+    solid_of,
+    wrong,
 )
-from surface_properties import (
-    forms,
-    grids,
-    prepared,
-    questions,
-    solids,
-    surfaces,
-    try_form,
-    try_grid,
-    try_layer,
-    try_run,
-    try_surface,
-    try_treatment,
+
+import asperity as asp
+from asperity import engineering
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
+
+import bad_input
+import random_input
+
+WORST_NODE = 100.0
+"""Violation of the contact conditions that a node may have, in units of the solver's tolerance."""
+
+LOAD_ERROR = 1e-5
+"""Relative error of an imposed load: single precision on the grids of the search."""
+
+# Contacts
+
+PLURALS = {
+    "area_fraction": "area_fractions",
+    "mean_pressure": "mean_pressures",
+    "force": "forces",
+    "approach": "approaches",
+}
+contacts = st.fixed_dictionaries(
+    {
+        "height": heights,
+        "solid": bodies,
+        "kind": choice(*PLURALS),
+        "values": st.lists(number(1e-3, 1.0), min_size=1, max_size=3),
+        "settings": st.fixed_dictionaries(
+            {},
+            optional={
+                "length": lengths,
+                "method": choice("active_set", "gfmd"),
+                "boundary": boundaries,
+                "rtol": st.sampled_from([1e-2, 1e-4, 1e-6]) | number(1e-8, 1e-2),
+                "dtype": choice("float64", "float32"),
+            },
+        ),
+    }
 )
+
+
+def try_contact(case):
+    """Solve a contact or a path of loads: finite, certified, and under the load asked for."""
+    kind, values, settings = case["kind"], case["values"], case["settings"]
+    height, solid = made(case["height"]), solid_of(case["solid"])
+    if len(values) == 1:
+        path = [asp.solve(height, solid, **{kind: values[0]}, **settings)]
+    else:
+        path = asp.solve_path(height, solid, **{PLURALS[kind]: values}, **settings)
+    for value, contact in zip(values, path, strict=True):
+        require_kept(contact, kind, value)
+    return "solved"
+
+
+def require_kept(contact, kind, value):
+    """Raise `PromiseError` unless a contact is finite, certified, and under the load that it reports."""
+    names = ("pressure", "displacement", "gap", "approach", "mean_pressure")
+    require_finite(**{name: getattr(contact, name) for name in names})
+    require(contact.pressure.min() >= 0, "a pressure is negative")
+    certificate = asp.verify_contact(
+        contact.height,
+        contact.pressure,
+        contact.solid,
+        contact.grid.length,
+        approach=contact.approach,
+        boundary=contact.boundary,
+    )
+    allowed = WORST_NODE * contact.rtol * max(1.0, reach(contact)) + rounding(contact)
+    require(certificate.worst <= allowed, "the certificate does not hold")
+    if kind in ("mean_pressure", "force"):
+        is_reached = math.isclose(getattr(contact, kind), value, rel_tol=LOAD_ERROR)
+        require(is_reached, f"the {kind} is another")
+        require(contact.control_error <= LOAD_ERROR, "the control error is another")
+    elif kind == "area_fraction":
+        nodes = np.count_nonzero(contact.pressure)
+        error = abs(nodes / contact.pressure.size / value - 1)
+        require(math.isclose(contact.control_error, error, abs_tol=1e-9), "the control error is another")
+        if np.unique(contact.height).size == contact.height.size and contact.rtol <= 1e-3:
+            wanted = max(1, round(value * contact.height.size))
+            require(abs(nodes - wanted) <= max(1, 1e-3 * wanted), "the area is another")
+
+
+def reach(contact):
+    """Displacement that an error of the pressure as large as itself causes, over the rms height."""
+    longest = 2 * np.pi / max(contact.grid.length)
+    norm = float(np.sqrt(np.mean(np.square(contact.pressure, dtype=float))))
+    rms = float(np.std(contact.height, dtype=float))
+    return norm * float(contact.solid.surface_compliance(longest)) / rms if rms else 1.0
+
+
+def rounding(contact):
+    """Rounding error of the heights, over the scale of the certificate."""
+    nodal_compliance = min(contact.grid.spacing) / contact.solid.effective_modulus
+    scale = float(np.std(contact.height, dtype=float)) or float(contact.max_pressure) * nodal_compliance
+    largest = float(np.abs(contact.height).max())
+    return 10 * float(np.finfo(contact.pressure.dtype).eps) * largest / scale if scale else 0.0
+
+
+certificates = st.fixed_dictionaries(
+    {"height": heights, "pressure": heights, "solid": bodies},
+    optional={
+        "length": lengths,
+        "boundary": boundaries,
+        "approach": number(-1, 1),
+        "mean_pressure": number(0, 1),
+    },
+)
+
+
+def try_certificate(case):
+    """Certificate of any pressure: its worst violation is infinite or a number, never NaN."""
+    height, pressure, solid = made(case["height"]), made(case["pressure"]), solid_of(case["solid"])
+    others = {name: value for name, value in case.items() if name not in ("height", "pressure", "solid")}
+    certificate = asp.verify_contact(height, pressure, solid, **others)
+    require(not math.isnan(certificate.worst), "the certificate is NaN")
+    return "computed"
+
+
+# Stress
+
+COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
+FIELDS = (*COMPONENTS, "von_mises", "largest_shear", "principal_1", "hydrostatic")
+names = st.lists(choice(*FIELDS), min_size=1, max_size=3, unique_by=repr)
+depths = among(st.lists(st.floats(0, 1), min_size=1, max_size=4, unique=True).map(sorted), wrong)
+sliding = ("friction", "sliding_direction")
+extents = st.none() | st.tuples(number(0, 1), number(0, 1))
+stresses = st.fixed_dictionaries(
+    loaded
+    | {
+        "kind": st.sampled_from(["planes", "section", "box"]),
+        "poisson": st.none() | number(-0.99, 0.5) | st.lists(number(-0.99, 0.5), max_size=3),
+        "fields": names,
+        "depths": depths,
+        "tolerance": st.sampled_from([0, 1e-2, 1e-6]) | number(0, 1),
+        "along": choice("x", "y"),
+        "at": st.none() | number(0, 1),
+        "y": extents,
+        "x": extents,
+        "spacing": st.none() | number(0.05, 0.5) | extreme,
+    }
+)
+
+
+def try_stress(case):
+    """Planes with their peaks, sections and boxes: finite, and peaks within the cell."""
+    solid = loaded_solid(case)
+    chosen = {name: case[name] for name in ("fields", "poisson", "tolerance", *sliding)}
+    if case["kind"] == "section":
+        require_finite_dataset(asp.stress_section(solid, case["along"], case["at"], case["depths"], **chosen))
+    elif case["kind"] == "box":
+        more = {name: case[name] for name in ("y", "x", "spacing")}
+        require_finite_dataset(asp.stress_box(solid, case["depths"], **chosen, **more).dataset())
+    else:
+        planes = list(asp.stress_planes(solid, case["depths"], **chosen))
+        for plane in planes:
+            require_finite(**{name: np.asarray(field) for name, field in plane.fields.items()})
+        require_within(asp.find_peaks(iter(planes), case["fields"][0]), solid.grid)
+    return "computed"
+
+
+def require_within(peaks, grid):
+    """Raise `PromiseError` unless peaks are finite and within the cell."""
+    require_finite(value=peaks.value, depth=peaks.depth, y=peaks.y, x=peaks.x)
+    for position, edge in ((peaks.y, grid.length[0]), (peaks.x, grid.length[1])):
+        require(np.all((position >= 0) & (position <= edge)), "a peak lies outside the cell")
+
+
+analyses = st.fixed_dictionaries(
+    loaded
+    | {
+        "poisson": st.none() | st.lists(st.floats(-0.9, 0.5), min_size=1, max_size=3, unique=True),
+        "tolerance": st.sampled_from([0, 1e-2, 1e-6]),
+        "spacing": number(0.3, 4),
+        "growth": number(0.05, 1),
+        "floor": number(0, 1),
+        "quantities": among(st.just(("pressure", "von_mises", "xz")), names),
+        "gradient": number(0.1, 1.0),
+        "pool": st.fixed_dictionaries(
+            {
+                "bins": count(1, 200),
+                "resamples": count(1, 50),
+                "confidence": number(0.5, 0.99),
+                "seed": count(0, 9),
+            }
+        ),
+        "selection": choice("all", "at_contact", "interior", "under_contact"),
+    }
+)
+MAY_BE_UNKNOWN = ("median_depth", "peak_percentile", "decay_length")
+"""Statistics of a selection without peaks, and lengths over which nothing falls to half, are NaN."""
+
+
+def try_analysis(case):
+    """Analysis of the stress under any pressure, its peaks, and their statistics: finite."""
+    solid = loaded_solid(case)
+    planes = asp.depth_grid(solid.grid, solid.layer.height, case["spacing"], case["growth"])
+    require(planes[0] == 0 and np.all(np.diff(planes) > 0), "the depths do not rise from zero")
+    chosen = ("poisson", "tolerance", "floor", "quantities", *sliding)
+    data = asp.analyse_stress(solid, planes, **{name: case[name] for name in chosen})
+    require_finite_dataset(data)
+    ratio = None if case["poisson"] is None else case["poisson"][0]
+    require_finite_dataset(asp.peaks(data, case["quantities"][0], ratio, case["selection"]), {"poisson"})
+    if data.sizes["peak"]:
+        found = asp.pool_peaks([data], [case["gradient"]], **case["pool"])
+        unknown = {name for name in map(str, found.variables) if name.startswith(MAY_BE_UNKNOWN)}
+        bands = {name for name in map(str, found) if name.endswith(("_low", "_high"))}  # NaN with one seed
+        require_finite_dataset(found, unknown | bands)
+    return "computed"
+
+
+def require_finite_dataset(data, unknown=frozenset()):
+    """Raise `PromiseError` unless the variables of a dataset are finite, or may be unknown."""
+    for name, values in data.variables.items():
+        if values.dtype.kind == "f" and name not in unknown | {"peak_poisson"}:
+            require_finite(**{str(name): values.values})
+
+
+statistics = st.fixed_dictionaries(
+    {
+        "field": heights,
+        "length": lengths,
+        "floor": number(0, 1),
+        "bins": count(1, 200),
+        "limits": st.none() | st.tuples(number(-1, 0), number(0.1, 1)),
+    }
+)
+
+
+def try_statistics(case):
+    """Peaks of a plane, density of its values and their autocorrelation: finite."""
+    field = made(case["field"])
+    grid = asp.Grid(field.shape, case["length"])
+    require_within(asp.plane_peaks(field, grid, case["floor"]), grid)
+    lag, covariance = asp.autocorrelation(field, grid)
+    density = asp.probability_density(field, case["bins"], case["limits"])
+    require_finite(lag=lag, covariance=covariance, edges=density.edges, density=density.density)
+    return "computed"
+
+
+# Surfaces and maps
+
+surfaces = st.fixed_dictionaries(
+    {
+        "shape": among(st.tuples(st.integers(8, 48), st.integers(8, 48)), shapes, wrong),
+        "hurst": number(0, 1),
+        "wavelength_long": number(0.4, 1),
+        "wavelength_short": number(0.2, 0.4),
+        "rms_height": number(1e-6, 1),
+        "seed": among(st.integers(0, 2**64), st.integers(-5, -1), wrong),
+        "length": st.just(1.0) | among(st.just(1.0), number(1e-6, 1e6)),
+        "transform": st.none()
+        | st.tuples(st.just(asp.johnson), number(-2, 2), number(0.1, 10))
+        | st.tuples(st.just(asp.with_moments), number(-2, 2), number(1, 10)),
+    }
+)
+
+
+def try_surface(case):
+    """Self-affine surfaces and their transforms: finite, with the rms height asked for."""
+    case = dict(case)
+    transform, rms = case.pop("transform"), case["rms_height"]
+    height = asp.self_affine(**case)
+    if transform is not None:
+        function, *arguments = transform
+        height = function(height, *arguments)
+    require_finite(height=height)
+    # The square of a smaller height is not a normal number.
+    require(rms < 1e-150 or math.isclose(float(np.std(height / rms)), 1, rel_tol=1e-9), "another rms height")
+    asp.spectrum(height, case["length"])
+    require_finite(**vars(asp.roughness_parameters(height, case["length"])))
+    return "made"
+
+
+maps = st.fixed_dictionaries(
+    {
+        "height": heights.map(made),
+        "length": st.just((1.0, 1.0)) | st.tuples(number(1e-6, 1), number(1e-6, 1)),
+        "periodic": st.booleans(),
+        "orientation": choice("peaks up", "lower face"),
+        "unit": st.just("m") | st.none(),
+    }
+)
+treatments = {
+    "detrend": choice("none", "tilt", "curvature"),
+    "undefined": st.none() | choice("harmonic"),
+    "despike": st.none() | number(3, 20),
+    "wavelength_short": st.none() | number(0.1, 1),
+    "points": st.none() | count(2, 48),
+}
+treated = st.fixed_dictionaries(
+    {
+        "map": maps,
+        "periodic": choice("declared", "mirrored", "windowed", "none"),
+        "in_cell": st.booleans(),
+        **treatments,
+    }
+)
+
+
+def try_treatment(case):
+    """A treated map: finite, with mean zero."""
+    case = dict(case)
+    surface, in_cell = asp.HeightMap(**case.pop("map")), case.pop("in_cell")
+    height = (asp.make_periodic if in_cell else asp.treat_map)(surface, **case).height
+    require_finite(height=height)
+    require(abs(float(np.mean(height))) <= 1e-9 * float(np.abs(height).max()), "the mean height is not zero")
+    return "made"
+
+
+elastic = st.fixed_dictionaries(
+    {
+        "young": number(1e-3, 1e12),
+        "poisson": number(-0.99, 0.5),
+        "yield_stress": st.none() | number(1e-3, 1e12),
+        "height": st.none() | number(1e-6, 10),
+        "bottom": choice("bonded", "frictionless", "free"),
+    }
+)
+cases = st.fixed_dictionaries(
+    {
+        "map": maps,
+        "lower": elastic,
+        "upper": st.none() | elastic,
+        "kind": st.sampled_from(list(PLURALS)),
+        "value": number(1e-3, 1),
+        "friction": st.just(0.0) | number(0, 2),
+        "settings": st.fixed_dictionaries(
+            {},
+            optional={
+                **treatments,
+                "radius": st.none() | number(0.1, 1e6),
+                "periodic": choice("mirrored", "none"),
+            },
+        ),
+    }
+)
+
+
+def try_run(case):
+    """The answer for a map: its contact and stress are finite."""
+    upper = None if case["upper"] is None else engineering.Body(**case["upper"])
+    answer = engineering.run(
+        asp.HeightMap(**case["map"]),
+        engineering.Body(**case["lower"]),
+        upper,
+        **{case["kind"]: case["value"]},
+        friction=case["friction"],
+        map_options=asp.MapOptions(**case["settings"]),
+    )
+    numbers = asdict(answer.numbers)
+    if not numbers["contact_nodes"]:
+        del numbers["gradient_rms_contact"]
+    require_finite(**numbers)
+    for body in answer.bodies.values():
+        position = (body.depth, body.y, body.x)
+        require_finite(von_mises=body.largest_von_mises)
+        is_whole = np.all(np.isfinite(position)) or np.all(np.isnan(position))
+        require(is_whole, "a part of the position is not finite")
+    require(answer.text().strip(), "the answer is empty")
+    return "answered"
+
+
+# The command line
+
+FOLDER = Path(tempfile.mkdtemp(prefix="fuzz-"))
+SOLVE = "--periodic mirrored --detrend tilt --area-fraction 0.2"
+MAP = bad_input.matrix(bad_input.ROWS)
+
+
+@functools.cache
+def files():
+    """Results of a chain of commands."""
+    return bad_input.make_chain(FOLDER)
+
+
+def try_command(words):
+    """A command with some words inserted, replaced or deleted: done or refused."""
+    random_input.require_answered(words, files(), FOLDER)
+    return "answered"
+
+
+def try_config(config):
+    """The configuration of the study with another value somewhere: accepted or refused."""
+    random_input.require_checked(config)
+    return "answered"
+
+
+@st.composite
+def map_files(draw):
+    """A map file with some of its bytes or words replaced, and its suffix."""
+    content = bytearray(MAP)
+    for _ in range(draw(st.integers(0, 3))):
+        start = draw(st.integers(0, len(content)))
+        end = start + draw(st.sampled_from([0, 1, 8, 100, 10_000]))
+        words = st.sampled_from([b"nan", b"inf", b"1e300", b"\n", b" ", b"#", b"0 m", b"%", b"{", b"\x00"])
+        content[start:end] = draw(words | st.binary(max_size=8))
+    return bytes(content), draw(st.sampled_from(["asc", "asc", "asc", "txt", "npy", "x3p", "nc", ""]))
+
+
+def try_map(case):
+    """A damaged map file: solved or refused."""
+    content, suffix = case
+    (FOLDER / f"given.{suffix}").write_bytes(content)
+    words = ["solve", f"{FOLDER}/given.{suffix}", *SOLVE.split(), "--out", f"{FOLDER}/given_contact.nc"]
+    random_input.require_answered(words, {}, FOLDER)
+    return "answered"
+
 
 PROPERTIES = {
     "contact": (contacts, try_contact),
-    "path": (paths, try_path),
     "certificate": (certificates, try_certificate),
     "stress": (stresses, try_stress),
     "analysis": (analyses, try_analysis),
-    "section": (sections, try_section),
     "statistics": (statistics, try_statistics),
-    "layer": (solids, try_layer),
-    "grid": (grids, try_grid),
     "surface": (surfaces, try_surface),
-    "form": (forms, try_form),
-    "treatment": (prepared, try_treatment),
-    "run": (questions, try_run),
-    "command": (commands, try_command),
-    "config": (configs, try_config),
+    "treatment": (treated, try_treatment),
+    "run": (cases, try_run),
+    "command": (random_input.command_lines(), try_command),
+    "config": (random_input.configurations() | random_input.unknown_keys(), try_config),
     "map": (map_files(), try_map),
 }

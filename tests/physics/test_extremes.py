@@ -1,4 +1,4 @@
-"""Extreme scenes are solved correctly or end with a named error; values out of range are refused by name."""
+"""Extreme cases are solved correctly or end with a named error; values out of range are refused by name."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ import xarray as xr
 
 import asperity as asp
 from asperity.contact import solve, verify_contact
+from asperity.core.types import Array
 from asperity.elasticity.layer import Layer
+from asperity.fourier.grid import Grid
 from asperity.reference import pivoting
 from asperity.reference.pivoting import PivotingError, pivot
-from asperity.spectral import Grid
-from asperity.types import Array
-from asperity.validation import extremes
-from asperity.validation.extremes import ACCEPTABLE, CHECKED, OUTCOMES, Scene
-from asperity.validation.solution_check import check_solution, mode_compliance
+from asperity.study.validation import extremes
+from asperity.study.validation.extremes import ACCEPTABLE, CHECKED, OUTCOMES, ExtremeCase
+from asperity.study.validation.solution_check import check_solution, mode_compliance
 
 HALF_SPACE = Layer(1.0, 0.0)
 
@@ -55,7 +55,7 @@ def test_nothing_is_silently_wrong(matrix: xr.Dataset) -> None:
     ],
 )
 def test_thin_layers_and_vanishing_contacts_are_solved(changes: dict) -> None:
-    assert OUTCOMES[extremes.attempt(Scene(**changes)).outcome].startswith("certified")
+    assert OUTCOMES[extremes.attempt(ExtremeCase(**changes)).outcome].startswith("certified")
 
 
 def test_nearly_all_extremes_are_solved_and_checked(matrix: xr.Dataset) -> None:
@@ -73,12 +73,12 @@ def test_every_value_out_of_range_is_refused_by_name(matrix: xr.Dataset) -> None
 
 
 @pytest.mark.parametrize(("points", "direct"), [(24, True), (128, False)])
-def test_the_check_tells_a_solution_from_a_tampered_one(points: int, direct: bool) -> None:
-    scene = Scene(points=points)
-    height = scene.rms_gradient * extremes.unit_surface(scene)
-    load = scene.rms_gradient * 0.03 * extremes.closing_pressure(height / scene.rms_gradient, HALF_SPACE)
+def test_check_refuses_a_tampered_solution(points: int, direct: bool) -> None:
+    case = ExtremeCase(points=points)
+    height = case.rms_gradient * extremes.unit_surface(case)
+    load = case.rms_gradient * 0.03 * extremes.closing_pressure(height / case.rms_gradient, HALF_SPACE)
     contact = solve(height, HALF_SPACE, mean_pressure=load)
-    tolerance = extremes.TOLERANCES[scene.precision]
+    tolerance = extremes.TOLERANCES[case.precision]
     check = check_solution(contact, {"mean_pressure": load}, tolerance)
     assert check.holds
     assert check.direct == direct
@@ -117,7 +117,7 @@ def test_pivoting_that_does_not_end_says_so(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 @pytest.mark.parametrize("part", [0.3, 0.99, 0.999])
-def test_damped_dynamics_near_full_contact_at_a_given_approach(part: float) -> None:
+def test_damped_dynamics_near_full_contact(part: float) -> None:
     """The load grows without limit towards the mean height; it counts as much as the tractions."""
     height = rough()
     approach = (1 - part) * float(height.min())

@@ -7,12 +7,12 @@ import pytest
 
 import asperity as asp
 from asperity.contact import solve, solve_path, verify_contact
+from asperity.core.types import Array
 from asperity.elasticity.layer import Layer
+from asperity.fourier.grid import Grid
 from asperity.reference.elliptic_hertz import EllipticHertz
 from asperity.reference.hertz import Hertz
 from asperity.reference.pivoting import pivot
-from asperity.spectral import Grid
-from asperity.types import Array
 
 HALF_SPACE = Layer(1.0, 0.0)
 

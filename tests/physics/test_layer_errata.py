@@ -67,7 +67,7 @@ def test_equation_4_holds(mode):
 
 @pytest.mark.parametrize("mode", MODES)
 @pytest.mark.parametrize("column", range(6))
-def test_equation_6_columns_solve_equation_4_but_for_the_missing_f34(mode, column):
+def test_equation_6_solves_equation_4_without_f34(mode, column):
     qx, qy, _, _, nu = numbers(mode)
     s = (1 - 2 * nu) / (2 * (1 - nu))
     z = mp.mpf("0.37")
@@ -116,7 +116,7 @@ def bonded_by_the_paper(mode, rows_corrected=True, basis_corrected=True):
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_equations_5_to_7_solve_the_layer_once_the_rows_of_7_are_in_order(mode):
+def test_equations_5_to_7_solve_the_layer(mode):
     qx, qy, height, young, nu = numbers(mode)
     solid = StateSpace(qx, qy, young, nu, height, digits=60)
     true = solid.state(0, solid.solve([mp.mpf("0.5"), 0, -1]))[0:3]
@@ -126,7 +126,7 @@ def test_equations_5_to_7_solve_the_layer_once_the_rows_of_7_are_in_order(mode):
     assert scale(bonded_by_the_paper(mode, basis_corrected=False) - true) > WRONG * size
 
 
-def test_equation_6_is_no_basis_for_an_incompressible_solid():
+def test_equation_6_fails_for_incompressible_solids():
     """The determinant of Eq. 5 at the two faces falls as s²; the problem is not singular at ν = 1/2."""
     qx, qy, height, _, _ = numbers(MODES[0])
 
@@ -219,7 +219,7 @@ def spectral_radius(time_step, stiffness, damping):
     return np.abs(np.linalg.eigvals(step)).max()
 
 
-def test_equation_18_damps_nothing_and_its_corrected_form_is_critical():
+def test_equation_18_is_critical_as_corrected():
     time_step, stiffness = 0.8, 0.9
     assert printed.critical_damping(mp, time_step, stiffness, corrected=False) == 0
     critical = float(printed.critical_damping(mp, time_step, stiffness))

@@ -26,7 +26,7 @@ def solids(draw):
 
 @unhurried
 @given(ratios, heights, angles)
-def test_compliance_is_hermitian_positive_and_symmetric_between_the_faces(poisson, height, angle):
+def test_compliance_is_hermitian_and_positive(poisson, height, angle):
     layer = Layer(1.0, poisson, height)
     qx, qy = np.cos(angle), np.sin(angle)
     g = layer.compliance(qx, qy)
@@ -146,7 +146,7 @@ def test_long_waves_on_a_bonded_layer_are_uniform_compression():
 
 
 def test_long_waves_on_a_frictionless_layer_stretch_it():
-    """G → (1 − ν²) height/E: the layer spreads along q but not across; this is not the uniform mode."""
+    """G → (1 − ν²) height/E: the layer spreads along q but not across; this is not the mean (q = 0) mode."""
     layer = Layer(2.0, 0.3, 0.5, "frictionless")
     assert layer.surface_compliance(1e-6) == pytest.approx((1 - 0.3**2) * 0.5 / 2.0, rel=1e-10)
     assert layer.surface_compliance(1e-6) > 1.1 * layer.surface_compliance(0.0)
@@ -161,7 +161,7 @@ def test_long_waves_bend_a_free_layer():
 
 @unhurried
 @given(solids(), st.floats(-4, 4))
-def test_kernels_stay_below_twice_the_envelope_of_the_half_space(layer, exponent):
+def test_kernels_stay_below_their_envelope(layer, exponent):
     """The bound used to drop modes at a depth: (1 + d) e^(−d), twice that in a layer."""
     reach = layer.height or 1.0
     q = 10.0**exponent / reach

@@ -7,9 +7,8 @@ import pytest
 import scipy.integrate
 import scipy.optimize
 
-from asperity.reference.elementary import point_force_stress
+from asperity.reference.elementary import largest_shear, point_force_stress, von_mises
 from asperity.reference.elliptic_hertz import EllipticHertz
-from asperity.reference.equivalent_stress import largest_shear, von_mises
 from asperity.reference.hertz import Hertz
 
 RATIOS = [0.2, 0.5, 0.9, 1.0]
@@ -41,15 +40,6 @@ def test_stress_on_the_axis_is_the_sum_of_point_loads(ratio: float, poisson: flo
         found = contact.stress_on_axis(depth, poisson)
         # Quadrature.
         np.testing.assert_allclose(found, integrated_stress(contact, depth, poisson), atol=1e-10)
-
-
-@pytest.mark.parametrize("ratio", RATIOS)
-def test_stress_at_the_centre_of_the_surface(ratio: float) -> None:
-    """σ_xx = −p0 (2ν + (1 − 2ν) b/(a + b)), from J_x at z = 0; likewise σ_yy with a/(a + b)."""
-    contact, nu = ellipse(ratio), 0.2
-    shares = np.array([ratio, 1]) / (1 + ratio)
-    expected = [*(-0.7 * (2 * nu + (1 - 2 * nu) * shares)), -0.7]
-    np.testing.assert_allclose(contact.stress_on_axis(0.0, nu)[:3], expected, rtol=1e-14)
 
 
 def potential_inside(contact: EllipticHertz, y: float, x: float) -> float:
@@ -100,16 +90,6 @@ def test_surface_outside_the_contact_is_displaced_by_the_pressure() -> None:
         assert found == pytest.approx(potential / (np.pi * contact.effective_modulus), rel=1e-10)
 
 
-def test_surface_leaves_the_indenter_at_the_edge_of_contact() -> None:
-    contact = ellipse(0.3)
-    radius_x, radius_y = contact.curvature_radii
-    angle = np.linspace(0, 2 * np.pi, 40)
-    for factor in (1.001, 1.5, 4.0):
-        x, y = factor * 1.3 * np.cos(angle), factor * 0.39 * np.sin(angle)
-        indenter = contact.approach - x**2 / (2 * radius_x) - y**2 / (2 * radius_y)
-        assert np.all(contact.displacement(y, x) > indenter)
-
-
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
 def test_circular_contact_is_hertz(poisson: float) -> None:
     circle = Hertz.from_load(2.0, 3.0, 1.5)
@@ -124,18 +104,7 @@ def test_circular_contact_is_hertz(poisson: float) -> None:
     np.testing.assert_allclose(ellipse.displacement(y, x), circle.displacement(np.hypot(y, x)), rtol=1e-13)
 
 
-def test_nearly_circular_contact_joins_the_circle_without_loss_of_digits() -> None:
-    circle = EllipticHertz.from_load(2.0, 3.0, 3.0)
-    for excess in (1e-14, 1e-10, 1e-6):
-        contact = EllipticHertz.from_load(2.0, 3.0 * (1 + excess), 3.0)
-        assert contact.approach == pytest.approx(circle.approach, rel=max(excess, 1e-14))
-        # For small eccentricity b/a = (R_y/R_x)^(2/3).
-        assert 1 - contact.semi_minor / contact.semi_major == pytest.approx(
-            2 / 3 * excess, rel=1e-5, abs=1e-14
-        )
-
-
-def test_slender_contact_tends_to_the_line_contact_of_two_cylinders() -> None:
+def test_slender_contact_tends_to_line_contact() -> None:
     """In plane strain, with the largest pressure: σ_xx = −p0 ((1 + 2 z²/b²)/√(1 + z²/b²) − 2 z/b)."""
     slender, nu = EllipticHertz(1e4, 1.0, 0.7), 0.3
     z = np.array([0.1, 0.78, 2.0])
@@ -156,7 +125,7 @@ def test_load_and_curvatures_give_the_contact_back() -> None:
 
 @pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
 @pytest.mark.parametrize("ratio", [1e-3, *RATIOS])
-def test_peaks_on_the_axis_are_the_largest_of_many_depths(ratio: float, poisson: float) -> None:
+def test_peaks_on_the_axis_are_the_largest(ratio: float, poisson: float) -> None:
     contact = ellipse(ratio)
     depth = np.linspace(0, 3 * contact.semi_minor, 30001)
     stress = contact.stress_on_axis(depth, poisson)
@@ -169,7 +138,7 @@ def test_peaks_on_the_axis_are_the_largest_of_many_depths(ratio: float, poisson:
         assert peak.depth == pytest.approx(depth[values.argmax()], abs=2e-4 * contact.semi_minor)
 
 
-def test_largest_shear_is_half_the_spread_of_the_principal_stresses() -> None:
+def test_largest_shear_is_half_the_principal_spread() -> None:
     rotation = np.linalg.qr(np.random.default_rng(3).standard_normal((3, 3)))[0]
     tensor = rotation @ np.diag([1.0, -2.0, 0.5]) @ rotation.T
     stress = np.array([tensor[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))])

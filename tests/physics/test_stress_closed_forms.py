@@ -6,14 +6,13 @@ from scipy.special import spherical_jn
 
 import asperity as asp
 from asperity.elasticity.layer import COMPONENTS, Layer
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.fourier.grid import Fourier, Grid, mean_square
 from asperity.reference.elementary import single_mode_stress
 from asperity.reference.hertz import Hertz
-from asperity.spectral import Fourier, Grid, mean_square
 from asperity.stress.analysis import analyse_stress
-from asperity.stress.depths import depth_grid
-from asperity.stress.peaks import find_peaks
-from asperity.stress.planes import stress_planes
-from asperity.stress.pressed import PressedSolid
+from asperity.stress.peaks.finder import find_peaks
+from asperity.stress.planes.planes import depth_grid, stress_planes
 
 
 def hertz(radius, points, centre=(0.0, 0.0), layer=None):
@@ -25,7 +24,7 @@ def hertz(radius, points, centre=(0.0, 0.0), layer=None):
     shift = np.exp(-1j * (grid.odd_qy[:, None] * centre[0] + grid.odd_qx[None, :] * centre[1]))
     pressure = Fourier(grid).inverse(2 * np.pi * radius**2 * shape * shift)
     layer = layer or Layer(young=1.0, poisson=0.33)
-    return PressedSolid(pressure, grid, layer)
+    return LoadedSolid(pressure, grid, layer)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +70,7 @@ def test_single_mode(wave, shape):
     _, x = grid.coordinates()
     q = 2 * np.pi * wave / 1.3
     pressure = np.broadcast_to(1.0 + np.cos(q * x), shape)
-    contact = PressedSolid(pressure, grid, Layer(young=1 - 0.4**2, poisson=0.4))
+    contact = LoadedSolid(pressure, grid, Layer(young=1 - 0.4**2, poisson=0.4))
     for plane in stress_planes(contact, [0.0, 0.03, 0.4], [0.4, 0.1], COMPONENTS, tolerance=0):
         for number, nu in enumerate((0.4, 0.1)):
             uniform = np.array([-nu / (1 - nu), -nu / (1 - nu), -1, 0, 0, 0])
@@ -88,7 +87,7 @@ def spots(points=128, layer=None):
     draw = np.random.default_rng(4)
     for cy, cx, radius in zip(*draw.uniform(0.2, 0.8, (2, 15)), draw.uniform(0.02, 0.08, 15), strict=True):
         pressure += np.maximum(1 - ((y[:, None] - cy) ** 2 + (x[None, :] - cx) ** 2) / radius**2, 0)
-    return PressedSolid(0.1 * pressure, grid, layer or Layer(young=1.0, poisson=0.3))
+    return LoadedSolid(0.1 * pressure, grid, layer or Layer(young=1.0, poisson=0.3))
 
 
 def test_variance_of_the_normal_stress_by_parseval_at_every_depth():
@@ -143,7 +142,7 @@ def test_peaks_converge_with_the_grid():
         for (cy, cx), radius in zip(centres, radii, strict=True):
             inside = 1 - ((y[:, None] - cy) ** 2 + (x[None, :] - cx) ** 2) / radius**2
             pressure += np.sqrt(np.maximum(inside, 0.0))
-        contact = PressedSolid(pressure, grid, Layer(1.0, nu))
+        contact = LoadedSolid(pressure, grid, Layer(1.0, nu))
         data = analyse_stress(contact, depth_grid(grid, 0.06), quantities=("von_mises",), tolerance=1e-4)
         peaks = asp.peaks(data, "von_mises", selection="interior")
         apart = np.hypot(*(peaks[f"peak_{c}"].values[:, None] - centres[:, k] for k, c in enumerate("yx")))

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 
 from asperity.elasticity.layer import COMPONENTS, Layer
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.fourier.grid import Grid
 from asperity.reference.elliptic_hertz import EllipticHertz
 from asperity.reference.hertz import Hertz
 from asperity.reference.sliding_sphere import SlidingSphere
-from asperity.spectral import Grid
 from asperity.stress.analysis import analyse_stress
-from asperity.stress.arguments import FIELDS
-from asperity.stress.planes import stress_planes
-from asperity.stress.pressed import PressedSolid
-from asperity.stress.selection import peaks
+from asperity.stress.peaks.selection import peaks
+from asperity.stress.planes.fields import FIELDS
+from asperity.stress.planes.planes import stress_planes
 
 RATIOS = [0.0, 0.3, 0.5]
 HALF_SPACE = Layer(young=1.0, poisson=0.3)
@@ -28,7 +28,7 @@ def ellipse(a, b, shape, length):
     )
     pressure = np.sqrt(np.maximum(1 - (y[:, None] / b) ** 2 - (x[None, :] / a) ** 2, 0.0))
     pressure = pressure.reshape(shape[0], parts, shape[1], parts).mean(axis=(1, 3))
-    return PressedSolid(pressure, grid, HALF_SPACE, "free")
+    return LoadedSolid(pressure, grid, HALF_SPACE, "free")
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.1, 0.5])
@@ -79,7 +79,7 @@ def test_surface_carries_the_pressure_and_the_traction():
 def test_exchange_of_the_axes_exchanges_the_stress():
     solid = ellipse(0.3, 0.1, (32, 40), (0.5, 1.0))
     solid.pressure[:20] *= 0.3
-    other = PressedSolid(solid.pressure.T, Grid((40, 32), (1.0, 0.5)), HALF_SPACE, "free")
+    other = LoadedSolid(solid.pressure.T, Grid((40, 32), (1.0, 0.5)), HALF_SPACE, "free")
     one = next(stress_planes(solid, [0.07], RATIOS, COMPONENTS, friction=0.4, sliding_direction=25.0))
     two = next(stress_planes(other, [0.07], RATIOS, COMPONENTS, friction=0.4, sliding_direction=65.0))
     for name, exchanged in zip(COMPONENTS, ("yy", "xx", "zz", "xz", "yz", "xy"), strict=True):
@@ -127,7 +127,7 @@ def test_nodes_at_opposite_edges_of_a_free_map_are_no_neighbours():
     grid = Grid(pressure.shape, 1.0)
     found = {
         boundary: analyse_stress(
-            PressedSolid(pressure, grid, HALF_SPACE, boundary),
+            LoadedSolid(pressure, grid, HALF_SPACE, boundary),
             poisson=0.3,
             quantities=("pressure", "von_mises"),
         )
@@ -147,7 +147,7 @@ def test_peaks_of_a_free_map_are_found_across_grids_of_planes():
     draw = np.random.default_rng(3)
     pressure = np.zeros((160, 160))
     pressure[draw.integers(0, 160, 40), draw.integers(0, 160, 40)] = draw.uniform(0.5, 1, 40)
-    solid = PressedSolid(pressure, Grid(pressure.shape, 1.0), HALF_SPACE, "free")
+    solid = LoadedSolid(pressure, Grid(pressure.shape, 1.0), HALF_SPACE, "free")
     sets = []
     for tolerance in (0.0, 1e-6):
         data = analyse_stress(solid, poisson=0.3, quantities=("von_mises",), tolerance=tolerance)
@@ -158,9 +158,7 @@ def test_peaks_of_a_free_map_are_found_across_grids_of_planes():
 
 
 def test_a_layer_and_an_unknown_boundary_are_refused():
-    layer = PressedSolid(np.ones((8, 8)), Grid((8, 8)), Layer(1.0, 0.3, 0.5), "free")
-    with pytest.raises(ValueError, match=r"^contact\.boundary = 'free': a half-space is needed"):
-        stress_planes(layer, [0.0])
-    other = PressedSolid(np.ones((8, 8)), Grid((8, 8)), HALF_SPACE, "open")
-    with pytest.raises(ValueError, match=r"^contact\.boundary = 'open': one of periodic, free is needed"):
-        stress_planes(other, [0.0])
+    with pytest.raises(ValueError, match=r"^boundary = 'free': a half-space is needed"):
+        LoadedSolid(np.ones((8, 8)), Grid((8, 8)), Layer(1.0, 0.3, 0.5), "free")
+    with pytest.raises(ValueError, match=r"^boundary = 'open': one of periodic, free is needed"):
+        LoadedSolid(np.ones((8, 8)), Grid((8, 8)), HALF_SPACE, "open")

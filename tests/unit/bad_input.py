@@ -5,7 +5,6 @@
 
 import contextlib
 import io
-import pickle
 import re
 import sys
 import tempfile
@@ -14,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from asperity.cli import main as cli
-from asperity.config import __main__ as config
-from asperity.pipeline.surface import make_surface
 from asperity.results import dataset
+from asperity.study.config import __main__ as config
+from asperity.study.stages.surface import make_surface
 
 ROOT = Path(__file__).parents[2]
 PAPER = str(ROOT / "config/config.yaml")
@@ -34,33 +33,17 @@ MERGES = "a: &a {x: 1}\n" + "".join(
 
 CONFIGS = [
     ("contact: {tolerance: 1e-6}", "contact.tolerance = '1e-6': a number ≥ 1e-14 and ≤ 0.01 is needed (YAML"),
-    ("contact: {tolerance: 0}", "contact.tolerance = 0: a number ≥ 1e-14 and ≤ 0.01"),
-    ("contact: {tolerance: .nan}", "contact.tolerance = nan: a finite number"),
     ("contact: {area_fraction: .inf}", "contact.area_fraction = inf: a finite number"),
     ("contact: {area_fraction: 10}", "contact.area_fraction = 10: a number > 0 and ≤ 1"),
-    ("contact: {area_fraction: ten percent}", "contact.area_fraction = 'ten percent': a number"),
     ("contact: {area: 0.1}", "contact.area: unknown key; known here are method, area_fraction"),
     ("contact: {method: magic}", "contact.method = 'magic': gfmd or active_set"),
-    ("contact: {precision: 64}", "contact.precision = 64: float64 or float32"),
-    ("contact: {path_area_fractions: []}", "contact.path_area_fractions = []: a list of ≥ 1"),
     ("contact: {path_area_fractions: [0.1, 0.05]}", "contact.path_area_fractions = [0.1, 0.05]: rising"),
-    ("contact: {path_area_fractions: [0.1, 2]}", "contact.path_area_fractions.1 = 2"),
     ("contact: null", "contact = None: a group of keys"),
-    ("contact: 3", "contact = 3: a group of keys"),
-    ("seeds: []", "seeds = []: a list of ≥ 1"),
     ("seeds: [1, 1]", "seeds = [1, 1]: a list of ≥ 1 distinct items"),
     ("seeds: [-1]", "seeds.0 = -1: a whole number"),
-    ("seeds: [1.5]", "seeds.0 = 1.5: a whole number"),
-    ("seeds: 1", "seeds = 1: a list"),
-    ("sedes: [1]", "sedes: unknown key"),
     ("results: ../elsewhere", "results = '../elsewhere': `results` or a folder below it"),
-    ("results: /etc", "results = '/etc'"),
-    ("results: results/../..", "results = 'results/../..'"),
-    ("surfaces: {hurst_02: {hurst: -0.1}}", "surfaces.hurst_02.hurst = -0.1: a number ≥ 0 and ≤ 1"),
     ("surfaces: {hurst_02: {hurst: true}}", "surfaces.hurst_02.hurst = True: a number"),
-    ("surfaces: {hurst_02: {points: 2048.5}}", "surfaces.hurst_02.points = 2048.5: a whole number"),
     ("surfaces: {hurst_02: {points: 256}}", "surfaces.hurst_02.points = 256: at least 512 are needed"),
-    ("surfaces: {hurst_02: {points: 1000000}}", "surfaces.hurst_02.points = 1000000"),
     (
         "surfaces: {hurst_02: {wavelength_short: 0.5}}",
         "wavelength_short = 0.5: at most wavelength_long = 0.125",
@@ -71,7 +54,6 @@ CONFIGS = [
     ),
     ("surfaces: {gaussian: {wavelength_short: 0.0001}}", "surfaces.gaussian.points: 80000 are too many"),
     ("surfaces: {hurst_02: {rms_height: 0}}", "surfaces.hurst_02.rms_height = 0: a number > 0"),
-    ("surfaces: {hurst_02: {label: ''}}", "surfaces.hurst_02.label = ''"),
     ("surfaces: {'H=0.2': {hurst: 0.2}}", "surfaces.'H=0.2': a name of at most 40 lower-case"),
     ("surfaces: {new: {hurst: 0.2}}", "surfaces.new.label: missing; text of 1 to 60 characters is needed"),
     ("surfaces: {1: {hurst: 0.2}}", "surfaces.1: a key that is text"),
@@ -99,41 +81,21 @@ CONFIGS = [
         "studies: {kurtosis: [gaussian, gaussian]}",
         "studies.kurtosis = ['gaussian', 'gaussian']: a list of 0 to 4",
     ),
-    ("layer: {poisson: 0.51}", "layer.poisson = 0.51: a number > -1 and ≤ 0.5"),
-    ("layer: {poisson: 0.4}", "layer.poisson = 0.4 must be one of them"),
     ("layer: {height: 0}", "layer.height = 0: a number > 0"),
     ("layer: {bottom: glued}", "layer.bottom = 'glued': bonded or frictionless"),
     (
         "stress: {poisson: [0.33, 0.33]}",
         "stress.poisson = [0.33, 0.33]: a list of 1 to 16 distinct items",
     ),
-    ("stress: {depth_spacing: 100}", "stress.depth_spacing = 100"),
-    ("statistics: {bins: 1}", "statistics.bins = 1: a whole number ≥ 2"),
     ("statistics: {confidence: 95}", "statistics.confidence = 95: a number > 0 and < 1"),
     # numbers that are none, or none of their kind
-    ("contact: {tolerance: -.inf}", "contact.tolerance = -inf: a finite number"),
-    ("contact: {area_fraction: -0.0}", "contact.area_fraction = -0.0: a number > 0"),
-    ("contact: {area_fraction: 1e400}", "contact.area_fraction = '1e400': a number"),
-    ("contact: {area_fraction: [0.1]}", "contact.area_fraction = [0.1]: a number"),
-    ("contact: {area_fraction: '0.1'}", "contact.area_fraction = '0.1': a number"),
     ("contact: {area_fraction: 0,1}", "contact.1: a key that is text is needed"),
     ("contact: {area_fraction: 2026-11-21}", "contact.area_fraction = datetime.date(2026, 11, 21): a number"),
     ("contact: {area_fraction: !!binary aGVsbG8=}", "contact.area_fraction = b'hello': a number"),
-    ("contact: {area_fraction: yes}", "contact.area_fraction = True: a number"),
-    ("contact: {area_fraction: ~}", "contact.area_fraction = None: a number"),
-    (
-        f"contact: {{area_fraction: 1{'0' * 5000}}}",
-        "overlay.yaml: at most 2000 characters are accepted in a value",
-    ),
     (f"seeds: [1{'0' * 400}]", "a whole number ≥ 0 and ≤ 4294967295 is needed"),
-    ("seeds: [2.0]", "seeds.0 = 2.0: a whole number"),
-    ("seeds: [.nan]", "seeds = nan: a finite number"),
     ("seeds: !!set {1}", "seeds = {1}: a list"),
     ("surfaces: {hurst_02: {points: 2048.0}}", "surfaces.hurst_02.points = 2048.0: a whole number"),
-    ("surfaces: {hurst_02: {points: 7}}", "surfaces.hurst_02.points = 7: a whole number ≥ 8 and ≤ 32768"),
-    ("layer: {poisson: -1}", "layer.poisson = -1: a number > -1 and ≤ 0.5"),
     # text that is none
-    ("surfaces: {hurst_02: {label: 3}}", "surfaces.hurst_02.label = 3: text of 1 to 60 characters"),
     (f"surfaces: {{hurst_02: {{label: {'ü' * 61}}}}}", "text of 1 to 60 characters is needed"),
     (
         'surfaces: {hurst_02: {label: "two\\nlines"}}',
@@ -147,31 +109,19 @@ CONFIGS = [
     (f"? {'k' * 900}\n: 1", "kkk...: unknown key"),
     ("ｃontact: {area_fraction: 0.1}", "ｃontact: unknown key; known here are based_on"),
     # names and paths
-    ("surfaces: {../up: {hurst: 0.2}}", "surfaces.'../up': a name of at most 40 lower-case"),
     (f"surfaces: {{{'a' * 41}: {{hurst: 0.2}}}}", "aaa': a name of at most 40 lower-case letters"),
-    ('surfaces: {"new\\n": {hurst: 0.2}}', "surfaces.'new\\n': a name of at most 40 lower-case"),
     ("results: results/../results", "results = 'results/../results': `results` or a folder below it"),
-    ("results: results//quick", "results = 'results//quick'"),
-    ("results: /elsewhere/results", "results = '/elsewhere/results'"),
-    ("results: ~/results", "results = '~/results'"),
     ("results: $HOME", "results = '$HOME'"),
-    ("results: resultsé", "results = 'resultsé'"),
-    ('results: "results\\n"', "results = 'results\\n'"),
-    ('results: "results/\\0"', "results = 'results/\\x00'"),
     (f"results: results/{'a' * 61}", "`results` or a folder below it is needed"),
-    ("results: ''", "results = '': `results` or a folder below it"),
     (
         "measured: {mine: {label: mine, file: none.x3p, detrend: tilt}}",
         "measured.mine.file = 'none.x3p': no such file",
     ),
-    ("measured: {mine: {label: mine, file: /, detrend: tilt}}", "measured.mine.file = '/': no such file"),
     ("measured: {fault: {file: /dev/zero}}", "measured.fault.file = '/dev/zero': no such file"),
     ('measured: {fault: {file: "a\\0b"}}', "measured.fault.file = 'a\\x00b': no such file"),
     ("measured: {fault: {physical_size: [1]}}", "measured.fault.physical_size = [1]: a list of 2 items"),
-    ("measured: {fault: {physical_size: [1, .inf]}}", "measured.fault.physical_size = inf: a finite number"),
     # what contradicts itself
     ("layer: {poisson: 0.2}\nstress: {poisson: [0.3]}", "layer.poisson = 0.2 must be one of them"),
-    ("contact: {area_fraction: 0.1, tolerance: 1}", "contact.tolerance = 1: a number ≥ 1e-14 and ≤ 0.01"),
     (
         "contact: {precision: float32, tolerance: 1.0e-9}",
         "contact.tolerance = 1e-09: a number ≥ 1e-6 with precision float32",
@@ -182,11 +132,6 @@ CONFIGS = [
     ),
     # what is no configuration
     ("", "overlay.yaml: keys with values are needed"),
-    ("# nothing", "overlay.yaml: keys with values are needed"),
-    ("- 1", "overlay.yaml: keys with values are needed"),
-    ("just text", "overlay.yaml: keys with values are needed"),
-    ("contact: {area_fraction: 0.1", "overlay.yaml: YAML is needed; expected ',' or '}'"),
-    ("\tcontact: 1", "overlay.yaml: YAML is needed; found character '\\t'"),
     ("contact: 1\n---\ncontact: 2", "overlay.yaml: YAML is needed; but found another document in line 2"),
     (b"\xff\xfe\x00", "overlay.yaml: YAML in UTF-8 is needed"),
     (b"results: \xe9", "overlay.yaml: YAML in UTF-8 is needed"),
@@ -196,15 +141,12 @@ CONFIGS = [
         "contact: {method: gfmd}\ncontact: {method: active_set}",
         "overlay.yaml: YAML is needed; 'contact' is given twice",
     ),
-    ("seeds: [1]\n? seeds\n: [2]", "overlay.yaml: YAML is needed; 'seeds' is given twice"),
     # renamed keys
     ("body: {poisson: [0.33]}", "body: is called stress now"),
     # names that are too long, and characters that formats give a meaning
     (f"measured: {{fault: {{file: {LONG}}}}}", "no such file"),
     (f"measured: {{fault: {{file: {'x' * 1001}}}}}", "a file name without braces of at most 1000 characters"),
     ("measured: {fault: {file: 'a{b}.asc'}}", "measured.fault.file = 'a{b}.asc': a file name without braces"),
-    ("measured: {fault: {file: 'a%s.asc'}}", "measured.fault.file = 'a%s.asc': no such file"),
-    ("'{0} %s': 1", "{0} %s: unknown key"),
     ("contact: {area_fraction: '{0} %s'}", "contact.area_fraction = '{0} %s': a number"),
     ("surfaces: {hurst_02: {label: 'a $ sign'}}", "mathematics between two dollar signs is needed"),
     # tags and anchors
@@ -212,24 +154,16 @@ CONFIGS = [
         "seeds: !!python/object/apply:os.system ['touch pwned']",
         "overlay.yaml: YAML is needed; could not determine",
     ),
-    ("seeds: !!python/name:os.system", "overlay.yaml: YAML is needed; could not determine a constructor"),
     ("seeds: !include /etc/passwd", "overlay.yaml: YAML is needed; could not determine a constructor"),
     ("__use_yte__: true\n?open('pwned', 'w'): {}", "__use_yte__: unknown key"),
-    ("__use_yte__: true\nseeds: ?[1]", "__use_yte__: unknown key"),
     (MERGES, "overlay.yaml: at most 100000 values are accepted, line 6 has more"),
     (
         f"contact: {{area_fraction: {':'.join(['59'] * 10_000)}}}",
         "overlay.yaml: at most 2000 characters are accepted in a value, line 1 has 29999",
     ),
-    (f"contact: {{area_fraction: 0x{'f' * 10_000}}}", "at most 2000 characters are accepted in a value"),
-    ("[" * 2000, "overlay.yaml: at most 32 levels are accepted"),
-    ("a: &a [*a]", "overlay.yaml: at most 32 levels are accepted, line 1 has more"),
     ("contact: *absent", "overlay.yaml: YAML is needed; found undefined alias 'absent' in line 1"),
-    ("contact: &own\n  again: *own", "overlay.yaml: at most 32 levels are accepted"),
-    ("contact: " + "[" * 400, "overlay.yaml: "),
     ("contact: " + "[" * 40 + "]" * 40, "overlay.yaml: at most 32 levels are accepted, line 1 has more"),
     (MANY_ALIASES, "overlay.yaml: at most 100000 values are accepted, line 6 has more"),
-    ("<<: 3", "overlay.yaml: YAML is needed; expected a mapping or list of mappings for merging"),
 ]
 
 
@@ -271,34 +205,17 @@ COMMANDS = [
     ("", 2, "the following arguments are required: COMMAND"),
     ("polish", 2, "invalid choice: 'polish'"),
     ("solve s.nc", 2, "the following arguments are required: --out"),
-    ("solve --out x.nc", 2, "the following arguments are required: surface"),
-    ("solve s.nc --out", 2, "argument --out: expected one argument"),
     ("solve s.nc --out x.nc --area 0.1", 2, "unrecognized arguments: --area 0.1"),
     ("solve s.nc --out x.nc --poisson 0.6", 2, "--poisson: '0.6': a number > -1 and ≤ 0.5 is needed"),
-    ("solve s.nc --out x.nc --poisson=-1", 2, "--poisson: '-1': a number > -1 and ≤ 0.5 is needed"),
     ("solve s.nc --out x.nc --area-fraction ten", 2, "'ten': a number > 0 and ≤ 1 is needed"),
-    ("solve s.nc --out x.nc --area-fraction nan", 2, "'nan': a number > 0 and ≤ 1 is needed"),
-    ("solve s.nc --out x.nc --area-fraction inf", 2, "'inf': a number > 0 and ≤ 1 is needed"),
-    ("solve s.nc --out x.nc --area-fraction 0", 2, "'0': a number > 0 and ≤ 1 is needed"),
-    ("solve s.nc --out x.nc --area-fraction 10%", 2, "'10%': a number > 0 and ≤ 1 is needed"),
     (f"solve s.nc --out x.nc --area-fraction {HUGE}", 2, "999...: a number > 0 and ≤ 1 is needed"),
     ("solve s.nc --out x.nc --area-fraction 0.1 0.2", 2, "unrecognized arguments: 0.2"),
     ("solve s.nc --out x.nc --fft-engine fftw", 2, "--fft-engine: 'fftw': ducc0 or pyfftw is needed"),
-    (
-        "solve s.nc --out x.nc --fft-engine ducc0 --fft-wisdom w.json",
-        1,
-        "--fft-wisdom = 'w.json': accepted with the engine pyfftw",
-    ),
-    ("wisdom --points 4 --out x.json", 2, "--points: '4': a whole number ≥ 8 and ≤ 32768 is needed"),
     ("solve s.nc --out x.nc --path", 2, "--path: expected at least one argument"),
     ("solve s.nc --out x.nc --layer-height -1", 2, "--layer-height: '-1': a number > 0 and ≤ 1000 is needed"),
-    ("solve s.nc --out x.nc --layer-height 1e999", 2, "--layer-height: '1e999': a number > 0 and ≤ 1000 is"),
     ("solve s.nc --out x.nc --bottom glued", 2, "--bottom: 'glued': bonded or frictionless is needed"),
     ("solve s.nc --out x.nc --tolerance 1", 2, "--tolerance: '1': a number ≥ 1e-14 and ≤ 0.01 is needed"),
     ("solve s.nc --out x.nc --points 3.5", 2, "'3.5': a whole number ≥ 8 and ≤ 32768 is needed"),
-    ("solve s.nc --out x.nc --points 1000000000", 2, "'1000000000': a whole number ≥ 8 and ≤ 32768"),
-    (f"solve s.nc --out x.nc --points {HUGE}", 2, "999...: a whole number ≥ 8 and ≤ 32768 is needed"),
-    ("solve s.nc --out x.nc --physical-size 1", 2, "--physical-size: expected 2 arguments"),
     ("solve s.nc --out x.nc --physical-size 1 0", 2, "--physical-size: '0': a length > 0 with its unit"),
     (
         "solve s.nc --out x.nc --detrend \u00fc\x1b[31m",
@@ -309,9 +226,7 @@ COMMANDS = [
     ("stress c.nc --out x.nc --poisson 0.2 0.2", 2, "[0.2, 0.2]: a list of 1 to 16 distinct items"),
     ("peaks b.nc --out x.nc", 2, "the following arguments are required: --contact"),
     ("peaks b.nc --contact c.nc --out x.nc --bins 1", 2, "'1': a whole number ≥ 2 and ≤ 10000 is needed"),
-    ("peaks b.nc --contact c.nc --out x.nc --confidence 95", 2, "'95': a number > 0 and < 1 is needed"),
     ("peaks b.nc --contact c.nc --out x.nc --resamples 1e3", 2, "'1e3': a whole number ≥ 10 and ≤ 100000"),
-    ("plot 19 s.nc --out x.png", 2, "'19': one of 1, 2"),
     ("plot ../../etc/passwd s.nc --out x.png", 2, "'../../etc/passwd': one of 1, 2"),
     ("solve {folder}/none.nc --out {folder}/x.nc", 1, "none.nc: no such file"),
     ("solve {folder} --out {folder}/x.nc", 1, "a folder, a file is needed"),
@@ -327,8 +242,7 @@ COMMANDS = [
     ("solve {surface} --out {surface}/x.nc", 1, "surface.nc/x.nc: cannot be written ("),
     ("solve {surface} --out /proc/x.nc", 1, "/proc/x.nc: cannot be written"),
     ("stress {surface} --out {folder}/x.nc", 1, "a result of surface, one of contact is needed"),
-    ("stress {folder} --out {folder}/x.nc", 1, "no such file"),
-    ("stress /dev/null --out {folder}/x.nc", 1, "/dev/null: no such file"),
+    ("stress /dev/null --out {folder}/x.nc", 1, "/dev/null: not a regular file"),
     ("peaks {stress} {stress} --contact {contact} --out {folder}/x.nc", 1, "one for each stress is needed"),
     (
         "peaks {contact} --contact {stress} --out {folder}/x.nc",
@@ -351,52 +265,34 @@ COMMANDS = [
         1,
         "x.docx: the name of a picture is needed, ending in .png",
     ),
-    ("plot 9 {statistics} --out {folder}/x", 1, "x: the name of a picture is needed, ending in .png"),
     ("plan", 2, "the following arguments are required: CONFIG_OR_SPECTRUM"),
     # characters that formats give a meaning
-    ("{", 2, "invalid choice: '{'"),
     ("{0}%s%(prog)s", 2, "invalid choice: '{0}%s%(prog)s'"),
-    ("solve {0}%s.nc --out {folder}/x.nc", 1, "{0}%s.nc: no such file"),
     ("solve s.nc --out x.nc --bottom {}%d", 2, "--bottom: '{}%d': bonded or frictionless is needed"),
     ("solve s.nc --out x.nc --label {0}$", 2, "'{0}$': mathematics between two dollar signs is needed"),
-    ("plot {9} s.nc --out x.png", 2, "'{9}': one of 1, 2"),
-    ("plan {", 1, "'{': a file, or keys and values"),
     ("plan %s{0}", 1, "'%s{0}': a file, or keys and values"),
     # names that are too long for a file
     (f"solve {LONG} --out {{folder}}/x.nc", 1, "no such file"),
     (f"solve {{surface}} --out {{folder}}/{LONG}", 1, "File name too long"),
-    (f"stress {LONG} --out {{folder}}/x.nc", 1, "File name too long"),
-    (f"peaks {LONG} --contact {LONG} --out {{folder}}/x.nc", 1, "File name too long"),
-    (f"plot 9 {LONG} --out {{folder}}/x.png", 1, "File name too long"),
     (f"plot 9 {{statistics}} --out {{folder}}/{LONG}.png", 1, "File name too long"),
-    (f"plan {LONG}", 1, "a file, or keys and values such as"),
     # Poisson's ratios that were not analysed
     ("plot 9 {statistics} --poisson 0.2 --out {folder}/x.png", 1, "set --poisson to one of 0, 0.33"),
-    ("plan none.yaml", 1, "'none.yaml': a file, or keys and values such as '{hurst: 0.8, ...}', is needed"),
-    ("plan {folder}", 1, "a file, or keys and values such as"),
     ("plan {surface}", 1, "surface.nc: YAML in UTF-8 is needed"),
     (f"plan {SPECTRUM} --error -1", 2, "--error: '-1': a number > 0 is needed"),
     (f"plan {SPECTRUM} --error 1e-9", 1, "error = 1e-09: 0."),
     (f"plan {SPECTRUM} --seconds nan", 2, "--seconds: 'nan': a number > 0 is needed"),
     (f"plan {SPECTRUM} --seconds 1e-9", 1, "not within this time and memory"),
     (f"plan {SPECTRUM} --output depth", 1, "output = 'depth': one of area_fraction, proportionality"),
-    (f"plan {SPECTRUM} --area-fraction 2", 2, "--area-fraction: '2': a number > 0 and ≤ 1 is needed"),
     (
         f'plan {SPECTRUM} {{"hurts":1}}',
         1,
         "surfaces.surface.hurts: unknown key; known here are label, hurst",
     ),
     (
-        f'plan {SPECTRUM} {{"hurst":yes}}',
-        1,
-        "surfaces.surface.hurst = True: a number ≥ 0 and ≤ 1 is needed",
-    ),
-    (
         f'plan {SPECTRUM} {{"wavelength_short":0.5}}',
         1,
         "wavelength_short = 0.5: at most wavelength_long = 0.125",
     ),
-    (f'plan {SPECTRUM} {{"points":16}}', 1, "surfaces.surface.points = 16: at least 200 are needed"),
     (
         'plan {"hurst":!!python/name:os.system\n0}',
         1,
@@ -404,7 +300,6 @@ COMMANDS = [
     ),
     ('plan {"hurst":1,"hurst":0}', 1, "YAML is needed; 'hurst' is given twice in line 1"),
     ('plan {"surfaces":{}}', 1, "surfaces: missing; at least one is needed, here or under measured"),
-    ('plan {"surfaces":3}', 1, "surfaces = 3: a group of keys is needed"),
 ]
 
 HEADER = "# Channel: Height\n# Width: 8 m\n# Height: 8 m\n# Value units: m\n"
@@ -439,27 +334,23 @@ class Intruder:
 
 MIRRORED = "--periodic mirrored"
 MAPS = [
-    ("map.asc", matrix(ROWS), "", "set --periodic to declared, mirrored or windowed"),
-    ("empty.asc", b"", MIRRORED, "empty.asc: at least 2 x 2 points are needed"),
+    ("map.asc", matrix(ROWS), "", "set it to declared, mirrored or windowed"),
+    ("empty.asc", b"", MIRRORED, "empty.asc: no known format"),
     ("zeros.x3p", bytes(1000), MIRRORED, "zeros.x3p: not a height map that can be read"),
-    (
-        "text.txt",
-        b"Dear reader,\nno numbers here.\n",
-        MIRRORED,
-        "text.txt: not a height map that can be read",
-    ),
-    ("words.asc", HEADER.encode() + b"one two\nthree four\n", MIRRORED, "words.asc: not a height map"),
     ("ragged.asc", matrix([*ROWS[:5], ROWS[5][:3], *ROWS[6:]]), MIRRORED, "ragged.asc: not a height map"),
-    ("nan.asc", replaced("nan"), MIRRORED, "1 points of the map have no data; set --undefined to harmonic"),
-    ("inf.asc", replaced("inf"), MIRRORED, "1 points of the map have no data; set --undefined to harmonic"),
+    (
+        "nan.asc",
+        replaced("nan"),
+        MIRRORED,
+        "--undefined: 1 points of the map have no data; set it to harmonic",
+    ),
     ("enormous.asc", replaced("1e300"), MIRRORED, "enormous.asc"),
     ("flat.asc", matrix([["1.0"] * 8] * 8), MIRRORED, "a surface that varies is needed, this one is flat"),
-    ("row.asc", matrix(ROWS[:1]), MIRRORED, "row.asc"),
     (
         "bare.asc",
         matrix(ROWS, ""),
         MIRRORED,
-        "the file does not say the edges (y, x) of the map; set --physical-size\n",
+        "--physical-size: the file does not say",
     ),
     (
         "size.asc",
@@ -468,11 +359,8 @@ MAPS = [
         "--physical-size: the file itself says 8 x 8 m (y, x); leave it out",
     ),
     ("nosize.asc", matrix(ROWS, HEADER.replace("8 m", "0 m")), MIRRORED, "nosize.asc"),
-    ("negative.asc", matrix(ROWS, HEADER.replace("8 m", "-8 m")), MIRRORED, "negative.asc"),
     ("units.asc", matrix(ROWS, HEADER.replace("8 m", "8 furlong")), MIRRORED, "units.asc"),
     ("pickle.npy", saved(np.array([[Intruder()] * 4] * 4)), MIRRORED, "pickle.npy: not a height map"),
-    ("pickle.x3p", pickle.dumps(Intruder()), MIRRORED, "pickle.x3p: not a height map that can be read"),
-    ("scan.npy", saved(np.arange(5.0)), MIRRORED, "scan.npy"),
     ("complex.npy", saved(np.ones((4, 4), complex)), MIRRORED, "complex.npy"),
     (
         "short.asc",
@@ -481,7 +369,6 @@ MAPS = [
         "--wavelength-short = 0.0001: a number ≥",
     ),
     ("bomb.nc", b"CDF\x05" + b"\x7f" * 64, MIRRORED, "bomb.nc: not a height map that can be read"),
-    ("damaged.nc", b"\x89HDF\r\n\x1a\n" + bytes(600), MIRRORED, "damaged.nc: not a height map"),
 ]
 
 

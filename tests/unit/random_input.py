@@ -4,6 +4,7 @@ Strategies make inputs, most of them wrong. A `require_…` function asserts tha
 answered with one line.
 """
 
+import contextlib
 import copy
 import re
 from pathlib import Path
@@ -13,8 +14,8 @@ from bad_input import PAPER, answer, answer_to_config
 from hypothesis import strategies as st
 
 from asperity.cli import main as cli
-from asperity.config.check import check
-from asperity.errors import ConfigError
+from asperity.core.errors import ConfigError
+from asperity.study.config.check import check
 
 MAX_MESSAGE = 500
 """Characters of a message."""
@@ -40,10 +41,22 @@ TARGETS = (
     "--error 0.1 --error 1e-9 --error -1 --error nan --seconds 10 --seconds 1e-300 --memory 1 --memory 1e300"
     " --area-fraction 0.1 --area-fraction 1e-300 --one-surface --output peak_depth --output none --output"
 )
-WORDS = (
-    "solve stress peaks plot plan --contact --path --poisson --points --periodic --help --version mirrored"
-    " nan -1 0.1 9 -- - = { % {surface} {contact} {stress} {statistics} {folder} {folder}/none.nc"
+COMMANDS = (
+    "solve {surface} --area-fraction 0.2 --out {folder}/new.nc",
+    "stress {contact} --poisson 0.33 --out {folder}/new.nc",
+    "peaks {stress} --contact {contact} --out {folder}/new.nc",
+    "plot 9 {statistics} --out {folder}/x.png",
+    "run {surface} --young 70GPa --pressure 1MPa --points 8 --out {folder}/answer",
+    "surface --help",
+    'plan {"hurst":0.8,"wavelength_long":0.125,"wavelength_short":0.01}',
 )
+VOCABULARY = """
+    solve stress peaks plot plan run surface view export --young --radius --boundary free 1e-300 1e300 1e400
+    --friction --counter-young 70GPa --physical-size --contact --path --poisson --points --periodic --detrend
+    --undefined --help --version --out --area-fraction --tolerance --precision --layer-height --bottom --bins
+    --confidence --error --seconds --output mirrored declared windowed tilt none nan inf -1 0 0.1 0.33 0.5 1 3
+    9 16 24 -- - = % %s { float32 bonded von_mises {surface} {contact} {stress} {statistics} {folder}/none.nc
+"""
 
 values = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8) | st.binary(max_size=4),
@@ -56,8 +69,23 @@ values = st.recursive(
 
 targets = st.sampled_from(re.findall(r"--\S+(?: [^-\s]\S*| -1)?", TARGETS))
 overlays = st.binary(max_size=60) | st.text(max_size=60).map(str.encode)
-command_lines = st.lists(st.sampled_from(WORDS.split()) | st.text(max_size=6), max_size=7)
-"""Words of the command line in any order, among others; ``{surface}`` and the like stand for files."""
+# A word may become the name of a file that is written: none may lead out of the temporary folder.
+inside = st.characters(exclude_characters="/\\~", exclude_categories=["Cs"])
+edits = st.tuples(
+    st.sampled_from(["insert", "replace", "delete"]),
+    st.integers(0, 8),
+    st.sampled_from(VOCABULARY.split()) | st.text(inside, max_size=6),
+)
+
+
+@st.composite
+def command_lines(draw):
+    """A command with some words inserted, replaced or deleted; ``{surface}`` and the like stand for files."""
+    words = draw(st.sampled_from(COMMANDS)).split()
+    for kind, position, word in draw(st.lists(edits, max_size=4)):
+        end = position if kind == "insert" else position + 1
+        words[position:end] = [] if kind == "delete" else [word]
+    return words
 
 
 @st.composite
@@ -129,16 +157,16 @@ def require_planned(text, options):
 
 
 def require_answered(words, files, folder):
-    """The command line is carried out or answered with one line; nothing is written without ``--out``."""
-    names = {f"{{{name}}}": path for name, path in {**files, "folder": str(folder)}.items()}
-    names["{folder}/none.nc"] = f"{folder}/none.nc"
-    arguments = [names.get(word, word) for word in words if word != "--out"]
-    _require_answer(*answer(cli.main, arguments))
+    """The command line is carried out or answered with one line."""
+    for name, path in {**files, "folder": str(folder)}.items():
+        words = [word.replace(f"{{{name}}}", path) for word in words]
+    with contextlib.chdir(folder):
+        _require_answer(*answer(cli.main, words))
 
 
 def _require_answer(code, said):
     assert code in (0, 1, 2)
-    if code:
-        assert said.startswith("asperity: "), said
-        assert said[:-1].isprintable()
-        assert len(said) < MAX_MESSAGE
+    for line in said.splitlines() if code else ():
+        assert line.startswith("asperity: "), said
+        assert line.isprintable()
+        assert len(line) < MAX_MESSAGE

@@ -6,13 +6,12 @@ import xarray as xr
 
 import asperity as asp
 from asperity.elasticity.layer import Layer
-from asperity.spectral import Fourier, Grid, Work
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.fourier.grid import Fourier, Grid, Work
 from asperity.stress.analysis import QUANTITIES, analyse_lateral_conditions, analyse_stress
-from asperity.stress.depths import depth_grid
-from asperity.stress.peaks import find_peaks, plane_peaks
-from asperity.stress.planes import stress_planes
-from asperity.stress.pressed import PressedSolid
-from asperity.stress.statistics import autocorrelation
+from asperity.stress.peaks.finder import find_peaks, plane_peaks
+from asperity.stress.planes.planes import depth_grid, stress_planes
+from asperity.stress.statistics.covariance import autocorrelation
 
 RATIOS = [0.0, 0.33, 0.5]
 
@@ -30,7 +29,7 @@ def rough(points=96, layer=None, seed=0):
     modes[np.ix_(reference.ky[kept], reference.kx[:32])] = random[kept, :32]
     field = Fourier(grid).inverse(modes)
     excess = np.maximum(field - np.quantile(field, 0.85), 0.0)
-    return PressedSolid(0.1 * np.sqrt(excess / excess.max()), grid, layer or Layer(young=1.0, poisson=0.33))
+    return LoadedSolid(0.1 * np.sqrt(excess / excess.max()), grid, layer or Layer(young=1.0, poisson=0.33))
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +67,7 @@ def test_peaks_are_those_of_a_search_in_the_full_planes(contact):
 
 
 def test_fields_that_are_searched_together_have_the_peaks_of_each_alone(contact):
-    """To the last bit, also where the grid changes and maxima of several fields face each other."""
+    """To the last bit, also where the grid changes and maxima of several fields match."""
     together = analyse_stress(contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=1e-3)
     assert np.unique(together["plane_points"]).size > 4
     for name in QUANTITIES[1:]:
@@ -136,49 +135,11 @@ def test_planes_in_single_precision_have_the_covariances_of_full_planes(contact)
 
 
 def test_planes_above_the_reference_that_are_not_kept_are_computed_again(contact, result, monkeypatch):
-    monkeypatch.setattr("asperity.stress.covariance.MOST_KEPT", 1)
+    monkeypatch.setattr("asperity.stress.statistics.covariance.MOST_KEPT", 1)
     again = analyse_stress(contact, poisson=RATIOS, quantities=QUANTITIES, tolerance=1e-5)
     name = "covariance_depth"
     np.testing.assert_allclose(again[name], result[name], rtol=1e-10)
     xr.testing.assert_identical(again.drop_vars(name), result.drop_vars(name))
-
-
-@pytest.mark.parametrize("most_kept", [1, 8])
-@pytest.mark.parametrize("last", ["deepest", "reference", "above the reference"])
-def test_every_second_node_is_enough_for_the_covariance(last, most_kept, monkeypatch):
-    """Also where the largest value rises to the last plane; the rest is the same to the last bit."""
-    solid = rough(192)
-    depths = solid.grid.spacing[0] * np.array([0, 0.5, 1, 1.5, 2, 2.5, 3, 4, 6, 10, 30])
-    ratios = [0.0, 0.25, 0.5]
-    reference = analyse_stress(solid, depths, ratios, tolerance=1e-4)["reference_depth"].values
-    assert np.unique(reference).size > 1
-    deepest = int(np.searchsorted(depths, reference.max()))
-    depths = depths[
-        : {"deepest": depths.size, "reference": deepest + 1, "above the reference": deepest}[last]
-    ]
-    monkeypatch.setattr("asperity.stress.covariance.MOST_KEPT", most_kept)
-    every = analyse_stress(solid, depths, ratios, tolerance=1e-4)
-    monkeypatch.setattr("asperity.stress.covariance.FEWEST_SKIPPED", 32)
-    second = analyse_stress(solid, depths, ratios, tolerance=1e-4)
-    name = "covariance_depth"
-    if last == "deepest":  # else all others may have been computed again, at all nodes
-        assert (every[name] != second[name]).any()
-    largest = float(every[name].max())
-    np.testing.assert_allclose(second[name], every[name], rtol=0, atol=1e-4 * largest)
-    xr.testing.assert_identical(second.drop_vars(name), every.drop_vars(name))
-
-
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_peaks_do_not_depend_on_the_bands_in_which_planes_are_searched(contact, boundary, monkeypatch):
-    solid = replace(contact, boundary=boundary)
-    depths = depth_grid(contact.grid, growth=0.5)
-    settings = {"poisson": RATIOS, "quantities": QUANTITIES, "tolerance": 1e-5}
-    whole = analyse_stress(solid, depths, **settings)
-    monkeypatch.setattr("asperity.stress.periodic.GROUPS_OF_BAND", 1)
-    bands = analyse_stress(solid, depths, **settings, threads=2)
-    labels = ("x", "y", "value", "poisson", "quantity")
-    order = [np.lexsort([d[f"peak_{name}"] for name in labels]) for d in (whole, bands)]
-    xr.testing.assert_identical(whole.isel(peak=order[0]), bands.isel(peak=order[1]))
 
 
 def test_largest_peak_is_no_lower_than_its_plane(result):
@@ -198,14 +159,14 @@ def test_five_ratios_cost_little_more_than_two(contact):
 
 def test_both_uniform_modes_in_one_stream_are_those_of_two_analyses(contact, result):
     both = analyse_lateral_conditions(
-        contact, ("confined", "free"), poisson=RATIOS, quantities=QUANTITIES, tolerance=1e-5
+        contact, ("confined", "free"), result["plane_depth"], RATIOS, QUANTITIES, tolerance=1e-5
     )
     free = replace(contact, layer=replace(contact.layer, lateral="free"))
     alone = analyse_stress(free, poisson=RATIOS, quantities=QUANTITIES, tolerance=1e-5)
     xr.testing.assert_identical(both["confined"], result)
     xr.testing.assert_identical(both["free"], alone)
     with pytest.raises(ValueError, match="'confined', the layer's, must be one of them"):
-        analyse_lateral_conditions(contact, ("free",))
+        analyse_lateral_conditions(contact, ("free",), [0.0])
 
 
 def test_the_same_on_two_threads(contact, result):
@@ -246,7 +207,7 @@ def test_progress_ends_at_its_total(contact):
         ({"quantities": ("zz", "zz")}, "quantities = 'zz': given 2 times"),
         ({"floor": -1.0}, r"floor = -1\.0: a finite number ≥ 0"),
         ({"depths": [0.1, 0.2]}, r"depths\[0\] = 0\.1: 0, the surface, is needed"),
-        ({"depths": np.linspace(0, 1, 10**6)}, "depths has 1000000 values"),
+        ({"depths": np.linspace(0, 1, 10**6)}, r"depths has the shape \(1000000,\)"),
         ({"poisson": [0.3, 0.7]}, r"poisson = 0\.7: a number > -1 and ≤ 0\.5"),
         ({"tolerance": 2}, "tolerance = 2: a number from 0 to below 1"),
         ({"threads": 10**9}, "threads = 1000000000: a whole number"),
@@ -259,7 +220,7 @@ def test_bad_input_names_argument_value_and_range(contact, arguments, message):
 
 @pytest.mark.parametrize(
     ("factor", "message"),
-    [(1e300, "pressure: its largest magnitude is 1e\\+299"), (np.nan, "pressure: .* are not finite numbers")],
+    [(1e72, "pressure: its largest magnitude is 1e\\+71"), (np.nan, "pressure: .* are not finite")],
 )
 def test_a_pressure_without_a_finite_stress_is_refused(contact, factor, message):
     with pytest.raises(ValueError, match=f"^{message}"):
@@ -274,7 +235,7 @@ def test_no_pressure_has_no_peaks_and_no_stress(contact):
 
 
 def test_a_list_is_a_pressure_too(contact, result):
-    same = PressedSolid(contact.pressure.tolist(), contact.grid, contact.layer)
+    same = LoadedSolid(contact.pressure.tolist(), contact.grid, contact.layer)
     xr.testing.assert_identical(analyse_stress(same, None, RATIOS, QUANTITIES, tolerance=1e-5), result)
 
 

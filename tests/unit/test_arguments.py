@@ -5,8 +5,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from asperity.arguments import choice, magnitude, number, real_array, whole_number
-from asperity.errors import shown
+from asperity.core.arguments import choice, magnitude, number, real_array, whole_number
+from asperity.core.errors import shown
 
 
 def kind_of(value):

@@ -108,6 +108,6 @@ def test_a_random_plan_is_made_or_answered(text, options):
 
 
 @deterministic
-@given(words=random_input.command_lines)
+@given(words=random_input.command_lines())
 def test_a_random_command_line_is_answered(files, tmp_path_factory, words):
     random_input.require_answered(words, files, tmp_path_factory.mktemp("commands"))

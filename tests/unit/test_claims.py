@@ -1,34 +1,26 @@
+"""Verdicts on the statements of the paper: the rule, interpretations, their numbers, and a tiny study."""
+
 import math
 
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+from small_study import CONTACT, LAYER, STRESS
 
-from asperity.paper.claims.continuum import continuum, extrapolate
-from asperity.paper.claims.evidence import Evidence, Fixed, MissingEvidenceError
+from asperity.paper.claims.continuum import extrapolate
+from asperity.paper.claims.numbers import Evidence, Fixed, MissingEvidenceError, Number
 from asperity.paper.claims.overview import draw
-from asperity.paper.claims.readings import (
-    Reading,
-    following,
-    kolmogorov,
-    percentile,
-    ratio,
-    ratio_of_poisson,
-    single,
-)
+from asperity.paper.claims.paper import CLAIMS, REGIONS, Claim
 from asperity.paper.claims.report import (
     continuum_table,
     findings_of,
-    frame,
-    frame_of_readings,
+    frame_of_interpretations,
     markdown,
     page,
     verdict_in_words,
-    with_error,
 )
 from asperity.paper.claims.sources import deltas, resolutions, roles
-from asperity.paper.claims.statements import CLAIMS, LARGER
 from asperity.paper.claims.verdicts import (
     DEPENDS,
     FAILS,
@@ -36,20 +28,20 @@ from asperity.paper.claims.verdicts import (
     NO_DATA,
     UNDECIDED,
     UNTESTABLE,
-    Claim,
     Judgement,
-    Region,
-    Threshold,
     conclude,
     decide,
     judge,
-    tally,
 )
-from asperity.pipeline.statistics import LEVELS
-from asperity.views.style import save, style
+from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.statistics import LEVELS, SeedResults, statistics_of_seeds
+from asperity.study.stages.stress import QUANTITIES, compute_stresses
+from asperity.study.stages.surface import make_surface
+
+EMPTY = Evidence({})
 
 
-def claim(values, region=LARGER):
+def claim(values, region="larger"):
     found = xr.DataArray(values, dims="seed")
     return Claim("name", "5.2", "sentence", "quantity", region, lambda evidence: found)
 
@@ -73,9 +65,6 @@ def quantiles(*curves):
     )
 
 
-EMPTY = Evidence({})
-
-
 @pytest.mark.parametrize(
     ("values", "verdict"),
     [
@@ -86,7 +75,7 @@ EMPTY = Evidence({})
         ([1.2, float("nan")], NO_DATA),
     ],
 )
-def test_the_rule_asks_for_the_whole_interval_on_one_side(values, verdict):
+def test_the_whole_interval_decides(values, verdict):
     assert judge(claim(values), EMPTY).verdict == verdict
 
 
@@ -97,66 +86,54 @@ def test_the_interval_is_that_of_student():
     assert finding.seeds == 3
 
 
-def test_intervals_of_95_percent_hold_the_mean_in_95_percent_of_ensembles():
+def test_intervals_hold_the_mean_in_95_percent_of_ensembles():
     draws = np.random.default_rng(0).normal(1.5, 0.2, (2000, 8))
     inside = [f.low < 1.5 < f.high for f in (judge(claim(values), EMPTY) for values in draws)]
     assert np.mean(inside) == pytest.approx(0.95, abs=0.015)  # three standard errors of 2000 draws
 
 
-def test_what_is_not_random_is_decided_by_its_numerical_uncertainty():
-    def fixed(value, uncertainty):
-        return Claim("n", "4.2", "s", "q", Region(0.0, 0.01), lambda evidence: Fixed(value, uncertainty))
-
-    assert judge(fixed(0.008, 0.001), EMPTY).verdict == HOLDS
-    assert judge(fixed(0.0095, 0.001), EMPTY).verdict == UNDECIDED
-    assert judge(fixed(0.02, 0.001), EMPTY).verdict == FAILS
-    assert judge(fixed(0.02, 0.001), EMPTY).seeds == 0
+@pytest.mark.parametrize(("value", "verdict"), [(0.008, HOLDS), (0.0095, UNDECIDED), (0.02, FAILS)])
+def test_a_fixed_number_is_decided_by_its_uncertainty(value, verdict):
+    one = Claim("n", "4.2", "s", "q", "one percent", lambda evidence: Fixed(value, 0.001))
+    assert judge(one, EMPTY).verdict == verdict
+    assert judge(one, EMPTY).seeds == 0
 
 
-def test_every_claim_without_evidence_stays_in_the_table_and_says_what_is_missing():
-    closed_form = "slab_tractions_of_poisson"
-    wanting = [c for c in CLAIMS if c.identifier != closed_form]
+def test_claims_without_evidence_stay_in_the_table():
+    wanting = [c for c in CLAIMS if c.identifier != "slab_tractions_of_poisson"]  # a closed form
     findings = decide(wanting, EMPTY)
-    assert len(findings) == len(wanting) >= 20
     assert {f.verdict for f in findings} == {NO_DATA}
     assert all(f.own.missing.startswith("no ") for f in findings)
-    text = markdown(findings, [1], 8)
-    assert text.count(f"**{NO_DATA}**") == len(wanting)
-
-
-def test_identifiers_are_unique_and_sections_are_the_papers():
-    assert len({c.identifier for c in CLAIMS}) == len(CLAIMS)
-    known = {"abstract", "4.1", "4.2", "5.2", "5.3", "5.4", "6", "supplement"}
-    assert all(set(c.section.split(", ")) <= known for c in CLAIMS)
+    assert markdown(findings, [1], 8).count(f"**{NO_DATA}**") == len(wanting) == 50
 
 
 def test_comparisons_are_paired_by_seed():
     small = statistics(x=[2.0, 20.0], seed_gradient_rms_contact=[0.1, 0.2])
     large = statistics(x=[1.0, 10.0], seed_gradient_rms_contact=[0.2, 0.1])
     evidence = Evidence({"small": small, "large": large.isel(seed=[1, 0])})
-    np.testing.assert_allclose(ratio(Reading("x"), "small", "large")(evidence), [2, 2])
-    np.testing.assert_allclose(ratio(Reading("x", unscaled=True), "small", "large")(evidence), [1, 4])
+    np.testing.assert_allclose(Number("x", ("small", "large"))(evidence), [2, 2])
+    np.testing.assert_allclose(Number("x", ("small", "large"), unscaled=True)(evidence), [1, 4])
 
 
-def test_the_ends_of_the_range_of_poissons_ratio_are_found():
+def test_ratios_of_the_extreme_poisson_ratios():
     data = xr.Dataset({"x": (("seed", "poisson"), [[3.0, 2.5, 2.0]])}, {"poisson": [0.0, 0.33, 0.5]})
     evidence = Evidence({"compressibility": data.assign_attrs(poisson_contact=0.33)})
-    np.testing.assert_allclose(ratio_of_poisson(Reading("x"))(evidence), [1.5])
+    ends = Number("x", ("compressibility",), poisson=("smallest", "largest"))
+    np.testing.assert_allclose(ends(evidence), [1.5])
 
 
-def test_a_percentile_is_read_at_the_ratio_of_the_contact():
-    found = percentile("xx").of(quantiles(LEVELS, 3 * LEVELS))
-    assert found.dims == ("seed",)
-    assert float(found.item()) == 0.99
+def test_a_percentile_is_taken_at_the_contacts_ratio():
+    number = Number("seed_peak_quantile", ("one",), ("xx",), level=0.99)
+    assert number(Evidence({"one": quantiles(LEVELS, 3 * LEVELS)})).item() == 0.99
 
 
 def test_kolmogorov_distance_of_shifted_uniform_distributions():
     evidence = Evidence({"one": quantiles(LEVELS), "other": quantiles(LEVELS + 0.2)})
-    np.testing.assert_allclose(kolmogorov("xx", "one", "other")(evidence), [0.2], rtol=1e-9)
-    np.testing.assert_allclose(kolmogorov("xx", "one", "one")(evidence), [0.0], atol=1e-15)
+    distance = Number("seed_peak_quantile", ("one", "other"), ("xx",))
+    np.testing.assert_allclose(distance(evidence), [0.2], rtol=1e-9)
 
 
-def test_roles_follow_the_parameters_not_the_names():
+def test_roles_follow_the_parameters():
     surfaces = {
         "a": {"hurst": 0.8, "wavelength_short": 0.01},
         "b": {"hurst": 0.2, "wavelength_short": 0.02},
@@ -182,7 +159,7 @@ def test_roles_follow_the_parameters_not_the_names():
     assert roles({"skewness": ["a", "c"], "hurst": ["a"]}, surfaces) == {}
 
 
-def test_surfaces_that_differ_in_their_nodes_alone_are_resolutions():
+def test_surfaces_on_several_grids_are_resolutions():
     def surface(hurst, points):
         return {"label": str(points), "hurst": hurst, "wavelength_short": 1 / 16, "points": points}
 
@@ -203,7 +180,7 @@ def test_extrapolation_finds_the_limit_of_a_power_law(order):
     assert found.error >= abs(found.values[-1] - found.limit)
 
 
-def test_extrapolation_of_a_number_that_does_not_converge_has_a_wide_error():
+def test_a_diverging_number_has_a_wide_error():
     found = extrapolate([8, 16, 32], np.array([[1.0, 1.1, 1.3]]))
     assert found.limit == pytest.approx(1.5)
     assert found.error == pytest.approx(0.2)
@@ -211,73 +188,38 @@ def test_extrapolation_of_a_number_that_does_not_converge_has_a_wide_error():
         extrapolate([8, 12], np.ones((1, 2)))
 
 
-def test_the_shift_of_a_claim_is_the_limit_less_the_coarsest_value():
+def test_the_shift_is_the_limit_less_the_coarsest_value():
     def resolved(nodes, seeds=1):
-        return Evidence(
-            {
-                "large_hurst": statistics(x=[1 + 1 / nodes] * seeds),
-                "small_hurst": statistics(x=[1.0] * seeds),
-            }
-        )
+        large, small = statistics(x=[1 + 1 / nodes] * seeds), statistics(x=[1.0] * seeds)
+        return Evidence({"large_hurst": large, "small_hurst": small})
 
-    one = Claim("n", "5.2", "s", "q", LARGER, ratio(Reading("x"), "large_hurst", "small_hurst"))
+    number = Number("x", ("large_hurst", "small_hurst"))
+    one = Claim("n", "5.2", "s", "q", "larger", number)
     finer = {8.0: resolved(8.0, seeds=3), 16.0: resolved(16.0), 32.0: resolved(32.0)}
     (finding,) = decide([one], finer[8.0], finer)
     assert finding.own.shift == pytest.approx(-1 / 8)
     assert finding.own.at_nodes == pytest.approx(1 + 1 / 8)
     assert finding.own.value == pytest.approx(1)  # the limit decides: there is no scatter
-    (of_nodes,) = decide([one], finer[8.0], finer, {"grid": ["nodes"]})
-    assert of_nodes.own.value == pytest.approx(1 + 1 / 8)
-    with pytest.raises(MissingEvidenceError):
-        continuum(one.measure, {8.0: finer[8.0]})
-    (row,) = continuum_table({"x": one.measure}, finer).to_numpy().tolist()
+    (row,) = continuum_table({"x": number}, finer).to_numpy().tolist()
     assert row == ["x", "1.125", "1.062", "1.031", "1.000 ± 0.031"]
-    assert continuum_table({"x": one.measure}, {}).empty
 
 
-@pytest.mark.parametrize(
-    ("value", "error", "text"),
-    [
-        (1.4449, 0.0123, "1.445 ± 0.012"),
-        (1.4449, float("nan"), "1.44"),
-        (0.001234, 0.0, "0.00123"),
-        (float("nan"), 1.0, ""),
-    ],
-)
-def test_numbers_carry_their_error_in_two_digits(value, error, text):
-    assert with_error(value, error) == text
-
-
-def test_tables_and_picture_hold_every_claim(tmp_path):
-    ours = [claim([1.2, 1.3, 1.25]), claim([12.0, 13.0, 12.5]), claim([0.01, 0.02], Region(0.0, 0.05))]
-    findings = decide([*ours, *CLAIMS[:2]], EMPTY)
-    frame(findings, 8).to_csv(tmp_path / "claims.csv", index=False)
-    table = pd.read_csv(tmp_path / "claims.csv")
-    assert table["verdict"].tolist() == [HOLDS, HOLDS, UNDECIDED, NO_DATA, NO_DATA]
-    assert sum(tally(findings).values()) == len(findings)
-    assert "1.250 ± 0.029" in markdown(findings, [1, 2, 3], 8)
-    assert page(findings).count("<tr") == len(findings) + 2  # and the heads of two sections
-    with style():
-        figure = draw(findings)
-        save(figure, tmp_path / "claims.png")
-    assert len(figure.axes[0].get_yticks()) == len(findings)
-
-
-def test_tractions_do_not_feel_poissons_ratio_and_a_slab_feels_it_a_little():
+def test_tractions_and_poissons_ratio():
+    """On a half-space they do not feel it; on a slab the longest wave feels the bottom."""
     area = xr.Dataset({"solved_area_fraction": (("poisson", "path"), np.full((3, 2), 0.1))})
     evidence = Evidence({}, {"load_area": area})
     wanted = ("tractions_of_poisson", "slab_tractions_of_poisson")
     found = {c.identifier: judge(c, evidence) for c in CLAIMS if c.identifier in wanted}
     assert found["tractions_of_poisson"].value == 0
-    assert 1e-4 < found["slab_tractions_of_poisson"].value < 1e-2  # the longest wave feels the bottom
+    assert 1e-4 < found["slab_tractions_of_poisson"].value < 1e-2
 
 
 def judged(verdict, **options):
     value = {HOLDS: 1.5, FAILS: 0.5, UNDECIDED: 1.0, NO_DATA: math.nan}[verdict]
-    return Judgement(options, LARGER, verdict, value, 0.1, value - 0.2, value + 0.2, 4)
+    return Judgement(options, REGIONS["larger"], verdict, value, 0.1, value - 0.2, value + 0.2, 4)
 
 
-ANY = Claim("name", "5.2", "sentence", "quantity", LARGER, lambda evidence: Fixed(1.0))
+ANY = Claim("name", "5.2", "sentence", "quantity", "larger", lambda evidence: Fixed(1.0))
 
 
 @pytest.mark.parametrize(
@@ -292,13 +234,13 @@ ANY = Claim("name", "5.2", "sentence", "quantity", LARGER, lambda evidence: Fixe
         ({"confined": NO_DATA, "free": HOLDS}, NO_DATA, ()),
     ],
 )
-def test_a_claim_holds_only_if_every_reading_agrees(verdicts, verdict, choices):
+def test_a_claim_holds_only_if_all_interpretations_agree(verdicts, verdict, choices):
     finding = conclude(ANY, [judged(one, lateral=lateral) for lateral, one in verdicts.items()])
     assert (finding.verdict, finding.choices) == (verdict, choices)
 
 
-def test_the_readings_that_tell_two_verdicts_apart_are_the_nearest_ones():
-    """Peaks alone change the verdict of the study's own uniform mode; both changes together do not matter."""
+def test_the_nearest_interpretations_tell_verdicts_apart():
+    """Peaks alone change the verdict of the study's own mean mode; both changes together do not matter."""
     table = {
         ("confined", "below"): FAILS,
         ("confined", "with"): HOLDS,
@@ -312,87 +254,122 @@ def test_the_readings_that_tell_two_verdicts_apart_are_the_nearest_ones():
     assert verdict_in_words(finding) == f"**depends on peaks**: {below}; {surface}"
 
 
-def test_two_choices_that_each_change_the_verdict_are_both_named():
+def test_both_of_two_deciding_choices_are_named():
     table = {("a", "x"): HOLDS, ("a", "y"): FAILS, ("b", "x"): FAILS, ("b", "y"): FAILS}
     finding = conclude(ANY, [judged(v, one=a, two=b) for (a, b), v in table.items()])
     assert (finding.verdict, finding.choices) == (DEPENDS, ("one", "two"))
     assert len(finding.shown) == 3
 
 
-def test_a_threshold_is_a_choice_of_the_reading():
-    same = Threshold("alike", 0.05, lambda share: Region(1 - share, 1 + share))
-    one = Claim("n", "5.2", "s", "q", same, lambda evidence: xr.DataArray([1.07, 1.071, 1.072], dims="seed"))
-    assert one.region == Region(0.95, 1.05)
-    (finding,) = decide([one], EMPTY, readings={"alike": [0.05, 0.1]})
+def test_the_size_of_the_same_is_a_choice():
+    one = claim([1.07, 1.071, 1.072], "alike")
+    (finding,) = decide([one], EMPTY, interpretations={"alike": [0.05, 0.1]})
     assert (finding.verdict, finding.choices) == (DEPENDS, ("alike",))
     assert [j.verdict for j in finding.judgements] == [FAILS, HOLDS]
-    (strict,) = decide([one], EMPTY, readings={"alike": [0.05]})
+    (strict,) = decide([one], EMPTY)
     assert strict.verdict == FAILS
 
 
-def test_what_our_numbers_cannot_refute_is_not_testable_here():
+def test_untestable_claims_can_hold_but_not_fail():
     def edge(value):
-        return Claim("n", "4.2", "s", "q", Region(0, 0.01), lambda evidence: Fixed(value, 0.001), "our mesh")
+        number = Fixed(value, 0.001)
+        return Claim("n", "4.2", "s", "q", "one percent", lambda evidence: number, "our mesh")
 
     assert decide([edge(0.04)], EMPTY)[0].verdict == UNTESTABLE
     assert verdict_in_words(decide([edge(0.04)], EMPTY)[0]) == "**not testable here** (our mesh)"
     assert decide([edge(0.005)], EMPTY)[0].verdict == HOLDS
 
 
-def of_stress(lateral, below, surface, gradient=0.5):
-    """Statistics with von Mises peaks of these sizes, below the surface and with those in it."""
-    shape = (2, 1, 1, LEVELS.size)
-    counted = np.empty((2, 2, 1, LEVELS.size))
-    counted[:, 0], counted[:, 1] = below, surface
-    return xr.Dataset(
-        {
-            "seed_peak_quantile": (("seed", "quantity", "poisson", "level"), np.full(shape, below)),
-            "seed_counted_quantile": (("seed", "counted", "poisson", "level"), counted),
-            "seed_gradient_rms_contact": ("seed", [gradient, gradient]),
-        },
-        coords={
-            "seed": [1, 2],
-            "quantity": ["von_mises"],
-            "poisson": [0.33],
-            "level": LEVELS,
-            "counted": ["below_surface", "with_surface"],
-        },
-        attrs={"poisson_contact": 0.33, "uniform_mode": f"laterally {lateral}"},
-    )
+SEEDS = (1, 2, 3)
+INTERPRETATIONS = {
+    "lateral": ["confined", "free"],
+    "patches": ["every_peak", "highest_of_patch"],
+    "shear": ["xz", "xy"],
+    "alike": [0.05, 0.1],
+}
 
 
-def test_a_reading_takes_the_peaks_the_scale_and_the_uniform_mode_of_its_options():
-    confined, free = of_stress("confined", 1.0, 0.9), of_stress("free", 0.8, 0.7)
-    evidence = Evidence({"large_hurst": confined}, laterals={"free": {"large_hurst": free}})
-    number = single(following(percentile("von_mises"), "scaling"), "large_hurst")
-    assert number.choices == ("lateral", "peaks", "tail", "scaling")
-
-    def under(**options):
-        return float(number(evidence.under(options)).mean())
-
-    assert under() == 1.0
-    assert under(lateral="confined", peaks="below_surface") == 1.0
-    assert under(lateral="free") == 0.8
-    assert under(peaks="with_surface") == 0.9
-    assert under(lateral="free", peaks="with_surface", scaling="absolute") == 0.35
-    with pytest.raises(MissingEvidenceError, match="laterally free"):
-        number(Evidence({"large_hurst": confined}).under({"lateral": "free"}))
+def made_statistics(hurst, layer=LAYER, others=("free",)):
+    """Condition of the mean mode → statistics of a surface over its seeds."""
+    found = {}
+    band = {"wavelength_long": 0.25, "wavelength_short": 0.0625, "rms_height": 1e-3, "points": 64}
+    for seed in SEEDS:
+        surface = make_surface({"hurst": hurst, **band}, seed)
+        contact = solve_contact(surface, layer, CONTACT | {"path_area_fractions": []})
+        stresses = compute_stresses(contact, layer, STRESS, others, [*QUANTITIES, "xy"])
+        for lateral, stress in stresses.items():
+            found.setdefault(lateral, []).append(SeedResults(seed, surface, contact, stress))
+    return {lateral: statistics_of_seeds(results) for lateral, results in found.items()}
 
 
-def test_findings_are_read_again_from_their_table(tmp_path):
-    confined, free = of_stress("confined", 1.1, 0.9), of_stress("free", 0.8, 0.7)
-    evidence = Evidence({"large_hurst": confined}, laterals={"free": {"large_hurst": free}})
-    one = Claim("n", "5.2", "s", "q", LARGER, single(percentile("von_mises"), "large_hurst"))
-    readings = {"lateral": ["confined", "free"], "peaks": ["below_surface", "with_surface"], "tail": [0.99]}
-    found = decide([one, *CLAIMS[:2]], evidence, readings=readings)
-    frame_of_readings(found).to_csv(tmp_path / "readings.csv", index=False)
-    again = findings_of(pd.read_csv(tmp_path / "readings.csv"), [one, *CLAIMS[:2]])
+def by_role(small, large):
+    return {"small_hurst": small, "large_hurst": large, "compressibility": large}
+
+
+@pytest.fixture(scope="module")
+def study():
+    """The findings about H and ν of a tiny study, by their identifiers."""
+    small, large = made_statistics(0.2), made_statistics(0.8)
+    free = by_role(small["free"], large["free"])
+    evidence = Evidence(by_role(small["confined"], large["confined"]), laterals={"free": free})
+    return {f.claim.identifier: f for f in decide(CLAIMS, evidence, interpretations=INTERPRETATIONS)}
+
+
+def test_an_interpretation_is_a_study_with_its_mean_mode(study):
+    """The free cell as the study's own, solved and analysed on its own, gives the same numbers."""
+    free = LAYER | {"lateral": "free"}
+    small, large = (made_statistics(hurst, free, ())["free"] for hurst in (0.2, 0.8))
+    compared = 0
+    for finding in decide(CLAIMS, Evidence(by_role(small, large))):
+        twin = study[finding.claim.identifier]
+        if finding.verdict != NO_DATA and "lateral" in finding.claim.choices:
+            wanted = twin.own.options | {"lateral": "free"}
+            (other,) = (one for one in twin.judgements if one.options == wanted)
+            assert other.value == finding.own.value
+            assert other.value != twin.own.value
+            compared += 1
+    assert compared > 10
+    with pytest.raises(MissingEvidenceError, match="laterally confined"):
+        Evidence(by_role(small, large)).under({"lateral": "confined"}).statistics("small_hurst")
+
+
+def test_tractions_do_not_depend_on_the_mean_mode(study):
+    for name in ("same_traction_peaks", "same_area_load", "shear_of_hurst", "finer_contacts"):
+        assert "lateral" not in study[name].claim.choices
+
+
+def test_only_shear_in_the_plane_depends_on_poisson(study):
+    value = {one.options["shear"]: one.value for one in study["shear_of_poisson"].judgements}
+    assert value["xz"] == 0
+    assert value["xy"] > 0.2
+
+
+def test_stresses_over_the_modulus_are_over_the_gradient_times_it(study):
+    number = study["cutoff_larger"].claim.measure
+    data = quantiles(LEVELS).assign(seed_gradient_rms_contact=("seed", [0.5]))
+    data = data.assign_coords(quantity=["von_mises"])
+    over = data.assign(seed_gradient_rms_contact=("seed", [0.1]))
+    evidence = Evidence({"short_cutoff": data, "long_cutoff": over})
+    assert number(evidence).item() == 1
+    assert number(evidence.under({"scaling": "absolute"})).item() == pytest.approx(5)
+
+
+def test_findings_are_read_again_from_their_table(study, tmp_path):
+    found = list(study.values())
+    frame_of_interpretations(found).to_csv(tmp_path / "interpretations.csv", index=False)
+    again = findings_of(pd.read_csv(tmp_path / "interpretations.csv"), CLAIMS)
     assert [verdict_in_words(f) for f in again] == [verdict_in_words(f) for f in found]
-    assert again[0].choices == ("lateral", "peaks")
-    assert again[0].verdict == DEPENDS
 
 
-def test_skewed_surfaces_of_another_delta_are_found_by_their_parameters():
+def test_tables_and_picture_hold_every_claim(study):
+    found = list(study.values())
+    text = markdown(found, SEEDS, 4)
+    assert all(f.claim.measured.replace("|", "\\|") in text for f in found)
+    assert page(found).count("<tr") == len(CLAIMS) + page(found).count("<table>")
+    assert len(draw(found).axes[0].get_yticks()) == len(CLAIMS)
+
+
+def test_surfaces_of_another_delta_are_found():
     def skew(gamma, delta, hurst=0.8):
         return {"label": f"{delta}", "hurst": hurst, "johnson": {"gamma": gamma, "delta": delta}}
 

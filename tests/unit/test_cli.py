@@ -9,14 +9,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bad_input import SMALL, make_chain
+from numba import njit
 from project import ROOT, hide
 
 from asperity.cli.main import main
+from asperity.cli.notice import NOTICE, progress_bar
 from asperity.cli.parser import make_parser
-from asperity.config.defaults import default
-from asperity.config.schema import setting
-from asperity.packages import BASE, PACKAGES
+from asperity.core.packages import BASE, PACKAGES
 from asperity.results import dataset
+from asperity.study.config.defaults import default
+from asperity.study.config.schema import setting
 
 COSINE = np.cos(2 * np.pi * np.arange(16) / 16)
 HEADER = "# Channel: Height\n# Width: 16 m\n# Height: 16 m\n# Value units: m\n"
@@ -77,7 +79,7 @@ def test_a_height_map_is_pressed_face_down(tmp_path, capsys):
     path, out = tmp_path / "waves.asc", tmp_path / "contact.nc"
     path.write_text(HEADER + WAVES)
     assert main(["solve", str(path), "--out", str(out)]) == 1
-    assert "set --periodic to declared, mirrored or windowed" in capsys.readouterr().err
+    assert "set it to declared, mirrored or windowed" in capsys.readouterr().err
     assert main(["solve", str(path), "--periodic", "declared", "--out", str(out)]) == 0
     pressure = dataset.read(out)["pressure"].values
     assert np.unravel_index(pressure.argmax(), pressure.shape) == (0, 0)
@@ -173,12 +175,14 @@ def test_a_missing_package_is_one_line(tmp_path, name, command):
 
 
 def test_all_missing_packages_of_a_command_are_named(monkeypatch, capsys):
-    missing = ("matplotlib", "snakemake")
+    missing = ("matplotlib", "SurfaceTopography")
     monkeypatch.setattr(
-        "asperity.packages.find_spec", lambda name: None if name in missing else find_spec(name)
+        "asperity.core.packages.find_spec", lambda name: None if name in missing else find_spec(name)
     )
-    assert main(["ensemble", "--claim", "one_and_a_half"]) == 1
-    line = 'asperity: not installed: matplotlib, snakemake; install with: pip install "asperity[study]"\n'
+    command = f"run {STEEL} --young 1GPa --poisson 0.3 --pressure 1MPa --out new"
+    assert main(command.split()) == 1
+    line = "asperity: not installed: SurfaceTopography, matplotlib; install with: "
+    line += 'pip install "asperity[maps]"\n'
     assert capsys.readouterr().err == line
 
 
@@ -221,3 +225,17 @@ def test_solve_imposes_pressure_force_and_approach_alike(tmp_path, capsys):
 def test_loads_that_solve_does_not_accept(files, tmp_path, capsys, load, said):
     assert main(["solve", files["surface"], *load, "--out", str(tmp_path / "c.nc")]) == 1
     assert said in capsys.readouterr().err
+
+
+def test_compilation_is_announced_once(capsys):
+    @njit
+    def twice(value):
+        return value + value
+
+    with progress_bar("label"):
+        assert twice(2) == 4
+        assert twice(2.0) == 4.0
+    assert capsys.readouterr().err == f"{NOTICE}\n"
+    with progress_bar("label"):
+        assert twice(3) == 6
+    assert capsys.readouterr().err == ""

@@ -10,15 +10,14 @@ import pytest
 import yaml
 from project import hide
 
-from asperity.accuracy.scenes import NEEDED
-from asperity.config.check import check, needed_instead
-from asperity.config.defaults import complete, default
-from asperity.config.describe import with_settings
-from asperity.config.loads import LOADS, imposed_load
-from asperity.config.presets import KEYS
-from asperity.config.reader import load, merged
-from asperity.config.schema import accepted, schema, setting, settings
-from asperity.errors import ConfigError
+from asperity.core.errors import ConfigError
+from asperity.study.config.__main__ import with_settings
+from asperity.study.config.check import check, needed_instead
+from asperity.study.config.defaults import LOADS, complete, default, imposed_load
+from asperity.study.config.presets import KEYS
+from asperity.study.config.reader import load, merged
+from asperity.study.config.schema import accepted, schema, setting, settings
+from asperity.study.cost.scene import NEEDED
 
 ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
@@ -103,6 +102,17 @@ def test_a_load_replaces_that_beneath(load):
     assert "path_area_fractions" not in alone
 
 
+def test_two_nodes_on_the_shortest_wave_suffice():
+    config = copy.deepcopy(PAPER)
+    surface = next(iter(config["surfaces"].values()))
+    surface["wavelength_short"] = 2 / 64
+    surface["points"] = 64
+    check(config)
+    surface["points"] = 62
+    with pytest.raises(ConfigError, match="points = 62: at least 64 are needed, two on wavelength_short"):
+        check(config)
+
+
 def test_two_loads_are_refused():
     config = copy.deepcopy(PAPER)
     config["contact"]["mean_pressure"] = 0.01
@@ -123,7 +133,7 @@ def test_settings_that_are_left_out_get_their_defaults():
 
 
 def test_the_readme_has_the_settings_of_the_schema():
-    """``python -m asperity.config describe config/README.md`` writes them."""
+    """``python -m asperity.study.config describe config/README.md`` writes them."""
     text = (ROOT / "config/README.md").read_text()
     assert with_settings(text) == text
 
@@ -131,7 +141,7 @@ def test_the_readme_has_the_settings_of_the_schema():
 def test_the_command_describes_and_checks(tmp_path):
     overlay = tmp_path / "overlay.yaml"
     overlay.write_text("contact: {area_fraction: 0.05}")
-    command = [sys.executable, "-m", "asperity.config"]
+    command = [sys.executable, "-m", "asperity.study.config"]
     described = subprocess.run([*command, "describe"], capture_output=True, text=True, check=True).stdout
     assert "| `contact.area_fraction` | a number > 0 and ≤ 1 |" in described
     checked = subprocess.run(
@@ -143,7 +153,7 @@ def test_the_command_describes_and_checks(tmp_path):
 @pytest.mark.parametrize(("name", "package"), [("jsonschema", "jsonschema"), ("yaml", "pyyaml")])
 def test_a_missing_package_is_one_line(tmp_path, name, package):
     path = os.pathsep.join([str(hide(name, tmp_path / "dark")), str(ROOT / "src")])
-    command = [sys.executable, "-m", "asperity.config", "check", "config/config.yaml"]
+    command = [sys.executable, "-m", "asperity.study.config", "check", "config/config.yaml"]
     environment = os.environ | {"PYTHONPATH": path}
     found = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     assert found.returncode == 1

@@ -3,7 +3,7 @@
 import pytest
 from bad_input import make_chain
 
-from asperity.paper.figures import fig10
+from asperity.paper.figures import fig10_14_18
 from asperity.results import dataset
 
 
@@ -19,7 +19,7 @@ def test_joint_densities_are_drawn_without_peaks(statistics, tmp_path, bins_with
     few = statistics.assign(joint_counts=counts * 0)
     if bins_with_peaks:
         few["joint_counts"][..., 3, 3] = 1
-    figure = fig10.draw({"one": few})
+    figure = fig10_14_18.draw({"one": few}, "surfaces")
     figure.savefig(tmp_path / "figure.png")
     texts = [text.get_text() for text in figure.axes[0].texts]
     assert ("no peaks" in texts) == (bins_with_peaks == 0)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.plots import finish_densities
+from asperity.paper.figures.densities import finish_densities, folded_density
 
 
 def density_axis(*lines):
@@ -31,3 +31,14 @@ def test_spikes_do_not_flatten_a_density_and_are_counted():
     axis = density_axis((X, RAYLEIGH), (X, spiked))
     assert axis.get_xlim()[1] == pytest.approx(density_axis((X, RAYLEIGH)).get_xlim()[1], rel=0.1)
     assert axis.get_legend().get_title().get_text() == "9.1 % beyond the axis"
+
+
+def test_a_folded_density_is_that_of_the_magnitude():
+    """Rounding: the density is constant in each bin, and the folded bins divide them."""
+    edges = np.linspace(-1.0, 2.0, 31)
+    folded = np.linspace(0.0, 2.0, 21)
+    values = np.where(edges[1:] <= 1e-12, 0.25, 0.375)
+    result = folded_density(values, edges, folded)
+    np.testing.assert_allclose(result[:10], 0.625, rtol=1e-12)
+    np.testing.assert_allclose(result[10:], 0.375, rtol=1e-12)
+    assert float(np.sum(result * np.diff(folded))) == pytest.approx(1)

@@ -12,27 +12,12 @@ from asperity.surface.form import add_cylinder, add_sphere
 HALF_SPACE = asp.Layer(1.0, 0.0)
 
 
-def test_a_sphere_is_a_paraboloid_about_the_middle_of_the_map():
-    height = add_sphere(np.full((5, 4), 7.0), (10.0, 4.0), 50.0)
-    assert height[2, 1] == height[2, 2] == 7 + 0.5**2 / 100
-    assert height[0, 3] == pytest.approx(7 + (4.0**2 + 1.5**2) / 100)
-    for mirrored in (height[::-1], height[:, ::-1]):
-        np.testing.assert_allclose(mirrored, height, rtol=1e-15)
-
-
-def test_the_exact_sphere_is_higher_by_the_fourth_power_of_the_distance():
+def test_the_exact_sphere_is_higher():
     """Tolerance: the next term of the series is r⁶/(16 R⁵)."""
     height, radius = add_sphere(np.zeros((1, 101)), (0.01, 1.01), 2.0), 2.0
     r = 0.01 * (np.arange(101) - 50)
     sphere = radius - np.sqrt(radius**2 - r**2)
     np.testing.assert_allclose(sphere - height[0], r**4 / (8 * radius**3), atol=0.5**6 / (12 * radius**5))
-
-
-def test_the_lowest_point_of_a_sphere_lies_at_its_centre():
-    grid = asp.Grid((20, 30), (2.0, 3.0))
-    height = add_sphere(np.zeros(grid.shape), grid, 1.0, centre=(0.4, 2.5))
-    assert np.unravel_index(np.argmin(height), height.shape) == (4, 25)
-    assert height[4, 25] == pytest.approx(0, abs=1e-30)
 
 
 @pytest.mark.parametrize("axis", ["y", "x"])
@@ -67,10 +52,7 @@ def test_a_smooth_cylinder_gives_the_line_contact_of_hertz():
     ("arguments", "message"),
     [
         ({"radius": 0.0}, r"^radius = 0.0: a number > 0"),
-        ({"radius": -2.0}, r"^radius = -2.0: a number > 0"),
         ({"centre": (1.0,)}, r"^centre = \(1.0,\): None or a pair"),
-        ({"centre": np.array(1.0)}, r"^centre = .*: None or a pair"),
-        ({"centre": np.ones((2, 2))}, r"^centre = .*: None or a pair"),
         ({"centre": (1.0, np.nan)}, r"^centre = nan: None or a pair"),
         ({"length": asp.Grid((3, 3))}, r"^length = Grid.*: a grid of the shape of the heights, \(4, 4\),"),
         ({"height": np.zeros(4)}, r"^height of shape \(4,\)"),

@@ -1,23 +1,26 @@
-"""Reading of maps: every file family gives one surface; orientation, units, points, all problems at once."""
+"""Reading of maps: every file family gives one surface; orientation, units, points, sizes, all problems."""
 
 import gzip
 import importlib.util
 import re
+import struct
+import sys
+import tracemalloc
+import zlib
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from asperity.cli.arguments import flag
 from asperity.cli.main import main
 from asperity.contact import solve
 from asperity.elasticity.layer import Layer
-from asperity.surface.description import describe_map
-from asperity.surface.height_map import HeightMap, MapError
-from asperity.surface.measured import prepare_map
-from asperity.surface.reading import Reading, inspect_map, read_map
-from asperity.surface.treatment import Treatment
+from asperity.surface.description import describe_map, spectrum_summary
+from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
+from asperity.surface.reading.map_file import read_map
+from asperity.surface.self_affine import self_affine
+from asperity.surface.treatment.treatment import prepare_map
 
 pytest.importorskip("SurfaceTopography")
 
@@ -31,83 +34,52 @@ EDGES = tuple(make_maps.PIXEL * n for n in make_maps.SHAPE)
 ARRAY = {"physical_size": ("80 um", "96 um"), "unit": "um", "orientation": "peaks up"}
 
 
-def given(name):
-    return ARRAY if name.endswith(".npy") else {}
-
-
 @pytest.mark.parametrize("name", make_maps.WRITERS)
-def test_every_family_of_files_gives_the_same_surface_in_metres(name):
-    found = read_map(DATA / name, **given(name))
+def test_every_family_of_files_gives_one_surface(name, tmp_path):
+    make_maps.WRITERS[name](tmp_path / name, HEIGHT, VALID)
+    assert (tmp_path / name).read_bytes() == (DATA / name).read_bytes()
+    found = read_map(DATA / name, **(ARRAY if name.endswith(".npy") else {}))
     expected = np.where(VALID, 1e-9 * HEIGHT, np.nan)
     # single precision of heights up to 16 µm in the NPY file, rounding in the others
     np.testing.assert_allclose(found.height, expected, atol=1e-12 if name.endswith(".npy") else 1e-19)
     assert found.length == pytest.approx(EDGES)
-    assert found.missing == len(make_maps.MISSING)
-    assert found.orientation == "peaks up"
-    assert found.unit in ("m", "µm", "nm", "um")
-    assert not found.periodic
+    assert (found.missing, found.orientation, found.periodic) == (len(make_maps.MISSING), "peaks up", False)
 
 
-@pytest.mark.parametrize("name", make_maps.WRITERS)
-def test_the_maps_are_what_their_script_writes(name, tmp_path):
-    make_maps.WRITERS[name](tmp_path / name, HEIGHT, VALID)
-    assert (tmp_path / name).read_bytes() == (DATA / name).read_bytes()
-
-
-def test_a_gzip_file_is_read_like_what_is_in_it(tmp_path):
-    packed = tmp_path / "steel.x3p.gz"
-    packed.write_bytes(gzip.compress((DATA / "steel.x3p").read_bytes()))
-    np.testing.assert_array_equal(read_map(packed).height, read_map(DATA / "steel.x3p").height)
-
-
-@pytest.mark.parametrize("place", [2, 40, -6], ids=["method", "content", "check sum"])
-def test_a_damaged_gzip_file_is_named(tmp_path, place):
-    content = bytearray(gzip.compress(b"".join(b"%d 2 3\n" % line for line in range(2000))))
-    content[place] ^= 255
-    packed = tmp_path / "map.txt.gz"
-    packed.write_bytes(content)
-    with pytest.raises(MapError, match=r"map\.txt\.gz: a gzip file without damage is needed"):
-        read_map(packed)
+@pytest.mark.parametrize("name", ["steel.x3p", "steel.xyz", "steel.asc"])
+def test_a_gzip_file_is_read_like_its_content(tmp_path, name):
+    (tmp_path / "map.gz").write_bytes(gzip.compress((DATA / name).read_bytes()))
+    np.testing.assert_array_equal(read_map(tmp_path / "map.gz").height, read_map(DATA / name).height)
 
 
 def test_a_channel_is_chosen_by_name_or_number():
     detail = 1e-9 * HEIGHT[:12, :16]
     for channel in ("Detail", 1, "1"):
         np.testing.assert_allclose(read_map(DATA / "steel.gwy", channel=channel).height, detail, rtol=1e-15)
-    with pytest.raises(
-        MapError, match=re.escape("channel = 'Phase': one of 0 (Height), 1 (Detail) is needed")
-    ):
+    with pytest.raises(MapError, match=r"channel = 'Phase': one of 0 \(Height\), 1 \(Detail\) is needed"):
         read_map(DATA / "steel.gwy", channel="Phase")
 
 
-def test_an_array_gives_the_contact_that_solve_gives_for_it(tmp_path):
+def test_an_array_is_pressed_as_its_orientation_says(tmp_path):
     """The same array pressed by `solve`, and read from a file as a lower face, or upside down as a map."""
     y, x = np.mgrid[:12, :16] / 16
     height = 1e-3 * (np.cos(2 * np.pi * x) + np.cos(2 * np.pi * (16 * y / 12 + 0.1 * x)))
     direct = solve(height, Layer(young=1.0, poisson=0.3), area_fraction=0.2)
-    treatment = Treatment(detrend="none", periodic="declared")
     for name, array in (("lower face", height), ("peaks up", -height)):
         np.save(tmp_path / "map.npy", array)
-        reading = Reading(physical_size=("0.75 m", "1 m"), unit="m", orientation=name)
-        indenter = prepare_map(tmp_path / "map.npy", reading, treatment)
+        options = MapOptions(physical_size=("0.75 m", "1 m"), unit="m", orientation=name)
+        indenter = prepare_map(tmp_path / "map.npy", options, detrend="none", periodic="declared")
         np.testing.assert_allclose(indenter.height, height - height.mean(), atol=1e-17)
         contact = solve(indenter.height, Layer(young=1.0, poisson=0.3), area_fraction=0.2)
         np.testing.assert_array_equal(contact.pressure > 0, direct.pressure > 0)
-        np.testing.assert_array_equal(
-            read_map(tmp_path / "map.npy", ("0.75 m", "1 m"), unit="m", orientation=name).as_indenter(),
-            height,
-        )
+        np.testing.assert_array_equal(read_map(tmp_path / "map.npy", options).as_indenter(), height)
 
 
-@pytest.mark.parametrize("suffix", ["npy", "txt"])
-def test_the_orientation_of_a_bare_array_is_asked_for(tmp_path, suffix):
-    path = tmp_path / f"map.{suffix}"
-    (np.save if suffix == "npy" else np.savetxt)(path, 1e-9 * HEIGHT)
+def test_a_map_without_a_known_orientation_is_refused():
+    with pytest.raises(MapError, match="orientation = 'peaks_up': one of peaks up, lower face is needed"):
+        HeightMap(HEIGHT, EDGES, orientation="peaks_up")
     with pytest.raises(MapError, match="orientation: the file does not say which way is up"):
-        read_map(path, physical_size=EDGES)
-    assert inspect_map(path, Reading(physical_size=EDGES)).map.orientation is None
-    with pytest.raises(MapError, match="orientation"):
-        HeightMap(1e-9 * HEIGHT, EDGES, orientation=None).as_indenter()
+        HeightMap(HEIGHT, EDGES, orientation=None).as_indenter()
 
 
 def test_a_surface_of_asperity_is_a_lower_face(tmp_path):
@@ -128,42 +100,48 @@ def test_a_surface_of_asperity_is_a_lower_face(tmp_path):
     [
         ({"unit": "mm"}, "unit = 'mm': the file says nm; leave it out"),
         ({"unit": "kg"}, "unit = 'kg': a unit of length is needed (nm, um, mm, m)"),
-        (
-            {"physical_size": ("1 mm", "1 mm")},
-            "physical_size: the file itself says 80000 x 96000 nm (y, x); leave",
-        ),
+        ({"physical_size": ("1 mm", "1 mm")}, "physical_size: the file itself says 80000 x 96000 nm (y, x)"),
         ({"physical_size": (80000, -1)}, "physical_size = (80000, -1): two lengths > 0 (y, x) are needed"),
         ({"physical_size": ("80 um", "2 s")}, "physical_size = '2 s': a number with a unit of length"),
         ({"height_factor": 2.0}, "height_factor = 2: the file says heights in nm; leave it out"),
-        ({"height_factor": -2.0}, "height_factor = -2.0: a number > 0 is needed"),
-        ({"orientation": "up"}, "orientation = 'up': 'peaks up' or 'lower face' is needed"),
+        ({"height_factor": -2.0}, "height_factor = -2.0: a number > 0"),
+        ({"orientation": "up"}, "orientation = 'up': one of peaks up, lower face is needed"),
+        ({"format": "tiff"}, "format = 'tiff': one of"),
+        ({"format": "npy"}, "not a height map that can be read"),
     ],
 )
-def test_an_argument_that_contradicts_the_file_is_refused(argument, line):
+def test_an_option_that_contradicts_the_file_is_refused(argument, line):
     with pytest.raises(MapError, match=re.escape(line)):
         read_map(DATA / "steel.asc", **argument)
 
 
-def test_an_argument_that_repeats_the_file_is_accepted():
-    found = read_map(DATA / "steel.asc", physical_size=("80 um", "96 um"), unit="nm")
-    assert found.length == pytest.approx(EDGES)
-    in_numbers = read_map(DATA / "steel.asc", physical_size=(80000, 96000), unit="nm")
-    assert in_numbers.length == pytest.approx(EDGES)
+def test_an_option_that_repeats_the_file_is_accepted():
+    for size in (("80 um", "96 um"), (80000, 96000)):
+        found = read_map(DATA / "steel.asc", physical_size=size, unit="nm", format="asc")
+        assert found.length == pytest.approx(EDGES)
 
 
-def test_edges_and_heights_without_a_unit_stay_numbers():
+def test_heights_without_a_unit_stay_numbers():
     found = read_map(DATA / "steel.npy", physical_size=(80, 96), height_factor=2.0, orientation="peaks up")
-    assert found.unit is None
-    assert found.length == (80.0, 96.0)
+    assert (found.unit, found.length) == (None, (80.0, 96.0))
     np.testing.assert_allclose(found.height[VALID], 2e-3 * HEIGHT[VALID], rtol=1e-6)
 
 
-def test_all_problems_are_reported_at_once_with_the_names_of_the_interface():
+def test_all_problems_are_reported_at_once():
     with pytest.raises(MapError) as caught:
-        prepare_map(DATA / "steel.npy", Reading(), Treatment(), option=flag)
-    starts = [problem.split(":")[0] for problem in caught.value.problems]
-    assert starts == ["--physical-size", "--orientation", "--unit", "--periodic", "--undefined"]
-    assert str(caught.value).splitlines()[1:] == [f"  {problem}" for problem in caught.value.problems]
+        prepare_map(DATA / "steel.npy")
+    named = caught.value.renamed(lambda name: f"--{name}")
+    starts = [problem.split(":")[0] for problem in named.problems]
+    assert starts == ["--physical_size", "--orientation", "--unit", "--periodic", "--undefined"]
+    assert str(named).splitlines()[1:] == [f"  {problem}" for problem in named.problems]
+
+
+def test_any_bytes_are_no_map_unless_a_format_is_asked_for(tmp_path):
+    """A file of 2 n² bytes has the size of an SRTM tile, a format without a signature."""
+    (tmp_path / "f").write_bytes(Path(sys.executable).read_bytes()[:5000])
+    with pytest.raises(MapError, match="no known format"):
+        read_map(tmp_path / "f", physical_size=(1, 1))
+    assert read_map(tmp_path / "f", format="hgt", physical_size=(1, 1)).height.shape == (50, 50)
 
 
 def points(spots, values, header="", separator=" "):
@@ -176,7 +154,7 @@ SPOTS = [(0.3333 * column, 0.5 * row) for row in range(9) for column in range(7)
 
 @pytest.mark.parametrize("separator", [" ", ",", ";", "\t"])
 @pytest.mark.parametrize("header", ["", "X Y Z\n", "x [mm], y [mm], z [um]\n"])
-def test_points_on_a_grid_are_a_map_with_points_missing(tmp_path, separator, header):
+def test_points_on_a_grid_are_a_map(tmp_path, separator, header):
     order = np.random.default_rng(1).permutation(len(SPOTS))[:-5]
     values = {spot: round(float(np.sin(3 * spot[0]) + spot[1]), 4) for spot in SPOTS}
     listed = [SPOTS[number] for number in order]
@@ -187,12 +165,14 @@ def test_points_on_a_grid_are_a_map_with_points_missing(tmp_path, separator, hea
     found = read_map(path)
     lateral, vertical = (1e-3, 1e-6) if "mm" in header else (1.0, 1.0)
     assert found.unit == ("um" if "mm" in header else None)
-    assert found.height.shape == (9, 7)
-    assert found.missing == 6
+    assert (found.height.shape, found.missing) == ((9, 7), 6)
     assert found.length == pytest.approx((4.5 * lateral, 7 * 0.3333 * lateral))
     expected = vertical * np.reshape([values[spot] for spot in SPOTS], (9, 7))
     known = np.isfinite(found.height)
     np.testing.assert_allclose(found.height[known], expected[known], rtol=1e-12)
+
+
+MATRIX = "# Channel: Height\n# Width: 4 µm\n# Height: 80 µm\n# Value units: nm\n"
 
 
 @pytest.mark.parametrize(
@@ -202,46 +182,35 @@ def test_points_on_a_grid_are_a_map_with_points_missing(tmp_path, separator, hea
         (points([*SPOTS, SPOTS[0]], range(64)), "two points have the same position"),
         (points([(0, y) for y in range(9)], range(9)), "all points have the same x"),
         (points([(x, x) for x in range(40)], range(40)), "40 points are too few for a grid of 40 x 40 nodes"),
+        (points(SPOTS, [0, "1.#QNAN", *range(61)]), "line 2: '1.#QNAN' is no number"),
+        (MATRIX + "1 2 3 4\n2 --- 4 5\n3 4 5 6\n4 5 6 8\n5 6 8 8\n", "line 6: '---' is no number"),
+        (MATRIX + "1 2 3 4\n***\n3 4 5 6\n4 5 6 8\n5 6 8 8\n", "line 6: '***' is no number"),
+        (MATRIX + "1 2 3 4\n3 1,5e-9 5 6\n4 5 6 8\n5 6 8 8\n", "line 6: '1,5e-9' is no number"),
+        ("\n".join("1 2 3 4" for _ in range(400)), "a list of points or a log, not a map"),
     ],
+    ids=range(9),
 )
-def test_other_points_are_no_map(tmp_path, content, line):
-    path = tmp_path / "points.xyz"
-    path.write_text(content)
-    with pytest.raises(MapError, match=re.escape(f"no points x, y, z on a regular grid ({line})")):
-        read_map(path)
-
-
-@pytest.mark.parametrize("columns", [3, 4, 6])
-def test_a_table_of_few_columns_is_no_map(tmp_path, columns):
-    table = np.random.default_rng(0).normal(size=(400, columns))
-    np.save(tmp_path / "log.npy", table)
-    np.savetxt(tmp_path / "log.txt", table)
-    for path in (tmp_path / "log.npy", tmp_path / "log.txt"):
-        with pytest.raises(MapError, match=r"a list of points or a log, not a map|no points x, y, z"):
-            read_map(path)
-    wide = {"physical_size": (400.0, columns), "orientation": "peaks up"}
-    if columns > 3:
-        assert read_map(tmp_path / "log.npy", **wide).height.shape == (400, columns)
+def test_a_text_that_is_no_map_is_refused(tmp_path, content, line):
+    (tmp_path / "points.xyz").write_text(content)
+    with pytest.raises(MapError, match=re.escape(line)):
+        read_map(tmp_path / "points.xyz")
 
 
 def test_a_matrix_of_three_columns_with_a_header_is_a_map(tmp_path):
-    path = tmp_path / "strip.asc"
-    header = "# Channel: Height\n# Width: 3 µm\n# Height: 80 µm\n# Value units: nm\n"
-    path.write_text(header + "\n".join(f"{i} {i + 1} {i % 7}" for i in range(80)))
-    assert read_map(path).height.shape == (80, 3)
+    (tmp_path / "strip.asc").write_text(MATRIX + "\n".join(f"{i} {i + 1} {i % 7}" for i in range(80)))
+    assert read_map(tmp_path / "strip.asc").height.shape == (80, 3)
 
 
-def test_the_description_says_what_a_map_is_and_what_is_needed():
-    found = describe_map(DATA / "steel.x3p", option=flag)
-    assert (found.missing, found.spikes) == (7, 4)
-    assert np.degrees(found.tilt) == pytest.approx(np.degrees(np.hypot(12e-9, 5e-9) / 2e-6), abs=0.3)
-    assert found.rms_height == pytest.approx(400e-9, rel=0.1)  # the script sets 400 nm before the tilt
-    text = "\n".join(found.lines())
-    for words in ("80 µm x 96 µm", "7 points (0.36 %)", "4 points (0.21 %)", "--undefined", "--periodic"):
-        assert words in text
-    bare = "\n".join(describe_map(DATA / "steel.npy").lines())
-    assert "size:         not in the file" in bare
-    assert "nan" not in bare
+def test_the_description_says_what_a_map_is():
+    found = describe_map(DATA / "steel.x3p", MapOptions())
+    tilt = float(found.properties["tilt"].rstrip("°"))
+    assert tilt == pytest.approx(np.degrees(np.hypot(12e-9, 5e-9) / 2e-6), abs=0.3)
+    height = float(found.properties["rms height"].split()[0])
+    assert height == pytest.approx(400, rel=0.1)  # the script sets 400 nm before the tilt
+    assert found.properties["size"] == "80 µm x 96 µm (y, x)"
+    assert found.properties["without data"] == "7 points (0.36 %)"
+    assert found.properties["spikes"].startswith("4 points (0.21 %)")
+    assert [text.split(":")[0] for text in found.choices] == ["periodic", "undefined"]
 
 
 def test_the_command_info_prints_the_description_or_one_line(capsys):
@@ -251,17 +220,96 @@ def test_the_command_info_prints_the_description_or_one_line(capsys):
     assert "shown: Detail" in printed
     assert main(["info", str(DATA / "steel.asc"), "--unit", "kg", "--physical-size", "1", "2"]) == 0
     assert "--physical-size: the file itself says 80000 x 96000 nm" in capsys.readouterr().out
+    assert main(["info", str(DATA / "steel.npy")]) == 0
+    printed = capsys.readouterr().out
+    assert "size:         not in the file" in printed
+    assert "nan" not in printed
     assert main(["info", str(DATA / "README.md")]) == 1
     assert capsys.readouterr().err.count("\n") == 1
 
 
 def test_the_spectrum_of_a_self_affine_map_has_its_exponent():
-    from asperity.surface.description import _spectrum_summary
-    from asperity.surface.self_affine import self_affine
-
     whole = self_affine(
         (512, 512), seed=3, hurst=0.8, wavelength_long=0.25, wavelength_short=0.004, rms_height=1e-3
     )
     part = whole[:256, :256]  # not periodic
-    *_, hurst = _spectrum_summary(part, HeightMap(part, (0.5, 0.5)))
+    *_, hurst = spectrum_summary(part, HeightMap(part, (0.5, 0.5)))
     assert hurst == pytest.approx(0.8, abs=0.1)  # scatter of one sample
+
+
+def zip_of_5_gigabytes(path):
+    """ZIP archive of zeros, written byte by byte; its check sums are not right."""
+    packer = zlib.compressobj(9, zlib.DEFLATED, -15)
+    data = (packer.compress(bytes(2**20)) + packer.flush(zlib.Z_FULL_FLUSH)) * 2500 + packer.flush()
+    body, directory, names = bytearray(), bytearray(), ("main.xml", "bindata/data.bin")
+    for name in names:
+        fields = struct.pack("<HHHHHIII", 20, 0, 8, 0, 0x5021, 0, len(data), 2500 * 2**20)
+        tail = struct.pack("<HHHHHII", len(name), 0, 0, 0, 0, 0, len(body))
+        directory += b"PK\x01\x02" + struct.pack("<H", 20) + fields + tail + name.encode()
+        body += b"PK\x03\x04" + fields + struct.pack("<HH", len(name), 0) + name.encode() + data
+    end = struct.pack("<HHHHIIH", 0, 0, 2, 2, len(directory), len(body), 0)
+    path.write_bytes(bytes(body + directory) + b"PK\x05\x06" + end)
+
+
+def gzip_that_declares_less(path):
+    """Its last member, whose size is at the end of the file, is small."""
+    path.write_bytes(gzip.compress(bytes(40 * 2**20), mtime=0) + gzip.compress(b"end", mtime=0))
+
+
+def hdf5_of_zeros(path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(path, "w") as file:
+        file.create_dataset("height", (20000, 20000), "f8", chunks=(1000, 1000), compression="gzip")
+
+
+def npz_of_zeros(path):
+    np.savez_compressed(path, height=np.zeros((2000, 2000)))
+
+
+def tiff_of_nothing(path):
+    """Header of a compressed TIFF of 60000 x 60000 points of 16 bits."""
+    tags = [(256, 4, 60000), (257, 4, 60000), (258, 3, 16), (259, 3, 8), (262, 3, 1), (273, 4, 8)]
+    tags += [(277, 3, 1), (278, 4, 60000), (279, 4, 10)]
+    entries = b"".join(struct.pack("<HHII", tag, kind, 1, value) for tag, kind, value in tags)
+    path.write_bytes(b"II*\0" + struct.pack("<IH", 8, len(tags)) + entries + bytes(4 + 10))
+
+
+@pytest.mark.parametrize(
+    ("name", "write", "limit", "line"),
+    [
+        ("bomb.x3p", zip_of_5_gigabytes, 2.0, "the file holds 4.88 GiB of data or more"),
+        ("liar.asc.gz", gzip_that_declares_less, 0.02, "the file holds 0.02 GiB of data or more"),
+        ("zeros.h5", hdf5_of_zeros, 2.0, "the file holds 2.98 GiB of data or more"),
+        ("zeros.npz", npz_of_zeros, 0.02, "the file holds 0.0298 GiB of data or more"),
+        ("zeros.lext", tiff_of_nothing, 2.0, "not a height map that can be read"),
+    ],
+)
+def test_a_file_that_unpacks_to_much_is_refused(tmp_path, name, write, limit, line):
+    write(tmp_path / name)
+    tracemalloc.start()
+    try:
+        with pytest.raises(MapError, match=line):
+            read_map(tmp_path / name, max_memory=limit)
+        assert tracemalloc.get_traced_memory()[1] < 80e6
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("array.gwy", b"GWYPGwyContainer\0" + struct.pack("<I", 2**31) + b"/0/data\0D\0\0\0\x40"),
+        ("empty.gz", b"\x1f\x8b"),
+        ("broken.gz", b"\x1f\x8b\x08\0\0\0\0\0\0\x03" + b"\xff" * 40),
+        ("empty.zip", b"PK\x03\x04"),
+        ("short.npy", b"\x93NUMPY\x01\x00"),
+        ("short.h5", b"\x89HDF\r\n\x1a\n"),
+        ("short.mnt", b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600)),
+        ("text.mat", b"MATLAB 5.0 MAT-file".ljust(126) + b"IM"),
+    ],
+)
+def test_a_damaged_container_is_refused_in_one_line(tmp_path, name, content):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(MapError) as caught:
+        read_map(tmp_path / name)
+    assert "\n" not in str(caught.value)

@@ -1,15 +1,25 @@
-"""Treatment of maps: spikes, gaps, levels, windows, waves in metres, and the record of all of it."""
+"""Treatment of maps: spikes, gaps, levels, ways to a period, waves in metres, and the record of all of it."""
 
 import re
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from asperity.spectral import Grid
-from asperity.surface.height_map import HeightMap, MapError
-from asperity.surface.levelling import edge_step, fill_harmonic, find_spikes, low_pass_bounded
+from asperity.fourier.grid import Fourier, Grid
+from asperity.results.dataset import grid_of, read, write
+from asperity.study.stages.surface import read_surface
+from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
+from asperity.surface.reading.map_file import read_map
 from asperity.surface.self_affine import self_affine
-from asperity.surface.treatment import DESPIKE, Treatment, treat_map
+from asperity.surface.treatment.levelling import (
+    edge_step,
+    fill_harmonic,
+    find_spikes,
+    low_pass_bounded,
+)
+from asperity.surface.treatment.treatment import DESPIKE, make_periodic, treat_map
 
 EDGE = 256e-6
 
@@ -43,7 +53,7 @@ def test_spikes_are_found_and_scratches_stay():
     assert {(int(i), int(j)) for i, j in np.argwhere(found)} == set(spots)
 
 
-def test_a_spike_beside_a_gap_is_found_and_gaps_are_no_spikes():
+def test_a_spike_beside_a_gap_is_found():
     height = steel()
     height[20:30, 20:30] = np.nan
     height[31, 25] += 20 * np.nanstd(height)
@@ -72,8 +82,8 @@ def test_the_record_says_what_was_done():
     tilted = height + EDGE * (0.03 * x - 0.04 * y) + bow
     tilted[10, 11] += 1e-4
     tilted[50:52, 7] = np.nan
-    settings = Treatment("curvature", "windowed", "harmonic", DESPIKE, wavelength_short=20e-6, points=32)
-    record = treat_map(as_map(tilted), settings).treatment
+    options = MapOptions(detrend="curvature", periodic="windowed", undefined="harmonic", despike=DESPIKE)
+    record = treat_map(as_map(tilted), options, wavelength_short="20 um", points=32).treatment
     assert (record.missing, record.spikes) == (2, 1)
     assert record.filled_fraction == 3 / 64**2
     own = np.polyfit(x[0], height.mean(axis=0), 1)[0], np.polyfit(y[:, 0], height.mean(axis=1), 1)[0]
@@ -100,7 +110,7 @@ def test_the_record_says_what_was_done():
 
 def test_an_untouched_map_says_so():
     height = np.cos(2 * np.pi * np.arange(32) / 32)[:, None] * np.ones(32)
-    treated = treat_map(as_map(height, periodic=True, orientation="lower face"), Treatment("none"))
+    treated = treat_map(as_map(height, periodic=True, orientation="lower face"), detrend="none")
     np.testing.assert_allclose(treated.height, height, atol=1e-15)
     assert treated.treatment.lines() == [
         "used as it is: the heights are those of an indenter's lower face",
@@ -111,7 +121,7 @@ def test_an_untouched_map_says_so():
 
 
 @pytest.mark.parametrize("periodic", ["declared", "mirrored", "windowed", "none"])
-def test_a_wavelength_means_the_same_for_every_way_to_a_period(periodic):
+def test_a_wavelength_does_not_depend_on_the_period(periodic):
     """A wave of 16 µm is kept by a limit of 15 µm and removed by one of 17 µm, mirrored or not."""
     x = (np.arange(64) + 0.5) * 4e-6
     long, short = np.cos(2 * np.pi * x / 64e-6), np.cos(2 * np.pi * x / 16e-6)
@@ -119,7 +129,7 @@ def test_a_wavelength_means_the_same_for_every_way_to_a_period(periodic):
     middle = slice(16, 48)
     # The window spreads each wave over its neighbours.
     for limit, share in ((15e-6, 0.1), (17e-6, 0.0)):
-        treated = treat_map(surface, Treatment("none", periodic, wavelength_short=limit))
+        treated = treat_map(surface, detrend="none", periodic=periodic, wavelength_short=limit)
         profile = -treated.height[32, middle]
         fit = np.linalg.lstsq(
             np.column_stack([long[middle], short[middle], np.ones(32)]), profile, rcond=None
@@ -127,9 +137,9 @@ def test_a_wavelength_means_the_same_for_every_way_to_a_period(periodic):
         assert fit[:2] == pytest.approx([1.0, share], abs=0.01 if periodic == "windowed" else 1e-12)
 
 
-def test_a_map_that_stays_bounded_keeps_its_edges():
+def test_a_bounded_map_keeps_its_edges():
     height = steel() + np.linspace(0, 1e-5, 64)[:, None]
-    treated = treat_map(as_map(height), Treatment("none", "none"))
+    treated = treat_map(as_map(height), detrend="none", periodic="none")
     np.testing.assert_allclose(treated.height, height.mean() - height, atol=1e-18)
     grid = Grid((64, 64), (EDGE, EDGE))
     finer = Grid((128, 192), (EDGE, EDGE))
@@ -139,32 +149,147 @@ def test_a_map_that_stays_bounded_keeps_its_edges():
     assert step == pytest.approx(np.abs(height[-1] - height[0]).mean(), rel=0.02)
 
 
-def test_settings_out_of_range_and_missing_are_reported_together():
+def test_all_that_is_wrong_or_missing_is_reported_together():
     height = steel()
     height[0, 0] = np.nan
-    with pytest.raises(MapError) as caught:
-        treat_map(as_map(height, orientation=None), Treatment("slope", despike=1.0))
-    assert [problem.split(":")[0] for problem in caught.value.problems] == [
-        "detrend = 'slope'",
-        "despike = 1.0",
-        "orientation",
-        "periodic",
-        "undefined",
-    ]
+    surface = as_map(height, orientation=None)
+    for options, names in (
+        ({"detrend": "slope", "despike": 1.0}, ["detrend = 'slope'", "despike = 1.0"]),
+        ({}, ["orientation", "periodic", "undefined"]),
+    ):
+        with pytest.raises(MapError, match=f"^{len(names)} problems:\n  {names[0]}: ") as caught:
+            treat_map(surface, **options)
+        assert [problem.split(":")[0] for problem in caught.value.problems] == names
 
 
-def test_problems_of_a_map_without_a_name_are_counted():
-    surface = HeightMap(steel(), (1.0, 1.0), True)
-    with pytest.raises(MapError, match=r"^2 problems:\n  detrend = 'slope': .*\n  despike = 1.0: "):
-        treat_map(surface, Treatment("slope", despike=1.0))
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        ({"detrend": "slope"}, "detrend = 'slope': one of none, tilt, curvature is needed"),
+        ({"periodic": "none"}, "periodic = 'none': one of declared, mirrored, windowed is needed"),
+        ({"periodic": None}, "set it to declared, mirrored or windowed"),
+        ({"wavelength_short": 0.01}, "wavelength_short = 0.01: a number ≥ 0.0625"),
+        ({"wavelength_short": 2.0}, "wavelength_short = 2"),
+        ({"wavelength_short": 10**400}, "wavelength_short = 1000"),
+        ({"wavelength_short": "8 um"}, "unit: the file does not say the unit"),
+        ({"points": 1}, "points = 1: a whole number from 2 to 65536"),
+        ({"radius": "1 kg"}, "radius = '1 kg': a number with a unit of length"),
+    ],
+)
+def test_an_option_out_of_range_is_named(change, line):
+    surface = HeightMap(rough((32, 32)), (1.0, 1.0), unit="m" if "radius" in change else None)
+    with pytest.raises(ValueError, match=re.escape(line)):
+        (treat_map if "radius" in change else make_periodic)(surface, **{**PLAIN, **change})
 
 
 def test_a_wavelength_out_of_range_is_shown_with_its_unit():
     line = "wavelength_short = 1 µm: a number ≥ 8 µm (two nodes), ≤ 512 µm is needed"
     with pytest.raises(MapError, match=re.escape(line)):
-        treat_map(as_map(steel()), Treatment("tilt", "mirrored", wavelength_short=1e-6))
+        treat_map(as_map(steel()), periodic="mirrored", wavelength_short=1e-6)
 
 
-def test_a_wavelength_that_no_number_holds_is_refused():
-    with pytest.raises(MapError, match=r"wavelength_short = 1000.*: a number ≥ 8 µm"):
-        treat_map(as_map(steel()), Treatment("tilt", "mirrored", wavelength_short=10**400))
+PLAIN = {"detrend": "none", "periodic": "declared"}
+
+
+def rough(shape=(24, 32), seed=0):
+    return np.random.default_rng(seed).normal(size=shape)
+
+
+def waves(shape, length=(1.0, 1.0)):
+    """A smooth periodic map."""
+    y, x = Grid(shape, length).coordinates()
+    ky, kx = 2 * np.pi / length[0], 2 * np.pi / length[1]
+    return np.cos(2 * ky * y[:, None] + 0.3) * np.sin(kx * x[None, :]) + 0.5 * np.cos(3 * kx * x[None, :])
+
+
+def test_the_lower_face_is_minus_the_map_in_cell_lengths():
+    height = waves((24, 32), (3.0, 4.0))
+    surface = make_periodic(HeightMap(height, (3.0, 4.0)), **PLAIN)
+    np.testing.assert_allclose(surface.height, -height / 4.0, atol=1e-15)  # rounding
+    assert surface.grid.length == (0.75, 1.0)
+    assert surface.wavelength_short == 2 / 32
+
+
+@settings(max_examples=20, deadline=None)
+@given(
+    ny=st.integers(4, 17),
+    nx=st.integers(4, 17),
+    slope=st.tuples(*[st.floats(-5, 5)] * 2),
+    bend=st.tuples(*[st.floats(-5, 5)] * 3),
+)
+def test_detrending_removes_its_polynomial_and_nothing_else(ny, nx, slope, bend):
+    y, x = np.linspace(-1, 1, ny)[:, None], np.linspace(-1, 1, nx)[None, :]
+    plane = 3.0 + slope[0] * y + slope[1] * x
+    quadratic = plane + bend[0] * y**2 + bend[1] * x * y + bend[2] * x**2
+    own = rough((ny, nx))
+
+    def detrended(height, detrend):
+        return make_periodic(HeightMap(height, (ny, nx)), detrend=detrend, periodic="mirrored").height
+
+    for detrend, trend in (("tilt", plane), ("curvature", quadratic)):
+        np.testing.assert_allclose(
+            detrended(own + trend, detrend), detrended(own, detrend), atol=1e-12
+        )  # rounding
+
+
+def test_a_flat_surface_is_refused():
+    with pytest.raises(MapError, match="a surface that varies is needed"):
+        make_periodic(HeightMap(np.ones((8, 8)), (1.0, 1.0)), **PLAIN)
+
+
+def test_a_mirrored_map_is_symmetric_and_continuous():
+    surface = make_periodic(HeightMap(rough(), (24.0, 32.0)), detrend="none", periodic="mirrored")
+    assert (surface.grid.shape, surface.grid.length) == ((48, 64), (0.75, 1.0))
+    whole = surface.height
+    np.testing.assert_allclose(whole, whole[::-1], atol=1e-14)  # rounding
+    np.testing.assert_allclose(whole, whole[:, ::-1], atol=1e-14)  # rounding
+    assert edge_step(whole) < 1e-10
+    smooth = HeightMap(waves((24, 32)), (24.0, 32.0))
+    inside = make_periodic(smooth, detrend="none", periodic="mirrored").height[:24, :32]
+    np.testing.assert_allclose(inside, (waves((24, 32)).mean() - waves((24, 32))) / 64, atol=1e-14)
+
+
+def test_a_windowed_map_is_level_at_its_edges_and_itself_inside():
+    height = waves((40, 40)) + np.linspace(0, 1, 40)[:, None]
+    kept = make_periodic(HeightMap(height, (1.0, 1.0)), detrend="none", periodic="windowed").height
+    np.testing.assert_allclose(kept[0] - kept[0, 0], 0, atol=1e-12)  # rounding
+    middle = slice(8, 32)
+    expected = -(height - height.mean())[middle, middle]
+    np.testing.assert_allclose(np.diff(kept[middle, middle]), np.diff(expected), atol=1e-12)  # rounding
+
+
+def test_short_waves_are_removed_and_more_points_change_nothing():
+    surface = HeightMap(rough((32, 32)), (1.0, 1.0))
+    smooth = make_periodic(surface, **PLAIN, wavelength_short=0.25)
+    coefficients = Fourier(smooth.grid).forward(smooth.height)
+    short = smooth.grid.wavenumber() > 2 * np.pi / 0.25 * 1.001
+    assert np.abs(coefficients[short]).max() < 1e-15
+    finer = make_periodic(surface, **PLAIN, wavelength_short=0.25, points=64)
+    np.testing.assert_allclose(finer.height[::2, ::2], smooth.height, atol=1e-14)  # rounding
+
+
+def test_a_surface_file_keeps_its_map_record(tmp_path):
+    """A text export in the form of Gwyddion: 6 rows and 8 columns of 0.5 µm, heights in nm."""
+    pytest.importorskip("SurfaceTopography")
+    path = tmp_path / "map.asc"
+    header = "# Channel: Height\n# Width: 4 µm\n# Height: 3 µm\n# Value units: nm\n"
+    path.write_text(header + "\n".join(" ".join(f"{v:.9f}" for v in row) for row in waves((6, 8))) + "\n")
+    parameters = {"file": str(path), "detrend": "tilt", "periodic": "mirrored"}
+    data = read_surface(parameters)
+    assert (grid_of(data).shape, grid_of(data).length) == ((12, 16), pytest.approx((0.75, 1.0)))
+    assert float(data["height"].std()) == pytest.approx(float(data["rms_height"]))
+    assert data.attrs["wavelength_short"] == pytest.approx(2 / 12 * 0.75)
+    assert (data.attrs["map_periodic"], data.attrs["map_cell_length"]) == ("mirrored", pytest.approx(8e-6))
+    write(data, tmp_path / "s.nc", "Surface", {"name": "s", "seed": 0, "surface": parameters})
+    assert read(tmp_path / "s.nc").attrs["map_tilt"] == data.attrs["map_tilt"]
+    found = read_map(tmp_path / "s.nc")
+    assert (found.orientation, found.unit, found.periodic) == ("lower face", None, True)
+    np.testing.assert_array_equal(found.as_indenter(), data["height"])
+
+
+def test_points_are_the_nodes_of_the_longer_edge():
+    y, x = np.arange(40)[:, None] / 40, np.arange(60) / 60
+    surface = HeightMap(
+        np.sin(2 * np.pi * y) + np.cos(2 * np.pi * x), (2.0, 3.0), True, orientation="peaks up"
+    )
+    assert treat_map(surface, points=30).height.shape == (20, 30)

@@ -12,7 +12,7 @@ import pytest
 import xarray as xr
 
 import asperity as asp
-from asperity import notebook
+from asperity.core import markup
 from asperity.engineering import Body, run
 
 
@@ -45,7 +45,7 @@ def objects(contact):
         "Layer": bronze,
         "TwoBodies": asp.TwoBodies(STEEL, bronze),
         "Certificate": contact.certificate,
-        "PressedSolid": asp.PressedSolid(contact.pressure, contact.grid, STEEL),
+        "LoadedSolid": asp.LoadedSolid(contact.pressure, contact.grid, STEEL),
         "HeightMap": surface,
         "Answer": run(surface, Body(young=210e9, poisson=0.3), mean_pressure=50e6),
     }
@@ -68,7 +68,7 @@ class Tables(html.parser.HTMLParser):
         assert self.open.pop() == tag
 
 
-NAMES = ("Contact", "Layer", "TwoBodies", "Certificate", "PressedSolid", "HeightMap", "Answer")
+NAMES = ("Contact", "Layer", "TwoBodies", "Certificate", "LoadedSolid", "HeightMap", "Answer")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -81,7 +81,7 @@ def test_the_representation_is_one_line_and_a_small_table(objects, name):
     shown.feed(objects[name]._repr_html_())
     assert shown.open == []
     assert 3 <= shown.rows < 40
-    assert shown.pictures == (name in ("Contact", "PressedSolid", "HeightMap", "Answer"))
+    assert shown.pictures == (name in ("Contact", "LoadedSolid", "HeightMap", "Answer"))
 
 
 def test_the_representation_of_a_layer_makes_it_again(objects):
@@ -89,19 +89,19 @@ def test_the_representation_of_a_layer_makes_it_again(objects):
         assert eval(repr(objects[name]), {"Layer": asp.Layer, "TwoBodies": asp.TwoBodies}) == objects[name]
 
 
-def test_names_are_escaped_and_pictures_left_out_without_matplotlib(objects, monkeypatch):
+def test_names_are_escaped_and_pictures_optional(objects, monkeypatch):
     assert "a &lt;b&gt;" in objects["HeightMap"]._repr_html_()
-    monkeypatch.setattr(notebook, "find_spec", lambda name: None)
+    monkeypatch.setattr(markup, "find_spec", lambda name: None)
     assert "<img" not in objects["Contact"]._repr_html_()
 
 
 def test_a_picture_is_small_and_keeps_the_largest_value():
     values = np.zeros((700, 1500))
     values[699, 1400] = 1.0
-    data = re.search(r"base64,([^\"]+)", notebook.picture(values, "p"))[1]
+    data = re.search(r"base64,([^\"]+)", markup.picture(values, "p"))[1]
     assert len(data) < 20_000
     for shape in ((1, 5), (3, 1000), (2, 2)):
-        assert "<img" in notebook.picture(np.ones(shape), "p")
+        assert "<img" in markup.picture(np.ones(shape), "p")
 
 
 def test_a_contact_plots_itself_and_its_section(contact):
@@ -124,13 +124,13 @@ def test_a_contact_is_a_file_that_gives_the_same_section(contact, tmp_path):
     assert len(found.asperity.plot().axes) == 2
 
 
-def test_the_file_of_a_layer_and_of_two_bodies_holds_the_lower_solid(tmp_path):
+def test_files_hold_the_lower_solid(tmp_path):
     layer = asp.Layer(2e9, 0.45, height=4e-5, bottom="bonded", lateral="free")
     pair = asp.TwoBodies(lower=layer, upper=STEEL)
     for solid in (layer, pair):
         contact = asp.solve(HEIGHT, solid, (1.5e-4, 2e-4), mean_pressure=1e6)
         data = contact.to_dataset()
-        pressed = asp.PressedSolid.from_dataset(data)
+        pressed = asp.LoadedSolid.from_dataset(data)
         assert (pressed.layer.poisson, pressed.layer.height) == (0.45, 4e-5)
         assert (pressed.layer.bottom, pressed.layer.lateral) == ("bonded", "free")
         section = data.asperity.section(depths=[0.0, 1e-5])
@@ -156,11 +156,11 @@ def test_the_stress_dataset_plots_and_is_a_file(stress, tmp_path):
         ("plot", "plot: a result of stage surface or contact or stress is needed, not of none"),
     ],
 )
-def test_what_a_result_cannot_do_is_said_in_one_line(stress, method, message):
+def test_impossible_methods_are_refused_in_one_line(stress, method, message):
     data = stress if method == "section" else xr.Dataset({"a": 1})
     with pytest.raises(ValueError, match=message):
         getattr(data.asperity, method)()
 
 
 def test_the_accessor_is_registered_once():
-    assert sys.modules["asperity.accessor"].ResultAccessor is xr.Dataset.asperity
+    assert sys.modules["asperity.views.accessor"].ResultAccessor is xr.Dataset.asperity

@@ -3,10 +3,10 @@ import itertools
 import numpy as np
 import pytest
 
-from asperity.spectral import Fourier, Grid, good_size, resample
-from asperity.stress.peak_finder import PeakFinder
-from asperity.stress.peaks import Peaks, find_peaks, plane_peaks
-from asperity.stress.planes import StressPlane
+from asperity.fourier.grid import Fourier, Grid, good_size, resample
+from asperity.stress.peaks.finder import Peaks, find_peaks, plane_peaks
+from asperity.stress.peaks.maxima import refine_in_plane, refine_in_solid
+from asperity.stress.planes.planes import StressPlane
 
 
 def bumps(count, seed=0, widths=(0.05, 0.09), spread=0.12):
@@ -37,6 +37,12 @@ def planes_of(shapes, depths, *what):
         yield StressPlane(z, grid, (0.3,), {"f": field_of(grid, z, *what)[None]}, 0.0)
 
 
+def stack(values):
+    """Planes on one grid, one apart."""
+    for k, plane in enumerate(values):
+        yield StressPlane(float(k), Grid(plane.shape), (0.3,), {"f": plane[None]}, 0.0)
+
+
 def by_brute_force(values):
     """Strict maxima of a periodic stack over 26 neighbours; none above the first plane."""
     found = set()
@@ -53,11 +59,7 @@ def by_brute_force(values):
 @pytest.mark.parametrize("shape", [(12, 17), (16, 16), (3, 9)])
 def test_maxima_on_one_grid_are_those_of_brute_force(shape):
     values = np.random.default_rng(3).standard_normal((9, *shape))
-    grid = Grid(shape)
-    finder = PeakFinder()
-    for k, plane in enumerate(values):
-        finder.add(float(k), grid, plane)
-    peaks = finder.peaks()
+    peaks = find_peaks(stack(values), "f")
     expected = by_brute_force(values)
     nodes = {value: (k, j, i) for (k, j, i), value in np.ndenumerate(values)}
     assert {nodes[value] for value in peaks.node_value} == expected
@@ -145,10 +147,13 @@ def test_a_change_of_grid_among_crowded_maxima_touches_only_the_planes_beside_it
     fields = {n: [field(n, z) for z in depths] for n in (before, after)}
 
     def search(sizes):
-        finder = PeakFinder()
-        for k, (n, z) in enumerate(zip(sizes, depths, strict=True)):
-            finder.add(z, Grid((n, n)), fields[n][k])
-        return finder.peaks()
+        return find_peaks(
+            (
+                StressPlane(z, Grid((n, n)), (0.3,), {"f": fields[n][k][None]}, 0.0)
+                for k, (n, z) in enumerate(zip(sizes, depths, strict=True))
+            ),
+            "f",
+        )
 
     def beside(one, other):
         reach = np.array([1.01 * step, 1.5 / 96, 1.5 / 96])
@@ -226,9 +231,8 @@ def test_under_contact_is_what_lies_below_a_loaded_node():
     assert peaks.under_contact(pressure, grid).tolist() == [True, False]
 
 
-def test_joining_nothing_gives_no_peaks():
-    assert Peaks.join([]).size == 0
-    assert PeakFinder().peaks().size == 0
+def test_no_planes_have_no_peaks():
+    assert find_peaks([], "f").size == 0
 
 
 def test_only_a_first_plane_at_the_surface_has_peaks():
@@ -249,10 +253,8 @@ def planes(changes=None):
 
 
 def test_peaks_of_a_stream_are_those_of_the_poissons_ratio_asked_for():
-    finder = PeakFinder()
-    for plane in planes():
-        finder.add(plane.depth, plane.grid, plane.fields["f"][1])
-    np.testing.assert_array_equal(find_peaks(planes(), "f", poisson=0.3).value, finder.peaks().value)
+    second = [StressPlane(p.depth, p.grid, (0.3,), {"f": p.fields["f"][1:]}, 0.0) for p in planes()]
+    np.testing.assert_array_equal(find_peaks(planes(), "f", poisson=0.3).value, find_peaks(second, "f").value)
 
 
 @pytest.mark.parametrize(
@@ -274,10 +276,8 @@ def test_a_search_in_a_stream_names_what_is_there(arguments, message):
 
 
 def test_bad_input_is_refused():
-    finder = PeakFinder()
-    finder.add(0.1, Grid((8, 8)), np.zeros((8, 8)))
-    with pytest.raises(ValueError, match=r"^depth = 0\.1: planes rising in depth are needed"):
-        finder.add(0.1, Grid((8, 8)), np.zeros((8, 8)))
+    with pytest.raises(ValueError, match=r"^depth = 0\.0: planes rising in depth are needed"):
+        find_peaks([planes()[0]] * 2, "f", 0.1)
     with pytest.raises(ValueError, match=r"^field has the shape \(8, 9\)"):
         plane_peaks(np.zeros((8, 9)), Grid((8, 8)))
     with pytest.raises(ValueError, match=r"^grid\.shape = \(2, 9\): at least three nodes"):
@@ -286,3 +286,71 @@ def test_bad_input_is_refused():
         plane_peaks(np.diag([np.inf, *np.zeros(7)]), Grid((8, 8)))
     with pytest.raises(ValueError, match=r"^floor = nan"):
         plane_peaks(np.zeros((8, 8)), Grid((8, 8)), floor=np.nan)
+
+
+DEPTHS = (0.2, 0.5, 0.7)
+UNIT = 0.2  # the smaller distance of the planes
+
+
+def quadratics(count, axes, seed=0):
+    """Heights, places (depth per `UNIT`, y, x) and second derivatives of maxima near the middle node."""
+    draw = np.random.default_rng(seed)
+    root = draw.standard_normal((count, axes, axes))
+    second = -np.einsum("nij,nkj->nik", root, root) - 0.5 * np.eye(axes)
+    return draw.uniform(5, 6, count), draw.uniform(-0.4, 0.4, (count, axes)), second
+
+
+def values_at(offsets, heights, places, second):
+    """Values of the quadratics at offsets from the node."""
+    away = offsets - places
+    return heights + 0.5 * np.einsum("ni,nij,nj->n", away, second, away)
+
+
+def stencil(heights, places, second, depth=None):
+    """Values at 3 × 3 nodes, in the plane at a depth per `UNIT` from the node."""
+    out = np.empty((heights.size, 3, 3))
+    for row in range(3):
+        for column in range(3):
+            offset = np.array(
+                [row - 1.0, column - 1.0] if depth is None else [depth, row - 1.0, column - 1.0]
+            )
+            out[:, row, column] = values_at(offset, heights, places, second)
+    return out
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_maxima_of_quadratics_in_a_plane_are_exact(sign):
+    heights, places, second = quadratics(200, 2)
+    value, y, x = refine_in_plane(sign * stencil(heights, places, second))
+    np.testing.assert_allclose(value, heights, rtol=1e-12)
+    np.testing.assert_allclose(np.stack([y, x], axis=1), places, atol=1e-12)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_maxima_of_quadratics_between_unequal_planes_are_exact(sign):
+    heights, places, second = quadratics(200, 3)
+    along = (np.array(DEPTHS) - DEPTHS[1]) / UNIT
+    planes = [sign * stencil(heights, places, second, depth) for depth in along]
+    value, depth, y, x = refine_in_solid(*planes, DEPTHS)
+    np.testing.assert_allclose(value, heights, rtol=1e-12)
+    np.testing.assert_allclose((depth - DEPTHS[1]) / UNIT, places[:, 0], atol=1e-11)
+    np.testing.assert_allclose(np.stack([y, x], axis=1), places[:, 1:], atol=1e-11)
+
+
+def test_a_saddle_is_refined_along_the_axis_that_gains_most():
+    """A maximum along y and x, but not along the diagonal."""
+    slope = 0.1
+    heights, places = np.array([1.0]), np.zeros((1, 2))
+    second = np.array([[[-1.0, 2.0], [2.0, -1.0]]])
+    values = stencil(heights, places, second) + slope * np.array([-1.0, 0.0, 1.0])[:, None]
+    value, y, x = refine_in_plane(values)
+    assert (y, x) == (pytest.approx(slope), 0)
+    assert value == pytest.approx(1 + 0.5 * slope**2)
+
+
+def test_a_step_along_one_axis_is_at_most_half_a_spacing():
+    values = np.array([[[0.0, 0, 0], [0, 1.0, 0.99], [0, 2.5, 0]]])
+    value, y, x = refine_in_plane(values)
+    assert 0 <= max(abs(y[0]), abs(x[0])) <= 0.5
+    assert min(abs(y[0]), abs(x[0])) == 0
+    assert value >= 1

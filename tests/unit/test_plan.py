@@ -1,7 +1,6 @@
 """Plans: bounds hold on scenes that were not measured, and proposals reach their targets.
 
-Times are those of the machine of the measurement (factor 1), so that no test depends on the clock;
-benchmarks/plan.py compares them with times taken.
+Times are those of the machine of the measurement (factor 1), so that no test depends on the clock.
 """
 
 import runpy
@@ -11,19 +10,16 @@ from pathlib import Path
 import pytest
 import yaml
 
-from asperity.accuracy.bounds import SAFETY_FACTOR, error_bounds
-from asperity.accuracy.evaluation import Scene, evaluate, output_errors
-from asperity.accuracy.measured import load
-from asperity.accuracy.measurement import CONVERGED
-from asperity.accuracy.outputs import OUTPUTS
-from asperity.accuracy.plan import Target, assess, candidates, propose
-from asperity.accuracy.scenes import read, scenes
-from asperity.accuracy.tables import describe_presets
 from asperity.cli.main import main
-from asperity.config.check import check
-from asperity.config.presets import PRESETS
-from asperity.errors import PlanError
+from asperity.core.errors import PlanError
 from asperity.paper.figures import surfaces_with_contact
+from asperity.study.config.check import check
+from asperity.study.config.presets import PRESETS
+from asperity.study.cost.measured import OUTPUTS, load
+from asperity.study.cost.measurement import CONVERGED, evaluate, output_errors
+from asperity.study.cost.plan import SAFETY_FACTOR, Target, assess, candidates, error_bounds, propose
+from asperity.study.cost.scene import Scene, read, scenes
+from asperity.study.cost.tables import describe_presets
 
 ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
@@ -156,7 +152,7 @@ def test_a_spectrum_that_is_none_is_one_line(capsys, text, line):
 
 def test_the_readme_has_the_presets_as_they_were_measured():
     text = (ROOT / "config/README.md").read_text()
-    table = text.split("<!-- presets: python -m asperity.accuracy.plan -->\n")[1].split("\n\n")[0]
+    table = text.split("<!-- presets: python -m asperity.study.cost.tables -->\n")[1].split("\n\n")[0]
     assert table == describe_presets(load())
     assert set(load().presets) == set(PRESETS)
 

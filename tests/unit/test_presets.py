@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 import yaml
 
-from asperity.config.check import check
-from asperity.config.defaults import complete
-from asperity.config.presets import PRESETS, accuracy_of, overlay
-from asperity.config.reader import merged
-from asperity.config.schema import setting
+from asperity.study.config.check import check
+from asperity.study.config.defaults import complete
+from asperity.study.config.presets import PRESETS, accuracy_of, overlay
+from asperity.study.config.reader import merged
+from asperity.study.config.schema import setting
 
 ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())

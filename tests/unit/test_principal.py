@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from asperity.elasticity.layer import COMPONENTS, Layer
-from asperity.reference.equivalent_stress import largest_shear
-from asperity.spectral import Grid
-from asperity.stress.peaks import find_peaks
-from asperity.stress.planes import stress_planes
-from asperity.stress.pressed import PressedSolid
-from asperity.stress.principal import principal_stresses
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.fourier.grid import Grid
+from asperity.reference.elementary import largest_shear
+from asperity.stress.peaks.finder import find_peaks
+from asperity.stress.planes.fields import principal_stresses
+from asperity.stress.planes.planes import stress_planes
 
 ROUNDING = 4e-15
 
@@ -25,7 +25,7 @@ def pressed(seed=1, spots=12):
     ):
         square = (y[:, None] - cy) ** 2 + (x[None, :] - cx) ** 2
         pressure += 0.1 * np.sqrt(np.maximum(1 - square / radius**2, 0))
-    return PressedSolid(pressure, grid, Layer(young=1.0, poisson=0.3))
+    return LoadedSolid(pressure, grid, Layer(young=1.0, poisson=0.3))
 
 
 def assert_eigenvalues(tensor):

@@ -1,16 +1,14 @@
 """The cost model: growth with grid, loads, ratios and settings, and agreement with stored measurements."""
 
-import re
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
-from asperity.accuracy.evaluation import Scene
-from asperity.accuracy.measured import load
-from asperity.accuracy.plan import scene_cost
-from asperity.accuracy.resources import CALCULATION_STAGES, announce, job_cost, stage_table
-from asperity.config.presets import PRESETS
+from asperity.study.config.presets import PRESETS
+from asperity.study.cost.measured import load
+from asperity.study.cost.model import CALCULATION_STAGES, announce, job_cost
+from asperity.study.cost.plan import scene_cost
+from asperity.study.cost.scene import Scene
 
 PAPER = PRESETS["paper"]
 STAGES = ["surface", "contact", "stress", "statistics", "verification"]
@@ -89,28 +87,12 @@ def test_the_study_and_the_plan_have_the_same_times():
     assert memory == max(job.memory for job in jobs)
 
 
-def test_the_table_has_a_row_for_each_grid():
-    rows = stage_table([512, 4096]).splitlines()[2:]
-    assert [row.split(" | ")[0] for row in rows] == ["| 512²", "| 4096²"]
-    assert f"{job_cost('contact', 4096**2).memory / 1e9:.1f} GB" in rows[1]
-
-
 def test_the_announcement_sums_jobs_time_and_memory():
     contact, claims = job_cost("contact", 1024**2), job_cost("claims")
-    lines = announce(
-        [("contact", contact), ("contact", contact), ("claims", claims)], cores=2, factor=60
-    ).splitlines()
+    line = announce([contact, contact, claims], cores=2, factor=60)
     total = 2 * contact.seconds + claims.seconds
     on_two = max(total / 2, claims.seconds)
-    assert lines[0] == (
+    assert line == (
         f"plan: 3 jobs, about {total:.0f} min of one processor, {on_two:.0f} min on 2 cores, "
         f"at most {claims.memory / 2**30:.1f} GiB in one job"
     )
-    assert [line.split()[1:3] for line in lines[1:]] == [["claims", "1"], ["contact", "2"]]
-
-
-def test_the_page_on_scaling_has_the_table_of_the_cost_model():
-    """``python -m asperity.accuracy.resources 1024 2048 4096 8192 16384`` prints it."""
-    page = (Path(__file__).parents[2] / "docs/scaling.md").read_text(encoding="utf-8")
-    (kept,) = re.findall(r"<!-- stages: .*? -->\n\n(.*?)\n\n<!-- end", page, re.DOTALL)
-    assert kept == stage_table([1024, 2048, 4096, 8192, 16384])

@@ -6,7 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from asperity.spectral import Fourier, Grid
+from asperity.fourier.grid import Fourier, Grid
+from asperity.study.stages.surface import make_surface, moment_errors
 from asperity.surface.johnson import johnson, with_moments
 from asperity.surface.roughness import roughness_parameters, spectrum
 from asperity.surface.self_affine import self_affine, target_spectrum
@@ -15,28 +16,13 @@ BAND = {"hurst": 0.8, "wavelength_long": 1 / 4, "wavelength_short": 1 / 16, "rms
 
 
 @pytest.mark.parametrize("fine", [(96, 96), (65, 80), (256, 64)])
-def test_the_same_seed_is_the_same_surface_at_every_resolution(fine):
+def test_a_seed_is_one_surface_at_every_resolution(fine):
     coarse = self_affine((64, 64), seed=7, **BAND)
     other = self_affine(fine, seed=7, **BAND)
     coarse_grid, fine_grid = Grid((64, 64)), Grid(fine)
     a, b = Fourier(coarse_grid).forward(coarse), Fourier(fine_grid).forward(other)
     rows = np.r_[0:17, -16:0]
     np.testing.assert_allclose(a[rows, :17], b[rows, :17], atol=1e-16)
-
-
-def test_a_shorter_cutoff_keeps_the_long_waves():
-    short = BAND | {"wavelength_short": 1 / 30}
-    a = Fourier(Grid((64, 64))).forward(self_affine((64, 64), seed=3, **BAND))
-    b = Fourier(Grid((64, 64))).forward(self_affine((64, 64), seed=3, **short))
-    inside = np.abs(a) > 1e-12
-    ratio = b[inside] / a[inside]
-    np.testing.assert_allclose(ratio, ratio[0], rtol=1e-9)
-
-
-def test_seeds_differ_and_repeat():
-    assert np.array_equal(self_affine((32, 32), seed=1, **BAND), self_affine((32, 32), seed=1, **BAND))
-    a, b = (self_affine((32, 32), seed=seed, **BAND) for seed in (1, 2))
-    assert abs(np.corrcoef(a.ravel(), b.ravel())[0, 1]) < 0.5
 
 
 @settings(max_examples=20, deadline=None)
@@ -105,11 +91,6 @@ def test_given_moments_are_reached(skewness, kurtosis):
     assert found.rms_height == pytest.approx(np.std(normal_heights()), rel=1e-12)
 
 
-def test_moments_that_no_distribution_has_are_refused():
-    with pytest.raises(ValueError, match=r"skewness = 1\.0, kurtosis = 1\.5: no Johnson curve"):
-        with_moments(normal_heights(), 1, 1.5)
-
-
 def test_johnson_of_minus_gamma_is_the_mirror_image():
     height = self_affine((64, 64), seed=1, **BAND)
     np.testing.assert_allclose(johnson(height, 1.25, 1.0), -johnson(-height, -1.25, 1.0), atol=1e-15)
@@ -119,20 +100,15 @@ def test_johnson_of_minus_gamma_is_the_mirror_image():
     ("change", "words"),
     [
         ({"hurst": 1.5}, "hurst = 1.5: a number from 0 to 1"),
+        ({"hurst": 10**400}, "hurst = 1000"),
         ({"wavelength_long": -1}, "wavelength_long = -1: a number > 0"),
         ({"wavelength_short": 0.5}, "at most 0.25"),
         ({"wavelength_short": 1 / 40}, "at least two nodes"),
         ({"rms_height": float("nan")}, "rms_height = nan"),
         ({"rms_height": 1e308}, r"rms_height = 1e\+308: 0 or a number from 1e-75"),
-        ({"rms_height": 10**400}, "rms_height = 1000"),
-        ({"hurst": 10**400}, "hurst = 1000"),
-        ({"wavelength_long": 10**400}, "wavelength_long = 1000"),
-        ({"wavelength_short": 5e-324}, "wavelength_short = 5e-324: a number > 0, from 1e-75"),
         ({"length": 5e-324}, "length = 5e-324"),
         ({"seed": -1}, "seed = -1"),
         ({"seed": 1.5}, "seed = 1.5"),
-        ({"seed": float("nan")}, "seed = nan"),
-        ({"seed": float("inf")}, "seed = inf"),
         ({"wavelength_long": 0.26, "wavelength_short": 0.255}, "no wave of this band"),
     ],
 )
@@ -141,9 +117,7 @@ def test_a_wrong_argument_is_named(change, words):
         self_affine((64, 64), **({"seed": 1} | BAND | change))
 
 
-@pytest.mark.parametrize(
-    "change", [{"hurst": "0.8"}, {"hurst": True}, {"rms_height": None}, {"seed": "1"}, {"seed": True}]
-)
+@pytest.mark.parametrize("change", [{"hurst": "0.8"}, {"rms_height": None}, {"seed": True}])
 def test_an_argument_that_is_not_a_number_is_refused(change):
     with pytest.raises(TypeError, match=f"{next(iter(change))} = .* needed$"):
         self_affine((64, 64), **({"seed": 1} | BAND | change))
@@ -166,13 +140,8 @@ def test_johnson_far_from_its_middle_is_an_exponential(gamma, delta):
         ({"lam": -8.0}, "lam = -8.0"),
         ({"gamma": float("nan")}, "gamma = nan"),
         ({"zeta": float("inf")}, "zeta = inf"),
-        ({"gamma": 10**400}, "gamma = 1000"),
-        ({"delta": 5e-324}, "delta = 5e-324"),
         ({"delta": 1e300}, r"delta = 1e\+300: a number > 0, from 1e-75 to 1e\+06"),
-        (
-            {"gamma": 1e3, "delta": 0.01},
-            "gamma = 1000.0, delta = 0.01: .* all heights are mapped to one bound",
-        ),
+        ({"gamma": 1e3, "delta": 0.01}, "gamma = 1000.0, delta = 0.01: .* all heights are mapped to one"),
     ],
 )
 def test_a_wrong_johnson_parameter_is_named(change, words):
@@ -193,21 +162,15 @@ FUNCTIONS = {
     ("height", "error", "words"),
     [
         (np.zeros((0, 4)), ValueError, r"height of shape \(0, 4\)"),
-        (np.zeros((0, 0)), ValueError, r"height of shape \(0, 0\)"),
         (np.arange(4.0), ValueError, r"height of shape \(4,\)"),
-        (np.eye(4) > 0, TypeError, "height = .*: real numbers are needed"),
         (np.eye(4) * 1j, TypeError, "height = .*: real numbers are needed"),
-        ([["a", "b"]], TypeError, "height = .*: real numbers are needed"),
         ([[1.0, 2.0], [3.0]], TypeError, "height = .*: real numbers are needed"),
-        ([[10**400, 0], [1, 2]], TypeError, "height = .*: real numbers are needed"),
-        (None, TypeError, "height = None: real numbers are needed"),
-        (np.full((4, 4), np.inf), ValueError, "height = inf: finite heights"),
-        (np.diag([1.0, np.nan]), ValueError, "height = nan: finite heights"),
-        (np.eye(4) * 1e200, ValueError, r"height = 1e\+200: finite heights, at most 1e\+75"),
+        (np.diag([1.0, np.nan]), ValueError, "height: 1 of 4 nodes are not finite"),
+        (np.eye(4) * 1e200, ValueError, r"height: numbers from -1e\+75 to 1e\+75"),
         (np.ma.masked_equal(np.eye(4), 1), ValueError, "height: an array without masked elements"),
     ],
 )
-def test_heights_that_are_not_an_array_of_finite_numbers_are_refused(function, height, error, words):
+def test_heights_that_are_no_finite_array_are_refused(function, height, error, words):
     with pytest.raises(error, match=words) as caught:
         FUNCTIONS[function](height)
     assert "\n" not in str(caught.value)
@@ -224,22 +187,13 @@ def test_flat_surfaces_are_refused(function, height):
         FUNCTIONS[function](height)
 
 
-def test_integers_and_single_precision_are_accepted():
-    height = np.arange(12).reshape(3, 4) % 5
-    double = roughness_parameters(height.astype(float))
-    assert roughness_parameters(height) == roughness_parameters(height.astype(np.float32)) == double
-
-
 @pytest.mark.parametrize(
     ("skewness", "kurtosis", "words"),
     [
-        (0, 1.0001, r"kurtosis = 1\.0001: no Johnson curve .* from about 1\.2 to 1e\+06"),
-        (0, 1.05, r"kurtosis = 1\.05: no Johnson curve"),
+        (1, 1.5, r"skewness = 1\.0, kurtosis = 1\.5: no Johnson curve .* from about 2\.3 to 1e\+06"),
         (0, 0.5, r"kurtosis = 0\.5: a number from 1 to 1e\+06"),
         (0, 1e9, "kurtosis = 1000000000.0: a number from 1 to"),
-        (0, float("nan"), "kurtosis = nan"),
         (float("inf"), 3, "skewness = inf: a number from -1000 to 1000"),
-        (10**400, 3, "skewness = 1000"),
     ],
 )
 def test_moments_out_of_reach_are_refused(skewness, kurtosis, words):
@@ -247,7 +201,7 @@ def test_moments_out_of_reach_are_refused(skewness, kurtosis, words):
         with_moments(normal_heights(), skewness, kurtosis)
 
 
-def test_a_peak_that_a_johnson_curve_cannot_hold_is_refused():
+def test_a_peak_beyond_johnson_curves_is_refused():
     """One node of 1024² is 1024 standard deviations high, and the sinh of the curve overflows."""
     height = np.zeros((1024, 1024))
     height[3, 4] = 1.0
@@ -266,3 +220,45 @@ def test_the_smallest_kurtosis_of_a_fit_is_reached(skewness, kurtosis):
     found = roughness_parameters(with_moments(normal_heights(), skewness, kurtosis))
     assert found.skewness == pytest.approx(skewness, abs=2e-3)
     assert found.kurtosis == pytest.approx(kurtosis, rel=2e-3)
+
+
+SMOOTH = {"hurst": 0.8, "wavelength_long": 0.25, "wavelength_short": 0.0625, "rms_height": 1e-3}
+
+
+def test_the_errors_of_the_moments_are_the_scatter_of_samples():
+    """200 samples give a standard deviation to 5 %; the formula is exact to first order."""
+    parameters = {**SMOOTH, "points": 64}
+    samples = [make_surface(parameters, seed) for seed in range(200)]
+    skewness, kurtosis = moment_errors(Grid((64, 64)), **SMOOTH)
+    assert np.std([float(s["skewness"]) for s in samples]) == pytest.approx(skewness, rel=0.3)
+    assert np.std([float(s["kurtosis"]) for s in samples]) == pytest.approx(kurtosis, rel=0.35)
+    assert abs(np.mean([float(s["kurtosis"]) for s in samples]) - 3) < 0.3
+
+
+NODES = ((0, 0), (5, 3), (40, 17), (-1, -1))
+
+KEPT = {
+    "gaussian": (-8.013507012107e-05, -0.0005666137202627, 0.001011018936736, 0.0001685427755742),
+    "oblong": (9.140337036648e-05, -0.0006875475432636, -0.001141259980401, -7.985680229927e-05),
+    "moments": (-0.000157749237419, -0.0006089798220698, 0.0009948557297628, 8.684304304785e-05),
+    "johnson": (-2.491424816625e-05, -0.0005473411137005, 0.001029413145712, 0.0002321716431317),
+}
+"""Surface → its heights at `NODES`. A change here is a change of every random surface that was published."""
+
+
+def made(name):
+    gaussian = self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    if name == "oblong":
+        return self_affine((96, 64), 0.3, 0.5, 0.125, rms_height=1e-3, seed=7, length=(1.5, 1.0))
+    if name == "moments":
+        return with_moments(gaussian, skewness=0.5, kurtosis=3.5)
+    if name == "johnson":
+        return johnson(gaussian, gamma=-1.0, delta=2.0)
+    return gaussian
+
+
+@pytest.mark.parametrize("name", KEPT)
+def test_a_seed_is_the_same_surface_in_every_version(name):
+    height = made(name)
+    tolerance = 1e-9 if name != "moments" else 1e-6  # with_moments solves for its parameters
+    assert [height[node] for node in NODES] == pytest.approx(KEPT[name], rel=tolerance)

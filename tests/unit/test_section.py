@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from asperity.elasticity.layer import Layer
-from asperity.spectral import Grid
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.fourier.grid import Grid
 from asperity.stress import section
-from asperity.stress.arguments import FIELDS
-from asperity.stress.planes import stress_planes
-from asperity.stress.pressed import PressedSolid
+from asperity.stress.planes.fields import FIELDS
+from asperity.stress.planes.planes import stress_planes
 from asperity.stress.section import stress_box, stress_section
 
 DEPTHS = [0.0, 0.01, 0.05, 0.2]
@@ -22,7 +22,7 @@ def solid(boundary="periodic", shape=(96, 120), length=(0.8, 1.0), layer=None):
     for cy, cx, radius in zip(*draw.uniform(0.2, 0.6, (2, 7)), draw.uniform(0.04, 0.12, 7), strict=True):
         square = (y[:, None] - cy) ** 2 + (x[None, :] - cx) ** 2
         pressure += np.sqrt(np.maximum(1 - square / radius**2, 0))
-    return PressedSolid(pressure, grid, layer or Layer(1.0, 0.3), boundary)
+    return LoadedSolid(pressure, grid, layer or Layer(1.0, 0.3), boundary)
 
 
 def full(contact, depths, poisson, names=FIELDS, **settings):
@@ -46,19 +46,24 @@ def test_section_is_a_line_of_every_plane(boundary, error, settings):
             np.testing.assert_allclose(found[name].values, lines, rtol=0, atol=error * scale)
 
 
-def test_section_goes_through_the_largest_pressure_and_between_nodes():
+def test_section_goes_through_the_largest_pressure():
     contact = solid()
     through = stress_section(contact, depths=DEPTHS, fields=("zz",))
     row = np.unravel_index(contact.pressure.argmax(), contact.pressure.shape)[0]
     assert float(through["y"]) == pytest.approx(row * contact.grid.spacing[0])
     assert through["zz"].values[0, 0].min() == pytest.approx(-contact.pressure.max(), rel=1e-12)
-    fine = solid(shape=(192, 120))
+
+
+@pytest.mark.parametrize("nodes", [95, 96, 100])
+def test_section_between_nodes_is_trigonometric(nodes):
+    contact, fine = solid(shape=(nodes, 120)), solid(shape=(2 * nodes, 120))
     modes = np.fft.rfft2(contact.pressure)
-    padded = np.zeros((192, modes.shape[1]), complex)
-    padded[:48], padded[-47:] = modes[:48], modes[-47:]
+    padded = np.zeros((2 * nodes, modes.shape[1]), complex)
+    above, below = (nodes + 1) // 2, (nodes - 1) // 2
+    padded[:above], padded[-below:] = modes[:above], modes[-below:]
     padded[:, -1] = 0
-    smooth = PressedSolid(np.fft.irfft2(padded, s=(192, 120)) * 2, fine.grid, fine.layer)
-    between = stress_section(contact, "x", 81 * 0.8 / 192, [0.05, 0.1], ("xx", "xz"), tolerance=0)
+    smooth = LoadedSolid(np.fft.irfft2(padded, s=(2 * nodes, 120)) * 2, fine.grid, fine.layer)
+    between = stress_section(contact, "x", 81 * 0.4 / nodes, [0.05, 0.1], ("xx", "xz"), tolerance=0)
     expected = full(smooth, [0.05, 0.1], 0.3, ("xx", "xz"))
     for name in ("xx", "xz"):  # the Nyquist modes have decayed to 1e-6 there
         np.testing.assert_allclose(between[name].values, expected[name][:, :, 81], atol=1e-6)

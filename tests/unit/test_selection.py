@@ -6,7 +6,7 @@ import xarray as xr
 
 import asperity as asp
 from asperity.results import dataset
-from asperity.stress.peak_kinds import SELECTIONS, selection_for
+from asperity.stress.peaks.selection import SELECTIONS, selection_for
 
 RATIOS = [0.0, 0.33, 0.5]
 
@@ -17,7 +17,7 @@ def stress():
     grid = asp.Grid((64, 64))
     y, x = grid.coordinates()
     pressure = np.maximum(np.sin(19 * y)[:, None] * np.sin(23 * x)[None, :] + 0.3 * np.sin(7 * x) - 0.5, 0)
-    solid = asp.PressedSolid(0.1 * pressure, grid, asp.Layer(young=1.0, poisson=0.33))
+    solid = asp.LoadedSolid(0.1 * pressure, grid, asp.Layer(young=1.0, poisson=0.33))
     return asp.analyse_stress(solid, poisson=RATIOS, tolerance=1e-4)
 
 

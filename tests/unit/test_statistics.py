@@ -7,16 +7,11 @@ from hypothesis.extra import numpy as hnp
 from scipy.stats import spearmanr
 
 import asperity as asp
-from asperity.spectral import Fourier, Grid
-from asperity.stress.patches import contact_patches, depth_patch_correlation
-from asperity.stress.pooling import PERCENTS, pool_peaks
-from asperity.stress.statistics import (
-    autocorrelation,
-    decay_lengths,
-    half_length,
-    joint_counts,
-    probability_density,
-)
+from asperity.fourier.grid import Fourier, Grid
+from asperity.stress.statistics.covariance import autocorrelation, decay_lengths, half_length
+from asperity.stress.statistics.density import probability_density
+from asperity.stress.statistics.patches import contact_patches, depth_patch_correlation
+from asperity.stress.statistics.pooling import PERCENTS, pool_peaks
 
 ROUNDING = 1e-12
 
@@ -64,16 +59,6 @@ def test_density_of_a_normal_variable():
 def test_density_refuses_what_it_cannot_count(arguments, message):
     with pytest.raises(ValueError, match=f"^{message}"):
         probability_density(*arguments)
-
-
-def test_joint_counts_sum_to_the_counts_of_either_alone():
-    draw = np.random.default_rng(1)
-    values, depths = draw.random(500), draw.random(500)
-    edges = np.linspace(0, 1, 11)
-    joint = joint_counts(values, depths, edges, edges)
-    assert joint.dtype.kind == "i"
-    np.testing.assert_array_equal(joint.sum(axis=1), np.histogram(values, edges)[0])
-    np.testing.assert_array_equal(joint.sum(axis=0), np.histogram(depths, edges)[0])
 
 
 def test_autocorrelation_is_the_ring_average_of_shifted_products():
@@ -238,6 +223,17 @@ def test_bands_hold_the_estimate_and_narrow_with_the_seeds():
     band = many.sel(selection="all", quantity="von_mises", percent=50.0)
     true = np.log(2) * (1 + band["poisson"])
     assert np.all((band["peak_percentile_low"] < 1.02 * true) & (band["peak_percentile_high"] > 0.98 * true))
+
+
+def test_band_of_two_seeds_is_exact():
+    """Of the resamples of two seeds a quarter each holds one of them twice, and half holds both."""
+    low, high = stress(0), stress(0)
+    high["mean_von_mises"] = 3 * high["mean_von_mises"]
+    for confidence, factors in ((0.4, (2, 2)), (0.6, (1, 3))):
+        pooled = pool_peaks([low, high], [1, 1], 10, 2000, confidence=confidence)
+        for side, factor in zip(("low", "high"), factors, strict=True):
+            band = pooled[f"scaled_mean_von_mises_{side}"]
+            np.testing.assert_allclose(band, factor * low["mean_von_mises"], rtol=1e-12)
 
 
 def test_bootstrap_is_the_same_every_time():

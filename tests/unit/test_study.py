@@ -3,21 +3,21 @@
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.stats import spearmanr
 from small_study import CONTACT, LAYER, STRESS
 
 import asperity as asp
-from asperity.pipeline.contact import solve_contact
-from asperity.pipeline.solid import SOLID_ATTRIBUTES, solid
-from asperity.pipeline.statistics import (
-    COUNTED,
+from asperity.results import dataset
+from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.solid import SOLID_ATTRIBUTES, solid
+from asperity.study.stages.statistics import (
     SeedResults,
-    reading_statistics,
     seed_statistics,
+    statistics_of_seeds,
     surface_statistics,
 )
-from asperity.pipeline.stress import compute_stress, compute_stresses
-from asperity.pipeline.surface import make_surface
-from asperity.results import dataset
+from asperity.study.stages.stress import compute_stress, compute_stresses
+from asperity.study.stages.surface import make_surface
 
 SURFACE = {
     "label": "test",
@@ -120,40 +120,24 @@ def filled(contact):
     return number
 
 
-def test_the_counted_peaks_are_those_of_a_search_patch_by_patch():
+def test_correlations_are_those_of_a_search_by_patch(monkeypatch):
+    monkeypatch.setattr("asperity.study.stages.statistics.LARGE_PATCH", 4)
     results = run(1)
-    found = seed_statistics(results.surface, results.contact, results.stress, patch_nodes=4)
-    gradient = float(results.contact["gradient_rms_contact"])
+    statistics = seed_statistics(results.surface, results.contact, results.stress)
+    found = statistics["seed_patch_correlation"].sel(poisson=0.33)
     number = filled(results.contact["pressure"].values > 0)
     size = np.bincount(number.ravel())
     under = asp.peaks(results.stress, "von_mises", 0.33, "under_contact")
-    also = asp.peaks(results.stress, "von_mises", 0.33, "at_contact")
     row, column = (np.rint(under[f"peak_{axis}"].values * 64).astype(int) % 64 for axis in "yx")
-    patch, value = number[row, column], under["peak_value"].values / gradient
-    highest = [value[patch == one].max() for one in np.unique(patch)]
-    expected = {
-        "below_surface": value,
-        "with_surface": also["peak_value"].values / gradient,
-        "highest_of_patch": np.array(highest),
-        "large_patches": np.array(
-            [v for v, one in zip(highest, np.unique(patch), strict=True) if size[one] > 4]
-        ),
-    }
-    assert list(expected) == list(COUNTED)
-    for name, values in expected.items():
-        one = found.sel(counted=name, poisson=0.33)
-        assert int(one["seed_counted_count"]) == values.size
-        assert float(one["seed_counted_quantile"].sel(level=0.9)) == pytest.approx(np.quantile(values, 0.9))
-        assert float(one["seed_counted_deviation"]) == pytest.approx(values.std())
-    below = found.sel(counted="below_surface")
-    np.testing.assert_array_equal(below["seed_counted_correlation"], found["seed_depth_patch_correlation"])
-    half = found.sel(decay=0.5)
-    np.testing.assert_array_equal(half["seed_decay_depth"], found["seed_decay_length_depth"])
-    later = found["seed_decay_depth"].sel(decay=np.exp(-1))
-    assert bool((later > found["seed_decay_length_depth"]).all())
+    patch, value, depth = number[row, column], under["peak_value"].values, under["peak_depth"].values
+    highest = [np.flatnonzero(patch == one)[value[patch == one].argmax()] for one in np.unique(patch)]
+    large = [k for k in highest if size[patch[k]] > 4]
+    for name, some in (("highest_of_patch", highest), ("large_patches", large)):
+        expected = spearmanr(depth[some], size[patch[some]]).statistic
+        assert float(found.sel(patches=name)) == pytest.approx(expected)
 
 
-def test_a_contact_serves_both_uniform_modes():
+def test_a_contact_serves_both_mean_modes():
     own = run(1)
     free = compute_stress(own.contact, LAYER | {"lateral": "free"}, STRESS)
     both = compute_stresses(own.contact, LAYER, STRESS, ("free",))
@@ -161,7 +145,7 @@ def test_a_contact_serves_both_uniform_modes():
     xr.testing.assert_equal(both["confined"], own.stress)
     xr.testing.assert_equal(both["free"], free)
     assert both["free"].attrs["uniform_mode"] == "laterally free"
-    found = reading_statistics([own._replace(stress=both["free"])])
+    found = statistics_of_seeds([own._replace(stress=both["free"])])
     assert found["seed"].values.tolist() == [1]
     expected = seed_statistics(own.surface, own.contact, free)
     xr.testing.assert_equal(found.sel(seed=1, drop=True), expected)

@@ -6,10 +6,8 @@ import pytest
 import asperity as asp
 from asperity.cli.commands.surface import LENGTHS
 from asperity.cli.main import main
-from asperity.config.presets import PRESETS
 from asperity.results import dataset
-from asperity.results.systems import POWERS
-from asperity.results.variables import VARIABLES, units_of
+from asperity.results.variables import DIMENSIONS, VARIABLES
 
 BAND = "--hurst 0.8 --wavelength-long 0.25 --wavelength-short 0.05 --rms-height 0.001"
 SI_BAND = "--hurst 0.8 --wavelength-long 20um --wavelength-short 4000nm --rms-height 8e-5mm --length 80um"
@@ -36,7 +34,7 @@ def test_lengths_with_units_make_the_same_surface_in_metres(tmp_path, capsys):
     plain, si = make(tmp_path, f"{BAND} --points 64"), make(tmp_path, f"{SI_BAND} --points 64")
     assert si.attrs["unit_system"] == "SI"
     for name in plain.variables:
-        factor = 80e-6 ** POWERS.get(VARIABLES[str(name)].dimension, (0, 0))[0]
+        factor = 80e-6 ** DIMENSIONS[VARIABLES[str(name)].dimension].length
         assert np.allclose(si[name].values, factor * plain[name].values, rtol=1e-12, atol=0), name
     settings = dataset.settings_of(si)["surface"]
     assert [settings[name] for name in LENGTHS] == pytest.approx([20e-6, 4e-6, 80e-9])
@@ -46,34 +44,7 @@ def test_lengths_with_units_make_the_same_surface_in_metres(tmp_path, capsys):
     assert np.allclose(si["height"].values, again, rtol=0, atol=1e-18)
 
 
-def test_powers_of_length_and_stress_are_those_of_the_units_in_si():
-    words = {"m": (1, 0), "m-1": (-1, 0), "m4": (4, 0), "Pa": (0, 1), "Pa2": (0, 2), "N": (2, 1)}
-    for name, variable in VARIABLES.items():
-        unit = units_of(name, "SI")
-        assert POWERS.get(variable.dimension, (0, 0)) == words.get(unit, (0, 0)), name
-
-
-def test_without_points_the_grid_is_that_of_the_default_preset(tmp_path):
-    assert make(tmp_path, BAND).sizes["x"] == PRESETS["paper"].points(0.05)
-
-
-def test_skewness_and_kurtosis_are_those_asked_for(tmp_path):
-    surface = make(
-        tmp_path,
-        "--hurst 0.8 --wavelength-long 0.05 --wavelength-short 0.02 --rms-height 0.001 "
-        "--points 256 --skewness -0.5 --kurtosis 3.5",
-    )
-    assert float(surface["skewness"]) == pytest.approx(-0.5, abs=0.1)
-    assert float(surface["kurtosis"]) == pytest.approx(3.5, abs=0.25)
-
-
-def test_a_surface_in_si_is_not_taken_for_one_in_cell_lengths(tmp_path, capsys):
-    make(tmp_path, SI_BAND)
-    assert main(["solve", str(tmp_path / "s.nc"), "--out", str(tmp_path / "c.nc")]) == 1
-    assert "--young: missing" in capsys.readouterr().err
-
-
-def test_the_stages_in_si_units_are_those_of_the_study_in_other_units(tmp_path, monkeypatch):
+def test_stages_in_si_are_those_of_the_study(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     for name, band, young in (("si", SI_BAND, ["--young", "210 GPa"]), ("study", BAND, [])):
         make(tmp_path, band).close()

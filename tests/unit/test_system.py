@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import psutil
 import pytest
 
-from asperity import system
+from asperity.core import system
 
 
 @pytest.fixture
@@ -26,31 +26,22 @@ def usage(own, programs):
 
 
 @pytest.mark.parametrize(("platform", "unit"), [("linux", 1024), ("darwin", 1)])
-def test_a_unix_tells_peaks_in_kilobytes_and_macos_in_bytes(monkeypatch, without_proc, platform, unit):
+def test_peak_memory_has_the_unit_of_the_system(monkeypatch, without_proc, platform, unit):
     monkeypatch.setattr(system, "resource", usage(5_000_000, 6_000_000))
     monkeypatch.setattr(sys, "platform", platform)
     assert system.peak_memory() == 5 * unit
-    assert system.peak_memory_with_programs() == 11 * unit
 
 
-def test_windows_tells_the_peak_of_this_process_only(monkeypatch, without_proc):
-    monkeypatch.setattr(system, "resource", None)
-    told = SimpleNamespace(memory_info=lambda: SimpleNamespace(peak_wset=7_000_000))
-    monkeypatch.setattr(psutil, "Process", lambda: told)
-    system.reset_peak_memory()
-    assert system.peak_memory() == system.peak_memory_with_programs() == 7
-
-
-def test_the_package_is_imported_where_unix_modules_are_missing():
+def test_package_imports_without_unix_modules():
     code = (
         "import sys; sys.modules |= dict.fromkeys(('fcntl', 'resource', 'grp', 'pwd', 'termios'));"
-        "import asperity.system, asperity.runtime.preflight, asperity.accuracy.evaluation;"
-        "assert asperity.system.resource is None"
+        "import asperity.core.system, asperity.study.runtime.preflight, asperity.study.cost.measurement;"
+        "assert asperity.core.system.resource is None"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
-def test_peak_of_this_process_is_between_what_it_holds_and_what_the_machine_has():
+def test_peak_memory_is_within_that_of_the_machine():
     system.reset_peak_memory()
     before = psutil.Process().memory_info().rss / 1e6
     held = bytearray(os.urandom(1024) * 50_000)

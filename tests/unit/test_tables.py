@@ -10,16 +10,14 @@ import pandas as pd
 import pytest
 
 import asperity as asp
-from asperity import markup
+from asperity.core import markup
 from asperity.engineering import Body, run
-from asperity.paper.claims.documents import findings
+from asperity.paper.claims.paper import CLAIMS
+from asperity.paper.claims.report import findings_of, frame_of_interpretations
 from asperity.paper.claims.report import frame as frame_of_verdicts
-from asperity.paper.claims.report import frame_of_readings
-from asperity.results.export import peak_table
-from asperity.results.tables import TABLES, check_columns, describe_tables, units, write_table
-from asperity.runtime.costs import cost_table, job_costs
-from asperity.validation.table import Row
-from asperity.validation.table import frame as validation_frame
+from asperity.results.tables import check_columns, describe_tables, units, write_table
+from asperity.study.cost.benchmark import cost_table, job_costs
+from asperity.views.export import peak_table
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -33,18 +31,18 @@ def answer():
 
 @pytest.fixture
 def costs(tmp_path):
-    for name, seconds, memory in (
-        ("stress/a/seed1", 60, 100),
-        ("stress/a/seed2", 30, 300),
-        ("claims", 6, 50),
+    header = "max_rss\tcpu_time\trule_name\twildcards\tresources"
+    for number, (rule, surface, seconds, memory) in enumerate(
+        (("stress", "a", 60, 100), ("stress", "a", 30, 300), ("claims", None, 6, 50))
     ):
-        log = tmp_path / "log" / f"{name}.log"
-        log.parent.mkdir(parents=True, exist_ok=True)
-        log.write_text(f"done\ntook {seconds} s of processor time, {memory} MB of memory")
-    return cost_table(job_costs(tmp_path / "log"))
+        path = tmp_path / "benchmark" / rule / f"{number}.tsv"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        wildcards = {"surface": surface} if surface else {}
+        path.write_text(f"{header}\n{memory}\t{seconds}\t{rule}\t{wildcards}\t{{'mem_mb': 200}}\n")
+    return cost_table(job_costs(tmp_path))
 
 
-def test_the_page_of_the_tables_is_made_from_their_description():
+def test_the_page_of_tables_is_current():
     page = (DOCS / "tables.md").read_text(encoding="utf-8")
     assert page.endswith("<!-- python -m asperity.results.tables -->\n\n" + describe_tables())
 
@@ -64,22 +62,12 @@ def test_peaks_of_both_unit_systems_are_described(answer):
     assert units("peaks", si)["depth_um"] == "um"
 
 
-def test_costs_add_up_and_the_largest_memory_is_kept(costs):
+def test_costs_add_up_and_keep_the_largest_memory(costs):
     check_columns(costs, "costs")
     assert costs.set_index("job")["processor_minutes"].to_dict() == pytest.approx(
         {"claims": 0.1, "stress a": 1.5, "all": 1.6}
     )
     assert costs["largest_memory_MB"].tolist() == [50, 300, 300]
-
-
-def test_the_validation_table_has_its_columns():
-    rows = [
-        Row("load", "Hertz", "64²", "grid", 2e-3, 1e-2, "test_a"),
-        Row("p", "wave", "", "rate", 0.5, 0.8, "test_b"),
-    ]
-    found = validation_frame(rows)
-    check_columns(found, "validation")
-    assert found["holds"].tolist() == [True, False]
 
 
 @pytest.mark.parametrize(
@@ -102,7 +90,7 @@ def test_a_table_with_other_columns_is_refused(frame, message, tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_another_suffix_is_refused(costs, tmp_path):
+def test_an_unknown_suffix_is_refused(costs, tmp_path):
     with pytest.raises(ValueError, match=r"costs\.xlsx: a name that ends in \.csv or \.parquet is needed"):
         write_table(costs, "costs", tmp_path / "costs.xlsx")
 
@@ -122,13 +110,7 @@ def test_parquet_keeps_numbers_and_units(costs, tmp_path):
     assert found.attrs["units"]["processor_minutes"] == "min"
 
 
-def test_names_of_columns_are_unique_in_every_table():
-    for table in TABLES.values():
-        names = [column.name for column in table.columns]
-        assert len(set(names)) == len(names)
-
-
-def test_a_frame_is_a_table_in_markdown_and_html():
+def test_a_frame_becomes_markdown_and_html():
     frame = pd.DataFrame({"what": ["**a** | `b`", "<c>"], "value": [1 / 3, np.nan]})
     assert markup.markdown(frame).splitlines() == [
         "| what | value |",
@@ -141,6 +123,6 @@ def test_a_frame_is_a_table_in_markdown_and_html():
 
 
 def test_verdicts_have_their_columns():
-    found = findings(DOCS / "ensemble.csv")
+    found = findings_of(pd.read_csv(DOCS / "ensemble.csv"), CLAIMS)
     check_columns(frame_of_verdicts(found, 8.0), "claims")
-    check_columns(frame_of_readings(found), "claims_readings")
+    check_columns(frame_of_interpretations(found), "claims_interpretations")

@@ -3,18 +3,25 @@
 import numpy as np
 import pytest
 
-from asperity.accuracy.bounds import error_bounds
-from asperity.accuracy.evaluation import Scene, distance, evaluate, output_errors
-from asperity.accuracy.measured import as_json, from_json
-from asperity.accuracy.measurement import CONVERGED, measure
-from asperity.accuracy.outputs import DISTRIBUTIONS, OUTPUTS
-from asperity.accuracy.reduction import reduce_runs, runs_at, settings_of
-from asperity.accuracy.resources import law_seconds
-from asperity.accuracy.tables import errors_for_reader, errors_frame, presets_for_reader, presets_frame
-from asperity.config.presets import PRESETS
 from asperity.paper.figures import tradeoff as figures
 from asperity.results import dataset
 from asperity.results.tables import check_columns
+from asperity.study.config.presets import PRESETS
+from asperity.study.cost.measured import DISTRIBUTIONS, OUTPUTS, as_json, from_json
+from asperity.study.cost.measurement import (
+    CONVERGED,
+    distance,
+    evaluate,
+    measure,
+    output_errors,
+    reduce_runs,
+    runs_at,
+    settings_of,
+)
+from asperity.study.cost.model import law_seconds
+from asperity.study.cost.plan import error_bounds
+from asperity.study.cost.scene import Scene
+from asperity.study.cost.tables import errors_for_reader, errors_frame, presets_for_reader, presets_frame
 from asperity.views.style import style
 
 SETTINGS = {

@@ -5,7 +5,7 @@ import pytest
 
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import TwoBodies
-from asperity.spectral import Grid
+from asperity.fourier.grid import Grid
 
 STEEL, BRONZE = Layer(210e9, 0.3), Layer(110e9, 0.34)
 
@@ -15,18 +15,18 @@ def test_the_effective_modulus_is_that_of_hertz():
     assert TwoBodies(STEEL, BRONZE).effective_modulus == pytest.approx(expected, rel=1e-14)
 
 
-def test_two_half_spaces_have_the_compliance_of_one_with_their_effective_modulus():
+def test_two_half_spaces_are_one_with_their_modulus():
     both, q = TwoBodies(STEEL, BRONZE), np.array([1.0, 1e3, 1e6])
     np.testing.assert_allclose(both.surface_compliance(q), 2 / (both.effective_modulus * q), rtol=1e-14)
     assert both.uniform_compliance() == 0
     assert both.height is None
 
 
-def test_layers_add_their_compliances_on_a_grid_and_for_the_uniform_mode():
+def test_layers_add_their_compliances():
     coating = Layer(3e9, 0.4, height=0.1)
     both, grid = TwoBodies(coating, STEEL), Grid((6, 8), 1.0)
-    parts = [layer.grid_surface_compliance(grid) for layer in (coating, STEEL)]
-    np.testing.assert_array_equal(both.grid_surface_compliance(grid), parts[0] + parts[1])
+    parts = [layer.half_grid_surface_compliance(grid) for layer in (coating, STEEL)]
+    np.testing.assert_array_equal(both.half_grid_surface_compliance(grid), parts[0] + parts[1])
     assert both.uniform_compliance() == coating.uniform_compliance()
     assert both.height == 0.1
 

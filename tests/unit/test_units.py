@@ -2,7 +2,7 @@
 
 import pytest
 
-from asperity.units import scaled_unit, shown_si, to_si
+from asperity.core.units import scaled_unit, shown_si, to_si
 
 
 @pytest.mark.parametrize(
@@ -38,7 +38,7 @@ def test_a_number_with_a_unit_becomes_si(text, dimension, expected):
         ("x" * 1000, "length"),
     ],
 )
-def test_anything_else_is_refused_in_one_line_that_lists_units(value, dimension):
+def test_anything_else_is_refused_with_a_list_of_units(value, dimension):
     with pytest.raises(ValueError, match=rf"^--name = .*: a number with a unit of {dimension} \(") as error:
         to_si(value, dimension, name="--name")
     assert len(str(error.value)) < 220

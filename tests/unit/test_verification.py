@@ -4,12 +4,13 @@ import numpy as np
 import pytest
 from small_study import CONTACT, LAYER, STRESS
 
-from asperity.pipeline import verification
-from asperity.pipeline.contact import solve_contact
-from asperity.pipeline.statistics import LEVELS, SeedResults, seed_statistics, surface_statistics
-from asperity.pipeline.stress import compute_stress
-from asperity.pipeline.surface import make_surface
-from asperity.pipeline.verification import (
+from asperity.stress.planes.planes import stress_planes
+from asperity.study.stages import verification
+from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.statistics import LEVELS, SeedResults, seed_statistics, surface_statistics
+from asperity.study.stages.stress import compute_stress
+from asperity.study.stages.surface import make_surface
+from asperity.study.stages.verification import (
     Check,
     VerificationError,
     require,
@@ -17,7 +18,6 @@ from asperity.pipeline.verification import (
     verify_seed,
     verify_statistics,
 )
-from asperity.stress.planes import stress_planes
 
 SURFACE = {"hurst": 0.8, "wavelength_long": 0.5, "wavelength_short": 0.125, "rms_height": 1e-3, "points": 64}
 SETTINGS = {

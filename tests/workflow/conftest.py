@@ -4,8 +4,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from faults import run_study
-from project import OWN, QUICK, copy_project, snakemake
+from project import OWN, QUICK, TINY, copy_project, snakemake
 
 STUDIES = ("quick_study", "tiny_study", "own_study")
 
@@ -26,26 +25,27 @@ class Study(NamedTuple):
     output: str
 
 
-@pytest.fixture(scope="session")
-def quick_study(tmp_path_factory):
-    """The quick study on two cores, with nothing compiled before."""
-    folder = copy_project(tmp_path_factory.mktemp("quick"), compiled=False)
-    found = snakemake(folder, *QUICK)
+def studied(folder, *arguments):
+    """Run a study in a copy of the project."""
+    found = snakemake(copy_project(folder), *arguments)
     assert found.returncode == 0, found.stdout + found.stderr
     return Study(folder, found.stdout + found.stderr)
+
+
+@pytest.fixture(scope="session")
+def quick_study(tmp_path_factory):
+    """The quick study on two cores."""
+    return studied(tmp_path_factory.mktemp("quick") / "project", *QUICK)
 
 
 @pytest.fixture(scope="session")
 def tiny_study(tmp_path_factory):
     """The stages of one small surface, on two cores."""
-    folder = copy_project(tmp_path_factory.mktemp("tiny") / "project")
-    return Study(folder, run_study(folder).text)
+    return studied(tmp_path_factory.mktemp("tiny") / "project", *TINY)
 
 
 @pytest.fixture(scope="session")
 def own_study(tmp_path_factory):
     """A user's own study of two surfaces and a map, its results outside the project."""
-    folder = copy_project(tmp_path_factory.mktemp("own") / "project")
-    found = snakemake(folder, *OWN, "--config", f"results={folder.parent / 'own results'}")
-    assert found.returncode == 0, found.stdout + found.stderr
-    return Study(folder, found.stdout + found.stderr)
+    folder = tmp_path_factory.mktemp("own")
+    return studied(folder / "project", *OWN, "--config", f"results={folder / 'own results'}")

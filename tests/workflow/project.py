@@ -18,11 +18,11 @@ PARTS = (
     "tests/reference",
     "tests/workflow/tiny.yaml",
     "tests/workflow/own.yaml",
-    "tests/workflow/soak.yaml",
 )
 QUICK = ("--configfile", "config/quick.yaml")
 TINY = ("--configfile", "config/quick.yaml", "tests/workflow/tiny.yaml")
 OWN = ("--configfile", "tests/workflow/own.yaml")
+
 
 HIDE = """
 from importlib.machinery import PathFinder
@@ -58,12 +58,11 @@ def snakemake(folder, *arguments, cores=2):
     return run(folder, "snakemake", "--cores", str(cores), *arguments)
 
 
-def copy_project(folder, *, compiled=True):
+def copy_project(folder):
     """Copy everything that a run needs, with compiled code: it stays valid as copies keep their times."""
-    left_out = shutil.ignore_patterns(*(() if compiled else ("__pycache__",)))
     for part in PARTS:
         if (ROOT / part).is_dir():
-            shutil.copytree(ROOT / part, folder / part, ignore=left_out)
+            shutil.copytree(ROOT / part, folder / part)
         else:
             (folder / part).parent.mkdir(parents=True, exist_ok=True)
             shutil.copy(ROOT / part, folder / part)

@@ -28,7 +28,7 @@ KERNEL = "elasticity/kernels.py", "(one + d) * a, (one - d) * a", "(one + d) * a
 """The kernel of the lateral stress below the surface of a half-space."""
 
 SURFACE = (
-    "stress/periodic.py",
+    "stress/planes/periodic.py",
     "np.multiply(-(qx**2)",
     "np.multiply(-1.01 * (qx**2)",
 )

@@ -4,13 +4,12 @@ import re
 import shutil
 from collections import Counter
 
-import netCDF4
 import pytest
 import yaml
-from project import OWN, ROOT, copy_project, run, snakemake
+from project import OWN, ROOT, copy_project, snakemake
 
-from asperity.config.study import read_study
-from asperity.errors import ConfigError
+from asperity.core.errors import ConfigError
+from asperity.study.config.study import read_study
 
 SURFACE = {
     "label": "A",
@@ -33,7 +32,7 @@ def project(tmp_path_factory):
 
 
 def jobs(folder, *options):
-    """Rule, first output and inputs of every job in a dry run; rule machine_code shows a message."""
+    """Rule, first output and inputs of every job in a dry run."""
     found = snakemake(folder, "--dry-run", *options)
     assert found.returncode == 0, found.stdout + found.stderr
     text = found.stdout + found.stderr
@@ -51,7 +50,6 @@ def test_two_surfaces_and_four_seeds_make_their_own_jobs_alone(project):
     config = {"seeds": [1, 2, 3, 4], "surfaces": TWO}
     found = jobs(project, *config_in(project, "mine.yaml", config))
     assert Counter(rule for rule, _, _ in found) == {
-        "machine_code": 2,
         "surface": 8,
         "contact": 8,
         "stress": 8,
@@ -147,7 +145,7 @@ REFUSED = [
         {},
         "contact.tolerance = 1e-14: a number ≥ 1e-13 with method gfmd is needed",
     ),
-    ({"claims": True}, {}, "claims = true: false is needed with figures = 'own'"),
+    ({"claims": True}, {}, "claims = true needs figures = 'paper'"),
     ({"based_on": "/etc/passwd"}, {}, "based_on = '/etc/passwd': `config/config.yaml` is needed"),
     (
         {"surfaces": dict.fromkeys("abcde", SURFACE)},
@@ -215,20 +213,3 @@ def test_the_study_has_a_report(own_study):
     text = path.read_text(encoding="utf-8")
     assert "peaks_pair.png" in text
     assert "Figures of the paper" not in text
-
-
-def test_damaged_results_are_named(own_study, tmp_path):
-    folder = tmp_path / "results"
-    for part in ("statistics", "verification"):
-        shutil.copytree(own_study.folder.parent / "own results" / part, folder / part)
-    verify = ("python", "workflow/verify.py", str(folder), "--cores", "1")
-    found = run(own_study.folder, *verify)
-    assert (found.returncode, found.stderr) == (0, "")
-    statistics, table = folder / "statistics/fine.nc", folder / "verification/fine.csv"
-    with netCDF4.Dataset(statistics, "a") as data:
-        data["seed_kurtosis"][0] *= 1 + 1e-12
-    table.write_bytes(b"")
-    found = run(own_study.folder, *verify)
-    assert found.returncode == 1
-    lines = found.stderr.splitlines()
-    assert [line.split(":")[1].strip() for line in lines] == [str(statistics), str(table)]

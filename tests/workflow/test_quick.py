@@ -7,7 +7,7 @@ import re
 
 import numpy as np
 import pytest
-from project import QUICK, ROOT, copy_project, snakemake
+from project import QUICK, copy_project, run, snakemake
 
 from asperity.results import dataset
 
@@ -21,8 +21,7 @@ def read_all(folder, stage):
 def test_every_figure_is_there_as_picture_and_as_vectors(quick_study):
     figures = quick_study.folder / "results/quick/figures"
     names = {path.name for path in figures.iterdir()}
-    modules = {path.stem for path in (ROOT / "src/asperity/paper/figures").glob("fig*.py")}
-    assert names >= {f"{module}{suffix}" for module in modules for suffix in (".png", ".pdf")}
+    assert names >= {f"fig{number:02d}{suffix}" for number in range(1, 19) for suffix in (".png", ".pdf")}
     assert all(path.stat().st_size > 5000 for path in figures.iterdir() if path.suffix != ".rst")
 
 
@@ -32,14 +31,53 @@ def test_nothing_is_left_to_do_and_nothing_is_left_over(quick_study):
     assert not list((quick_study.folder / "results").rglob("*.unfinished*"))
 
 
-def test_the_output_is_progress_and_where_the_figures_are(quick_study):
-    lines = quick_study.output.splitlines()
-    assert lines[-1].startswith(
-        "study: done; figures in results/quick/figures; claims in results/quick/claims.md"
-    )
-    assert len(lines) < 40
-    assert re.fullmatch(r"study: (\d+) of \1 jobs done \(100 %\)", lines[-2])
-    assert not [line for line in lines if line.startswith(("rule", "localrule", "["))]
+def test_output_tells_cost_before_and_place_after(quick_study):
+    text = quick_study.output
+    assert re.search(r"^plan: \d+ jobs, about \d+ \w+ of one processor", text, re.MULTILINE)
+    assert "study: done; figures in results/quick/figures; claims in results/quick/claims.md" in text
+    assert len(text) < 100_000
+
+
+def test_manifest_holds_every_result_and_finds_damage(quick_study):
+    verify = ("python", "workflow/verify.py", "results/quick")
+    found = run(quick_study.folder, *verify)
+    assert (found.returncode, found.stderr) == (0, "")
+    table, picture = (quick_study.folder / "results/quick" / name for name in ("claims.csv", "claims.png"))
+    kept = table.read_bytes(), picture.read_bytes()
+    table.write_bytes(kept[0] + b"\n")
+    picture.unlink()
+    found = run(quick_study.folder, *verify)
+    table.write_bytes(kept[0])
+    picture.write_bytes(kept[1])
+    assert found.returncode == 1
+    assert "claims.csv: changed" in found.stderr
+    assert "claims.png: missing" in found.stderr
+
+
+def test_every_rule_has_its_cost(quick_study):
+    found = run(quick_study.folder, "python", "workflow/cost.py", "results/quick")
+    assert found.returncode == 0, found.stderr
+    *rules, total = (int(jobs) for jobs in re.findall(r"^\| [^|]+ \| (\d+) \|", found.stdout, re.MULTILINE))
+    assert sum(rules) == total == 72
+
+
+@pytest.mark.parametrize(
+    ("module", "rerun", "kept"),
+    [
+        ("contact/problem.py", {"contact": "6", "stress": "6", "statistics": "6"}, {"surface"}),
+        # Of the paper's study and of the measured surface.
+        ("paper/figures/fig10.py", {"figure": "2"}, {"surface", "contact", "stress", "statistics"}),
+    ],
+)
+def test_changed_module_reruns_the_jobs_that_use_it(quick_study, module, rerun, kept):
+    path = quick_study.folder / "src/asperity" / module
+    text = path.read_text()
+    path.write_text(text + "\n")
+    plan = snakemake(quick_study.folder, *QUICK, "--dry-run")
+    path.write_text(text)
+    jobs = dict(line.split() for line in (plan.stdout + plan.stderr).splitlines() if len(line.split()) == 2)
+    assert {name: jobs.get(name) for name in rerun} == rerun
+    assert not kept & jobs.keys()
 
 
 def test_every_job_has_a_log(quick_study):

@@ -47,7 +47,7 @@ def page(quick_study):
     return made(quick_study, quick_study.folder / "results/quick", *QUICK)
 
 
-def test_figures_stand_in_their_order_with_their_captions(page, quick_study):
+def test_figures_stand_in_order_with_captions(page, quick_study):
     numbered = [name for name in page.figures if re.fullmatch(r"fig\d+", name)]
     assert numbered == [f"fig{number:02}" for number in range(1, 19)]
     files = {path.stem for path in (quick_study.folder / "results/quick/figures").glob("*.png")}
@@ -58,14 +58,14 @@ def test_figures_stand_in_their_order_with_their_captions(page, quick_study):
     assert ":math:" not in page.text
 
 
-def test_claims_stand_on_the_page_with_their_verdicts(page, quick_study):
+def test_claims_stand_with_their_verdicts(page, quick_study):
     claims = pd.read_csv(quick_study.folder / "results/quick/claims.csv")
     assert page.text.count('<span class="verdict') == len(claims)
     for verdict, count in claims["verdict"].value_counts().items():
         assert re.search(rf"<dt>statements: {verdict}</dt><dd>{count}</dd>", page.text)
 
 
-def test_every_part_of_the_study_has_its_heading_and_its_table(page):
+def test_every_part_has_its_heading(page):
     assert {
         "Figures-of-the-paper",
         "Supplement",
@@ -78,7 +78,7 @@ def test_every_part_of_the_study_has_its_heading_and_its_table(page):
     assert page.text.count("<table") >= 6
 
 
-def test_the_page_needs_nothing_but_the_folder_of_the_results(page, quick_study):
+def test_the_page_needs_the_results_alone(page, quick_study):
     assert len(page.sources) > 10
     assert all(source.startswith("data:image/png;base64,") for source in page.sources)
     results = quick_study.folder / "results/quick"
@@ -87,14 +87,7 @@ def test_the_page_needs_nothing_but_the_folder_of_the_results(page, quick_study)
         assert f'id="{anchor}"' in page.text if link.startswith("#") else (results / link).exists(), link
 
 
-def test_the_diagram_has_what_was_made_and_no_inner_rules(page):
-    diagram = " ".join(re.findall(r'<ol class="chain">.*?</ol>', page.text, re.DOTALL))
-    names = re.findall(r"<b>(.*?)</b>", diagram)
-    assert names[:5] == ["rough surfaces", "contacts", "stress inside the solid", "statistics", "figures"]
-    assert not [name for name in names if "machine" in name]
-
-
-def test_a_study_of_ones_own_has_a_page_too(own_study):
+def test_an_own_study_has_a_page(own_study):
     folder = own_study.folder.parent / "own results"
     page = made(own_study, folder, *OWN, "--config", f"results={folder}")
     assert "claims" not in page.headings

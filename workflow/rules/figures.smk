@@ -1,8 +1,10 @@
+from dataclasses import asdict
+
+
 rule figure:
     input:
         results=lambda wildcards: leaves(figure_results(wildcards.figure)),
         style=STYLE,
-        code=lambda wildcards: code("figure", f"asperity.paper.figures.{FIGURES[wildcards.figure].module}"),
     output:
         png=report(
             f"{RESULTS}/figures/{{figure}}.png",
@@ -14,16 +16,15 @@ rule figure:
         caption=f"{RESULTS}/figures/{{figure}}.rst",
     log:
         f"{RESULTS}/log/figure/{{figure}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/figure/{{figure}}.tsv"
     wildcard_constraints:
         figure=any_of(FIGURES),
-    threads: 1
     resources:
-        mem_mb=memory("figure"),
-        disk_mb=disk("figure"),
-        runtime=minutes("figure"),
+        **needs("figure"),
     params:
-        module=lambda wildcards: FIGURES[wildcards.figure].module,
-        own=lambda wildcards: FIGURES[wildcards.figure].own,
+        code=lambda wildcards: code("figure", f"asperity.paper.figures.{FIGURES[wildcards.figure].module}"),
+        figure=lambda wildcards: asdict(FIGURES[wildcards.figure]),
         labels=surface_labels,
         results=lambda wildcards: figure_results(wildcards.figure),
         caption=lambda wildcards, output: Path(output.caption),  # read when the report is made

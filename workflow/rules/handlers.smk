@@ -1,66 +1,59 @@
-# Before the run: checks, and an announcement of what it takes. After it: where the results are.
-# What fails in between is told by the logger plugin (src/snakemake_logger_plugin_asperity).
-from asperity.runtime import preloaded
-from asperity.runtime.interrupts import leave_jobs_to_cluster
-from asperity.runtime.preflight import claim, require_memory, require_space, require_undamaged
-from asperity.runtime.snakemake_internals import jobs_to_run, memory_limit, runs_locally
+# Before the run: checks, and an announcement of what it takes. After it: the manifest, and where the results are.
+import subprocess
 
-# Modules with which matplotlib writes PNG and PDF.
-BACKENDS = "matplotlib.backends.backend_agg", "matplotlib.backends.backend_pdf"
+from snakemake.logging import logger
 
-
-def modules_of_scripts():
-    """Modules that the scripts of all rules import, and those that they load later.
-
-    All of them in every run, so that the memory of a job does not depend on which other jobs run.
-    """
-    blocks = [ast.parse(script.read_bytes()).body for script in Path("workflow/scripts").glob("*.py")]
-    imports = [node for block in blocks for node in import_statements(block)]
-    found = {node.module for node in imports if isinstance(node, ast.ImportFrom)}
-    figures = {f"asperity.paper.figures.{figure.module}" for figure in FIGURES.values()}
-    return sorted(found | figures | {"snakemake.script", *BACKENDS})
+from asperity.core.errors import PreflightError
+from asperity.study.runtime.manifest import write_manifest
+from asperity.study.runtime.preflight import require_memory, require_space
 
 
 def require_maps(jobs):
     """Read the measured maps of these jobs, so that what is wrong with one is said before anything is computed."""
     # Imported here, as it takes time: on a cluster every job reads this file.
-    from asperity.pipeline.surface import map_problems
+    from asperity.study.stages.surface import map_problems
 
-    names = {job.wildcards.surface for job in jobs if job.rule == "surface"}
+    names = {job.wildcards.surface for job in jobs if job.rule.name == "surface"}
     found = [
-        problem
-        for name in sorted(names & set(MEASURED))
-        for problem in map_problems(MEASURED[name], lambda setting: f"measured.{name}.{setting}")
+        problem for name in sorted(names & set(MEASURED)) for problem in map_problems(name, MEASURED[name])
     ]
     if found:
         sys.exit("\n".join(f"config: {problem}" for problem in found))
 
 
+def outputs_of_run():
+    """Files of all jobs that lead to the targets of this run."""
+    return [file for job in workflow.dag.jobs for file in job.output]
+
+
 onstart:
-    jobs = jobs_to_run(workflow)
-    if runs_locally(workflow):
-        preloaded.start(modules_of_scripts())
-    else:
-        leave_jobs_to_cluster()
+    from asperity.study.cost.model import announce
+
+    jobs = [job for job in workflow.dag.needrun_jobs() if job.rule.name in COSTS]
     require_maps(jobs)
+    costs = {job.output[0]: COSTS[job.rule.name](job.wildcards) for job in jobs}
     try:
-        claim(RESULTS)
-        if runs_locally(workflow):
-            limit = memory_limit(workflow)
-            require_memory(memory_needs(jobs, limit), limit)
-        require_space(RESULTS, sum(job.resources.get("disk_mb", 0) for job in jobs))
-        require_undamaged(earlier_results(jobs), RESULTS)
-    except PreflightError as error:
+        Path(RESULTS).mkdir(parents=True, exist_ok=True)
+        if workflow.local_exec:
+            require_memory({output: cost.memory / 1e6 for output, cost in costs.items()})
+        require_space(RESULTS, sum(cost.disk for cost in costs.values()) / 1e6)
+    except (PreflightError, OSError) as error:
         sys.exit(f"study: {error}")
-    announce_run(jobs)
+    if jobs:
+        at_once = workflow.cores if workflow.local_exec else workflow.nodes
+        logger.info(announce([*costs.values()], at_once))
+    if workflow.local_exec and {"contact", "stress"} & {job.rule.name for job in jobs}:
+        subprocess.run([sys.executable, "-m", "asperity.study.runtime.warm_up"], check=True)
 
 
 onsuccess:
-    places = {
-        "figures": f"{RESULTS}/figures",
-        "claims": f"{RESULTS}/claims.md",
-        "validation": f"{RESULTS}/validation/table.md",
-        "ensemble": f"{RESULTS}/ensemble/table.md",
-    }
-    found = [f"{name} in {path}" for name, path in places.items() if os.path.exists(path)]
+    write_manifest(Path(RESULTS), outputs_of_run())
+    places = {"figures": "figures", "claims": "claims.md", "validation": "validation/table.md"}
+    found = [
+        f"{name} in {RESULTS}/{path}" for name, path in places.items() if Path(RESULTS, path).exists()
+    ]
     logger.info("; ".join(["study: done", *found]))
+
+
+onerror:
+    write_manifest(Path(RESULTS), outputs_of_run())

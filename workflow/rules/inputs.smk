@@ -11,9 +11,9 @@ CONTINUUM_SEEDS = config["seeds"][:2]
 FIGURES = figures_of(config)
 WITH_LOAD_AREA = surfaces_with_contact(config)
 FFT_ENGINE = config["fft_engine"]
-# What the readings of the claims need besides the study: other conditions of the uniform mode, other components.
-OTHER_LATERALS = [name for name in config["readings"]["lateral"] if name != config["layer"]["lateral"]]
-OTHER_COMPONENTS = [name for name in config["readings"]["shear"] if name != "xz"]
+# What the interpretations of the claims need besides the study: other conditions of the mean (q = 0) mode, components.
+OTHER_LATERALS = [name for name in config["interpretations"]["lateral"] if name != config["layer"]["lateral"]]
+OTHER_COMPONENTS = [name for name in config["interpretations"]["shear"] if name != "xz"]
 if not config["claims"]:
     OTHER_LATERALS, OTHER_COMPONENTS = [], []
 
@@ -36,9 +36,9 @@ def results_of_seeds(stage):
 
 
 def other_stresses_of_seeds(wildcards):
-    """Stresses of all seeds of a surface under the other conditions of the uniform mode, one condition by one."""
+    """Stresses of all seeds of a surface under the other conditions of the mean mode, one condition by one."""
     return [
-        f"{RESULTS}/readings/{name}/stress/{wildcards.surface}/seed{seed}.nc"
+        f"{RESULTS}/interpretations/{name}/stress/{wildcards.surface}/seed{seed}.nc"
         for name in OTHER_LATERALS
         for seed in seeds_of(wildcards.surface)
     ]
@@ -48,11 +48,16 @@ STAGE_RESULTS = [
     f"{RESULTS}/{stage}/{surface}/seed{seed}.nc"
     for surface in sorted(STUDIED | CONTINUUM)
     for seed in seeds_of(surface)
-    for stage in ("surface", "contact", "stress", *(f"readings/{name}/stress" for name in OTHER_LATERALS))
+    for stage in (
+        "surface",
+        "contact",
+        "stress",
+        *(f"interpretations/{name}/stress" for name in OTHER_LATERALS),
+    )
 ] + [
     f"{RESULTS}/{stage}/{surface}.nc"
     for surface in sorted(STUDIED | CONTINUUM)
-    for stage in ("statistics", *(f"readings/{name}/statistics" for name in OTHER_LATERALS))
+    for stage in ("statistics", *(f"interpretations/{name}/statistics" for name in OTHER_LATERALS))
 ]
 
 
@@ -75,15 +80,6 @@ def leaves(tree):
     return [tree] if isinstance(tree, str) else [file for branch in tree.values() for file in leaves(branch)]
 
 
-def leaves_of_lists(tree):
-    """The files of a tree whose leaves are lists of files."""
-    return (
-        tree
-        if isinstance(tree, list)
-        else [file for branch in tree.values() for file in leaves_of_lists(branch)]
-    )
-
-
 def surface_labels(wildcards):
     """Labels of the surfaces that a figure shows: not in their results, so that a new label computes nothing anew."""
     shown = {name for study in FIGURES[wildcards.figure].studies for name in STUDIES[study]}
@@ -94,7 +90,7 @@ def figure_labels(wildcards):
     """Number or name of a figure and its studies, as the report lists them: sorted as text."""
     figure = FIGURES[wildcards.figure]
     return {
-        "figure": figure.number or figure.name,
+        "figure": f"{figure.number:02d}" if figure.number else figure.name,
         "study": " and ".join(figure.studies) or "validation",
     }
 
@@ -110,11 +106,3 @@ def contact_settings(wildcards):
     if wildcards.surface in WITH_LOAD_AREA:
         return config["contact"]
     return {**config["contact"], "path_area_fractions": []}
-
-
-def fft_wisdom(wildcards):
-    """Measured plans for the grids of a surface, if the engine needs them and the number of nodes is known."""
-    surface = {**SURFACES, **MEASURED}[wildcards.surface]
-    if FFT_ENGINE != "pyfftw" or "points" not in surface:
-        return []
-    return [f"{RESULTS}/fft_wisdom/{surface['points']}.json"]

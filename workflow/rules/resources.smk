@@ -3,11 +3,10 @@ import math
 import os
 from dataclasses import replace
 
-from asperity.accuracy.resources import COMPILER_MEMORY, WORKFLOW_MEMORY, job_cost, sample_seconds
-from asperity.config.defaults import default
-from asperity.config.loads import imposed_load
-from asperity.config.presets import PRESETS
-from asperity.runtime.snakemake_internals import runs_locally
+from asperity.study.cost.model import COMPILER_MEMORY, WORKFLOW_MEMORY, job_cost
+from asperity.study.config.defaults import default
+from asperity.study.config.defaults import imposed_load
+from asperity.study.config.presets import PRESETS
 
 ACCURACY = replace(
     PRESETS["paper"],
@@ -40,7 +39,7 @@ def contact_cost(wildcards):
 
 
 def stress_cost(wildcards):
-    """Cost of the stress, with the number of its Poisson's ratios and conditions of the uniform mode."""
+    """Cost of the stress, with the number of its Poisson's ratios and conditions of the mean (q = 0) mode."""
     analyses = len(config["stress"]["poisson"]) * (1 + len(OTHER_LATERALS))
     return job_cost("stress", nodes(wildcards.surface), analyses, ACCURACY)
 
@@ -65,28 +64,8 @@ def tradeoff_cost(wildcards):
     return job_cost("tradeoff", max(config["tradeoff"][wildcards.extent]["sizes"]) ** 2)
 
 
-def samples_cost(wildcards):
-    """Cost of the samples of one file: all stages in memory, one seed after the other."""
-    number, edge = int(wildcards.last) - int(wildcards.first) + 1, float(wildcards.nodes)
-    points = grid_points(SURFACES[wildcards.surface]["wavelength_short"], edge)
-    seconds = number * seed_seconds(wildcards.surface, edge)
-    return job_cost("ensemble samples", points**2)._replace(calculation_seconds=seconds)
-
-
-def seed_seconds(surface, edge):
-    """Processor time of one seed of a surface by the cost model; `edge` is the nodes on its shortest wavelength."""
-    points = grid_points(SURFACES[surface]["wavelength_short"], edge)
-    laterals = {config["layer"]["lateral"], *config["readings"]["lateral"]}
-    analyses = 0 if edge == SURFACE_ALONE else len(config["stress"]["poisson"]) * len(laterals)
-    load, value = imposed_load(config["contact"])
-    area = value if load == "area_fraction" else default("contact.area_fraction")
-    return sample_seconds(points**2, analyses, ACCURACY, area)
-
-
 # Rule -> cost of its job. Rules that are not listed take next to no time and memory.
 COSTS = {
-    "machine_code": lambda wildcards: job_cost("machine code"),
-    "fft_wisdom": lambda wildcards: job_cost("wisdom", int(wildcards.points)),
     "surface": surface_cost,
     "contact": contact_cost,
     "stress": stress_cost,
@@ -94,35 +73,29 @@ COSTS = {
     "verification": seeds_cost("verification"),
     "figure": figure_cost,
     "validation": lambda wildcards: job_cost("validation"),
-    "calculix": lambda wildcards: job_cost("calculix"),
     "validation_table": lambda wildcards: job_cost("validation table"),
     "claims": lambda wildcards: job_cost("claims"),
-    "ensemble_samples": samples_cost,
-    "ensemble_plan": lambda wildcards: job_cost("ensemble plan"),
-    "ensemble_result": lambda wildcards: job_cost("ensemble result"),
-    "ensemble": lambda wildcards: job_cost("ensemble result"),
-    "ensemble_gains": lambda wildcards: job_cost("ensemble result"),
     "tradeoff": tradeoff_cost,
     "tradeoff_figures": lambda wildcards: job_cost("tradeoff figures"),
     "report_page": lambda wildcards: job_cost("report page"),
 }
 
 
-def memory(rule):
-    """Resource mem_mb of a rule; on a cluster with the workflow and the compiler, which run beside the job."""
+def needs(rule):
+    """Resources of a rule: memory, disk space, and on a cluster the time.
 
-    def megabytes(wildcards):
-        beside = 0 if runs_locally(workflow) else WORKFLOW_MEMORY + COMPILER_MEMORY
-        return math.ceil((COSTS[rule](wildcards).memory + beside) / 1e6)
+    On a cluster the workflow and the compiler run beside the job. The time is four times that on the machine of the
+    measurement, and ten minutes to start.
+    """
 
-    return megabytes
+    def beside():  # asked for a job: the executor is known only after the rules
+        return 0 if workflow.local_exec else WORKFLOW_MEMORY + COMPILER_MEMORY
 
+    def rounded_up(amount):
+        return lambda wildcards: math.ceil(amount(COSTS[rule](wildcards)))
 
-def disk(rule):
-    """Resource disk_mb of a rule: the files it writes."""
-    return lambda wildcards: math.ceil(COSTS[rule](wildcards).disk / 1e6)
-
-
-def minutes(rule):
-    """Resource runtime of a rule: four times its time on the machine of the measurement, and ten minutes to start."""
-    return lambda wildcards: math.ceil(10 + 4 * COSTS[rule](wildcards).seconds / 60)
+    return {
+        "mem_mb": rounded_up(lambda cost: (cost.memory + beside()) / 1e6),
+        "disk_mb": rounded_up(lambda cost: cost.disk / 1e6),
+        "runtime": rounded_up(lambda cost: 10 + 4 * cost.seconds / 60),
+    }

@@ -1,8 +1,5 @@
 # Measurement of speed and accuracy, from which plans are made: reduced in rule all; in full by `make tradeoff`.
 rule tradeoff:
-    input:
-        machine_code=MACHINE_CODE,
-        code=code("tradeoff"),
     output:
         runs=f"{RESULTS}/tradeoff/{{extent}}/runs.nc",
         measured=f"{RESULTS}/tradeoff/{{extent}}/measured.json",
@@ -17,15 +14,15 @@ rule tradeoff:
         ),
     log:
         f"{RESULTS}/log/tradeoff/{{extent}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/tradeoff/{{extent}}.tsv"
     wildcard_constraints:
         extent=any_of(config["tradeoff"]),
-    priority: PRIORITIES["tradeoff"]
-    threads: 1
+    priority: 1
     resources:
-        mem_mb=memory("tradeoff"),
-        disk_mb=disk("tradeoff"),
-        runtime=minutes("tradeoff"),
+        **needs("tradeoff"),
     params:
+        code=code("tradeoff"),
         settings=lambda wildcards: config["tradeoff"][wildcards.extent],
         fft_engine=FFT_ENGINE,
     script:
@@ -36,7 +33,6 @@ rule tradeoff_figures:
     input:
         runs=rules.tradeoff.output.runs,
         style=STYLE,
-        code=code("tradeoff_figures"),
     output:
         report(
             expand(
@@ -49,12 +45,13 @@ rule tradeoff_figures:
         expand(f"{RESULTS}/tradeoff/{{{{extent}}}}/{{figure}}.pdf", figure=["front", "budget", "growth"]),
     log:
         f"{RESULTS}/log/tradeoff_figures/{{extent}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/tradeoff_figures/{{extent}}.tsv"
     wildcard_constraints:
         extent=any_of(config["tradeoff"]),
-    threads: 1
     resources:
-        mem_mb=memory("tradeoff_figures"),
-        disk_mb=disk("tradeoff_figures"),
-        runtime=minutes("tradeoff_figures"),
+        **needs("tradeoff_figures"),
+    params:
+        code=code("tradeoff_figures"),
     script:
         "../scripts/tradeoff_figures.py"

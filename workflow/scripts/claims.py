@@ -1,25 +1,19 @@
 """Rule claims: statements of the paper, the numbers that decide them, and the verdicts."""
 
-from asperity.runtime.preloaded import run_in_copy
-
-run_in_copy()
-
-
 from pathlib import Path
 
 from asperity.paper.claims import overview, report
-from asperity.paper.claims.evidence import Evidence
-from asperity.paper.claims.statements import CLAIMS, HEADLINES
+from asperity.paper.claims.numbers import Evidence
+from asperity.paper.claims.paper import CLAIMS, HEADLINES
 from asperity.paper.claims.verdicts import decide
 from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
-from asperity.runtime.logs import log_to
-from asperity.runtime.progress import ProgressBar
+from asperity.study.runtime.job import job
 from asperity.views.style import save, style
 
 params, output = snakemake.params, snakemake.output
-with log_to(snakemake.log[0], snakemake.output), ProgressBar("claims"), style(snakemake.input.style):
+with job(snakemake), style(snakemake.input.style):
     statistics, validation = (
         {Path(file).stem: dataset.read(file) for file in files}
         for files in (snakemake.input.statistics, snakemake.input.validation)
@@ -30,7 +24,7 @@ with log_to(snakemake.log[0], snakemake.output), ProgressBar("claims"), style(sn
     }
 
     def evidence(names, validation=None):
-        """Statistics of the surfaces by their role, under every condition of the uniform mode."""
+        """Statistics of the surfaces by their role, under every condition of the mean (q = 0) mode."""
         laterals = {
             lateral: {role: of[name] for role, name in names.items()} for lateral, of in others.items()
         }
@@ -38,10 +32,10 @@ with log_to(snakemake.log[0], snakemake.output), ProgressBar("claims"), style(sn
 
     study = evidence(params.roles, validation)
     finer = {nodes: evidence(names) for nodes, names in params.resolutions.items()}
-    findings = decide(CLAIMS, study, finer, params.readings)
+    findings = decide(CLAIMS, study, finer, params.interpretations)
     limits = report.continuum_table(HEADLINES, finer)
     write_table(report.frame(findings, params.nodes), "claims", output.table)
-    write_table(report.frame_of_readings(findings), "claims_readings", output.readings)
+    write_table(report.frame_of_interpretations(findings), "claims_interpretations", output.interpretations)
     text = report.markdown(findings, params.seeds, params.nodes, limits)
     write_text(output.text, text)
     write_text(output.page, report.page(findings, limits))

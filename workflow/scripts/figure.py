@@ -1,14 +1,9 @@
 """Rule figure: a picture from its datasets, and its caption."""
 
-from asperity.runtime.preloaded import run_in_copy
-
-run_in_copy()
-
-
-from asperity.paper.figures import caption, draw
+from asperity.paper.figures import Description, caption, draw
 from asperity.results import dataset
 from asperity.results.atomic import write_text
-from asperity.runtime.logs import log_to
+from asperity.study.runtime.job import job
 from asperity.views.style import save, style
 
 
@@ -20,9 +15,7 @@ def read(tree, name=""):
     return dataset.read(tree).assign_attrs({"label": labels[name]} if name in labels else {})
 
 
-with log_to(snakemake.log[0], snakemake.output), style(snakemake.input.style):
-    params = snakemake.params
-    module, results = params.module, read(params.results)
-    save(draw(module, results), snakemake.output.png, snakemake.output.pdf)
-    text = caption(module, results, numbered=not params.own)
-    write_text(snakemake.output.caption, text)
+with job(snakemake), style(snakemake.input.style):
+    figure, results = Description(**snakemake.params.figure), read(snakemake.params.results)
+    save(draw(figure, results), snakemake.output.png, snakemake.output.pdf)
+    write_text(snakemake.output.caption, caption(figure, results))

@@ -1,31 +1,20 @@
-"""Rule surface: a random or measured rough surface."""
+"""Rule surface: a random surface, or a measured one."""
 
-from asperity.runtime.preloaded import run_in_copy
-
-run_in_copy()
-
-
-from asperity.engines import fft_engine
-from asperity.pipeline.surface import make_surface, read_surface
 from asperity.results import dataset
-from asperity.runtime.logs import log_to
-from asperity.runtime.progress import ProgressBar
+from asperity.study.runtime.job import job
+from asperity.study.stages.surface import make_surface, read_surface
 
-with (
-    log_to(snakemake.log[0], snakemake.output),
-    fft_engine(snakemake.params.fft_engine, *snakemake.input.wisdom),
-    ProgressBar(f"surface {snakemake.wildcards.surface}"),
-):
-    seed, parameters = int(snakemake.wildcards.seed), snakemake.params.surface
+name, seed = snakemake.wildcards.surface, int(snakemake.wildcards.seed)
+with job(snakemake):
+    parameters = snakemake.params.surface
     if "file" in parameters:
-        entry = f"measured.{snakemake.wildcards.surface}"
-        surface, made = read_surface(parameters, lambda name: f"{entry}.{name}"), "Measured"
+        surface, made = read_surface(parameters), "Measured"
         parameters = {**parameters, "wavelength_short": surface.attrs["wavelength_short"]}
     else:
         surface, made = make_surface(parameters, seed), "Rough"
     dataset.write(
         surface,
         snakemake.output[0],
-        title=f"{made} surface {snakemake.wildcards.surface}, seed {seed}",
-        settings={"name": snakemake.wildcards.surface, "seed": seed, "surface": parameters},
+        title=f"{made} surface {name}, seed {seed}",
+        settings={"name": name, "seed": seed, "surface": parameters},
     )

@@ -1,27 +1,15 @@
 """Rule tradeoff: errors and costs of every parameter of accuracy, and the tables that plans are made from."""
 
-from asperity.runtime.preloaded import run_in_copy
-
-run_in_copy()
-
-
-from asperity import markup
-from asperity.accuracy.measured import as_json
-from asperity.accuracy.measurement import measure
-from asperity.accuracy.reduction import reduce_runs
-from asperity.accuracy.tables import errors_for_reader, errors_frame, presets_for_reader, presets_frame
-from asperity.engines import fft_engine
+from asperity.core import markup
 from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
-from asperity.runtime.logs import log_to
-from asperity.runtime.progress import ProgressBar
+from asperity.study.cost.measured import as_json
+from asperity.study.cost.measurement import measure, reduce_runs
+from asperity.study.cost.tables import errors_for_reader, errors_frame, presets_for_reader, presets_frame
+from asperity.study.runtime.job import job
 
-with (
-    log_to(snakemake.log[0], snakemake.output),
-    fft_engine(snakemake.params.fft_engine),
-    ProgressBar("tradeoff") as progress,
-):
+with job(snakemake) as progress:
     settings = snakemake.params.settings
     runs = measure(**settings, progress=progress)
     dataset.write(

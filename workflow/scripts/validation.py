@@ -1,24 +1,13 @@
-"""Rule validation: one comparison of the library with closed forms, finite elements or high precision."""
+"""Rule validation: one comparison with a closed form, finite elements or high precision."""
 
-from asperity.runtime.preloaded import run_in_copy
-
-run_in_copy()
-
-
-from asperity.engines import fft_engine
 from asperity.results import dataset
-from asperity.runtime.logs import log_to
-from asperity.runtime.progress import ProgressBar
-from asperity.validation.comparisons import COMPARISONS, title
+from asperity.study.runtime.job import job
+from asperity.study.validation.table import COMPARISONS, title
 
 name, settings = snakemake.wildcards.validation, snakemake.params.settings
-with (
-    log_to(snakemake.log[0], snakemake.output),
-    fft_engine(snakemake.params.fft_engine),
-    ProgressBar(f"validation {name}") as progress,
-):
+with job(snakemake):
     dataset.write(
-        COMPARISONS[name](**settings, progress=progress),
+        COMPARISONS[name](**settings),
         snakemake.output[0],
         title=title(name),
         settings={"validation": {name: settings}},

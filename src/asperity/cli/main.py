@@ -3,13 +3,23 @@
 from __future__ import annotations
 
 import io
+import signal
 import sys
+import threading
 from collections.abc import Sequence
+from contextlib import AbstractContextManager, nullcontext
 from importlib import import_module
+from types import FrameType
+from typing import NoReturn
 
-from asperity.errors import ConvergenceError, DatasetError, InputError, PreflightError, fail
-from asperity.packages import BASE, NAMES, PACKAGES, MissingPackageError, message, require
-from asperity.runtime.interrupts import COMMAND_LINE, Interrupted, interruptible
+from asperity.core.errors import ConvergenceError, DatasetError, InputError, PreflightError, fail
+from asperity.core.packages import BASE, NAMES, PACKAGES, MissingPackageError, message, require
+
+INTERRUPTED = "interrupted, nothing is written; run the same command again to start over"
+
+
+class Interrupted(KeyboardInterrupt):
+    """Raised at Ctrl-C and SIGTERM; its argument is the number of the signal."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -18,7 +28,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Parameters
     ----------
     arguments : sequence of str, optional
-        By default those of this process, which then ends with the command.
+        By default those of this process.
 
     Returns
     -------
@@ -29,26 +39,49 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for stream in (sys.stdout, sys.stderr):  # a console that cannot show µ or ² shows ? there
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")
+    signals = (signal.SIGINT, signal.SIGTERM) if threading.current_thread() is threading.main_thread() else ()
+    earlier = {number: signal.signal(number, _interrupt) for number in signals}
     try:
-        with interruptible(f"asperity: {COMMAND_LINE}", last=arguments is None):
-            require(PACKAGES[BASE])
-            from asperity.cli.engine import chosen_engine
-            from asperity.cli.parser import make_parser
-
-            options = make_parser().parse_args(arguments)
-            with chosen_engine(options):
-                import_module(f"asperity.cli.commands.{options.command}").run(options)
+        _run(arguments)
+    except Interrupted as interrupted:
+        return fail(INTERRUPTED, 128 + interrupted.args[0])
     except InputError as error:
         return max(map(fail, error.lines), default=1)
-    except Interrupted as interrupted:
-        return fail(COMMAND_LINE, interrupted.status)
     except MissingPackageError as error:
         return fail(str(error))
     except ModuleNotFoundError as error:
         module = (error.name or "").split(".")[0]
         return fail(message([module]) if module in NAMES else str(error))
-    except (ValueError, TypeError, OSError, ImportError, MemoryError) as error:
+    except (
+        *(ValueError, TypeError, OSError, ImportError, MemoryError),
+        *(DatasetError, ConvergenceError, PreflightError),
+    ) as error:
         return fail(str(error) or type(error).__name__)
-    except (DatasetError, ConvergenceError, PreflightError) as error:
-        return fail(str(error))
+    finally:
+        for number, handler in earlier.items():
+            signal.signal(number, handler)
     return 0
+
+
+def _interrupt(number: int, _: FrameType | None) -> NoReturn:
+    """Signal handler: end the command and delete its unfinished files; a second signal kills the process."""
+    signal.signal(number, signal.SIG_DFL)
+    raise Interrupted(number)
+
+
+def _run(arguments: Sequence[str] | None) -> None:
+    require(PACKAGES[BASE])
+    from asperity.cli.parser import make_parser
+
+    options = make_parser().parse_args(arguments)
+    with _engine(getattr(options, "fft_engine", None)):
+        import_module(f"asperity.cli.commands.{options.command}").run(options)
+
+
+def _engine(name: str | None) -> AbstractContextManager[object]:
+    """Block in which a named engine computes the Fourier transforms."""
+    if name is None:
+        return nullcontext()
+    from asperity.fourier import fft_engine
+
+    return fft_engine(name)

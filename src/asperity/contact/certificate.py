@@ -9,26 +9,28 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from asperity.arguments import number, real_array
-from asperity.contact import kernels
-from asperity.contact.boundaries import response_on
+from asperity.contact.compliance import response_on
+from asperity.contact.compliance.vectors import added
+from asperity.core.arguments import number, real_array
+from asperity.core.compiled import compiled, sums
+from asperity.core.errors import ConvergenceError
+from asperity.core.markup import table
+from asperity.core.parallel import results, total
+from asperity.core.types import Array
 from asperity.elasticity.two_bodies import Solid
-from asperity.errors import ConvergenceError
-from asperity.notebook import table
-from asperity.parallel import results, total
-from asperity.spectral import Grid
-from asperity.types import Array
+from asperity.fourier.grid import Grid
 
 
 @dataclass(frozen=True, repr=False)
 class Certificate:
     """Violations of the conditions of contact, and the work spent on the solution.
 
-    Lengths are relative to the rms height of the surface, or to the largest pressure × grid spacing / E*,
-    about the displacement of a single node, if that is larger.
+    Lengths are relative to the rms height of the surface, which no pressure changes; those of a flat surface
+    to the largest pressure × grid spacing / E*, about the displacement of a single node.
 
     Attributes
     ----------
@@ -182,7 +184,7 @@ def certificate_of_fields(
         The load imposed, if it was.
     threads : int
     """
-    found = np.array(results(kernels.measures_of_contact, threads, pressure.reshape(-1), gap.reshape(-1)))
+    found = np.array(results(_measures_of_contact, threads, pressure.reshape(-1), gap.reshape(-1)))
     least, least_gap = found[:, :2].min(axis=0).tolist()
     largest, contact_gap = found[:, 2:4].max(axis=0).tolist()
     total_pressure, total_gap, work, support = found[:, 4:].sum(axis=0).tolist()
@@ -190,7 +192,7 @@ def certificate_of_fields(
     if not math.isfinite(total_pressure) or not math.isfinite(total_gap):
         least_gap = -math.inf
     largest = max(largest, -least)
-    scale = max(rms_deviation(height, threads), largest * nodal_compliance) or 1.0
+    scale = rms_deviation(height, threads) or largest * nodal_compliance or 1.0
     imbalance = 0.0
     if mean_pressure is not None and mean_pressure != load:
         imbalance = abs(load - mean_pressure) / max(abs(mean_pressure), abs(load))
@@ -206,8 +208,8 @@ def certificate_of_fields(
 def rms_deviation(values: Array, threads: int = 1) -> float:
     """Root mean square of the deviations from the mean."""
     flat = values.reshape(-1).astype(float, copy=False)
-    mean = total(kernels.added, threads, flat) / flat.size
-    return math.sqrt(total(kernels.squared_deviation, threads, flat, mean) / flat.size)
+    mean = total(added, threads, flat) / flat.size
+    return math.sqrt(total(_squared_deviation, threads, flat, mean) / flat.size)
 
 
 def _checked(name: str, values: Array) -> Array:
@@ -216,3 +218,34 @@ def _checked(name: str, values: Array) -> Array:
     if array.ndim != 2 or array.size == 0:
         raise ValueError(f"{name} has the shape {array.shape}: a two-dimensional array [y, x] is needed")
     return array
+
+
+@sums
+def _squared_deviation(values: Any, mean: float) -> float:
+    """Σ (value − mean)²."""
+    total = 0.0
+    for i in range(values.size):
+        total += (values[i] - mean) ** 2
+    return total
+
+
+@compiled
+def _measures_of_contact(pressure: Any, gap: Any) -> tuple[float, ...]:
+    """Least p, least g, largest p, largest |g| of the contact, Σ p, Σ g, and Σ p |g| and Σ p of the contact.
+
+    What is not a number in the fields makes Σ p or Σ g not a number either.
+    """
+    least, largest = pressure[0], pressure[0]
+    least_gap, contact_gap = gap[0], 0.0
+    total, total_gap, work, support = 0.0, 0.0, 0.0, 0.0
+    for i in range(pressure.size):
+        p, g = pressure[i], gap[i]
+        total += p
+        total_gap += g
+        least, largest = min(least, p), max(largest, p)
+        least_gap = min(least_gap, g)
+        if p > 0:
+            contact_gap = max(contact_gap, abs(g))
+            work += p * abs(g)
+            support += p
+    return least, least_gap, largest, contact_gap, total, total_gap, work, support

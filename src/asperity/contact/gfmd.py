@@ -14,7 +14,7 @@ mode; the damping is a fraction of the critical damping of the slowest mode, for
 
     γ_critical = 2 √(κ − κ²/4),      κ = ω² τ².
 
-The indenter is at rest and the load pushes the solid against it. Under an imposed load the uniform mode
+The indenter is at rest and the load pushes the solid against it. Under an imposed load the mean (q = 0) mode
 therefore has no elastic stiffness. It is stabilised by the growth of the contact: d(load)/d(gap) ≈ load /
 (half the rms height).
 
@@ -31,12 +31,11 @@ from typing import Any
 
 import numpy as np
 
-from asperity.compiled import compiled
-from asperity.contact.area_control import AreaControl
-from asperity.contact.problem import Control, Problem, State
-from asperity.contact.solver_progress import ConvergenceProgress
-from asperity.errors import ConvergenceError
-from asperity.types import Array, Progress
+from asperity.contact.active_set.area import AreaControl
+from asperity.contact.problem import Control, ConvergenceProgress, Problem, State
+from asperity.core.compiled import compiled
+from asperity.core.errors import ConvergenceError
+from asperity.core.types import Array, Progress
 
 # Time step, as a fraction of the stability limit.
 TIME_STEP_FRACTION = 0.9
@@ -86,7 +85,7 @@ def solve(
         `DampedDynamics.pressure_and_error`.
     progress : callable, optional
     initial : (ny, nx) array, optional
-        Start from the displacement under this pressure; negative values are set to zero.
+        Start from the displacement under this pressure, which is not negative.
     damping_fraction : float
         Damping, as a fraction of the critical damping of the slowest mode.
 
@@ -95,55 +94,59 @@ def solve(
     ConvergenceError
         If the surface is not at rest after `MAX_STEPS` steps, or if rounding keeps it from coming to rest.
     """
-    initial = None if initial is None else np.maximum(initial, 0)
-    load = _first_load(problem, control, initial)
     dynamics = DampedDynamics(problem, control, initial, damping_fraction)
-    state = State(np.zeros_like(problem.height), control.value, load)
     area = None
     if control.kind == "area_fraction" and np.ptp(problem.height):  # flat surfaces touch everywhere
         area = AreaControl(control.value, problem.grid.size, rtol)
     report = ConvergenceProgress(progress, rtol)
     single = problem.fourier.real == np.float32
-    next_check, smallest, last_progress = 0, math.inf, 0
-    for step in range(1, MAX_STEPS + 1):
-        dynamics.advance(state)
-        state.iterations = step
-        if step % STEPS_BETWEEN_CHECKS:
-            continue
-        state.pressure, error = dynamics.pressure_and_error(state.load)
+    next_check, smallest, last_progress, step, error = 0, math.inf, 0, 0, math.inf
+    while step < MAX_STEPS:
+        for _ in range(STEPS_BETWEEN_CHECKS):
+            dynamics.advance()
+        step += STEPS_BETWEEN_CHECKS
+        pressure, error = dynamics.pressure_and_error()
         if not math.isfinite(error):
             break
-        error = max(error, dynamics.missing_load(state.load))
-        norm = math.sqrt(float(np.sum(np.square(state.pressure), dtype=float)))
-        state.error = error / norm if norm else (0.0 if error == 0 else math.inf)
-        report(state.error)
-        if state.error < PROGRESS_FACTOR * smallest:
-            smallest, last_progress = state.error, step
-        elif single and (step - last_progress) * dynamics.slowest_frequency(state.load) > STALLED_TIMES:
+        report(error)
+        if error < PROGRESS_FACTOR * smallest:
+            smallest, last_progress = error, step
+        elif single and (step - last_progress) * dynamics.slowest_frequency() > STALLED_TIMES:
             break
         # A change of the load takes effect within the relaxation time of the slowest mode.
         if step < next_check:
             continue
-        converged = state.error <= rtol
-        if area is not None and (new_load := area.next_load(state, converged)) is not None:
-            if new_load != state.load:
-                next_check = step + math.ceil(RELAXATION_TIMES / dynamics.slowest_frequency(state.load))
-                smallest = math.inf
-            state.load = new_load
-            continue
-        if converged:
+        load, converged = dynamics.load, error <= rtol
+        new_load = None if area is None else _next_load(area, pressure, load, error, converged)
+        if new_load is not None:
+            next_check = step + math.ceil(RELAXATION_TIMES / dynamics.slowest_frequency())
+            smallest, dynamics.load = math.inf, new_load
+        elif converged:
             if control.fixes_load:
-                pressure = state.pressure
-                pressure *= pressure.dtype.type(state.load / pressure.mean(dtype=float))
-            return state
+                pressure *= pressure.dtype.type(load / pressure.mean(dtype=float))
+            return State(pressure, control.value, load, error, step)
     raise ConvergenceError(
         f"damped dynamics on {problem.grid.shape} nodes stopped",
-        state.error,
+        error,
         rtol,
-        state.iterations,
-        state.load,
+        step,
+        dynamics.load,
         "method = 'active_set' or a larger rtol is needed",
     )
+
+
+def _next_load(
+    area: AreaControl, pressure: Array, load: float, error: float, converged: bool
+) -> float | None:
+    """Load to go on with towards an area; None if the present one stays."""
+    count = int(np.count_nonzero(pressure))
+    if not area.misses(count):
+        return None
+    if converged:
+        return area.bracketed(load, count, area.power_law(load, count))
+    if abs(area.log_ratio(count)) > error and area.may_change():
+        return load * math.exp(1.1 * min(max(area.log_ratio(count), -0.6), 0.6))
+    return None
 
 
 class DampedDynamics:
@@ -164,20 +167,20 @@ class DampedDynamics:
     ) -> None:
         self._problem = problem
         self._fixed_load = control.fixes_load
+        self.load = _first_load(problem, control, initial)
         self._damping_fraction = damping_fraction
         self._wall = (0.0 if control.fixes_load else control.value) - problem.height
         self._half_rms_height = 0.5 * float(np.std(problem.height, dtype=float))
-        stiffness = np.zeros_like(problem.compliance)
-        np.divide(1, problem.compliance, out=stiffness, where=problem.compliance > 0)
-        if control.fixes_load:
-            stiffness[0, 0] = 0
+        compliance = problem.response.compliance
+        stiffness = np.zeros_like(compliance)
+        np.divide(1, compliance, out=stiffness, where=compliance > 0)
         elastic = stiffness[stiffness > 0]
         softest, stiffest = (float(elastic.min()), float(elastic.max())) if elastic.size else (1.0, 1.0)
         self._softest = softest
         self._squared_step = TIME_STEP_FRACTION**2 * 4 / stiffest
         # Stiffness of the spring that holds the mean displacement at zero, if it has to be held.
         self._spring = 0.0
-        if problem.compliance[0, 0] == 0 and not control.fixes_load:
+        if compliance[0, 0] == 0 and not control.fixes_load:
             stiffness[0, 0] = self._spring = MEAN_SPRING * softest
         self._stiffness = stiffness
         # Estimated change of the load per change of the mean displacement, never below the spring's.
@@ -187,42 +190,43 @@ class DampedDynamics:
         self._now = problem.fourier.forward(self._displacement)
         self._before = self._now.copy()
 
-    def advance(self, state: State) -> None:
-        """Take one time step under the load of the state, which follows the mean if that has to be held."""
+    def advance(self) -> None:
+        """Take one time step under the load, which follows the mean if that has to be held."""
         fourier = self._problem.fourier
-        kappa = self._slowest_kappa(state.load)
+        kappa = self._slowest_kappa()
         gamma = self._damping_fraction * 2 * math.sqrt(kappa - kappa**2 / 4)
         if self._spring:
             change = LOAD_GAIN * gamma * self._growth * float(self._now[0, 0].real)
-            state.load = max(state.load + change, 0.0)
+            self.load = max(self.load + change, 0.0)
         _advance_modes(
             self._now,
             self._before,
             self._stiffness,
             self._squared_step,
             gamma,
-            self._squared_step * state.load,
+            self._squared_step * self.load,
         )
         fourier.inverse(self._before, self._displacement)
         np.maximum(self._displacement, self._wall, out=self._displacement)
         self._now, self._before = fourier.forward(self._displacement, self._before), self._now
 
-    def pressure_and_error(self, load: float) -> tuple[Array, float]:
-        """Pressure on the contact nodes, and the norm of its error, estimated from all other tractions.
+    def pressure_and_error(self) -> tuple[Array, float]:
+        """Pressure on the contact nodes, and its error, estimated from all other tractions, over its norm.
 
-        The other tractions vanish in equilibrium. Those that are spread evenly over all nodes are still to be
-        carried by the contact nodes alone, which multiplies their norm by the root of the ratio of the
+        The other tractions vanish in equilibrium. Those that are distributed evenly over all nodes are still
+        to be carried by the contact nodes alone, which multiplies their norm by the root of the ratio of the
         numbers of nodes.
         """
         traction = self._problem.fourier.inverse(self._stiffness * self._now, overwrite=True)
-        if load:
-            traction += traction.dtype.type(load)
+        traction += traction.dtype.type(self.load)
         pressure = np.where((self._displacement == self._wall) & (traction > 0), traction, 0)
         unbalanced = math.sqrt(float(np.sum(np.square(traction - pressure), dtype=float)))
         nodes_in_contact = max(int(np.count_nonzero(pressure)), 1)
-        return pressure, unbalanced * math.sqrt(pressure.size / nodes_in_contact)
+        error = max(unbalanced * math.sqrt(pressure.size / nodes_in_contact), self._missing_load())
+        norm = math.sqrt(float(np.sum(np.square(pressure), dtype=float)))
+        return pressure, error / norm if norm else (0.0 if error == 0 else math.inf)
 
-    def missing_load(self, load: float) -> float:
+    def _missing_load(self) -> float:
         """Norm of the pressure that the load lacks to hold the mean displacement at zero.
 
         Estimated from the change of the load per change of the mean since the last call, which is allowed
@@ -232,31 +236,31 @@ class DampedDynamics:
         if not self._spring:
             return 0.0
         mean, (last_load, last_mean) = float(self._now[0, 0].real), self._last_load_and_mean
-        if mean != last_mean and (growth := (last_load - load) / (mean - last_mean)) > 0:
+        if mean != last_mean and (growth := (last_load - self.load) / (mean - last_mean)) > 0:
             slowest, fastest = max(self._spring, 0.5 * self._growth), 2 * self._growth
             self._growth = min(max(growth, slowest), fastest)
-        self._last_load_and_mean = (load, mean)
+        self._last_load_and_mean = (self.load, mean)
         return self._growth * abs(mean) * math.sqrt(self._problem.grid.size)
 
-    def slowest_frequency(self, load: float) -> float:
-        """Angular frequency of the slowest mode under a load, times the time step."""
-        return math.sqrt(self._slowest_kappa(load))
+    def slowest_frequency(self) -> float:
+        """Angular frequency of the slowest mode under the load, times the time step."""
+        return math.sqrt(self._slowest_kappa())
 
     def _first_displacement(self, initial: Array | None) -> Array:
         """Displacement under a pressure, or none; under an imposed load shifted to touch the indenter."""
         if initial is not None and np.any(initial):
-            displacement = self._problem.displacement(initial)
+            displacement = self._problem.response.displacement(initial)
         else:
             displacement = np.zeros_like(self._problem.height)
         if self._fixed_load:
             displacement += np.max(self._wall - displacement)
         return np.maximum(displacement, self._wall, out=displacement)
 
-    def _slowest_kappa(self, load: float) -> float:
-        """κ = ω² τ² of the slowest mode under a load."""
+    def _slowest_kappa(self) -> float:
+        """κ = ω² τ² of the slowest mode under the load."""
         slowest = self._softest
         if self._fixed_load and self._half_rms_height:
-            slowest = min(slowest, load / self._half_rms_height)
+            slowest = min(slowest, self.load / self._half_rms_height)
         return min(slowest * self._squared_step, 2.0)
 
 
@@ -270,7 +274,7 @@ def _first_load(problem: Problem, control: Control, initial: Array | None) -> fl
         return 0.0
     # The area fraction of small loads is about two times load / (E* × rms gradient).
     # A flat surface has no gradient, and is in full contact under any load.
-    return 0.5 * control.value * problem.modulus * (_rms_gradient(problem) or 1e-3)
+    return 0.5 * control.value * problem.response.solid.effective_modulus * (_rms_gradient(problem) or 1e-3)
 
 
 def _rms_gradient(problem: Problem) -> float:

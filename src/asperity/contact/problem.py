@@ -1,16 +1,18 @@
-"""The contact problem on one grid, the imposed quantity, and the iterate of a solver."""
+"""The contact problem on one grid, the imposed quantity, and the result of a method."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
-from asperity.contact import kernels
-from asperity.contact.response import Response
-from asperity.parallel import apply, extremes
-from asperity.types import Array
+from asperity.contact.compliance.response import Response
+from asperity.core.compiled import compiled
+from asperity.core.parallel import apply, extremes
+from asperity.core.types import Array, Progress
 
 
 @dataclass(frozen=True)
@@ -22,22 +24,13 @@ class Control:
 
     @property
     def fixes_load(self) -> bool:
-        """True if every iterate has a given mean pressure.
-
-        Area control changes that mean pressure between iterations, see `asperity.contact.area_control`.
-        """
+        """True if the mean pressure of an iterate is known; control by area changes it between iterations."""
         return self.kind != "approach"
 
-    def lifts_off(self, height: Array) -> bool:
-        """True if the indenter presses on no node of the solid."""
-        if self.kind == "approach":
-            return self.value <= float(height.min())
-        return self.value == 0
 
-
-@dataclass
+@dataclass(frozen=True)
 class State:
-    """Fields and numbers of a solver's result.
+    """Result of a method.
 
     Attributes
     ----------
@@ -50,15 +43,15 @@ class State:
     error : float
         Estimated error of the pressure, relative to its norm.
     iterations : int
-        Applications of the compliance so far, on all grids.
+        Applications of the compliance, on all grids.
     displacement : (ny, nx) array, optional
-        That of the pressure, if the solver knows it.
+        That of the pressure, if the method knows it.
     """
 
     pressure: Array
     approach: float
     load: float
-    error: float = np.inf
+    error: float = 0.0
     iterations: int = 0
     displacement: Array | None = None
 
@@ -70,26 +63,16 @@ class Problem:
     ----------
     height : (ny, nx) array
     response : Response
-    height_range : (lowest, highest), optional
-        If it is known.
+    datum : float
+        Level from which the heights are measured: approach and gaps on this grid are relative to it.
     """
 
-    def __init__(
-        self, height: Array, response: Response, height_range: tuple[float, float] | None = None
-    ) -> None:
+    def __init__(self, height: Array, response: Response, datum: float = 0.0) -> None:
         self.response = response
         self.fourier = response.fourier
         self.grid = response.grid
-        self.solid = response.solid
-        self.modulus = response.solid.effective_modulus
         self.height = np.ascontiguousarray(height, dtype=response.fourier.real)
-        if height_range is not None and self.height.dtype == np.float64:
-            self.height_range = height_range
-
-    @property
-    def compliance(self) -> Array:
-        """Factors of the coefficients, see `Response`."""
-        return self.response.compliance
+        self.datum = datum
 
     @cached_property
     def height_range(self) -> tuple[float, float]:
@@ -97,22 +80,9 @@ class Problem:
         return extremes(self.height, self.fourier.threads)
 
     @property
-    def largest_height(self) -> float:
-        """Largest distance of a height from zero."""
-        lowest, highest = self.height_range
-        return max(highest, -lowest)
-
-    @property
-    def nodal_compliance(self) -> float:
-        """Unit of displacement per pressure: spacing / E*.
-
-        On a half-space a node that alone is under pressure is displaced by 1.12 of it.
-        """
-        return min(self.grid.spacing) / self.modulus
-
-    def displacement(self, pressure: Array, out: Array | None = None) -> Array:
-        """Downward displacement u[y, x] of the surface under `pressure`, by one pair of transforms."""
-        return self.response.displacement(pressure, out)
+    def unit(self) -> float:
+        """Unit of displacement per pressure, see `Response.nodal_compliance`."""
+        return self.response.nodal_compliance
 
     def coarser(self, min_points: int) -> Problem | None:
         """The same problem on half the nodes of each axis, its surface smoothed.
@@ -123,11 +93,41 @@ class Problem:
         if (ny, nx) == self.grid.shape:
             return None
         response, height = self.response.coarsened(self.height, (ny, nx))
-        return Problem(height, response)
+        return Problem(height, response, self.datum)
 
-    def in_single_precision(self, datum: float) -> Problem:
-        """The same problem in single precision, with heights measured from a datum."""
+    def in_single_precision(self) -> Problem:
+        """The same problem in single precision, with heights measured from the middle of their range."""
+        datum = 0.5 * sum(self.height_range)
         height = np.empty(self.grid.shape, np.float32)
         heights = self.height.reshape(-1)
-        apply(kernels.write_from_datum, self.fourier.threads, heights, datum, height.reshape(-1))
-        return Problem(height, self.response.in_single_precision())
+        apply(_write_from_datum, self.fourier.threads, heights, datum, height.reshape(-1))
+        return Problem(height, self.response.in_precision("float32"), self.datum + datum)
+
+
+class ConvergenceProgress:
+    """Reports the decrease of an error to its tolerance as progress, on a logarithmic scale.
+
+    The progress never decreases, although the error may grow.
+    """
+
+    def __init__(self, progress: Progress | None, tolerance: float) -> None:
+        self._progress = progress
+        self._tolerance = tolerance
+        self._largest = 0.0
+        self._smallest = math.inf
+
+    def __call__(self, error: float) -> None:
+        """Report an error."""
+        if self._progress is None or not 0 < error < math.inf:
+            return
+        self._largest = max(self._largest, error, 2 * self._tolerance)
+        self._smallest = max(min(self._smallest, error), self._tolerance)
+        total = math.log(self._largest / self._tolerance)
+        self._progress(math.log(self._largest / self._smallest), total)
+
+
+@compiled
+def _write_from_datum(height: Any, datum: float, out: Any) -> None:
+    """Write heights, measured from a datum, in the precision of `out`."""
+    for i in range(height.size):
+        out[i] = height[i] - datum

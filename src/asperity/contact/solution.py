@@ -2,54 +2,30 @@
 
 from __future__ import annotations
 
+import json
 import os
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-import asperity
-from asperity.contact.boundaries import response_on
 from asperity.contact.certificate import Certificate
+from asperity.contact.compliance import response_on
+from asperity.core.errors import shown
+from asperity.core.markup import picture, table
+from asperity.core.types import Array
 from asperity.elasticity.layer import Layer
+from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.elasticity.two_bodies import Solid, TwoBodies
-from asperity.engines import current_engine
-from asperity.errors import shown
-from asperity.notebook import picture, table
-from asperity.spectral import Grid
-from asperity.types import Array
+from asperity.fourier import current_engine
+from asperity.fourier.grid import Grid
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 SHOWN_ERROR = 0.01
 """Relative error of an imposed area above which the summary of a contact tells it."""
-
-
-@dataclass(frozen=True, eq=False)
-class PressedBody:
-    """One body of a contact, under the contact pressure: all that the stress inside it depends on.
-
-    Depth is measured from the surface into the body, also in the upper one, and z points out of the body. In
-    the upper body the shear stresses yz and xz therefore have the opposite sign of those in the coordinates
-    of the lower one; all other components are the same.
-
-    Attributes
-    ----------
-    pressure : (ny, nx) array
-        Contact pressure, in the unit of Young's modulus.
-    grid : Grid
-    layer : Layer
-        The body.
-    boundary : str
-        "periodic" if the pressure repeats, "free" if it stands alone.
-    """
-
-    pressure: Array
-    grid: Grid
-    layer: Layer
-    boundary: str = "periodic"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -144,11 +120,11 @@ class Contact:
 
     def plot(self, **settings: Any) -> Figure:
         """Map of the contact pressure: `asperity.plot_pressure`, with its settings."""
-        return asperity.plot_pressure(self, **settings)
+        return self.to_dataset().asperity.plot(**settings)
 
     def section(self, along: str = "x", at: float | None = None, **settings: Any) -> xr.Dataset:
         """Stress in a vertical section of the lower body: `asperity.stress_section`, with its settings."""
-        return asperity.stress_section(self.in_body("lower"), along=along, at=at, **settings)
+        return self.to_dataset().asperity.section(along=along, at=at, **settings)
 
     def to_dataset(self, unit_system: str = "SI") -> xr.Dataset:
         """Fields over y and x and numbers of the contact; the solid as attributes.
@@ -161,9 +137,47 @@ class Contact:
             What the values are in: "SI", so that lengths are in m and stresses in Pa, or "cell length and
             effective modulus", the units of the study. The values stay as they are.
         """
-        from asperity.contact.dataset import contact_dataset
+        import xarray as xr
 
-        return contact_dataset(self, unit_system)
+        y, x = self.grid.coordinates()
+        plane = ("y", "x")
+        solid = self.solid
+        lower, upper = (solid.lower, solid.upper) if isinstance(solid, TwoBodies) else (solid, None)
+        certificate = {
+            f"certificate_{name}": value
+            for name, value in asdict(self.certificate).items()
+            if name != "seconds"
+        }
+        settings: dict[str, Any] = {"layer": _settings(lower)}
+        if upper is not None:
+            settings["upper"] = _settings(upper)
+        return xr.Dataset(
+            {
+                "pressure": (plane, self.pressure),
+                "displacement": (plane, self.displacement),
+                "gap": (plane, self.gap),
+                "area_fraction": self.area_fraction,
+                "mean_pressure": self.mean_pressure,
+                "approach": self.approach,
+                "gradient_rms_contact": self.gradient_rms_contact,
+            },
+            coords={"y": y, "x": x},
+            attrs={
+                "unit_system": unit_system,
+                "settings": json.dumps(settings, sort_keys=True),
+                "boundary": self.boundary,
+                "effective_modulus": solid.effective_modulus,
+                "solid": "half-space" if lower.height is None else f"layer, {lower.bottom} bottom",
+                "solid_reason": "asked for",
+                "solid_bound": 0.0,
+                "uniform_mode": f"laterally {lower.lateral}",
+                "poisson_contact": lower.poisson,
+                "young": lower.young,
+                "method": self.method,
+                "fft_engine": self.fft_engine,
+                **certificate,
+            },
+        )
 
     def to_netcdf(self, path: str | os.PathLike[str], unit_system: str = "SI") -> None:
         """Write `to_dataset` as a result file, which `asperity.read_result` and the command line read.
@@ -173,7 +187,9 @@ class Contact:
         DatasetError
             If the file cannot be written.
         """
-        asperity.write_result(self.to_dataset(unit_system), path, "Contact with a rough surface")
+        from asperity.results import write_result
+
+        write_result(self.to_dataset(unit_system), path, "Contact with a rough surface")
 
     @property
     def layer(self) -> Layer:
@@ -199,8 +215,12 @@ class Contact:
         """Mean pressure of the nodes under pressure, load over contact area; NaN without contact."""
         return self.mean_pressure / self.area_fraction if self.area_fraction else float("nan")
 
-    def in_body(self, body: str) -> PressedBody:
+    def in_body(self, body: str) -> LoadedSolid:
         """One body under the contact pressure, for the stress inside it.
+
+        Depth is measured from the surface into the body, also in the upper one, and z points out of the body.
+        In the upper body the shear stresses yz and xz therefore have the opposite sign of those in the
+        coordinates of the lower one; all other components are the same.
 
         Parameters
         ----------
@@ -218,7 +238,7 @@ class Contact:
             layers, accepted = {"lower": self.solid}, "'lower', because the indenter is rigid,"
         if not isinstance(body, str) or body not in layers:
             raise ValueError(f"body = {shown(body)}: {accepted} is needed")
-        return PressedBody(self.pressure, self.grid, layers[body], self.boundary)
+        return LoadedSolid(self.pressure, self.grid, layers[body], self.boundary)
 
     @cached_property
     def gradient_rms_contact(self) -> float:
@@ -233,3 +253,9 @@ class Contact:
         response = response_on(self.boundary, self.solid, self.grid, self.displacement.dtype)
         slope_y, slope_x = response.gradient(self.pressure, self.displacement)
         return float(np.sqrt((slope_y[touching] ** 2 + slope_x[touching] ** 2).mean(dtype=float)))
+
+
+def _settings(layer: Layer) -> dict[str, Any]:
+    return {name: value for name, value in asdict(layer).items() if value is not None} | {
+        "height": layer.height
+    }

@@ -32,7 +32,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.compiled import fused, fused_inlined
+from asperity.core.compiled import fused, fused_inlined
 
 HALF_SPACE, BONDED, FRICTIONLESS, FREE = range(4)
 """Kinds of solid."""
@@ -251,9 +251,6 @@ def bonded_shear_kernels(h: float, t: float, d: float, poisson: float) -> Values
     return normal, longitudinal, shear, across * (1.0 + e2t), across * c2t
 
 
-# Modes that are evaluated together. A block with q height < 1 throughout takes a loop without branches.
-_BLOCK_MODES = 256
-
 # Largest q depth at which kernels are evaluated. Beyond, they are below 1e-300 and are set to 0, because
 # subnormal numbers are slow.
 _DEEPEST = 700.0
@@ -266,50 +263,8 @@ _BOTTOM_OUT_OF_REACH = 40.0
 @fused
 def fill_kernels(kind: int, q: Any, depth: Any, height: float, poisson: float, out: Any) -> None:
     """Write the kernels of all modes to the rows of `out`, for one depth of all modes or one of each mode."""
-    can_be_thin = kind != HALF_SPACE and depth.size == 1
-    for first in range(0, q.size, _BLOCK_MODES):
-        last = min(first + _BLOCK_MODES, q.size)
-        thin = can_be_thin
-        if can_be_thin:
-            for n in range(first, last):
-                thin &= (q[n] > 0.0) & (float(q[n]) * height < 1.0)
-        if thin:
-            # One array for each kernel, not rows of one array: only then the loop is vectorised.
-            rows = (
-                out[0, first:last],
-                out[1, first:last],
-                out[2, first:last],
-                out[3, first:last],
-                out[4, first:last],
-            )
-            _fill_thin(kind, q[first:last], depth[0], height, poisson, rows)
-        else:
-            _fill_any(kind, q, depth, height, poisson, out, first, last)
-
-
-@fused
-def _fill_thin(kind: int, q: Any, depth: float, height: float, poisson: float, rows: Any) -> None:
-    """Write the kernels of modes with 0 < q height < 1 at one depth."""
-    normal, longitudinal, shear, along, downward = rows
-    if kind == BONDED:
-        for n in range(q.size):
-            k = float(q[n])
-            values = _thin_bonded_kernels(k * height, k * (height - depth), k * depth, poisson)
-            normal[n], longitudinal[n], shear[n], along[n], downward[n] = values
-    else:
-        for n in range(q.size):
-            k = float(q[n])
-            values = _thin_frictionless_kernels(k * height, k * (height - depth), k * depth, poisson)
-            normal[n], longitudinal[n], shear[n], along[n], downward[n] = values
-
-
-@fused
-def _fill_any(
-    kind: int, q: Any, depth: Any, height: float, poisson: float, out: Any, first: int, last: int
-) -> None:
-    """Write the kernels of the modes `first` to `last` − 1, whatever their q height."""
     many = depth.size > 1
-    for n in range(first, last):
+    for n in range(q.size):
         wavenumber = float(q[n])
         below = depth[n if many else 0]
         d = wavenumber * below

@@ -3,7 +3,8 @@
 Conventions
 -----------
 The solid fills ``0 ≤ z ≤ height`` with z upward; ``depth = height − z ≥ 0`` is measured downward from the
-loaded top. Fields are sums of modes exp(+i (qx x + qy y)), as in `asperity.spectral`. Tension is positive.
+loaded top. Fields are sums of modes exp(+i (qx x + qy y)), as in `asperity.fourier.grid`. Tension is
+positive.
 The contact pressure p ≥ 0 is compressive, σ_zz = −p at the top, where the shear stress is zero. All results
 are per unit pressure amplitude p̂(q). Stress components are in the order of `COMPONENTS`, displacements in
 the order x, y, z (upward). The effective modulus is E* = E/(1 − ν²). Units are any consistent set.
@@ -32,8 +33,8 @@ the others at q = 0.
 
 The Nyquist rule
 ----------------
-A function of (qx, qy) cannot know the grid. `Layer.grid_stress` and `Layer.grid_displacement` therefore
-evaluate all stored modes of a `Grid` and set to zero what is odd in a Nyquist wavevector.
+A function of (qx, qy) cannot know the grid: what is odd in a Nyquist wavevector is set to zero by the caller,
+see `asperity.fourier.grid`.
 
 Precision
 ---------
@@ -52,7 +53,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from asperity.arguments import LARGEST, SMALLEST, choice, magnitude, number, real_array
+from asperity.core.arguments import LARGEST, SMALLEST, choice, magnitude, number, real_array
+from asperity.core.markup import table
+from asperity.core.types import Array
 from asperity.elasticity.kernels import (
     BONDED,
     FREE,
@@ -63,9 +66,7 @@ from asperity.elasticity.kernels import (
     fill_shear_kernels,
     fill_surface_compliance,
 )
-from asperity.notebook import table
-from asperity.spectral import ALL, Grid, real_type
-from asperity.types import Array
+from asperity.fourier.grid import ALL, Grid, real_type
 
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 BOTTOMS = ("bonded", "frictionless", "free")
@@ -172,7 +173,7 @@ class Layer:
             ("Poisson's ratio", f"{self.poisson:.6g}"),
             ("E* = E/(1 − ν²)", f"{self.effective_modulus:.6g}"),
             ("height", "half-space" if self.height is None else f"{self.height:.6g}, {self.bottom} bottom"),
-            ("uniform mode", f"laterally {self.lateral}"),
+            ("mean (q = 0) mode", f"laterally {self.lateral}"),
         ]
         return table("Layer", rows)
 
@@ -337,49 +338,18 @@ class Layer:
         TypeError, ValueError
             As for `kernels`.
         """
-        constant, slope = self.stress_split(qx, qy, depth)
-        slope *= self.poisson
-        constant += slope
-        uniform = np.broadcast_to(np.hypot(np.asarray(qx), np.asarray(qy)) == 0, constant.shape[:-1])
-        constant[uniform] = self.uniform_stress()
-        return constant
-
-    def stress_split(self, qx: ArrayLike, qy: ArrayLike, depth: ArrayLike) -> tuple[Array, Array]:
-        """Parts A and B of the stress A + ν B of the pressure mode p̂(q) = 1.
-
-        For the half-space and the frictionless bottom, A and B do not depend on Poisson's ratio ν, so that
-        eight transforms serve every ν: six for A, and two for B, of which only the components xx, yy and xy
-        are not 0 and B_xx + B_yy = A_xx + A_yy + A_zz. For a bonded bottom A and B depend on ν.
-
-        The uniform mode is left out, because ν/(1 − ν) is not linear in ν: at q = 0 the only component is
-        A_zz = −1.
-
-        Parameters
-        ----------
-        qx, qy, depth : array
-            As for `stress`.
-
-        Returns
-        -------
-        constant, slope : (..., 6) complex arrays
-            A and B.
-        """
         q, cosine, sine, kind = _polar(qx, qy)
         k = self.kernels(q, depth)
-        shape = k.normal.shape
-        both = k.normal + k.longitudinal
-        constant = np.zeros((*shape, 6), kind)
-        slope = np.zeros((*shape, 6), kind)
-        constant[..., 0] = -(cosine**2) * k.longitudinal
-        constant[..., 1] = -(sine**2) * k.longitudinal
-        constant[..., 2] = -k.normal
-        constant[..., 3] = -1j * sine * k.shear
-        constant[..., 4] = -1j * cosine * k.shear
-        constant[..., 5] = -cosine * sine * k.longitudinal
-        slope[..., 0] = -(sine**2) * both
-        slope[..., 1] = -(cosine**2) * both
-        slope[..., 5] = cosine * sine * both
-        return constant, slope
+        across = self.poisson * (k.normal + k.longitudinal)
+        out = np.zeros((*k.normal.shape, 6), kind)
+        out[..., 0] = -(cosine**2) * k.longitudinal - sine**2 * across
+        out[..., 1] = -(sine**2) * k.longitudinal - cosine**2 * across
+        out[..., 2] = -k.normal
+        out[..., 3] = -1j * sine * k.shear
+        out[..., 4] = -1j * cosine * k.shear
+        out[..., 5] = cosine * sine * (across - k.longitudinal)
+        out[np.broadcast_to(q == 0, k.normal.shape)] = self.uniform_stress()
+        return out
 
     def displacement(self, qx: ArrayLike, qy: ArrayLike, depth: ArrayLike) -> Array:
         """Displacement of the pressure mode p̂(q) = 1; arguments and errors as for `stress`.
@@ -457,17 +427,10 @@ class Layer:
         _require_finite("compliance", out)
         return out
 
-    def grid_surface_compliance(self, grid: Grid, dtype: DTypeLike = "float64") -> Array:
-        """`surface_compliance` of every stored mode of a grid, (ny, nx // 2 + 1), in the precision `dtype`.
-
-        Rows of equal |qy| are evaluated once.
-        """
-        return mirror_rows(self.half_grid_surface_compliance(grid, dtype), grid)
-
     def half_grid_surface_compliance(
         self, grid: Grid, dtype: DTypeLike = "float64", rows: slice = ALL
     ) -> Array:
-        """`grid_surface_compliance` of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1), or of some."""
+        """`surface_compliance` of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1), or of some."""
         return self.surface_compliance(_half_wavenumber(grid, dtype, rows))
 
     def grid_kernels(self, grid: Grid, depth: float, dtype: DTypeLike = "float64") -> Kernels:
@@ -480,28 +443,6 @@ class Layer:
     def grid_shear_kernels(self, grid: Grid, depth: float, dtype: DTypeLike = "float64") -> ShearKernels:
         """`shear_kernels` at one depth, for the rows of `grid_kernels`."""
         return self.shear_kernels(_half_wavenumber(grid, dtype), depth)
-
-    def grid_stress(self, grid: Grid, depth: float, dtype: DTypeLike = "float64") -> Array:
-        """`stress` at one depth of every stored mode of a grid, (ny, nx // 2 + 1, 6), by the Nyquist rule."""
-        real = real_type(dtype)
-        out = self.stress(grid.qx[None, :].astype(real), grid.qy[:, None].astype(real), _one_depth(depth))
-        x, y = _nyquist(grid)
-        out[:, x, 4] = 0.0
-        out[:, x, 5] = 0.0
-        out[y, :, 3] = 0.0
-        out[y, :, 5] = 0.0
-        return out
-
-    def grid_displacement(self, grid: Grid, depth: float, dtype: DTypeLike = "float64") -> Array:
-        """`displacement` at one depth of every stored mode, (ny, nx // 2 + 1, 3), by the Nyquist rule."""
-        real = real_type(dtype)
-        out = self.displacement(
-            grid.qx[None, :].astype(real), grid.qy[:, None].astype(real), _one_depth(depth)
-        )
-        x, y = _nyquist(grid)
-        out[:, x, 0] = 0.0
-        out[y, :, 1] = 0.0
-        return out
 
     def _depths(self, depth: ArrayLike) -> Array:
         """Depths as float64, checked."""
@@ -574,8 +515,3 @@ def _polar(qx: ArrayLike, qy: ArrayLike) -> tuple[Array, Array, Array, np.dtype]
 
 def _half_wavenumber(grid: Grid, dtype: DTypeLike, rows: slice = ALL) -> Array:
     return grid.half_wavenumber(rows).astype(real_type(dtype), copy=False)
-
-
-def _nyquist(grid: Grid) -> tuple[Array, Array]:
-    """Indices of the Nyquist columns and of the Nyquist rows, at most one each."""
-    return np.flatnonzero(2 * grid.kx == grid.shape[1]), np.flatnonzero(2 * grid.ky == grid.shape[0])

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from asperity.elasticity.layer import Layer, mirror_rows
-from asperity.notebook import table
-from asperity.spectral import ALL, Grid
-from asperity.types import Array
+from asperity.core.markup import table
+from asperity.core.types import Array
+from asperity.elasticity.layer import Layer
+from asperity.fourier.grid import ALL, Grid
 
 
 @dataclass(frozen=True)
@@ -79,18 +79,14 @@ class TwoBodies:
         """Approach of the bodies per unit mean pressure; 0 by rule if a body has no uniform displacement."""
         return self.lower.uniform_compliance() + self.upper.uniform_compliance()
 
-    def grid_surface_compliance(self, grid: Grid, dtype: DTypeLike = "float64") -> Array:
-        """`surface_compliance` of every stored mode of a grid, (ny, nx // 2 + 1)."""
-        return mirror_rows(self.half_grid_surface_compliance(grid, dtype), grid)
-
     def half_grid_surface_compliance(
         self, grid: Grid, dtype: DTypeLike = "float64", rows: slice = ALL
     ) -> Array:
-        """`grid_surface_compliance` of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1), or of some."""
+        """`surface_compliance` of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1), or of some."""
         bodies = self.lower, self.upper
         lower, upper = (body.half_grid_surface_compliance(grid, dtype, rows) for body in bodies)
         return np.asarray(lower + upper)
 
 
 Solid = Layer | TwoBodies
-"""Anything that can be pressed: one solid against a rigid indenter, or two bodies against each other."""
+"""A solid that can be pressed: one against a rigid indenter, or two bodies against each other."""

@@ -11,12 +11,12 @@ import pandas as pd
 import xarray as xr
 
 from asperity.contact import Contact
-from asperity.engineering.advice import Advice
-from asperity.engineering.case import CONTROL_UNITS, Body, Case
-from asperity.engineering.findings import BodyAnswer, ContactNumbers, Extreme, Numbers
-from asperity.engineering.indenter import CounterMap, Indenter, MapSettings
-from asperity.notebook import picture, table
-from asperity.units import scaled_unit, shown_si
+from asperity.core.markup import picture, table
+from asperity.core.units import scaled_unit, shown_si
+from asperity.engineering.answer_numbers import BodyAnswer, ContactNumbers, Neighbours, Numbers
+from asperity.engineering.case import CONTROL_UNITS, Body, Case, CounterMap
+from asperity.surface.reading.height_map import MapOptions
+from asperity.surface.treatment.treatment import TreatedMap
 
 LOAD_WORDS = {
     "mean_pressure": "mean pressure imposed",
@@ -32,8 +32,30 @@ EXTREME_WORDS = {
 }
 """Field → name of its extreme value among the numbers, beside the von Mises stress."""
 
+PEAK_COLUMNS = {"value": "value_Pa", "depth": "depth_m", "y": "y_m", "x": "x_m", "interior": "in_solid"}
+"""Name of a property of peaks → its column in the table of peaks."""
+
 COMPRESSIVE = ("principal_3", "hydrostatic")
 """Fields whose extreme value is shown as a compression."""
+
+
+class Advice(NamedTuple):
+    """A warning or a note.
+
+    Attributes
+    ----------
+    level : "warning" or "note"
+        A warning says that a number of the answer must not be used as it stands; a note says what to keep in
+        mind.
+    subject : str
+        Short heading.
+    text : str
+        One or two sentences.
+    """
+
+    level: str
+    subject: str
+    text: str
 
 
 class Row(NamedTuple):
@@ -52,10 +74,10 @@ class Answer:
 
     Attributes
     ----------
-    indenter : Indenter
-        The surface that was pressed, and what was done to the map.
+    face : TreatedMap
+        The rough surface that was pressed, in m, and what was done to the map.
     case : Case
-    map_settings : MapSettings
+    map_options : MapOptions
     contact : Contact
         In SI units.
     numbers : ContactNumbers
@@ -65,26 +87,34 @@ class Answer:
         The same names → dataset of the stress in SI units.
     fine, coarse : Numbers
         Main numbers, and those with pixels twice as large.
-    advice : list of Advice
-        Warnings and notes, warnings first.
+    neighbours : Neighbours or None
+        None without the form of a ball or cylinder, and with a free boundary.
     fields : tuple of str
         Fields of the stress whose peaks are listed and that are drawn.
     counter_map : CounterMap or None
         Map of the upper body, if that is rough too.
+    advice : tuple of Advice
+        Warnings and notes, warnings first.
     """
 
-    indenter: Indenter
+    face: TreatedMap
     case: Case
-    map_settings: MapSettings
+    map_options: MapOptions
     contact: Contact
     numbers: ContactNumbers
     bodies: dict[str, BodyAnswer]
     stresses: dict[str, xr.Dataset]
     fine: Numbers
     coarse: Numbers
-    advice: list[Advice]
+    neighbours: Neighbours | None = None
     fields: tuple[str, ...] = ("von_mises",)
     counter_map: CounterMap | None = None
+    advice: tuple[Advice, ...] = ()
+
+    @property
+    def title(self) -> str:
+        """Name of the map, and the case in words."""
+        return f"{self.face.name}: {case_in_words(self.case)}"
 
     @cached_property
     def rows(self) -> list[Row]:
@@ -107,43 +137,30 @@ class Answer:
         """
         tables = []
         for body, stress in self.stresses.items():
-            columns = {
-                str(name).removeprefix("peak_"): stress[name].values
-                for name in stress.variables
-                if stress[name].dims == ("peak",)
-            }
-            table = pd.DataFrame(columns).rename(
-                columns={
-                    "value": "value_Pa",
-                    "depth": "depth_m",
-                    "y": "y_m",
-                    "x": "x_m",
-                    "interior": "in_solid",
-                }
-            )
-            own = self.indenter.is_on_map(table["y_m"].to_numpy(), table["x_m"].to_numpy())
-            table = table[own & table["quantity"].isin(("pressure", *self.fields))].drop(columns="poisson")
-            places = [self.indenter.on_map(y, x) for y, x in zip(table["y_m"], table["x_m"], strict=True)]
-            table[["y_m", "x_m"]] = np.array(places).reshape(-1, 2)
+            names = [str(name) for name in stress.variables if stress[name].dims == ("peak",)]
+            table = pd.DataFrame({name.removeprefix("peak_"): stress[name].values for name in names})
+            table = table.rename(columns=PEAK_COLUMNS)
+            own = self.face.is_on_map(table["y_m"].to_numpy(), table["x_m"].to_numpy())
+            table = table[own & table["quantity"].isin(("pressure", *self.fields))].copy()
+            table["y_m"], table["x_m"] = self.face.on_map(table["y_m"], table["x_m"])
             table.insert(0, "body", body)
             order = table.assign(size=table["value_Pa"].abs())
             order = order.sort_values(["quantity", "size"], ascending=[False, False], kind="stable")
             tables.append(table.loc[order.index])
-        frame = pd.concat(tables, ignore_index=True)
-        order = ["body", "quantity", "value_Pa", "depth_m", "y_m", "x_m", "in_solid", "under_contact"]
-        return frame[order]
+        order = ["body", "quantity", *PEAK_COLUMNS.values(), "under_contact"]
+        return pd.concat(tables, ignore_index=True)[order]
 
     def text(self) -> str:
         """The answer as a block of text, warnings last."""
         width = max(len(row.name) for row in self.rows)
-        lines = [f"{self.indenter.name}: {case_in_words(self.case)}"]
+        lines = [self.title]
         group = ""
         for row in self.rows:
             if row.group != group:
                 group = row.group
                 lines += ["", group]
             lines.append(f"  {row.name:<{width}}  {row.shown}")
-        lines += ["", "what was done to the map", *(f"  {step}" for step in self.indenter.done)]
+        lines += ["", "what was done to the map", *(f"  {step}" for step in self.face.done)]
         for advice in self.advice:
             lines += ["", f"{advice.level}: {advice.text}"]
         return "\n".join(lines)
@@ -153,11 +170,10 @@ class Answer:
     def _repr_html_(self) -> str:
         rows = [(row.name, row.shown) for row in self.rows]
         rows += [(advice.level, advice.text) for advice in self.advice]
-        title = f"{self.indenter.name}: {case_in_words(self.case)}"
-        return table(title, rows, picture(self.contact.pressure, "contact pressure"))
+        return table(self.title, rows, picture(self.contact.pressure, "contact pressure"))
 
     def __repr__(self) -> str:
-        return f"<Answer of {self.indenter.name}: {case_in_words(self.case)}>"
+        return f"<Answer of {self.title}>"
 
 
 def case_in_words(case: Case) -> str:
@@ -192,9 +208,9 @@ def _row(group: str, name: str, value: float, unit: str, digits: int = 4) -> Row
 
 
 def _contact_rows(numbers: ContactNumbers) -> list[Row]:
-    group = "contact"
-    area = numbers.area_fraction
+    group, area = "contact", numbers.area_fraction
     percent = f"{100 * area:.4g} % of {shown_si(numbers.nominal_area, 'm^2')}"
+    patches = f"{numbers.patches}, {numbers.contact_nodes} nodes"
     return [
         Row(group, "real contact", area, "1", percent),
         _row(group, "real contact area", numbers.contact_area, "m^2"),
@@ -207,23 +223,24 @@ def _contact_rows(numbers: ContactNumbers) -> list[Row]:
         _row(group, "rms height", numbers.rms_height, "m"),
         _row(group, "rms gradient", numbers.rms_gradient, "1", 3),
         _row(group, "rms gradient in contact", numbers.gradient_rms_contact, "1", 3),
-        Row(
-            group,
-            "patches of contact in the cell",
-            numbers.patches,
-            "1",
-            f"{numbers.patches}, {numbers.contact_nodes} nodes",
-        ),
+        Row(group, "patches of contact in the cell", numbers.patches, "1", patches),
     ]
 
 
 def _body_rows(group: str, body: BodyAnswer) -> list[Row]:
-    largest = _row(group, "largest von Mises stress", body.largest_von_mises, "Pa")
-    rows = [largest, _row(group, "at depth", body.depth, "m")]
+    rows = [
+        _row(group, "largest von Mises stress", body.largest_von_mises, "Pa"),
+        _row(group, "at depth", body.depth, "m"),
+    ]
     factor, symbol = scaled_unit([body.x, body.y], "m")
     for axis, position in (("x", body.x), ("y", body.y)):
         rows.append(Row(group, f"at {axis}", position, "m", f"{position / factor:.4g} {symbol}"))
-    rows += [_extreme_row(group, field, body.largest[field]) for field in EXTREME_WORDS]
+    for field, name in EXTREME_WORDS.items():
+        found = body.largest[field]
+        value = -found.value if field in COMPRESSIVE else found.value
+        depth = f"at depth {shown_si(found.depth, 'm', 4)}" if found.depth else "in the surface"
+        shown = f"{shown_si(value, 'Pa', 4)} {depth}" if value > 0 else "none"
+        rows.append(Row(group, name, max(value, 0.0), "Pa", shown))
     for percent, value in body.peak_percentiles.items():
         if np.isfinite(value):
             rows.append(_row(group, f"{percent} % of the peaks below", value, "Pa", 3))
@@ -233,34 +250,16 @@ def _body_rows(group: str, body: BodyAnswer) -> list[Row]:
     return rows
 
 
-def _extreme_row(group: str, field: str, found: Extreme) -> Row:
-    """Line of an extreme value with its depth."""
-    value = -found.value if field in COMPRESSIVE else found.value
-    depth = f"at depth {shown_si(found.depth, 'm', 4)}" if found.depth else "in the surface"
-    shown = f"{shown_si(value, 'Pa', 4)} {depth}" if value > 0 else "none"
-    return Row(group, EXTREME_WORDS[field], max(value, 0.0), "Pa", shown)
-
-
 def _yield_rows(group: str, body: BodyAnswer) -> list[Row]:
     volume, depths, fraction = body.volume_above_yield, body.depths_above_yield, body.fraction_above_yield
     if volume is None or depths is None or fraction is None:
         return [Row(group, "volume above yield", 0.0, "m^3", "none: everything stays elastic")]
     first, last = depths
     factor, symbol = scaled_unit([last], "m")
+    share = f"{100 * fraction:.3g} % of the volume down to {shown_si(last, 'm', 3)}"
+    between = f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}"
     return [
         _row(group, "volume above yield", volume, "m^3", 3),
-        Row(
-            group,
-            "share above yield",
-            fraction,
-            "1",
-            f"{100 * fraction:.3g} % of the volume down to {shown_si(last, 'm', 3)}",
-        ),
-        Row(
-            group,
-            "deepest point above yield",
-            last,
-            "m",
-            f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}",
-        ),
+        Row(group, "share above yield", fraction, "1", share),
+        Row(group, "deepest point above yield", last, "m", between),
     ]

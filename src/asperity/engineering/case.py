@@ -1,23 +1,25 @@
-"""The question that `asperity.engineering.run` answers: bodies and load, in SI units."""
+"""The question that `asperity.engineering.run` answers: map, bodies and load, in SI units."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from asperity.arguments import choice, magnitude, number
-from asperity.elasticity.layer import BOTTOMS, Layer
+from asperity.core.arguments import choice, magnitude, number
+from asperity.core.errors import shown
+from asperity.elasticity.layer import Layer
+from asperity.elasticity.loaded_solid import traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
-from asperity.errors import shown
-from asperity.stress.arguments import checked_sliding
-from asperity.stress.pressed import traction_direction
-
-CONTROLS = ("mean_pressure", "force", "approach", "area_fraction")
-"""Quantities of which one is imposed."""
+from asperity.stress.planes.stream import shear_traction
+from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapError, MapOptions
+from asperity.surface.reading.map_file import MapFile, open_map
+from asperity.surface.treatment.face_to_face import face_to_face
+from asperity.surface.treatment.treatment import TreatedMap, missing_options, treat_map
 
 CONTROL_UNITS = {"mean_pressure": "Pa", "force": "N", "approach": "m", "area_fraction": "1"}
-"""Unit of each of them."""
+"""Quantity of which one is imposed → its unit."""
 
 
 @dataclass(frozen=True)
@@ -52,13 +54,9 @@ class Body:
     bottom: str = "bonded"
 
     def __post_init__(self) -> None:
-        magnitude("young", self.young)
-        number("poisson", self.poisson, "a number > -1 and ≤ 0.5", lambda ratio: -1 < ratio <= 0.5)
+        _ = self.layer  # which checks its constants
         if self.yield_stress is not None:
             magnitude("yield_stress", self.yield_stress)
-        if self.height is not None:
-            magnitude("height", self.height)
-        choice("bottom", self.bottom, BOTTOMS)
 
     @property
     def layer(self) -> Layer:
@@ -82,7 +80,7 @@ class Load:
     value: float
 
     def __post_init__(self) -> None:
-        choice("load", self.kind, CONTROLS)
+        choice("load", self.kind, tuple(CONTROL_UNITS))
         if self.kind == "area_fraction":
             number(self.kind, self.value, "a number > 0 and ≤ 1", lambda value: 0 < value <= 1)
         else:
@@ -93,9 +91,8 @@ class Load:
         """The load from keyword arguments of which exactly one is given."""
         named = {kind: value for kind, value in given.items() if value is not None}
         if len(named) != 1:
-            raise ValueError(
-                f"exactly one of {', '.join(CONTROLS)} is needed, got {', '.join(named) if named else 'none'}"
-            )
+            known, found = ", ".join(CONTROL_UNITS), ", ".join(named) or "none"
+            raise ValueError(f"exactly one of {known} is needed, got {found}")
         return cls(*named.popitem())
 
 
@@ -124,12 +121,10 @@ class Case:
     sliding_direction: str | float = "x"
 
     def __post_init__(self) -> None:
-        if not isinstance(self.lower, Body):
-            raise TypeError(f"lower = {shown(self.lower)}: a Body is needed")
-        if self.upper is not None and not isinstance(self.upper, Body):
-            raise TypeError(f"upper = {shown(self.upper)}: a Body or None (rigid) is needed")
-        for body in self.bodies.values():
-            checked_sliding(self.friction, self.sliding_direction, body.layer)
+        for name, body in (("lower", self.lower), ("upper", self.upper or self.lower)):
+            if not isinstance(body, Body):
+                raise TypeError(f"{name} = {shown(body)}: a Body is needed")
+            shear_traction(self.friction, self.sliding_direction, body.layer)
 
     def sliding_of(self, body: str) -> dict[str, Any]:
         """Friction and direction of the traction on a body, as arguments of `asperity.stress_planes`."""
@@ -147,3 +142,93 @@ class Case:
     def solid(self) -> Layer | TwoBodies:
         """What the solver presses."""
         return self.lower.layer if self.upper is None else TwoBodies(self.lower.layer, self.upper.layer)
+
+
+@dataclass(frozen=True)
+class CounterMap:
+    """A map of the upper body, and how it is laid on that of the lower one.
+
+    Parameters
+    ----------
+    source : path or HeightMap
+        File of a map, or a map in metres, with its peaks upward as measured.
+    options : MapOptions, optional
+        What is known of the file, and how trend, spikes and points without data are treated; by default as
+        for the other map.
+    turned_about : "y" or "x"
+        Axis about which the map is turned over, to face down.
+    shift : (y, x)
+        Position in m of the middle of this map over that of the other one.
+    """
+
+    source: str | os.PathLike[str] | HeightMap
+    options: MapOptions | None = None
+    turned_about: str = "y"
+    shift: tuple[float, float] = (0.0, 0.0)
+
+
+def read_face(
+    source: str | os.PathLike[str] | HeightMap, options: MapOptions, counter: CounterMap | None = None
+) -> TreatedMap:
+    """Read a map and prepare it, with the map of the counter body if that is rough too.
+
+    Parameters
+    ----------
+    source : path or HeightMap
+        A height map is in metres.
+    options : MapOptions
+    counter : CounterMap, optional
+
+    Raises
+    ------
+    MapError, TypeError, ValueError
+        If a map cannot be read, has no unit, or needs an option that is not given, or if the two do not go
+        together.
+    """
+    name, surface = _read(source, options)
+    if counter is None:
+        return replace(treat_map(surface, _completed(options, surface)), name=name)
+    own = counter.options or options
+    counter_name, counter_surface = _read(counter.source, own)
+    face, filled, done = _levelled(surface, options)
+    counter_face, counter_filled, counter_done = _levelled(counter_surface, own)
+    pair = face_to_face(face, counter_face, counter.turned_about, counter.shift)
+    treated = treat_map(pair.map, replace(_completed(options, pair.map), despike=None))
+    record = replace(treated.treatment, filled_fraction=filled + counter_filled)
+    lines = [
+        *(f"map: {line}" for line in done),
+        *(f"counter map: {line}" for line in counter_done),
+        *pair.done,
+        *(line for line in treated.done[1:] if not (pair.whole and line.startswith("levelled"))),
+    ]
+    return replace(treated, name=f"{name} on {counter_name}", treatment=record, done=tuple(lines))
+
+
+def _completed(options: MapOptions, surface: HeightMap) -> MapOptions:
+    """The options, by default with points filled and a map mirrored that does not call itself periodic."""
+    periodic = options.periodic or (None if surface.periodic else "mirrored")
+    return replace(options, periodic=periodic, undefined="harmonic")
+
+
+def _read(source: str | os.PathLike[str] | HeightMap, options: MapOptions) -> tuple[str, HeightMap]:
+    """Name and heights of a map that has all that its treatment needs."""
+    if isinstance(source, HeightMap):
+        found = MapFile(replace(source, unit=source.unit or "m"), (), [])
+        name, path = source.name or "map", source.name
+    else:
+        found = open_map(source, options)
+        name, path = os.path.splitext(os.path.basename(os.fspath(source)))[0], os.fspath(source)
+    if problems := missing_options(found, _completed(options, found.map)):
+        raise MapError(path, problems)
+    return name, found.map
+
+
+def _levelled(surface: HeightMap, options: MapOptions) -> tuple[HeightMap, float, list[str]]:
+    """A map without spikes, missing points and trend; the share that was filled, and what was done."""
+    bounded = replace(
+        _completed(options, surface), periodic="none", wavelength_short=None, points=None, radius=None
+    )
+    treated = treat_map(surface, bounded)
+    height = -treated.height if surface.orientation == PEAKS_UP else treated.height
+    done = [line for line in treated.done[1:] if not line.startswith("not made periodic")]
+    return replace(surface, height=height), treated.treatment.filled_fraction, done

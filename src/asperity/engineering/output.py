@@ -1,20 +1,41 @@
-"""The folder of an answer: results, pictures, tables and the report, written whole or not at all."""
+"""The folder of an answer: results in SI units, pictures, tables and the report."""
 
 from __future__ import annotations
 
+import json
 import os
+import shutil
+from collections.abc import Iterable, Iterator
+from dataclasses import asdict
 from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
 
-from asperity.engineering.answer import Answer
-from asperity.engineering.datasets import result_datasets, settings_of
-from asperity.engineering.folder import atomic_folder
-from asperity.engineering.pictures import pictures
-from asperity.engineering.report import ReportPicture, report_page
+import xarray as xr
+
+from asperity.core.errors import DatasetError
+from asperity.core.units import shown_si
+from asperity.engineering.answer import Answer, body_title
+from asperity.engineering.report import Picture, report_page
 from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
+from asperity.results.variables import SI_UNITS
+from asperity.surface.reading.height_map import HeightMap, MapOptions
+from asperity.surface.roughness import surface_dataset
+from asperity.views.maps import plot_height, plot_pressure
+from asperity.views.peak_plot import plot_peaks
+from asperity.views.plane_plot import plot_plane
+from asperity.views.section_plot import plot_section
+from asperity.views.stress_field import POSITIVE, field_words
 
-REPORT = "report.html"
+MANIFEST = ".asperity-run.json"
+"""File with the names of all files of an answer in its folder, so that no other file is ever replaced."""
+
+UNFINISHED = ".unfinished-"
+"""Begin of the name of the folder in which the files are written before they are moved to their places."""
+
+ALWAYS_WRITTEN = ("surface.nc", "contact.nc", "peaks.csv", "answer.csv", "height.png", "report.html")
 
 
 def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
@@ -24,7 +45,7 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
     ----------
     answer : Answer
     folder : path
-        Made if it is not there. An earlier answer in it is replaced.
+        Made if it is not there. An earlier answer in it is replaced, other files stay.
 
     Returns
     -------
@@ -34,7 +55,7 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
     Raises
     ------
     ValueError
-        If the folder holds other files.
+        If a file would replace one that is not of an earlier answer.
     DatasetError
         If it cannot be written; an earlier answer is still there then.
 
@@ -49,18 +70,196 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
     >>> names >= {"report.html", "answer.csv", "peaks.csv", "contact.nc"}
     True
     """
-    with atomic_folder(folder) as unfinished:
-        settings = settings_of(answer)
-        for name, (title, data) in result_datasets(answer).items():
-            dataset.write(data, unfinished / name, title, settings)
-        write_table(answer.peaks(), "answer_peaks", unfinished / "peaks.csv", float_format="%.8g")
-        write_table(answer.frame(), "answer", unfinished / "answer.csv", float_format="%.8g")
-        shown = []
-        for picture in pictures(answer):
-            path = unfinished / f"{picture.name}.png"
-            picture.figure.savefig(path, metadata={"Software": None})
-            wide = picture.name.startswith("section")
-            shown.append(ReportPicture(picture.body, wide, picture.caption, path.read_bytes()))
-        write_text(unfinished / REPORT, report_page(answer, shown))
-        names = sorted(path.name for path in unfinished.iterdir())
-    return [Path(folder) / name for name in names]
+    folder = Path(folder)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        for abandoned in folder.glob(f"{UNFINISHED}*"):  # by a run that was killed
+            shutil.rmtree(abandoned, ignore_errors=True)
+        with TemporaryDirectory(prefix=UNFINISHED, dir=folder) as name:
+            unfinished = Path(name)
+            _write_files(answer, unfinished)
+            names = sorted(path.name for path in unfinished.iterdir())
+            if problem := folder_problem(folder, names):
+                raise ValueError(f"{folder}: {problem}")
+            earlier = _names_of_earlier(folder)
+            write_text(folder / MANIFEST, json.dumps(sorted({*earlier, *names})))
+            for name in names:
+                os.replace(unfinished / name, folder / name)
+            for name in earlier - {*names}:
+                (folder / name).unlink(missing_ok=True)
+            write_text(folder / MANIFEST, json.dumps(names))
+    except OSError as error:
+        raise DatasetError(f"{folder}: cannot be written ({error.strerror or error})") from error
+    return [folder / name for name in names]
+
+
+def folder_problem(folder: str | os.PathLike[str], names: Iterable[str] = ALWAYS_WRITTEN) -> str:
+    """Reason why an answer with files of these names cannot be written into a folder, empty if it can."""
+    folder = Path(folder)
+    if folder.exists() and not folder.is_dir():
+        return "a file, the name of a folder is needed"
+    others = (name for name in names if (folder / name).exists() and name not in _names_of_earlier(folder))
+    if other := next(others, None):
+        return f"holds {other}, which asperity run has not written; another folder is needed"
+    return ""
+
+
+def _names_of_earlier(folder: Path) -> set[str]:
+    """Names of the files of an earlier answer."""
+    try:
+        found = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return set()
+    return {name for name in found if isinstance(name, str) and Path(name).name == name}
+
+
+def _write_files(answer: Answer, folder: Path) -> None:
+    """Write all files of an answer into an empty folder."""
+    settings = settings_of(answer)
+    surface = f"rough surface {answer.face.name}"
+    dataset.write(surface_of(answer), folder / "surface.nc", f"R{surface[1:]}", settings)
+    contact = contact_dataset(answer)
+    dataset.write(contact, folder / "contact.nc", f"Contact with {surface}", settings)
+    for body in answer.bodies:
+        title = f"Stress under {surface}" + (f", {body} body" if len(answer.bodies) > 1 else "")
+        dataset.write(stress_dataset(answer, body), folder / f"stress{_of(answer, body)}.nc", title, settings)
+    write_table(answer.peaks(), "answer_peaks", folder / "peaks.csv", float_format="%.8g")
+    write_table(answer.frame(), "answer", folder / "answer.csv", float_format="%.8g")
+    shown = []
+    for picture in pictures(answer):
+        path = folder / f"{picture.name}.png"
+        picture.figure.savefig(path, metadata={"Software": None})
+        shown.append((picture, path.read_bytes()))
+    page = report_page(answer, shown, json.dumps(settings, indent=2, ensure_ascii=False))
+    write_text(folder / "report.html", page)
+
+
+def _of(answer: Answer, body: str) -> str:
+    """End of the name of a file of one body, if there are two."""
+    return f"_{body}" if len(answer.bodies) > 1 else ""
+
+
+def settings_of(answer: Answer) -> dict[str, Any]:
+    """Settings from which the answer can be made again, in SI units."""
+    case, counter = answer.case, answer.counter_map
+    settings = {
+        "name": answer.face.name,
+        "map": _given(answer.map_options),
+        "counter_map": None,
+        "layer": {"height": case.lower.height, "poisson": case.lower.poisson},
+        "lower": asdict(case.lower),
+        "upper": None if case.upper is None else asdict(case.upper),
+        "load": {case.load.kind: case.load.value},
+        "friction": case.friction,
+        "sliding_direction": case.sliding_direction,
+        "fields": list(answer.fields),
+    }
+    if counter is not None:
+        source = counter.source
+        settings["counter_map"] = {
+            "source": source.name if isinstance(source, HeightMap) else os.fspath(source),
+            "options": None if counter.options is None else _given(counter.options),
+            "turned_about": counter.turned_about,
+            "shift": list(counter.shift),
+        }
+    return settings
+
+
+def _given(options: MapOptions) -> dict[str, Any]:
+    """Options of a map that are given, as plain values."""
+    given = {name: value for name, value in vars(options).items() if value is not None}
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in given.items()}
+
+
+def surface_of(answer: Answer) -> xr.Dataset:
+    """The surface that was pressed, with its roughness parameters and spectrum."""
+    face = answer.face
+    return surface_dataset(face.height, face.grid).assign_attrs(
+        unit_system=SI_UNITS,
+        map_treatment="\n".join(face.done),
+        wavelength_short=face.wavelength_short,
+        edge_step=face.treatment.edge_step,
+    )
+
+
+def contact_dataset(answer: Answer) -> xr.Dataset:
+    """Pressure, displacement and gap; the attributes describe the lower body, the settings both."""
+    return answer.contact.to_dataset().assign_attrs(
+        settings=json.dumps(settings_of(answer), sort_keys=True),
+        force=answer.numbers.force,
+        approach_since_first_touch=answer.numbers.approach,
+        **_solid(answer, "lower"),
+    )
+
+
+def stress_dataset(answer: Answer, body: str) -> xr.Dataset:
+    """The stress in one body."""
+    part = answer.bodies[body]
+    attributes: dict[str, Any] = {
+        "unit_system": SI_UNITS,
+        "body": body,
+        **_solid(answer, body),
+        "gradient_rms_contact": answer.numbers.gradient_rms_contact,
+    }
+    if part.body.yield_stress is not None:
+        attributes["yield_stress"] = part.body.yield_stress
+        attributes["volume_above_yield"] = part.volume_above_yield
+    return answer.stresses[body].assign_attrs(attributes)
+
+
+def _solid(answer: Answer, name: str) -> dict[str, Any]:
+    """Attributes that describe a body, named as in the files of the study."""
+    body = answer.case.bodies[name]
+    return {
+        "solid": "half-space" if body.height is None else f"layer, {body.bottom} bottom",
+        "solid_reason": "asked for",
+        "solid_bound": 0.0,
+        "uniform_mode": "laterally confined",
+        "poisson_contact": body.poisson,
+        "young": body.young,
+    }
+
+
+def pictures(answer: Answer) -> Iterator[Picture]:
+    """Pictures of an answer: height, contact pressure, and the stress in each body.
+
+    Mirror images of the map are left out. The stress is drawn in a section and a plane through the extreme
+    value of each field, and as its peaks.
+    """
+    face, name = answer.face, answer.face.name
+    contact = {name: contact_dataset(answer)}
+    y, x = (0.0, face.map_length[0]), (0.0, face.map_length[1])
+    yield Picture(
+        "height",
+        "Heights as pressed face down, the lowest touch first, with the outlines of the real contact.",
+        plot_height(contact, y=y, x=x),
+    )
+    yield Picture("pressure", "Contact pressure.", plot_pressure(contact, y=y, x=x))
+    images = ", with those of the mirror images of the map" if face.is_mirrored else ""
+    for body, field in ((body, field) for body in answer.bodies for field in answer.fields):
+        found, title = answer.bodies[body].largest[field], body_title(answer.case, body)
+        suffix = ("" if field == "von_mises" else f"_{field}") + _of(answer, body)
+        word = field_words(field)
+        capital = word[0].upper() + word[1:]
+        extreme = "largest" if field in POSITIVE else "extreme"
+        if answer.numbers.contact_nodes:
+            yield Picture(
+                f"section{suffix}",
+                f"{capital} in the vertical section at y = {shown_si(found.y, 'm', 4)}, through its "
+                f"{extreme} value; {title}.",
+                plot_section(contact, y=found.y, x=x, field=field, body=body),
+                body,
+            )
+            yield Picture(
+                f"plane{suffix}",
+                f"{capital} at the depth of its {extreme} value, {shown_si(found.depth, 'm', 3)}; {title}.",
+                plot_plane(contact, found.depth, field, y=y, x=x, body=body),
+                body,
+            )
+        if (answer.stresses[body]["peak_quantity"] == field).any():
+            yield Picture(
+                f"peaks{suffix}",
+                f"Peaks of the {word} and their depth{images}; {title}.",
+                plot_peaks({name: stress_dataset(answer, body)}, field),
+                body,
+            )

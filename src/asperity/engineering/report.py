@@ -3,83 +3,70 @@
 from __future__ import annotations
 
 import base64
-import json
 import platform
 from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
-from typing import Any, NamedTuple
+from itertools import groupby
+from typing import TYPE_CHECKING, NamedTuple
 
-import asperity
+from asperity.core.version import __version__
 from asperity.engineering.advice import WARNING
-from asperity.engineering.answer import Answer, Row, body_title, case_in_words
-from asperity.engineering.datasets import settings_of
+from asperity.engineering.answer import Answer, body_title, case_in_words
 from asperity.results.dataset import PAPER
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 PACKAGES = ("numpy", "numba", "ducc0", "xarray", "SurfaceTopography")
 """Packages whose versions the report names."""
 
 
-class ReportPicture(NamedTuple):
-    """A picture of the page.
+class Picture(NamedTuple):
+    """A picture: the name of its file without the ending, its caption, the figure, and the body it shows.
 
-    Parameters
-    ----------
-    body : str
-        Body whose stress it shows; empty for pictures of the contact.
-    wide : bool
-        True if it takes the whole width.
-    caption : str
-    image : bytes
-        Content of a PNG file.
+    The body is empty for pictures of the contact.
     """
 
-    body: str
-    wide: bool
+    name: str
     caption: str
-    image: bytes
+    figure: Figure
+    body: str = ""
 
 
-def report_page(answer: Answer, pictures: Sequence[ReportPicture]) -> str:
+def report_page(answer: Answer, pictures: Sequence[tuple[Picture, bytes]], settings: str) -> str:
     """The report as HTML.
 
     Parameters
     ----------
     answer : Answer
-    pictures : sequence of ReportPicture
+    pictures : sequence of (Picture, content of its PNG file)
         They become part of the page.
+    settings : str
+        Settings of the answer as text.
     """
     from jinja2 import Environment, StrictUndefined
 
     text = files("asperity.engineering").joinpath("report.html.j2").read_text(encoding="utf-8")
-    template = Environment(
+    environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    ).from_string(text)
-    return template.render(
-        name=answer.indenter.name,
+    )
+    groups: dict[str, list[tuple[Picture, str]]] = {}
+    for picture, image in pictures:
+        title = body_title(answer.case, picture.body) if picture.body and len(answer.bodies) > 1 else ""
+        groups.setdefault(title, []).append((picture, base64.b64encode(image).decode()))
+    return environment.from_string(text).render(
+        answer=answer,
         case=case_in_words(answer.case),
         warnings=[advice for advice in answer.advice if advice.level == WARNING],
         notes=[advice for advice in answer.advice if advice.level != WARNING],
         headline=headline(answer),
-        groups=_groups(answer.rows),
-        friction=answer.case.friction,
-        boundary=answer.indenter.boundary,
-        done=answer.indenter.done,
-        picture_groups=[
-            (
-                body_title(answer.case, body) if body and len(answer.bodies) > 1 else "",
-                [
-                    (picture.wide, picture.caption, base64.b64encode(picture.image).decode())
-                    for picture in pictures
-                    if picture.body == body
-                ],
-            )
-            for body in ("", *answer.bodies)
-        ],
-        settings=json.dumps(settings_of(answer), indent=2, ensure_ascii=False),
+        groups=groupby(answer.rows, key=lambda row: row.group),
+        picture_groups=groups,
+        settings=settings,
         versions=versions(),
         paper=PAPER,
-        version=asperity.__version__,
+        version=__version__,
     )
 
 
@@ -104,18 +91,10 @@ def headline(answer: Answer) -> list[tuple[str, str]]:
 
 def versions() -> list[tuple[str, str]]:
     """Names and versions of what computed the answer."""
-    found = [("asperity", asperity.__version__), ("Python", platform.python_version())]
+    found = [("asperity", __version__), ("Python", platform.python_version())]
     for package in PACKAGES:
         try:
             found.append((package, version(package)))
         except PackageNotFoundError:
             continue
     return found
-
-
-def _groups(rows: Sequence[Row]) -> list[dict[str, Any]]:
-    """Rows by group."""
-    groups: dict[str, list[Row]] = {}
-    for row in rows:
-        groups.setdefault(row.group, []).append(row)
-    return [{"title": title, "rows": of_group} for title, of_group in groups.items()]

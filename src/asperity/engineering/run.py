@@ -1,39 +1,42 @@
-"""All stages from a map to an answer: read, press, stress, yield, resolution. One pure function each.
+"""All stages from a map to an answer: read, press, stress, yield, resolution.
 
-Accuracy is that of the settings in `press` and in `asperity.engineering.extremes`. The largest error of the
-numbers is usually that of the map, whose roughness goes on below its pixels; `coarse_numbers` measures its
-size with a second solution at half the resolution.
+The largest error of the numbers is usually that of the map, whose roughness goes on below its pixels;
+`coarse_numbers` measures its size with a second solution at half the resolution.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from asperity.contact import Contact, solve
+from asperity.core.arguments import choices, require_finite
+from asperity.core.types import Progress
 from asperity.engineering.advice import advise
 from asperity.engineering.answer import Answer
-from asperity.engineering.case import Body, Case, Load
-from asperity.engineering.evaluation import body_answer, contact_numbers, contact_span, main_numbers
-from asperity.engineering.extremes import StressInBody, stress_in
-from asperity.engineering.findings import Findings, Neighbours, Numbers
-from asperity.engineering.indenter import CounterMap, Indenter, MapSettings, read_indenter
-from asperity.finite import require_finite
-from asperity.spectral import Fourier, Grid, resample
-from asperity.stress.arguments import FIELDS, checked_names
-from asperity.surface.height_map import HeightMap
-from asperity.types import Progress
+from asperity.engineering.answer_numbers import (
+    Neighbours,
+    Numbers,
+    body_answer,
+    contact_numbers,
+    contact_span,
+    main_numbers,
+)
+from asperity.engineering.body_stress import stress_in
+from asperity.engineering.case import Body, Case, CounterMap, Load, read_face
+from asperity.fourier.grid import Fourier, Grid, resample
+from asperity.stress.planes.fields import FIELDS
+from asperity.surface.reading.height_map import HeightMap, MapOptions
+from asperity.surface.treatment.treatment import TreatedMap
 
 CONTACT_TOLERANCE = 1e-6
 """Error of the pressure relative to its norm."""
 
-STAGES = {"map": 0.1, "contact": 0.4, "stress": 0.35, "resolution": 0.15}
-"""Share of each stage in the time of a run, for the progress bar."""
-
 
 def run(
-    source: str | os.PathLike[str] | HeightMap | Indenter,
+    source: str | os.PathLike[str] | HeightMap | TreatedMap,
     lower: Body,
     upper: Body | None = None,
     *,
@@ -44,7 +47,7 @@ def run(
     friction: float = 0.0,
     sliding_direction: str | float = "x",
     counter_map: str | os.PathLike[str] | HeightMap | CounterMap | None = None,
-    map_settings: MapSettings | None = None,
+    map_options: MapOptions | None = None,
     fields: Sequence[str] = ("von_mises",),
     progress: Progress | None = None,
 ) -> Answer:
@@ -55,8 +58,8 @@ def run(
 
     Parameters
     ----------
-    source : path, HeightMap or Indenter
-        File of a map, a map in metres, or what `asperity.engineering.indenter.read_indenter` has made of one.
+    source : path, HeightMap or TreatedMap
+        File of a map, a map in metres, or what `asperity.engineering.case.read_face` has made of one.
     lower : Body
     upper : Body, optional
         By default the other body is rigid. The map is that of the lower body, but if the other one is flat
@@ -74,7 +77,9 @@ def run(
     counter_map : path, HeightMap or CounterMap, optional
         Map of the upper body, with its peaks upward as measured. It is turned over and laid on the other one;
         see `CounterMap`.
-    map_settings : MapSettings, optional
+    map_options : MapOptions, optional
+        By default points without data are filled, and a map that does not call itself periodic is mirrored.
+        With ``periodic="none"`` nothing surrounds the map.
     fields : names
         Fields of `asperity.stress_planes` whose peaks are listed and that are drawn.
     progress : callable, optional
@@ -105,168 +110,107 @@ def run(
     >>> print(f"{lower.largest_von_mises / 1e9:.2f} GPa at a depth of {lower.depth * 1e6:.1f} µm")
     1.58 GPa at a depth of 3.4 µm
     """
-    load = Load.chosen(
-        {
-            "mean_pressure": mean_pressure,
-            "force": force,
-            "approach": approach,
-            "area_fraction": area_fraction,
-        }
-    )
-    case = Case(lower, upper, load, friction, sliding_direction)
-    names = checked_names("fields", fields, FIELDS)
-    report = _Stages(progress)
-    settings = map_settings or MapSettings()
-    counter = None
-    if counter_map is not None:
-        counter = counter_map if isinstance(counter_map, CounterMap) else CounterMap(counter_map)
-    indenter = source if isinstance(source, Indenter) else read_indenter(source, settings, counter)
-    contact = press(indenter, case, report.stage("contact"))
-    bodies = {}
-    for body, share in _shared(report.stage("stress"), list(case.bodies)):
-        bodies[body] = stress_in(contact, case, body, names, share)
-    coarse = coarse_numbers(indenter, case, report.stage("resolution"))
+    load = {
+        "mean_pressure": mean_pressure,
+        "force": force,
+        "approach": approach,
+        "area_fraction": area_fraction,
+    }
+    case = Case(lower, upper, Load.chosen(load), friction, sliding_direction)
+    names = choices("fields", fields, FIELDS)
+    options = map_options or MapOptions()
+    counter = counter_map
+    if counter is not None and not isinstance(counter, CounterMap):
+        counter = CounterMap(counter)
+    face = source if isinstance(source, TreatedMap) else read_face(source, options, counter)
+    contact = press(face, case, _part(progress, 0.1, 0.5))
+    share = 0.35 / len(case.bodies)
+    stresses = {
+        name: stress_in(contact, case, name, names, _part(progress, begin, begin + share))
+        for name, begin in zip(case.bodies, (0.5, 0.5 + share), strict=False)
+    }
     neighbours = None
-    if settings.radius is not None and indenter.boundary == "periodic":
-        neighbours = neighbours_of(indenter, case, contact)
-    answer = assemble(indenter, case, settings, contact, bodies, coarse, names, counter, neighbours)
-    report.finish()
-    return answer
+    if options.radius is not None and face.boundary == "periodic":
+        neighbours = neighbours_of(face, case, contact)
+    answer = Answer(
+        face=face,
+        case=case,
+        map_options=options,
+        contact=contact,
+        numbers=contact_numbers(face, contact),
+        bodies={name: body_answer(case.bodies[name], stress, face) for name, stress in stresses.items()},
+        stresses={name: stress.dataset for name, stress in stresses.items()},
+        fine=main_numbers(contact, stresses["lower"].dataset),
+        coarse=coarse_numbers(face, case, _part(progress, 0.85, 1.0)),
+        neighbours=neighbours,
+        fields=names,
+        counter_map=counter,
+    )
+    _require_finite(answer)
+    if progress is not None:
+        progress(1.0, 1.0)
+    return replace(answer, advice=advise(answer))
 
 
-def press(indenter: Indenter, case: Case, progress: Progress | None = None) -> Contact:
+def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Contact:
     """The contact of the case."""
     load = case.load
-    imposed = {load.kind: load.value}
+    imposed: dict[str, Any] = {load.kind: load.value}
     if load.kind == "force":
-        imposed = {"mean_pressure": load.value / indenter.map_area}
+        imposed = {"mean_pressure": load.value / face.map_area}
     elif load.kind == "approach":
-        imposed = {"approach": float(indenter.height.min()) + load.value}
+        imposed = {"approach": float(face.height.min()) + load.value}
     return solve(
-        indenter.height,
+        face.height,
         case.solid,
-        indenter.grid.length,
-        boundary=indenter.boundary,
+        face.grid.length,
+        boundary=face.boundary,
         rtol=CONTACT_TOLERANCE,
         progress=progress,
-        **imposed,  # type: ignore[arg-type]
+        **imposed,
     )
 
 
-def coarse_numbers(indenter: Indenter, case: Case, progress: Progress | None = None) -> Numbers:
-    """The main numbers of the case with pixels twice as large, under the same load."""
-    halved = _halved(indenter)
-    contact = press(halved, case, progress)
-    stress = stress_in(contact, replace(case, lower=replace(case.lower, yield_stress=None)), "lower")
-    return main_numbers(contact, stress.dataset)
+def coarse_numbers(face: TreatedMap, case: Case, progress: Progress | None = None) -> Numbers:
+    """The main numbers of the case with pixels twice as large, under the same load.
 
-
-def neighbours_of(indenter: Indenter, case: Case, contact: Contact) -> Neighbours:
-    """Effect of the periodic images on the contact of a ball or cylinder, from a solution without them."""
-    span, unknown = contact_span(indenter, contact), float("nan")
-    if any(body.height is not None for body in case.bodies.values()):
-        return Neighbours(span, unknown, unknown)
-    alone = press(indenter.map_alone(), case)
-    return Neighbours(span, alone.area_fraction, float(alone.pressure.max()))
-
-
-def _halved(indenter: Indenter) -> Indenter:
-    """The surface with pixels twice as large: its long waves, or every second node with a free boundary."""
-    grid = indenter.grid
-    if indenter.boundary == "free":
-        height = indenter.height[::2, ::2]
+    The coarse surface has the long waves of the fine one, or every second node with a free boundary.
+    """
+    grid = face.grid
+    if face.boundary == "free":
+        height = face.height[::2, ::2]
         length = tuple(2 * step * nodes for step, nodes in zip(grid.spacing, height.shape, strict=True))
         coarse = Grid((height.shape[0], height.shape[1]), length)
     else:
         coarse = Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
-        height = Fourier(coarse).inverse(resample(Fourier(grid).forward(indenter.height), grid, coarse))
-    return replace(indenter, height=height, grid=coarse)
+        height = Fourier(coarse).inverse(resample(Fourier(grid).forward(face.height), grid, coarse))
+    contact = press(replace(face, height=height, grid=coarse), case, progress)
+    stress = stress_in(contact, replace(case, lower=replace(case.lower, yield_stress=None)), "lower")
+    return main_numbers(contact, stress.dataset)
 
 
-def assemble(
-    indenter: Indenter,
-    case: Case,
-    settings: MapSettings,
-    contact: Contact,
-    stresses: dict[str, StressInBody],
-    coarse: Numbers,
-    fields: tuple[str, ...] = ("von_mises",),
-    counter_map: CounterMap | None = None,
-    neighbours: Neighbours | None = None,
-) -> Answer:
-    """The answer from the results of all stages, with the advice on them."""
-    findings = Findings(
-        indenter=indenter,
-        load=case.load,
-        numbers=contact_numbers(indenter, contact),
-        bodies={name: body_answer(case.bodies[name], stress, indenter) for name, stress in stresses.items()},
-        fine=main_numbers(contact, stresses["lower"].dataset),
-        coarse=coarse,
-        neighbours=neighbours,
-    )
-    _require_finite(findings)
-    return Answer(
-        indenter=indenter,
-        case=case,
-        map_settings=settings,
-        contact=contact,
-        numbers=findings.numbers,
-        bodies=findings.bodies,
-        stresses={name: stress.dataset for name, stress in stresses.items()},
-        fine=findings.fine,
-        coarse=coarse,
-        advice=advise(findings),
-        fields=fields,
-        counter_map=counter_map,
-    )
+def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> Neighbours:
+    """Effect of the periodic images on the contact of a ball or cylinder, from a solution without them."""
+    span, unknown = contact_span(face, contact), float("nan")
+    if any(body.height is not None for body in case.bodies.values()):
+        return Neighbours(span, unknown, unknown)
+    alone = press(face.map_alone(), case)
+    return Neighbours(span, alone.area_fraction, float(alone.pressure.max()))
 
 
-def _require_finite(findings: Findings) -> None:
+def _require_finite(answer: Answer) -> None:
     """Raise `ValueError` unless all numbers are finite; NaN stands for those of peaks that are not there."""
-    results = vars(findings.numbers) | {
-        f"{name} with {pixels} pixels": value
-        for pixels, numbers in (("all", findings.fine), ("half the", findings.coarse))
-        for name, value in vars(numbers).items()
-    }
-    for body in findings.bodies.values():
-        results |= {name: tuple(extreme) for name, extreme in body.largest.items()}
-        results |= {
-            name: getattr(body, name)
-            for name in ("volume_above_yield", "depths_above_yield", "fraction_above_yield")
-            if getattr(body, name) is not None
-        }
+    results: dict[str, Any] = dict(vars(answer.numbers))
+    for pixels, numbers in (("all", answer.fine), ("half the", answer.coarse)):
+        results |= {f"{name} with {pixels} pixels": value for name, value in vars(numbers).items()}
+    for body in answer.bodies.values():
+        given = {name: value for name, value in vars(body).items() if isinstance(value, (float, tuple))}
+        results |= given | {name: tuple(extreme) for name, extreme in body.largest.items()}
     require_finite("run", results, undefined=True)
 
 
-class _Stages:
-    """Progress of a run over its stages."""
-
-    def __init__(self, progress: Progress | None) -> None:
-        self._progress = progress
-
-    def stage(self, name: str) -> Progress:
-        """Progress of one stage."""
-        names = list(STAGES)
-        begin = sum(STAGES[other] for other in names[: names.index(name)])
-        return self._between(begin, begin + STAGES[name])
-
-    def finish(self) -> None:
-        """Report that all is done."""
-        if self._progress is not None:
-            self._progress(1.0, 1.0)
-
-    def _between(self, begin: float, end: float) -> Callable[[float, float], None]:
-        def report(done: float, total: float) -> None:
-            if self._progress is not None:
-                self._progress(begin + (end - begin) * (done / total if total else 1.0), 1.0)
-
-        return report
-
-
-def _shared(progress: Progress, names: list[str]) -> list[tuple[str, Progress]]:
-    """Names with equal shares of a progress."""
-
-    def part(number: int) -> Progress:
-        return lambda done, total: progress(number + (done / total if total else 1.0), len(names))
-
-    return [(name, part(number)) for number, name in enumerate(names)]
+def _part(progress: Progress | None, begin: float, end: float) -> Progress | None:
+    """Progress of a part of the run."""
+    if progress is None:
+        return None
+    return lambda done, total: progress(begin + (end - begin) * (done / total if total else 1.0), 1.0)

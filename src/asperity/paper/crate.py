@@ -18,16 +18,18 @@ from rocrate.model.contextentity import ContextEntity
 from rocrate.model.person import Person
 from rocrate.rocrate import ROCrate
 
-import asperity
+from asperity.core.version import __version__
 from asperity.results.dataset import FINGERPRINT, PAPER
 
 METADATA = "ro-crate-metadata.json"
 LICENCE = "https://spdx.org/licenses/MIT"
-PROFILES = (
-    "https://w3id.org/ro/wfrun/process/0.5",
-    "https://w3id.org/ro/wfrun/workflow/0.5",
-    "https://w3id.org/workflowhub/workflow-ro-crate/1.0",
-)
+PROFILES = {
+    "https://w3id.org/ro/wfrun/process/0.5": "Process Run Crate",
+    "https://w3id.org/ro/wfrun/workflow/0.5": "Workflow Run Crate",
+    "https://w3id.org/workflowhub/workflow-ro-crate/1.0": "Workflow RO-Crate",
+}
+"""Profile → its name."""
+
 WORKFLOW = "workflow"
 """Folder of the crate that holds a copy of the Snakefile and of the configuration."""
 
@@ -43,7 +45,7 @@ FORMATS = {
 }
 """Suffix → media type. Other files, such as logs, are no results."""
 
-_NO_RESULTS = ("log", "machine_code", WORKFLOW)
+_NO_RESULTS = ("log", "benchmark", WORKFLOW)
 
 
 def write_crate(results: Path, snakefile: Path, configfiles: Sequence[Path] = ()) -> int:
@@ -69,16 +71,14 @@ def write_crate(results: Path, snakefile: Path, configfiles: Sequence[Path] = ()
     made = datetime.fromtimestamp(max(path.stat().st_mtime for path in found), UTC)
     crate = ROCrate(version="1.1")
     crate.name = f"Results of {results.name}: stress inside elastic solids pressed against rough surfaces"
-    crate.description = f"Made by asperity {asperity.__version__}. The method follows {PAPER}."
+    crate.description = f"Made by asperity {__version__}. The method follows {PAPER}."
     crate.datePublished = made
     crate.license = _entity(crate, LICENCE, "CreativeWork", name="MIT License")
     developers = crate.add(Person(crate, "#developers", properties={"name": "The asperity developers"}))
     crate.root_dataset["author"] = developers
     crate.root_dataset["conformsTo"] = [
-        _entity(
-            crate, profile, "CreativeWork", name=_profile_name(profile), version=profile.rsplit("/", 1)[-1]
-        )
-        for profile in PROFILES
+        _entity(crate, profile, "CreativeWork", name=name, version=profile.rpartition("/")[2])
+        for profile, name in PROFILES.items()
     ]
     workflow = _workflow(crate, results, snakefile)
     workflow["author"] = developers
@@ -109,13 +109,8 @@ def write_crate(results: Path, snakefile: Path, configfiles: Sequence[Path] = ()
 def _is_result(path: Path, results: Path) -> bool:
     parts = path.relative_to(results).parts
     hidden = any(part.startswith(".") for part in parts)
-    return (
-        path.is_file()
-        and path.suffix in FORMATS
-        and parts[0] not in _NO_RESULTS
-        and not hidden
-        and path.name != METADATA
-    )
+    described = path.suffix in FORMATS and path.name != METADATA and parts[0] not in _NO_RESULTS
+    return path.is_file() and described and not hidden
 
 
 def _described(path: Path) -> dict[str, Any]:
@@ -144,31 +139,18 @@ def _copied(path: Path, results: Path) -> Path:
 
 def _workflow(crate: ROCrate, results: Path, snakefile: Path) -> Any:
     """The Snakefile as the main workflow of the crate."""
-    workflow = crate.add_workflow(
-        _copied(snakefile, results),
-        f"{WORKFLOW}/{snakefile.name}",
-        main=True,
-        lang="snakemake",
-        properties={
-            "name": "From rough surfaces to the figures of the paper",
-            "version": asperity.__version__,
-            "license": LICENCE,
-        },
-    )
+    properties = {
+        "name": "From rough surfaces to the figures of the paper",
+        "version": __version__,
+        "license": LICENCE,
+    }
+    copy, name = _copied(snakefile, results), f"{WORKFLOW}/{snakefile.name}"
+    workflow = crate.add_workflow(copy, name, main=True, lang="snakemake", properties=properties)
     workflow["softwareRequirements"] = _entity(
-        crate, "#asperity", "SoftwareApplication", name="asperity", version=asperity.__version__
+        crate, "#asperity", "SoftwareApplication", name="asperity", version=__version__
     )
     return workflow
 
 
 def _entity(crate: ROCrate, name_or_url: str, kind: str, /, **properties: str) -> ContextEntity:
     return crate.add(ContextEntity(crate, name_or_url, properties={"@type": kind, **properties}))
-
-
-def _profile_name(profile: str) -> str:
-    names = {
-        "process": "Process Run Crate",
-        "workflow": "Workflow Run Crate",
-        "workflow-ro-crate": "Workflow RO-Crate",
-    }
-    return names[profile.rsplit("/", 2)[-2]]

@@ -1,14 +1,14 @@
 """Closed forms and independent numerical solutions that the library is compared with.
 
-Nothing here uses the kernels, layers or solvers of the library; only the shared types are imported.
+Nothing here uses the kernels, layers or solvers of the library; only `asperity.core` is imported.
 
 | module | solution |
 |---|---|
-| `elementary` | half-space under one harmonic of pressure, and under a normal or tangential point force |
+| `elementary` | half-space under one harmonic of pressure or a point force; von Mises and shear stress |
 | `hertz` | sphere on a half-space: surface, axis and interior |
 | `elliptic_hertz` | ellipse of contact on a half-space: surface, and stress on the axis |
 | `sliding_sphere` | sphere that slides on a half-space: stress everywhere |
-| `periodic_hertz` | square array of spheres on a half-space |
+| `periodic_hertz` | square array of spheres on a half-space, the paper's Eqs. 11–16 as corrected |
 | `westergaard` | one-dimensional wave on a half-space: surface and interior |
 | `bisinusoid` | bisinusoidal wave on a half-space: asymptotes of small and nearly complete contact |
 | `bonded_layer` | flat punch and paraboloid on a bonded layer, by a Fredholm equation |
@@ -16,9 +16,6 @@ Nothing here uses the kernels, layers or solvers of the library; only the shared
 | `printed` | the paper's equations of the layer, as printed and corrected |
 | `pivoting` | contact on a small periodic grid by principal pivoting, without iterating on pressures |
 | `finite_element` | paraboloid on a bonded slab by 27-node hexahedra |
-| `line_elements` | one-dimensional factors of those hexahedra |
-| `calculix` | the same slab by CalculiX |
-| `equivalent_stress` | von Mises stress and largest shear stress of six components |
 
 Conventions: z up, ``depth ≥ 0`` downward from the surface, tension positive, contact pressure and approach
 positive. Displacement vectors are (x, y, z) with z up; the displacement of a surface under pressure, a

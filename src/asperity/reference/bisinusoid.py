@@ -31,8 +31,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.reference.arguments import require_positive
-from asperity.types import Array
+from asperity.core.arguments import require_positive
+from asperity.core.types import Array
 
 
 @dataclass(frozen=True)

@@ -40,8 +40,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.reference.arguments import require_positive
-from asperity.types import Array
+from asperity.core.arguments import require_positive
+from asperity.core.types import Array
 
 LARGEST_WAVENUMBER = 25.0
 """Upper end of the integrals over u = ξh: 1 − K falls as 4u² e^(−2u) and is below rounding there."""

@@ -1,4 +1,4 @@
-"""Half-space under one harmonic of pressure and under a point force, normal or tangential to its surface.
+"""Half-space under one harmonic of pressure or a point force, and scalar measures of a stress.
 
 All other loads are sums of these. Stress components are in the order xx, yy, zz, yz, xz, xy.
 """
@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.reference.arguments import require_positive
-from asperity.types import Array
+from asperity.core.arguments import require_positive
+from asperity.core.types import Array
 
 
 def single_mode_stress(x: ArrayLike, depth: ArrayLike, wavenumber: float, poisson: float) -> Array:
@@ -138,3 +138,18 @@ def tangential_point_force_displacement(
     across = scale * n_x * n_y * (1 - blunt / (1 + n_z))
     down = scale * n_x * (n_z + blunt)
     return np.stack([along, across, -down], axis=-1)
+
+
+def von_mises(stress: ArrayLike) -> Array:
+    """Von Mises stress of a (..., 6) array, (...)."""
+    xx, yy, zz, yz, xz, xy = np.moveaxis(np.asarray(stress, float), -1, 0)
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return np.sqrt(0.5 * normal + 3 * (yz**2 + xz**2 + xy**2))
+
+
+def largest_shear(stress: ArrayLike) -> Array:
+    """Half of the difference of the largest and smallest principal stress of a (..., 6) array, (...)."""
+    xx, yy, zz, yz, xz, xy = np.moveaxis(np.asarray(stress, float), -1, 0)
+    tensor = np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=-1)
+    principal = np.linalg.eigvalsh(tensor.reshape(*xx.shape, 3, 3))
+    return 0.5 * (principal[..., 2] - principal[..., 0])

@@ -41,9 +41,9 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq, minimize_scalar
 from scipy.special import ellipk, elliprd, elliprf
 
-from asperity.reference.arguments import require_positive
-from asperity.reference.equivalent_stress import largest_shear, von_mises
-from asperity.types import Array
+from asperity.core.arguments import require_positive
+from asperity.core.types import Array
+from asperity.reference.elementary import largest_shear, von_mises
 
 SMALLEST_AXIS_RATIO = 1e-6
 """Smallest ratio b/a that is looked for when the ellipse is computed from its curvatures."""

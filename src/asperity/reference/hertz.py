@@ -18,8 +18,8 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.reference.arguments import require_positive
-from asperity.types import Array
+from asperity.core.arguments import require_positive
+from asperity.core.types import Array
 
 
 class AxisymmetricStress(NamedTuple):

@@ -18,9 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.reference.arguments import require_positive
+from asperity.core.arguments import require_positive
+from asperity.core.types import Array
 from asperity.reference.hertz import Hertz, unit_displacement
-from asperity.types import Array
 
 # Neighbours on each side in the coarser of the two sums; the result is then good to 10⁻⁹.
 _WINDOW = 16

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve
 
-from asperity.types import Array
+from asperity.core.types import Array
 
 # Violations below this fraction of the largest term count as rounding.
 ROUNDING = 1e-13
@@ -45,7 +45,7 @@ def pivot(
         Lower face of the rigid indenter, measured upward.
     compliance : (ny, nx // 2 + 1) array
         Downward surface displacement per unit pressure of every stored mode, in the order of
-        `asperity.spectral.Grid.wavenumber`.
+        `asperity.fourier.grid.Grid.wavenumber`.
     mean_pressure, approach : float
         One of them. At the approach δ the gap is height + displacement − δ.
     guess : (ny, nx) bool array, optional

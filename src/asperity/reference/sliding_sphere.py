@@ -43,8 +43,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from asperity.core.types import Array
 from asperity.reference.hertz import Hertz
-from asperity.types import Array
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.reference.arguments import require_positive
-from asperity.types import Array
+from asperity.core.arguments import require_positive
+from asperity.core.types import Array
 
 
 @dataclass(frozen=True)
@@ -114,7 +114,7 @@ class Westergaard:
             Positions; they broadcast.
         poisson : float
         lateral : "confined" or "free"
-            The uniform mode has ``σ_xx = σ_yy = −ν/(1 − ν) p̄`` or zero.
+            The mean (q = 0) mode has ``σ_xx = σ_yy = −ν/(1 − ν) p̄`` or zero.
 
         Returns
         -------
@@ -142,7 +142,7 @@ class Westergaard:
             slope = -2 * self.mean_pressure * (below - (1 + wave) * (steep - 1)) / below**2
         bend = depth * (1j * k * wave * slope)
         xx, zz, xz = z.real - bend.imag, z.real + bend.imag, bend.real
-        # Z contains the uniform mode as −p̄ in σ_xx too, which is replaced by the chosen lateral stress.
+        # Z contains the mean mode as −p̄ in σ_xx too, which is replaced by the chosen lateral stress.
         confined = {"confined": poisson / (1 - poisson), "free": 0.0}
         if lateral not in confined:
             raise ValueError(f"lateral = {lateral!r}: 'confined' or 'free' is needed")

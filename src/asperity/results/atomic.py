@@ -5,46 +5,54 @@ from __future__ import annotations
 import errno
 import os
 import re
+import secrets
 import shutil
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from asperity.errors import DatasetError
-from asperity.system import is_running
+from asperity.core.errors import DatasetError
+from asperity.core.system import is_running
 
 MIN_FREE_SPACE = 2**20
 """A disk with fewer free bytes is called full: the NetCDF library does not say so itself."""
-
-_unfinished: set[Path] = set()
-"""Temporary files of this process."""
 
 
 @contextmanager
 def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
     """A temporary file beside `path`: renamed to it when the block succeeds, deleted when it fails.
 
-    Temporary files of the same name that killed processes have left are deleted too.
+    Only regular files are replaced; the new one has the permissions of the earlier one. A symbolic link is
+    followed. Temporary files of the same name that killed processes have left are deleted too.
 
     Raises
     ------
     DatasetError
         If the file cannot be written; the message names the file and the remedy.
     """
-    path = Path(path)
-    unfinished = path.with_name(f".{path.name}.{os.getpid()}.unfinished")
-    _unfinished.add(unfinished)
+    target = Path(os.path.realpath(path))
+    unfinished = target.with_name(f".{target.name}.{os.getpid()}.{secrets.token_hex(8)}.unfinished")
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        _delete_abandoned(path)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        earlier = target.stat().st_mode if target.exists() else None
+        if earlier is not None and not stat.S_ISREG(earlier):
+            raise DatasetError(f"{path}: not a regular file; another name is needed")
+        if earlier is not None and not earlier & stat.S_IWUSR:
+            raise DatasetError(f"{path}: read-only; make it writable, or choose another name")
+        _delete_abandoned(target)
+        os.close(os.open(unfinished, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         yield unfinished
-        os.replace(unfinished, path)
+        if earlier is not None:
+            unfinished.chmod(stat.S_IMODE(earlier))
+        os.replace(unfinished, target)
     except (OSError, RuntimeError) as error:
-        raise DatasetError(f"{path}: cannot be written ({_cause_and_remedy(error, path)}") from error
+        if isinstance(error, DatasetError):
+            raise
+        raise DatasetError(f"{path}: cannot be written ({_cause_and_remedy(error, target)}") from error
     finally:
         with suppress(OSError):
             unfinished.unlink()
-        _unfinished.discard(unfinished)
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
@@ -59,16 +67,9 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
         unfinished.write_text(text, encoding="utf-8", newline="\n")
 
 
-def delete_unfinished() -> None:
-    """Delete the temporary files of this process, which is about to end."""
-    for path in list(_unfinished):
-        with suppress(OSError):
-            path.unlink()
-
-
 def _delete_abandoned(path: Path) -> None:
     """Delete temporary files of `path` whose processes have ended."""
-    pattern = re.compile(rf"\.{re.escape(path.name)}\.(\d+)\.unfinished")
+    pattern = re.compile(rf"\.{re.escape(path.name)}\.(\d+)\.\w+\.unfinished")
     for left in path.parent.iterdir():
         found = pattern.fullmatch(left.name)
         if found and not is_running(int(found[1])):
@@ -77,7 +78,7 @@ def _delete_abandoned(path: Path) -> None:
 
 def _cause_and_remedy(error: Exception, path: Path) -> str:
     """End of the message that a file cannot be written."""
-    existing = next(folder for folder in path.absolute().parents if folder.is_dir())
+    existing = next(folder for folder in path.parents if folder.is_dir())
     if getattr(error, "errno", None) == errno.ENOSPC or shutil.disk_usage(existing).free < MIN_FREE_SPACE:
         return "the disk is full); free some space and run again"
     return f"{getattr(error, 'strerror', None) or error}); make its folder writable and run again"

@@ -20,15 +20,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-import asperity
-from asperity import accessor
-from asperity.engines import current_engine
-from asperity.errors import DatasetError, NewerFileError, shown
+from asperity.core.errors import DatasetError, NewerFileError, shown
+from asperity.core.version import __version__
+from asperity.fourier import current_engine
+from asperity.fourier.grid import grid_of as grid_of
 from asperity.results.atomic import atomic_write
 from asperity.results.variables import ORIENTATION, STAGES, STUDY_UNITS, UNIT_SYSTEMS, VARIABLES, units_of
-from asperity.spectral import grid_of as grid_of
-
-accessor.register()
 
 CONVENTIONS = "CF-1.11"
 PAPER = (
@@ -56,8 +53,6 @@ MAX_BLOCK = 2**26
 
 _DENSE = ("height", "displacement", "gap")
 """Fields of which compression would save a sixth of the file and take most of the time of writing it."""
-
-_REMEDY = "delete it and run again"
 
 
 def digest(settings: Any) -> str:
@@ -122,10 +117,10 @@ def write(
         "Conventions": CONVENTIONS,
         "title": title,
         **({"summary": STAGES[stage].summary} if stage else {}),
-        "source": f"asperity {asperity.__version__}",
+        "source": f"asperity {__version__}",
         FORMAT: FORMAT_VERSION,
         UNIT_SYSTEM: system,
-        "comment": UNIT_SYSTEMS[system].comment,
+        "comment": UNIT_SYSTEMS[system],
         "references": PAPER,
         FFT_ENGINE: current_engine().description,
         "settings": json.dumps(settings, sort_keys=True),
@@ -205,7 +200,7 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     with _opened(path) as opened:
         _check_size(opened, path)
         dataset = opened.load()
-    _check(dataset, path)
+        _check(dataset)
     return dataset
 
 
@@ -226,44 +221,40 @@ def verify(path: str | os.PathLike[str]) -> None:
     DatasetError
         As by `read`; the message says that a damaged file may be deleted.
     """
-    try:
-        with _opened(path) as opened:
-            _check(opened, path)
-    except NewerFileError:
-        raise
-    except DatasetError as error:
-        message = str(error)
-        if not Path(path).is_file() or message.endswith(_REMEDY):
-            raise
-        raise DatasetError(f"{message}; {_REMEDY}") from error
+    with _opened(path, own=True) as opened:
+        _check(opened)
 
 
 @contextmanager
-def _opened(path: str | os.PathLike[str]) -> Iterator[xr.Dataset]:
+def _opened(path: str | os.PathLike[str], own: bool = False) -> Iterator[xr.Dataset]:
     """A result file whose values are not read yet; errors in the block become a `DatasetError`.
 
-    The message advises to delete the file only if it is known to be a result: it may be anything else, such
-    as a measured map of the user.
+    The message advises to delete the file only if it is a result: it is known to be the user's own, or holds
+    a fingerprint. Any other may be, for example, a measured map of the user.
     """
     if not Path(path).is_file():
-        raise DatasetError(f"{path}: no such file")
-    ours = False
+        raise DatasetError(f"{path}: {'not a regular file' if os.path.exists(path) else 'no such file'}")
     try:
         with xr.open_dataset(path, engine="netcdf4", cache=False) as opened:
-            ours = FINGERPRINT in opened.attrs
+            if FINGERPRINT not in opened.attrs:
+                raise ValueError(f"it has no attribute {FINGERPRINT}")
+            own = True
+            if (version := int(opened.attrs.get(FORMAT, 1))) > FORMAT_VERSION:
+                raise NewerFileError(
+                    f"{path}: {FORMAT} = {version}, at most {FORMAT_VERSION} is read by asperity "
+                    f"{__version__}; install a newer asperity"
+                )
             yield opened
     except DatasetError:
         raise
     except (OSError, RuntimeError, ValueError, KeyError, AttributeError) as error:
-        if ours:
-            raise DatasetError(f"{path}: damaged ({error}); {_REMEDY}") from error
-        raise DatasetError(f"{path}: damaged, or not a result of asperity ({error})") from error
+        if own:
+            raise DatasetError(f"{path}: damaged ({error}); delete it and run again") from error
+        raise DatasetError(f"{path}: not a result of asperity, or damaged ({error})") from error
 
 
 def _check_size(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Raise `DatasetError` for a file that is no result, or that unpacks to more than is accepted."""
-    if FINGERPRINT not in dataset.attrs:
-        raise DatasetError(f"{path}: not a result of asperity, it has no attribute {FINGERPRINT}")
+    """Raise `DatasetError` for a file that unpacks to more than is accepted."""
     raw = os.environ.get(MAX_MEMORY, "")
     try:
         limit = float(raw) if raw else DEFAULT_MAX_MEMORY
@@ -277,26 +268,19 @@ def _check_size(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
         )
 
 
-def _check(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
-    """Raise `DatasetError` if names, units or fingerprint are not those of a result."""
-    if FINGERPRINT not in dataset.attrs:
-        raise DatasetError(f"{path}: not a result of asperity, it has no attribute {FINGERPRINT}")
-    if (version := int(dataset.attrs.get(FORMAT, 1))) > FORMAT_VERSION:
-        raise NewerFileError(
-            f"{path}: {FORMAT} = {version}, at most {FORMAT_VERSION} is read by asperity "
-            f"{asperity.__version__}; install a newer asperity"
-        )
+def _check(dataset: xr.Dataset) -> None:
+    """Raise `ValueError` if names, units or fingerprint are not those of a result."""
     system = unit_system(dataset)
     if system not in UNIT_SYSTEMS:
-        raise DatasetError(f"{path}: unknown {UNIT_SYSTEM} {system!r}; {_REMEDY}")
+        raise ValueError(f"unknown {UNIT_SYSTEM} {system!r}")
     for name, variable in dataset.variables.items():
         if name not in VARIABLES:
-            raise DatasetError(f"{path}: unknown variable {name!r}; {_REMEDY}")
+            raise ValueError(f"unknown variable {name!r}")
         expected = _attributes(str(name), variable.dtype, system).get("units")
         if (units := variable.attrs.get("units")) != expected:
-            raise DatasetError(f"{path}: {name} is in {units!r}, {expected!r} expected; {_REMEDY}")
+            raise ValueError(f"{name} is in {units!r}, {expected!r} expected")
     if dataset.attrs[FINGERPRINT] != fingerprint(dataset):
-        raise DatasetError(f"{path}: changed since it was written, or by another version; {_REMEDY}")
+        raise ValueError("changed since it was written, or by another version")
 
 
 def fingerprint(dataset: xr.Dataset) -> str:

@@ -2,49 +2,60 @@
 
 A plane is computed, reduced and discarded: its fields are searched for peaks, and its von Mises stress gives
 one point of the depth profile and the covariance of Eq. 22 with the reference plane, that of the largest von
-Mises stress. The reference plane is known only when the stream has ended. The plane with the largest value so
-far is kept, and the few planes above the final reference are computed again.
+Mises stress. The reference plane is known only when the stream has ended: the planes above it are kept, or
+computed again.
 
-The condition of the uniform mode (`Layer.lateral`) adds a constant to σ_xx and σ_yy and changes nothing of
-the contact. `analyse_lateral_conditions` analyses several conditions in the same stream.
+The condition of the mean (q = 0) mode (`Layer.lateral`) adds a constant to σ_xx and σ_yy and changes nothing
+of the contact. `analyse_lateral_conditions` analyses several conditions in the same stream.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import product
+from typing import NamedTuple
 
+import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from asperity import accessor
+from asperity.core.arguments import choices, require_finite
+from asperity.core.parallel import results_of
+from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import LATERALS
-from asperity.engines import current_engine
-from asperity.finite import require_finite
-from asperity.spectral import Work
-from asperity.stress.arguments import (
-    FIELDS,
-    boundary_of,
-    checked_contact,
-    checked_depths,
+from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
+from asperity.fourier import current_engine
+from asperity.fourier.grid import Work
+from asperity.stress.peaks.finder import (
+    PeakFinder,
+    Peaks,
+    SearchedPlane,
+    check_nodes,
     checked_floor,
-    checked_names,
-    checked_nodes,
-    checked_ratios,
-    checked_sliding,
-    checked_threads,
-    checked_tolerance,
+    plane_peaks,
 )
-from asperity.stress.depths import depth_grid
-from asperity.stress.linear_plane import LinearPlane
-from asperity.stress.pressed import ContactLike, PressedSolid
-from asperity.stress.selection import peak_dataset
-from asperity.stress.stream_analysis import Settings, StreamAnalysis
-from asperity.types import Progress
-
-accessor.register()
+from asperity.stress.peaks.maxima import Maxima, maxima_in_rows
+from asperity.stress.planes.fields import FIELDS, MARGIN
+from asperity.stress.planes.planes import depth_grid
+from asperity.stress.planes.stream import LinearPlane, PlaneStream, uniform_part
+from asperity.stress.statistics.covariance import References, row_sums
 
 QUANTITIES = ("pressure", *FIELDS)
 """Quantities whose peaks can be sought."""
+
+INDEPENDENT_OF_POISSON = ("zz", "yz", "xz")
+"""Fields that are the same for every Poisson's ratio in a half-space."""
+
+INDEPENDENT_OF_LATERAL = ("zz", "yz", "xz", "xy")
+"""Fields that are the same for every condition of the mean mode."""
+
+ROUNDING = 1e-12
+"""Maxima below this share of the root mean square of σ_zz of their plane are rounding."""
+
+ROWS_AT_ONCE = 16
+"""Rows of a strip whose fields are computed, searched and summed while they are in the processor's cache."""
 
 
 def analyse_stress(
@@ -67,7 +78,7 @@ def analyse_stress(
     Parameters
     ----------
     contact : object with ``pressure``, ``grid`` and ``layer``
-        A `Contact`, or a `PressedSolid` with any finite pressure.
+        A `Contact`, or a `LoadedSolid` with any finite pressure.
     depths : (planes,) array, optional
         Rising from 0, the surface; by default those of `depth_grid`, down to the bottom of the layer.
     poisson, tolerance, threads, work, friction, sliding_direction
@@ -81,8 +92,8 @@ def analyse_stress(
     progress : callable, optional
         Called as progress(done, total).
     observe : callable, optional
-        Called with every plane of the stream, a `asperity.stress.linear_plane.LinearPlane`, from the surface
-        downward, for numbers that are not in the result. It must not keep the plane.
+        Called with every plane of the stream, an `asperity.stress.planes.stream.LinearPlane`, from the
+        surface downward, for numbers that are not in the result. It must not keep the plane.
 
     Returns
     -------
@@ -109,49 +120,39 @@ def analyse_stress(
     >>> print(*stress["quantity"].values)
     von_mises zz
     """
-    own = contact.layer.lateral
-    return analyse_lateral_conditions(
-        contact,
-        (own,),
-        depths,
+    solid = LoadedSolid.of(contact)
+    own = solid.layer.lateral
+    stream = PlaneStream.of(
+        solid,
+        depth_grid(solid.grid, solid.layer.height) if depths is None else depths,
         poisson,
-        quantities,
-        tolerance=tolerance,
-        floor=floor,
-        threads=threads,
-        progress=progress,
-        work=work,
-        friction=friction,
-        sliding_direction=sliding_direction,
-        observe=observe,
-    )[own]
+        ("von_mises",),
+        tolerance,
+        threads,
+        work,
+        friction,
+        sliding_direction,
+    )
+    return _Analysis(stream, (own,), quantities, floor).run(progress, observe)[own]
 
 
 def analyse_lateral_conditions(
     contact: ContactLike,
     laterals: Sequence[str],
-    depths: ArrayLike | None = None,
+    depths: ArrayLike,
     poisson: float | Sequence[float] | None = None,
     quantities: Sequence[str] = ("pressure", "von_mises", "xx", "zz", "xz"),
     *,
     tolerance: float = 1e-6,
-    floor: float = 0.01,
-    threads: int = 1,
     progress: Progress | None = None,
-    work: Work | None = None,
-    friction: float = 0.0,
-    sliding_direction: str | float = "x",
-    observe: Callable[[LinearPlane], None] | None = None,
 ) -> dict[str, xr.Dataset]:
-    """The analysis of `analyse_stress` for several conditions of the uniform mode, in one stream of planes.
+    """The analysis of `analyse_stress` for several conditions of the mean mode, in one stream of planes.
 
     Parameters
     ----------
     laterals : sequence of names
         Conditions as of `Layer.lateral`, among them that of the contact's layer.
-    contact, depths, poisson, quantities, tolerance, floor, threads, progress, work
-        As for `analyse_stress`.
-    friction, sliding_direction, observe
+    contact, depths, poisson, quantities, tolerance, progress
         As for `analyse_stress`.
 
     Returns
@@ -164,64 +165,173 @@ def analyse_lateral_conditions(
     ValueError, TypeError
         If an argument is out of range.
     """
-    laterals = checked_names("laterals", laterals, LATERALS)
-    if contact.layer.lateral not in laterals:
-        raise ValueError(
-            f"laterals = {list(laterals)!r}: {contact.layer.lateral!r}, the layer's, must be one of them"
+    own = contact.layer.lateral
+    laterals = choices("laterals", laterals, LATERALS)
+    if own not in laterals:
+        raise ValueError(f"laterals = {list(laterals)!r}: {own!r}, the layer's, must be one of them")
+    stream = PlaneStream.of(contact, depths, poisson, ("von_mises",), tolerance)
+    return _Analysis(stream, laterals, quantities, 0.01).run(progress, None)
+
+
+class _Field(NamedTuple):
+    """A field that is computed in every plane: name, Poisson's ratio, uniform part over the mean pressure."""
+
+    name: str
+    poisson: float
+    uniform: float
+
+
+class _Analysis:
+    """Analysis of the stress under one contact, plane by plane.
+
+    The fields are the von Mises stresses, σ_zz, whose root mean square is the scale of the floor, and the
+    others that are searched, each different one once.
+    """
+
+    def __init__(
+        self, stream: PlaneStream, laterals: Sequence[str], quantities: Sequence[str], floor: float
+    ) -> None:
+        solid, depths = stream.solid, stream.depths
+        self._stream, self._laterals = stream, laterals
+        self._quantities = choices("quantities", quantities, QUANTITIES)
+        self._floor = checked_floor(floor)
+        if depths[0] != 0:
+            raise ValueError(f"depths[0] = {depths[0]:g}: 0, the surface, is needed")
+        check_nodes(solid.grid)
+        names = [name for name in self._quantities if name not in ("pressure", "von_mises")]
+        own_first = dict.fromkeys((solid.layer.lateral, *laterals))
+        kinds = product(("von_mises", "zz", *names), own_first, stream.ratios)
+        self._fields = list(dict.fromkeys(self._field(*kind) for kind in kinds))
+        self._sought = np.array([field.name in self._quantities for field in self._fields])
+        count = self._von_mises = sum(field.name == "von_mises" for field in self._fields)
+        self._finder = PeakFinder()
+        self._mean, self._largest = np.zeros((2, count, depths.size))
+        self._references = References(count, depths.size, solid.grid, stream.threads, stream.work)
+        self._points = np.zeros(depths.size, np.int64)
+
+    def _field(self, name: str, lateral: str, poisson: float) -> _Field:
+        """A field under one condition of the mean mode, the same one where both give the same stress."""
+        layer = self._stream.solid.layer
+        if self._is_alike(name):
+            poisson = self._stream.ratios[0]
+        if name in INDEPENDENT_OF_LATERAL:
+            lateral = layer.lateral
+        return _Field(name, poisson, uniform_part(replace(layer, lateral=lateral), poisson))
+
+    def _is_alike(self, name: str) -> bool:
+        """True if a field is the same for every Poisson's ratio."""
+        return self._stream.solid.layer.height is None and name in INDEPENDENT_OF_POISSON
+
+    def run(
+        self, progress: Progress | None, observe: Callable[[LinearPlane], None] | None
+    ) -> dict[str, xr.Dataset]:
+        """Take all planes, and those above the reference planes again that were not kept."""
+        stream, references = self._stream, self._references
+        for number, plane in enumerate(stream.planes()):
+            self._add(number, plane)
+            if observe is not None:
+                observe(plane)
+            if progress is not None:
+                progress(plane.done, 1.0)
+        missing = int(references.missing.max())
+        if missing:
+            for number, plane in enumerate(replace(stream, depths=stream.depths[:missing]).planes()):
+                references.add_again(number, plane.grid, self._searched(plane, self._von_mises).whole())
+        found = {lateral: self._dataset(lateral) for lateral in self._laterals}
+        for dataset in found.values():
+            require_finite("analyse_stress", dataset.data_vars)
+        return found
+
+    def _searched(self, plane: LinearPlane, fields: int | None = None) -> SearchedPlane:
+        """A plane with the first of the fields, by default with all."""
+        compiled = plane.fields(*zip(*self._fields[:fields], strict=True))
+        periodic = self._stream.solid.boundary == "periodic"
+        return SearchedPlane(plane.depth, plane.grid, plane.basis, compiled, periodic)
+
+    def _add(self, number: int, plane: LinearPlane) -> None:
+        searched, count = self._searched(plane), self._von_mises
+        (ny, nx), references = plane.grid.shape, self._references.on(plane.grid)
+        taken = np.empty((count, ny, nx), plane.basis.values.dtype) if self._references.is_rising else None
+
+        # The floor is known when the plane is; until then, one that is a little lower.
+        lower_floor = max(plane.bound, 0.99 * self._floor * plane.scale)
+
+        def reduced(first: int) -> tuple[Maxima, Array]:
+            last = min(first + ROWS_AT_ONCE, ny)
+            values = searched.rows(first, last)
+            if taken is not None:
+                taken[:, first:last] = values[:count, 1:-1, MARGIN : MARGIN + nx]
+            return (
+                maxima_in_rows(values, nx, first, lower_floor),
+                row_sums(values[: count + 1], nx, first, references),
+            )
+
+        tasks = [partial(reduced, first) for first in range(0, ny, ROWS_AT_ONCE)]
+        strips, sums = zip(*results_of(tasks, self._stream.threads), strict=True)
+        total = np.concatenate(sums, axis=1)
+        self._references.add(
+            number,
+            total[:count],
+            lambda: self._searched(plane, count).whole() if taken is None else taken,
         )
-    pressure, _ = checked_contact(contact)
-    if depths is None:
-        depths = depth_grid(contact.grid, contact.layer.height)
-    settings = Settings(
-        depths=checked_depths(depths, contact),
-        ratios=checked_ratios(poisson, contact.layer),
-        quantities=checked_names("quantities", quantities, QUANTITIES),
-        tolerance=checked_tolerance(tolerance),
-        floor=checked_floor(floor),
-        threads=checked_threads(threads),
-        work=Work() if work is None else work,
-        friction=friction,
-        sliding_direction=sliding_direction,
-    )
-    checked_sliding(friction, sliding_direction, contact.layer)
-    if settings.depths[0] != 0:
-        raise ValueError(f"depths[0] = {settings.depths[0]:g}: 0, the surface, is needed")
-    checked_nodes(contact.grid)
-    analysis = StreamAnalysis(
-        PressedSolid(pressure, contact.grid, contact.layer, boundary_of(contact)), settings, laterals
-    )
-    analysis.run(progress, observe)
-    found = {lateral: _dataset(analysis, lateral) for lateral in laterals}
-    for dataset in found.values():
-        require_finite("analyse_stress", dataset.data_vars)
-    return found
+        self._points[number] = max(ny, nx)
+        self._mean[:, number] = total[:count, :, 0].sum(axis=1) / plane.grid.size
+        self._largest[:, number] = total[:count, :, 2].max(axis=1)
+        scale = np.sqrt(total[count, :, 1].sum() / plane.grid.size)
+        floor = max(plane.bound, self._floor * scale, ROUNDING * scale)
+        maxima = Maxima.join(list(strips))
+        high = self._sought[maxima.field] & (maxima.magnitude > floor)
+        self._finder.add(searched, maxima.select(np.flatnonzero(high)))
 
+    def _peaks(self, lateral: str) -> dict[tuple[str, float], Peaks]:
+        """Quantity and Poisson's ratio (NaN: the same for every one) → its peaks, when all planes passed."""
+        found: dict[tuple[str, float], Peaks] = {}
+        solid, ratios = self._stream.solid, self._stream.ratios
+        for name in self._quantities:
+            if name == "pressure":
+                found[name, np.nan] = plane_peaks(solid.pressure, solid.grid, boundary=solid.boundary)
+                continue
+            labels = {np.nan: ratios[0]} if self._is_alike(name) else {ratio: ratio for ratio in ratios}
+            for label, ratio in labels.items():
+                found[name, label] = self._finder.peaks(self._fields.index(self._field(name, lateral, ratio)))
+        return found
 
-def _dataset(analysis: StreamAnalysis, lateral: str) -> xr.Dataset:
-    """The dataset of a finished analysis under one condition of the uniform mode."""
-    settings, contact, references = analysis.settings, analysis.contact, analysis.references
-    fields = [analysis.field("von_mises", lateral, ratio) for ratio in settings.ratios]
-    own = [analysis.von_mises.index(field) for field in fields]
-    lag, in_plane = references.in_plane()
-    profiles = ("poisson", "plane")
-    variables = {
-        "plane_points": ("plane", analysis.points),
-        "mean_von_mises": (profiles, analysis.mean[own]),
-        "largest_von_mises": (profiles, analysis.largest[own]),
-        "covariance_depth": (profiles, references.covariance[own]),
-        "covariance_plane": (("poisson", "lag"), in_plane[own]),
-        "reference_depth": ("poisson", settings.depths[references.number[own]]),
-    }
-    coordinates = {
-        "quantity": list(settings.quantities),
-        "poisson": settings.ratios,
-        "plane_depth": ("plane", settings.depths),
-        "lag": lag,
-    }
-    found = peak_dataset(analysis.peaks(lateral), contact).assign(variables).assign_coords(coordinates)
-    return found.assign_attrs(
-        effective_modulus=contact.layer.effective_modulus,
-        friction=float(settings.friction),
-        sliding_direction=settings.sliding_direction,
-        fft_engine=current_engine().description,
-    )
+    def _dataset(self, lateral: str) -> xr.Dataset:
+        """Results under one condition of the mean mode; `asperity.peaks` selects from the peaks."""
+        stream, references, solid = self._stream, self._references, self._stream.solid
+        own = [self._fields.index(self._field("von_mises", lateral, ratio)) for ratio in stream.ratios]
+        lag, in_plane = references.in_plane()
+        found = self._peaks(lateral)
+        every, sizes = Peaks.join(found.values()), [peaks.size for peaks in found.values()]
+        under_contact = every.under_contact(solid.pressure, solid.grid, solid.boundary)
+        profiles = ("poisson", "plane")
+        return xr.Dataset(
+            {
+                "peak_value": ("peak", every.value),
+                "peak_depth": ("peak", every.depth),
+                "peak_y": ("peak", every.y),
+                "peak_x": ("peak", every.x),
+                "peak_interior": ("peak", every.interior),
+                "peak_under_contact": ("peak", under_contact),
+                "plane_points": ("plane", self._points),
+                "mean_von_mises": (profiles, self._mean[own]),
+                "largest_von_mises": (profiles, self._largest[own]),
+                "covariance_depth": (profiles, references.covariance[own]),
+                "covariance_plane": (("poisson", "lag"), in_plane[own]),
+                "reference_depth": ("poisson", stream.depths[references.number[own]]),
+            },
+            coords={
+                "peak_quantity": ("peak", np.repeat([name for name, _ in found], sizes)),
+                "peak_poisson": ("peak", np.repeat([ratio for _, ratio in found], sizes)),
+                "quantity": list(self._quantities),
+                "poisson": stream.ratios,
+                "plane_depth": ("plane", stream.depths),
+                "lag": lag,
+            },
+            attrs={
+                "effective_modulus": solid.layer.effective_modulus,
+                "friction": stream.friction,
+                "sliding_direction": stream.sliding_direction,
+                "fft_engine": current_engine().description,
+            },
+        )

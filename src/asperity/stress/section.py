@@ -1,7 +1,7 @@
 """Sections and boxes of the solid: fields of the stress on one grid, from planes on grids of their own.
 
-Each plane of the stream is interpolated along y and x as its linear parts A and B; the named fields are made
-from the interpolated parts, never interpolated themselves. Over a periodic boundary the interpolation is the
+The basis fields A and B of each plane are interpolated along y and x; the named fields are made from the
+interpolated ones, never interpolated themselves. Over a periodic boundary the interpolation is the
 trigonometric one, exact for the modes of the plane. Over a free boundary it is Lagrange's on the
 `LAGRANGE_NODES` nearest nodes. Where a plane has the nodes that are asked for, they are taken as they are.
 """
@@ -16,24 +16,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from asperity.arguments import pair
-from asperity.errors import shown
-from asperity.finite import require_finite
-from asperity.stress.arguments import (
-    FIELDS,
-    boundary_of,
-    checked_contact,
-    checked_depths,
-    checked_name,
-    checked_names,
-    checked_number,
-    checked_ratios,
-)
-from asperity.stress.depths import depth_grid
-from asperity.stress.linear_plane import LinearPlane
-from asperity.stress.planes import linear_planes
-from asperity.stress.pressed import ContactLike
-from asperity.types import Array, Progress
+from asperity.core.arguments import choice, number, pair, require_finite
+from asperity.core.errors import shown
+from asperity.core.types import Array, Progress
+from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
+from asperity.stress.planes.planes import depth_grid
+from asperity.stress.planes.stream import LinearPlane, PlaneStream
 
 LAGRANGE_NODES = 10
 """Nodes of the interpolation over a free boundary: its error is below 1e-4 for waves of seven nodes."""
@@ -69,8 +57,7 @@ class StressBox:
     x: Array
     poisson: tuple[float, ...]
     fields: tuple[str, ...]
-    _contact: ContactLike = field(repr=False)
-    _settings: dict[str, Any] = field(repr=False)
+    _stream: PlaneStream = field(repr=False)
 
     def __repr__(self) -> str:
         shape = " × ".join(str(axis.size) for axis in (self.depth, self.y, self.x))
@@ -78,9 +65,8 @@ class StressBox:
 
     def planes(self, progress: Progress | None = None) -> Iterator[dict[str, Array]]:
         """The fields of one depth after the other: name → (ratios, ny, nx) array."""
-        periodic = boundary_of(self._contact) == "periodic"
-        stream = linear_planes(self._contact, self.depth, self.poisson, self.fields, **self._settings)
-        for plane in stream:
+        periodic = self._stream.solid.boundary == "periodic"
+        for plane in self._stream.planes():
             found = _interpolated(plane, self.y, self.x, periodic)
             fields = {name: np.stack([found.field(name, nu) for nu in self.poisson]) for name in self.fields}
             require_finite("stress_box", fields)
@@ -110,9 +96,9 @@ class StressBox:
                 "at a time by planes()"
             )
         values = {name: np.empty(shape) for name in self.fields}
-        for number, plane in enumerate(self.planes(progress)):
+        for index, plane in enumerate(self.planes(progress)):
             for name in self.fields:
-                values[name][:, number] = plane[name]
+                values[name][:, index] = plane[name]
         dimensions = ("poisson", "depth", "y", "x")
         return xr.Dataset(
             {name: (dimensions, array) for name, array in values.items()},
@@ -168,16 +154,14 @@ def stress_box(
     (1, 20, 20)
     (1, 20, 20)
     """
-    checked_contact(contact)
-    names = checked_names("fields", fields, FIELDS)
+    stream = PlaneStream.of(contact, depths, poisson, fields, **settings)
     return StressBox(
-        depth=checked_depths(depths, contact),
-        y=_positions("y", y, contact, 0, spacing),
-        x=_positions("x", x, contact, 1, spacing),
-        poisson=tuple(checked_ratios(poisson, contact.layer)),
-        fields=names,
-        _contact=contact,
-        _settings=settings,
+        depth=stream.depths,
+        y=_positions("y", y, stream.solid, 0, spacing),
+        x=_positions("x", x, stream.solid, 1, spacing),
+        poisson=tuple(stream.ratios),
+        fields=stream.names,
+        _stream=stream,
     )
 
 
@@ -230,35 +214,32 @@ def stress_section(
     >>> bool(abs(section["zz"].min() + contact.max_pressure) < 1e-5)  # σ_zz = −p at the surface
     True
     """
-    checked_name("along", along, ("x", "y"))
-    pressure, _ = checked_contact(contact)
-    across = 0 if along == "x" else 1
+    choice("along", along, ("x", "y"))
+    solid, across = LoadedSolid.of(contact), 0 if along == "x" else 1
     if at is None:
-        highest = np.unravel_index(int(np.argmax(pressure)), pressure.shape)
-        at = float(highest[across] * contact.grid.spacing[across])
-    length = contact.grid.length[across]
-    at = checked_number("at", at, f"a position from 0 to {length:g}", lambda value: 0 <= value <= length)
+        highest = np.unravel_index(int(np.argmax(solid.pressure)), solid.grid.shape)
+        at = float(highest[across] * solid.grid.spacing[across])
+    length = solid.grid.length[across]
+    at = number("at", at, f"a position from 0 to {length:g}", lambda value: 0 <= value <= length)
     if depths is None:
-        depths = depth_grid(contact.grid, contact.layer.height)
+        depths = depth_grid(solid.grid, solid.layer.height)
     y, x = ((at, at), None) if along == "x" else (None, (at, at))
-    box = stress_box(contact, depths, y, x, fields, poisson, **settings)
+    box = stress_box(solid, depths, y, x, fields, poisson, **settings)
     return box.dataset(progress).isel({"y" if along == "x" else "x": 0})
 
 
-def _positions(name: str, extent: Any, contact: ContactLike, axis: int, spacing: float | None) -> Array:
+def _positions(name: str, extent: Any, solid: LoadedSolid, axis: int, spacing: float | None) -> Array:
     """Positions of the nodes of a box along one axis."""
-    length, step = contact.grid.length[axis], contact.grid.spacing[axis]
+    length, step = solid.grid.length[axis], solid.grid.spacing[axis]
     if spacing is not None:
         least = length / MOST_NODES
-        step = checked_number(
-            "spacing", spacing, f"a number of at least {least:.3g}", lambda value: value >= least
-        )
+        step = number("spacing", spacing, f"a number of at least {least:.3g}", lambda value: value >= least)
     if extent is None:
         first, last = 0.0, length - step if length > step else 0.0
     else:
         accepted = f"a pair (first, last) of rising positions from 0 to {length:g}"
         first, last = (
-            checked_number(name, edge, accepted, lambda value: 0 <= value <= length)
+            number(name, edge, accepted, lambda value: 0 <= value <= length)
             for edge in pair(name, extent, accepted)
         )
         if last < first:
@@ -267,16 +248,14 @@ def _positions(name: str, extent: Any, contact: ContactLike, axis: int, spacing:
 
 
 def _interpolated(plane: LinearPlane, y: Array, x: Array, periodic: bool) -> LinearPlane:
-    """The plane with its parts at other positions."""
+    """The plane with its basis fields at other positions."""
     along_y, along_x = (
         _Interpolation(nodes, positions / step, periodic)
         for nodes, positions, step in zip(plane.grid.shape, (y, x), plane.grid.spacing, strict=True)
     )
-
-    def moved(parts: dict[str, Array]) -> dict[str, Array]:
-        return {name: along_x(along_y(values).T).T.copy() for name, values in parts.items()}
-
-    return replace(plane, constant=moved(plane.constant), slope=moved(plane.slope), values=None)
+    given = plane.basis.values[:, :, : plane.basis.columns]
+    values = np.stack([along_x(along_y(field).T).T for field in given])
+    return replace(plane, basis=plane.basis._replace(values=values, columns=x.size))
 
 
 class _Interpolation:
@@ -318,12 +297,12 @@ def _lagrange_weights(nodes: int, positions: Array) -> Array:
     """Weights of Lagrange's interpolation on the nearest nodes."""
     count = min(LAGRANGE_NODES, nodes)
     first = np.clip(np.floor(positions).astype(np.int64) - (count - 1) // 2, 0, nodes - count)
-    place = first[:, None] + np.arange(count)
-    local = np.ones(place.shape)
+    index = first[:, None] + np.arange(count)
+    local = np.ones(index.shape)
     for k in range(count):
         for m in range(count):
             if m != k:
-                local[:, k] *= (positions - place[:, m]) / (k - m)
+                local[:, k] *= (positions - index[:, m]) / (k - m)
     weights = np.zeros((positions.size, nodes))
-    np.put_along_axis(weights, place, local, axis=1)
+    np.put_along_axis(weights, index, local, axis=1)
     return weights

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.arguments import LARGEST, choice, finite_array, magnitude, number, pair
-from asperity.errors import shown
-from asperity.finite import require_finite
-from asperity.spectral import Grid
-from asperity.types import Array
+from asperity.core.arguments import LARGEST, choice, magnitude, number, pair, require_finite
+from asperity.core.errors import shown
+from asperity.core.types import Array
+from asperity.fourier.grid import Grid
+from asperity.surface.roughness import checked_heights
 
 AXES = ("y", "x")
 
@@ -100,9 +100,7 @@ def add_cylinder(
 
 def _surface(height: ArrayLike, length: Grid | float | tuple[float, float]) -> tuple[Array, Grid]:
     """The heights, and the grid on which they are given."""
-    heights = finite_array("height", height)
-    if heights.ndim != 2 or heights.size == 0:
-        raise ValueError(f"height of shape {heights.shape}: an array (ny, nx) is needed")
+    heights = checked_heights(height)
     if not isinstance(length, Grid):
         return heights, Grid(heights.shape, length)  # type: ignore[arg-type]
     if length.shape != heights.shape:

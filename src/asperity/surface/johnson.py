@@ -18,10 +18,9 @@ from collections.abc import Callable
 import numpy as np
 from scipy.special import expit
 
-from asperity.arguments import LARGEST, SMALLEST, magnitude, number
-from asperity.finite import require_finite
+from asperity.core.arguments import LARGEST, SMALLEST, magnitude, number, require_finite
+from asperity.core.types import Array
 from asperity.surface.roughness import moments, varying_heights
-from asperity.types import Array
 
 # Largest δ of the bounded curve: the curve is then straight to a part in a million, and six digits are lost.
 _LARGEST_DELTA = 1e6
@@ -146,7 +145,11 @@ def with_moments(height: Array, skewness: float, kurtosis: float) -> Array:
     5
     """
     heights = varying_heights(height)
-    skewness, kurtosis = _checked_moments(skewness, kurtosis)
+    largest = _LARGEST_KURTOSIS**0.5  # the kurtosis exceeds the square of the skewness
+    accepted = f"a number from {-largest:g} to {largest:g}"
+    skewness = number("skewness", skewness, accepted, lambda n: abs(n) <= largest)
+    accepted = f"a number from 1 to {_LARGEST_KURTOSIS:g}"
+    kurtosis = number("kurtosis", kurtosis, accepted, lambda n: 1 <= n <= _LARGEST_KURTOSIS)
     standard = _standardised(heights)
     if (skewness, kurtosis) == (0.0, 3.0):
         found = _rescaled(standard, heights)
@@ -168,16 +171,6 @@ def _fitted_curve(skewness: float, kurtosis: float) -> tuple[Callable[[Array], A
         f"skewness = {skewness!r}, kurtosis = {kurtosis!r}: no Johnson curve with these moments was found; "
         f"a kurtosis from about {1.2 + 1.1 * skewness**2:.3g} to {_LARGEST_KURTOSIS:g}, "
         "not close to that of a lognormal distribution, is needed"
-    )
-
-
-def _checked_moments(skewness: float, kurtosis: float) -> tuple[float, float]:
-    """Skewness and kurtosis as floats, checked."""
-    highest = _LARGEST_KURTOSIS
-    most = highest**0.5  # the kurtosis exceeds the square of the skewness
-    return (
-        number("skewness", skewness, f"a number from {-most:g} to {most:g}", lambda n: abs(n) <= most),
-        number("kurtosis", kurtosis, f"a number from 1 to {highest:g}", lambda n: 1 <= n <= highest),
     )
 
 

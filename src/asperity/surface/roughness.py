@@ -13,34 +13,32 @@ ISO 25178-2 (names of areal roughness parameters).
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asperity.arguments import LARGEST, SMALLEST, real_array
-from asperity.finite import require_finite
-from asperity.spectral import Fourier, Grid, mean_square, radial_average
-from asperity.types import Array
+from asperity.core.arguments import SMALLEST, finite_array, require_finite
+from asperity.core.types import Array
+from asperity.fourier.grid import Fourier, Grid, mean_square, radial_average
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
-def _heights(height: ArrayLike) -> Array:
+def checked_heights(height: ArrayLike) -> Array:
     """Heights as a float64 array, checked."""
-    values = real_array("height", height)
+    values = finite_array("height", height)
     if values.ndim != 2 or values.size == 0:
         raise ValueError(
             f"height of shape {values.shape}: an array (ny, nx) with at least one height is needed"
-        )
-    wrong = ~(np.abs(values) <= min(LARGEST, float(np.finfo(values.dtype).max)))
-    if wrong.any():
-        raise ValueError(
-            f"height = {values[wrong][0]}: finite heights, at most {LARGEST:g} in size, are needed"
         )
     return values.astype(np.float64)
 
 
 def varying_heights(height: ArrayLike) -> Array:
     """Heights as a float64 array, checked, and not all equal."""
-    values = _heights(height)
+    values = checked_heights(height)
     if np.ptp(values) < SMALLEST:
         raise ValueError(
             f"height: heights that differ by at least {SMALLEST:g} are needed, this surface is flat"
@@ -136,7 +134,7 @@ def spectrum(height: Array, length: float | tuple[float, float] = 1.0) -> tuple[
     Returns
     -------
     wavenumber : (rings,) array
-        |q| in radians per length, the rings of `asperity.spectral.radial_average`.
+        |q| in radians per length, the rings of `asperity.fourier.grid.radial_average`.
     power : (rings,) array
         Two-dimensional power spectral density C(q) = A |ĥ(q)|², A the area of the cell, in length⁴: the
         convention of Jacobs, Junge and Pastewka (2017), in which ∫ C(q) d²q/(2π)² is the mean square height.
@@ -157,9 +155,25 @@ def spectrum(height: Array, length: float | tuple[float, float] = 1.0) -> tuple[
     >>> bool(abs(slope + 2 * (1 + 0.8)) < 0.1)
     True
     """
-    values = _heights(height)
+    values = checked_heights(height)
     grid = Grid(values.shape, length)  # type: ignore[arg-type]
     power = np.abs(Fourier(grid).forward(values)) ** 2
     wavenumber, average = radial_average(grid.area * power, grid)
     require_finite("spectrum", {"wavenumber": wavenumber, "power": average})
     return wavenumber, average
+
+
+def surface_dataset(height: Array, grid: Grid) -> xr.Dataset:
+    """Heights over y and x as in result files, with their roughness parameters and their spectrum."""
+    import xarray as xr
+
+    wavenumber, power = spectrum(height, grid.length)
+    y, x = grid.coordinates()
+    return xr.Dataset(
+        {
+            "height": (("y", "x"), height),
+            **asdict(roughness_parameters(height, grid.length)),
+            "spectrum": ("wavenumber", power),
+        },
+        coords={"y": y, "x": x, "wavenumber": wavenumber},
+    )

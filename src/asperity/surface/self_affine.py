@@ -10,10 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from asperity.arguments import LARGEST, SMALLEST, magnitude, number, whole_number
-from asperity.finite import require_finite
-from asperity.spectral import Fourier, Grid, mean_square, radial_average
-from asperity.types import Array
+from asperity.core.arguments import LARGEST, SMALLEST, magnitude, number, require_finite, whole_number
+from asperity.core.types import Array
+from asperity.fourier.grid import Fourier, Grid, mean_square, radial_average
 
 # Relative widening of a band of wavenumbers, so that rounding does not remove waves at its ends.
 _BAND_SLACK = 1e-9

@@ -9,12 +9,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity.results.window import Span, Window
-from asperity.types import Array
-from asperity.views.colours import ON_WHITE, SEQUENTIAL, Limits, robust_limits
-from asperity.views.measures import Measure, measure
+from asperity.core.types import Array
 from asperity.views.panels import add_colour_bar, canvas, finish_title
-from asperity.views.source import Source, sources
+from asperity.views.scales import ON_WHITE, SEQUENTIAL, Limits, Measure, measure, robust_limits
+from asperity.views.source import Source, Span, Window, sources
 
 PIXELS = 1024
 """Most pixels along an edge; a pixel of a finer grid stands for a block of nodes."""
@@ -181,13 +179,6 @@ def draw_maps(maps: Sequence[Map], look: Look, axes: Axes | Sequence[Axes] | Non
     return figure
 
 
-def outline(axis: Axes, part: Window, contacts: Array, length: Measure, colour: str) -> None:
-    """Draw the outlines of contacts in a part of the cell."""
-    shown, y, x = blocks(part.of(contacts).astype(np.float32), part, np.max)
-    if shown.min() < shown.max():
-        axis.contour(x / length.factor, y / length.factor, shown, levels=[0.5], colors=colour, linewidths=0.5)
-
-
 def blocks(values: Array, part: Window, reduce: Callable[..., Array]) -> tuple[Array, Array, Array]:
     """Values of blocks of nodes, at most `PIXELS` along an edge, and the positions y and x of their middles.
 
@@ -252,7 +243,10 @@ def _draw(axis: Axes, shown: Map, look: Look, limits: Limits, unit: Measure, len
         cmap=look.colours,
     )
     if shown.contacts is not None:
-        outline(axis, part, shown.contacts, length, look.outline)
+        contacts, y, x = blocks(part.of(shown.contacts).astype(np.float32), part, np.max)
+        if contacts.min() < contacts.max():
+            y, x = y / length.factor, x / length.factor
+            axis.contour(x, y, contacts, levels=[0.5], colors=look.outline, linewidths=0.5)
     edge_y, edge_x = part.spacing[0] / 2, part.spacing[1] / 2
     axis.set(
         xlim=((part.x[0] - edge_x) / length.factor, (part.x[-1] + edge_x) / length.factor),

@@ -9,8 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 
-from asperity.views.colours import Limits
-from asperity.views.measures import Measure
+from asperity.views.scales import Limits, Measure
 from asperity.views.style import MILLIMETRE, PAGE, style
 
 SINGLE = 110 * MILLIMETRE

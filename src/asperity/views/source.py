@@ -6,22 +6,51 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
+from asperity.core.errors import shown
+from asperity.core.types import Array
+from asperity.core.units import shown_si
 from asperity.elasticity.layer import Layer
+from asperity.elasticity.loaded_solid import LoadedSolid, Sliding, layer_of, traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
-from asperity.errors import shown
-from asperity.results.dataset import settings_of
-from asperity.results.window import Span, Window, window
-from asperity.spectral import Grid, grid_of
-from asperity.stress.pressed import PressedSolid, Sliding, layer_of, traction_direction
-from asperity.types import Array
-from asperity.views.measures import STUDY, told
+from asperity.fourier.grid import Grid, grid_of
+from asperity.results.dataset import settings_of, unit_system
+from asperity.results.variables import SI_UNITS
 from asperity.views.style import label
 
 FIELDS = ("height", "pressure", "gap")
 
-NO_SLIDING = Sliding()
+Span = tuple[float, float]
+"""First and last position of a part of an axis."""
+
+_ROUNDING = 1e-9
+"""A node that lies outside by this share of the edge, by rounding, counts as inside."""
+
+
+@dataclass(frozen=True)
+class Window:
+    """Part of a cell: the nodes that are drawn or exported.
+
+    Parameters
+    ----------
+    rows, columns : slice
+        Nodes along y and x.
+    y, x : arrays
+        Positions of these nodes.
+    spacing : (along y, along x)
+    """
+
+    rows: slice
+    columns: slice
+    y: Array
+    x: Array
+    spacing: tuple[float, float]
+
+    def of(self, field: Array) -> Array:
+        """The part of a field [y, x]."""
+        return field[self.rows, self.columns]
 
 
 @dataclass(frozen=True)
@@ -52,7 +81,7 @@ class Source:
     fields: dict[str, Array]
     layers: dict[str, Layer]
     boundary: str = "periodic"
-    sliding: Sliding = NO_SLIDING
+    sliding: Sliding = Sliding()  # noqa: RUF009  is immutable
 
     def field(self, name: str) -> Array:
         """One of the fields.
@@ -62,20 +91,58 @@ class Source:
         ValueError
             If the result does not have it.
         """
-        if not isinstance(name, str) or name not in self.fields:
+        if name not in self.fields:
             known = ", ".join(self.fields) or "no fields over the surface"
             raise ValueError(f"{name}: the result has {known}")
         return self.fields[name]
 
-    def told(self, value: float) -> str:
+    def shown(self, length: float) -> str:
         """A length with its unit, for messages."""
-        return told(value, "length", self.system)
+        return shown_si(length, "m") if self.system == SI_UNITS else f"{length:.6g}"
 
     def window(self, y: Span | None = None, x: Span | None = None) -> Window:
-        """The part between two positions along each axis, by default all of it."""
-        return window(self.grid, y, x, self.told)
+        """The part of the cell between two positions along each axis, both included; by default all of it.
 
-    def pressed(self, body: str = "lower") -> PressedSolid:
+        Raises
+        ------
+        ValueError
+            If the positions do not rise, lie outside the cell, or have fewer than two nodes between them.
+        """
+        parts, positions = [], []
+        axes = zip("yx", (y, x), self.grid.coordinates(), self.grid.length, strict=True)
+        for name, span, nodes, edge in axes:
+            part = slice(0, nodes.size)
+            if span is not None:
+                low, high = span
+                given = f"{name} = {self.shown(low)} to {self.shown(high)}"
+                if not 0 <= low < high <= edge + _ROUNDING * edge:
+                    raise ValueError(f"{given}: rising positions from 0 to {self.shown(edge)} are needed")
+                ends = low - _ROUNDING * edge, high + _ROUNDING * edge
+                part = slice(*map(int, np.searchsorted(nodes, ends)))
+                if part.stop - part.start < 2:
+                    apart = self.shown(edge / nodes.size)
+                    raise ValueError(f"{given}: at least two nodes are needed, they are {apart} apart")
+            parts.append(part)
+            positions.append(nodes[part])
+        return Window(parts[0], parts[1], positions[0], positions[1], self.grid.spacing)
+
+    def node(self, axis: str, position: float) -> int:
+        """The node nearest to a position along an axis.
+
+        Raises
+        ------
+        ValueError
+            If the position lies outside the cell.
+        """
+        number = "yx".index(axis)
+        edge = self.grid.length[number]
+        if not 0 <= position <= edge:
+            raise ValueError(
+                f"{axis} = {self.shown(position)}: a position from 0 to {self.shown(edge)} is needed"
+            )
+        return round(position / self.grid.spacing[number]) % self.grid.shape[number]
+
+    def pressed(self, body: str = "lower") -> LoadedSolid:
         """A body under its contact pressure.
 
         Raises
@@ -85,10 +152,10 @@ class Source:
         """
         if not self.layers or "pressure" not in self.fields:
             raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
-        if not isinstance(body, str) or body not in self.layers:
+        if body not in self.layers:
             raise ValueError(f"body = {shown(body)}: {' or '.join(self.layers)} is needed")
         pressure = self.fields["pressure"].astype(float)
-        return PressedSolid(pressure, self.grid, self.layers[body], self.boundary)
+        return LoadedSolid(pressure, self.grid, self.layers[body], self.boundary)
 
     def sliding_of(
         self, body: str = "lower", friction: float | None = None, direction: str | float | None = None
@@ -109,6 +176,25 @@ class Source:
         }
 
 
+def titled(results: Any) -> list[tuple[str | None, Any]]:
+    """Results with the titles that are given, of one result, a sequence, or a mapping from titles to results.
+
+    Raises
+    ------
+    ValueError
+        If there is none.
+    """
+    if isinstance(results, Mapping) and not isinstance(results, xr.Dataset):
+        found: list[tuple[str | None, Any]] = [(str(title), result) for title, result in results.items()]
+    elif isinstance(results, Sequence) and not isinstance(results, str):
+        found = [(None, result) for result in results]
+    else:
+        found = [(None, results)]
+    if not found:
+        raise ValueError("result: at least one result is needed")
+    return found
+
+
 def sources(results: Any, unit_system: str | None = None) -> list[Source]:
     """Sources of one result, of a sequence of results, or of a mapping from titles to results.
 
@@ -126,34 +212,15 @@ def sources(results: Any, unit_system: str | None = None) -> list[Source]:
     ValueError
         If there is none, or some are dimensionless and others are not.
     """
-    if isinstance(results, Mapping) and not isinstance(results, xr.Dataset):
-        found = [_source(result, unit_system, str(title)) for title, result in results.items()]
-    elif isinstance(results, Sequence) and not isinstance(results, str):
-        found = [_source(result, unit_system) for result in results]
-    else:
-        found = [_source(results, unit_system)]
-    if not found:
-        raise ValueError("result: at least one result is needed")
-    same_system([source.system for source in found])
+    found = [_source(result, unit_system, title) for title, result in titled(results)]
+    require_same_system([source.system for source in found])
     return found
 
 
-def same_system(systems: Sequence[str | None]) -> str | None:
-    """The one unit system of several results.
-
-    Raises
-    ------
-    ValueError
-        If they have several.
-    """
+def require_same_system(systems: Sequence[str | None]) -> None:
+    """Raise `ValueError` if results have several unit systems."""
     if len(set(systems)) > 1:
         raise ValueError("result: results in one unit system are needed, not SI beside dimensionless ones")
-    return systems[0]
-
-
-def system_of(data: xr.Dataset) -> str:
-    """Unit system of a dataset; without the attribute it is that of the study."""
-    return str(data.attrs.get("unit_system", STUDY))
 
 
 def title_of(data: xr.Dataset) -> str:
@@ -166,7 +233,7 @@ def title_of(data: xr.Dataset) -> str:
         return str(settings_of(data).get("name", ""))
 
 
-def _source(result: Any, unit_system: str | None, title: str | None = None) -> Source:
+def _source(result: Any, unit_system: str | None, title: str | None) -> Source:
     if isinstance(result, xr.Dataset):
         return _source_of_dataset(result, title)
     grid = getattr(result, "grid", None)
@@ -199,7 +266,7 @@ def _source_of_dataset(data: xr.Dataset, title: str | None) -> Source:
     boundary = str(data.attrs.get("boundary", "periodic"))
     settings = settings_of(data) if "settings" in data.attrs else {}
     sliding = Sliding(settings.get("friction", 0.0), settings.get("sliding_direction", "x"))
-    return Source(title, grid_of(data), system_of(data), fields, layers, boundary, sliding)
+    return Source(title, grid_of(data), unit_system(data), fields, layers, boundary, sliding)
 
 
 def _layers_of(contact: xr.Dataset) -> dict[str, Layer]:

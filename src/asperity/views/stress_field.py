@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from asperity.stress.pressed import PressedSolid
-from asperity.views.colours import SIGNED, STRESS
+from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.views.maps import Look, largest_magnitude
+from asperity.views.scales import SIGNED, STRESS
 from asperity.views.source import Source, sources
 
 POSITIVE = ("von_mises", "largest_shear")
@@ -30,18 +30,16 @@ class Stress(NamedTuple):
     Parameters
     ----------
     source : Source
-    solid : PressedSolid
+    solid : LoadedSolid
     field : str
-    poisson : float or None
-    sliding : dict
-        As of `Source.sliding_of`.
+    settings : dict
+        ``poisson``, ``friction`` and ``sliding_direction``, as arguments of `asperity.stress_planes`.
     """
 
     source: Source
-    solid: PressedSolid
+    solid: LoadedSolid
     field: str
-    poisson: float | None
-    sliding: dict[str, Any]
+    settings: dict[str, Any]
 
 
 def stresses(
@@ -59,8 +57,7 @@ def stresses(
             source,
             source.pressed(body),
             field,
-            poisson,
-            source.sliding_of(body, friction, sliding_direction),
+            {"poisson": poisson, **source.sliding_of(body, friction, sliding_direction)},
         )
         for source in sources(contact, unit_system)
     ]

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
+from asperity.results.atomic import atomic_write
 from asperity.results.dataset import settings_of
 
 if TYPE_CHECKING:
@@ -82,11 +83,10 @@ def save(figure: Figure, *paths: str | os.PathLike[str]) -> None:
     for path in map(Path, paths):
         if path.suffix not in _FORMATS:
             raise ValueError(f"{path}: the name of a picture is needed, ending in {', '.join(_FORMATS)}")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        unfinished = path.with_name(f".{path.stem}.unfinished{path.suffix}")
         metadata = {".pdf": {"CreationDate": None, "Producer": None}, ".svg": {"Date": None}}
-        try:
-            figure.savefig(unfinished, metadata=metadata.get(path.suffix, {"Software": None}))
-            os.replace(unfinished, path)
-        finally:
-            unfinished.unlink(missing_ok=True)
+        with atomic_write(path) as unfinished:
+            figure.savefig(
+                unfinished,
+                format=path.suffix.removeprefix("."),
+                metadata=metadata.get(path.suffix, {"Software": None}),
+            )

@@ -6,69 +6,77 @@ import argparse
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import xarray as xr
 
-from asperity.cli.arguments import section, sliding
-from asperity.cli.compiling import compile_visibly, planes_small
-from asperity.cli.files import check_out, stage_of
-from asperity.cli.places import is_si, length, places, span
-from asperity.errors import shown
+from asperity.cli.files import check_out
+from asperity.cli.notice import progress_bar
+from asperity.cli.parser import section, sliding
+from asperity.cli.positions import is_si, length, positions, span
+from asperity.core.errors import shown
+from asperity.core.types import Array
 from asperity.results import dataset
-from asperity.results.export import export_units, make_box, write_box, write_peaks
-from asperity.results.export_surface import (
-    named,
+from asperity.results.tables import SUFFIXES
+from asperity.stress.planes.fields import FIELDS
+from asperity.stress.section import stress_box
+from asperity.study.runtime.preflight import require_space
+from asperity.views.export import (
+    box_depths,
+    export_units,
     surface_fields,
+    write_box,
+    write_peaks,
     write_surface_image,
     write_surface_table,
 )
-from asperity.results.tables import SUFFIXES
-from asperity.runtime.preflight import require_space
-from asperity.runtime.progress import ProgressBar
-from asperity.stress.arguments import FIELDS, checked_ratios, checked_sliding
-from asperity.types import Array
-from asperity.views.source import sources
+from asperity.views.source import Source, Window, sources
 
-_MAKERS = {"surface": "asperity surface", "contact": "asperity solve", "stress": "asperity stress"}
+MAKERS = {"surface": "asperity surface", "contact": "asperity solve", "stress": "asperity stress"}
+"""Stage → command that makes its results."""
 
 
 def run(options: argparse.Namespace) -> None:
     """Write the files that are asked for, and print what each holds."""
-    fields = [(*_chosen(what), path) for what, path in options.field or ()]
-    profiles = [(_line(where), path) for where, path in options.profile or ()]
-    endings = {
-        **dict.fromkeys([path for *_, path in fields], (".vti",)),
-        **dict.fromkeys([path for _, path in profiles], (".csv",)),
-        **dict.fromkeys([path for path in [options.peaks] if path], SUFFIXES),
+    boxes = [(*_box_chosen(text), path) for text, path in options.field or ()]
+    profiles = [(*_line_chosen(text), path) for text, path in options.profile or ()]
+    suffixes = {
+        **{path: (".vti",) for *_, path in boxes},
+        **{path: (".csv",) for *_, path in profiles},
+        **{path: SUFFIXES for path in [options.peaks] if path},
         **dict.fromkeys(options.surface or (), (".vti", ".csv")),
     }
-    if not endings:
+    if not suffixes:
         raise ValueError(
             "nothing to export: --peaks FILE.csv, --surface FILE.vti, --profile y=PLACE FILE.csv or "
             "--field NAMES:DEPTHS FILE.vti is needed"
         )
-    check_out(list(endings), options.results)
-    for path, accepted in endings.items():
+    check_out(list(suffixes), options.results)
+    for path, accepted in suffixes.items():
         if Path(path).suffix not in accepted:
             raise ValueError(f"{path}: a name that ends in {' or '.join(accepted)} is needed")
     given = _by_stage(options.results)
     if options.peaks:
         count = write_peaks(_needed(given, "stress", "--peaks"), options.peaks)
         print(f"{options.peaks}: {count} peaks")
-    for path in options.surface or ():
-        _export_surface(_with_surface(given), path, options)
-    for where, path in profiles:
-        _export_profile(_with_surface(given), where, path)
-    for names, depths, path in fields:
+    if options.surface or profiles:
+        data = given.get("contact")
+        if data is None:
+            data = _needed(given, "surface", "--surface, --profile")
+        source = sources(data)[0]
+        fields = surface_fields(data, source)
+        for path in options.surface or ():
+            _export_surface(data, source, fields, path, options)
+        for axis, text, path in profiles:
+            _export_profile(data, source, fields, axis, text, path)
+    for names, depths, path in boxes:
         _export_box(_needed(given, "contact", "--field"), names, depths, path, options)
 
 
-def _chosen(text: str) -> tuple[list[str], str]:
+def _box_chosen(text: str) -> tuple[list[str], str]:
     """Names of fields and range of depth, from text such as ``von_mises,xx:0-40um``."""
-    names, colon, depths = text.partition(":")
-    if not colon or not depths:
+    names, _, depths = text.partition(":")
+    if not depths:
         raise ValueError(f"--field {shown(text)}: NAMES:DEPTHS, such as von_mises,xx:0-40um, is needed")
     listed = names.split(",")
     for name in listed:
@@ -77,14 +85,20 @@ def _chosen(text: str) -> tuple[list[str], str]:
     return listed, depths
 
 
+def _line_chosen(text: str) -> tuple[str, str]:
+    """Axis and position of a profile, from text such as ``y=205um``."""
+    (found,) = positions("--profile", [text], ("y", "x")).items()
+    return found
+
+
 def _by_stage(paths: list[str]) -> dict[str, xr.Dataset]:
     found: dict[str, xr.Dataset] = {}
     for path in paths:
         data = dataset.read(path)
-        stage = stage_of(data)
-        if stage not in _MAKERS:
+        stage = dataset.stage_of(data)
+        if stage not in MAKERS:
             raise ValueError(
-                f"{path}: a result of {stage or 'no stage'}, one of {', '.join(_MAKERS)} is needed"
+                f"{path}: a result of {stage or 'no stage'}, one of {', '.join(MAKERS)} is needed"
             )
         if stage in found:
             raise ValueError(f"{path}: a second result of {stage}, one is needed")
@@ -94,59 +108,44 @@ def _by_stage(paths: list[str]) -> dict[str, xr.Dataset]:
 
 def _needed(given: Mapping[str, xr.Dataset], stage: str, option: str) -> xr.Dataset:
     if stage not in given:
-        raise ValueError(f"{option}: a {stage} file (of {_MAKERS[stage]}) is needed, none is given")
+        raise ValueError(f"{option}: a {stage} file (of {MAKERS[stage]}) is needed, none is given")
     return given[stage]
 
 
-def _with_surface(given: Mapping[str, xr.Dataset]) -> xr.Dataset:
-    """The contact, or without one the surface."""
-    return given["contact"] if "contact" in given else _needed(given, "surface", "--surface, --profile")
+def _spans(options: argparse.Namespace, si: bool) -> dict[str, tuple[float, float]]:
+    """Parts of the cell along y and x that are given."""
+    texts = {"y": options.y, "x": options.x}
+    return {name: span(f"--{name}", text, si) for name, text in texts.items() if text}
 
 
-def _fields(data: xr.Dataset) -> dict[str, Array]:
-    """Fields over the surface; the height under a contact follows from gap and displacement."""
-    return surface_fields(data, sources(data)[0].fields.get("height"))
-
-
-def _export_surface(data: xr.Dataset, path: str, options: argparse.Namespace) -> None:
-    si, source, fields = is_si(data), sources(data)[0], _fields(data)
-    part = source.window(
-        **{name: span(f"--{name}", text, si) for name in "yx" if (text := getattr(options, name))}
-    )
-    write = write_surface_image if Path(path).suffix == ".vti" else write_surface_table
-    bytes_of_node = 4 if write is write_surface_image else 16
-    require_space(
-        Path(path).absolute().parent, 1e-6 * bytes_of_node * part.y.size * part.x.size * len(fields)
-    )
-    write(data, path, fields, part)
-    names = ", ".join(named(fields, export_units(data)))
+def _export_surface(
+    data: xr.Dataset, source: Source, fields: dict[str, Array], path: str, options: argparse.Namespace
+) -> None:
+    part, units = source.window(**_spans(options, is_si(data))), export_units(data)
+    image = Path(path).suffix == ".vti"
+    nodes = part.y.size * part.x.size * len(fields)
+    require_space(Path(path).absolute().parent, 1e-6 * nodes * (4 if image else 16))
+    write = write_surface_image if image else write_surface_table
+    write(path, fields, part, units)
+    names = ", ".join(units.columns(fields))
     print(f"{path}: {names} at {part.x.size} × {part.y.size} nodes along x, y")
 
 
-def _line(where: str) -> tuple[str, str]:
-    """Axis and place of a profile, from text such as ``y=205um``."""
-    (found,) = places("--profile", [where], ("y", "x")).items()
-    return found
-
-
-def _export_profile(data: xr.Dataset, where: tuple[str, str], path: str) -> None:
-    """Write the fields along the line of nodes nearest to a place."""
-    source, fields = sources(data)[0], _fields(data)
-    name, axis = where[0], "yx".index(where[0])
-    place, edge = length(f"--profile {name}", where[1], is_si(data)), source.grid.length[axis]
-    if not 0 <= place <= edge:
-        raise ValueError(
-            f"--profile {name} = {source.told(place)}: a position from 0 to {source.told(edge)} is needed"
-        )
-    node = round(place / source.grid.spacing[axis]) % source.grid.shape[axis]
-    line, part = slice(node, node + 1), source.window()
-    if name == "y":
+def _export_profile(
+    data: xr.Dataset, source: Source, fields: dict[str, Array], axis: str, text: str, path: str
+) -> None:
+    """Write the fields along the line of nodes nearest to a position."""
+    node = source.node(axis, length(f"--profile {axis}", text, is_si(data)))
+    part: Window = source.window()
+    line = slice(node, node + 1)
+    if axis == "y":
         part = replace(part, rows=line, y=part.y[line])
     else:
         part = replace(part, columns=line, x=part.x[line])
-    count = write_surface_table(data, path, fields, part)
-    exact = source.told(float(node * source.grid.spacing[axis]))
-    print(f"{path}: {', '.join(named(fields, export_units(data)))} at {count} nodes of {name} = {exact}")
+    units = export_units(data)
+    count = write_surface_table(path, fields, part, units)
+    exact = source.shown(float(node * source.grid.spacing["yx".index(axis)]))
+    print(f"{path}: {', '.join(units.columns(fields))} at {count} nodes of {axis} = {exact}")
 
 
 def _export_box(
@@ -154,32 +153,26 @@ def _export_box(
 ) -> None:
     si = is_si(contact)
     source = sources(contact)[0]
-    solid = source.pressed(options.body)
     given = sliding(options)
-    traction = source.sliding_of(options.body, given.get("friction"), given.get("sliding_direction"))
-    checked_sliding(traction["friction"], traction["sliding_direction"], solid.layer)
-    poisson = section(options, "layer").get("poisson")
-    checked_ratios(poisson, solid.layer)
-    box = make_box(
-        solid.grid,
-        span("--field", depths, si),
-        **{name: span(f"--{name}", text, si) for name in "yx" if (text := getattr(options, name))},
-        spacing=length("--spacing", options.spacing, si) if options.spacing else None,
-        told=source.told,
+    spacing = length("--spacing", options.spacing, si) if options.spacing else None
+    part = source.window(**_spans(options, si))
+    box = stress_box(
+        source.pressed(options.body),
+        box_depths(source, span("--field", depths, si), spacing),
+        (float(part.y[0]), float(part.y[-1])),
+        (float(part.x[0]), float(part.x[-1])),
+        names,
+        section(options, "layer").get("poisson"),
+        tolerance=0.0,
+        **source.sliding_of(options.body, given.get("friction"), given.get("sliding_direction")),
     )
-    height = solid.layer.height
-    if height is not None and box.depths[-1] > height * (1 + 1e-9):
-        raise ValueError(
-            f"--field {shown(depths)}: depths to at most {source.told(height)}, the height of the layer, "
-            "are needed"
-        )
-    require_space(Path(path).absolute().parent, 4e-6 * len(names) * math.prod(box.shape))
+    shape = box.x.size, box.y.size, box.depth.size
+    require_space(Path(path).absolute().parent, 4e-6 * len(names) * math.prod(shape))
     units = export_units(contact)
-    compile_visibly("planes", partial(planes_small, solid, names, poisson))
-    with ProgressBar("export") as progress:
-        size = write_box(solid, path, box, names, poisson, units, progress, **traction)
+    with progress_bar("export") as progress:
+        size = write_box(box, path, units, progress)
     print(
         f"{path}: {', '.join(names)} in {units.stress_name.replace('_', ' ')} on "
-        f"{' × '.join(map(str, reversed(box.shape)))} nodes along x, y, z, in "
+        f"{' × '.join(map(str, shape))} nodes along x, y, z, in "
         f"{'µm' if si else 'cell lengths'}, {size / 1e6:.3g} MB"
     )

@@ -4,12 +4,24 @@ from __future__ import annotations
 
 import argparse
 
-from asperity.cli.arguments import flag, section
+from asperity.cli.parser import flag, section
 from asperity.surface.description import describe_map
-from asperity.surface.reading import Reading
+from asperity.surface.reading.height_map import MapError, MapOptions, renamed
 
 
 def run(options: argparse.Namespace) -> None:
-    """Print the description of a height map."""
-    given = Reading(**section(options, "measured.NAME"))
-    print("\n".join(describe_map(options.map, given, option=flag).lines()))
+    """Print the description of a height map, and what a calculation needs to be told."""
+    try:
+        found = describe_map(options.map, MapOptions(**section(options, "measured.NAME")))
+    except MapError as error:
+        raise error.renamed(flag) from error
+    width = max(map(len, found.properties)) + 2
+    for name, text in found.properties.items():
+        print(f"{name + ':':<{width}}{text}")
+    chosen = "asperity run fills points without data and mirrors the map by itself; "
+    chosen += "asperity solve and a study need"
+    for heading, problems in (("every calculation needs", found.needed), (chosen, found.choices)):
+        if problems:
+            print(heading, *(f"  {renamed(problem, flag)}" for problem in problems), sep="\n")
+    if not found.needed and not found.choices:
+        print("A calculation needs nothing else.")

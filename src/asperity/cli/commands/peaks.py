@@ -6,13 +6,14 @@ import argparse
 
 import xarray as xr
 
-from asperity.cli.arguments import section
-from asperity.cli.files import check_out, read_in_cell_lengths, read_result, write_result
-from asperity.pipeline.statistics import SeedResults, surface_statistics
-from asperity.results import dataset
-from asperity.results.systems import in_cell_lengths
-from asperity.runtime.progress import ProgressBar
-from asperity.stress.peak_kinds import selection_for
+from asperity.cli.files import check_out, read_stage
+from asperity.cli.notice import progress_bar
+from asperity.cli.parser import section
+from asperity.results import write_result
+from asperity.results.dataset import grid_of, settings_of
+from asperity.results.variables import in_cell_lengths
+from asperity.stress.peaks.selection import selection_for
+from asperity.study.stages.statistics import SeedResults, surface_statistics
 from asperity.surface.roughness import roughness_parameters
 
 _PERCENTS = (50.0, 90.0, 99.0)
@@ -26,21 +27,23 @@ def run(options: argparse.Namespace) -> None:
             f"--contact: one for each stress is needed, "
             f"{len(options.contact)} for {len(options.stress)} given"
         )
-    read = [read_in_cell_lengths(path, "stress") for path in options.stress]
-    beside = [read_result(path, "contact") for path in options.contact]
-    for path, contact in zip(options.stress, beside, strict=True):
-        stress = read_result(path, "stress")
-        made_from = {key: value for key, value in dataset.settings_of(stress).items() if key != "stress"}
-        if made_from != dataset.settings_of(contact):
-            raise ValueError(f"{path}: not made from the contact beside it; give both in the same order")
+    seeds, all_settings = [], []
+    for stress_path, contact_path in zip(options.stress, options.contact, strict=True):
+        stress, contact = read_stage(stress_path, "stress"), read_stage(contact_path, "contact")
+        made_from = {key: value for key, value in settings_of(stress).items() if key != "stress"}
+        if made_from != settings_of(contact):
+            raise ValueError(
+                f"{stress_path}: not made from the contact beside it; give both in the same order"
+            )
+        stress, own = in_cell_lengths(stress, settings_of(stress))
+        contact, _ = in_cell_lengths(contact, {})
+        seeds.append(SeedResults(own["seed"], _surface(contact), contact, stress))
+        all_settings.append(own)
     chosen = section(options, "statistics")
-    stresses = [stress for stress, _ in read]
-    contacts = [in_cell_lengths(contact, {})[0] for contact in beside]
-    settings = read[0][1] | {"statistics": chosen, "seed": [each["seed"] for _, each in read]}
-    results = map(SeedResults, settings["seed"], map(_surface, contacts), contacts, stresses)
-    with ProgressBar(f"peaks {settings['name']}"):
-        result = surface_statistics(results, **chosen)
-    write_result(result, options.out, "Statistics of rough surface", settings)
+    settings = all_settings[0] | {"statistics": chosen, "seed": [own["seed"] for own in all_settings]}
+    with progress_bar(f"peaks {settings['name']}"):
+        result = surface_statistics(seeds, **chosen)
+    write_result(result, options.out, f"Statistics of rough surface {settings['name']}", settings)
     print(_percentiles(result))
 
 
@@ -48,7 +51,7 @@ def _surface(contact: xr.Dataset) -> xr.Dataset:
     """Surface that a contact was solved for, and its moments: height = gap − displacement + approach."""
     height = contact["gap"] - contact["displacement"] + contact["approach"]
     height = height - height.mean()
-    measured = roughness_parameters(height.values, dataset.grid_of(contact).length)
+    measured = roughness_parameters(height.values, grid_of(contact).length)
     names = ("rms_height", "rms_gradient", "skewness", "kurtosis")
     return xr.Dataset({"height": height, **{name: getattr(measured, name) for name in names}})
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import argparse
 
-from asperity.accuracy.plan import PEAKS, Target, assess, propose, report
-from asperity.accuracy.scenes import read, scenes
-from asperity.cli.arguments import section
+from asperity.cli.parser import section
 from asperity.paper.figures import surfaces_with_contact
+from asperity.study.cost.plan import PEAKS, Target, assess, propose, report
+from asperity.study.cost.scene import read, scenes
 
 _GIB = 2**30
 

@@ -8,11 +8,12 @@ from typing import Any
 
 import xarray as xr
 
-from asperity.cli.arguments import section
-from asperity.cli.files import check_out, read_dimensionless, stage_of
-from asperity.packages import require
-from asperity.paper.figures import describe, draw
+from asperity.cli.files import check_out
+from asperity.cli.parser import section
+from asperity.core.packages import require
+from asperity.paper.figures import draw, known
 from asperity.results import dataset
+from asperity.results.variables import STUDY_UNITS
 from asperity.views.style import save, style
 
 _MAKERS = {"contact": "asperity solve", "stress": "asperity stress", "statistics": "asperity peaks"}
@@ -25,7 +26,7 @@ def run(options: argparse.Namespace) -> None:
     require(("matplotlib",))
     check_out(options.out, options.results)
     figure = f"figure {options.figure}"
-    description = describe(f"fig{options.figure:02d}")
+    description = known()[f"fig{options.figure:02d}"]
     stages = description.stages
     if "validation" in stages:
         raise ValueError(f"{figure} is drawn from the validation of the study only")
@@ -43,15 +44,19 @@ def run(options: argparse.Namespace) -> None:
     if description.compares_studies:
         shown = {stage: {"given": results} for stage, results in shown.items()}
     with style():
-        save(draw(description.module, shown), *options.out)
+        save(draw(description, shown), *options.out)
 
 
 def _by_stage(paths: list[str]) -> dict[str, dict[str, xr.Dataset]]:
     """Results by stage and name of the surface; a name that is given twice is numbered."""
     given: dict[str, dict[str, xr.Dataset]] = {}
     for path in paths:
-        data = read_dimensionless(path)
-        stage = stage_of(data)
+        data = dataset.read(path)
+        if (system := dataset.unit_system(data)) != STUDY_UNITS:
+            raise ValueError(
+                f"{path}: in {system} units; a result in cell lengths, as of the study, is needed"
+            )
+        stage = dataset.stage_of(data)
         if stage is None:
             raise ValueError(f"{path}: no result of surface, contact, stress or statistics")
         results = given.setdefault(stage, {})

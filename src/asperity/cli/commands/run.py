@@ -5,29 +5,29 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping, Set
+from dataclasses import fields
+from pathlib import Path
 from typing import Any
 
-from asperity.cli.arguments import converted, direction, flag
-from asperity.cli.run_options import RUN_MAP_OPTIONS, RUN_OPTIONS, Option
-from asperity.config.check import needed_instead
-from asperity.config.reader import is_file, load
-from asperity.config.schema import setting
-from asperity.errors import ConfigError, InputError, fail, shown
-from asperity.packages import require
-from asperity.units import shown_si, to_si
+from asperity.cli.parser import COMMANDS, arguments, converted, direction, flag
+from asperity.core.errors import ConfigError, InputError, fail, shown
+from asperity.core.packages import require
+from asperity.core.units import shown_si, to_si
+from asperity.study.config.check import needed_instead
+from asperity.study.config.reader import is_file, load
+from asperity.study.config.schema import setting
 
 WRONG_USAGE = 2
 """Exit status for arguments that are not accepted, as argparse has it."""
 
-_MAP_NAMES = (
-    *(option.key.rpartition(".")[2] for option in RUN_MAP_OPTIONS),
-    "boundary",
-    "form",
-    "cylinder_axis",
-)
-"""Settings that `MapSettings` takes as they are."""
+KEYS: dict[str, str] = {
+    entry["setting"].rpartition(".")[2]: entry["setting"]
+    for group in COMMANDS["run"]["groups"]
+    for entry in arguments(group).values()
+    if "setting" in entry
+}
+"""Name of a setting that is an option → its dotted key."""
 
 _COUNTER_NAMES = tuple(f"counter_{name}" for name in ("young", "poisson", "yield", "layer_height", "bottom"))
 """Settings of an elastic counter body."""
@@ -52,37 +52,40 @@ _LOADS = {
 def run(options: argparse.Namespace) -> None:
     """Compute the answer, print it, and write results, pictures and report."""
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
-    values, problems = _values(options)
-    refused = [problem.split(" ")[0] for problem in problems]
-    problems += _contradictions(options, values)
+    values, refused = _values(options)
+    problems = [*refused.values(), *_contradictions(options, values, {*values, *refused})]
     for problem in problems:  # at once: reading a map takes a second or more
         fail(problem)
-    indenter, of_map = _indenter(options.map, values, refused)
+    face, of_map = _face(options.map, values, refused.keys())
     for problem in of_map:
         fail(problem)
     if problems or of_map:
         sys.exit(WRONG_USAGE)
 
-    from asperity.cli.compiling import compile_visibly, run_small
+    from asperity.cli.notice import progress_bar
     from asperity.engineering import run as answer_of
     from asperity.engineering import write_answer
-    from asperity.runtime.progress import ProgressBar
 
-    lower, upper = _bodies(values)
-    settings, friction = _map_settings(values), values.get("friction", 0.0)
-    compile_visibly("run", partial(run_small, lower, upper, settings, friction))
-    with ProgressBar(f"run {options.map}") as progress:
+    lower, upper = _body(values, ""), None
+    if "counter_young" in values:
+        upper = _body(values, "counter_")
+    load = next(name for name in _LOADS if name in values)
+    argument, dimension = _LOADS[load]
+    case: dict[str, Any] = {
+        argument: values[load] if dimension is None else to_si(values[load], dimension),
+        "friction": values.get("friction", 0.0),
+    }
+    with progress_bar(f"run {options.map}") as progress:
         answer = answer_of(
-            indenter,
+            face,
             lower,
             upper,
-            friction=friction,
             sliding_direction=direction(values.get("sliding_direction", "x")),
             counter_map=_counter_map(values),
-            map_settings=settings,
+            map_options=_map_options(values),
             fields=values.get("fields", ("von_mises",)),
             progress=progress,
-            **_load(values),
+            **case,
         )
     files = write_answer(answer, options.out)
     print(answer.text())
@@ -92,57 +95,49 @@ def run(options: argparse.Namespace) -> None:
     print(f"\npictures  {pictures}\nresults   {results}\nreport    {report}")
 
 
-def _indenter(path: str, values: Mapping[str, Any], refused: Sequence[str]) -> tuple[Any, list[str]]:
+def _face(path: str, values: Mapping[str, Any], refused: Set[str]) -> tuple[Any, list[str]]:
     """The map as it is pressed, or both maps, and what is wrong with it.
 
     A map that needs an option whose value is `refused` already is not blamed for it again.
     """
     if not is_file(path) or not is_file(values.get("counter_map", path)):
         return None, []
-    from asperity.engineering.indenter import read_indenter
+    from asperity.engineering.case import read_face
+    from asperity.surface.reading.height_map import MapError
 
     try:
-        indenter = read_indenter(path, _map_settings(values), _counter_map(values))
-    except InputError as error:
-        told = zip(error.problems, error.lines, strict=True)
-        return None, [line for problem, line in told if not problem.startswith(tuple(refused))]
-    except ValueError as error:
+        face = read_face(path, _map_options(values), _counter_map(values))
+    except MapError as error:
+        problems = [text for text in error.problems if not text.startswith(tuple(refused))]
+        return None, list(MapError(error.source, problems).renamed(flag).lines)
+    except (InputError, ValueError) as error:
         return None, [str(error)]
-    problem = _too_deep(values, indenter)
-    return indenter, [problem] if problem else []
+    if "approach" in values and "layer_height" not in values and face.boundary == "periodic":
+        most = -float(face.height.min())
+        if to_si(values["approach"], "length") >= most:
+            return None, [
+                f"--approach = {values['approach']}: less than {shown_si(most, 'm')} is needed, the height "
+                "of the mean plane above the point that touches first; there a periodic half-space is in "
+                "full contact"
+            ]
+    return face, []
 
 
-def _too_deep(values: Mapping[str, Any], indenter: Any) -> str:
-    """Message on an approach that no pressure on a periodic half-space causes; empty if there is none."""
-    if "approach" not in values or "layer_height" in values or indenter.boundary == "free":
-        return ""
-    most = -float(indenter.height.min())
-    if to_si(values["approach"], "length") < most:
-        return ""
-    return (
-        f"--approach = {values['approach']}: less than {shown_si(most, 'm')} is needed, the height of the "
-        "mean plane above the point that touches first; there a periodic half-space is in full contact"
-    )
-
-
-def _values(options: argparse.Namespace) -> tuple[dict[str, Any], list[str]]:
-    """Values of all settings by name, and what is wrong with them; an option overrides the configuration."""
-    problems: list[str] = []
-    values = _configured(options.config, problems)
-    for option in (*RUN_OPTIONS, *RUN_MAP_OPTIONS):
-        given = getattr(options, option.key)
-        if given is not None:
-            name = option.key.rpartition(".")[2]
+def _values(options: argparse.Namespace) -> tuple[dict[str, Any], dict[str, str]]:
+    """Accepted values of all settings by name, and messages on refused ones; an option overrides the file."""
+    values, refused = _configured(options.config)
+    for name, key in KEYS.items():
+        if (given := getattr(options, key)) is not None:
             values.pop(name, None)
             try:
-                values[name] = _converted(option, given)
+                values[name] = _converted(key, given)
             except argparse.ArgumentTypeError as error:
-                problems.append(f"{option.flag} {error}")
-    return values, problems
+                refused[name] = f"{flag(name)} {error}"
+    return values, refused
 
 
-def _converted(option: Option, given: str | list[str]) -> Any:
-    entry = setting(option.key)
+def _converted(key: str, given: str | list[str]) -> Any:
+    entry = setting(key)
     if not isinstance(given, list):
         return converted(entry, given)
     values = [converted(entry["items"], text) for text in given]
@@ -151,103 +146,109 @@ def _converted(option: Option, given: str | list[str]) -> Any:
     return values
 
 
-def _configured(path: str | None, problems: list[str]) -> dict[str, Any]:
-    """Accepted values of section ``engineering`` of a configuration."""
+def _configured(path: str | None) -> tuple[dict[str, Any], dict[str, str]]:
+    """Accepted values of section ``engineering`` of a configuration, and messages on what is wrong."""
     if path is None:
-        return {}
+        return {}, {}
     try:
         section = load(path).get("engineering", {})
     except ConfigError as error:
-        problems.append(f"--config {error}")
-        return {}
-    entry = setting("engineering")
+        return {}, {"--config": f"--config {error}"}
+    known = setting("engineering")["properties"]
     if not isinstance(section, Mapping):
-        problems.append(f"--config {path}: engineering = {shown(section)}: a group of keys is needed")
-        return {}
-    values = {}
+        return {}, {"--config": f"--config {path}: engineering = {shown(section)}: a group of keys is needed"}
+    values, problems = {}, {}
     for name, value in section.items():
-        if name not in entry["properties"]:
-            known = ", ".join(entry["properties"])
-            problems.append(f"--config {path}: engineering.{name}: unknown key; known here are {known}")
-        elif needed := needed_instead(value, entry["properties"][name]):
-            problems.append(f"--config {path}: engineering.{name} = {shown(value)}: {needed} is needed")
+        key = f"--config {path}: engineering.{name}"
+        if name not in known:
+            problems[key] = f"{key}: unknown key; known here are {', '.join(known)}"
+        elif needed := needed_instead(value, known[name]):
+            problems[key] = f"{key} = {shown(value)}: {needed} is needed"
         else:
             values[name] = value
-    return values
+    return values, problems
 
 
-def _contradictions(options: argparse.Namespace, values: Mapping[str, Any]) -> list[str]:
-    """What is missing, or does not go together."""
-    from asperity.engineering.folder import folder_problem
+def _contradictions(options: argparse.Namespace, values: Mapping[str, Any], known: Set[str]) -> list[str]:
+    """What is missing, or does not go together; `known` are all settings given, also refused ones."""
+    from asperity.engineering.output import folder_problem
 
-    refused = {
-        option.key.rpartition(".")[2]
-        for option in RUN_OPTIONS
-        if getattr(options, option.key) is not None and option.key.rpartition(".")[2] not in values
-    }
-    known = {*values, *refused}
-    problems = []
+    loads = [flag(name) for name in _LOADS if name in known]
+    counter = [name for name in _COUNTER_NAMES if name in known]
+    free, sliding = values.get("boundary") == "free", bool(values.get("friction"))
+    folder = what = ""
     if not is_file(options.map):
         what = "a folder, a height map is needed" if os.path.isdir(options.map) else "no such file"
-        problems.append(f"{options.map}: {what}")
-    problems += [
-        f"--{name}: missing; {setting(f'engineering.{name}')['accepts']} is needed"
-        if name == "young"
-        else f"--{name}: missing; a number > -1 and ≤ 0.5 is needed"
-        for name in ("young", "poisson")
-        if name not in known
-    ]
-    loads = [flag(name) for name in _LOADS if name in known]
-    if len(loads) != 1:
-        problems.append(
+    if options.out is not None:
+        folder = folder_problem(options.out)
+        maps = [Path(path).resolve() for path in (options.map, values.get("counter_map")) if path]
+        if any(path.parent == Path(options.out).resolve() for path in maps):
+            folder = "holds the map; another folder is needed"
+    young = setting("engineering.young")["accepts"]
+    checks: list[tuple[object, str]] = [
+        (what, f"{options.map}: {what}"),
+        ("young" not in known, f"--young: missing; {young} is needed"),
+        ("poisson" not in known, "--poisson: missing; a number > -1 and ≤ 0.5 is needed"),
+        (
+            len(loads) != 1,
             f"{', '.join(map(flag, _LOADS))}: exactly one of them is needed, "
-            f"{' and '.join(loads) if loads else 'none'} given"
-        )
-    counter = [name for name in _COUNTER_NAMES if name in known]
-    if options.rigid and counter:
-        problems.append(f"--rigid: not accepted together with {', '.join(map(flag, counter))}")
-    elif counter:
-        problems += [
-            f"{flag(name)}: missing; it is needed together with {flag(counter[0])}"
-            for name in ("counter_young", "counter_poisson")
-            if name not in known
-        ]
+            f"{' and '.join(loads) if loads else 'none'} given",
+        ),
+        (
+            options.rigid and counter,
+            f"--rigid: not accepted together with {', '.join(map(flag, counter))}",
+        ),
+    ]
+    for name in ("counter_young", "counter_poisson"):
+        missing = counter and not options.rigid and name not in known
+        together = flag(counter[0]) if counter else ""
+        checks.append((missing, f"{flag(name)}: missing; it is needed together with {together}"))
     for prefix in ("", "counter_"):
         height, bottom = flag(f"{prefix}layer_height"), flag(f"{prefix}bottom")
-        if f"{prefix}bottom" in known and f"{prefix}layer_height" not in known:
-            problems.append(f"{bottom}: needs {height}, a half-space has no far face")
-        if values.get("friction") and values.get(f"{prefix}bottom") == "frictionless":
-            problems.append(f"--friction: not accepted with {bottom} frictionless, which bears no shear")
-        if values.get("boundary") == "free" and f"{prefix}layer_height" in known:
-            problems.append(f"--boundary free: accepted for half-spaces only, not with {height}")
-    for name, needs in _NEEDS.items():
-        if name in known and needs not in known:
-            problems.append(f"{flag(name)}: needs {flag(needs)}")
-    if "cylinder_axis" in known and values.get("form") != "cylinder":
-        problems.append("--cylinder-axis: needs --form cylinder")
-    if "counter_map" in values and not is_file(values["counter_map"]):
-        problems.append(f"--counter-map {values['counter_map']}: no such file")
-    if options.out is None:
-        problems.append("--out: missing; the name of a folder is needed")
-    elif problem := folder_problem(options.out):
-        problems.append(f"--out {options.out}: {problem}")
-    return problems
-
-
-def _bodies(values: Mapping[str, Any]) -> tuple[Any, Any]:
-    """The body and the counter body, None if that is rigid."""
-    return _body(values, ""), _body(values, "counter_") if "counter_young" in values else None
+        layer = f"{prefix}layer_height" in known
+        shearless = sliding and values.get(f"{prefix}bottom") == "frictionless"
+        checks += [
+            (
+                f"{prefix}bottom" in known and not layer,
+                f"{bottom}: needs {height}, a half-space has no far face",
+            ),
+            (shearless, f"--friction: not accepted with {bottom} frictionless, which bears no shear"),
+            (free and layer, f"--boundary free: accepted for half-spaces only, not with {height}"),
+        ]
+    checks += [
+        (name in known and needs not in known, f"{flag(name)}: needs {flag(needs)}")
+        for name, needs in _NEEDS.items()
+    ]
+    counter_map = values.get("counter_map")
+    checks += [
+        (
+            free and "periodic" in known,
+            "--periodic: not accepted with a free boundary, which takes the map as it is",
+        ),
+        (
+            "cylinder_axis" in known and values.get("form") != "cylinder",
+            "--cylinder-axis: needs --form cylinder",
+        ),
+        (counter_map and not is_file(counter_map), f"--counter-map {counter_map}: no such file"),
+        (options.out is None, "--out: missing; the name of a folder is needed"),
+        (folder, f"--out {options.out}: {folder}"),
+    ]
+    return [message for wrong, message in checks if wrong]
 
 
 def _body(values: Mapping[str, Any], prefix: str) -> Any:
     """The body whose settings have names with this prefix."""
     from asperity.engineering import Body
 
+    def si(name: str, dimension: str) -> float | None:
+        text = values.get(f"{prefix}{name}")
+        return None if text is None else to_si(text, dimension)
+
     return Body(
         to_si(values[f"{prefix}young"], "pressure"),
         values[f"{prefix}poisson"],
-        _si(values.get(f"{prefix}yield"), "pressure"),
-        _si(values.get(f"{prefix}layer_height"), "length"),
+        si("yield", "pressure"),
+        si("layer_height", "length"),
         values.get(f"{prefix}bottom", "bonded"),
     )
 
@@ -265,26 +266,10 @@ def _counter_map(values: Mapping[str, Any]) -> Any:
     )
 
 
-def _load(values: Mapping[str, Any]) -> dict[str, float]:
-    """The imposed quantity as an argument of `asperity.engineering.run`."""
-    name = next(name for name in _LOADS if name in values)
-    argument, dimension = _LOADS[name]
-    return {argument: values[name] if dimension is None else to_si(values[name], dimension)}
+def _map_options(values: Mapping[str, Any]) -> Any:
+    from asperity.surface.reading.height_map import MapOptions
 
-
-def _map_settings(values: Mapping[str, Any]) -> Any:
-    from asperity.engineering.indenter import MapSettings
-
-    size = values.get("physical_size")
-    chosen = {name: values[name] for name in _MAP_NAMES if name in values}
-    return MapSettings(
-        physical_size=None if size is None else (to_si(size[0], "length"), to_si(size[1], "length")),
-        wavelength_short=_si(values.get("wavelength_short"), "length"),
-        radius=_si(values.get("radius"), "length"),
-        option=flag,
-        **chosen,
-    )
-
-
-def _si(value: str | None, dimension: str) -> float | None:
-    return None if value is None else to_si(value, dimension)
+    given = {field.name: values[field.name] for field in fields(MapOptions) if field.name in values}
+    if values.get("boundary") == "free":
+        given["periodic"] = "none"
+    return MapOptions(**given)

@@ -4,29 +4,27 @@ from __future__ import annotations
 
 import argparse
 import os
-from functools import partial
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
-from asperity.cli.arguments import flag, section
-from asperity.cli.compiling import compile_visibly, solve_small
-from asperity.cli.files import check_out, is_result, read_result, write_result
-from asperity.config.check import check_section
-from asperity.config.defaults import complete_map, default
-from asperity.config.reader import is_file
+from asperity.cli.files import check_out, is_result, read_stage
+from asperity.cli.notice import progress_bar
+from asperity.cli.parser import flag, section
 from asperity.contact.solution import SHOWN_ERROR
-from asperity.errors import shown
-from asperity.pipeline.contact import largest_approach, solve_contact
-from asperity.pipeline.solid import solid
-from asperity.pipeline.surface import read_surface
-from asperity.results import dataset
+from asperity.core.errors import shown
+from asperity.core.units import shown_si, to_si
+from asperity.results import dataset, write_result
 from asperity.results.dataset import grid_of
-from asperity.results.systems import cell_length, in_cell_lengths, in_si
-from asperity.results.variables import SI_UNITS
-from asperity.runtime.progress import ProgressBar
-from asperity.units import shown_si, to_si
+from asperity.results.variables import SI_UNITS, cell_length, in_cell_lengths, in_si
+from asperity.study.config.check import check_section
+from asperity.study.config.defaults import complete_map, default
+from asperity.study.config.reader import is_file
+from asperity.study.stages.contact import largest_approach, solve_contact
+from asperity.study.stages.solid import solid
+from asperity.study.stages.surface import read_surface
+from asperity.surface.reading.height_map import MapError
 
 DIMENSIONS_OF_LOADS = {"mean_pressure": "pressure", "force": "force", "approach": "length"}
 """Quantities that can be imposed in place of the area, and their dimensions."""
@@ -48,14 +46,13 @@ def run(options: argparse.Namespace) -> None:
         _check_approach(given[1], load, surface, layer, edge)
         check_section("contact", load, flag)
         contact |= load
-    compile_visibly("contact", partial(solve_small, layer, contact))
-    with ProgressBar(f"contact {settings['name']}") as progress:
+    with progress_bar(f"contact {settings['name']}") as progress:
         result = solve_contact(surface, layer, contact, progress=progress)
     settings |= {"layer": layer, "contact": contact}
     if young and edge is not None:
         result, settings = in_si(result, settings, edge, young / (1 - layer["poisson"] ** 2))
         settings["young"] = young
-    write_result(result, options.out, "Contact with rough surface", settings)
+    write_result(result, options.out, f"Contact with rough surface {settings['name']}", settings)
     lowest = float(surface["height"].min()) * (edge if young and edge else 1.0)
     pressure, approach = float(result["mean_pressure"]), float(result["approach"]) - lowest
     reached = float(result["area_fraction"])
@@ -79,11 +76,14 @@ def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, A
     if is_result(path):
         if given:
             raise ValueError(f"{flag(next(iter(given)))}: for height maps, {path} is a surface")
-        found = read_result(path, "surface")
+        found = read_stage(path, "surface")
         edge = cell_length(found) if dataset.unit_system(found) == SI_UNITS else None
         return (*in_cell_lengths(found, dataset.settings_of(found)), edge)
     parameters = complete_map({"label": path.stem, "file": str(path), **given})
-    surface = read_surface(parameters, option=flag)
+    try:
+        surface = read_surface(parameters)
+    except MapError as error:
+        raise error.renamed(flag) from error
     parameters["wavelength_short"] = surface.attrs["wavelength_short"]
     settings = {"name": path.stem, "seed": 0, "surface": parameters}
     return surface, settings, surface.attrs.get("map_cell_length")

@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import argparse
-from functools import partial
 
-from asperity.cli.arguments import section
-from asperity.cli.compiling import compile_visibly, stress_small
-from asperity.cli.files import check_out, read_result, write_result
-from asperity.pipeline.stress import compute_stress
-from asperity.results import dataset
-from asperity.results.systems import cell_length, in_cell_lengths, in_si
-from asperity.runtime.progress import ProgressBar
-from asperity.units import shown_si
+from asperity.cli.files import check_out, read_stage
+from asperity.cli.notice import progress_bar
+from asperity.cli.parser import section
+from asperity.core.units import shown_si
+from asperity.results import dataset, write_result
+from asperity.results.variables import cell_length, in_cell_lengths, in_si
+from asperity.study.stages.stress import compute_stress
 
 
 def run(options: argparse.Namespace) -> None:
     """Analyse the stress, write it, and print the largest von Mises stress and its depth."""
     check_out([options.out], [options.contact])
-    given = read_result(options.contact, "contact")
+    given = read_stage(options.contact, "contact")
     contact, settings = in_cell_lengths(given, dataset.settings_of(given))
     own = settings["layer"]["poisson"]
     chosen = {"poisson": [own], **section(options, "stress")}
@@ -27,14 +25,13 @@ def run(options: argparse.Namespace) -> None:
             f"--poisson {' '.join(f'{nu:g}' for nu in chosen['poisson'])}: only {own:g} is accepted, "
             f"the ratio of the layer on which the contact was solved"
         )
-    compile_visibly("stress", partial(stress_small, settings["layer"], chosen))
-    with ProgressBar(f"stress {settings['name']}") as progress:
+    with progress_bar(f"stress {settings['name']}") as progress:
         result = compute_stress(contact, settings["layer"], chosen, progress=progress)
     si = given is not contact
     if si:
         result, _ = in_si(result, settings, cell_length(given), given.attrs["effective_modulus"])
     whole = dataset.settings_of(given) | {"stress": chosen}
-    write_result(result, options.out, "Stress under rough surface", whole)
+    write_result(result, options.out, f"Stress under rough surface {settings['name']}", whole)
     for nu in result["poisson"].values:
         of_ratio = result.sel(poisson=nu)
         largest, depth = float(of_ratio["largest_von_mises"].max()), float(of_ratio["reference_depth"])

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from asperity.packages import absent, install_command
-from asperity.runtime.study_folder import make_study_folder
+from asperity.core.packages import absent, install_command
+from asperity.study.runtime.study_folder import make_study_folder
 
 _NEXT = """\
 next:

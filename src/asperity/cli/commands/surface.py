@@ -6,16 +6,17 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from asperity.cli.arguments import section
-from asperity.cli.files import check_out, write_result
-from asperity.config.check import needed_instead
-from asperity.config.defaults import default
-from asperity.config.presets import PRESETS
-from asperity.config.schema import setting
-from asperity.errors import shown
-from asperity.pipeline.surface import make_surface
-from asperity.results.systems import in_si
-from asperity.units import shown_si, to_si
+from asperity.cli.files import check_out
+from asperity.cli.parser import section
+from asperity.core.errors import shown
+from asperity.core.units import shown_si, to_si
+from asperity.results import write_result
+from asperity.results.variables import in_si
+from asperity.study.config.check import needed_instead
+from asperity.study.config.defaults import default
+from asperity.study.config.presets import PRESETS
+from asperity.study.config.schema import setting
+from asperity.study.stages.surface import make_surface
 
 LENGTHS = ("wavelength_long", "wavelength_short", "rms_height")
 """Settings that are lengths."""
@@ -42,7 +43,7 @@ def run(options: argparse.Namespace) -> None:
     settings = {"name": name, "seed": options.seed, "surface": parameters}
     if edge is not None:
         surface, settings = in_si(surface, settings, edge)
-    write_result(surface, options.out, "Rough surface", settings)
+    write_result(surface, options.out, f"Rough surface {name}", settings)
     height, gradient = float(surface["rms_height"]), float(surface["rms_gradient"])
     print(
         f"{options.out}: {surface.sizes['x']} × {surface.sizes['y']} nodes, "

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 
-from asperity.paper.claims.evidence import Evidence, Fixed, Measure, MissingEvidenceError
-from asperity.types import Array
+from asperity.core.types import Array
+from asperity.paper.claims.numbers import Evidence, Fixed, Measure, MissingEvidenceError
 
 ORDERS = (0.5, 2.0)
 """Smallest and largest order of convergence with which a limit is extrapolated."""

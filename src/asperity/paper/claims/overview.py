@@ -30,7 +30,7 @@ _LOW, _HIGH = 0.4, 2.5
 """Ends of the axis, in units of the edge or the middle of the region."""
 
 _BESIDE = 0.25
-"""Distance of other readings from the middle of a row, in rows."""
+"""Distance of other interpretations from the middle of a row, in rows."""
 
 _WIDE = 1.5
 """Ratio of the edges of a region above which its lower edge is the unit, not its middle."""
@@ -39,7 +39,7 @@ _WIDE = 1.5
 def draw(findings: Sequence[Finding]) -> Figure:
     """Draw a row for each claim on a common axis: the number over the edge of its region, or its middle.
 
-    A row shows the study's own reading, and in pale the other readings that show the verdict. Numbers beyond
+    A row shows the study's own interpretation, and in pale the others that show the verdict. Numbers beyond
     the axis are drawn at its end as triangles; every number is written at the right.
     """
     count = len(findings)
@@ -84,7 +84,7 @@ def _draw_row(axis: Axes, row: int, finding: Finding) -> None:
 def _draw_judgement(
     axis: Axes, row: float, one: Judgement, unit: float, colour: str, marker: str, alpha: float = 1.0
 ) -> None:
-    """Draw the number and the interval under one reading."""
+    """Draw the number and the interval under one interpretation."""
     value = one.value / unit
     shown = float(np.clip(value, _LOW * 1.02, _HIGH / 1.02))
     if value != shown:

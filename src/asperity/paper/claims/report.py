@@ -4,40 +4,39 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import pandas as pd
 
-import asperity
-from asperity import markup
+from asperity.core import markup
+from asperity.core.markup import with_error
+from asperity.core.version import __version__
 from asperity.paper.claims.continuum import continuum
-from asperity.paper.claims.evidence import Evidence, Measure
+from asperity.paper.claims.numbers import Evidence, Measure
+from asperity.paper.claims.paper import Claim, Region
 from asperity.paper.claims.verdicts import (
     CONFIDENCE,
     DEPENDS,
     UNDECIDED,
     UNTESTABLE,
-    Claim,
     Finding,
     Judgement,
-    Region,
     conclude,
     tally,
 )
 
 _RULE = f"""\
-Under one reading of the paper a statement holds if the {100 * CONFIDENCE:g} % interval of the mean over seeds
-(Student's t, paired by seed) lies inside the region predicted; it does not hold if the interval lies outside;
-otherwise this ensemble does not decide it. Over all readings that the paper's text admits (docs/claims.md) it
-*holds* or *does not hold* if it does under every one, and *depends on* a choice of the reading if it holds
-under one option and not under another. One seed decides nothing. Values without seeds are those of closed
-forms and finite elements, with their numerical uncertainty. One in twenty intervals of 95 % is expected to
-miss the truth.
+Under one interpretation of the paper a statement holds if the {100 * CONFIDENCE:g} % interval of the mean
+over seeds (Student's t, paired by seed) lies inside the region predicted; it does not hold if the interval
+lies outside; otherwise this ensemble does not decide it. Over all interpretations that the paper's text
+admits (docs/claims.md) it *holds* or *does not hold* if it does under every one, and *depends on* a choice if
+it holds under one option and not under another. One seed decides nothing. Values without seeds are those of
+closed forms and finite elements, with their numerical uncertainty. One in twenty intervals of 95 % is
+expected to miss the truth.
 
-The value is that of the study's own reading: the continuum limit, where it is known and differs from the
-number on the study's grid by more than the standard error. *Shift* is what vanishing grid spacing adds: the
-same statement on the same surfaces in a smaller cell at 8, 16 and 32 nodes on the shortest wavelength,
+The value is that of the study's own interpretation: the continuum limit, where it is known and differs from
+the number on the study's grid by more than the standard error. *Shift* is what vanishing grid spacing adds:
+the same statement on the same surfaces in a smaller cell at 8, 16 and 32 nodes on the shortest wavelength,
 extrapolated."""
 
 _HEAD = ("the paper says", "measured", "predicted", "value", "verdict", "shift")
@@ -50,7 +49,7 @@ def frame(findings: Sequence[Finding], nodes: float) -> pd.DataFrame:
             "identifier": f.claim.identifier,
             "section": f.claim.section,
             "the paper says": f.claim.sentence,
-            "measured": f.claim.quantity,
+            "measured": f.claim.measured,
             "predicted": str(f.own.region),
             "value": f.own.value,
             "standard error": f.own.error,
@@ -59,7 +58,7 @@ def frame(findings: Sequence[Finding], nodes: float) -> pd.DataFrame:
             "seeds": f.own.seeds,
             "verdict": f.verdict,
             "choices": ", ".join(f.choices),
-            "readings": "; ".join(in_words(one, f.choices) for one in f.shown),
+            "interpretations": "; ".join(in_words(one, f.choices) for one in f.shown),
             "nodes per shortest wavelength": nodes if f.own.seeds else np.nan,
             "value at nodes": f.own.at_nodes,
             "continuum shift": f.own.shift,
@@ -70,24 +69,30 @@ def frame(findings: Sequence[Finding], nodes: float) -> pd.DataFrame:
     )
 
 
-def frame_of_readings(findings: Sequence[Finding]) -> pd.DataFrame:
-    """The judgement of every claim under every reading, a row each, the study's own reading first."""
+_FIELDS = {
+    "value": "value",
+    "standard error": "error",
+    "interval low": "low",
+    "interval high": "high",
+    "seeds": "seeds",
+    "verdict": "verdict",
+    "value at nodes": "at_nodes",
+    "continuum shift": "shift",
+    "continuum shift error": "shift_error",
+    "missing": "missing",
+}
+"""Column of `frame_of_interpretations` → field of `Judgement`."""
+
+
+def frame_of_interpretations(findings: Sequence[Finding]) -> pd.DataFrame:
+    """The judgement of every claim under every interpretation, a row each, the study's own first."""
     return pd.DataFrame(
         {
             "identifier": f.claim.identifier,
-            "reading": json.dumps(dict(one.options)),
+            "interpretation": json.dumps(dict(one.options)),
             "region low": one.region.low,
             "region high": one.region.high,
-            "value": one.value,
-            "standard error": one.error,
-            "interval low": one.low,
-            "interval high": one.high,
-            "seeds": one.seeds,
-            "verdict": one.verdict,
-            "value at nodes": one.at_nodes,
-            "continuum shift": one.shift,
-            "continuum shift error": one.shift_error,
-            "missing": one.missing,
+            **{column: getattr(one, name) for column, name in _FIELDS.items()},
         }
         for f in findings
         for one in f.judgements
@@ -95,30 +100,23 @@ def frame_of_readings(findings: Sequence[Finding]) -> pd.DataFrame:
 
 
 def findings_of(table: pd.DataFrame, claims: Sequence[Claim]) -> list[Finding]:
-    """The findings from the table of `frame_of_readings`, in the order of the claims."""
+    """The findings from the table of `frame_of_interpretations`, in the order of the claims."""
     found = []
     for claim in claims:
-        rows = table[table["identifier"] == claim.identifier].to_dict("records")
-        if rows:
-            found.append(conclude(claim, [_judgement_of(row) for row in rows]))
+        rows = (
+            table[table["identifier"] == claim.identifier].astype({"missing": object}).fillna({"missing": ""})
+        )
+        judgements = [
+            Judgement(
+                options=json.loads(row["interpretation"]),
+                region=Region(row["region low"], row["region high"]),
+                **{name: row[column] for column, name in _FIELDS.items()},
+            )
+            for row in rows.to_dict("records")
+        ]
+        if judgements:
+            found.append(conclude(claim, judgements))
     return found
-
-
-def _judgement_of(row: Mapping[str, Any]) -> Judgement:
-    return Judgement(
-        json.loads(row["reading"]),
-        Region(row["region low"], row["region high"]),
-        row["verdict"],
-        row["value"],
-        row["standard error"],
-        row["interval low"],
-        row["interval high"],
-        int(row["seeds"]),
-        row["missing"] if isinstance(row["missing"], str) else "",
-        row["value at nodes"],
-        row["continuum shift"],
-        row["continuum shift error"],
-    )
 
 
 def in_words(one: Judgement, choices: Sequence[str]) -> str:
@@ -134,7 +132,7 @@ def option_in_words(option: object) -> str:
 
 
 def verdict_in_words(finding: Finding) -> str:
-    """The verdict of a claim with the choices and the readings that show it."""
+    """The verdict of a claim with the choices and the interpretations that show it."""
     if finding.verdict == DEPENDS:
         head = f"**depends on {', '.join(finding.choices)}**"
     elif finding.verdict == UNDECIDED and finding.choices:
@@ -142,11 +140,11 @@ def verdict_in_words(finding: Finding) -> str:
     else:
         reason = finding.own.missing or (finding.claim.untestable if finding.verdict == UNTESTABLE else "")
         return f"**{finding.verdict}**" + (f" ({reason})" if reason else "")
-    return f"{head}: " + "; ".join(in_words(one, _told(finding, one)) for one in finding.shown)
+    return f"{head}: " + "; ".join(in_words(one, _named(finding, one)) for one in finding.shown)
 
 
-def _told(finding: Finding, one: Judgement) -> tuple[str, ...]:
-    """Choices whose options tell a reading: those of the verdict, and others than the study's own."""
+def _named(finding: Finding, one: Judgement) -> tuple[str, ...]:
+    """Choices to name with a judgement: those of the verdict, and those with another option than own."""
     own = finding.own.options
     return tuple(name for name in own if name in finding.choices or one.options[name] != own[name])
 
@@ -163,7 +161,7 @@ def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> d
         found.setdefault(f"Section {section}", []).append(
             [
                 f.claim.sentence,
-                f.claim.quantity,
+                f.claim.measured,
                 str(f.own.region),
                 with_error(f.own.value, f.own.error),
                 verdict_in_words(f),
@@ -188,12 +186,6 @@ def continuum_table(headlines: Mapping[str, Measure], finer: Mapping[float, Evid
     return pd.DataFrame(rows)
 
 
-def count_of(findings: Sequence[Finding]) -> str:
-    """Number of statements with each verdict, in words."""
-    counts = ", ".join(f"{count} {verdict}" for verdict, count in tally(findings).items() if count)
-    return f"{len(findings)} statements: {counts}."
-
-
 def markdown(
     findings: Sequence[Finding], seeds: Sequence[int], nodes: float, limits: pd.DataFrame | None = None
 ) -> str:
@@ -208,11 +200,12 @@ def markdown(
     limits : data frame, optional
         As of `continuum_table`.
     """
+    counts = ", ".join(f"{count} {verdict}" for verdict, count in tally(findings).items() if count)
     parts = [
         "# Does the paper hold?",
-        count_of(findings),
+        f"{len(findings)} statements: {counts}.",
         f"Seeds {', '.join(map(str, seeds))}; {nodes:g} nodes on the shortest wavelength; "
-        f"asperity {asperity.__version__}.",
+        f"asperity {__version__}.",
         _RULE,
     ]
     for heading, table in tables(findings, limits).items():
@@ -223,14 +216,3 @@ def markdown(
 def page(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> str:
     """The findings as an HTML page, for the report of the workflow."""
     return markup.page("Does the paper hold?", tables(findings, limits))
-
-
-def with_error(value: float, error: float, signed: bool = False) -> str:
-    """A number with its error to two digits: ``1.445 ± 0.012``; three digits where there is no error."""
-    if np.isnan(value):
-        return ""
-    sign = "+" if signed else ""
-    if np.isnan(error) or error == 0:
-        return f"{value:{sign}.3g}"
-    digits = min(max(0, 1 - int(np.floor(np.log10(error)))), 12)
-    return f"{value:{sign}.{digits}f} ± {error:.{digits}f}"

@@ -1,34 +1,33 @@
 """Verdicts: whether the number of a claim lies where the sentence of the paper wants it.
 
-A claim is judged under every reading that the paper's text admits: every combination of the options of its
-choices (section ``readings`` of the configuration), the study's own options first. Under one reading
-(`judge`) the 95 % interval of the mean over seeds (Student's t) lies inside the region of the claim: *holds*;
-outside: *does not hold*; across its edge, or with one seed only: *not decided*. Two surfaces are compared
-seed by seed, since one seed gives both the same random phases. A number that does not depend on a random
-surface has its numerical uncertainty as interval. Where the continuum limit of the number is known and
+A claim is judged under every interpretation that the paper's text admits: every combination of the options
+of its choices (section ``interpretations`` of the configuration), the study's own options first. Under one of
+them (`judge`) the 95 % interval of the mean over seeds (Student's t) lies inside the region of the claim:
+*holds*; outside: *does not hold*; across its edge, or with one seed only: *not decided*. Two surfaces are
+compared seed by seed, since one seed gives both the same random phases. A number that does not depend on a
+random surface has its numerical uncertainty as interval. Where the continuum limit of the number is known and
 differs from the number by more than the standard error, the limit decides, with its error in the interval.
 
-The claim *holds* or *does not hold* if it does under every reading. It *depends on* choices if it holds under
-one reading and does not under another; it is *not decided* if a reading does not decide it and no other
-contradicts. A claim whose surfaces or datasets the configuration lacks stays in the table, with *no data*.
+The claim *holds* or *does not hold* if it does under every interpretation. It *depends on* choices if it
+holds under one and does not under another; it is *not decided* if one interpretation does not decide it and
+no other contradicts. A claim whose surfaces or datasets the configuration lacks stays, with *no data*.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
 from scipy.special import stdtrit
 
-from asperity.paper.claims.continuum import Limit, continuum
-from asperity.paper.claims.evidence import Evidence, Fixed, Measure, MissingEvidenceError, Options
+from asperity.paper.claims.continuum import continuum
+from asperity.paper.claims.numbers import Evidence, Fixed, MissingEvidenceError, Options
+from asperity.paper.claims.paper import Claim, Region
 
 HOLDS, FAILS, UNDECIDED, NO_DATA = "holds", "does not hold", "not decided", "no data"
-DEPENDS, UNTESTABLE = "depends on the reading", "not testable here"
+DEPENDS, UNTESTABLE = "depends on the interpretation", "not testable here"
 VERDICTS = (HOLDS, FAILS, DEPENDS, UNDECIDED, UNTESTABLE, NO_DATA)
 
 CONFIDENCE = 0.95
@@ -38,89 +37,9 @@ LIMIT_ERRORS = 2.0
 """Errors of a continuum limit that its interval takes to each side."""
 
 
-class Region(NamedTuple):
-    """Interval in which a claim wants its number."""
-
-    low: float
-    high: float
-
-    def __str__(self) -> str:
-        if np.isinf(self.high):
-            return f"> {self.low:g}"
-        return f"< {self.high:g}" if self.low <= 0 else f"{self.low:g} to {self.high:g}"
-
-
-@dataclass(frozen=True)
-class Threshold:
-    """A region whose edge the paper does not give: a choice of the readings.
-
-    Parameters
-    ----------
-    choice : str
-        Name in section ``readings``.
-    own : float
-        The study's own option.
-    region : callable
-        Option → region.
-    """
-
-    choice: str
-    own: float
-    region: Callable[[float], Region]
-
-
-@dataclass(frozen=True)
-class Claim:
-    """A sentence of the paper as a number.
-
-    Parameters
-    ----------
-    identifier : str
-    section : str
-        Of the paper; several are separated by commas.
-    sentence : str
-        In our words.
-    quantity : str
-        What exactly is measured.
-    wanted : Region or Threshold
-        Where the sentence wants the number.
-    measure : callable
-        Takes the number from the evidence.
-    untestable : str
-        Why our number cannot refute the sentence; empty if it can.
-    """
-
-    identifier: str
-    section: str
-    sentence: str
-    quantity: str
-    wanted: Region | Threshold
-    measure: Measure
-    untestable: str = ""
-
-    @property
-    def region(self) -> Region:
-        """Where the sentence wants the number, in the study's own reading."""
-        return self.region_under({})
-
-    @property
-    def choices(self) -> tuple[str, ...]:
-        """Choices of the readings on which the verdict may depend."""
-        of_number = getattr(self.measure, "choices", ())
-        grid = ("grid",) if of_number or hasattr(self.measure, "parts") else ()
-        edge = (self.wanted.choice,) if isinstance(self.wanted, Threshold) else ()
-        return (*of_number, *grid, *edge)
-
-    def region_under(self, options: Options) -> Region:
-        """Where the sentence wants the number under a reading."""
-        if isinstance(self.wanted, Region):
-            return self.wanted
-        return self.wanted.region(options.get(self.wanted.choice, self.wanted.own))
-
-
 @dataclass(frozen=True)
 class Judgement:
-    """The number of a claim under one reading, and what it decides.
+    """The number of a claim under one interpretation, and what it decides.
 
     Parameters
     ----------
@@ -160,18 +79,18 @@ class Judgement:
 
 @dataclass(frozen=True)
 class Finding:
-    """A claim with its verdict over all readings.
+    """A claim with its verdict over all interpretations.
 
     Parameters
     ----------
     claim : Claim
     verdict : one of `VERDICTS`
     judgements : tuple of Judgement
-        One for each reading, the study's own first.
+        One for each interpretation, the study's own first.
     choices : tuple of names
         Choices on which the verdict depends, or which leave it undecided.
     shown : tuple of Judgement
-        Readings that show the verdict: the study's own, and those nearest to it that decide otherwise.
+        Interpretations that show the verdict: the study's own, and those nearest to it that decide otherwise.
     """
 
     claim: Claim
@@ -182,7 +101,7 @@ class Finding:
 
     @property
     def own(self) -> Judgement:
-        """The study's own reading."""
+        """The study's own interpretation."""
         return self.judgements[0]
 
 
@@ -190,9 +109,9 @@ def decide(
     claims: Sequence[Claim],
     evidence: Evidence,
     finer: Mapping[float, Evidence] | None = None,
-    readings: Mapping[str, Sequence] | None = None,
+    interpretations: Mapping[str, Sequence] | None = None,
 ) -> list[Finding]:
-    """Judge every claim under every reading.
+    """Judge every claim under every interpretation.
 
     Parameters
     ----------
@@ -201,61 +120,29 @@ def decide(
     finer : mapping, optional
         As of `continuum`. The limit less the value on the coarsest of these grids, which should have as many
         nodes on the shortest wavelength as the study, is added to the value of the study.
-    readings : mapping, optional
-        Choice → its options, the study's own first: section ``readings`` of the configuration. By default
-        every choice has the study's own option alone.
+    interpretations : mapping, optional
+        Choice → its options, the study's own first: section ``interpretations`` of the configuration. By
+        default every choice has the study's own option alone.
     """
-    return [
-        conclude(claim, list(_judgements(claim, evidence, finer or {}, readings or {}))) for claim in claims
-    ]
+
+    def judgements(claim: Claim) -> Iterator[Judgement]:
+        names = [name for name in claim.choices if (interpretations or {}).get(name)]
+        for values in product(*((interpretations or {})[name] for name in names)):
+            options = dict(zip(names, values, strict=True))
+            of_grids = {nodes: one.under(options) for nodes, one in (finer or {}).items()}
+            yield judge(claim, evidence.under(options), of_grids)
+
+    return [conclude(claim, list(judgements(claim))) for claim in claims]
 
 
-def _judgements(
-    claim: Claim,
-    evidence: Evidence,
-    finer: Mapping[float, Evidence],
-    readings: Mapping[str, Sequence],
-) -> Iterator[Judgement]:
-    """The judgement of a claim under every reading of its choices, the study's own first."""
-    names = [name for name in claim.choices if readings.get(name)]
-    measured: dict[tuple, tuple[xr.DataArray | Fixed | MissingEvidenceError, Limit | None]] = {}
-    of_number = [name for name in names if name in getattr(claim.measure, "choices", ())]
-    for values in product(*(readings[name] for name in names)):
-        options = dict(zip(names, values, strict=True))
-        key = tuple(options[name] for name in of_number)
-        if key not in measured:
-            measured[key] = _measured(claim, evidence.under(options), finer, options)
-        yield _judgement(claim, options, *measured[key])
-
-
-def _measured(
-    claim: Claim, evidence: Evidence, finer: Mapping[float, Evidence], options: Options
-) -> tuple[xr.DataArray | Fixed | MissingEvidenceError, Limit | None]:
-    """The number of a claim under a reading, or what is missing for it, and its continuum limit."""
+def judge(claim: Claim, evidence: Evidence, finer: Mapping[float, Evidence] | None = None) -> Judgement:
+    """Decide one claim under one interpretation, that of the evidence, by the rule of this module."""
+    options, region = evidence.options, claim.region_under(evidence.options)
     try:
         found = claim.measure(evidence)
-    except MissingEvidenceError as missing:
-        return missing, None
-    try:
-        limit = continuum(claim.measure, {nodes: one.under(options) for nodes, one in finer.items()})
-    except MissingEvidenceError:
-        limit = None
-    return found, limit
-
-
-def judge(claim: Claim, evidence: Evidence) -> Judgement:
-    """Decide one claim under one reading, that of the evidence, by the rule of this module."""
-    return _judgement(claim, evidence.options, *_measured(claim, evidence, {}, evidence.options))
-
-
-def _judgement(
-    claim: Claim, options: Options, found: xr.DataArray | Fixed | MissingEvidenceError, limit: Limit | None
-) -> Judgement:
-    region = claim.region_under(options)
-    if isinstance(found, MissingEvidenceError):
-        return Judgement(options, region, NO_DATA, missing=str(found))
-    unknown = int(np.sum(~np.isfinite(found)))
-    if unknown:
+    except MissingEvidenceError as lacking:
+        return Judgement(options, region, NO_DATA, missing=str(lacking))
+    if unknown := int(np.sum(~np.isfinite(found))):
         missing = f"nothing to measure in {unknown} of {np.size(found)} numbers"
         return Judgement(options, region, NO_DATA, missing=missing)
     if isinstance(found, Fixed):
@@ -267,33 +154,30 @@ def _judgement(
             error = float(found.std(ddof=1) / np.sqrt(seeds))
             half = float(stdtrit(seeds - 1, 0.5 + CONFIDENCE / 2)) * error
     at_nodes, shift, shift_error = value, np.nan, np.nan
-    if limit is not None:
+    try:
+        limit = continuum(claim.measure, finer or {})
         shift, shift_error = limit.limit - float(limit.values[0]), limit.error
-        if options.get("grid", "continuum") == "continuum" and abs(shift) > error:
+        if abs(shift) > error:
             value += shift
-            error, half = (
-                float(np.hypot(error, shift_error)),
-                float(np.hypot(half, LIMIT_ERRORS * shift_error)),
-            )
+            error = float(np.hypot(error, shift_error))
+            half = float(np.hypot(half, LIMIT_ERRORS * shift_error))
+    except MissingEvidenceError:
+        pass
     low, high = value - half, value + half
-    verdict = _verdict(low, high, region)
+    verdict = UNDECIDED
+    if region.low <= low and high <= region.high:
+        verdict = HOLDS
+    elif high < region.low or low > region.high:
+        verdict = FAILS
     return Judgement(
         options, region, verdict, value, error, low, high, seeds, "", at_nodes, shift, shift_error
     )
 
 
-def _verdict(low: float, high: float, region: Region) -> str:
-    if region.low <= low and high <= region.high:
-        return HOLDS
-    if high < region.low or low > region.high:
-        return FAILS
-    return UNDECIDED
-
-
 def conclude(claim: Claim, judgements: Sequence[Judgement]) -> Finding:
-    """The verdict over all readings of a claim, and the choices and readings that show it.
+    """The verdict over all interpretations of a claim, and the choices and judgements that show it.
 
-    Readings without data are left out, unless the study's own is one of them.
+    Interpretations without data are left out, unless the study's own is one of them.
     """
     every = tuple(judgements)
     own, known = every[0], [one for one in every if one.verdict != NO_DATA]
@@ -305,36 +189,31 @@ def conclude(claim: Claim, judgements: Sequence[Judgement]) -> Finding:
     if len(found) == 1:
         return Finding(claim, own.verdict, every, shown=(own,))
     if {HOLDS, FAILS} <= found:
-        choices, pair = _contrast(own, known, (HOLDS, FAILS))
-        return Finding(claim, DEPENDS, every, choices, pair)
+        choices, shown = _contrast(own, known, (HOLDS, FAILS))
+        return Finding(claim, DEPENDS, every, choices, shown)
     decided = (found - {UNDECIDED}).pop()
-    choices, pair = _contrast(own, known, (decided, UNDECIDED))
-    return Finding(claim, UNDECIDED, every, choices, pair)
+    choices, shown = _contrast(own, known, (decided, UNDECIDED))
+    return Finding(claim, UNDECIDED, every, choices, shown)
 
 
 def _contrast(
     own: Judgement, known: Sequence[Judgement], verdicts: tuple[str, str]
 ) -> tuple[tuple[str, ...], tuple[Judgement, ...]]:
-    """The choices that tell two verdicts apart, and readings that show it, those nearest to the study's own.
+    """The choices that tell two verdicts apart, and judgements that show it, nearest to the study's own.
 
-    Of all pairs of readings with the two verdicts, those count that differ in the fewest choices, and among
-    these the ones nearest to the study's own reading.
+    Of all pairs of interpretations with the two verdicts, those count that differ in the fewest choices, and
+    among these the ones nearest to the study's own.
     """
 
     def apart(one: Judgement, other: Judgement) -> tuple[str, ...]:
         return tuple(name for name in own.options if one.options[name] != other.options[name])
 
-    pairs = [
-        (one, other)
-        for one in known
-        if one.verdict == verdicts[0]
-        for other in known
-        if other.verdict == verdicts[1]
-    ]
-    rank = [
-        (len(apart(one, other)), min(len(apart(own, one)), len(apart(own, other)))) for one, other in pairs
-    ]
-    nearest = [pair for pair, place in zip(pairs, rank, strict=True) if place == min(rank)]
+    of_verdict = [[one for one in known if one.verdict == verdict] for verdict in verdicts]
+    ranked: dict[tuple[int, int], list[tuple[Judgement, ...]]] = {}
+    for pair in product(*of_verdict):
+        rank = (len(apart(*pair)), min(len(apart(own, one)) for one in pair))
+        ranked.setdefault(rank, []).append(pair)
+    nearest = ranked[min(ranked)]
     choices = tuple(name for name in own.options if any(name in apart(*pair) for pair in nearest))
     shown: list[Judgement] = []
     for pair in nearest:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
-from asperity.types import Array
+from asperity.core.types import Array
 from asperity.views.style import MILLIMETRE
 
 SOLID, FRONT, RIGHT = "#c9d6df", "#9fb3c1", "#8aa0b0"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 
 import numpy as np
 import xarray as xr
@@ -11,14 +11,12 @@ from matplotlib.colors import ListedColormap, LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from asperity.paper.figures.captions import bullets
-from asperity.types import Array
-from asperity.validation.extremes import NO_CELL, OUTCOMES, REFUSED
+from asperity.core.types import Array
+from asperity.paper.figures.cases import Datasets, bullets
+from asperity.study.validation.extremes import NO_CELL, OUTCOMES, REFUSED
 from asperity.views.style import MILLIMETRE, PAGE
 
-STAGES = ("validation",)
-DATASETS = ("extremes",)
-COST = "figure of extremes"
+FIGURES = {"extremes": {"stages": ("validation",), "datasets": ("extremes",), "cost": "figure of extremes"}}
 
 _HEIGHT = 178 * MILLIMETRE
 
@@ -56,7 +54,7 @@ _SMALLEST_ERROR = 1e-3
 """Smallest error drawn, over the tolerance; the largest is the error that is still allowed."""
 
 
-def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
+def draw(validation: Datasets) -> Figure:
     """Draw outcomes on and below the diagonal, and errors over the tolerance above it.
 
     The levels of the default scene are set in bold. q₀ = 2π/L.
@@ -94,7 +92,7 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
     return figure
 
 
-def caption(validation: Mapping[str, xr.Dataset]) -> str:
+def caption(validation: Datasets) -> str:
     """Number of contacts with each outcome, and of values out of range that were refused."""
     data = validation["extremes"]
     outcome = data["outcome"].values

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from mpl_toolkits.mplot3d import Axes3D
 
+from asperity.core.types import Array
 from asperity.paper.figures import cell
-from asperity.types import Array
+from asperity.paper.figures.cases import Datasets
 
-STAGES = ("validation",)
-DATASETS = ("elements",)
+FIGURES = {"fig01": {"stages": ("validation",), "datasets": ("elements",)}}
 
 DEPTH = 0.14
 """Indentation as drawn, in cell lengths; the computed displacements are magnified to it."""
@@ -22,7 +20,7 @@ INDENTER_RADIUS = 0.31
 """Radius to which the indenter is drawn, in cell lengths."""
 
 
-def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
+def draw(validation: Datasets) -> Figure:
     """Draw the periodic cell of the slab with the mesh on its walls, and half of the indenter above it."""
     data = validation["elements"]
     magnify = DEPTH / data.attrs["approach"]
@@ -43,7 +41,7 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
     return figure
 
 
-def caption(validation: Mapping[str, xr.Dataset]) -> str:
+def caption(validation: Datasets) -> str:
     """Size of what is drawn."""
     data = validation["elements"]
     return (

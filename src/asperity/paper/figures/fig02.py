@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,11 +10,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator, ScalarFormatter
 
-from asperity.paper.figures.captions import bullets
+from asperity.paper.figures.cases import Datasets, bullets
 from asperity.views.style import panels
 
-STAGES = ("validation",)
-DATASETS = ("load_area", "slab_load_area", "grid_convergence")
+FIGURES = {
+    "fig02": {"stages": ("validation",), "datasets": ("load_area", "slab_load_area", "grid_convergence")}
+}
 
 MARKERS = "os^Dv"
 
@@ -27,7 +27,7 @@ ERRORS = {
 """Errors of the grid that are drawn, with their names."""
 
 
-def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
+def draw(validation: Datasets) -> Figure:
     """Draw area against load of (a) a half-space and (b) slabs, (c) their stiffness, (d) errors of the grid.
 
     Lines in (a) and (b) are the closed form of a half-space (Eqs. 11–16).
@@ -39,7 +39,7 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
     return figure
 
 
-def caption(validation: Mapping[str, xr.Dataset]) -> str:
+def caption(validation: Datasets) -> str:
     """Error of the contact radius against the closed form, and stiffening of slabs."""
     data, slabs = validation["load_area"], validation["slab_load_area"]
     error = np.abs(data["solved_contact_radius"] / data["hertz_contact_radius"] - 1)

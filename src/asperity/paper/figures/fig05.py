@@ -2,22 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import matplotlib as mpl
 import numpy as np
-import xarray as xr
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from asperity.core.types import Array
 from asperity.paper.figures import cell
-from asperity.paper.figures.captions import bullets, contact_area, surface_name
-from asperity.types import Array
+from asperity.paper.figures.cases import Datasets, bullets, contact_area, name
+from asperity.views.style import label
 
-STAGES = ("surface", "contact")
-STUDIES = ("hurst",)
-SUPPLEMENT = ("measured",)
+FIGURES = {"fig05": {"stages": ("surface", "contact"), "studies": ("hurst",), "supplement": ("measured",)}}
 
 NODES = 192
 """Largest number of nodes drawn along an edge."""
@@ -29,13 +25,12 @@ LIFT = 0.4
 """Distance by which the indenter is drawn above its place, in cell lengths."""
 
 
-def draw(surface: Mapping[str, xr.Dataset], contact: Mapping[str, xr.Dataset]) -> Figure:
+def draw(surface: Datasets, contact: Datasets) -> Figure:
     """Draw the deformed solid with its contacts in red, and above it the indenter, coloured by height.
 
     The last surface is drawn.
     """
-    name = list(surface)[-1]
-    rough, pressed = surface[name], contact[name]
+    rough, pressed = list(surface.values())[-1], list(contact.values())[-1]
     step = max(1, -(-rough.sizes["x"] // NODES))
     x = rough.x.values[::step] - 0.5
     magnify = RELIEF / float(rough.rms_height)
@@ -57,10 +52,10 @@ def draw(surface: Mapping[str, xr.Dataset], contact: Mapping[str, xr.Dataset]) -
     return figure
 
 
-def caption(surface: Mapping[str, xr.Dataset], contact: Mapping[str, xr.Dataset]) -> str:
+def caption(surface: Datasets, contact: Datasets) -> str:
     """The drawn surface, its area of contact and its load."""
-    name = list(surface)[-1]
-    return f"Drawn: {surface_name(surface[name])}.\n\n{bullets(contact_area({name: contact[name]}))}"
+    drawn = list(surface)[-1]
+    return f"Drawn: {name(label(surface[drawn]))}.\n\n{bullets([contact_area(contact[drawn])])}"
 
 
 def _drawn_contacts(pressure: Array, step: int) -> Array:

@@ -2,21 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
-import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.captions import bullets, contact_area
+from asperity.core.types import Array
+from asperity.paper.figures.cases import Datasets, bullets, contact_area
 from asperity.results.dataset import grid_of
-from asperity.types import Array
 from asperity.views.style import COLUMN, PAGE, label, panels
 
-STAGES = ("contact",)
-STUDIES = ("hurst",)
-SUPPLEMENT = ("measured",)
-OWN = "pressure"
+FIGURES = {
+    "fig07": {"stages": ("contact",), "studies": ("hurst",), "supplement": ("measured",), "own": "pressure"}
+}
 
 PIXELS = 512
 """Smallest number of pixels along an edge, where the grid has as many nodes."""
@@ -26,7 +22,7 @@ WIDEST = 4.0
 does not make the others pale."""
 
 
-def draw(contact: Mapping[str, xr.Dataset]) -> Figure:
+def draw(contact: Datasets) -> Figure:
     """Draw the pressure over E* times the rms gradient of the true contact; white where there is no contact.
 
     Notes
@@ -57,9 +53,9 @@ def draw(contact: Mapping[str, xr.Dataset]) -> Figure:
     return figure
 
 
-def caption(contact: Mapping[str, xr.Dataset]) -> str:
+def caption(contact: Datasets) -> str:
     """Area in contact and load of each surface."""
-    return bullets(contact_area(contact))
+    return bullets(map(contact_area, contact.values()))
 
 
 def _coarse(pressure: Array) -> Array:

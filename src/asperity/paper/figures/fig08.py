@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.special import erf
 
-from asperity.paper.figures.captions import bullets, peak_percentiles, surface_name
-from asperity.paper.figures.cases import of_surfaces
-from asperity.paper.figures.plots import finish_densities, peak_density
+from asperity.paper.figures.cases import Datasets, bullets, name, of_surfaces
+from asperity.paper.figures.densities import finish_densities, peak_density
 from asperity.views.style import label, panels
 
-STAGES = ("contact", "statistics")
-STUDIES = ("hurst",)
-SUPPLEMENT = ("measured",)
-OWN = "load_area"
+FIGURES = {
+    "fig08": {
+        "stages": ("contact", "statistics"),
+        "studies": ("hurst",),
+        "supplement": ("measured",),
+        "own": "load_area",
+    }
+}
 
 
-def draw(contact: Mapping[str, xr.Dataset], statistics: Mapping[str, xr.Dataset]) -> Figure:
+def draw(contact: Datasets, statistics: Datasets) -> Figure:
     """Draw (a) the area fraction against load, with two theories, and (b) the density of the pressure peaks.
 
     Notes
@@ -37,7 +37,7 @@ def draw(contact: Mapping[str, xr.Dataset], statistics: Mapping[str, xr.Dataset]
     return figure
 
 
-def _draw_load_area(axis: Axes, contact: Mapping[str, xr.Dataset]) -> None:
+def _draw_load_area(axis: Axes, contact: Datasets) -> None:
     reach = 0.0
     for data, marker in zip(contact.values(), "osD^", strict=False):
         load = data["path_mean_pressure"] / data["path_gradient_rms_contact"]
@@ -55,15 +55,15 @@ def _draw_load_area(axis: Axes, contact: Mapping[str, xr.Dataset]) -> None:
     axis.legend()
 
 
-def caption(contact: Mapping[str, xr.Dataset], statistics: Mapping[str, xr.Dataset]) -> str:
+def caption(contact: Datasets, statistics: Datasets) -> str:
     """Ratio of area and load along the curve, and percentiles of the pressure peaks."""
     lines = []
     for case, data in zip(of_surfaces(statistics), contact.values(), strict=True):
         ratio = data["path_area_fraction"] * data["path_gradient_rms_contact"] / data["path_mean_pressure"]
         lines.append(
-            f"{surface_name(data)}: area fraction over scaled load from {float(ratio[0]):.3f} to "
+            f"{name(label(data))}: area fraction over scaled load from {float(ratio[0]):.3f} to "
             f"{float(ratio[-1]):.3f} "
             f"(Persson 1.596, Bush, Gibson and Thomas 2.507, at small load); "
-            f"{peak_percentiles(case, 'pressure')}"
+            f"{case.peak_percentiles('pressure')}"
         )
     return bullets(lines)

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.captions import bullets
-from asperity.types import Array
+from asperity.core.types import Array
+from asperity.paper.figures.cases import Datasets, bullets
 from asperity.views.style import panels
 
-STAGES = ("validation",)
-DATASETS = ("punch",)
+FIGURES = {"fig12": {"stages": ("validation",), "datasets": ("punch",)}}
 
 
-def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
+def draw(validation: Datasets) -> Figure:
     """Draw the vertical plane through the axis for each ratio, with Huber's closed form as lines."""
     data = validation["punch"]
     ratios = data.poisson.values
@@ -37,7 +34,7 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
     return figure
 
 
-def caption(validation: Mapping[str, xr.Dataset]) -> str:
+def caption(validation: Datasets) -> str:
     """Largest stress under the paraboloid, by Fourier series and in closed form."""
     data = validation["punch"]
     scale, radius = data["largest_pressure"], data["contact_radius"]

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.captions import bullets, name, peak_percentiles
-from asperity.paper.figures.cases import Case, of_surfaces
-from asperity.paper.figures.plots import von_mises_densities
+from asperity.paper.figures.cases import Case, Datasets, bullets, of_surfaces
+from asperity.paper.figures.densities import von_mises_densities
 from asperity.views.style import panels
 
-STAGES = ("statistics",)
-STUDIES = ("skewness", "kurtosis")
+FIGURES = {"fig17": {"stages": ("statistics",), "studies": ("skewness", "kurtosis")}}
 
 
-def draw(statistics: Mapping[str, Mapping[str, xr.Dataset]]) -> Figure:
+def draw(statistics: Mapping[str, Datasets]) -> Figure:
     """Draw the densities for surfaces of different (a) skewness and (b) shortest wavelength.
 
     Parameters
@@ -30,10 +27,10 @@ def draw(statistics: Mapping[str, Mapping[str, xr.Dataset]]) -> Figure:
     return figure
 
 
-def caption(statistics: Mapping[str, Mapping[str, xr.Dataset]]) -> str:
+def caption(statistics: Mapping[str, Datasets]) -> str:
     """Percentiles over E* ḡ_r, and the gradients and medians that show what this scaling does."""
     return bullets(
-        f"{name(case.title)}: {peak_percentiles(case, 'von_mises')}; {_gradients(case)}"
+        f"{case.name}: {case.peak_percentiles('von_mises')}; {_gradients(case)}"
         for study in ("skewness", "kurtosis")
         for case in of_surfaces(statistics[study])
     )

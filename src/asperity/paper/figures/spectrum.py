@@ -2,24 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 import numpy as np
-import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
-from asperity.paper.figures.captions import bullets, surface_name
+from asperity.paper.figures.cases import Datasets, bullets, name
 from asperity.views.style import COLUMN, label, panels
 
-STAGES = ("surface",)
-OWN = "spectrum"
+FIGURES = {"spectrum": {"stages": ("surface",), "own": "spectrum"}}
 
 SMALLEST_POWER = 1e-8
 """Smallest spectral density drawn, over the largest: below are rounding errors."""
 
 
-def draw(surface: Mapping[str, xr.Dataset]) -> Figure:
+def draw(surface: Datasets) -> Figure:
     """Draw the radially averaged spectrum of one seed over the number of waves in a cell length.
 
     A thin line is the expected spectrum of a random surface before its heights are transformed.
@@ -47,10 +43,10 @@ def draw(surface: Mapping[str, xr.Dataset]) -> Figure:
     return figure
 
 
-def caption(surface: Mapping[str, xr.Dataset]) -> str:
+def caption(surface: Datasets) -> str:
     """Root-mean-square height and gradient of each surface."""
     return bullets(
-        f"{surface_name(data)}: rms height {float(data['rms_height']):.4g} L, "
+        f"{name(label(data))}: rms height {float(data['rms_height']):.4g} L, "
         f"rms gradient {float(data['rms_gradient']):.4g}"
         for data in surface.values()
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -13,12 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from asperity.paper.figures.captions import bullets
-from asperity.types import Array
+from asperity.core.types import Array
+from asperity.paper.figures.cases import Datasets, bullets
 from asperity.views.style import panels
 
-STAGES = ("validation",)
-DATASETS = ("stability",)
+FIGURES = {"stability": {"stages": ("validation",), "datasets": ("stability",)}}
 
 _COLOURS = {"printed": "#D55E00", "direct": "#56B4E9", "layer": "#000000"}
 _NAMES = {
@@ -33,7 +31,7 @@ _LOST = 1.0
 """Relative error from which no digit is right; larger ones are drawn at it."""
 
 
-def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
+def draw(validation: Datasets) -> Figure:
     """Draw the largest error of each formula: a band for all Poisson's ratios, lines for two of them.
 
     Marks above an error of one show where a formula gives no finite number.
@@ -62,7 +60,7 @@ def draw(validation: Mapping[str, xr.Dataset]) -> Figure:
     return figure
 
 
-def caption(validation: Mapping[str, xr.Dataset]) -> str:
+def caption(validation: Datasets) -> str:
     """Largest error of this library's formulas in both precisions."""
     error = validation["stability"]["error"].sel(formula="layer")
     return bullets(

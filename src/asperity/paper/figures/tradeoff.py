@@ -13,11 +13,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from asperity.accuracy.bounds import SOURCES, measured_errors
-from asperity.accuracy.measured import MeasuredTradeoff
-from asperity.accuracy.reduction import runs_at, seconds_of, settings_of
-from asperity.config.presets import PRESETS
-from asperity.types import Array
+from asperity.core.types import Array
+from asperity.study.config.presets import PRESETS
+from asperity.study.cost.measured import MeasuredTradeoff
+from asperity.study.cost.measurement import runs_at, seconds_of, settings_of
+from asperity.study.cost.plan import SOURCES, measured_errors
 from asperity.views.style import MILLIMETRE, PAGE, panels
 
 FRONT_OUTPUTS = {
@@ -68,7 +68,7 @@ def draw(runs: xr.Dataset, measured: MeasuredTradeoff) -> dict[str, Figure]:
     Parameters
     ----------
     runs : dataset
-        Of `asperity.accuracy.measurement.measure`.
+        Of `asperity.study.cost.measurement.measure`.
     measured : MeasuredTradeoff
         Reduced from it.
     """
@@ -85,7 +85,7 @@ def draw_front(runs: xr.Dataset) -> Figure:
     Parameters
     ----------
     runs : dataset
-        Of `asperity.accuracy.measurement.measure`.
+        Of `asperity.study.cost.measurement.measure`.
     """
     figure, axes = panels(height=66)
     runs = runs.isel(run=runs["run_area_fraction"].values == AREA_FRACTION)
@@ -174,7 +174,7 @@ def draw_growth(runs: xr.Dataset) -> Figure:
     Parameters
     ----------
     runs : dataset
-        Of `asperity.accuracy.measurement.measure`.
+        Of `asperity.study.cost.measurement.measure`.
     """
     figure, (time, memory) = panels(height=60)
     growing = runs.isel(run=runs["run_parameter"].values == "size")

@@ -1,0 +1,346 @@
+"""Measures speed and memory, and writes docs/performance.md with its plots.
+
+    python benchmarks/page.py [--grids 512 1024 2048] [--parts contact stress] [--page]
+
+runs the benchmarks of all parts, or of those named, and writes the page from the tables that they keep in
+docs/performance; with ``--page`` it writes the page alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+import shlex
+import subprocess
+import sys
+import time
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import psutil
+from matplotlib.figure import Figure
+
+from asperity.core.markup import markdown
+
+mpl.use("Agg")
+
+ROOT = Path(__file__).parents[1]
+FOLDER = ROOT / "docs/performance"
+GRIDS = [512, 1024, 2048, 4096, 8192]
+FAST = "active_set float64"
+TARGET = 1e-6
+"""True error at which solvers are compared."""
+
+# Colours that people with any colour vision tell apart (Okabe & Ito).
+SOLVERS = {
+    FAST: ("#0072B2", "o", "asperity"),
+    "active_set float32": ("#56B4E9", "^", "asperity, single precision"),
+    "gfmd float64": ("#009E73", "s", "GFMD (asperity)"),
+    "tamaas": ("#D55E00", "D", "tamaas"),
+    "ContactMechanics": ("#CC79A7", "v", "ContactMechanics"),
+}
+
+HEAD = """# Performance
+
+Time and memory of the contact solver beside other programs, of the stress in the body, and of the study.
+`make bench` measures and writes this page; `make bench GRIDS="512 1024 2048"` leaves out the large grids, and
+`make bench PARTS="contact stress"` measures these parts anew. All runs are in `docs/performance`.
+
+Machine: {machine}.
+
+Times are processor times on one thread unless a table says *wall*. A run is repeated up to three times, as
+long as that takes less than 10 s, and the shortest counts. Other jobs on the machine share its memory
+bandwidth and caches: *load* is the mean number of running processes in the minute before.
+"""
+
+CONTACT = """
+## Contact by grid
+
+{command}
+A self-affine surface with eight nodes on the shortest wave, λ_l = L/8, seed 1, on a half-space under a mean
+pressure of 0.05 E\\* ḡ, with ḡ the rms gradient. *True errors* are relative L2 errors of the pressure,
+against a solution at an estimated error of 1e-10. *Pair equivalents* are pairs of transforms in double
+precision on the finest grid: transforms of coarser grids count in proportion to their nodes, those in single
+precision by the time that they take. Memory is the peak of the process, with Python and its libraries.
+asperity at its default tolerance, 1e-6:
+
+{runs}
+The time grows with the number of nodes to the power {exponents}.
+
+## Contact at equal true error
+
+Each program runs at several tolerances, and the time to a true error of 1e-6 is interpolated (≤: its least
+accurate run is more accurate than that). GFMD is the damped dynamics of the paper, `method="gfmd"`. In
+parentheses, times relative to asperity.
+
+{equal}
+![Processor time against the grid, and true error against processor time](performance/contact.png)
+"""
+
+THREADS = """
+## Two threads
+
+{command}
+Wall times of a contact on one thread and on two, alternately in one process; the shortest count.
+
+{runs}"""
+
+STRESS = """
+## Stress in the body
+
+{command}
+The whole analysis of a contact at ten per cent area, H = 0.8, five Poisson's ratios, tolerance 1e-4. A *plane
+equivalent* is the work of eight real transforms of the grid. Memory is the peak of the process, and that
+before the analysis began.
+
+{runs}"""
+
+STUDY = """
+## The study
+
+{command}
+From nothing, in a new folder. `python workflow/cost.py` prints processor time and memory of each rule of a
+finished study; [Beyond one machine](scaling.md) has those of each job.
+
+{runs}"""
+
+
+def commands(grids: list[int]) -> dict[str, str]:
+    """Part of the page → the command that measures it, on grids no larger than the largest one given."""
+    some = " ".join(str(points) for points in (1024, 2048, 4096) if points <= max(grids)) or str(max(grids))
+    out = f"--out {FOLDER.relative_to(ROOT)}"
+    return {
+        "contact": f"python benchmarks/contact.py --points {' '.join(map(str, grids))} {out}",
+        "threads": f"python benchmarks/contact.py --threads --points {min(4096, max(grids))} {out}",
+        "stress": f"python benchmarks/stress.py --points {some} {out}",
+        "study": f"python benchmarks/study.py {out}",
+    }
+
+
+def measure(part: str, command: str) -> None:
+    """Run the command of a part, and keep when and under which load it ran."""
+    print(f"$ {command}", flush=True)
+    load, start = os.getloadavg()[0], time.perf_counter()
+    subprocess.run([sys.executable, *shlex.split(command)[1:]], cwd=ROOT, check=True)
+    row = {
+        "part": part,
+        "command": command,
+        "date": time.strftime("%Y-%m-%d"),
+        "minutes": f"{(time.perf_counter() - start) / 60:.1f}",
+        "load_before": f"{load:.1f}",
+        "load_after": f"{os.getloadavg()[0]:.1f}",
+    }
+    table = pd.concat([read("commands"), pd.DataFrame([row])]).drop_duplicates("part", keep="last")
+    table.to_csv(FOLDER / "commands.csv", index=False, lineterminator="\n")
+    memory = psutil.virtual_memory().total / 2**30
+    programs = [f"{name} {version(name)}" for name in ("asperity", "numpy", "numba", "ducc0")]
+    machine = f"{platform.system()} {platform.machine()}, {os.cpu_count()} cores, {memory:.0f} GiB"
+    (FOLDER / "machine.txt").write_text(
+        f"{machine}; Python {platform.python_version()}, {', '.join(programs)}\n"
+    )
+
+
+def read(name: str) -> pd.DataFrame:
+    """A table of measurements."""
+    return pd.read_csv(FOLDER / f"{name}.csv")
+
+
+def contact_runs() -> pd.DataFrame:
+    """Runs over a periodic boundary."""
+    table = read("contact")
+    return table[table["boundary"] == "periodic"]
+
+
+def time_at_error(runs: pd.DataFrame) -> tuple[float, bool]:
+    """Time of a solver to the true error that is compared, and True if it is an upper bound.
+
+    Between two runs the logarithms are interpolated; NaN if no run is accurate enough.
+    """
+    runs = runs.dropna(subset=["error"]).sort_values("error")
+    if runs.empty or runs["error"].iloc[0] > TARGET:
+        return np.nan, False
+    if runs["error"].iloc[-1] <= TARGET:
+        return float(runs["seconds"].iloc[-1]), True
+    return float(np.exp(np.interp(np.log(TARGET), np.log(runs["error"]), np.log(runs["seconds"])))), False
+
+
+def number(value: float, form: str = ".3g") -> str:
+    """A number as text; none for NaN."""
+    return "" if np.isnan(value) else format(value, form).replace("e-0", "e-")
+
+
+def table_of(rows: list[dict[str, Any]]) -> str:
+    """A table in Markdown."""
+    return markdown(pd.DataFrame(rows)) + "\n"
+
+
+def command_of(part: str) -> str:
+    """The command that measured a part, with its date and load."""
+    row = read("commands").set_index("part").loc[part]
+    load = f"load {row['load_before']} before and {row['load_after']} after"
+    return f"    {row['command']}\n\n{row['date']}, {row['minutes']} min, {load}.\n"
+
+
+def fast_runs(hurst: float) -> pd.DataFrame:
+    """Runs of the default solver at its default tolerance, by grid."""
+    table = contact_runs()
+    chosen = (table["solver"] == FAST) & (table["tolerance"] == TARGET) & (table["hurst"] == hurst)
+    return table[chosen].sort_values("points")
+
+
+def contact() -> str:
+    """Times, memory and transforms by grid, and the comparison at equal true error."""
+    table = contact_runs()
+    hursts = sorted(table["hurst"].unique())
+    runs = [
+        {
+            "nodes": f"{run['points']}²",
+            "H": f"{hurst}",
+            "s": number(run["seconds"]),
+            "over its transforms": number(run["seconds"] / run["transform_seconds"], ".2f"),
+            "double + single pairs": f"{run['double_pairs']:.1f} + {run['single_pairs']:.1f}",
+            "pair equivalents": number(run["equivalents"], ".1f"),
+            "true error": number(run["error"], ".1e"),
+            "largest violation": number(run["certificate"], ".1e"),
+            "GB": number(run["memory_GB"]),
+            "bytes a node": number(run["bytes_per_node"], ".0f"),
+            "load": number(run["load_average"], ".1f"),
+        }
+        for hurst in hursts
+        for _, run in fast_runs(hurst).iterrows()
+    ]
+    exponents = []
+    for hurst in hursts:
+        ends = fast_runs(hurst).iloc[[0, -1]]
+        slope = np.log(ends["seconds"]).diff().iloc[1] / (2 * np.log(ends["points"]).diff().iloc[1])
+        exponents.append(f"{slope:.2f} for H = {hurst}")
+    equal = []
+    for (hurst, points), some in table.groupby(["hurst", "points"]):
+        own, _ = time_at_error(some[some["solver"] == FAST])
+        if np.isnan(own):
+            continue
+        row = {"nodes": f"{points}²", "H": f"{hurst}"}
+        for solver in (FAST, "gfmd float64", "tamaas", "ContactMechanics"):
+            taken, is_bound = time_at_error(some[some["solver"] == solver])
+            ratio = "" if solver == FAST or np.isnan(taken) else f" ({number(taken / own)} ×)"
+            row[f"{SOLVERS[solver][2]}, s"] = f"{'≤ ' * is_bound}{number(taken)}{ratio}"
+        equal.append(row)
+    return CONTACT.format(
+        command=command_of("contact"),
+        runs=table_of(runs),
+        exponents=", ".join(exponents),
+        equal=table_of(equal),
+    )
+
+
+def draw() -> None:
+    """Plot time against the grid, and true error against time on the largest grid of another program."""
+    table = contact_runs()
+    hursts = sorted(table["hurst"].unique())
+    compared = table.loc[
+        table["solver"].isin(["tamaas", "ContactMechanics"]) & table["error"].notna(), "points"
+    ]
+    largest = compared.max() if len(compared) else table.loc[table["error"].notna(), "points"].max()
+    figure = Figure(figsize=(8.6, 6.4), layout="constrained")
+    axes = figure.subplots(2, len(hursts), sharey="row", squeeze=False)
+    for (above, below), hurst in zip(axes.T, hursts, strict=True):
+        for solver, (colour, marker, label) in SOLVERS.items():
+            some = table[(table["solver"] == solver) & (table["hurst"] == hurst)]
+            fast = fast_runs(hurst)
+            by_grid = [(points, time_at_error(runs)[0]) for points, runs in some.groupby("points")]
+            points, seconds = (fast["points"], fast["seconds"]) if solver == FAST else np.array(by_grid).T
+            style = {"color": colour, "marker": marker, "markersize": 4, "label": label}
+            if solver != "active_set float32":
+                above.loglog(points, seconds, **style)
+            on_largest = some[some["points"] == largest].sort_values("seconds")
+            below.loglog(on_largest["seconds"], on_largest["error"], **style)
+        above.loglog(fast["points"], fast["transform_seconds"], "k--", lw=1, label="transforms of asperity")
+        above.set_xscale("log", base=2)
+        above.set(title=f"H = {hurst}", xlabel="nodes on an edge")
+        below.axhline(TARGET, color="0.5", linewidth=0.8, linestyle="--")
+        below.set(xlabel=f"processor time, s, {largest}² nodes")
+    axes[0, 0].set(ylabel="processor time, s")
+    axes[1, 0].set(ylabel="relative error of the pressure")
+    handles, labels = axes[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, fontsize=8, frameon=False)
+    figure.savefig(FOLDER / "contact.png", dpi=150, metadata={"Software": None})
+
+
+def threads() -> str:
+    """Wall times on one thread and on two."""
+    runs = [
+        {
+            "nodes": f"{run['points']:.0f}²",
+            "H": f"{run['hurst']}",
+            "one thread, wall s": number(run["one"]),
+            "two, wall s": number(run["two"]),
+            "ratio": number(run["one"] / run["two"]),
+            "median ratio": number(run["median_ratio"]),
+            "of the transforms": number(run["transforms"]),
+            "load": number(run["load_average"], ".1f"),
+        }
+        for run in read("threads").to_dict("records")
+    ]
+    return THREADS.format(command=command_of("threads"), runs=table_of(runs))
+
+
+def stress() -> str:
+    """Cost of the analysis of the stress by grid."""
+    runs = [
+        {
+            "nodes": f"{run['points']}²",
+            "planes": str(run["planes"]),
+            "plane equivalents": number(run["equivalents"], ".1f"),
+            "s": number(run["seconds"]),
+            "over its transforms": number(run["seconds"] / run["transform_seconds"], ".2f"),
+            "memory, GiB": number(run["memory_GiB"], ".2f"),
+            "before, GiB": number(run["before_GiB"], ".2f"),
+        }
+        for run in read("stress").to_dict("records")
+    ]
+    return STRESS.format(command=command_of("stress"), runs=table_of(runs))
+
+
+def study() -> str:
+    """Cost of the study."""
+    runs = [
+        {
+            "study": run["study"],
+            "wall, s": number(run["wall"], ".1f"),
+            "processor time, s": number(run["seconds"], ".0f"),
+            "largest process, GB": number(run["memory_GB"], ".2f"),
+            "cores": str(run["cores"]),
+            "load before": number(run["load_average"], ".1f"),
+            "date": run["date"],
+        }
+        for run in read("study").to_dict("records")
+    ]
+    return STUDY.format(command=command_of("study"), runs=table_of(runs))
+
+
+def main() -> None:
+    """Measure, and write the page."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--grids", type=int, nargs="+", default=GRIDS, help="nodes on an edge")
+    parser.add_argument("--parts", nargs="+", choices=commands(GRIDS), help="all by default")
+    parser.add_argument("--page", action="store_true", help="write the page from the numbers that there are")
+    options = parser.parse_args()
+    every = commands(options.grids)
+    for part in [] if options.page else options.parts or every:
+        measure(part, every[part])
+    draw()
+    machine = (FOLDER / "machine.txt").read_text("utf-8").strip()
+    page = "".join([HEAD.format(machine=machine), contact(), threads(), stress(), study()])
+    (ROOT / "docs/performance.md").write_text(page, encoding="utf-8")
+    print("docs/performance.md written")
+
+
+if __name__ == "__main__":
+    main()

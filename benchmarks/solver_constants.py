@@ -1,0 +1,69 @@
+"""The constants of the active-set solver that were found by trial: cost of half and of twice each value.
+
+    python benchmarks/solver_constants.py [NAME ...]
+
+prints the mean number of pairs of transforms and of iterations of solutions on rough surfaces of 512² nodes,
+at imposed loads and areas. Without names, all constants are tried, in some minutes on one core.
+"""
+
+import argparse
+from importlib import import_module
+
+import numpy as np
+
+import asperity as asp
+
+CONSTANTS = {
+    "CUTOFF": "compliance.inner_response",
+    "CELL_NODES": "compliance.preconditioner",
+    "COARSE_RESIDUAL_DROP": "compliance.preconditioner",
+    "RESIDUAL_DROP": "active_set.outer_loop",
+    "FINAL_ERROR": "active_set.outer_loop",
+    "FINAL_RESIDUAL_DROP": "active_set.outer_loop",
+    "WHOLE_STEP": "active_set.step",
+    "TANGENT_DROP": "active_set.area",
+    "LOAD_RESOLUTION": "active_set.area",
+    "MAX_LOAD_CHANGE": "active_set.area",
+}
+"""Constant → module below `asperity.contact`."""
+
+LAYER = asp.Layer(1.0, 0.0)
+POINTS = 512
+FACTORS = (0.5, 1.0, 2.0)
+
+
+def cost():
+    """Mean number of pairs of transforms, and of iterations."""
+    spent = []
+    for hurst in (0.2, 0.8):
+        height = asp.self_affine((POINTS, POINTS), hurst, 1 / 8, 8 / POINTS, 1e-3, seed=1)
+        gradient = asp.roughness_parameters(height).rms_gradient
+        for imposed in ({"mean_pressure": 0.05 * gradient}, {"area_fraction": 0.01}, {"area_fraction": 0.1}):
+            certificate = asp.solve(height, LAYER, **imposed).certificate
+            spent.append((certificate.pairs, certificate.iterations))
+    return np.mean(spent, axis=0)
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"among {', '.join(CONSTANTS)}")
+    for name in parser.parse_args().names or CONSTANTS:
+        module = import_module(f"asperity.contact.{CONSTANTS[name]}")
+        value = getattr(module, name)
+        for factor in FACTORS:
+            setattr(module, name, type(value)(value * factor))
+            try:
+                pairs, iterations = cost()
+                print(
+                    f"{name:22} {value * factor:8g} {pairs:7.2f} pairs {iterations:6.0f} iterations",
+                    flush=True,
+                )
+            except asp.ConvergenceError as error:
+                print(f"{name:22} {value * factor:8g} {error}", flush=True)
+        setattr(module, name, value)
+
+
+if __name__ == "__main__":
+    main()

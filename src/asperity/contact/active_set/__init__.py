@@ -1,0 +1,1 @@
+"""The fast solver: an active-set method on nested grids."""

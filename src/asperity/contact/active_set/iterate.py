@@ -1,0 +1,200 @@
+"""The iterate of the active-set solver: pressures on the contact nodes, and the gap that they cause."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from asperity.contact.compliance.vectors import added, scatter
+from asperity.contact.problem import Control, Problem
+from asperity.core.compiled import compiled
+from asperity.core.parallel import apply, in_parts, select, total
+from asperity.core.types import Array
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """Pressures on a few nodes, zero on all others.
+
+    Attributes
+    ----------
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened grid.
+    values : (count,) array
+        Non-negative.
+    load : float
+        Mean pressure to which they are scaled at a given load.
+    """
+
+    nodes: Array
+    values: Array
+    load: float
+
+    @classmethod
+    def of_field(cls, field: Array, load: float) -> Pressure:
+        """The positive values of a field [y, x]."""
+        nodes = np.flatnonzero(field > 0).astype(np.uint32)
+        return cls(nodes, field.reshape(-1)[nodes], load)
+
+
+@dataclass(frozen=True)
+class Iterate:
+    """Pressures on the contact nodes, and the gap that they cause on a grid.
+
+    Attributes
+    ----------
+    problem : Problem
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened grid.
+    pressure : (count,) array
+    load : float
+        As in `Pressure`.
+    gap : (count,) array
+        h + u of the nodes, without the approach.
+    displacement : (ny, nx) array
+    """
+
+    problem: Problem
+    nodes: Array
+    pressure: Array
+    load: float
+    gap: Array
+    displacement: Array
+
+    def without_free_nodes(self) -> Iterate:
+        """The same without the nodes that bear no pressure."""
+        left = np.flatnonzero(self.pressure > 0)
+        if left.size == self.nodes.size:
+            return self
+        return replace(self, nodes=self.nodes[left], pressure=self.pressure[left], gap=self.gap[left])
+
+    def free_nodes_below(self, level: float) -> tuple[Array, Array]:
+        """Sorted nodes out of contact with a gap h + u below a level, and their gaps."""
+        height, displacement = self.problem.height.reshape(-1), self.displacement.reshape(-1)
+        bound = height.dtype.type(level)
+
+        def contact_nodes(part: slice) -> Array:
+            return self.nodes[_within(self.nodes, part)]
+
+        nodes, gap = select(
+            lambda part: count_free_below(
+                height[part], displacement[part], contact_nodes(part), part.start, bound
+            ),
+            lambda part, *found: _write_free_below(
+                height[part], displacement[part], contact_nodes(part), part.start, bound, *found
+            ),
+            height.size,
+            self.problem.fourier.threads,
+            (np.uint32, height.dtype),
+        )
+        return nodes, gap
+
+    def pressure_field(self) -> Array:
+        """Pressure [y, x] of all nodes."""
+        return _field_of(self.problem, self.nodes, self.pressure)
+
+    def refined(self, approach: float, finer: Problem, load: float) -> Pressure:
+        """Start for a finer grid: the interpolated pressure less the interpolated gap / nodal compliance.
+
+        Outside the contact, where an interpolated pressure may not vanish, the gap is positive: subtracting
+        it before negative values are set to zero keeps those nodes free. The gap that is left at contact
+        nodes is not subtracted: where it varies over long distances, it stands for a far smaller pressure.
+        """
+        real = finer.height.dtype.type
+        stiffness, level = real(1 / finer.unit), real(approach)
+        field = self.displacement * -stiffness
+        heights = self.problem.height.reshape(-1)[self.nodes]
+        field.reshape(-1)[self.nodes] = self.pressure - stiffness * (level - heights)
+        out = self.problem.response.interpolated(field, finer.response)
+        threads = finer.fourier.threads
+        apply(_subtract_gap, threads, finer.height.reshape(-1), level, stiffness, out.reshape(-1))
+        return Pressure.of_field(out, load)
+
+
+def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
+    """Iterate of a pressure, after scaling it to its load, or to the least energy at a given approach.
+
+    At a given load, the node that touches first bears a pressure that has vanished everywhere.
+    """
+    nodes, values = start.nodes, start.values.astype(problem.fourier.real, copy=False)
+    if control.fixes_load:
+        mean = total(added, problem.fourier.threads, values) / problem.grid.size
+        if not mean > 0:
+            nodes = np.array([np.argmin(problem.height)], np.uint32)
+            values, mean = np.ones(1, values.dtype), 1 / problem.grid.size
+        values = values * (start.load / mean)
+    field = _field_of(problem, nodes, values)
+    displacement = problem.response.displacement(field, field)
+    if not control.fixes_load:
+        pressure = values.astype(float, copy=False)
+        overlap = control.value - problem.datum - problem.height.reshape(-1)[nodes]
+        work = float(pressure @ overlap)
+        energy = float(pressure @ displacement.reshape(-1)[nodes])
+        if work > 0 and energy > 0:
+            values = values * (work / energy)
+            displacement *= work / energy
+    gap = np.empty_like(values)
+    fields = problem.height.reshape(-1), displacement.reshape(-1)
+    in_parts(lambda part: _write_gaps(*fields, nodes[part], gap[part]), nodes.size, problem.fourier.threads)
+    return Iterate(problem, nodes, values, start.load, gap, displacement)
+
+
+def _field_of(problem: Problem, nodes: Array, values: Array) -> Array:
+    """Field [y, x] of values on nodes."""
+    field = np.empty(problem.grid.shape, values.dtype)
+    flat = field.reshape(-1)
+
+    def write(part: slice) -> None:
+        within = _within(nodes, part)
+        scatter(flat[part], nodes[within], values[within], part.start)
+
+    in_parts(write, flat.size, problem.fourier.threads)
+    return field
+
+
+def _within(nodes: Array, part: slice) -> slice:
+    """Slice of the sorted nodes that lie within a part of the flattened field."""
+    return slice(*np.searchsorted(nodes, np.array((part.start, part.stop), np.uint32)))
+
+
+@compiled
+def _write_gaps(height: Any, displacement: Any, nodes: Any, out: Any) -> None:
+    """Write the gap h + u of nodes."""
+    for k in range(nodes.size):
+        out[k] = height[nodes[k]] + displacement[nodes[k]]
+
+
+@compiled
+def _subtract_gap(height: Any, approach: Any, stiffness: Any, pressure: Any) -> None:
+    """Subtract stiffness × (h − δ) from a pressure."""
+    for i in range(pressure.size):
+        pressure[i] -= stiffness * (height[i] - approach)
+
+
+@compiled
+def count_free_below(height: Any, displacement: Any, nodes: Any, start: int, level: Any) -> int:
+    """Number of nodes of a part of a field, with its contact nodes, that are free and below a level."""
+    below = 0
+    for i in range(height.size):
+        below += height[i] + displacement[i] < level
+    for k in range(nodes.size):
+        i = nodes[k] - start
+        below -= height[i] + displacement[i] < level
+    return below
+
+
+@compiled
+def _write_free_below(
+    height: Any, displacement: Any, contact_nodes: Any, start: int, level: Any, nodes: Any, gap: Any
+) -> None:
+    """Write the nodes that `count_free_below` counts, and their gaps h + u."""
+    found, k = 0, 0
+    for i in range(height.size):
+        if height[i] + displacement[i] < level:
+            while k < contact_nodes.size and contact_nodes[k] < start + i:
+                k += 1
+            if k == contact_nodes.size or contact_nodes[k] != start + i:
+                nodes[found], gap[found] = start + i, height[i] + displacement[i]
+                found += 1

@@ -1,0 +1,197 @@
+"""One step of the outer loop: nodes enter and leave the contact, and the energy does not grow.
+
+Nodes that enter the contact are chosen by the gap to which a correction leads, before nodes in tension are
+released: afterwards the pressure is out of equilibrium, and nodes around every patch that lost tension seem
+to penetrate.
+
+Adding nodes to the contact and releasing nodes in tension can raise the energy, which a correction on a fixed
+set of contact nodes cannot. The iterates before and after are both admissible (no tension), and so are those
+between them: the step is shortened to the fraction at which the energy is least (compare the projected
+searches of Moré & Toraldo 1991, 10.1137/0801008). Without that the iteration diverges on grids of 2048²
+nodes.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from asperity.contact.active_set.assembly import ContactSystem, write_overlap
+from asperity.contact.active_set.inner_solve import Correction
+from asperity.contact.active_set.iterate import Iterate, Pressure, evaluate
+from asperity.contact.problem import Control, Problem
+from asperity.core.compiled import compiled, makes_arrays, sums
+from asperity.core.parallel import total
+from asperity.core.types import Array
+
+# A step is taken whole unless the energy is least at less than this fraction of it.
+WHOLE_STEP = 0.9
+
+# A step that raises the energy from its start is tried again without nodes that enter, shortened by this
+# factor before nodes are released, so many times. Later steps are shortened too, and lengthened step by step.
+SHORTENING = 4
+MAX_TRIALS = 10
+
+
+@dataclass(frozen=True)
+class Entering:
+    """Nodes out of contact whose gap a correction may close.
+
+    Attributes
+    ----------
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened grid.
+    gap : (count,) array
+        h + u before the correction.
+    overlap : (count,) array
+        δ − (h + u) after the correction, in units of `Problem.unit`; nodes enter where it is positive.
+    """
+
+    nodes: Array
+    gap: Array
+    overlap: Array
+
+    @classmethod
+    def after(
+        cls, iterate: Iterate, system: ContactSystem, correction: Correction, further: float = 0.0
+    ) -> Entering:
+        """Nodes whose gap closes under a correction, or if the approach then grows further by some amount."""
+        unit, approach = iterate.problem.unit, system.approach + correction.approach
+        # No node moves upward by more than the contact nodes do, which the pressure displaces.
+        level = approach + unit * max(0.0, -float(correction.displacement.min(initial=0))) + further
+        nodes, gap = system.free_nodes, system.free_gap
+        if level > system.level:
+            nodes, gap = iterate.free_nodes_below(level)
+        overlap = np.empty(gap.size, np.float32)
+        write_overlap(gap, approach, unit, overlap)
+        overlap -= system.operators.displacement_at(nodes, correction.pressure)
+        return cls(nodes, gap, overlap)
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step on the nodes in contact before it, and on those that enter the contact.
+
+    Attributes
+    ----------
+    nodes, pressure, gap : (count,) arrays
+        Before the step.
+    change : (count,) array
+        Change of the pressure; a node enters with the pressure overlap / nodal compliance.
+    enters : (count,) array
+        True for nodes that enter.
+    approach : float
+    """
+
+    nodes: Array
+    pressure: Array
+    gap: Array
+    change: Array
+    enters: Array
+    approach: float
+
+    @classmethod
+    def of(cls, iterate: Iterate, system: ContactSystem, correction: Correction, entering: Entering) -> Step:
+        """The step that a correction leads to."""
+        enter, real = entering.overlap > 0, iterate.pressure.dtype
+        new = entering.nodes[enter]
+        indices = np.searchsorted(iterate.nodes, new) + np.arange(new.size)
+        enters = np.zeros(iterate.nodes.size + new.size, np.bool_)
+        enters[indices] = True
+        return cls(
+            _inserted(indices, iterate.nodes, new),
+            _inserted(indices, iterate.pressure, np.zeros(new.size, real)),
+            _inserted(indices, iterate.gap, entering.gap[enter]),
+            _inserted(indices, correction.pressure.astype(real), entering.overlap[enter].astype(real)),
+            enters,
+            system.approach,
+        )
+
+    def pressure_after(self, fraction: float, load: float, enter: bool = True) -> Pressure:
+        """Pressure after a fraction of the correction, with nodes that enter or without."""
+        out = np.empty_like(self.pressure)
+        real = out.dtype.type
+        _add_and_release(self.pressure, self.change, self.enters, real(fraction), real(enter), out)
+        return Pressure(self.nodes, out, load)
+
+    def fraction_of_least_energy(self, after: Iterate) -> float:
+        """Fraction of the step to an iterate at which the energy is least."""
+        threads = after.problem.fourier.threads
+        fields = after.pressure, self.pressure, after.gap, self.gap
+        slope, curvature = total(_energy_along, threads, *fields, self.approach)
+        return min(max(slope / curvature, 0.0), 1.0) if curvature > 0 else 1.0
+
+
+def taken(
+    step: Step, problem: Problem, control: Control, load: float, length: float
+) -> tuple[Iterate, float, int]:
+    """Iterate after a step, whose energy is not above that before, the length of the next, and the work.
+
+    Parameters
+    ----------
+    step : Step
+    problem, control
+    load : float
+    length : float
+        Fraction of the correction that is added before nodes are released.
+
+    Returns
+    -------
+    iterate : Iterate
+    length : float
+        Fraction to begin the next step with.
+    evaluations : int
+    """
+    iterate = evaluate(problem, control, step.pressure_after(length, load))
+    fraction, evaluations = step.fraction_of_least_energy(iterate), 1
+    while fraction == 0 and evaluations <= MAX_TRIALS:
+        length /= SHORTENING
+        iterate = evaluate(problem, control, step.pressure_after(length, load, enter=False))
+        fraction, evaluations = step.fraction_of_least_energy(iterate), evaluations + 1
+    if fraction < WHOLE_STEP:
+        between = step.pressure + fraction * (iterate.pressure - step.pressure)
+        iterate = evaluate(problem, control, Pressure(step.nodes, between, load))
+        evaluations += 1
+    if fraction < 0.1:
+        return iterate, length / SHORTENING, evaluations
+    return iterate, min(2 * length, 1.0), evaluations
+
+
+@makes_arrays
+def _inserted(indices: Any, values: Any, others: Any) -> Any:
+    """Values with others inserted, which then have these indices."""
+    out = np.empty(values.size + others.size, values.dtype)
+    first = 0
+    for k in range(indices.size + 1):
+        index = indices[k] if k < indices.size else out.size
+        for i in range(first, index):
+            out[i] = values[i - k]
+        if k < indices.size:
+            out[index] = others[k]
+        first = index + 1
+    return out
+
+
+@compiled
+def _add_and_release(pressure: Any, change: Any, enters: Any, fraction: Any, enter: Any, out: Any) -> None:
+    """Write the pressure with a fraction of a change added; nodes in tension are released, to zero pressure.
+
+    For nodes that enter the fraction is `enter` instead.
+    """
+    for k in range(pressure.size):
+        out[k] = max(pressure[k] + (enter if enters[k] else fraction) * change[k], 0.0)
+
+
+@sums
+def _energy_along(
+    pressure: Any, pressure_before: Any, gap: Any, gap_before: Any, approach: float
+) -> tuple[float, float]:
+    """Minus the slope of the energy at the start of a step of the pressure, and the curvature along it."""
+    slope, curvature = 0.0, 0.0
+    for i in range(pressure.size):
+        change = np.float64(pressure[i]) - np.float64(pressure_before[i])
+        slope -= change * (gap_before[i] - approach)
+        curvature += change * (np.float64(gap[i]) - np.float64(gap_before[i]))
+    return slope, curvature

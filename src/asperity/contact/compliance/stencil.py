@@ -1,0 +1,253 @@
+"""Stencils applied to values on the contact nodes: the product with a kernel of short range.
+
+The map is taken in strips of rows, which stay in the processor's cache. The values of a strip and of the rows
+around it are written to an array with a margin that repeats the map, or is zero if nothing surrounds the map.
+The weights of a stencil are symmetric, and may differ between even and odd rows and columns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from llvmlite import ir
+from numba import types
+from numba.extending import intrinsic
+
+from asperity.core.compiled import compiled
+from asperity.core.parallel import in_parts
+from asperity.core.types import Array
+from asperity.fourier.grid import Grid
+
+RADIUS = 3
+"""Radius of the stencils, in nodes: they reach the nodes with row² + column² ≤ RADIUS (RADIUS + 1)."""
+
+# Rows of a stencil, and numbers in each of them with a zero at the end: they fill a vector register.
+_ROWS = 2 * RADIUS + 1
+_LANES = _ROWS + 1
+
+# Numbers in a strip with its margin, which are half of a cache of 1 MiB, and its least number of rows.
+_STRIP = 2**17
+_LEAST_ROWS = 16
+
+
+@dataclass(frozen=True)
+class RowNodes:
+    """Some nodes of a map, row by row.
+
+    Attributes
+    ----------
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened map.
+    first : (ny + 1,) array
+        Index in `nodes` of the first node of each row, and their number at the end.
+    """
+
+    nodes: Array
+    first: Array
+
+    @classmethod
+    def of(cls, nodes: Array, grid: Grid) -> RowNodes:
+        """Sorted indices of nodes, sorted into the rows of a grid."""
+        ny, nx = grid.shape
+        return cls(nodes, np.searchsorted(nodes, (np.arange(ny + 1) * nx).astype(nodes.dtype)))
+
+
+class StencilProduct:
+    """Products of stencils with values on some nodes of a map.
+
+    Parameters
+    ----------
+    grid : Grid
+    repeats : bool
+        True if nodes at opposite edges of the map are neighbours.
+    threads : int
+    """
+
+    def __init__(self, grid: Grid, repeats: bool, threads: int = 1) -> None:
+        self._shape, self._repeats, self._threads = grid.shape, repeats, threads
+        ny, nx = grid.shape
+        width = nx + 2 * RADIUS
+        self._strip_shape = min(ny, max(_LEAST_ROWS, _STRIP // width)) + 2 * RADIUS, width
+        self._strips: list[Array] = []
+
+    def __call__(
+        self,
+        stencil: Array,
+        nodes: RowNodes,
+        values: Array,
+        at: RowNodes | None = None,
+        meanwhile: Callable[[], object] | None = None,
+    ) -> Array:
+        """Product of a stencil with values on nodes, at these nodes or at others.
+
+        Parameters
+        ----------
+        stencil : array
+            From `whole_stencil`.
+        nodes : RowNodes
+        values : (count,) array
+        at : RowNodes, optional
+        meanwhile : callable, optional
+            Called without arguments by one of the threads, at the same time.
+        """
+        at = at or nodes
+        out = np.empty(at.nodes.size, np.float32)
+
+        def apply(part: slice) -> None:
+            begin, end = np.searchsorted(at.first[:-1], (part.start, part.stop))
+            try:
+                strip = self._strips.pop()
+            except IndexError:
+                strip = self._new_strip()
+            known = strip, nodes.nodes, nodes.first, values, self._shape, self._repeats, stencil
+            _apply_in_strips(*known, begin, end, at.nodes, at.first, out)
+            self._strips.append(strip)
+
+        in_parts(apply, out.size, self._threads, meanwhile=meanwhile)
+        return out
+
+    def _new_strip(self) -> Array:
+        # The last row of a stencil reads one number beyond it.
+        rows, width = self._strip_shape
+        return np.zeros(rows * width + 1, np.float32)[:-1].reshape(rows, width)
+
+
+def whole_stencil(quadrants: Array) -> Array:
+    """All weights of a symmetric stencil, from those of a quadrant for each parity of row and column.
+
+    Parameters
+    ----------
+    quadrants : (2, 2, RADIUS + 1, RADIUS + 1) array
+        Weights [parity of the row, parity of the column, rows off, columns off].
+    """
+    off = np.abs(np.arange(-RADIUS, RADIUS + 1))
+    out = np.zeros((4, _ROWS, _LANES), np.float32)
+    out[:, :, :_ROWS] = quadrants.reshape(4, RADIUS + 1, RADIUS + 1)[:, off[:, None], off]
+    return out
+
+
+@intrinsic
+def _product(typing_context: Any, field: Any, first: Any, width: Any, weights: Any, stencil: Any) -> Any:
+    """Sum over the rows of a stencil of weights × numbers, from the index of the first number.
+
+    Written for the compiler, which does not turn the loops into operations on vectors: with a vector for each
+    row it takes half the time.
+    """
+
+    def generate(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        vector = ir.VectorType(ir.FloatType(), _LANES)
+        numbers, factors = (
+            context.make_array(signature.args[of])(context, builder, arguments[of]).data for of in (0, 3)
+        )
+        number, step = arguments[1], arguments[2]
+        factor = builder.mul(arguments[4], ir.Constant(step.type, _ROWS * _LANES))
+        total = None
+        for _ in range(_ROWS):
+            row, weight = (
+                builder.load(builder.bitcast(builder.gep(data, [index]), vector.as_pointer()), align=4)
+                for data, index in ((numbers, number), (factors, factor))
+            )
+            product = builder.fmul(row, weight, flags=("contract",))
+            total = product if total is None else builder.fadd(total, product, flags=("contract",))
+            number = builder.add(number, step)
+            factor = builder.add(factor, ir.Constant(step.type, _LANES))
+        half = _LANES // 2
+        while half:
+            others = [(lane + half) % _LANES for lane in range(_LANES)]
+            order = ir.Constant(ir.VectorType(ir.IntType(32), _LANES), others)
+            total = builder.fadd(total, builder.shuffle_vector(total, total, order))
+            half //= 2
+        return builder.extract_element(total, ir.Constant(ir.IntType(32), 0))
+
+    return types.float32(field, types.intp, types.intp, weights, types.intp), generate
+
+
+@compiled
+def _apply_in_strips(
+    strip: Any,
+    nodes: Any,
+    first: Any,
+    values: Any,
+    shape: tuple[int, int],
+    repeats: bool,
+    weights: Any,
+    begin: int,
+    end: int,
+    others: Any,
+    first_other: Any,
+    out: Any,
+) -> None:
+    """Product of the stencil with values on nodes, at the other nodes of some rows of the map.
+
+    Parameters
+    ----------
+    strip : array
+        Zero before and after.
+    nodes, first, values
+        The nodes that bear values, and the place of the first one in each row.
+    shape, repeats
+        Of the map.
+    weights : array
+        The stencil.
+    begin, end : int
+        The rows.
+    others, first_other, out
+        The nodes of the products, and the place of the first one in each row.
+    """
+    rows, width = strip.shape[0] - 2 * RADIUS, strip.shape[1]
+    flat = strip.reshape(-1)
+    for top in range(begin, end, rows):
+        bottom = min(top + rows, end)
+        if first_other[top] == first_other[bottom]:
+            continue
+        for line in range(bottom - top + 2 * RADIUS):
+            row = _row_of(top + line - RADIUS, shape[0], repeats)
+            if row >= 0:
+                some = slice(first[row], first[row + 1])
+                _write_row(nodes[some], values[some], row * shape[1], strip[line], repeats)
+        for row in range(top, bottom):
+            some = slice(first_other[row], first_other[row + 1])
+            start, parity = row * shape[1], 2 * (row % 2)
+            _multiply(flat[(row - top) * width :], width, others[some], start, weights, parity, out[some])
+        for line in range(bottom - top + 2 * RADIUS):
+            row = _row_of(top + line - RADIUS, shape[0], repeats)
+            if row >= 0:
+                _erase(nodes[first[row] : first[row + 1]], row * shape[1], strip[line])
+
+
+@compiled
+def _row_of(row: int, rows: int, repeats: bool) -> int:
+    """The row of the map that is repeated beyond its edges; −1 if nothing is there."""
+    return row % rows if repeats else row if 0 <= row < rows else -1
+
+
+@compiled
+def _write_row(nodes: Any, values: Any, start: int, line: Any, repeats: bool) -> None:
+    """Write the values of a row, whose first node has the index `start`, and what repeats in its margin."""
+    columns = line.size - 2 * RADIUS
+    for k in range(nodes.size):
+        line[np.int64(nodes[k]) - start + RADIUS] = values[k]
+    if repeats:
+        for step in range(1, RADIUS + 1):
+            line[RADIUS - step] = line[RADIUS + (columns - step) % columns]
+            line[RADIUS + columns + step - 1] = line[RADIUS + (step - 1) % columns]
+
+
+@compiled
+def _multiply(field: Any, width: int, nodes: Any, start: int, weights: Any, parity: int, out: Any) -> None:
+    """Product of the stencil with the strip from the row `RADIUS` above nodes of one row of the map."""
+    for k in range(nodes.size):
+        column = np.int64(nodes[k]) - start
+        out[k] = _product(field, column, width, weights, parity + column % 2)  # type: ignore[call-arg]
+
+
+@compiled
+def _erase(nodes: Any, start: int, line: Any) -> None:
+    """Make a row zero again."""
+    for k in range(nodes.size):
+        line[np.int64(nodes[k]) - start + RADIUS] = 0
+    line[:RADIUS] = 0
+    line[line.size - RADIUS :] = 0

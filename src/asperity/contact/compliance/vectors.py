@@ -1,0 +1,78 @@
+"""Compiled loops over the contact nodes that several modules of the solver share.
+
+Fields are flattened. `nodes` holds the sorted indices of the contact nodes in the flattened field; arrays of
+that size hold one element for each contact node. Sums accumulate in double precision.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from asperity.core.compiled import compiled, sums
+from asperity.core.parallel import in_parts
+from asperity.core.types import Array
+
+
+@compiled
+def scatter(field: Any, nodes: Any, values: Any, start: int) -> None:
+    """Write values on nodes of a part of a field, whose first node is `start`, and zero on all others."""
+    field[:] = 0
+    for k in range(nodes.size):
+        field[nodes[k] - start] = values[k]
+
+
+@sums
+def added(a: Any) -> float:
+    """Σ a."""
+    total = 0.0
+    for k in range(a.size):
+        total += np.float64(a[k])
+    return total
+
+
+@sums
+def dot(a: Any, b: Any) -> float:
+    """Σ a b."""
+    total = 0.0
+    for k in range(a.size):
+        total += np.float64(a[k]) * np.float64(b[k])
+    return total
+
+
+@compiled
+def add_multiple(values: Any, others: Any, factor: Any) -> None:
+    """Add factor × others to values."""
+    for k in range(values.size):
+        values[k] += factor * others[k]
+
+
+def row_plus_column(nodes: Array, of_row: Array, of_column: Array, threads: int = 1) -> Array:
+    """Sum of a number of its row and a number of its column, for each of some nodes.
+
+    Parameters
+    ----------
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened map.
+    of_row, of_column : (ny,) and (nx,) arrays of the same type
+    threads : int
+
+    Returns
+    -------
+    (count,) array of that type
+    """
+    out = np.empty(nodes.size, of_row.dtype)
+    in_parts(lambda part: _row_plus_column(nodes[part], of_row, of_column, out[part]), nodes.size, threads)
+    return out
+
+
+@compiled
+def _row_plus_column(nodes: Any, of_row: Any, of_column: Any, out: Any) -> None:
+    row, start = np.int64(0), np.int64(0)
+    for k in range(nodes.size):
+        node = np.int64(nodes[k])
+        if node >= start + of_column.size:
+            row = node // of_column.size
+            start = row * of_column.size
+        out[k] = of_row[row] + of_column[node - start]

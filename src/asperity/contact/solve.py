@@ -1,0 +1,626 @@
+"""Solution of contact problems: checks the arguments, chooses the method, and certifies the result."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
+
+from asperity.contact import gfmd
+from asperity.contact.active_set import nested_grids
+from asperity.contact.certificate import certificate_of_fields, rms_deviation, verify_contact
+from asperity.contact.compliance import response_on
+from asperity.contact.compliance.vectors import dot
+from asperity.contact.problem import Control, Problem, State
+from asperity.contact.solution import Contact
+from asperity.core.arguments import (
+    LARGEST,
+    SMALLEST,
+    choice,
+    finite_array,
+    is_finite,
+    number,
+    require_finite,
+    whole_number,
+)
+from asperity.core.compiled import compiled
+from asperity.core.errors import ConvergenceError, shown
+from asperity.core.parallel import apply, extremes, total
+from asperity.core.types import REAL_TYPES, Array, Progress
+from asperity.elasticity.layer import Layer
+from asperity.elasticity.two_bodies import Solid, TwoBodies
+from asperity.fourier.grid import Grid
+
+METHODS = {"active_set": nested_grids.solve, "gfmd": gfmd.solve}
+
+# Largest violation of the conditions of contact at a single node, in units of the tolerance, which bounds the
+# norm over all nodes, and in units of the rounding of the heights.
+MAX_VIOLATION = 100.0
+MAX_ROUNDINGS = 10.0
+
+# A given start is used if its load, its area, or its approach measured from first contact differs from the
+# imposed one by less than this fraction: beyond, the coarse grids give a better one.
+NEAR_START = 0.3
+
+# Most threads: more than any machine has cores, few enough to be started.
+MAX_THREADS = 1024
+
+_LEAST_LOAD, _LARGEST_LOAD = 1e-150, 1e150
+_LOAD = (
+    f"0 or a number from {_LEAST_LOAD:g} to {_LARGEST_LOAD:g}",
+    lambda value: value == 0 or _LEAST_LOAD <= value <= _LARGEST_LOAD,
+)
+_CONTROLS: dict[str, tuple[str, Callable[[float], bool]]] = {
+    "area_fraction": ("a number > 0 and ≤ 1", lambda value: 0 < value <= 1),
+    "mean_pressure": _LOAD,
+    "force": _LOAD,
+    "approach": (f"a number from {-LARGEST:g} to {LARGEST:g}", lambda value: abs(value) <= LARGEST),
+}
+
+
+def solve(
+    height: ArrayLike,
+    solid: Solid,
+    length: float | tuple[float, float] = 1.0,
+    *,
+    area_fraction: float | None = None,
+    mean_pressure: float | None = None,
+    force: float | None = None,
+    approach: float | None = None,
+    boundary: str = "periodic",
+    method: str = "active_set",
+    rtol: float = 1e-6,
+    dtype: DTypeLike = "float64",
+    threads: int = 1,
+    progress: Progress | None = None,
+    initial: Contact | ArrayLike | None = None,
+) -> Contact:
+    """Press a rough surface against an elastic solid: a rigid one, or one of two elastic bodies.
+
+    Exactly one of `area_fraction`, `mean_pressure`, `force` and `approach` is given.
+
+    Parameters
+    ----------
+    height : (ny, nx) array
+        Lower face of the indenter, measured upward, in the unit of `length`; for two bodies the lower face of
+        the upper one less the upper face of the lower one.
+    solid : Layer or TwoBodies
+        One elastic solid under a rigid indenter, or two elastic bodies.
+    length : float or (length_y, length_x)
+        Edges of the map, number of nodes × spacing: those of the cell if it repeats.
+    area_fraction : float
+        Contact nodes over all nodes, met to 1e-4 of itself, or to the nearest number of nodes that the
+        surface allows.
+    mean_pressure : float
+        Load over the area of the map, in the unit of Young's modulus.
+    force : float
+        Mean pressure times the area of the map.
+    approach : float
+        Position of the indenter, in the unit of `length`. The indenter first touches at the approach
+        ``height.min()``. With a free boundary it is measured from the solid's surface far from the map, so
+        that ``approach - height.min()`` is the displacement of the indenter from first touch.
+    boundary : "periodic" | "free"
+        "periodic": the map repeats in both directions. "free": nothing surrounds the map, whose solid is a
+        half-space, or each of two bodies is one; each node is a rectangle under uniform pressure.
+    method : "active_set" | "gfmd"
+        The fast solver, or the damped dynamics of the paper; both converge to the same solution.
+    rtol : float
+        Error of the pressure relative to its norm, as estimated by the solver.
+    dtype : "float64" or "float32"
+        Precision of the fields. If the tolerance is not reached in single precision, the problem is solved
+        again in double precision, and the fields are rounded at the end.
+    threads : int
+        The solution does not depend on it.
+    progress : callable, optional
+        Called as progress(done, total).
+    initial : Contact or (ny, nx) array, optional
+        A pressure to start from.
+
+    Returns
+    -------
+    Contact
+
+    Raises
+    ------
+    ConvergenceError
+        If the tolerance is not reached.
+    ValueError, TypeError
+        If an argument is out of range.
+
+    Notes
+    -----
+    The methods are described in `asperity.contact.active_set.outer_loop` and `asperity.contact.gfmd`.
+
+    Examples
+    --------
+    A rough surface on steel, in SI units, and a ball on a flat, which compare with Hertz:
+
+    >>> steel = asp.Layer(young=210e9, poisson=0.3)  # Pa
+    >>> height = asp.self_affine((64, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)  # m
+    >>> contact = asp.solve(height, steel, length=2e-4, mean_pressure=20e6)
+    >>> print(f"{contact.area_fraction:.3f} of the area, at most {contact.max_pressure / 1e9:.2f} GPa")
+    0.024 of the area, at most 1.91 GPa
+
+    >>> ball = asp.add_sphere(np.zeros((64, 64)), 3e-4, radius=10e-3)
+    >>> contact = asp.solve(ball, steel, 3e-4, force=20.0, boundary="free")
+    >>> hertz = (6 * 20.0 * steel.effective_modulus**2 / (np.pi**3 * 10e-3**2)) ** (1 / 3)
+    >>> bool(abs(contact.max_pressure / hertz - 1) < 0.01)
+    True
+    """
+    precision, rtol, threads = _checked_settings(dtype, rtol, threads)
+    values, height_range = _checked_height(height, threads)
+    grid = Grid(values.shape, length)  # type: ignore[arg-type]
+    if not isinstance(solid, (Layer, TwoBodies)):
+        raise TypeError(f"solid = {shown(solid)}: a Layer or TwoBodies is needed")
+    choice("method", method, tuple(METHODS))
+    given = {
+        "area_fraction": area_fraction,
+        "mean_pressure": mean_pressure,
+        "force": force,
+        "approach": approach,
+    }
+    control = _checked_control(given, grid)
+    response = response_on(boundary, solid, grid, precision, threads)
+    if method == "gfmd" and boundary != "periodic":
+        raise ValueError(f"method = 'gfmd': active_set is needed for boundary = {boundary!r}")
+    if control.kind == "approach" and response.uniform_compliance == 0 and control.value >= values.mean():
+        raise ValueError(
+            f"approach = {shown(approach)}: less than the mean height {values.mean():.6g} is needed, because "
+            "this solid has no uniform displacement"
+        )
+    start = _checked_initial(initial, grid)
+    begin = time.perf_counter()
+    units = _units_of(height_range, solid, grid, control)
+    start = None if start is None else start / units.stress
+    imposed, omits_mean = units.control(control), control.fixes_load
+    scaled = boundary, units.solid(solid), units.grid(grid)
+    heights = units.heights(values)
+    problem = Problem(heights, response_on(*scaled, precision, threads, omits_mean))
+    control = _within_reach(imposed, problem)
+    # A given start may overflow: the result is checked in the end.
+    with np.errstate(over="ignore", under="ignore", invalid="ignore"):
+        state = None
+        try:
+            state = _state_of(problem, control, method, rtol, progress, start)
+        except ConvergenceError:
+            if precision == "float64" or rtol < np.finfo(precision).eps:
+                raise
+        # Not in the block above, so that the fields of the first attempt are released.
+        if state is None:
+            in_double = Problem(heights, response_on(*scaled, "float64", threads, omits_mean))
+            state = _state_of(in_double, control, method, rtol, progress, start)
+            state = replace(state, pressure=state.pressure.astype(precision), displacement=None)
+        found = _certified(problem, imposed, state, method, rtol, begin)
+        restored = units.restored(found, values, solid, grid)
+    # The certificate is finite only if the fields are, which a change of units may undo.
+    fields = () if restored.gap is found.gap else ("pressure", "displacement", "gap")
+    numbers = ("mean_pressure", "approach", "area_fraction", "control_error")
+    require_finite("solve", {name: getattr(restored, name) for name in (*fields, *numbers)})
+    return restored
+
+
+def solve_path(
+    height: ArrayLike,
+    solid: Solid,
+    length: float | tuple[float, float] = 1.0,
+    *,
+    area_fractions: Sequence[float] | None = None,
+    mean_pressures: Sequence[float] | None = None,
+    forces: Sequence[float] | None = None,
+    approaches: Sequence[float] | None = None,
+    progress: Progress | None = None,
+    **settings: Any,
+) -> Iterator[Contact]:
+    """Solve for one load after the other, each when it is asked for.
+
+    Parameters
+    ----------
+    height, solid, length
+        As for `solve`.
+    area_fractions, mean_pressures, forces, approaches : sequence of float
+        Exactly one of them.
+    progress : callable, optional
+        Called as progress(done, total), where a load counts as one.
+    **settings
+        Passed to `solve`.
+
+    Yields
+    ------
+    Contact
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> solid = asp.Layer(young=1.0, poisson=0.3)
+    >>> for contact in asp.solve_path(height, solid, mean_pressures=[1e-4, 2e-4, 4e-4]):
+    ...     print(f"load {contact.mean_pressure:.0e}, area {contact.area_fraction:.3f}")
+    load 1e-04, area 0.016
+    load 2e-04, area 0.026
+    load 4e-04, area 0.050
+    """
+    paths = {
+        "area_fraction": area_fractions,
+        "mean_pressure": mean_pressures,
+        "force": forces,
+        "approach": approaches,
+    }
+    given = {kind: list(values) for kind, values in paths.items() if values is not None}
+    if len(given) != 1:
+        raise ValueError(
+            "exactly one of area_fractions, mean_pressures, forces, approaches is needed, "
+            f"got {', '.join(given) if given else 'none'}"
+        )
+    ((kind, values),) = given.items()
+    return _solve_each(partial(solve, height, solid, length, **settings), kind, values, progress)
+
+
+def _solve_each(
+    solve_one: Callable[..., Contact], kind: str, values: Sequence[float], progress: Progress | None
+) -> Iterator[Contact]:
+    for index, value in enumerate(values):
+        of_load = None if progress is None else partial(_report, progress, index, len(values))
+        yield solve_one(**{kind: value}, progress=of_load)
+        if progress is not None:
+            progress(index + 1, len(values))
+
+
+def _report(progress: Progress, index: int, count: int, done: float, total: float) -> None:
+    """Report the progress of one load as progress of the path."""
+    progress(index + done / total, count)
+
+
+# Arguments
+
+
+def _checked_settings(dtype: Any, rtol: Any, threads: Any) -> tuple[str, float, int]:
+    """Return precision, tolerance and number of threads, within their ranges."""
+    try:
+        real = np.dtype(dtype)
+    except (TypeError, ValueError):
+        real = None
+    if dtype is None or real not in REAL_TYPES:
+        raise ValueError(f"dtype = {shown(dtype)}: float64 or float32 is needed")
+    tolerance = number("rtol", rtol, "a number between 0 and 1", lambda value: 0 < value < 1)
+    accepted = f"a whole number from 1 to {MAX_THREADS}"
+    workers = whole_number("threads", threads, accepted, lambda count: 1 <= count <= MAX_THREADS)
+    return str(real), tolerance, workers
+
+
+def _checked_height(height: ArrayLike, threads: int) -> tuple[Array, tuple[float, float]]:
+    """Return the surface as a real array [y, x] of finite numbers, and its least and largest height."""
+    values = finite_array("height", height).astype(float, copy=False)
+    if values.ndim != 2 or values.size == 0:
+        raise ValueError(f"height has the shape {values.shape}: a two-dimensional array [y, x] is needed")
+    lowest, highest = extremes(values, threads)
+    if 0 < highest - lowest < SMALLEST:
+        raise ValueError(
+            f"height: heights that differ by {SMALLEST:g} or more, or not at all, are needed; they differ by "
+            f"{highest - lowest:.3g}"
+        )
+    return values, (lowest, highest)
+
+
+def _checked_control(imposed: dict[str, float | None], grid: Grid) -> Control:
+    """Return the one quantity that is imposed, within its range; a force as the mean pressure it causes."""
+    given = {kind: value for kind, value in imposed.items() if value is not None}
+    if len(given) != 1:
+        raise ValueError(
+            f"exactly one of {', '.join(imposed)} is needed, got {', '.join(given) if given else 'none'}"
+        )
+    ((kind, raw),) = given.items()
+    value = number(kind, raw, *_CONTROLS[kind])
+    return Control("mean_pressure", value / grid.area) if kind == "force" else Control(kind, value)
+
+
+def _checked_initial(initial: Contact | ArrayLike | None, grid: Grid) -> Array | None:
+    """Return the pressure to start from, finite and of the shape of the surface."""
+    if initial is None:
+        return None
+    pressure = initial.pressure if isinstance(initial, Contact) else initial
+    values = finite_array("initial", pressure).astype(float, copy=False)
+    if values.shape != grid.shape:
+        raise ValueError(f"initial has the shape {values.shape}: that of height, {grid.shape}, is needed")
+    return values
+
+
+# Units
+
+
+@dataclass(frozen=True)
+class _Units:
+    """Units of a contact problem, in which its numbers are near one.
+
+    They are powers of two, so that the solution is the same bit by bit.
+
+    Attributes
+    ----------
+    length, height, stress : float
+        In the unit of lengths and in that of Young's modulus.
+    datum : float
+        Height from which heights and the approach are measured.
+    """
+
+    length: float
+    height: float
+    stress: float
+    datum: float
+
+    def grid(self, grid: Grid) -> Grid:
+        return Grid(grid.shape, (grid.length[0] / self.length, grid.length[1] / self.length))
+
+    def solid(self, solid: Solid) -> Solid:
+        """The solid in these units: the ratio of a stress to a slope is its modulus."""
+        if isinstance(solid, TwoBodies):
+            return TwoBodies(self._layer(solid.lower), self._layer(solid.upper))
+        return self._layer(solid)
+
+    def _layer(self, layer: Layer) -> Layer:
+        height = None if layer.height is None else layer.height / self.length
+        return replace(layer, young=layer.young / self.stress / self.length * self.height, height=height)
+
+    def heights(self, height: Array) -> Array:
+        if self.height == 1 and self.datum == 0:
+            return height
+        return (height - self.datum) / self.height
+
+    def control(self, control: Control) -> Control:
+        if control.kind == "mean_pressure":
+            return replace(control, value=control.value / self.stress)
+        if control.kind == "approach":
+            return replace(control, value=(control.value - self.datum) / self.height)
+        return control
+
+    def restored(self, found: Contact, height: Array, solid: Solid, grid: Grid) -> Contact:
+        """A solution in these units as one in those of the caller.
+
+        Raises
+        ------
+        ValueError
+            If the precision of its fields does not hold the numbers in those units.
+        """
+        if (self.length, self.height, self.stress, self.datum) == (1.0, 1.0, 1.0, 0.0):
+            return replace(found, solid=solid)
+        real = found.pressure.dtype.type
+        pressure = found.pressure * real(self.stress)
+        own_height = height.astype(real, copy=False)
+        if (
+            not is_finite(pressure)
+            or np.count_nonzero(pressure) != np.count_nonzero(found.pressure)
+            or bool(np.ptp(own_height)) != bool(np.ptp(height))
+        ):
+            other = "float64 or other units" if pressure.itemsize == 4 else "other units"
+            raise ValueError(
+                f"dtype = {pressure.dtype.name!r}: cannot hold heights of about {self.height:.0e} and "
+                f"pressures of about {self.stress:.0e}; {other} are needed"
+            )
+        return replace(
+            found,
+            height=own_height,
+            pressure=pressure,
+            displacement=found.displacement * real(self.height),
+            gap=found.gap * real(self.height),
+            grid=grid,
+            solid=solid,
+            mean_pressure=found.mean_pressure * self.stress,
+            approach=found.approach * self.height + self.datum,
+        )
+
+
+def _units_of(height_range: tuple[float, float], solid: Solid, grid: Grid, control: Control) -> _Units:
+    """Units of edge, modulus, and heights.
+
+    Heights have the unit of the edge, unless their range, or what the load or the approach makes of a
+    half-space if that is more, is smaller or larger by more than 2^40.
+    """
+    edge, modulus = max(grid.length), solid.effective_modulus
+    lowest, highest = height_range
+    depth = highest - lowest
+    datum = 0.0 if depth else lowest
+    if control.kind == "mean_pressure":
+        depth = max(depth, control.value / modulus * edge)
+    elif control.kind == "approach":
+        depth = max(depth, control.value - lowest)
+    length, exponent = _exponent(edge), _exponent(depth if depth > 0 else edge)
+    if abs(exponent - length) <= 40:
+        exponent = length
+    stress = _exponent(modulus) + exponent - length
+    return _Units(math.ldexp(1.0, length), math.ldexp(1.0, exponent), math.ldexp(1.0, stress), datum)
+
+
+def _exponent(value: float) -> int:
+    """Exponent of the power of two at or below a positive number."""
+    return math.frexp(value)[1] - 1
+
+
+# The solution
+
+
+def _within_reach(control: Control, problem: Problem) -> Control:
+    """The control; an imposed area is at least that of the lowest nodes, which all touch at any load."""
+    if control.kind != "area_fraction":
+        return control
+    lowest = np.count_nonzero(problem.height == problem.height_range[0])
+    return replace(control, value=max(control.value, lowest / problem.height.size))
+
+
+def _state_of(
+    problem: Problem,
+    control: Control,
+    method: str,
+    rtol: float,
+    progress: Progress | None,
+    initial: Array | None,
+) -> State:
+    """The state under a load."""
+    lowest, _ = problem.height_range
+    if control.kind == "approach" and control.value <= lowest:
+        return State(np.zeros_like(problem.height), control.value, 0.0)
+    if control.kind == "mean_pressure" and control.value == 0:
+        return State(np.zeros_like(problem.height), lowest, 0.0)
+    if (
+        control.kind == "area_fraction"
+        and control.value == 1
+        and problem.response.repeats
+        and problem.height.any()
+    ):
+        return _full_contact(problem)
+    start = None if initial is None else _near_start(problem, control, initial)
+    return METHODS[method](problem, control, rtol, progress, start)
+
+
+def _full_contact(problem: Problem) -> State:
+    """The least load at which all nodes touch: every mode but the uniform one has û = −ĥ."""
+    compliance, fourier = problem.response.compliance, problem.fourier
+    coefficients = fourier.forward(problem.height)
+    np.divide(coefficients, -compliance, out=coefficients, where=compliance > 0)
+    coefficients[0, 0] = 0
+    pressure = fourier.inverse(coefficients, overwrite=True)
+    # The last node to touch bears a pressure just above rounding.
+    pressure += np.ptp(pressure) * 4 * np.finfo(pressure.dtype).eps - pressure.min()
+    return State(pressure, 0.0, float(pressure.mean(dtype=float)))
+
+
+def _near_start(problem: Problem, control: Control, initial: Array) -> Array | None:
+    """A given pressure without tension, of the magnitude that fits the heights; None if it is far off.
+
+    At a given approach its energy is least, at a given area the deformed surface in contact is nearest to the
+    indenter.
+    """
+    contact, largest = initial > 0, float(initial.max())
+    if not contact.any():
+        return None
+    pressure = (np.maximum(initial, 0) / largest).astype(problem.fourier.real)
+    heights = problem.height[contact].astype(float)
+    displaced = problem.response.displacement(pressure)[contact].astype(float)
+    factor, now, wanted = 0.0, 0.0, control.value
+    if control.kind == "mean_pressure":
+        factor, now = largest, largest * float(pressure.mean(dtype=float))
+    elif control.kind == "area_fraction":
+        now = np.count_nonzero(contact) / problem.grid.size
+        if variance := float(np.var(displaced)):
+            factor = -float(np.mean(displaced * (heights - heights.mean()))) / variance
+    else:
+        weights, lowest = pressure[contact].astype(float), problem.height_range[0]
+        if energy := max(float(weights @ displaced), 0.0):
+            factor = float(weights @ (control.value - heights)) / energy
+        now, wanted = float((heights + factor * displaced).mean()) - lowest, control.value - lowest
+    if not (factor > 0 and abs(now - wanted) < NEAR_START * wanted):
+        return None
+    return pressure * pressure.dtype.type(factor)
+
+
+def _certified(
+    problem: Problem, control: Control, state: State, method: str, rtol: float, begin: float
+) -> Contact:
+    """Evaluate the fields that follow from the pressure of a state, and certify it."""
+    grid, response, pressure, displacement = (
+        problem.grid,
+        problem.response,
+        state.pressure,
+        state.displacement,
+    )
+    threads = problem.fourier.threads
+    if displacement is None:
+        displacement = response.displacement(pressure)
+    mean = response.omitted_compliance * state.load if response.omits_mean else 0.0
+    if mean:
+        displacement = displacement + displacement.dtype.type(mean)
+    pairs = problem.fourier.work.pairs(grid)
+    gap = np.empty_like(problem.height)
+    flat = [field.reshape(-1) for field in (pressure, problem.height, displacement, gap)]
+    total_gap, nodes, total_pressure = total(_gap_of_contact, threads, *flat[:3])
+    approach = state.approach + mean if nodes == 0 else total_gap / nodes
+    approach = state.approach if control.kind == "approach" else approach
+    apply(_write_gap, threads, *flat[1:3], gap.dtype.type(approach), flat[3])
+    load = state.load if control.kind == "mean_pressure" else None
+    if pressure.dtype == np.float64:
+        certificate = certificate_of_fields(problem.height, pressure, gap, problem.unit, load, threads)
+    else:
+        certificate = verify_contact(
+            problem.height,
+            pressure,
+            response.solid,
+            grid.length,
+            approach=approach,
+            mean_pressure=load,
+            boundary=response.boundary,
+            threads=threads,
+        )
+    reached = {"area_fraction": nodes / grid.size, "mean_pressure": total_pressure / grid.size}
+    error = 0.0
+    if control.kind in reached and control.value:
+        error = abs(reached[control.kind] / control.value - 1)
+    found = Contact(
+        height=problem.height,
+        pressure=pressure,
+        displacement=displacement,
+        gap=gap,
+        grid=grid,
+        solid=response.solid,
+        boundary=response.boundary,
+        **reached,
+        approach=approach,
+        certificate=replace(
+            certificate, iterations=state.iterations, pairs=pairs, seconds=time.perf_counter() - begin
+        ),
+        control_error=error,
+        method=method,
+        rtol=rtol,
+    )
+    _require_certificate(found, threads)
+    return found
+
+
+def _require_certificate(contact: Contact, threads: int) -> None:
+    """Raise `ConvergenceError` if a field is not finite or the certificate exceeds what the tolerance allows.
+
+    A relative error of the pressure changes the gap by that fraction of the displacement that the pressure
+    can cause, which is largest for the longest wave.
+    """
+    allowed = MAX_VIOLATION * contact.rtol
+    if contact.certificate.worst <= allowed:
+        return
+    finite = is_finite(contact.pressure) and is_finite(contact.gap)
+    rms_height = rms_deviation(contact.height, threads)
+    if finite and rms_height:
+        pressure = contact.pressure.reshape(-1)
+        rms_pressure = math.sqrt(dot(pressure, pressure) / pressure.size)
+        longest = float(contact.solid.surface_compliance(2 * np.pi / max(contact.grid.length)))
+        allowed *= max(1.0, rms_pressure * longest / rms_height)
+        largest = max(float(contact.height.max()), -float(contact.height.min()))
+        allowed += MAX_ROUNDINGS * float(np.finfo(contact.pressure.dtype).eps) * largest / rms_height
+    if finite and contact.certificate.worst <= allowed:
+        return
+    raise ConvergenceError(
+        f"{contact.method} on {contact.grid.shape} nodes ended with a pressure that "
+        + ("violates the conditions of contact" if finite else "is not finite"),
+        contact.certificate.worst,
+        contact.rtol,
+        contact.certificate.iterations,
+        contact.mean_pressure,
+    )
+
+
+@compiled
+def _write_gap(height: Any, displacement: Any, approach: Any, out: Any) -> None:
+    """Write the gap h + u − δ."""
+    for i in range(height.size):
+        out[i] = (height[i] + displacement[i]) - approach
+
+
+@compiled
+def _gap_of_contact(pressure: Any, height: Any, displacement: Any) -> tuple[float, int, float]:
+    """Sum of h + u over the nodes under pressure, their number, and the sum of the pressure."""
+    total_gap, count, total = 0.0, 0, 0.0
+    for i in range(pressure.size):
+        total += np.float64(pressure[i])
+        if pressure[i] > 0:
+            total_gap += np.float64(height[i] + displacement[i])
+            count += 1
+    return total_gap, count, total

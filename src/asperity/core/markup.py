@@ -1,0 +1,138 @@
+"""Tables for a reader: data frames in Markdown and HTML, and objects as a notebook shows them.
+
+Numbers are written with four digits. Texts may hold Markdown: bold text and code.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from importlib.util import find_spec
+from io import BytesIO
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from asperity.core.types import Array
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_STYLE = """\
+body { font: 14px sans-serif; margin: 2em; color: #222; }
+table { border-collapse: collapse; margin-bottom: 2em; }
+th, td { padding: 0.3em 0.8em; text-align: left; vertical-align: top; }
+th { border-bottom: 2px solid #888; }
+td { border-bottom: 1px solid #ddd; font-variant-numeric: tabular-nums; }"""
+
+_PAGE = """\
+<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<title>{title}</title>
+<style>
+{style}
+</style>
+</head>
+<body>
+<h1>{title}</h1>
+{content}
+</body>
+</html>
+"""
+
+
+def markdown(frame: pd.DataFrame) -> str:
+    """A table in Markdown, without the index; bars in cells are escaped."""
+    head, *rows = _rows(frame)
+    lines = ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in (head, *rows)]
+    return "\n".join([lines[0], "|" + "---|" * len(head), *lines[1:]])
+
+
+def html_table(frame: pd.DataFrame) -> str:
+    """A table in HTML, without the index, with the Markdown of its cells as HTML."""
+    lines = [_line(row, "td" if number else "th") for number, row in enumerate(_rows(frame))]
+    return "\n".join(["<table>", *lines, "</table>"])
+
+
+def page(title: str, tables: Mapping[str, pd.DataFrame]) -> str:
+    """An HTML page with tables under their headings; an empty heading is left out."""
+    parts = []
+    for heading, frame in tables.items():
+        if heading:
+            parts.append(f"<h2>{html.escape(heading)}</h2>")
+        parts.append(html_table(frame))
+    return _PAGE.format(title=html.escape(title), style=_STYLE, content="\n".join(parts))
+
+
+def inline(text: str) -> str:
+    """A text with the bold text and code of Markdown as HTML, all else escaped."""
+    text = re.sub(r"`(.+?)`", r"<code>\1</code>", html.escape(text))
+    return re.sub(r"\*\*(.+?)\*\*", r"<strong>\1</strong>", text)
+
+
+def with_error(value: float, error: float, signed: bool = False) -> str:
+    """A number with its error to two digits: ``1.445 ± 0.012``; three digits where there is no error."""
+    if np.isnan(value):
+        return ""
+    sign = "+" if signed else ""
+    if np.isnan(error) or error == 0:
+        return f"{value:{sign}.3g}"
+    digits = min(max(0, 1 - int(np.floor(np.log10(error)))), 12)
+    return f"{value:{sign}.{digits}f} ± {error:.{digits}f}"
+
+
+def _rows(frame: pd.DataFrame) -> list[list[str]]:
+    """The names of the columns and the cells of each row as text."""
+    return [
+        [str(name) for name in frame.columns],
+        *([_text(cell) for cell in row] for row in frame.itertuples(index=False, name=None)),
+    ]
+
+
+def _text(cell: object) -> str:
+    """A cell as text: numbers with four digits, nothing where a number is missing."""
+    if isinstance(cell, float | np.floating):
+        return "" if np.isnan(cell) else f"{cell:.4g}"
+    return str(cell)
+
+
+def _line(row: Sequence[str], tag: str) -> str:
+    """A row of an HTML table."""
+    return f"<tr>{''.join(f'<{tag}>{inline(cell)}</{tag}>' for cell in row)}</tr>"
+
+
+PICTURE = 160
+"""Most pixels along an edge of a small picture."""
+
+
+def table(title: str, rows: Iterable[tuple[str, str]], picture: str = "") -> str:
+    """A title and two columns of text as HTML, with a picture beside them if there is one."""
+    cells = "".join(
+        f'<tr><td style="text-align:left">{html.escape(name)}</td>'
+        f'<td style="text-align:left">{html.escape(value)}</td></tr>'
+        for name, value in rows
+    )
+    head = f'<tr><th colspan="2" style="text-align:left">{html.escape(title)}</th></tr>'
+    text = f"<table><thead>{head}</thead>{cells}</table>"
+    if not picture:
+        return f"<div>{text}</div>"
+    return f'<div style="display:flex;flex-wrap:wrap;gap:1em;align-items:flex-start">{text}{picture}</div>'
+
+
+def picture(values: Array, words: str) -> str:
+    """A field [y, x] as a small image, largest value of each block, y upward; empty without matplotlib."""
+    if find_spec("matplotlib") is None:
+        return ""
+    from matplotlib.image import imsave
+
+    step = min(-(-max(values.shape) // PICTURE), *values.shape)
+    ny, nx = (nodes // step for nodes in values.shape)
+    shown = values[: ny * step, : nx * step].reshape(ny, step, nx, step).max(axis=(1, 3))
+    file = BytesIO()
+    imsave(file, np.asarray(shown, dtype=float), origin="lower", cmap="magma_r", format="png")
+    data = base64.b64encode(file.getvalue()).decode()
+    return f'<img alt="{html.escape(words)}" title="{html.escape(words)}" src="data:image/png;base64,{data}">'

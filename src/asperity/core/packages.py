@@ -1,0 +1,92 @@
+"""Packages that the library and the study need, and the extra of ``pip install`` that brings each.
+
+This module imports nothing that may be missing.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib.util import find_spec
+
+BASE = ""
+"""Name that stands for no extra: packages that ``pip install asperity`` brings."""
+
+PACKAGES = {
+    BASE: {
+        "ducc0": "ducc0",
+        "filelock": "filelock",
+        "jinja2": "jinja2",
+        "jsonschema": "jsonschema",
+        "lazy_loader": "lazy-loader",
+        "netCDF4": "netCDF4",
+        "numba": "numba",
+        "llvmlite": "llvmlite",
+        "numpy": "numpy",
+        "pandas": "pandas",
+        "pint": "pint",
+        "psutil": "psutil",
+        "scipy": "scipy",
+        "tqdm": "tqdm",
+        "xarray": "xarray",
+        "yaml": "pyyaml",
+    },
+    "plot": {"matplotlib": "matplotlib"},
+    "maps": {
+        "SurfaceTopography": "SurfaceTopography",
+        "h5py": "h5py",
+        "olefile": "olefile",
+        "tifffile": "tifffile",
+    },
+    "study": {
+        "docutils": "docutils",
+        "mpmath": "mpmath",
+        "pygments": "pygments",
+        "skfem": "scikit-fem",
+        "snakemake": "snakemake",
+    },
+}
+"""Extra → module that is imported → package that provides it. Each extra holds those before it."""
+
+ALTERNATIVES = {"fftw": {"pyfftw": "pyfftw"}}
+"""The same for extras by themselves, which nobody needs who does not choose them."""
+
+NAMES = {
+    module: name
+    for modules in (*PACKAGES.values(), *ALTERNATIVES.values())
+    for module, name in modules.items()
+}
+"""Module → package that provides it."""
+
+NEEDED = tuple(module for modules in PACKAGES.values() for module in modules)
+"""All modules but those of the `ALTERNATIVES`."""
+
+
+class MissingPackageError(ModuleNotFoundError):
+    """Raised if a package is not installed; the message names it and the extra to install."""
+
+
+def absent(modules: Iterable[str] = NEEDED) -> list[str]:
+    """Those of the modules, by default of all but the `ALTERNATIVES`, that are not installed."""
+    return [module for module in modules if find_spec(module) is None]
+
+
+def require(modules: Iterable[str] = NEEDED) -> None:
+    """Raise `MissingPackageError` if one of the modules is not installed."""
+    if missing := absent(modules):
+        raise MissingPackageError(message(missing), name=missing[0])
+
+
+def install_command(missing: Iterable[str]) -> str:
+    """Command that installs the packages of missing modules."""
+    missing = set(missing)
+    held = [extra for extra, modules in PACKAGES.items() if missing & modules.keys()][-1:]
+    alone = [extra for extra, modules in ALTERNATIVES.items() if missing & modules.keys()]
+    extras = ",".join(filter(None, [*held, *alone]))
+    return f'pip install "asperity[{extras}]"' if extras else "pip install asperity"
+
+
+def message(missing: Iterable[str]) -> str:
+    """One line that names the packages of missing modules, and the command that installs them."""
+    missing = list(missing)
+    names = ", ".join(NAMES[module] for module in missing)
+    return f"not installed: {names}; install with: {install_command(missing)}"

@@ -1,0 +1,197 @@
+"""Compiled loops on several threads, with results that do not depend on their number."""
+
+from __future__ import annotations
+
+import contextvars
+from collections import deque
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from itertools import accumulate, pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import DTypeLike
+
+from asperity.core.types import Array
+
+SMALLEST_PART = 16_384
+"""Number of elements for which a thread of its own is worth while."""
+
+SUMMED_PART = 131_072
+"""Least number of elements that are summed up one after the other."""
+
+PARTS_OF_THREAD = 4
+"""Largest number of parts for each thread: one that has done its own takes those of another."""
+
+STRIP = 131_072
+"""Number of elements of which several arrays stay in the processor's cache."""
+
+_helpers = ThreadPoolExecutor(max_workers=256, thread_name_prefix="asperity")
+"""Threads that help the calling one; they are started when they are first needed."""
+
+
+def results_of(tasks: Sequence[Callable[[], Any]], threads: int) -> list[Any]:
+    """Call functions without arguments on several threads, and return their results in order.
+
+    They are begun in their order, and see the caller's context variables, such as `numpy.errstate`. The
+    calling thread takes tasks as its helpers do, so that tasks may have tasks of their own. An error is
+    raised when no thread is at work any more; no further task is begun after it.
+    """
+    if threads == 1 or len(tasks) == 1:
+        return [task() for task in tasks]
+    left = deque(enumerate(tasks))
+    results = [None] * len(tasks)
+
+    def take() -> None:
+        while left:
+            try:
+                number, task = left.popleft()
+            except IndexError:  # another thread has taken the last one
+                return
+            try:
+                results[number] = task()
+            except BaseException:
+                left.clear()
+                raise
+
+    contexts = [contextvars.copy_context() for _ in range(min(threads, len(tasks)) - 1)]
+    helping = [_helpers.submit(context.run, take) for context in contexts]
+    try:
+        take()
+    finally:
+        errors = [helper.exception() for helper in helping if not helper.cancel()]  # waits for each
+    for error in filter(None, errors):
+        raise error
+    return results
+
+
+def in_parts(
+    work: Callable[[slice], Any],
+    size: int,
+    threads: int,
+    multiple: int = 1,
+    smallest: int = SMALLEST_PART,
+    meanwhile: Callable[[], object] | None = None,
+) -> list[Any]:
+    """Call a function for consecutive parts of `size` elements, at the same time; its results in order.
+
+    The function has to compute the elements of a part independently of the others, and to release the
+    interpreter's lock, as functions compiled with ``nogil=True`` do. The parts depend on the number of
+    threads.
+
+    Parameters
+    ----------
+    work : callable
+        Called with the slice of a part.
+    size, threads : int
+    multiple : int
+        Parts begin at multiples of this number.
+    smallest : int
+        Least number of elements of a part.
+    meanwhile : callable, optional
+        Called without arguments by one of the threads, at the same time.
+    """
+    first = [] if meanwhile is None else [meanwhile]
+    parts = max(1, min(threads * PARTS_OF_THREAD, size // smallest)) if threads > 1 else 1
+    edges = [size * part // parts // multiple * multiple for part in range(parts)] + [size]
+    tasks = first + [partial(work, slice(start, stop)) for start, stop in pairwise(edges)]
+    return results_of(tasks, threads)[len(first) :]
+
+
+def in_strips(work: Callable[[slice], object], shape: tuple[int, int], threads: int) -> None:
+    """Call a function for strips of rows of an array, at the same time on several threads.
+
+    A strip has about `STRIP` elements: what the function computes one after the other stays in the cache.
+    """
+    rows, columns = shape
+    strip = max(1, STRIP // columns)
+
+    def some(part: slice) -> None:
+        for first in range(part.start, part.stop, strip):
+            work(slice(first, min(first + strip, part.stop)))
+
+    in_parts(some, rows, threads, smallest=strip)
+
+
+def apply(function: Callable[..., object], threads: int, *arguments: Any) -> None:
+    """Call a function that changes arrays in place for consecutive parts of them, at the same time.
+
+    Parameters
+    ----------
+    function : callable
+        As for `in_parts`.
+    threads : int
+    *arguments
+        Arrays of the same length, of which each part is passed on, and numbers.
+    """
+    size = max(argument.size for argument in arguments if isinstance(argument, np.ndarray))
+    in_parts(lambda part: function(*_parts_of(arguments, part)), size, threads)
+
+
+def results(function: Callable[..., Any], threads: int, *arguments: Any) -> list[Any]:
+    """Results of a function for consecutive parts of arrays, in order.
+
+    The parts, and so the rounding of sums over them, are the same for any number of threads, and two or four
+    threads have equal numbers of them. Arguments as for `apply`.
+    """
+    size = max(argument.size for argument in arguments if isinstance(argument, np.ndarray))
+    count = size // SUMMED_PART
+    if count < 2:
+        return [function(*arguments)]
+    count -= count % 4 if count > 4 else count % 2
+    edges = [size * part // count for part in range(count + 1)]
+    return results_of(
+        [partial(function, *_parts_of(arguments, slice(*edge))) for edge in pairwise(edges)], threads
+    )
+
+
+def total(function: Callable[..., Any], threads: int, *arguments: Any) -> Any:
+    """Sum of the `results`, of a number or of several."""
+    found = results(function, threads, *arguments)
+    return tuple(map(sum, zip(*found, strict=True))) if isinstance(found[0], tuple) else sum(found)
+
+
+def select(
+    count: Callable[[slice], int],
+    write: Callable[..., object],
+    size: int,
+    threads: int,
+    types: Sequence[DTypeLike],
+    multiple: int = 1,
+) -> tuple[Array, ...]:
+    """Elements chosen among `size`, in order.
+
+    Parameters
+    ----------
+    count : callable
+        Returns how many are chosen in a part, given its slice.
+    write : callable
+        Writes them; called with the same slice and, for each type, an array of as many elements.
+    size, threads, multiple : int
+        As for `in_parts`.
+    types : sequence of types
+        Of the arrays that are returned.
+    """
+    parts = in_parts(lambda part: (part, count(part)), size, threads, multiple)
+    ends = list(accumulate(number for _, number in parts))
+    chosen = tuple(np.empty(ends[-1], one) for one in types)
+
+    def write_some(some: slice) -> None:
+        for (part, number), end in zip(parts[some], ends[some], strict=True):
+            write(part, *(array[end - number : end] for array in chosen))
+
+    in_parts(write_some, len(parts), threads, smallest=1)
+    return chosen
+
+
+def extremes(values: Array, threads: int) -> tuple[float, float]:
+    """Least and largest element of an array; not a number if one of them is not."""
+    flat = values.reshape(-1)
+    found = in_parts(lambda part: (flat[part].min(), flat[part].max()), flat.size, threads)
+    lowest, highest = np.array(found, float).T
+    return float(lowest.min()), float(highest.max())
+
+
+def _parts_of(arguments: tuple[Any, ...], part: slice) -> list[Any]:
+    return [argument[part] if isinstance(argument, np.ndarray) else argument for argument in arguments]

@@ -1,0 +1,170 @@
+"""Units of the interfaces: text with a unit to a number in SI, and a number in SI to text.
+
+The library itself converts nothing: its arguments are in any one consistent system of units. The command
+line, the configuration and the reports take and show units through this module. `pint` does the conversion,
+and is imported at the first use.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity.core.errors import shown
+
+
+class Dimension(NamedTuple):
+    """A physical dimension that the interfaces know.
+
+    Parameters
+    ----------
+    unit : str
+        SI unit as text for `pint` and for CF `units` attributes.
+    examples : tuple of str
+        Accepted units, for messages.
+    """
+
+    unit: str
+    examples: tuple[str, ...]
+
+
+DIMENSIONS = {
+    "length": Dimension("m", ("nm", "um", "mm", "m")),
+    "area": Dimension("m^2", ("um^2", "mm^2", "m^2")),
+    "volume": Dimension("m^3", ("um^3", "mm^3", "m^3")),
+    "pressure": Dimension("Pa", ("kPa", "MPa", "GPa", "N/mm^2")),
+    "force": Dimension("N", ("mN", "N", "kN")),
+}
+
+# pint evaluates arithmetic in a text, which a long power would keep busy for hours: only one number and one
+# unit pass.
+_NUMBER_AND_UNIT = re.compile(
+    r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ]+(?:\^?[2-4])?(?:[*/·][A-Za-zµμ]+(?:\^?[2-4])?)*)"
+)
+
+_PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
+_POWERS = {"m": 1, "m^2": 2, "m^3": 3, "Pa": 1, "N": 1}
+_SUPERSCRIPTS = {1: "", 2: "²", 3: "³"}
+
+
+def to_si(value: Any, dimension: str, name: str = "value") -> float:
+    """Number in the SI unit of a dimension.
+
+    Parameters
+    ----------
+    value : str or pint.Quantity
+        A number with its unit, such as ``"210 GPa"``.
+    dimension : str
+        A key of `DIMENSIONS`.
+    name : str
+        Name of the setting, for messages.
+
+    Raises
+    ------
+    ValueError
+        If the value has no unit, a unit of another dimension, or is not a finite number.
+    """
+    known = DIMENSIONS[dimension]
+    accepted = f"a number with a unit of {dimension} ({', '.join(known.examples)}) is needed"
+    text = value.strip() if isinstance(value, str) else value
+    if isinstance(value, (int, float, np.number)) or (isinstance(text, str) and _is_number(text)):
+        raise ValueError(f"{name} = {shown(value)}: {accepted}, such as {_example(text, known)!r}")
+    if not isinstance(text, str) and not (hasattr(text, "magnitude") and hasattr(text, "units")):
+        raise ValueError(f"{name} = {shown(value)}: {accepted}")
+    if isinstance(text, str):
+        match = _NUMBER_AND_UNIT.fullmatch(text)
+        if match is None:
+            raise ValueError(f"{name} = {shown(value)}: {accepted}")
+        magnitude, unit = float(match[1]), match[2]
+    else:
+        magnitude, unit = float(text.magnitude), text.units
+    try:
+        number = float(_registry().Quantity(magnitude, unit).to(known.unit).magnitude)
+    except Exception as error:  # pint raises errors of many unrelated types for a unit that it does not know
+        raise ValueError(f"{name} = {shown(value)}: {accepted}") from error
+    if not math.isfinite(number):
+        raise ValueError(f"{name} = {shown(value)}: {accepted}")
+    return number
+
+
+def shown_si(value: float, unit: str, digits: int = 4) -> str:
+    """Number in SI as text with a sensible prefix, such as ``"1.234 GPa"``.
+
+    Parameters
+    ----------
+    value : float
+        In `unit`.
+    unit : str
+        ``m``, ``m^2``, ``m^3``, ``Pa``, ``N`` or ``1``.
+    digits : int
+        Significant digits.
+    """
+    if unit == "1":
+        return f"{value:.{digits}g}"
+    if not math.isfinite(value):
+        return f"{value:g} {_symbol(0, unit)}"
+    factor, symbol = scaled_unit(float(f"{value:.{digits}g}"), unit)
+    scaled = float(f"{value / factor:.{digits}g}")
+    return f"{scaled:.15g} {symbol}"
+
+
+def scaled_unit(values: ArrayLike, unit: str) -> tuple[float, str]:
+    """Factor and symbol of a unit that suits the largest magnitude of some values.
+
+    Parameters
+    ----------
+    values : array
+        In `unit`; infinite and missing values are left out.
+    unit : str
+        ``m``, ``m^2``, ``m^3``, ``Pa`` or ``N``.
+
+    Returns
+    -------
+    factor : float
+        Size of the scaled unit in `unit`; values are divided by it.
+    symbol : str
+        Such as ``"MPa"`` or ``"µm²"``.
+    """
+    array = np.abs(np.asarray(values, dtype=float)).ravel()
+    array = array[np.isfinite(array)]
+    largest = float(array.max()) if array.size else 0.0
+    power = _POWERS[unit]
+    exponent = 0
+    if largest > 0:
+        # Of an area from 0.1 and of a volume from 0.01 of the next larger unit, that unit is taken.
+        exponent = 3 * math.floor((math.log10(largest) + 1e-9 + power - 1) / (3 * power))
+        exponent = min(max(exponent, min(_PREFIXES)), max(_PREFIXES))
+    if unit.startswith("m"):
+        exponent = min(exponent, 0)
+    return 10.0 ** (power * exponent), _symbol(exponent, unit)
+
+
+def _symbol(exponent: int, unit: str) -> str:
+    base = unit.split("^")[0]
+    return f"{_PREFIXES[exponent]}{base}{_SUPERSCRIPTS[_POWERS[unit]]}"
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _example(value: Any, dimension: Dimension) -> str:
+    return f"{value} {dimension.examples[1]}"
+
+
+@cache
+def _registry() -> Any:
+    import pint
+
+    registry: Any = pint.UnitRegistry(cache_folder=None)
+    registry.formatter.default_format = "~"
+    return registry

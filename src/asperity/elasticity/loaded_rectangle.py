@@ -1,0 +1,189 @@
+"""Surface of a half-space under an isolated load: compliance of a loaded rectangle, and padded transforms.
+
+A pressure p on a rectangle displaces the surface of a half-space by
+
+    u(x, y) = p / (π E*) ∫∫ dξ dη / √((x − ξ)² + (y − η)²),
+
+which A. E. H. Love (Phil. Trans. R. Soc. A 228 (1929) 377, DOI 10.1098/rsta.1929.0009) gave in closed form.
+With the edges x₁ < x₂ and y₁ < y₂ of the rectangle as seen from the point,
+
+    u π E* / p = x₂ D(y; x₂) − x₁ D(y; x₁) + y₂ D(x; y₂) − y₁ D(x; y₁),
+    D(t; s) = asinh(t₂ / |s|) − asinh(t₁ / |s|).
+
+Nothing repeats and nothing is approximated. If the pressure is uniform on the rectangle of each node, the
+displacement of all nodes is a sum of such terms. That sum is a convolution, and it is a product of Fourier
+coefficients on a grid of at least twice the nodes, on which the pressure is padded with zeros (R. W. Hockney,
+Methods Comput. Phys. 9 (1970) 135; S. Liu, Q. Wang, G. Liu, Wear 243 (2000) 101, DOI
+10.1016/S0043-1648(00)00427-0).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity.core.compiled import compiled
+from asperity.core.types import Array
+from asperity.fourier.grid import Fourier, Grid, good_size
+
+# Columns at the end of the padded rows, so that the same elements of several rows do not compete for the same
+# lines of the processor's cache.
+_UNUSED_COLUMNS = 16
+
+
+def rectangle_compliance(
+    y: ArrayLike, x: ArrayLike, edges: tuple[float, float], effective_modulus: float
+) -> Array:
+    """Downward displacement per unit of a uniform pressure on a rectangle, at points of the surface.
+
+    Parameters
+    ----------
+    y, x : array
+        Position of the points relative to the centre of the rectangle; they broadcast.
+    edges : (edge_y, edge_x)
+    effective_modulus : float
+
+    Returns
+    -------
+    compliance : array
+        In length per pressure, of the broadcast shape. The relative rounding error is about 1e-16 times the
+        distance over an edge.
+    """
+    y, x = np.broadcast_arrays(np.abs(np.asarray(y, float)), np.abs(np.asarray(x, float)))
+    out = np.empty(y.shape)
+    _fill_compliance(y.ravel(), x.ravel(), 0.5 * edges[0], 0.5 * edges[1], out.reshape(-1))
+    out /= np.pi * effective_modulus
+    return out
+
+
+def rectangle_slope_x(
+    y: ArrayLike, x: ArrayLike, edges: tuple[float, float], effective_modulus: float
+) -> Array:
+    """Derivative of `rectangle_compliance` with respect to x; infinite on the two edges along y."""
+    y, x = np.broadcast_arrays(np.asarray(y, float), np.asarray(x, float))
+    out = np.empty(y.shape)
+    _fill_slope(np.abs(y).ravel(), np.abs(x).ravel(), 0.5 * edges[0], 0.5 * edges[1], out.reshape(-1))
+    out *= np.sign(x) / (np.pi * effective_modulus)
+    return out
+
+
+@compiled
+def _span(low: float, high: float, aside: float) -> float:
+    """asinh(high / |aside|) − asinh(low / |aside|) for high > |low|, without cancellation."""
+    if low <= 0:
+        return np.arcsinh(high / abs(aside)) - np.arcsinh(low / abs(aside))
+    near, far = np.hypot(low, aside), np.hypot(high, aside)
+    return np.log1p((high - low) * (1 + (high + low) / (far + near)) / (low + near))
+
+
+@compiled
+def _part(edge: float, low: float, high: float) -> float:
+    """One of the four terms of the displacement; zero in the limit of an edge through the point."""
+    return edge * _span(low, high, edge) if edge != 0 else 0.0
+
+
+@compiled
+def _fill_compliance(y: Any, x: Any, half_y: float, half_x: float, out: Any) -> None:
+    """∫∫ dξ dη / ρ over the rectangle, at points with y, x ≥ 0."""
+    for i in range(out.size):
+        y1, y2, x1, x2 = y[i] - half_y, y[i] + half_y, x[i] - half_x, x[i] + half_x
+        along_x = _part(x2, y1, y2) - _part(x1, y1, y2)
+        out[i] = along_x + _part(y2, x1, x2) - _part(y1, x1, x2)
+
+
+@compiled
+def _fill_slope(y: Any, x: Any, half_y: float, half_x: float, out: Any) -> None:
+    """∂/∂x of ∫∫ dξ dη / ρ over the rectangle, at points with y, x ≥ 0."""
+    for i in range(out.size):
+        y1, y2 = y[i] - half_y, y[i] + half_y
+        out[i] = _span(y1, y2, x[i] + half_x) - _span(y1, y2, x[i] - half_x)
+
+
+@dataclass
+class PaddedFourier(Fourier):
+    """Transforms of fields that are zero outside their grid, on a grid of at least twice the nodes.
+
+    The forward transform maps (ny, nx) fields to the coefficients on `padded_grid`; the inverse returns the
+    part of its field that lies on `grid`. Lines of zeros are not transformed, and lines of the inverse that
+    are not returned neither, so that on twice the nodes a transform counts as much as three of `grid`.
+    """
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.padded_grid = padded_grid(self.grid)
+        self._work_nodes = (self.grid.shape[0] + self.padded_grid.shape[0]) * self.padded_grid.shape[1] // 2
+        ny, nx = self.grid.shape[0], self.padded_grid.shape[1]
+        self._rows = np.zeros((ny, nx + _UNUSED_COLUMNS), self.real)[:, :nx]
+
+    def forward(self, values: Array, out: Array | None = None) -> Array:
+        """Coefficients on the padded grid, of its `half_shape`, of a field on the grid."""
+        self.work.nodes += self._work_nodes
+        nx = self.grid.shape[1]
+        self._rows[:, :nx] = values
+        self._rows[:, nx:] = 0
+        if out is None:
+            out = np.empty(self.padded_grid.half_shape, self.complex)
+        self.engine.forward(self._rows, out, self.threads)
+        return out
+
+    def inverse(self, coefficients: Array, out: Array | None = None, overwrite: bool = False) -> Array:
+        """The part on the grid of the field with these coefficients on the padded grid."""
+        self.work.nodes += self._work_nodes
+        work = coefficients if overwrite else np.empty_like(coefficients)
+        self.engine.inverse_along_y(coefficients, work, self.threads)
+        self.engine.inverse_along_x(work[: len(self._rows)], self._rows, self.threads)
+        if out is None:
+            out = np.empty(self.grid.shape, self.real)
+        out[:] = self._rows[:, : self.grid.shape[1]]
+        return out
+
+
+def padded_grid(grid: Grid) -> Grid:
+    """Grid of the same spacing on which distances up to the diagonal of `grid` do not wrap around."""
+    ny, nx = (good_size(2 * nodes - 1) for nodes in grid.shape)
+    spacing_y, spacing_x = grid.spacing
+    return Grid((ny, nx), (ny * spacing_y, nx * spacing_x))
+
+
+def compliance_modes(grid: Grid, effective_modulus: float) -> Array:
+    """Real factors that turn the padded coefficients of a pressure into those of its displacement.
+
+    Of the `half_shape` of `padded_grid`.
+    """
+    y, x = _distances(grid)
+    rows, columns = (n // 2 + 1 for n in padded_grid(grid).shape)
+    quarter = rectangle_compliance(y[:rows, None], x[:columns], grid.spacing, effective_modulus)
+    return _modes(_mirrored(quarter, grid), grid).real.copy()
+
+
+def slope_modes(grid: Grid, effective_modulus: float) -> tuple[Array, Array]:
+    """Factors that turn the padded coefficients of a pressure into those of ∂u/∂y and ∂u/∂x."""
+    y, x = _distances(grid)
+    spacing_y, spacing_x = grid.spacing
+    along_y = rectangle_slope_x(x, y[:, None], (spacing_x, spacing_y), effective_modulus)
+    along_x = rectangle_slope_x(y[:, None], x, (spacing_y, spacing_x), effective_modulus)
+    return _modes(along_y, grid), _modes(along_x, grid)
+
+
+def _distances(grid: Grid) -> tuple[Array, Array]:
+    """Distances y and x, from node 0, of the nodes of the padded grid, the shorter way round."""
+    padded = padded_grid(grid)
+    y, x = (np.fft.fftfreq(n, 1 / n) * spacing for n, spacing in zip(padded.shape, grid.spacing, strict=True))
+    return y, x
+
+
+def _mirrored(quarter: Array, grid: Grid) -> Array:
+    """Field on the padded grid, even in y and in x, given for distances ≥ 0."""
+    row, column = (np.minimum(np.arange(n), n - np.arange(n)) for n in padded_grid(grid).shape)
+    return quarter[row[:, None], column]
+
+
+def _modes(kernel: Array, grid: Grid) -> Array:
+    """Coefficients of a kernel on the padded grid, as factors of a convolution."""
+    padded = padded_grid(grid)
+    modes = Fourier(padded).forward(kernel)
+    modes *= padded.size
+    return modes

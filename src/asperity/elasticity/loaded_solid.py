@@ -1,0 +1,190 @@
+"""A solid under a contact pressure: all that the stress inside it depends on."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from asperity.core.arguments import choice
+from asperity.core.errors import shown
+from asperity.core.markup import picture, table
+from asperity.core.types import Array
+from asperity.core.units import to_si
+from asperity.elasticity.layer import Layer
+from asperity.fourier.grid import Grid, grid_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+
+class ContactLike(Protocol):
+    """Pressure, grid and solid, from which the stress is computed: a `Contact` or a `LoadedSolid`."""
+
+    @property
+    def pressure(self) -> Array:
+        """Contact pressure [y, x], compression positive, in the unit of Young's modulus."""
+
+    @property
+    def grid(self) -> Grid:
+        """Grid of the pressure."""
+
+    @property
+    def layer(self) -> Layer:
+        """The solid."""
+
+
+BOUNDARIES = ("periodic", "free")
+"""The cell of the pressure repeats sideways, or lies alone on a half-space."""
+
+SMALLEST, LARGEST = 1e-60, 1e60
+"""Accepted edges of the cell and largest pressures: squares of wavenumbers and third powers of stresses stay
+within double precision."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LoadedSolid:
+    """A solid under any given pressure, for which no contact has to be solved.
+
+    Parameters
+    ----------
+    pressure : (ny, nx) array
+        Compression positive, in the unit of Young's modulus.
+    grid : Grid
+    layer : Layer
+    boundary : "periodic" | "free"
+        The cell repeats sideways, or lies alone on a half-space, with a uniform pressure on every pixel.
+
+    Examples
+    --------
+    Hertz's pressure on a circle of radius 0.3, for which the largest von Mises stress is 0.620 of the largest
+    pressure, 0.48 radii deep:
+
+    >>> grid = asp.Grid((64, 64))
+    >>> y, x = grid.coordinates()
+    >>> pressure = np.sqrt(np.maximum(1 - ((x - 0.5) ** 2 + (y[:, None] - 0.5) ** 2) / 0.3**2, 0))
+    >>> pressed = asp.LoadedSolid(pressure, grid, asp.Layer(young=1.0, poisson=0.3), boundary="free")
+    >>> (plane,) = asp.stress_planes(pressed, [0.48 * 0.3])
+    >>> round(float(plane.fields["von_mises"].max()), 2)
+    0.62
+    """
+
+    pressure: Array
+    grid: Grid
+    layer: Layer
+    boundary: str = "periodic"
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.grid, Grid) or not isinstance(self.layer, Layer):
+            raise TypeError(
+                f"grid = {shown(self.grid)}, layer = {shown(self.layer)}: a Grid and a Layer are needed"
+            )
+        choice("boundary", self.boundary, BOUNDARIES)
+        if self.boundary == "free" and self.layer.height is not None:
+            raise ValueError("boundary = 'free': a half-space is needed, the solid is a layer")
+        for edge in self.grid.length:
+            if not SMALLEST <= edge <= LARGEST:
+                raise ValueError(
+                    f"grid.length = {edge:g}: an edge from {SMALLEST:g} to {LARGEST:g} is needed"
+                )
+        pressure = self.grid.field("pressure", self.pressure)
+        highest = float(np.abs(pressure).max())
+        if highest and not SMALLEST <= highest <= LARGEST:
+            raise ValueError(
+                f"pressure: its largest magnitude is {highest:g}; 0 or a value from {SMALLEST:g} to "
+                f"{LARGEST:g} is needed"
+            )
+        object.__setattr__(self, "pressure", pressure)
+
+    @classmethod
+    def of(cls, contact: ContactLike) -> LoadedSolid:
+        """The solid of a contact under its pressure.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If it has no pressure, grid or layer, or the stress under the pressure would not be finite.
+        """
+        if isinstance(contact, cls):
+            return contact
+        if not all(hasattr(contact, name) for name in ("pressure", "grid", "layer")):
+            raise TypeError(
+                f"contact = {shown(contact)}: an object with pressure, grid and layer is needed, such as a "
+                "Contact or a LoadedSolid"
+            )
+        return cls(contact.pressure, contact.grid, contact.layer, getattr(contact, "boundary", "periodic"))
+
+    @classmethod
+    def from_dataset(cls, contact: xr.Dataset) -> LoadedSolid:
+        """The solid of a dataset of stage contact, under its pressure.
+
+        Raises
+        ------
+        ValueError
+            If the dataset is no contact, or does not describe its solid.
+        """
+        if "pressure" not in contact or "solid" not in contact.attrs:
+            raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
+        pressure = contact["pressure"].values.astype(float)
+        return cls(
+            pressure, grid_of(contact), layer_of(contact), str(contact.attrs.get("boundary", "periodic"))
+        )
+
+    def __repr__(self) -> str:
+        ny, nx = self.grid.shape
+        return (
+            f"<LoadedSolid of {ny} × {nx} nodes, {self.boundary}: "
+            f"largest pressure {self.pressure.max():.4g}, {self.layer!r}>"
+        )
+
+    def _repr_html_(self) -> str:
+        ny, nx = self.grid.shape
+        rows = [
+            ("nodes", f"{ny} × {nx}, {self.boundary}"),
+            ("solid", repr(self.layer)),
+            ("mean, largest pressure", f"{self.pressure.mean():.4g}, {self.pressure.max():.4g}"),
+        ]
+        return table("LoadedSolid", rows, picture(self.pressure, "pressure"))
+
+
+def layer_of(contact: xr.Dataset) -> Layer:
+    """The solid of a dataset of stage contact, with E* = 1.
+
+    The stress depends on the pressure and not on the modulus.
+    """
+    poisson = float(contact.attrs["poisson_contact"])
+    lateral = str(contact.attrs["uniform_mode"]).removeprefix("laterally ")
+    young = (1 - poisson) * (1 + poisson)
+    solid = str(contact.attrs["solid"])
+    if solid == "half-space":
+        return Layer(young, poisson, lateral=lateral)
+    height = json.loads(contact.attrs["settings"])["layer"]["height"]
+    if isinstance(height, str):
+        height = to_si(height, "length", "layer.height")
+    bottom = solid.removeprefix("layer, ").removesuffix(" bottom")
+    return Layer(young, poisson, height, bottom, lateral)
+
+
+@dataclass(frozen=True)
+class Sliding:
+    """Full sliding of a body: friction, and the direction of the traction on it; see `stress_planes`."""
+
+    friction: float = 0.0
+    sliding_direction: str | float = "x"
+
+
+def traction_direction(sliding_direction: str | float, body: str = "lower") -> str | float:
+    """Direction of the shear traction on a body, as `asperity.stress_planes` takes it.
+
+    Parameters
+    ----------
+    sliding_direction : "x", "y" or float
+        Direction in which the upper body moves over the lower one; a number is an angle in degrees.
+    body : "lower" | "upper"
+        The traction on the upper body has the opposite direction.
+    """
+    if body == "lower":
+        return sliding_direction
+    return {"x": 0.0, "y": 90.0}.get(sliding_direction, sliding_direction) + 180.0  # type: ignore

@@ -1,0 +1,260 @@
+"""Numbers of an answer in SI units: contact, stress in each body, and their change with the pixels."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+
+import numpy as np
+import xarray as xr
+
+from asperity.contact import Contact
+from asperity.core.types import Array
+from asperity.engineering.body_stress import DIRECTION, Extreme, StressInBody
+from asperity.engineering.case import Body
+from asperity.stress.peaks.selection import peaks
+from asperity.stress.statistics.patches import contact_patches
+from asperity.surface.roughness import roughness_parameters
+from asperity.surface.treatment.treatment import TreatedMap
+
+
+@dataclass(frozen=True)
+class ContactNumbers:
+    """Numbers of a contact, in SI units.
+
+    Parameters
+    ----------
+    nominal_area, area_fraction, contact_area : float
+        Area of the map, real over nominal contact area, and real contact area of the map.
+    nominal_pressure, mean_pressure, largest_pressure : float
+        Load over nominal area, load over real contact area, and the largest pressure at a node.
+    force : float
+        Load on the area of the map.
+    approach, mean_gap : float
+        Approach of the bodies since their first touch, and mean distance of the deformed surfaces.
+    rms_height, peak_to_valley, rms_gradient : float
+        Of the surface that was pressed.
+    gradient_rms_contact : float
+        Rms gradient of the deformed surface over the real contact.
+    contact_nodes, patches : int
+        Nodes under pressure, and connected patches of them.
+    typical_patch_nodes : float
+        Patches of more nodes carry half of the load.
+    load_of_largest_node, load_on_small_patches : float
+        Share of the load on one node, and on patches of at most four nodes.
+    load_on_edges : float
+        Share of the load on the outermost nodes.
+    violation : float
+        Largest violation of the conditions of contact; see `asperity.contact.Certificate`.
+    """
+
+    nominal_area: float
+    area_fraction: float
+    contact_area: float
+    nominal_pressure: float
+    mean_pressure: float
+    largest_pressure: float
+    force: float
+    approach: float
+    mean_gap: float
+    rms_height: float
+    peak_to_valley: float
+    rms_gradient: float
+    gradient_rms_contact: float
+    contact_nodes: int
+    patches: int
+    typical_patch_nodes: float
+    load_of_largest_node: float
+    load_on_small_patches: float
+    load_on_edges: float
+    violation: float
+
+
+@dataclass(frozen=True)
+class BodyAnswer:
+    """Numbers of the stress in one body, in SI units.
+
+    Parameters
+    ----------
+    body : Body
+    largest : dict
+        Field → its extreme value: the largest of ``von_mises``, ``largest_shear`` (Tresca) and
+        ``principal_1`` (tension), the smallest of ``principal_3`` and ``hydrostatic`` (compression), and that
+        of the largest magnitude of any other field.
+    peak_percentiles : dict
+        Percentage → percentile of the von Mises peaks below the contacts.
+    volume_above_yield : float or None
+        Volume under the map whose von Mises stress is above yield; None without a yield stress.
+    depths_above_yield : (first, last) or None
+        Depths between which planes contain such points.
+    fraction_above_yield : float or None
+        That volume over the volume from the surface to the last of these depths.
+    """
+
+    body: Body
+    largest: dict[str, Extreme]
+    peak_percentiles: dict[int, float]
+    volume_above_yield: float | None
+    depths_above_yield: tuple[float, float] | None
+    fraction_above_yield: float | None
+
+    @property
+    def largest_von_mises(self) -> float:
+        """Largest von Mises stress."""
+        return self.largest["von_mises"].value
+
+    @property
+    def depth(self) -> float:
+        """Depth of the largest von Mises stress."""
+        return self.largest["von_mises"].depth
+
+    @property
+    def y(self) -> float:
+        """Place of the largest von Mises stress along y."""
+        return self.largest["von_mises"].y
+
+    @property
+    def x(self) -> float:
+        """Place of the largest von Mises stress along x."""
+        return self.largest["von_mises"].x
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """The numbers whose change with the resolution is reported; stresses in Pa, of the lower body.
+
+    Parameters
+    ----------
+    area_fraction, largest_pressure, largest_von_mises : float
+    peaks_90, peaks_99 : float
+        Percentiles of the von Mises peaks below the contacts.
+    """
+
+    area_fraction: float
+    largest_pressure: float
+    largest_von_mises: float
+    peaks_90: float
+    peaks_99: float
+
+    def changes_from(self, other: Numbers) -> dict[str, float]:
+        """Relative difference of every number to that of another; NaN where that is zero or unknown."""
+        mine, its = asdict(self), asdict(other)
+        return {name: mine[name] / its[name] - 1 if its[name] else float("nan") for name in mine}
+
+
+@dataclass(frozen=True)
+class Neighbours:
+    """Effect of the periodic images of a ball or cylinder.
+
+    Parameters
+    ----------
+    span : float
+        Width of the contact over the distance between neighbours, the larger of those along y and x.
+    area_fraction, largest_pressure : float
+        Real contact and largest pressure under the same load without neighbours; NaN for layers, whose
+        contact cannot be solved without them.
+    """
+
+    span: float
+    area_fraction: float
+    largest_pressure: float
+
+
+def main_numbers(contact: Contact, stress: xr.Dataset) -> Numbers:
+    """The numbers whose change with the resolution is reported."""
+    of_peaks = _percentiles(stress)
+    return Numbers(
+        area_fraction=contact.area_fraction,
+        largest_pressure=float(contact.pressure.max()),
+        largest_von_mises=float(stress["largest_von_mises"].max()),
+        peaks_90=of_peaks[90],
+        peaks_99=of_peaks[99],
+    )
+
+
+def contact_span(face: TreatedMap, contact: Contact) -> float:
+    """Width of the contact on the map over the edge of the map, the larger of those along y and x."""
+    touching = np.argwhere((contact.pressure > 0)[: face.map_shape[0], : face.map_shape[1]])
+    if not touching.size:
+        return 0.0
+    return float(((np.ptp(touching, axis=0) + 1) / face.map_shape).max())
+
+
+def contact_numbers(face: TreatedMap, contact: Contact) -> ContactNumbers:
+    """Numbers of the contact: areas, pressures, patches."""
+    pressure = contact.pressure
+    touching = pressure > 0
+    patch, radii = contact_patches(touching, contact.boundary == "periodic")
+    nodes = np.bincount(patch.ravel())[1:]
+    carried = np.bincount(patch.ravel(), pressure.ravel().astype(float))[1:]
+    area = contact.area_fraction * face.map_area
+    force = contact.mean_pressure * face.map_area
+    total = float(pressure.sum(dtype=float))
+    roughness = roughness_parameters(face.height, face.grid.length)
+    return ContactNumbers(
+        nominal_area=face.map_area,
+        area_fraction=contact.area_fraction,
+        contact_area=area,
+        nominal_pressure=contact.mean_pressure,
+        mean_pressure=force / area if area else 0.0,
+        largest_pressure=float(pressure.max()),
+        force=force,
+        approach=contact.approach - float(contact.height.min()),
+        mean_gap=float(contact.gap.mean(dtype=float)),
+        rms_height=roughness.rms_height,
+        peak_to_valley=float(np.ptp(face.height)),
+        rms_gradient=roughness.rms_gradient,
+        gradient_rms_contact=contact.gradient_rms_contact,
+        contact_nodes=int(np.count_nonzero(touching)),
+        patches=int(radii.size),
+        typical_patch_nodes=_load_median(nodes, carried),
+        load_of_largest_node=float(pressure.max() / max(total, 1e-300)),
+        load_on_small_patches=float(carried[nodes <= 4].sum() / max(carried.sum(), 1e-300)),
+        load_on_edges=1 - float(pressure[1:-1, 1:-1].sum(dtype=float)) / total if total else 0.0,
+        violation=contact.certificate.worst,
+    )
+
+
+def _load_median(nodes: Array, carried: Array) -> float:
+    """Number of nodes of a patch such that larger patches carry half of the load."""
+    if not nodes.size:
+        return 0.0
+    order = np.argsort(nodes)
+    share = np.cumsum(carried[order]) / carried.sum()
+    return float(nodes[order][np.searchsorted(share, 0.5)])
+
+
+def body_answer(body: Body, stress: StressInBody, face: TreatedMap) -> BodyAnswer:
+    """Numbers of the stress in one body."""
+    depths = stress.dataset["plane_depth"].values
+    volume, bounds, fraction = None, None, None
+    if stress.above_yield is not None:
+        volume = float(np.trapezoid(stress.above_yield, depths)) * face.map_area
+        above = np.flatnonzero(stress.above_yield)
+        if above.size:
+            bounds = float(depths[above[0]]), float(depths[above[-1]])
+            fraction = volume / (face.map_area * bounds[1]) if bounds[1] else 0.0
+    largest = {}
+    for field, found in stress.extremes.items():
+        found = _between_nodes(field, found, stress.dataset)
+        y, x = map(float, face.on_map(found.y, found.x))
+        largest[field] = found._replace(y=y, x=x)
+    return BodyAnswer(body, largest, _percentiles(stress.dataset), volume, bounds, fraction)
+
+
+def _percentiles(stress: xr.Dataset) -> dict[int, float]:
+    """Percentiles of the von Mises peaks below the contacts; NaN if there is none."""
+    found = np.abs(peaks(stress, "von_mises", selection="under_contact")["peak_value"].values)
+    return {n: float(np.percentile(found, n)) if found.size else float("nan") for n in (50, 90, 99)}
+
+
+def _between_nodes(field: str, found: Extreme, stress: xr.Dataset) -> Extreme:
+    """The extreme value at the nodes, or the largest peak between them if that is larger."""
+    if field not in stress["quantity"].values:
+        return found
+    sign = float(DIRECTION.get(field) or np.sign(found.value))
+    candidates = peaks(stress, field)
+    values = sign * candidates["peak_value"].values
+    if not values.size or values.max() < sign * found.value:
+        return found
+    names = ("peak_value", "peak_depth", "peak_y", "peak_x")
+    return Extreme(*(float(candidates[name].values[values.argmax()]) for name in names))

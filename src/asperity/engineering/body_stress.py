@@ -1,0 +1,192 @@
+"""Stress in one body of a case: peaks and profiles, extreme values of its fields, and what is above yield.
+
+All come from one stream of planes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from asperity.contact import Contact
+from asperity.core.types import Array, Progress
+from asperity.elasticity.layer import Layer
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.engineering.case import Body, Case
+from asperity.stress.analysis import analyse_stress
+from asperity.stress.planes.planes import depth_grid
+from asperity.stress.planes.stream import LinearPlane
+
+STRESS_TOLERANCE = 1e-4
+"""Error of a deep plane on a coarser grid, relative to the rms of σ_zz in it."""
+
+DEPTH_SPACING, DEPTH_GROWTH = 0.5, 0.125
+"""Distance of the planes near the surface in grid spacings, and farther down over their depth."""
+
+QUANTITIES = ("pressure", "von_mises", "xx", "zz", "xz")
+"""Quantities whose peaks are always found."""
+
+DIRECTION = {"von_mises": 1, "largest_shear": 1, "principal_1": 1, "principal_3": -1, "hydrostatic": -1}
+"""Field → 1 if its largest value is sought, −1 if its smallest is; of others the largest magnitude."""
+
+
+BOUNDS = {"largest_shear": (3**-0.5, 0.0), "principal_1": (2 / 3, 1.0), "principal_3": (2 / 3, -1.0)}
+"""Field → factors of the von Mises and the hydrostatic stress in an upper bound of it, or of its negative."""
+
+ROUNDING = 1e-5
+"""Uncertainty of these bounds by rounding in single precision, relative to the highest of a plane."""
+
+
+class Extreme(NamedTuple):
+    """Extreme value of a field of the stress in Pa, and its place in m."""
+
+    value: float
+    depth: float
+    y: float
+    x: float
+
+
+@dataclass(frozen=True)
+class StressInBody:
+    """Stress in one body.
+
+    Parameters
+    ----------
+    dataset : dataset
+        As of `analyse_stress`, in Pa and m.
+    extremes : dict
+        Field → extreme value at the nodes and its place in the cell, for those of `DIRECTION` and the fields
+        that were asked for.
+    above_yield : (planes,) array or None
+        Share of each plane whose von Mises stress is above yield; None without a yield stress.
+    """
+
+    dataset: xr.Dataset
+    extremes: dict[str, Extreme]
+    above_yield: Array | None
+
+
+def stress_in(
+    contact: Contact,
+    case: Case,
+    name: str,
+    fields: Sequence[str] = (),
+    progress: Progress | None = None,
+) -> StressInBody:
+    """Stress in one body under the contact pressure, with its own modulus and Poisson's ratio, in Pa.
+
+    Parameters
+    ----------
+    contact : Contact
+    case : Case
+    name : "lower" or "upper"
+    fields : names
+        Fields of `asperity.stress_planes` whose peaks are found beside `QUANTITIES`.
+    progress : callable, optional
+    """
+    body = case.bodies[name]
+    scaled, modulus = scaled_solid(contact, body)
+    limit = None if body.yield_stress is None else body.yield_stress / modulus
+    watch = _Extremes(
+        [*DIRECTION, *(field for field in fields if field not in DIRECTION)], body.poisson, limit
+    )
+    dataset = analyse_stress(
+        scaled,
+        depth_grid(contact.grid, body.height, DEPTH_SPACING, DEPTH_GROWTH),
+        quantities=[*QUANTITIES, *(field for field in fields if field not in QUANTITIES)],
+        tolerance=STRESS_TOLERANCE,
+        progress=progress,
+        observe=watch.add,
+        **case.sliding_of(name),
+    )
+    extremes = {field: found._replace(value=found.value * modulus) for field, found in watch.found.items()}
+    above = None if limit is None else np.array(watch.above)
+    return StressInBody(in_pascal(dataset, modulus), extremes, above)
+
+
+def scaled_solid(contact: Contact, body: Body) -> tuple[LoadedSolid, float]:
+    """A body under the contact pressure in units of its E*, and that E* in Pa.
+
+    Stresses are computed in these units, in which they are at most of order one.
+    """
+    modulus = body.layer.effective_modulus
+    layer = Layer(1 - body.poisson**2, body.poisson, body.height, body.bottom)
+    return LoadedSolid(contact.pressure / modulus, contact.grid, layer, contact.boundary), modulus
+
+
+def in_pascal(dataset: xr.Dataset, modulus: float) -> xr.Dataset:
+    """A stress dataset in units of a modulus as one in Pa."""
+    squared = ("covariance_depth", "covariance_plane")
+    stresses = {"peak_value": 1, "mean_von_mises": 1, "largest_von_mises": 1, **dict.fromkeys(squared, 2)}
+    return dataset.assign({name: dataset[name] * modulus**power for name, power in stresses.items()})
+
+
+class _Extremes:
+    """Extreme values of fields, and the share of each plane above a limit, from a stream of planes.
+
+    Attributes
+    ----------
+    found : dict
+        Field → its extreme value so far, and its place in the cell.
+    above : list of float
+        Share of each plane whose von Mises stress is above the limit.
+    """
+
+    def __init__(self, fields: Sequence[str], poisson: float, limit: float | None) -> None:
+        self.found: dict[str, Extreme] = {}
+        self.above: list[float] = []
+        self._fields, self._poisson, self._limit = fields, poisson, limit
+
+    def add(self, plane: LinearPlane) -> None:
+        """Add the next plane."""
+        invariants = {name: plane.field(name, self._poisson) for name in ("von_mises", "hydrostatic")}
+        if self._limit is not None:
+            self.above.append(float(np.mean(invariants["von_mises"] > self._limit)))
+        for name in self._fields:
+            if name in invariants:
+                self._compare(name, invariants[name], plane)
+            elif name in BOUNDS:
+                self._compare_bounded(name, invariants, plane)
+            else:
+                self._compare(name, plane.field(name, self._poisson), plane)
+
+    def _compare_bounded(self, name: str, invariants: Mapping[str, Array], plane: LinearPlane) -> None:
+        """Compare a field of principal stresses, computed only where its bound exceeds the extreme so far."""
+        of_von_mises, of_hydrostatic = BOUNDS[name]
+        bound = of_von_mises * invariants["von_mises"] + of_hydrostatic * invariants["hydrostatic"]
+        flat = bound.reshape(-1)
+        highest = int(flat.argmax())
+        earlier = self.found.get(name)
+        known = earlier.value if earlier else float(self._sample(name, plane, np.array([highest]))[0])
+        least = _rank(name, known) - ROUNDING * abs(float(flat[highest]))
+        candidates = np.flatnonzero(flat >= least)
+        if candidates.size:
+            values = self._sample(name, plane, candidates)
+            best = int(np.argmax(DIRECTION[name] * values))
+            self._take(name, float(values[best]), int(candidates[best]), plane)
+
+    def _sample(self, name: str, plane: LinearPlane, nodes: Array) -> Array:
+        return plane.field_at(name, self._poisson, nodes)
+
+    def _compare(self, name: str, values: Array, plane: LinearPlane) -> None:
+        node = max(
+            (int(values.argmax()), int(values.argmin())), key=lambda n: _rank(name, float(values.flat[n]))
+        )
+        self._take(name, float(values.flat[node]), node, plane)
+
+    def _take(self, name: str, value: float, node: int, plane: LinearPlane) -> None:
+        """Take the value at a node if it is more extreme than the one so far."""
+        earlier = self.found.get(name)
+        if earlier is None or _rank(name, value) > _rank(name, earlier.value):
+            row, column = divmod(node, plane.grid.shape[1])
+            y, x = row * plane.grid.spacing[0], column * plane.grid.spacing[1]
+            self.found[name] = Extreme(value, plane.depth, y, x)
+
+
+def _rank(name: str, value: float) -> float:
+    """What is largest for the extreme value of a field."""
+    return DIRECTION[name] * value if name in DIRECTION else abs(value)

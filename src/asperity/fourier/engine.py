@@ -1,0 +1,280 @@
+"""Engines: the libraries that compute Fourier transforms, and the choice between them.
+
+There are two: ducc0, the default, and pyFFTW. `fft_engine` chooses one for a ``with`` block, in the thread
+that enters it. Outside such blocks the environment variable ``ASPERITY_FFT_ENGINE`` names the engine, else
+it is `DEFAULT`.
+
+The results of the two differ by rounding errors. The results of one have the same bits for any number of
+threads and in every run; those of pyFFTW as long as the wisdom of FFTW is kept.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import threading
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
+from contextvars import ContextVar
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import ducc0
+import numpy as np
+from filelock import FileLock
+
+from asperity.core.errors import shown
+from asperity.core.packages import require
+from asperity.core.parallel import in_parts
+from asperity.core.types import Array
+
+ENGINES = ("ducc0", "pyfftw")
+"""Names of the engines."""
+
+DEFAULT = "ducc0"
+"""Engine where none is chosen; docs/tradeoff.md has the measurement behind it."""
+
+VARIABLE = "ASPERITY_FFT_ENGINE"
+"""Environment variable with the engine of a process in which none is chosen."""
+
+_chosen: ContextVar[Engine | None] = ContextVar("asperity_fft_engine", default=None)
+
+
+class Engine(ABC):
+    """Transforms of real fields, with the normalisation of `asperity.fourier.grid`.
+
+    Arrays may be views, with rows at any distance, and an engine may be used by several threads at once.
+    """
+
+    @property
+    @abstractmethod
+    def description(self) -> str:
+        """Library and version, as recorded in results."""
+
+    @abstractmethod
+    def forward(self, values: Array, out: Array, threads: int = 1) -> None:
+        """Write the coefficients of a field into `out`, (ny, nx // 2 + 1).
+
+        `values`, (rows, nx), are the first rows of the field; the other ny - rows are taken to be zero.
+        """
+
+    @abstractmethod
+    def inverse_along_y(self, coefficients: Array, out: Array, threads: int = 1) -> None:
+        """Transform columns back, (..., ny, columns); `out` may be `coefficients`."""
+
+    @abstractmethod
+    def inverse_along_x(self, coefficients: Array, out: Array, threads: int = 1) -> None:
+        """Transform rows back, from (..., rows, nx // 2 + 1) to `out`, (..., rows, nx).
+
+        `coefficients` may be overwritten. The rows of `out` may begin where theirs do, in the same memory.
+        """
+
+
+@contextmanager
+def fft_engine(name: str) -> Iterator[Engine]:
+    """Compute all Fourier transforms within a ``with`` block by one engine.
+
+    The choice holds in the thread that enters the block; a thread that is started inside makes its own.
+    Results carry the engine in their attribute ``fft_engine``.
+
+    Parameters
+    ----------
+    name : "ducc0" or "pyfftw"
+        pyFFTW is installed by ``pip install "asperity[fftw]"``. FFTW measures the fastest plans at the first
+        use of each size of grid; they are kept in the folder ``asperity`` of the user's cache.
+
+    Yields
+    ------
+    Engine
+
+    Raises
+    ------
+    ValueError
+        If there is no engine of this name.
+    MissingPackageError
+        If the engine is not installed.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> with asp.fft_engine("ducc0"):
+    ...     contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> contact.fft_engine
+    'ducc0 ...'
+    """
+    engine = _engine("fft_engine", name)
+    token = _chosen.set(engine)
+    try:
+        yield engine
+    finally:
+        _chosen.reset(token)
+
+
+def current_engine() -> Engine:
+    """The engine in use: that of the block, else that of the environment variable, else the default."""
+    return _chosen.get() or _engine(VARIABLE, os.environ.get(VARIABLE) or DEFAULT)
+
+
+def _engine(argument: str, name: str) -> Engine:
+    if name not in ENGINES:
+        raise ValueError(f"{argument} = {shown(name)}: {' or '.join(ENGINES)} is needed")
+    require((name,))
+    return _ENGINES[name]
+
+
+class Ducc0Engine(Engine):
+    """Transforms by ducc0, which needs no plans.
+
+    ducc0 transforms as many lines at once as a vector register holds numbers, and left-over lines one by one,
+    which rounds differently. Several threads therefore share a multiple of 128 lines, and one does the rest:
+    no thread has lines left over.
+    """
+
+    @property
+    def description(self) -> str:
+        return f"ducc0 {ducc0.__version__}"
+
+    def forward(self, values: Array, out: Array, threads: int = 1) -> None:
+        rows = len(values)
+        for part, workers in self._shares(rows, threads):
+            ducc0.fft.r2c(values[part], axes=(1,), forward=True, inorm=2, out=out[part], nthreads=workers)
+        out[rows:] = 0
+        for part, workers in self._shares(out.shape[1], threads):
+            columns = out[:, part]
+            ducc0.fft.c2c(columns, axes=(0,), forward=True, inorm=2, out=columns, nthreads=workers)
+
+    def inverse_along_y(self, coefficients: Array, out: Array, threads: int = 1) -> None:
+        axis = out.ndim - 2
+        for part, workers in self._shares(out.shape[-1], threads):
+            columns, target = coefficients[..., part], out[..., part]
+            ducc0.fft.c2c(columns, axes=(axis,), forward=False, out=target, nthreads=workers)
+
+    def inverse_along_x(self, coefficients: Array, out: Array, threads: int = 1) -> None:
+        for part, workers in self._shares(out.shape[-2], threads):
+            ducc0.fft.c2r(
+                coefficients[..., part, :],
+                axes=(out.ndim - 1,),
+                lastsize=out.shape[-1],
+                forward=False,
+                out=out[..., part, :],
+                nthreads=workers,
+                allow_overwriting_input=True,
+            )
+
+    @staticmethod
+    def _shares(lines: int, threads: int) -> list[tuple[slice, int]]:
+        """Slices of the lines, with the number of threads for each."""
+        shared = lines - lines % 128 if threads > 1 else 0
+        return [(slice(shared), threads)] * (shared > 0) + [(slice(shared, lines), 1)] * (shared < lines)
+
+
+class _Plans(threading.local):
+    """Plans of one thread: (kind, length, precision) → block of lines before and after, transform."""
+
+    def __init__(self) -> None:
+        self.made: dict[tuple[str, int, str], tuple[Array, Array, Callable[[], None]]] = {}
+
+
+class PyfftwEngine(Engine):
+    """Transforms by FFTW, through pyFFTW.
+
+    A plan of FFTW holds for arrays of one shape, distance of rows and alignment in memory; its own threads
+    change the plan. Here a plan transforms a block of `LINES` lines, in aligned memory of its own, by one
+    thread: lines are copied there, transformed and copied back. Several threads share the blocks. The bits of
+    the result depend neither on the number of threads nor on the address of an array.
+    """
+
+    LINES = 16
+
+    def __init__(self) -> None:
+        self._plans = _Plans()
+        self._planner = threading.Lock()  # FFTW makes one plan at a time
+
+    @property
+    def description(self) -> str:
+        import pyfftw
+
+        return f"pyfftw {version('pyfftw')}, FFTW {pyfftw.fftw_version}"
+
+    def forward(self, values: Array, out: Array, threads: int = 1) -> None:
+        (rows, nx), ny = values.shape, len(out)
+        self._transform("r2c", values, out[:rows], nx, threads, values.dtype.type(1 / (nx * ny)))
+        out[rows:] = 0
+        self._transform("forward", out.T, out.T, ny, threads)
+
+    def inverse_along_y(self, coefficients: Array, out: Array, threads: int = 1) -> None:
+        for source, target in zip(_planes(coefficients), _planes(out), strict=True):
+            self._transform("inverse", source.T, target.T, len(target), threads)
+
+    def inverse_along_x(self, coefficients: Array, out: Array, threads: int = 1) -> None:
+        for source, target in zip(_planes(coefficients), _planes(out), strict=True):
+            self._transform("c2r", source, target, target.shape[1], threads)
+
+    def _transform(
+        self, kind: str, source: Array, target: Array, length: int, threads: int, factor: Any = None
+    ) -> None:
+        """Transform the lines of an array, (lines, ...), after multiplication by a factor."""
+        key = kind, length, source.real.dtype.name
+
+        def transform(part: slice) -> None:
+            if key not in self._plans.made:
+                self._plans.made[key] = self._plan(*key)
+            before, after, execute = self._plans.made[key]
+            for start in range(part.start, part.stop, self.LINES):
+                lines = slice(start, min(start + self.LINES, part.stop))
+                count = lines.stop - start
+                before[:count] = source[lines]
+                if factor is not None:
+                    before[:count] *= factor
+                execute()
+                target[lines] = after[:count]
+
+        in_parts(transform, len(source), threads, multiple=self.LINES, smallest=4 * self.LINES)
+
+    def _plan(self, kind: str, length: int, precision: str) -> tuple[Array, Array, Callable[[], None]]:
+        """A plan from the wisdom of earlier runs, or a measured one whose wisdom is kept for later runs."""
+        import pyfftw
+
+        complex_type = np.result_type(precision, np.complex64)
+        real = pyfftw.zeros_aligned((self.LINES, length), precision, n=64)
+        half = pyfftw.zeros_aligned((self.LINES, length // 2 + 1), complex_type, n=64)
+        whole = pyfftw.zeros_aligned((self.LINES, length), complex_type, n=64)
+        before, after = {"r2c": (real, half), "c2r": (half, real)}.get(kind, (whole, whole))
+        direction = "FFTW_FORWARD" if kind in ("r2c", "forward") else "FFTW_BACKWARD"
+        with self._planner, _kept_wisdom():
+            plan = pyfftw.FFTW(
+                before, after, (1,), direction, ("FFTW_MEASURE", "FFTW_DESTROY_INPUT"), threads=1
+            )
+        return before, after, plan.execute
+
+
+def _planes(values: Array) -> Array:
+    return values[None] if values.ndim == 2 else values
+
+
+@contextmanager
+def _kept_wisdom() -> Iterator[None]:
+    """Block of one process at a time, which begins with the wisdom of the user's cache and adds its own.
+
+    Where the cache cannot be written, plans are measured in every run.
+    """
+    import pyfftw
+
+    folder = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "asperity"
+    path = folder / f"fftw_wisdom_{version('pyfftw')}.json"
+    with ExitStack() as stack:
+        with suppress(OSError):
+            folder.mkdir(parents=True, exist_ok=True)
+            stack.enter_context(FileLock(path.with_suffix(".lock")))
+        with suppress(OSError, ValueError, IndexError):
+            pyfftw.import_wisdom([text.encode() for text in json.loads(path.read_text())])
+        known = pyfftw.export_wisdom()
+        yield
+        if (wisdom := pyfftw.export_wisdom()) != known:
+            with suppress(OSError):
+                path.write_text(json.dumps([text.decode() for text in wisdom]))
+
+
+_ENGINES = {"ducc0": Ducc0Engine(), "pyfftw": PyfftwEngine()}

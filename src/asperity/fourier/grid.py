@@ -1,0 +1,383 @@
+"""Discrete Fourier transforms of periodic fields: grids, wavevectors, transforms, resampling.
+
+The conventions of the whole package are stated here.
+
+Fourier convention
+------------------
+A periodic field ``f[y, x]`` on a grid of ``shape = (ny, nx)`` nodes over a cell of
+``length = (length_y, length_x)`` has the coefficients ``f̂[ky, kx]`` with
+
+    f(r) = Σ_q f̂(q) exp(+i q·r),     f̂(q) = (1 / (ny nx)) Σ_r f(r) exp(−i q·r),
+
+so that ``f̂(0)`` is the mean of f and ``Σ_q |f̂(q)|²`` its mean square. Pairs (shape, length, spacing) are in
+array order, y before x. Fields are real, and only the coefficients with ``kx ≥ 0`` are stored, in arrays of
+shape ``(ny, nx // 2 + 1)``. A sum over all q is a sum over the stored columns weighted with
+`Grid.multiplicity`.
+
+Nyquist rule
+------------
+On an axis with an even number of nodes, the coefficient at the Nyquist wavevector belongs to a cosine alone.
+A factor that is odd in that component of q (a first derivative, a shear stress) is therefore set to zero
+there: `Grid.odd_qx` and `Grid.odd_qy` are the wavevectors with this rule applied, ``qx`` and ``qy`` those
+without. `resample` keeps exactly the modes strictly below the Nyquist wavevectors of both grids.
+
+Transforms
+----------
+`Fourier` transforms in double or single precision, by one of the libraries of `asperity.fourier.engine`, and
+counts the transforms. The result has the same bits for any number of threads.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import ducc0
+import numpy as np
+from numpy.typing import ArrayLike, DTypeLike
+
+from asperity.core.arguments import finite_array, magnitude, real_array, whole_number
+from asperity.core.errors import shown
+from asperity.core.types import REAL_TYPES, Array
+from asperity.fourier.engine import Engine, current_engine
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+MOST_NODES = 2**31 - 1
+"""Largest number of nodes on an axis."""
+
+ALL = slice(None)
+"""All rows of an array."""
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A periodic rectangular grid.
+
+    Parameters
+    ----------
+    shape : (ny, nx)
+        Number of nodes on each axis, even or odd, from 1 to `MOST_NODES`.
+    length : float or (length_y, length_x)
+        Edges of the cell, any unit of length; one number for a square cell.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `shape` is not a pair of whole numbers, or an edge is not a number from 1e-75 to 1e75.
+
+    Examples
+    --------
+    >>> grid = asp.Grid((64, 128), (1e-3, 2e-3))  # 64 nodes on 1 mm along y, 128 on 2 mm along x
+    >>> [f"{step:.4g}" for step in grid.spacing], grid.size
+    (['1.563e-05', '1.563e-05'], 8192)
+    >>> y, x = grid.coordinates()
+    >>> y.shape, x.shape
+    ((64,), (128,))
+    """
+
+    shape: tuple[int, int]
+    length: tuple[float, float] = (1.0, 1.0)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "shape", _pair_of_nodes(self.shape))
+        object.__setattr__(self, "length", _pair_of_edges(self.length))
+
+    @property
+    def size(self) -> int:
+        """Number of nodes."""
+        return self.shape[0] * self.shape[1]
+
+    @property
+    def area(self) -> float:
+        """Area of the cell, in the unit of `length` squared."""
+        return self.length[0] * self.length[1]
+
+    @property
+    def spacing(self) -> tuple[float, float]:
+        """Distances between neighbouring nodes along y and x."""
+        return self.length[0] / self.shape[0], self.length[1] / self.shape[1]
+
+    @property
+    def half_shape(self) -> tuple[int, int]:
+        """Shape of the stored coefficients, (ny, nx // 2 + 1)."""
+        return self.shape[0], self.shape[1] // 2 + 1
+
+    @cached_property
+    def kx(self) -> Array:
+        """Integer wavenumbers of the columns, (nx // 2 + 1,)."""
+        return np.arange(self.shape[1] // 2 + 1)
+
+    @cached_property
+    def ky(self) -> Array:
+        """Integer wavenumbers of the rows, (ny,): zero, then the positive, then the negative ones."""
+        ny = self.shape[0]
+        rows = np.arange(ny)
+        return np.where(rows <= ny // 2, rows, rows - ny)
+
+    @cached_property
+    def qx(self) -> Array:
+        """Wavevector component along x of the columns, (nx // 2 + 1,), in radians per length."""
+        return 2 * np.pi / self.length[1] * self.kx
+
+    @cached_property
+    def qy(self) -> Array:
+        """Wavevector component along y of the rows, (ny,), in radians per length."""
+        return 2 * np.pi / self.length[0] * self.ky
+
+    @cached_property
+    def odd_qx(self) -> Array:
+        """`qx` with zero in the Nyquist column: for factors that are odd in qx."""
+        return np.where(2 * self.kx == self.shape[1], 0.0, self.qx)
+
+    @cached_property
+    def odd_qy(self) -> Array:
+        """`qy` with zero in the Nyquist row: for factors that are odd in qy."""
+        return np.where(2 * self.ky == self.shape[0], 0.0, self.qy)
+
+    @cached_property
+    def multiplicity(self) -> Array:
+        """Number of modes that each stored column stands for, (nx // 2 + 1,): one or two."""
+        return np.where((self.kx == 0) | (2 * self.kx == self.shape[1]), 1.0, 2.0)
+
+    def wavenumber(self) -> Array:
+        """|q| of every stored mode, (ny, nx // 2 + 1)."""
+        return self.half_wavenumber()[np.abs(self.ky)]
+
+    def half_wavenumber(self, rows: slice = ALL) -> Array:
+        """|q| of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1), or of some of them."""
+        qy, qx = self.qy[: self.shape[0] // 2 + 1, None], self.qx[None, :]
+        # Divided by a power of two first, so that no square overflows or vanishes: faster than `np.hypot`.
+        unit = math.ldexp(1.0, math.frexp(max(np.abs(qy).max(), qx.max()))[1])
+        out = (qy[rows] / unit) ** 2 + (qx / unit) ** 2
+        np.sqrt(out, out=out)
+        out *= unit
+        return out
+
+    def coordinates(self) -> tuple[Array, Array]:
+        """Positions y, (ny,), and x, (nx,), of the nodes."""
+        spacing_y, spacing_x = self.spacing
+        return spacing_y * np.arange(self.shape[0]), spacing_x * np.arange(self.shape[1])
+
+    def field(self, name: str, values: Any) -> Array:
+        """Values of a field at the nodes as an array of finite real numbers; `name` stands in the message.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If they are not real numbers, or not finite, or do not have the shape of the grid.
+        """
+        array = finite_array(name, values)
+        if array.shape != self.shape:
+            raise ValueError(f"{name} has the shape {array.shape}: that of its grid, {self.shape}, is needed")
+        return array
+
+
+def _pair_of_nodes(shape: Any) -> tuple[int, int]:
+    accepted = f"a pair (ny, nx) of whole numbers from 1 to {MOST_NODES}"
+    try:
+        ny, nx = (whole_number("shape", nodes, accepted, lambda n: 1 <= n <= MOST_NODES) for nodes in shape)
+    except (TypeError, ValueError) as error:
+        raise type(error)(f"shape = {shown(shape)}: {accepted} is needed") from error
+    return ny, nx
+
+
+def _pair_of_edges(length: Any) -> tuple[float, float]:
+    edges = real_array("length", length)
+    if edges.shape not in ((), (1,), (2,)):
+        raise ValueError(f"length = {shown(length)}: one number or a pair (length_y, length_x) is needed")
+    length_y, length_x = (magnitude("length", float(edge)) for edge in np.broadcast_to(edges, (2,)))
+    return length_y, length_x
+
+
+@dataclass
+class Work:
+    """Transforms done so far, counted in nodes, so that transforms on different grids can be added."""
+
+    nodes: int = 0
+
+    def transforms(self, grid: Grid) -> float:
+        """Number of real transforms of `grid` with as many nodes in total."""
+        return self.nodes / grid.size
+
+    def pairs(self, grid: Grid) -> float:
+        """Number of pairs of a forward and an inverse transform of `grid` with as many nodes in total."""
+        return self.nodes / (2 * grid.size)
+
+
+@dataclass
+class Fourier:
+    """Transforms of real fields on one grid, in one precision.
+
+    Parameters
+    ----------
+    grid : Grid
+    dtype : "float64" or "float32"
+        Precision of the fields; the coefficients are complex numbers of the same precision.
+    threads : int
+        Number of threads; the result does not depend on it.
+    work : Work, optional
+        Counter to which transforms are added; transforms on several grids may share one.
+    engine : Engine, optional
+        Library that transforms; by default that of `asperity.fft_engine` where the object is made.
+
+    Raises
+    ------
+    ValueError
+        If `dtype` is another type.
+    """
+
+    grid: Grid
+    dtype: DTypeLike = "float64"
+    threads: int = 1
+    work: Work = field(default_factory=Work)
+    engine: Engine = field(default_factory=current_engine)
+
+    def __post_init__(self) -> None:
+        self.real: np.dtype[Any] = real_type(self.dtype)
+        self.complex: np.dtype[Any] = np.result_type(self.real, np.complex64)
+
+    def forward(self, values: Array, out: Array | None = None) -> Array:
+        """Coefficients f̂, (ny, nx // 2 + 1), of the field ``values[y, x]``.
+
+        Parameters
+        ----------
+        values : (ny, nx) array
+        out : (ny, nx // 2 + 1) complex array, optional
+            Array for the result.
+        """
+        self.work.nodes += self.grid.size
+        values = np.asarray(values, dtype=self.real)
+        _require_shape("values", values, self.grid.shape)
+        if out is None:
+            out = np.empty(self.grid.half_shape, self.complex)
+        self.engine.forward(values, out, self.threads)
+        return out
+
+    def inverse(self, coefficients: Array, out: Array | None = None, overwrite: bool = False) -> Array:
+        """Field ``f[y, x]``, (ny, nx), of its coefficients.
+
+        Parameters
+        ----------
+        coefficients : (ny, nx // 2 + 1) complex array
+        out : (ny, nx) array, optional
+            Array for the result.
+        overwrite : bool
+            True if `coefficients` may be overwritten, which saves memory.
+        """
+        self.work.nodes += self.grid.size
+        if out is None:
+            out = np.empty(self.grid.shape, self.real)
+        coefficients = np.asarray(coefficients, dtype=self.complex)
+        _require_shape("coefficients", coefficients, self.grid.half_shape)
+        work = coefficients if overwrite else np.empty_like(coefficients)
+        self.engine.inverse_along_y(coefficients, work, self.threads)
+        self.engine.inverse_along_x(work, out, self.threads)
+        return out
+
+
+def real_type(dtype: DTypeLike) -> np.dtype[Any]:
+    """The type float64 or float32; ValueError for any other."""
+    try:
+        real = np.dtype(dtype)
+    except TypeError:
+        real = np.dtype(object)
+    if real not in REAL_TYPES:
+        raise ValueError(f"dtype = {shown(dtype)}: float64 or float32 is needed")
+    return real
+
+
+def _require_shape(name: str, values: Array, shape: tuple[int, int]) -> None:
+    if values.shape != shape:
+        raise ValueError(f"{name} of shape {values.shape}: shape {shape}, that of the grid, is needed")
+
+
+def good_size(minimum: int, even: bool = True) -> int:
+    """Smallest number of nodes ≥ `minimum` whose only prime factors are 2, 3 and 5; even by default."""
+    step = 2 if even else 1
+    return step * int(ducc0.fft.good_size(-(-int(minimum) // step), True))
+
+
+def resample(coefficients: Array, source: Grid, target: Grid) -> Array:
+    """Coefficients of the same field on another grid of the same cell.
+
+    Modes strictly below the Nyquist wavevectors of both grids are kept, all others are zero. On a finer grid
+    a field without Nyquist modes stays the same; on a coarser grid its short waves are cut off.
+
+    Parameters
+    ----------
+    coefficients : (ny, nx // 2 + 1) complex array
+        Coefficients on the grid `source`.
+    source, target : Grid
+
+    Raises
+    ------
+    ValueError
+        If the grids are of different cells.
+    """
+    if source.length != target.length:
+        raise ValueError(f"target of length {target.length}: that of the source, {source.length}, is needed")
+    if source.shape == target.shape:
+        return coefficients.copy()
+    out = np.empty(target.half_shape, coefficients.dtype)
+    rows = (min(source.shape[0], target.shape[0]) - 1) // 2
+    columns = (min(source.shape[1], target.shape[1]) - 1) // 2 + 1
+    out[: rows + 1, :columns] = coefficients[: rows + 1, :columns]
+    out[rows + 1 : target.shape[0] - rows, :columns] = 0
+    out[target.shape[0] - rows :, :columns] = coefficients[source.shape[0] - rows :, :columns]
+    out[:, columns:] = 0
+    return out
+
+
+def mean_square(coefficients: Array, grid: Grid, weight: ArrayLike = 1.0) -> float:
+    """Mean square ⟨f²⟩ of the field with these coefficients, by Parseval's theorem.
+
+    An optional `weight` multiplies the power of each stored mode: with |q|² the result is ⟨|∇f|²⟩.
+    """
+    power = (coefficients.real.astype(float) ** 2 + coefficients.imag.astype(float) ** 2) * weight
+    return float(np.sum(power @ grid.multiplicity))
+
+
+def gradient(coefficients: Array, fourier: Fourier) -> tuple[Array, Array]:
+    """Fields ∂f/∂y and ∂f/∂x, (ny, nx) each, by spectral differentiation with the Nyquist rule."""
+    grid = fourier.grid
+    slope_y = fourier.inverse(1j * grid.odd_qy[:, None] * coefficients, overwrite=True)
+    slope_x = fourier.inverse(1j * grid.odd_qx[None, :] * coefficients, overwrite=True)
+    return slope_y, slope_x
+
+
+def radial_average(values: Array, grid: Grid) -> tuple[Array, Array]:
+    """Average of a quantity of the modes over rings of equal |q|.
+
+    Parameters
+    ----------
+    values : (ny, nx // 2 + 1) array
+        One real number for each stored mode.
+    grid : Grid
+
+    Returns
+    -------
+    wavenumber, average : (rings,) arrays
+        Centre |q| of each ring, and the average over the modes in it. Rings are centred on the multiples of
+        the fundamental wavenumber of the longer edge and one such wavenumber wide, from the first multiple to
+        the largest |q| that the grid holds in every direction. Rings without modes are left out.
+    """
+    width = 2 * np.pi / max(grid.length)
+    rings = int(min(grid.qx[-1], np.abs(grid.qy).max()) / width + 1e-9)
+    ring = np.rint(grid.wavenumber() / width).astype(np.int64)
+    weight = np.broadcast_to(grid.multiplicity, grid.half_shape)
+    kept = ring <= rings
+    count = np.bincount(ring[kept], weight[kept], minlength=rings + 1)
+    total = np.bincount(ring[kept], (weight * values)[kept], minlength=rings + 1)
+    filled = np.flatnonzero(count[1:]) + 1
+    return width * filled, total[filled] / count[filled]
+
+
+def grid_of(dataset: xr.Dataset) -> Grid:
+    """The grid of a result with coordinates y and x."""
+    shape = dataset.sizes["y"], dataset.sizes["x"]
+    steps = [float(dataset[axis][1]) if dataset.sizes[axis] > 1 else 1.0 for axis in ("y", "x")]
+    return Grid(shape, (shape[0] * steps[0], shape[1] * steps[1]))

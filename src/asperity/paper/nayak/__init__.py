@@ -1,1 +1,0 @@
-"""True contact area against Nayak's parameter of the surface: samples, continuum limits, regression, page."""

@@ -1,0 +1,410 @@
+"""Local maxima of a field in a plane and in a stream of planes, refined between the nodes.
+
+Neighbours
+----------
+A node of a plane has the 8 nodes around it, and in each of the two adjacent planes the 9 values at the same
+lateral positions: 26 in all. If an adjacent plane has another grid, the values there are interpolated (six
+nodes along each axis). A peak is larger than all its neighbours. In the surface, the plane at depth 0, there
+are no neighbours above. Any other first plane and the last plane have no peaks. Over a periodic boundary, a
+node at an edge has neighbours at the opposite edge. Over a free boundary it has none across its edge.
+
+Where the grid changes between two planes, each plane compares on its own nodes, so that both or neither could
+claim a peak between them. There, matched maxima of the two planes (within a spacing of the coarser grid) are
+decided between themselves: the one with the larger refined in-plane value is kept.
+
+Peaks of a signed field are those of its magnitude; the value keeps the sign.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+from scipy.ndimage import maximum_filter
+from scipy.spatial import cKDTree
+
+from asperity.core.arguments import choice, number, require_finite
+from asperity.core.types import Array
+from asperity.elasticity.loaded_solid import BOUNDARIES
+from asperity.fourier.grid import Grid
+from asperity.stress.peaks.maxima import Maxima, maxima_in_rows, refine_in_plane, refine_in_solid
+from asperity.stress.peaks.selection import checked_ratio
+from asperity.stress.planes.fields import BASIS, Basis, Fields, field_at, field_in, field_rows
+from asperity.stress.planes.planes import StressPlane
+
+REACH = 3.001
+"""Largest distance of the nodes of two matched maxima, in spacings of the coarser grid: refined positions
+are at most one spacing from their nodes, and from each other."""
+
+
+@dataclass(frozen=True)
+class Peaks:
+    """Local maxima, one entry each in arrays of the same length.
+
+    Parameters
+    ----------
+    value : float array
+        Refined value, with its sign.
+    depth, y, x : float arrays
+        Refined position; y and x within the cell.
+    node_value : float array
+        Value at the node.
+    interior : bool array
+        True below the surface, False in it.
+    """
+
+    value: Array
+    depth: Array
+    y: Array
+    x: Array
+    node_value: Array
+    interior: Array
+
+    @property
+    def size(self) -> int:
+        """Number of peaks."""
+        return self.value.size
+
+    def under_contact(self, pressure: Array, grid: Grid, boundary: str = "periodic") -> Array:
+        """True where the surface node nearest above a peak carries pressure."""
+        row, column = (
+            np.rint(place / step).astype(np.int64)
+            for place, step in zip((self.y, self.x), grid.spacing, strict=True)
+        )
+        if boundary == "periodic":
+            row, column = row % grid.shape[0], column % grid.shape[1]
+        else:
+            row, column = np.clip(row, 0, grid.shape[0] - 1), np.clip(column, 0, grid.shape[1] - 1)
+        return np.asarray(pressure)[row, column] > 0
+
+    def select(self, chosen: Array) -> Peaks:
+        """Some of the peaks."""
+        return Peaks(*(getattr(self, f.name)[chosen] for f in fields(self)))
+
+    @classmethod
+    def join(cls, parts: Iterable[Peaks]) -> Peaks:
+        """All peaks of several sets, in their order."""
+        nothing = np.empty(0)
+        every = [cls(nothing, nothing, nothing, nothing, nothing, np.empty(0, bool)), *parts]
+        return cls(*(np.concatenate([getattr(part, f.name) for part in every]) for f in fields(cls)))
+
+
+@dataclass(frozen=True)
+class SearchedPlane:
+    """Fields of a plane, of which the peaks are sought.
+
+    Parameters
+    ----------
+    depth : float
+    grid : Grid
+    basis : Basis
+    fields : Fields
+    periodic : bool
+        True if opposite edges are neighbours.
+    """
+
+    depth: float
+    grid: Grid
+    basis: Basis
+    fields: Fields
+    periodic: bool
+
+    @classmethod
+    def of_field(cls, depth: float, grid: Grid, field: Array, periodic: bool) -> SearchedPlane:
+        """A plane with one field of its own."""
+        basis = Basis(
+            np.ascontiguousarray(field)[None],
+            grid.shape[1],
+            np.zeros(len(BASIS), np.int64),
+            field.dtype.type(0),
+        )
+        return cls(depth, grid, basis, Fields.of(["zz"], [0.0], [0.0], field.dtype), periodic)
+
+    def rows(self, first: int, last: int) -> Array:
+        """The fields in some rows and one row more on both sides, as of `field_rows`."""
+        return field_rows(self.basis, self.fields, first - 1, last + 1, self.periodic)
+
+    def whole(self) -> Array:
+        """The fields in the whole plane, (fields, ny, nx)."""
+        return field_in(self.basis, self.fields)
+
+    def maxima(self, floor: float) -> Maxima:
+        """Maxima in all rows."""
+        ny, nx = self.grid.shape
+        return maxima_in_rows(self.rows(0, ny), nx, 0, floor)
+
+    def around(self, maxima: Maxima, grid: Grid, chosen: Any = slice(None), reach: int = 1) -> Array:
+        """Values at and around the nodes of maxima in a plane on `grid`."""
+        nodes = maxima.field[chosen], maxima.row[chosen], maxima.column[chosen]
+        return field_at(self.basis, self.fields, *nodes, grid.shape, self.periodic, reach)
+
+    def exceeded(self, maxima: Maxima, grid: Grid) -> tuple[Array, Array]:
+        """True where a maximum in a plane on `grid` is above the nine values here, and these if it is.
+
+        Most maxima end at the value at the node itself.
+        """
+        magnitude, values = maxima.magnitude, np.empty_like(maxima.here)
+        higher = magnitude > np.abs(self.around(maxima, grid, reach=0)[:, 0, 0])
+        some = np.flatnonzero(higher)
+        values[some] = nine = self.around(maxima, grid, some)
+        higher[some] = magnitude[some] > np.abs(nine).max(axis=(1, 2), initial=0)
+        return higher, values
+
+
+class PeakFinder:
+    """Finds the peaks of one or several fields as their planes are added one by one."""
+
+    def __init__(self) -> None:
+        self._found: list[tuple[Array, Peaks]] = []
+        self._last: SearchedPlane | None = None
+        self._depth_above: float | None = None
+        none = np.empty(0, np.int64)
+        self._candidates = Maxima(none, none, none, np.empty((0, 3, 3)))
+
+    def peaks(self, field: int = 0) -> Peaks:
+        """Peaks of a field found so far: those of every plane but the last."""
+        return Peaks.join(peaks.select(np.flatnonzero(own == field)) for own, peaks in self._found)
+
+    def add(self, plane: SearchedPlane, maxima: Maxima) -> None:
+        """Add the next plane downward.
+
+        Parameters
+        ----------
+        plane : SearchedPlane
+            Its arrays must last until the plane after the next is computed.
+        maxima : Maxima
+            The maxima in it.
+        """
+        last, upper = self._last, self._candidates
+        if last is None:
+            # Of the planes that may come first, the surface alone has no neighbour above.
+            kept = np.full(maxima.size, plane.depth == 0)
+        else:
+            if not plane.depth > last.depth:
+                raise ValueError(
+                    f"depth = {plane.depth!r}: planes rising in depth are needed, below {last.depth}"
+                )
+            kept, maxima.above = last.exceeded(maxima, plane.grid)
+            upper_kept, below = plane.exceeded(upper, last.grid)
+            if last.grid.shape != plane.grid.shape and upper.size and maxima.size:
+                pair, partner, wins = _matched_maxima(upper, last, maxima, plane)
+                upper_kept[pair], kept[partner] = wins, ~wins
+                # Maxima that win have not been compared with all nine values.
+                won, won_below = pair[wins], partner[~wins]
+                below[won] = plane.around(upper, last.grid, won)
+                maxima.above[won_below] = last.around(maxima, plane.grid, won_below)
+            chosen = np.flatnonzero(upper_kept)
+            if chosen.size:
+                found = upper.select(chosen)
+                self._found.append((found.field, self._refined(found, below[chosen], plane.depth)))
+            self._depth_above = last.depth
+        self._candidates = maxima.select(np.flatnonzero(kept))
+        self._last = plane
+
+    def _refined(self, maxima: Maxima, below: Array, depth_below: float) -> Peaks:
+        """Peaks from the maxima of the last plane that exceed the planes beside it."""
+        assert self._last is not None
+        if maxima.above is None:
+            return refined_in_plane(maxima, self._last)
+        assert self._depth_above is not None
+        depths = self._depth_above, self._last.depth, depth_below
+        value, depth, *offsets = refine_in_solid(maxima.above, maxima.here, below, depths)
+        return _peaks(maxima, self._last, value, depth, offsets, True)
+
+
+def refined_in_plane(maxima: Maxima, plane: SearchedPlane) -> Peaks:
+    """Peaks from maxima of a plane alone."""
+    value, *offsets = refine_in_plane(maxima.here)
+    return _peaks(maxima, plane, value, np.full(maxima.size, plane.depth), offsets, False)
+
+
+def _peaks(
+    maxima: Maxima, plane: SearchedPlane, value: Array, depth: Array, offsets: list[Array], interior: bool
+) -> Peaks:
+    node_value = maxima.here[:, 1, 1].astype(float)
+    y, x = (_places(maxima, plane, offsets) * plane.grid.spacing).T
+    return Peaks(value * np.sign(node_value), depth, y, x, node_value, np.full(maxima.size, interior))
+
+
+def _places(maxima: Maxima, plane: SearchedPlane, offsets: list[Array]) -> Array:
+    """Positions of maxima within the cell, in spacings, (maxima, 2)."""
+    places = np.stack([maxima.row + offsets[0], maxima.column + offsets[1]], axis=1)
+    if not plane.periodic:
+        return places
+    inside = places % plane.grid.shape
+    # The remainder of a small negative number may be rounded to the length.
+    return np.where(inside < plane.grid.shape, inside, 0.0)
+
+
+def _matched_maxima(
+    upper: Maxima, upper_plane: SearchedPlane, lower: Maxima, lower_plane: SearchedPlane
+) -> tuple[Array, Array, Array]:
+    """Matched maxima of neighbouring planes on different grids, and where the upper one is the larger.
+
+    Two maxima match if their refined positions are within a spacing of the coarser grid, and no other ones
+    are nearer.
+
+    Returns
+    -------
+    upper, lower : (pairs,) integer arrays
+        Indices of the two maxima of each pair.
+    wins : (pairs,) bool array
+    """
+    spacing = np.maximum(upper_plane.grid.spacing, lower_plane.grid.spacing)
+    box = np.array(upper_plane.grid.length) / spacing
+    near = np.flatnonzero(_are_near(lower, lower_plane, upper, upper_plane, box))
+    lower = lower.select(near)
+    if not near.size:
+        return near, near, np.empty(0, bool)
+
+    def positions(maxima: Maxima, plane: SearchedPlane, offsets: list[Array]) -> Array:
+        """Refined positions in spacings, and a third dimension, which keeps fields apart."""
+        places = _places(maxima, plane, offsets) * (plane.grid.spacing / spacing)
+        return np.column_stack([places, 2.0 * maxima.field])
+
+    high, *offsets_up = refine_in_plane(upper.here)
+    low, *offsets_low = refine_in_plane(lower.here)
+    place_up, place_low = (
+        positions(upper, upper_plane, offsets_up),
+        positions(lower, lower_plane, offsets_low),
+    )
+    size = np.array([*box, 0.0]) if upper_plane.periodic else None
+    distance, nearest = cKDTree(place_low, boxsize=size).query(place_up, p=np.inf)
+    close = np.flatnonzero(np.asarray(distance) <= 1.0)
+    partner = np.asarray(nearest)[close]
+    mutual = np.asarray(cKDTree(place_up, boxsize=size).query(place_low[partner], p=np.inf)[1]) == close
+    pair, partner = close[mutual], partner[mutual]
+    return pair, near[partner], high[pair] > low[partner]
+
+
+def _are_near(
+    maxima: Maxima, plane: SearchedPlane, others: Maxima, other_plane: SearchedPlane, box: Array
+) -> Array:
+    """True for all maxima within `REACH` of another one of their field, and for some of those that are not.
+
+    The cell, `box` spacings long, is divided into squares at least as wide as the reach: maxima in the
+    square of another one and in the eight around it are near.
+    """
+    count = np.maximum(box / REACH, 1).astype(int)
+
+    def squares(plane: SearchedPlane, maxima: Maxima) -> tuple[Array, ...]:
+        return maxima.field, *(
+            place * squares // nodes
+            for place, squares, nodes in zip(
+                (maxima.row, maxima.column), count, plane.grid.shape, strict=True
+            )
+        )
+
+    taken = np.zeros((max(maxima.field.max(), others.field.max()) + 1, *count), bool)
+    taken[squares(other_plane, others)] = True
+    taken = maximum_filter(taken, (1, 3, 3), mode="wrap" if plane.periodic else "nearest")
+    return taken[squares(plane, maxima)]
+
+
+def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "periodic") -> Peaks:
+    """Maxima of |field| above their 8 neighbours in a plane; of equal neighbours the first one counts.
+
+    Parameters
+    ----------
+    field : (ny, nx) array
+    grid : Grid
+        With at least three nodes on each axis.
+    floor : float
+        Maxima of a magnitude at or below it are left out.
+    boundary : "periodic" | "free"
+        The plane repeats sideways, or has no neighbours across its edges.
+
+    Returns
+    -------
+    Peaks
+        At depth 0, refined in the plane.
+
+    Raises
+    ------
+    ValueError
+        If the field does not have the shape of the grid or is not finite, or `floor` is negative.
+
+    Examples
+    --------
+    >>> grid = asp.Grid((32, 32))
+    >>> y, x = grid.coordinates()
+    >>> wave = np.cos(2 * np.pi * (x - 0.3)) * np.cos(2 * np.pi * (y[:, None] - 0.4))
+    >>> peaks = asp.plane_peaks(wave, grid)
+    >>> for value, y, x in zip(peaks.value, peaks.y, peaks.x):
+    ...     print(f"{value:+.2f} at y = {y:.2f}, x = {x:.2f}")
+    +1.00 at y = 0.40, x = 0.30
+    -1.00 at y = 0.40, x = 0.80
+    -1.00 at y = 0.90, x = 0.30
+    +1.00 at y = 0.90, x = 0.80
+    """
+    check_nodes(grid)
+    field = grid.field("field", field)
+    periodic = choice("boundary", boundary, BOUNDARIES) == "periodic"
+    plane = SearchedPlane.of_field(0.0, grid, field, periodic)
+    found = refined_in_plane(plane.maxima(checked_floor(floor)), plane)
+    require_finite("plane_peaks", vars(found))
+    return found
+
+
+def find_peaks(
+    planes: Iterable[StressPlane],
+    name: str,
+    poisson: float | None = None,
+    floor: float = 0.0,
+    boundary: str = "periodic",
+) -> Peaks:
+    """Maxima of |field| above their 26 neighbours in a stream of planes.
+
+    Parameters
+    ----------
+    planes : iterable of StressPlane
+        Rising in depth, on any grids of one cell. Peaks in the surface are found if the first is at depth 0.
+    name : str
+        Name of a field of the planes.
+    poisson : float, optional
+        One of the Poisson's ratios of the planes, needed if they have several.
+    floor : float
+        Maxima of a magnitude at or below it are left out.
+    boundary : "periodic" | "free"
+        That of the contact.
+
+    Raises
+    ------
+    ValueError
+        If the planes do not have the field or the Poisson's ratio, do not rise in depth, or are not finite.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> planes = asp.stress_planes(contact, np.linspace(0, 0.1, 21), fields=("largest_shear",))
+    >>> peaks = asp.find_peaks(planes, "largest_shear", floor=0.1 * contact.max_pressure)
+    >>> highest = peaks.value.argmax()
+    >>> bool(0.25 < peaks.value[highest] / contact.max_pressure < 0.35)  # 0.31 under a ball
+    True
+    """
+    periodic, floor = choice("boundary", boundary, BOUNDARIES) == "periodic", checked_floor(floor)
+    finder = PeakFinder()
+    for plane in planes:
+        values = plane.fields[choice("name", name, list(plane.fields))]
+        ratio = plane.poisson.index(checked_ratio(poisson, plane.poisson))
+        check_nodes(plane.grid)
+        field = plane.grid.field("field", values[ratio])
+        searched = SearchedPlane.of_field(plane.depth, plane.grid, field, periodic)
+        finder.add(searched, searched.maxima(floor))
+    found = finder.peaks()
+    require_finite("find_peaks", vars(found))
+    return found
+
+
+def checked_floor(floor: float) -> float:
+    """The magnitude at or below which maxima are left out."""
+    return number("floor", floor, "a finite number ≥ 0", lambda size: size >= 0)
+
+
+def check_nodes(grid: Grid) -> None:
+    """Raise `ValueError` if the grid is too small for a node to have neighbours on all sides."""
+    if min(grid.shape) < 3:
+        raise ValueError(f"grid.shape = {grid.shape}: at least three nodes on each axis are needed")

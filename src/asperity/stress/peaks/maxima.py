@@ -1,0 +1,220 @@
+"""Maxima of fields above their neighbours in a plane, and their refinement between the nodes.
+
+Of adjacent nodes of a plane with the same value, such as the two beside the mirror of a mirrored map, the
+upper and then the left one counts as larger: whether one of them is the peak does not depend on rounding.
+
+A quadratic through the values at and around a node gives position and value of the peak between the nodes.
+Offsets are in grid spacings from the node.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from asperity.core.compiled import compiled
+from asperity.core.types import Array
+from asperity.stress.planes.fields import MARGIN
+
+MIN_DETERMINANT = 1e-12
+"""A smaller determinant of the second derivatives, over the product of those along the axes, is rounding."""
+
+
+@dataclass
+class Maxima:
+    """Maxima of fields of one plane over their neighbours in it; those of a field by rising rows and columns.
+
+    Parameters
+    ----------
+    field : (maxima,) integer array
+        Number of the field.
+    row, column : (maxima,) integer arrays
+        The nodes.
+    here : (maxima, 3, 3) array
+        Values at and around the nodes.
+    above : (maxima, 3, 3) array or None
+        Those in the plane above, if the maxima exceed them.
+    """
+
+    field: Array
+    row: Array
+    column: Array
+    here: Array
+    above: Array | None = None
+
+    @property
+    def size(self) -> int:
+        """Number of maxima."""
+        return self.field.size
+
+    @property
+    def magnitude(self) -> Array:
+        """Magnitudes at the nodes."""
+        return np.abs(self.here[:, 1, 1])
+
+    def select(self, chosen: Array) -> Maxima:
+        """Some of the maxima."""
+        above = None if self.above is None else self.above[chosen]
+        return Maxima(self.field[chosen], self.row[chosen], self.column[chosen], self.here[chosen], above)
+
+    @classmethod
+    def join(cls, strips: list[Maxima]) -> Maxima:
+        """Maxima in all strips of rows of a plane."""
+        names = ("field", "row", "column", "here")
+        return cls(*(np.concatenate([getattr(strip, name) for strip in strips]) for name in names))
+
+
+def maxima_in_rows(values: Array, columns: int, first: int, floor: float) -> Maxima:
+    """Maxima in consecutive rows of a plane: nodes whose magnitude is above the floor and the 8 neighbours.
+
+    Parameters
+    ----------
+    values : (fields, rows + 2, at least `MARGIN` + columns + 1) array
+        As of `asperity.stress.planes.fields.field_rows`, with one row more on both sides.
+    columns, first : int
+        Number of columns, and of the first row.
+    floor : float
+    """
+    fields, rows = values.shape[0], values.shape[1] - 2
+    flags = np.empty((fields, rows, -(-columns // 8) * 8), bool)
+    flags[:, :, columns:] = False
+    _mark(values, columns, values.dtype.type(floor), flags)
+    count = int(np.count_nonzero(flags))
+    field, row, column = np.empty((3, count), np.int64)
+    here = np.empty((count, 3, 3), values.dtype)
+    _collect(values, flags.view(np.uint64), flags, field, row, column, here)
+    return Maxima(field, row + first, column, here)
+
+
+@compiled
+def _mark(values: Any, columns: int, floor: float, flags: Any) -> None:
+    """Flag the nodes that no neighbour exceeds, nor one before it equals."""
+    for t in range(flags.shape[0]):
+        for j in range(flags.shape[1]):
+            start, stop = MARGIN - 1, MARGIN + columns + 1
+            above, here = values[t, j, start:stop], values[t, j + 1, start:stop]
+            below, line = values[t, j + 2, start:stop], flags[t, j, :columns]
+            for i in range(line.size):
+                centre = abs(here[i + 1])
+                line[i] = (
+                    (centre > floor)
+                    & (centre > abs(above[i]))
+                    & (centre > abs(above[i + 1]))
+                    & (centre > abs(above[i + 2]))
+                    & (centre > abs(here[i]))
+                    & (centre >= abs(here[i + 2]))
+                    & (centre >= abs(below[i]))
+                    & (centre >= abs(below[i + 1]))
+                    & (centre >= abs(below[i + 2]))
+                )
+
+
+@compiled
+def _collect(values: Any, words: Any, flags: Any, field: Any, row: Any, column: Any, here: Any) -> None:
+    """Fill arrays with the flagged nodes and the values around them; a word holds eight flags."""
+    n = 0
+    for t in range(flags.shape[0]):
+        for j in range(flags.shape[1]):
+            for w in range(words.shape[2]):
+                if words[t, j, w]:
+                    for i in range(8 * w, 8 * w + 8):
+                        if flags[t, j, i]:
+                            field[n], row[n], column[n] = t, j, i
+                            for a in range(3):
+                                for b in range(3):
+                                    here[n, a, b] = values[t, j + a, MARGIN - 1 + i + b]
+                            n += 1
+
+
+def refine_in_plane(values: Array) -> Array:
+    """Magnitude and offsets y, x, (3, maxima), of the maxima of quadratics through 3 × 3 values.
+
+    Parameters
+    ----------
+    values : (maxima, 3, 3) array
+        Along y and x, the node in the middle. Where that is negative, the sign of all nine is changed.
+    """
+    sign = np.sign(values[:, 1, 1])
+    centre, gradient, second = _derivatives(values, sign)
+    nothing, one = np.zeros_like(centre), np.ones_like(centre)
+    # A third axis on which nothing changes.
+    gradient, second = [nothing, *gradient], [-one, nothing, nothing, *second]
+    step = _steps_to_maxima(gradient, second, 1.0)
+    return np.stack([centre + 0.5 * sum(g * s for g, s in zip(gradient, step, strict=True)), *step[1:]])
+
+
+def refine_in_solid(above: Array, here: Array, below: Array, depths: tuple[float, float, float]) -> Array:
+    """Magnitude, depth and offsets y, x, (4, maxima), of the maxima of quadratics through 3 × 3 × 3 values.
+
+    The quadratic is that of 19 of the 27 values: the mixed derivatives need no corners of the adjacent
+    planes.
+
+    Parameters
+    ----------
+    above, here, below : (maxima, 3, 3) arrays
+        Of three planes, along y and x, the node in the middle of `here`. Where that is negative, the sign of
+        all values is changed.
+    depths : tuple of float
+        Of the three planes, which may be unequally spaced.
+    """
+    up, down = depths[1] - depths[0], depths[2] - depths[1]
+    weight_up, weight_down = -down / (up * (up + down)), up / (down * (up + down))
+    unit = min(up, down)
+    sign = np.sign(here[:, 1, 1])
+    centre, (along_y, along_x), second = _derivatives(here, sign)
+    over, (over_y, over_x), _ = _derivatives(above, sign)
+    under, (under_y, under_x), _ = _derivatives(below, sign)
+    # Derivatives along depth per `unit`, of the quadratics through three planes.
+    along_z = unit * (weight_up * (over - centre) + weight_down * (under - centre))
+    zy = unit * (weight_up * (over_y - along_y) + weight_down * (under_y - along_y))
+    zx = unit * (weight_up * (over_x - along_x) + weight_down * (under_x - along_x))
+    zz = 2 * (unit * unit) * ((over - centre) / up + (under - centre) / down) / (up + down)
+    gradient = [along_z, along_y, along_x]
+    step = _steps_to_maxima(gradient, [zz, zy, zx, *second], max(up, down) / unit)
+    value = centre + 0.5 * sum(g * s for g, s in zip(gradient, step, strict=True))
+    return np.stack([value, depths[1] + unit * step[0], *step[1:]])
+
+
+def _derivatives(values: Array, sign: Array) -> tuple[Array, list[Array], list[Array]]:
+    """Value at the middle of 3 × 3 values times a sign, slopes along y and x, and ∂²/∂y², ∂²/∂y∂x, ∂²/∂x²."""
+    v = np.multiply(sign, values.transpose(1, 2, 0), dtype=float)
+    centre, upper, lower, left, right = v[1, 1], v[0, 1], v[2, 1], v[1, 0], v[1, 2]
+    mixed = (v[2, 2] - v[2, 0] - v[0, 2] + v[0, 0]) / 4
+    slopes = [(lower - upper) / 2, (right - left) / 2]
+    return centre, slopes, [lower - 2 * centre + upper, mixed, right - 2 * centre + left]
+
+
+def _steps_to_maxima(gradient: list[Array], second: list[Array], reach: float) -> Array:
+    """Newton's steps to the maxima of quadratics, (3, maxima).
+
+    Where a quadratic has no maximum within `reach` along the first axis and one spacing along the others, the
+    axis that gains most is refined alone, by at most half a spacing.
+
+    Parameters
+    ----------
+    gradient : three arrays
+    second : six arrays
+        Second derivatives: the upper triangle of their matrix, row by row.
+    reach : float
+    """
+    u, v, w = gradient
+    a, b, c, d, e, f = second
+    # The adjugate of the matrix, divided by the determinant below.
+    aa, ab, ac = d * f - e * e, c * e - b * f, b * e - c * d
+    bb, bc, cc = a * f - c * c, b * c - a * e, a * d - b * b
+    determinant = a * aa + b * ab + c * ac
+    # Sylvester's criterion: leading minors of alternating sign.
+    negative = (np.abs(determinant) > MIN_DETERMINANT * np.abs(a * d * f)) & (a < 0) & (cc > 0)
+    negative &= determinant < 0
+    along = [aa * u + ab * v + ac * w, ab * u + bb * v + bc * w, ac * u + bc * v + cc * w]
+    with np.errstate(all="ignore"):
+        newton = -np.stack(along) / determinant
+        alone = np.where(
+            np.stack([a, d, f]) < 0, np.clip(-np.stack(gradient) / np.stack([a, d, f]), -0.5, 0.5), 0
+        )
+    most = np.argmax(np.abs(alone * gradient), axis=0)
+    alone *= np.arange(3)[:, None] == most
+    within = np.all(np.abs(newton) <= np.array([[reach], [1.0], [1.0]]), axis=0)
+    return np.where(negative & within, newton, alone)

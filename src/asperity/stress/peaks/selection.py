@@ -1,0 +1,131 @@
+"""Selection of peaks by name from the dataset of a stress analysis: the only place that knows its layout.
+
+The peaks of all quantities and Poisson's ratios stand one after the other along the dimension `peak`.
+``peak_quantity`` is the name of the quantity, ``peak_poisson`` the Poisson's ratio of each peak. The ratio is
+NaN where the quantity is the same for every one; `peaks` finds such peaks under any of the analysed ratios.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from asperity.core.arguments import choice, number
+from asperity.core.errors import shown
+from asperity.core.types import Array
+
+SELECTIONS = ("all", "at_contact", "interior", "under_contact")
+"""Names of the selections of `peaks`."""
+
+LARGEST_AT_SURFACE = (
+    "pressure",
+    "xx",
+    "yy",
+    "zz",
+    "hydrostatic",
+    "principal_1",
+    "principal_2",
+    "principal_3",
+)
+"""Quantities whose magnitude is largest in the surface."""
+
+SAME_RATIO = 1e-9
+"""Poisson's ratios that differ by less are the same: room for numbers such as 0.1 + 0.2."""
+
+_LABELS = ("peak_quantity", "peak_poisson")
+
+
+def peaks(
+    stress: xr.Dataset, quantity: str, poisson: float | None = None, selection: str = "all"
+) -> xr.Dataset:
+    """Select the peaks of one quantity from the result of a stress analysis.
+
+    Parameters
+    ----------
+    stress : dataset
+        Result of `analyse_stress`, or a result file of stage stress.
+    quantity : str
+        One of the analysed quantities, ``stress["quantity"]``.
+    poisson : float, optional
+        One of the analysed Poisson's ratios, ``stress["poisson"]``. It may be left out if there is only one,
+        or for a quantity that is the same for every one: the pressure, and in a half-space σ_zz, σ_yz and
+        σ_xz.
+    selection : str
+        ``"all"``;
+        ``"at_contact"``: the surface node nearest above the peak, or at it, carries pressure;
+        ``"interior"``: the peak is below the surface;
+        ``"under_contact"``: both.
+
+    Returns
+    -------
+    dataset
+        Variables along `peak` alone: ``peak_value``, ``peak_depth``, ``peak_y``, ``peak_x``,
+        ``peak_interior``, ``peak_under_contact``; with the coordinates ``quantity`` and ``poisson``.
+
+    Raises
+    ------
+    ValueError
+        If an argument is not among those that the dataset has.
+
+    Examples
+    --------
+    The von Mises peaks below the contacts, as a table of pandas:
+
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.33), area_fraction=0.1)
+    >>> stress = asp.analyse_stress(contact, quantities=("von_mises",))
+    >>> table = asp.peaks(stress, "von_mises", poisson=0.33, selection="under_contact").to_dataframe()
+    >>> list(table.columns[:4]), bool(table["peak_depth"].min() > 0)
+    (['peak_value', 'peak_depth', 'peak_y', 'peak_x'], True)
+    """
+    names, own_ratios = _labels(stress)
+    choice("quantity", quantity, [str(name) for name in stress["quantity"].values])
+    choice("selection", selection, SELECTIONS)
+    chosen = names == quantity
+    ratios = [float(nu) for nu in stress["poisson"].values]
+    if poisson is None and np.isnan(own_ratios[chosen]).all():
+        ratio = np.nan
+    else:
+        ratio = checked_ratio(poisson, ratios)
+    chosen &= (own_ratios == ratio) | np.isnan(own_ratios)
+    if selection in ("interior", "under_contact"):
+        chosen &= stress["peak_interior"].values
+    if selection in ("at_contact", "under_contact"):
+        chosen &= stress["peak_under_contact"].values
+    columns = [name for name in stress.data_vars if stress[name].dims == ("peak",)]
+    found = stress[columns].isel(peak=np.flatnonzero(chosen)).drop_vars(_LABELS).drop_attrs(deep=False)
+    coordinates = {"quantity": quantity, "poisson": ratio}
+    return found.assign_coords({name: ((), value, stress[name].attrs) for name, value in coordinates.items()})
+
+
+def selection_for(quantity: str) -> str:
+    """The selection of `peaks` that figures and claims count for a quantity.
+
+    They count peaks under a contact, and those in the surface only of quantities that are largest there.
+    """
+    return "at_contact" if quantity in LARGEST_AT_SURFACE else "under_contact"
+
+
+def checked_ratio(poisson: float | None, known: Sequence[float]) -> float:
+    """The one of the known Poisson's ratios that is meant; it may be left out if there is only one."""
+    accepted = f"one of {', '.join(f'{nu:g}' for nu in known)}"
+    if poisson is None:
+        if len(known) > 1:
+            raise ValueError(f"poisson: {accepted} is needed, there are several")
+        return known[0]
+    ratio = number(
+        "poisson", poisson, accepted, lambda size: any(abs(size - nu) <= SAME_RATIO for nu in known)
+    )
+    return min(known, key=lambda nu: abs(nu - ratio))
+
+
+def _labels(stress: xr.Dataset) -> tuple[Array, Array]:
+    """Quantity and Poisson's ratio of every peak."""
+    if not (isinstance(stress, xr.Dataset) and {*_LABELS, "quantity", "poisson"} <= set(stress.variables)):
+        raise TypeError(f"stress = {shown(stress)}: the result of a stress analysis, a dataset, is needed")
+    names, ratios = (stress[name].values for name in _LABELS)
+    if names.dtype.kind not in "OTU":
+        raise ValueError("stress: made by another version, with numbers in place of names; analyse it again")
+    return names, ratios

@@ -1,0 +1,469 @@
+"""Compiled formulas of the fields of a plane, from the basis fields A and B of its stress components.
+
+The stress is A + ν B with fields A and B that do not depend on Poisson's ratio ν. Fields are computed for
+rows of a plane, or at nodes, on the grid of the plane or another one of the same cell. All use one formula
+in one order of operations, so that the results have the same bits, in the precision of the plane.
+
+Principal stresses
+------------------
+They are in closed form. The deviator is divided by its largest element. Its eigenvalue farthest from the two
+others comes from the trigonometric solution of the cubic (O. K. Smith, Commun. ACM 4 (1961) 168, DOI
+10.1145/355578.366316), which is accurate for this one only: the two others may be close together, and there
+the arc cosine loses half of the digits. They are therefore the eigenvalues of the 2 × 2 tensor that is left
+in the plane across the first principal direction (W. M. Scherzinger, C. R. Dohrmann, Comput. Methods Appl.
+Mech. Eng. 197 (2008) 4007, DOI 10.1016/j.cma.2008.03.031). All three are accurate to rounding of the largest
+stress.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from asperity.core.compiled import compiled, inlined
+from asperity.core.types import Array
+from asperity.elasticity.layer import COMPONENTS
+
+MEASURES = ("von_mises", "largest_shear", "principal_1", "principal_2", "principal_3")
+"""Names of the fields that need all six components of the stress."""
+
+FIELDS = (*COMPONENTS, *MEASURES, "hydrostatic")
+"""Names of the fields of the stress; their places are their numbers in the compiled functions."""
+
+_XX, _YY, _ZZ, _YZ, _XZ, _XY = range(6)
+_VON_MISES, _LARGEST_SHEAR, _PRINCIPAL_1, _PRINCIPAL_2, _PRINCIPAL_3, _HYDROSTATIC = range(6, 12)
+_SLOPE_XX, _SLOPE_YY, _SLOPE_XY = 6, 7, 8
+
+
+class BasisField(NamedTuple):
+    """A linear combination `constant` × A + `slope` × B of the basis fields of one component."""
+
+    component: str
+    constant: float
+    slope: float
+
+
+BASIS = (*((name, "constant") for name in COMPONENTS), ("xx", "slope"), ("yy", "slope"), ("xy", "slope"))
+"""Components of A and of B for which `Basis.place` has an entry."""
+
+MARGIN = 16
+"""Numbers before the first node of a row of fields; the last of them is the neighbour beyond the edge."""
+
+BLOCK = 512
+"""Nodes for which the values that all von Mises stresses share fit into the processor's cache."""
+
+
+class Basis(NamedTuple):
+    """Basis fields of the stress in a plane.
+
+    Parameters
+    ----------
+    values : (fields, ny, at least `columns`) array
+    columns : int
+        Nodes of a row.
+    place : (9,) integer array
+        Number in `values` of each entry of `BASIS`; −1 for one that is not needed, or for B_yy, which
+        follows from A_xx + A_yy + A_zz = B_xx + B_yy but for the mean mode. Where A is the stress itself,
+        any of its components stands for B.
+    mean_pressure : float
+        Minus the uniform part of A_zz, in the precision of `values`.
+    """
+
+    values: Any
+    columns: int
+    place: Any
+    mean_pressure: Any
+
+
+class Fields(NamedTuple):
+    """Fields to compute from the basis fields of a plane; von Mises stresses come first.
+
+    Parameters
+    ----------
+    kinds : integer array
+        Places of the names in `FIELDS`.
+    ratios : array in the precision of the plane
+        Poisson's ratios; 0 where A is the stress itself.
+    uniforms : array in the precision of the plane
+        Uniform parts of σ_xx and σ_yy.
+    """
+
+    kinds: Any
+    ratios: Any
+    uniforms: Any
+
+    @classmethod
+    def of(
+        cls, names: Sequence[str], ratios: Sequence[float], uniforms: Sequence[float], real: np.dtype[Any]
+    ) -> Fields:
+        """Fields of a plane in this precision."""
+        kinds = np.array([FIELDS.index(name) for name in names])
+        return cls(kinds, np.array(ratios, real), np.array(uniforms, real))
+
+
+def field_rows(basis: Basis, fields: Fields, first: int, last: int, periodic: bool = True) -> Array:
+    """Fields in consecutive rows of a plane with their neighbours beyond the edges.
+
+    Parameters
+    ----------
+    basis : Basis
+    fields : Fields
+    first, last : int
+        First row and last row + 1, which may be beyond an edge.
+    periodic : bool
+        Rows and columns beyond an edge are those at the opposite edge, or their mirror images.
+
+    Returns
+    -------
+    (fields, last − first, at least `MARGIN` + nx + 1) array
+        Node i of a row is at the place `MARGIN` + i.
+    """
+    nx = basis.columns
+    length = -(-(MARGIN + nx + 1) // MARGIN) * MARGIN
+    out = np.empty((fields.kinds.size, last - first, length), basis.values.dtype)
+    shared = np.empty((5, BLOCK), out.dtype)
+    _fill_rows(basis, fields, first, periodic, shared, out)
+    return out
+
+
+def field_in(basis: Basis, fields: Fields) -> Array:
+    """Fields in a whole plane, (fields, ny, nx)."""
+    rows = field_rows(basis, fields, 0, basis.values.shape[1])
+    return rows[:, :, MARGIN : MARGIN + basis.columns]
+
+
+def field_at(
+    basis: Basis,
+    fields: Fields,
+    which: Array,
+    row: Array,
+    column: Array,
+    shape: tuple[int, int],
+    periodic: bool = True,
+    reach: int = 0,
+) -> Array:
+    """Fields at nodes of a grid of the same cell, and at those around them.
+
+    On another grid than that of the plane, the basis fields are interpolated in double precision by
+    Lagrange's formula on the six nearest nodes along each axis.
+
+    Parameters
+    ----------
+    basis : Basis
+    fields : Fields
+    which, row, column : (nodes,) integer arrays
+        One of the fields, and a node.
+    shape : (rows, columns)
+        Of the grid of these nodes.
+    periodic : bool
+    reach : int
+        Nodes on each side that are evaluated, too.
+
+    Returns
+    -------
+    (nodes, 2 reach + 1, 2 reach + 1) array in the precision of the plane
+    """
+    side = 2 * reach + 1
+    out = np.empty((which.size, side, side), basis.values.dtype)
+    if shape == (basis.values.shape[1], basis.columns):
+        _take_nodes(basis, fields, which, row, column, periodic, out)
+    else:
+        given = Basis(
+            np.empty((len(BASIS), 1, 1)),
+            1,
+            np.where(basis.place < 0, -1, np.arange(len(BASIS))),
+            float(basis.mean_pressure),
+        )
+        precise = Fields(fields.kinds, fields.ratios.astype(float), fields.uniforms.astype(float))
+        stencils = np.empty((2, side, 6), np.int64), np.empty((2, side, 6))
+        _interpolate_nodes(basis, given, precise, which, row, column, shape, periodic, *stencils, out)
+    return out
+
+
+@inlined
+def neighbour(node: int, nodes: int, periodic: bool) -> int:
+    """Index of a node at most two beyond the edges: at the opposite edge, or its mirror image."""
+    if node < 0:
+        return node % nodes if periodic else -node
+    if node >= nodes:
+        return node % nodes if periodic else 2 * nodes - 2 - node
+    return node
+
+
+@compiled
+def principal_stresses(
+    xx: float, yy: float, zz: float, yz: float, xz: float, xy: float
+) -> tuple[float, float, float]:
+    """Principal stresses σ1 ≥ σ2 ≥ σ3 of a symmetric tensor."""
+    mean = (xx + yy + zz) / 3.0
+    a, b, c = xx - mean, yy - mean, zz - mean
+    scale = max(abs(a), abs(b), abs(c), abs(yz), abs(xz), abs(xy))
+    if scale == 0.0:
+        return mean, mean, mean
+    a, b, c, f, g, h = a / scale, b / scale, c / scale, yz / scale, xz / scale, xy / scale
+    # Rounding of the mean may be all that there is of a deviator.
+    rest = (a + b + c) / 3.0
+    mean += scale * rest
+    a, b, c = a - rest, b - rest, c - rest
+    radius = np.sqrt((a * a + b * b + c * c + 2.0 * (f * f + g * g + h * h)) / 6.0)
+    if radius < 1e-15:
+        return mean, mean, mean
+    determinant = a * (b * c - f * f) - h * (h * c - f * g) + g * (h * f - b * g)
+    cosine = min(1.0, abs(determinant) / (2.0 * radius * radius * radius))
+    apart = 2.0 * radius * np.cos(np.arccos(cosine) / 3.0)
+    if determinant < 0.0:
+        apart = -apart
+    first, second, coupling = _tensor_across(a - apart, b - apart, c - apart, f, g, h)
+    first += apart
+    second += apart
+    middle = 0.5 * (first + second)
+    half = np.hypot(0.5 * (first - second), coupling)
+    upper, lower = middle + half, middle - half
+    if determinant < 0.0:
+        return mean + scale * max(upper, apart), mean + scale * lower, mean + scale * min(lower, apart)
+    return mean + scale * max(upper, apart), mean + scale * upper, mean + scale * min(lower, apart)
+
+
+@compiled
+def _tensor_across(a: float, b: float, c: float, f: float, g: float, h: float) -> tuple[float, float, float]:
+    """A tensor with one eigenvalue 0 in the plane across that direction: two normal elements and the shear.
+
+    The rows of the tensor span this plane. The longest row gives the first axis, what is left of the longest
+    of the others the second.
+    """
+    rows = ((a, h, g), (h, b, f), (g, f, c))
+    longest, axis = -1.0, 0
+    for n in range(3):
+        x, y, z = rows[n]
+        length = x * x + y * y + z * z
+        if length > longest:
+            longest, axis = length, n
+    ux, uy, uz = rows[axis]
+    length = np.sqrt(longest)
+    ux, uy, uz = ux / length, uy / length, uz / length
+    longest = -1.0
+    vx = vy = vz = 0.0
+    for n in range(3):
+        x, y, z = rows[n]
+        along = x * ux + y * uy + z * uz
+        x, y, z = x - along * ux, y - along * uy, z - along * uz
+        length = x * x + y * y + z * z
+        if n != axis and length > longest:
+            longest, vx, vy, vz = length, x, y, z
+    length = np.sqrt(longest)
+    vx, vy, vz = vx / length, vy / length, vz / length
+    first = a * ux * ux + b * uy * uy + c * uz * uz + 2.0 * (f * uy * uz + g * ux * uz + h * ux * uy)
+    second = a * vx * vx + b * vy * vy + c * vz * vz + 2.0 * (f * vy * vz + g * vx * vz + h * vx * vy)
+    coupling = (
+        a * ux * vx
+        + b * uy * vy
+        + c * uz * vz
+        + f * (uy * vz + uz * vy)
+        + g * (ux * vz + uz * vx)
+        + h * (ux * vy + uy * vx)
+    )
+    return first, second, coupling
+
+
+@inlined
+def _von_mises(first: float, second: float, xy: float, across: float) -> float:
+    """The von Mises stress from σ_xx − σ_yy, σ_yy − σ_zz, σ_xy and σ_yz² + σ_xz²."""
+    shear = xy * xy + across
+    # A number in single precision leaves the precision of the others as it is.
+    return np.sqrt(first * (first + second) + second * second + np.float32(3) * shear)
+
+
+@compiled
+def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: float) -> float:
+    """The largest shear stress or a principal stress."""
+    first, second, third = principal_stresses(float(x), float(y), float(z), float(yz), float(xz), float(xy))
+    if kind == _LARGEST_SHEAR:
+        return 0.5 * (first - third)
+    if kind == _PRINCIPAL_1:
+        return first
+    return second if kind == _PRINCIPAL_2 else third
+
+
+@inlined
+def _value_at(basis: Any, kind: int, ratio: Any, uniform: Any, row: Any, column: Any) -> float:
+    """A field at one node."""
+    values, _, place, mean = basis
+    if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
+        value = values[place[kind], row, column]
+        if kind in (_ZZ, _YZ, _XZ):
+            return value
+        slope = values[place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], row, column]
+        return value + ratio * slope + (uniform - uniform if kind == _XY else uniform)
+    xx = values[place[_XX], row, column]
+    yy = values[place[_YY], row, column]
+    zz = values[place[_ZZ], row, column]
+    trace = xx + yy + zz
+    if kind == _HYDROSTATIC:
+        # The trace of B is that of A without its uniform part.
+        return (trace + ratio * (trace + mean) + uniform + uniform) / 3.0
+    slope = values[place[_SLOPE_XX], row, column]
+    slope_yy = trace + mean - slope
+    y = yy + ratio * slope_yy + uniform
+    if kind == _YY:
+        return y
+    x = xx + ratio * slope + uniform
+    xy = values[place[_XY], row, column] + ratio * values[place[_SLOPE_XY], row, column]
+    yz, xz = values[place[_YZ], row, column], values[place[_XZ], row, column]
+    if kind == _VON_MISES:
+        first, second = xx - yy + ratio * (slope - slope_yy), yy - zz + ratio * slope_yy + uniform
+        return _von_mises(first, second, xy, yz * yz + xz * xz)
+    return _measure(kind, x, y, zz, yz, xz, xy)
+
+
+@compiled
+def _fill_row(basis: Any, kind: int, ratio: Any, uniform: Any, row: int, out: Any) -> None:
+    """Fill `out`, (nx,), with one row of a field other than the von Mises stress."""
+    values, _, place, _ = basis
+    if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
+        constant = values[place[kind], row]
+        if kind in (_ZZ, _YZ, _XZ):
+            for i in range(out.size):
+                out[i] = constant[i]
+            return
+        slope = values[place[_SLOPE_XY if kind == _XY else _SLOPE_XX + kind], row]
+        added = uniform - uniform if kind == _XY else uniform
+        for i in range(out.size):
+            out[i] = constant[i] + ratio * slope[i] + added
+        return
+    for i in range(out.size):
+        out[i] = _value_at(basis, kind, ratio, uniform, row, i)
+
+
+@compiled
+def _fill_von_mises(basis: Any, fields: Any, row: int, shared: Any, out: Any, line: int) -> None:
+    """Fill one line of all von Mises stresses, the first of the fields, with a row.
+
+    What they share is computed once, in the array `shared`, (5, `BLOCK`). Loops that read and write few
+    arrays are turned into operations on vectors, one long loop is not.
+    """
+    values, columns, place, mean = basis
+    first, second, slope_yy, across, slope_first = shared[0], shared[1], shared[2], shared[3], shared[4]
+    for start in range(0, columns, BLOCK):
+        stop = min(start + BLOCK, columns)
+        xx, yy = values[place[_XX], row, start:stop], values[place[_YY], row, start:stop]
+        zz, yz = values[place[_ZZ], row, start:stop], values[place[_YZ], row, start:stop]
+        xz, xy = values[place[_XZ], row, start:stop], values[place[_XY], row, start:stop]
+        slope, slope_xy = (
+            values[place[_SLOPE_XX], row, start:stop],
+            values[place[_SLOPE_XY], row, start:stop],
+        )
+        for i in range(xx.size):
+            slope_yy[i] = xx[i] + yy[i] + zz[i] + mean - slope[i]
+        for i in range(xx.size):
+            slope_first[i] = slope[i] - slope_yy[i]
+        for i in range(xx.size):
+            first[i] = xx[i] - yy[i]
+        for i in range(xx.size):
+            second[i] = yy[i] - zz[i]
+        for i in range(xx.size):
+            across[i] = yz[i] * yz[i] + xz[i] * xz[i]
+        for m in range(fields.kinds.size):
+            if fields.kinds[m] != _VON_MISES:
+                break
+            ratio, uniform = fields.ratios[m], fields.uniforms[m]
+            field = out[m, line, MARGIN + start : MARGIN + stop]
+            for i in range(field.size):
+                field[i] = _von_mises(
+                    first[i] + ratio * slope_first[i],
+                    second[i] + ratio * slope_yy[i] + uniform,
+                    xy[i] + ratio * slope_xy[i],
+                    across[i],
+                )
+
+
+@compiled
+def _fill_rows(basis: Any, fields: Any, first: int, periodic: bool, shared: Any, out: Any) -> None:
+    ny, nx = basis.values.shape[1], basis.columns
+    for line in range(out.shape[1]):
+        row = neighbour(first + line, ny, periodic)
+        if fields.kinds[0] == _VON_MISES:
+            _fill_von_mises(basis, fields, row, shared, out, line)
+        for m in range(fields.kinds.size):
+            here = out[m, line, MARGIN : MARGIN + nx]
+            if fields.kinds[m] != _VON_MISES:
+                _fill_row(basis, fields.kinds[m], fields.ratios[m], fields.uniforms[m], row, here)
+            out[m, line, MARGIN - 1] = here[neighbour(-1, nx, periodic)]
+            out[m, line, MARGIN + nx] = here[neighbour(nx, nx, periodic)]
+
+
+@compiled
+def _take_nodes(basis: Any, fields: Any, which: Any, row: Any, column: Any, periodic: bool, out: Any) -> None:
+    ny, nx = basis.values.shape[1], basis.columns
+    reach = out.shape[1] // 2
+    for n in range(which.size):
+        kind, ratio, uniform = fields.kinds[which[n]], fields.ratios[which[n]], fields.uniforms[which[n]]
+        for a in range(out.shape[1]):
+            j = neighbour(row[n] + a - reach, ny, periodic)
+            for b in range(out.shape[2]):
+                i = neighbour(column[n] + b - reach, nx, periodic)
+                out[n, a, b] = _value_at(basis, kind, ratio, uniform, j, i)
+
+
+@compiled
+def _interpolate_nodes(
+    basis: Any,
+    given: Any,
+    fields: Any,
+    which: Any,
+    row: Any,
+    column: Any,
+    shape: tuple[int, int],
+    periodic: bool,
+    places: Any,
+    weights: Any,
+    out: Any,
+) -> None:
+    """As `_take_nodes`, from basis fields interpolated to `given`, which has one node."""
+    ny, nx = basis.values.shape[1], basis.columns
+    reach = out.shape[1] // 2
+    zero = np.int64(0)
+    for n in range(which.size):
+        kind, ratio, uniform = fields.kinds[which[n]], fields.ratios[which[n]], fields.uniforms[which[n]]
+        for a in range(out.shape[1]):
+            _fill_stencil(row[n] + a - reach, shape[0], ny, periodic, places[0, a], weights[0, a])
+            _fill_stencil(column[n] + a - reach, shape[1], nx, periodic, places[1, a], weights[1, a])
+        for a in range(out.shape[1]):
+            for b in range(out.shape[2]):
+                for part in range(given.place.size):
+                    if given.place[part] >= 0:
+                        total = 0.0
+                        for k in range(6):
+                            line = basis.values[basis.place[part], places[0, a, k]]
+                            along = 0.0
+                            for m in range(6):
+                                along += weights[1, b, m] * line[places[1, b, m]]
+                            total += weights[0, a, k] * along
+                        given.values[part, 0, 0] = total
+                out[n, a, b] = _value_at(given, kind, ratio, uniform, zero, zero)
+
+
+_INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) for k in range(6)])
+"""Denominators of Lagrange's formula on six nodes."""
+
+
+@compiled
+def _fill_stencil(node: int, others: int, nodes: int, periodic: bool, place: Any, weight: Any) -> None:
+    """Places and weights of the six nodes nearest to a node of another grid, for Lagrange's interpolation.
+
+    Over a free boundary a node beyond an edge is its mirror image, and all six lie within the map.
+    """
+    if not periodic:
+        node = neighbour(node, others, periodic)
+    position = node * (nodes / others)
+    base = int(np.floor(position))
+    if not periodic:
+        base = max(2, min(base, nodes - 4))
+    fraction = position - base
+    for k in range(6):
+        place[k] = (base + k - 2) % nodes
+        weight[k] = _INVERSE_PRODUCTS[k]
+        for m in range(6):
+            if m != k:
+                weight[k] *= fraction - (m - 2)

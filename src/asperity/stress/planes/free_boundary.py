@@ -1,0 +1,214 @@
+"""Planes of the stress under an isolated pressure on a half-space (``boundary = "free"``).
+
+The pressure is uniform on every pixel of the map, as in the contact over a free boundary, and zero outside.
+Its stress is the convolution with the stress of a loaded pixel in closed form
+(`asperity.stress.planes.rectangle`), computed by fast Fourier transforms on a cell padded with zeros. This
+is exact: no pixel meets an image of another (R. W. Hockney, Methods Comput. Phys. 9 (1970) 135; S. Liu, Q.
+Wang, G. Liu, Wear 243 (2000) 101, DOI 10.1016/S0043-1648(00)00427-0). There is no mean (q = 0) mode:
+the solid is free to spread.
+
+Coarse planes
+-------------
+A deep plane is smooth, and is computed on a coarser grid. The pressure, in a cell three times as long as the
+map, keeps the modes that the coarse grid holds; they are divided by the transform of a coarse pixel and
+multiplied by that of a fine one, because the influence is that of a coarse pixel. The influence is exact up
+to the distance of two nodes of the map. Beyond, it falls smoothly to zero over half a map's length, so that
+its transform has no slow tail. The error has two parts, both bounded from the spectrum of the pressure as in
+`asperity.stress.planes.truncation`: the modes dropped, and the short waves of the influence that the coarse
+nodes take for long ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property, partial
+
+import numpy as np
+from scipy.special import erfc
+
+from asperity.core.parallel import results_of
+from asperity.core.types import Array
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.fourier.grid import Fourier, Grid, Work, good_size, resample
+from asperity.stress.planes.fields import BasisField
+from asperity.stress.planes.rectangle import parity, rectangle_stress
+from asperity.stress.planes.truncation import PlaneGrid, Truncation, coarser_grids
+
+PADDING = 3
+"""Length of the padded cell of coarse planes over that of the map: the influence falls to zero and rises
+again between the map and its image."""
+
+TAPER_STEEPNESS = 4.0
+"""The influence falls as the error function from −4 to 4, whose ends differ from 1 and 0 by 8e-9."""
+
+MIN_NODES = 48
+"""Fewest nodes on an edge of a coarse plane: the modes of the falling influence that the grid drops are then
+below 3e-10 of it."""
+
+ALIASES = 4.0
+"""Number of short waves of comparable size that the nodes take for one long wave, at most."""
+
+
+class FreePlanes:
+    """Transforms of basis fields of the stress under a pressure on an isolated map.
+
+    Parameters and attributes are those of `asperity.stress.planes.periodic.PeriodicPlanes`; each node of the
+    grid is the centre of a pixel. The tolerance of coarse planes refers to the root mean square of σ_zz in
+    the padded cell. Without coarse planes there is no such error.
+    """
+
+    mean_pressure = 0.0
+    dtype = np.dtype(float)
+
+    def __init__(
+        self,
+        solid: LoadedSolid,
+        depths: Array,
+        tolerance: float,
+        envelope: float,
+        traction: tuple[float, float],
+        threads: int,
+        work: Work,
+    ) -> None:
+        grid = self._grid = solid.grid
+        self._pressure, self._traction, self._threads, self._work = solid.pressure, traction, threads, work
+        coarse = [other for other in coarser_grids(grid)[1:] if _saves_work(other, grid)]
+        if tolerance == 0 or not coarse:
+            self.plan = [PlaneGrid(grid, 0.0, 0.0, 0) for _ in depths]
+            return
+        padded = [_repeated(other) for other in coarse]
+        truncation = _FreeTruncation(
+            self._repeated_modes, _repeated(grid), solid.layer, tolerance, envelope, padded
+        )
+        own = dict(zip(padded, coarse, strict=True))
+        chosen = [truncation.choose(depth, all_columns=True) for depth in depths]
+        self.plan = [PlaneGrid(own.get(each.grid, grid), each.bound, 0.0, 0) for each in chosen]
+
+    @cached_property
+    def _repeated_modes(self) -> Array:
+        """Coefficients of the pressure in the cell of coarse planes."""
+        return self._forward(_repeated(self._grid))
+
+    @cached_property
+    def _padded(self) -> tuple[Grid, Array]:
+        """Cell in which the map is convolved on its own grid, and the coefficients of the pressure there."""
+        shape = tuple(good_size(2 * nodes - 1) for nodes in self._grid.shape)
+        length = tuple(step * nodes for step, nodes in zip(self._grid.spacing, shape, strict=True))
+        cell = Grid((shape[0], shape[1]), (length[0], length[1]))
+        return cell, self._forward(cell)
+
+    def _forward(self, cell: Grid) -> Array:
+        """Coefficients in a cell of the pressure, which is zero beside the map."""
+        field = np.zeros(cell.shape)
+        field[: self._grid.shape[0], : self._grid.shape[1]] = self._pressure
+        return Fourier(cell, threads=self._threads, work=self._work).forward(field)
+
+    @staticmethod
+    def row_length(grid: Grid) -> int:
+        """Numbers in a row of the array that is filled."""
+        return grid.shape[1]
+
+    def compute(self, depth: float, own: PlaneGrid, fields: Sequence[BasisField], values: Array) -> None:
+        """Compute the basis fields of one plane; arguments as for `PeriodicPlanes`."""
+        convolution = self._convolution(depth, own.grid)
+
+        def transform(field: BasisField, out: Array) -> None:
+            out[...] = convolution(field)
+
+        tasks = [partial(transform, field, out) for field, out in zip(fields, values, strict=True)]
+        results_of(tasks, self._threads)
+        self._work.nodes += 2 * len(fields) * convolution.cell.size
+
+    def _convolution(self, depth: float, grid: Grid) -> _Convolution:
+        """Function that returns a basis field of the stress in one plane, on `grid`."""
+        if grid == self._grid:
+            cell, modes = self._padded
+            return _Convolution(modes, cell, grid, depth, self._traction, tapered=False)
+        cell, source = _repeated(grid), _repeated(self._grid)
+        modes = resample(self._repeated_modes, source, cell)
+        for axis, wavenumber in ((0, cell.qy[:, None]), (1, cell.qx[None, :])):
+            fine, coarse = (np.sinc(wavenumber * own.spacing[axis] / (2 * np.pi)) for own in (source, cell))
+            modes *= fine / coarse
+        return _Convolution(modes, cell, grid, depth, self._traction, tapered=True)
+
+
+class _Convolution:
+    """Convolution of a pressure with the stress of a loaded pixel in one plane."""
+
+    def __init__(
+        self,
+        modes: Array,
+        cell: Grid,
+        grid: Grid,
+        depth: float,
+        traction: tuple[float, float],
+        tapered: bool,
+    ) -> None:
+        self.cell = cell
+        self._modes, self._grid, self._depth = modes, grid, float(depth)
+        self._fourier = Fourier(cell)
+        self._loads = [("z", 1.0), ("x", traction[0]), ("y", traction[1])]
+        self._taper = [_taper(cell, grid, axis) for axis in (0, 1)] if tapered else None
+
+    def __call__(self, field: BasisField) -> Array:
+        """One basis field, (ny, nx)."""
+        cell = self._fourier.grid
+        spectrum = self._fourier.forward(self._influence(field))
+        spectrum *= self._modes
+        spectrum *= cell.size
+        values = self._fourier.inverse(spectrum, overwrite=True)
+        return values[: self._grid.shape[0], : self._grid.shape[1]]
+
+    def _influence(self, field: BasisField) -> Array:
+        """The basis field around one loaded pixel, in the order of a cyclic convolution."""
+        cell = self._fourier.grid
+        y, x = (step * np.arange(n // 2 + 1) for step, n in zip(cell.spacing, cell.shape, strict=True))
+        total = np.zeros(cell.shape)
+        for loaded, share in self._loads:
+            if share:
+                a, b = rectangle_stress(field.component, loaded, y, x, self._depth, cell.spacing)
+                sign_y, sign_x = parity(field.component, loaded)
+                quarter = share * (field.constant * a + field.slope * b)
+                half = np.concatenate([quarter, sign_y * quarter[(cell.shape[0] - 1) // 2 : 0 : -1]], axis=0)
+                right = sign_x * half[:, (cell.shape[1] - 1) // 2 : 0 : -1]
+                total += np.concatenate([half, right], axis=1)
+        if self._taper is not None:
+            total *= self._taper[0][:, None]
+            total *= self._taper[1][None, :]
+        return total
+
+
+class _FreeTruncation(Truncation):
+    """Chooses the coarsest sufficient grid of an isolated map; the grids are those of the padded cell."""
+
+    def bounds(self, depth: float) -> Array:
+        dropped = super().bounds(depth)
+        aliased = np.zeros_like(dropped)
+        for number, grid in enumerate(self.grids[1:], start=1):
+            nyquist = np.pi / max(grid.spacing)
+            alias = np.maximum(2 * nyquist - self._wavenumber, nyquist) * depth
+            aliased[number] = ALIASES * self._envelope * self._kept[number] @ ((1 + alias) * np.exp(-alias))
+        return dropped + aliased
+
+
+def _repeated(grid: Grid) -> Grid:
+    """The cell of coarse planes with the spacing of a grid of the map."""
+    return Grid(
+        (PADDING * grid.shape[0], PADDING * grid.shape[1]),
+        (PADDING * grid.length[0], PADDING * grid.length[1]),
+    )
+
+
+def _saves_work(coarse: Grid, grid: Grid) -> bool:
+    """True if a coarse plane costs less than one on the grid of the map, whose cell is twice as long."""
+    return min(coarse.shape) >= MIN_NODES and PADDING**2 * coarse.size < 4 * grid.size
+
+
+def _taper(cell: Grid, grid: Grid, axis: int) -> Array:
+    """Factor of the influence along one axis: 1 up to the length of the map, then falling to 0."""
+    nodes, length = cell.shape[axis], grid.length[axis]
+    place = np.arange(nodes)
+    distance = np.minimum(place, nodes - place) * cell.spacing[axis]
+    width = (PADDING / 2 - 1) * length
+    fall = 0.5 * erfc(TAPER_STEEPNESS * (2 * (distance - length) / width - 1))
+    return np.where(distance <= length, 1.0, fall)

@@ -1,0 +1,195 @@
+"""Fields of the stress inside the solid, plane by plane, on grids no finer than the depth needs.
+
+Conventions: `depth` is measured downward from the surface, tension is positive, stresses are in the unit of
+the contact pressure, which is that of Young's modulus. The names of the fields:
+
+- ``xx, yy, zz, yz, xz, xy``: the components;
+- ``von_mises``: the equivalent stress of von Mises;
+- ``largest_shear``: half the difference of the largest and smallest principal stress (Tresca);
+- ``hydrostatic``: the mean of the three normal stresses;
+- ``principal_1, principal_2, principal_3``: the principal stresses, the largest (most tensile) first.
+
+Sliding
+-------
+With ``friction`` μ > 0 the solid also bears the shear traction t = μ p along ``sliding_direction``: full
+sliding, with the traction on this solid in the direction in which the other body moves over it. The pressure
+stays that of the contact without friction. This is exact if both bodies have equal elastic constants or are
+incompressible, and against a rigid body if ν = 1/2; otherwise the effect of the traction on the pressure is
+neglected. The mean (q = 0) mode of the traction is σ_xz = t̄_x, σ_yz = t̄_y at every depth (z upward).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity.core.arguments import number, require_finite
+from asperity.core.types import Array, Progress
+from asperity.elasticity.loaded_solid import ContactLike
+from asperity.fourier.grid import Grid, Work
+from asperity.stress.planes.stream import MAX_PLANES, PlaneStream
+
+
+@dataclass(frozen=True, repr=False)
+class StressPlane:
+    """Fields of the stress in one plane.
+
+    Parameters
+    ----------
+    depth : float
+    grid : Grid
+        Of the same cell as the contact, no finer.
+    poisson : tuple of float
+        Poisson's ratios, along the first axis of every field.
+    fields : dict
+        Name → array (ratios, ny, nx) in the unit of the contact pressure.
+    bound : float
+        Proven largest error of any field at any node from the modes that the grid drops, in the same unit.
+    """
+
+    depth: float
+    grid: Grid
+    poisson: tuple[float, ...]
+    fields: dict[str, Array]
+    bound: float
+
+    def __repr__(self) -> str:
+        ny, nx = self.grid.shape
+        return f"<StressPlane of {ny} × {nx} nodes at depth {self.depth:.4g}: {', '.join(self.fields)}>"
+
+
+def stress_planes(
+    contact: ContactLike,
+    depths: ArrayLike,
+    poisson: float | Sequence[float] | None = None,
+    fields: Sequence[str] = ("von_mises",),
+    tolerance: float = 1e-6,
+    threads: int = 1,
+    progress: Progress | None = None,
+    work: Work | None = None,
+    *,
+    friction: float = 0.0,
+    sliding_direction: str | float = "x",
+) -> Iterator[StressPlane]:
+    """Stream fields of the stress, one plane at a time.
+
+    Parameters
+    ----------
+    contact : object with ``pressure``, ``grid`` and ``layer``
+        A `Contact`, or a `LoadedSolid` with any finite pressure.
+    depths : (planes,) array
+        Rising depths ≥ 0, in a layer of at most its height.
+    poisson : float or sequence, optional
+        Poisson's ratios, on the half-space any number at once; by default that of the contact. In a layer
+        of finite height only that of the contact, on which its pressure depends.
+    fields : names
+        Any of those in the description of the module. Only what they need is computed.
+    tolerance : float
+        Largest error of any field at any node where a plane is computed on a coarser grid, relative to the
+        root mean square of σ_zz in that plane. 0 computes every plane on the grid of the contact.
+    threads : int
+        The result does not depend on it.
+    progress : callable, optional
+        Called as progress(done, total) after each plane; planes count by their nodes.
+    work : Work, optional
+        Where the transforms are counted.
+    friction : float
+        Coefficient of friction μ, from 0 to 1000: the shear traction is μ times the pressure. On a
+        half-space, or a layer bonded to a rigid base.
+    sliding_direction : "x", "y" or float
+        Direction of the traction on this solid; a number is an angle in degrees from x towards y.
+
+    Yields
+    ------
+    StressPlane
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is out of range.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), mean_pressure=1e-3)
+    >>> for plane in asp.stress_planes(contact, depths=[0.0, 0.1, 0.5], fields=("zz", "von_mises")):
+    ...     print(f"{plane.depth:.1f} {plane.fields['zz'].shape} {plane.fields['zz'].mean():.6f}")
+    0.0 (1, 64, 64) -0.001000
+    0.1 (1, 60, 60) -0.001000
+    0.5 (1, 16, 16) -0.001000
+    """
+    stream = PlaneStream.of(
+        contact, depths, poisson, fields, tolerance, threads, work, friction, sliding_direction
+    )
+    return _named_fields(stream, progress)
+
+
+def _named_fields(stream: PlaneStream, progress: Progress | None) -> Iterator[StressPlane]:
+    for plane in stream.planes():
+        fields = {name: np.stack([plane.field(name, nu) for nu in stream.ratios]) for name in stream.names}
+        require_finite("stress_planes", fields)
+        yield StressPlane(plane.depth, plane.grid, tuple(stream.ratios), fields, plane.bound)
+        if progress is not None:
+            progress(plane.done, 1.0)
+
+
+def depth_grid(grid: Grid, height: float | None = None, spacing: float = 0.5, growth: float = 0.125) -> Array:
+    """Depths of planes from the surface to the bottom, close near the surface and farther apart below.
+
+    A contact spot of radius a has its largest von Mises stress at 0.38–0.55 a, and the stress changes over
+    lengths of about a. A feature at depth d is at least about 2 d wide, because shorter modes have decayed.
+    Planes are therefore `spacing` grid spacings apart at first, and `growth` × depth apart below.
+
+    Parameters
+    ----------
+    grid : Grid
+        Of the contact pressure.
+    height : float, optional
+        Depth of the last plane, by default the longer edge of the cell.
+    spacing : float
+        Distance between the planes nearest to the surface, in spacings of the grid.
+    growth : float
+        Largest distance between planes, relative to their depth.
+
+    Returns
+    -------
+    depths : (planes,) array
+        Rising from 0 to the height.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is not a positive finite number, or more than `MAX_PLANES` planes would be needed.
+
+    Examples
+    --------
+    >>> depths = asp.depth_grid(asp.Grid((64, 64)), height=0.5)
+    >>> depths[:4] * 64  # in spacings of the grid
+    array([0. , 0.5, 1. , 1.5])
+    >>> depths.size, float(depths[-1])
+    (27, 0.5)
+    """
+    positive = "a positive finite number"
+    spacing = number("spacing", spacing, positive, lambda value: value > 0)
+    growth = number("growth", growth, positive, lambda value: value > 0)
+    bottom = max(grid.length)
+    if height is not None:
+        bottom = number("height", height, "a positive finite length", lambda value: value > 0)
+    finest = spacing * min(grid.spacing)
+    depths = [0.0]
+    while depths[-1] < bottom:
+        if len(depths) == MAX_PLANES:
+            raise ValueError(
+                f"spacing = {spacing:g}, growth = {growth:g}: larger values are needed, these make more than "
+                f"{MAX_PLANES} planes to the depth {bottom:g}"
+            )
+        depths.append(depths[-1] + max(finest, growth * depths[-1]))
+    depths[-1] = bottom
+    if len(depths) > 2 and bottom - depths[-2] < 0.5 * (depths[-2] - depths[-3]):
+        del depths[-2]
+    found = np.array(depths)
+    require_finite("depth_grid", {"depths": found})
+    return found

@@ -1,0 +1,186 @@
+"""The coarsest grid that holds the stress at a depth, and the error bound that proves it.
+
+Bound
+-----
+A pressure mode of amplitude |p̂| and wavenumber q has, at depth d, no field (component, principal, largest
+shear, hydrostatic or von Mises stress) larger than K (1 + q d) e^(−q d) |p̂|, with the constant K of
+`envelope_of`. No field changes by more than the fields of the modes that are dropped: the largest shear and
+the von Mises stress are seminorms, and principal stresses move by at most the spectral norm of the change
+(H. Weyl, Math. Ann. 71 (1912) 441, DOI 10.1007/BF01456804). The sum over the modes that a grid drops
+therefore bounds the error of every field at every node. The proof of K is in ``docs/method.md``. The grid
+chosen is the coarsest whose bound is below the tolerance times the root mean square of σ_zz in that plane,
+which Parseval's theorem gives beforehand and which is at most the largest |σ_zz| there. What is left of the
+tolerance bounds the columns of modes that are left out of the transforms along y.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from asperity.core.types import Array
+from asperity.elasticity.layer import Layer
+from asperity.fourier.grid import Grid, good_size
+
+MIN_NODES = 16
+"""Fewest nodes on an edge of a coarse grid: below it a plane costs no less."""
+
+
+class PlaneGrid(NamedTuple):
+    """Grid of a plane.
+
+    Parameters
+    ----------
+    grid : Grid
+    bound : float
+        Bound of the error of the plane.
+    scale : float
+        Root mean square of σ_zz, or a little less; 0 where it is not known.
+    columns : int
+        Number of columns of modes, the first ones, that the plane needs.
+    """
+
+    grid: Grid
+    bound: float
+    scale: float
+    columns: int
+
+
+class Truncation:
+    """Chooses the coarsest sufficient grid for every depth under one pressure.
+
+    Parameters
+    ----------
+    pressure : (ny, nx // 2 + 1) complex array
+        Coefficients of the contact pressure.
+    grid : Grid
+        Their grid.
+    layer : Layer
+    tolerance : float
+        Largest error relative to the root mean square of σ_zz in the plane; 0 keeps the grid.
+    envelope : float
+        The constant K.
+    grids : sequence of Grid, optional
+        Coarser grids of the same cell, by default `coarser_grids`.
+
+    Attributes
+    ----------
+    grids : list of Grid
+        Grids to choose from, finest first.
+    """
+
+    def __init__(
+        self,
+        pressure: Array,
+        grid: Grid,
+        layer: Layer,
+        tolerance: float,
+        envelope: float,
+        grids: Sequence[Grid] | None = None,
+    ) -> None:
+        self.grids = coarser_grids(grid) if grids is None else [grid, *grids]
+        self.tolerance = tolerance
+        self._layer = layer
+        self._envelope = envelope
+        width = 2 * np.pi / max(grid.length)
+        numbers = np.sqrt(grid.qy[: grid.shape[0] // 2 + 1, None] ** 2 + grid.qx**2)
+        numbers /= width
+        np.floor(numbers, out=numbers)
+        if numbers.max() < numbers.size:
+            ring = numbers.astype(np.int64)
+            occupied = np.arange(int(ring.max()) + 1)
+        else:  # most rings of a long and narrow cell hold no mode
+            occupied, ring = np.unique(numbers, return_inverse=True)
+            ring = ring.reshape(numbers.shape)
+        rings = occupied.size
+        self._width, self._wavenumber = width, width * occupied
+        magnitude = np.abs(pressure)
+        amplitude = _folded(magnitude, grid.multiplicity)
+        magnitude *= magnitude
+        power = _folded(magnitude, grid.multiplicity)
+        self._qx, self._of_columns = grid.qx, amplitude.sum(axis=0)
+        self._power = np.bincount(ring.ravel(), power.ravel(), rings)
+        self._mean_square = float(np.abs(pressure[0, 0]) ** 2)
+        self._power[0] = 0.0
+        last = _coarsest_grid_of_modes(grid, self.grids)
+        flat = (last * rings + ring).ravel()
+        amount = np.bincount(flat, amplitude.ravel(), len(self.grids) * rings).reshape(-1, rings)
+        self._dropped = np.cumsum(amount, axis=0) - amount
+        self._kept = amount.sum(axis=0) - self._dropped
+
+    def scale(self, depth: float) -> float:
+        """Root mean square of σ_zz at `depth`, from the spectrum, or a little less.
+
+        The modes of a ring of wavenumbers are taken to decay as at its outer edge.
+        """
+        normal = np.asarray(self._layer.kernels(self._wavenumber + self._width, depth).normal)
+        return float(np.sqrt(self._mean_square + np.sum(self._power * normal**2)))
+
+    def bounds(self, depth: float) -> Array:
+        """Largest error of any stress at `depth` on each of the grids, (grids,)."""
+        decay = self._wavenumber * depth
+        return self._envelope * (self._dropped @ ((1 + decay) * np.exp(-decay)))
+
+    def choose(self, depth: float, all_columns: bool = False) -> PlaneGrid:
+        """The coarsest sufficient grid at `depth`, and its bound."""
+        scale, grid, bound = self.scale(depth), self.grids[0], 0.0
+        if self.tolerance == 0:
+            return PlaneGrid(grid, bound, scale, grid.half_shape[1])
+        allowed = self.tolerance * scale
+        bounds = self.bounds(depth)
+        coarsest = np.flatnonzero(bounds <= allowed)[-1]
+        grid, bound = self.grids[coarsest], float(bounds[coarsest])
+        if all_columns:
+            return PlaneGrid(grid, bound, scale, grid.half_shape[1])
+        # What is left of the tolerance allows columns to be left out of the transforms along y.
+        decay = self._qx[: grid.half_shape[1]] * depth
+        dropped = self._envelope * self._of_columns[: decay.size] * (1 + decay) * np.exp(-decay)
+        beyond = np.append(np.cumsum(dropped[::-1])[::-1], 0.0)
+        columns = max(1, int(np.flatnonzero(beyond <= allowed - bound)[0]))
+        return PlaneGrid(grid, bound + float(beyond[columns]), scale, columns)
+
+
+def envelope_of(layer: Layer, poisson: float, friction: float = 0.0) -> float:
+    """The constant K for all ratios ≥ `poisson`, under pressure and a shear traction `friction` times it."""
+    lateral = 1 - 2 * poisson
+    half_space = max(np.sqrt(3.0), lateral) + friction * max(np.sqrt(5.0), np.sqrt(3.0 + lateral**2))
+    return float(half_space * (1.0 if layer.height is None else 2.0))
+
+
+def coarser_grids(grid: Grid) -> list[Grid]:
+    """The grid and coarser ones of the same cell: 7/8, 6/8, 5/8, 4/8 of its nodes, and so on by halves.
+
+    Every number of nodes is one whose transform is fast, and at least `MIN_NODES` or that of the grid.
+    """
+    grids = [grid]
+    halving = 1.0
+    while True:
+        for eighths in (7, 6, 5, 4):
+            fraction = halving * eighths / 8
+            shape = tuple(min(n, max(good_size(int(np.ceil(n * fraction))), MIN_NODES)) for n in grid.shape)
+            if shape != grids[-1].shape:
+                grids.append(Grid((shape[0], shape[1]), grid.length))
+        halving /= 2
+        if min(grid.shape) * halving < MIN_NODES:
+            return grids
+
+
+def _folded(values: Array, multiplicity: Array) -> Array:
+    """Weighted sum over the modes ±ky of values of the stored modes, (ny // 2 + 1, nx // 2 + 1)."""
+    half = values.shape[0] // 2
+    out = values[: half + 1] * multiplicity
+    out[1 : values.shape[0] - half] += values[:half:-1] * multiplicity
+    return out
+
+
+def _coarsest_grid_of_modes(grid: Grid, grids: Sequence[Grid]) -> Array:
+    """Index of the last (coarsest) of the grids that keeps the modes ±ky, (ny // 2 + 1, nx // 2 + 1)."""
+    along_y, along_x = (
+        np.sum(
+            [2 * np.arange(nodes // 2 + 1) < coarse.shape[axis] for coarse in grids[1:]], axis=0, dtype=int
+        )
+        for axis, nodes in enumerate(grid.shape)
+    )
+    return np.minimum.outer(along_y, along_x)

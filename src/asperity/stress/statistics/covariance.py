@@ -1,0 +1,336 @@
+"""Covariances of Eq. 22: within a plane, and of planes with that of the largest von Mises stress."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from asperity.core.arguments import require_finite
+from asperity.core.compiled import compiled, sums_without_nan
+from asperity.core.types import Array
+from asperity.fourier.grid import Fourier, Grid, Work, resample
+from asperity.stress.planes.fields import MARGIN
+
+MOST_KEPT = 8
+"""Planes above the reference that are kept while the largest value still rises from plane to plane."""
+
+PACKED = 65535
+"""Steps from 0 to the largest value in which planes in single precision are kept. The rounding, 1e-5 of the
+largest value, is averaged over all nodes: the error of a covariance is below 1e-6 of it."""
+
+SUMS = 4
+"""Numbers of each row in `row_sums`."""
+
+_BLOCK = 1024
+"""Numbers that are summed in their own precision."""
+
+
+class References:
+    """For several fields, the plane with the largest value so far, and the covariance of all planes with it.
+
+    The planes come one by one, each on a grid no finer than the one before. Those above the reference are
+    kept as long as the largest value rises from every plane to the next, and compared with the reference
+    when it no longer does. Where it rises again later, the planes above are to be added again.
+
+    Parameters
+    ----------
+    fields, planes : int
+        Number of fields, and of planes of the stream.
+    finest : Grid
+        Grid on which lags in a plane are sampled.
+    threads : int
+    work : Work
+        Where transforms are counted.
+
+    Attributes
+    ----------
+    number : (fields,) array
+        Which plane of the stream is the reference of each field.
+    covariance : (fields, planes) array
+        Mean of the product of the fields of each plane and of the reference, less the product of their means.
+    missing : (fields,) array
+        Number of the uppermost planes that are to be added again.
+    """
+
+    def __init__(self, fields: int, planes: int, finest: Grid, threads: int, work: Work) -> None:
+        self.number = np.zeros(fields, int)
+        self.covariance = np.full((fields, planes), np.nan)
+        self.missing = np.zeros(fields, int)
+        self._finest, self._threads, self._work = finest, threads, work
+        self._grid = finest
+        self._fields = np.empty((0, 0, 0))
+        self._largest, self._means = np.full(fields, -np.inf), np.zeros(fields)
+        self._rising = np.full(fields, True)
+        self._above: list[tuple[Array, Array]] = []
+        self._modes: list[tuple[Grid, Array] | None] = [None] * fields
+        self._in_plane: list[tuple[Array, Array] | None] = [None] * fields
+
+    @property
+    def is_rising(self) -> bool:
+        """True while the next plane may become a reference whose planes above are all kept."""
+        return bool(self._rising.any())
+
+    def on(self, grid: Grid) -> Array:
+        """The references on the grid of the next plane, (fields, ny, nx); none before the first plane."""
+        if self._fields.size and grid != self._grid:
+            self._end(np.flatnonzero(self._rising))
+            self._fields = np.stack([self._resampled(m, grid) for m in range(self.number.size)])
+            self._means = np.array([found[1][0, 0].real for found in self._modes if found is not None], float)
+        self._grid = grid
+        return self._fields
+
+    def add(self, number: int, sums: Array, fields: Callable[[], Array]) -> None:
+        """Add the next plane downward, given the sums of its rows with the references on its grid.
+
+        It becomes the reference of the fields whose largest value is the largest so far.
+
+        Parameters
+        ----------
+        number : int
+        sums : (fields, ny, `SUMS`) array
+            As of `row_sums`.
+        fields : callable
+            Returns the fields of the plane, (fields, ny, nx), which are kept if a largest value has risen.
+        """
+        size, (total, square, _, product) = self._grid.size, sums.sum(axis=1).T
+        largest, mean = sums[:, :, 2].max(axis=1), total / size
+        self.covariance[:, number] = product / size - mean * self._means
+        has_risen = largest > self._largest
+        risen = np.flatnonzero(has_risen)
+        self._end(np.flatnonzero(self._rising & ~has_risen))
+        if not risen.size:
+            return
+        if self.is_rising and self._fields.size:
+            self._above.append(self._packed())
+        if len(self._above) > MOST_KEPT:
+            self._rising[:] = False
+            self._above = []
+        before, self._fields = self._fields, fields()  # the array before may be kept
+        if risen.size < self.number.size:
+            self._fields[~has_risen] = before[~has_risen]
+        self.number[risen], self._largest[risen], self._means[risen] = number, largest[risen], mean[risen]
+        self.covariance[risen, number] = (square / size - mean * mean)[risen]
+        for m in risen.tolist():
+            self._modes[m] = self._in_plane[m] = None
+            self.missing[m] = 0 if self._rising[m] else number
+
+    def _packed(self) -> tuple[Array, Array]:
+        """The references in little memory: steps, (fields,), and numbers of steps."""
+        if self._fields.dtype != np.float32:
+            return np.ones(self.number.size), self._fields
+        steps = np.where(self._largest > 0, self._largest, 1.0) / PACKED
+        packed = np.empty(self._fields.shape, np.uint16)
+        for m, field in enumerate(self._fields):
+            packed[m] = field * np.float32(1 / steps[m]) + np.float32(0.5)
+        return steps, packed
+
+    def _end(self, fields: Array) -> None:
+        """Compare the kept planes with the references of some fields, which have not risen further."""
+        self._rising[fields] = False
+        for m in fields.tolist():
+            for above, (steps, packed) in enumerate(self._above):
+                self.covariance[m, above] = steps[m] * _covariance(packed[m], self._fields[m])
+        if not self.is_rising:
+            self._above = []
+
+    def _transformed(self, m: int) -> tuple[Grid, Array]:
+        """The modes of a reference and their grid; the covariance in its plane is found from them."""
+        found = self._modes[m]
+        if found is None:
+            field = self._fields[m]
+            modes = Fourier(self._grid, field.dtype, self._threads, self._work).forward(field)
+            self._in_plane[m] = autocovariance(modes, self._grid, self._finest, self._threads, self._work)
+            found = self._modes[m] = self._grid, modes
+        return found
+
+    def _resampled(self, m: int, grid: Grid) -> Array:
+        """A reference on a grid."""
+        source, modes = self._transformed(m)
+        fourier = Fourier(grid, self._fields.dtype, self._threads, self._work)
+        return fourier.inverse(resample(modes, source, grid), overwrite=True)
+
+    def in_plane(self) -> tuple[Array, Array]:
+        """Lags, (lags,), and the covariance of each reference within its plane, (fields, lags)."""
+        for m in range(self.number.size):
+            self._transformed(m)
+        lags, found = zip(*(found for found in self._in_plane if found is not None), strict=True)
+        return lags[0], np.stack(found)
+
+    def add_again(self, number: int, grid: Grid, fields: Array) -> None:
+        """Compare a plane above some references that has not been compared, given its fields."""
+        for m in np.flatnonzero(self.missing > number).tolist():
+            self.covariance[m, number] = _covariance(fields[m], self._resampled(m, grid))
+
+
+def row_sums(values: Array, columns: int, first: int, references: Array) -> Array:
+    """Sum of each row of fields ≥ 0, sum of squares, largest value, and sum of products with references.
+
+    Parameters
+    ----------
+    values : (fields, rows + 2, at least `MARGIN` + columns) array
+        As of `asperity.stress.planes.fields.field_rows`, with one row more on both sides.
+    columns, first : int
+        Number of columns, and of the first row.
+    references : (fields, ny, columns) array
+        There may be fewer fields than in `values`: the products of the others are 0.
+
+    Returns
+    -------
+    (fields, rows, `SUMS`) array
+    """
+    sums = np.zeros((values.shape[0], values.shape[1] - 2, SUMS))
+    sums[:, :, 2] = values[:, 1:-1, MARGIN : MARGIN + columns].max(axis=2)
+    _sum_rows(values, columns, first, references, sums)
+    return sums
+
+
+@sums_without_nan
+def _sum_rows(values: Any, columns: int, first: int, references: Any, sums: Any) -> None:
+    for m in range(sums.shape[0]):
+        for j in range(sums.shape[1]):
+            for start in range(0, columns, _BLOCK):
+                stop = min(start + _BLOCK, columns)
+                some = values[m, j + 1, MARGIN + start : MARGIN + stop]
+                total = square = product = some[0] - some[0]
+                for i in range(some.size):
+                    total += some[i]
+                    square += some[i] * some[i]
+                if m < references.shape[0]:
+                    other = references[m, first + j, start:stop]
+                    for i in range(some.size):
+                        product += some[i] * other[i]
+                sums[m, j, 0] += total
+                sums[m, j, 1] += square
+                sums[m, j, 3] += product
+
+
+def _covariance(one: Array, two: Array) -> float:
+    """Mean of the product of two fields, less the product of their means."""
+    mean_one, mean_two, product = _moments(one, two)
+    return product - mean_one * mean_two
+
+
+@sums_without_nan
+def _moments(one: Any, two: Any) -> tuple[float, float, float]:
+    """Means of two fields and of their product, summed row by row."""
+    mean_one = mean_two = product = 0.0
+    for j in range(one.shape[0]):
+        row_one = row_two = row_product = 0.0
+        for i in range(one.shape[1]):
+            value_one, value_two = float(one[j, i]), float(two[j, i])
+            row_one += value_one
+            row_two += value_two
+            row_product += value_one * value_two
+        mean_one += row_one
+        mean_two += row_two
+        product += row_product
+    return mean_one / one.size, mean_two / one.size, product / one.size
+
+
+def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tuple[Array, Array]:
+    """Autocovariance of a plane field, averaged over directions.
+
+    This is Eq. 22 within a plane, not normalised. It is computed from the power spectrum without the mean
+    (theorem of Wiener and Khinchin).
+
+    Parameters
+    ----------
+    field : (ny, nx) array
+    grid : Grid
+    finest : Grid, optional
+        Grid of the same cell on which the lags are sampled; by default `grid`.
+
+    Returns
+    -------
+    lag, covariance : (lags,) arrays
+        Averages over rings of lag vectors, each ring one spacing of `finest` wide, from lag 0 (the
+        variance) to half the shorter edge of the cell.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the field does not have the shape of the grid, or a value is not finite or larger than 1e75.
+
+    Examples
+    --------
+    >>> grid = asp.Grid((64, 64))
+    >>> height = asp.self_affine(grid.shape, 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> lag, covariance = asp.autocorrelation(height, grid)
+    >>> print(f"{covariance[0]:.3e}, to half at {np.interp(-0.5, -covariance / covariance[0], lag):.2f}")
+    1.000e-06, to half at 0.07
+    """
+    modes = Fourier(grid).forward(grid.field("field", field))
+    lag, covariance = autocovariance(modes, grid, grid if finest is None else finest)
+    require_finite("autocorrelation", {"lag": lag, "covariance": covariance})
+    return lag, covariance
+
+
+def autocovariance(
+    modes: Array, grid: Grid, finest: Grid, threads: int = 1, work: Work | None = None
+) -> tuple[Array, Array]:
+    """Lags and covariance as of `autocorrelation`, from the coefficients of the field."""
+    power = modes.real**2 + modes.imag**2
+    power[0, 0] = 0
+    if grid != finest:
+        power = resample(power, grid, finest)
+    fourier = Fourier(finest, power.dtype, threads, Work() if work is None else work)
+    covariance = fourier.inverse(power)
+    width = min(finest.spacing)
+    rings = int(min(finest.length) / 2 / width + 1e-9) + 1
+    along_y, along_x = (
+        (np.minimum(axis, length - axis) / width) ** 2
+        for axis, length in zip(finest.coordinates(), finest.length, strict=True)
+    )
+    sums = np.zeros((2, rings))
+    _add_to_rings(covariance, along_y, along_x, sums)
+    return width * np.arange(rings), sums[0] / sums[1]
+
+
+@compiled
+def _add_to_rings(values: Any, along_y: Any, along_x: Any, sums: Any) -> None:
+    """Add values to the sum of their ring, and count them, given squared lags along both axes.
+
+    The lags (y, x) and (−y, −x) have the same value: half of the rows are enough.
+    """
+    rows = along_y.size
+    for j in range(rows // 2 + 1):
+        weight = 1.0 if j == 0 or 2 * j == rows else 2.0
+        for i in range(along_x.size):
+            ring = int(np.sqrt(along_y[j] + along_x[i]) + 0.5)
+            if ring < sums.shape[1]:
+                sums[0, ring] += weight * values[j, i]
+                sums[1, ring] += weight
+
+
+def half_length(distance: Array, correlation: Array, share: float = 0.5) -> float:
+    """Distance at which a correlation first falls to a share, by linear interpolation; NaN if never."""
+    fallen = np.flatnonzero(correlation <= share)
+    if not fallen.size or fallen[0] == 0:
+        return float("nan")
+    i = int(fallen[0])
+    return float(np.interp(share, correlation[[i, i - 1]], distance[[i, i - 1]]))
+
+
+def decay_lengths(
+    depth: Array, along_depth: Array, lag: Array, in_plane: Array, reference: float, share: float = 0.5
+) -> tuple[float, float]:
+    """Distances over which the covariance of Eq. 22 falls to a share, below the reference plane and in it.
+
+    Parameters
+    ----------
+    depth, along_depth : (planes,) arrays
+        Depth of each plane and its covariance with the reference plane.
+    lag, in_plane : (lags,) arrays
+        Distance in the reference plane and the covariance there; the first is the variance.
+    reference : float
+        Depth of the reference plane.
+    share : float
+    """
+    below = depth >= reference
+    variance = in_plane[0]
+    return (
+        half_length(depth[below] - reference, along_depth[below] / variance, share),
+        half_length(lag, in_plane / variance, share),
+    )

@@ -1,0 +1,311 @@
+"""Statistics of the peaks, profiles and decays of one surface, pooled over its seeds, with their uncertainty.
+
+Each seed is scaled before it is pooled: stresses are divided by E* ḡ, where ḡ is the rms gradient of the
+deformed surface over the true contact of that seed. Scaled variables are named ``scaled_…``. Counts are
+kept beside densities, so that other bins need no new analysis.
+
+Bands are percentile intervals of the bootstrap (Efron 1979, doi 10.1214/aos/1176344552) over seeds: whole
+seeds are drawn with replacement, because peaks of one surface are not independent. With one seed the band
+is NaN.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+
+import numpy as np
+import xarray as xr
+
+from asperity.core.arguments import number, real_array, require_finite, whole_number
+from asperity.core.types import Array
+from asperity.stress.peaks.selection import SELECTIONS, peaks
+from asperity.stress.statistics.covariance import decay_lengths
+from asperity.stress.statistics.density import bin_edges, normalised
+
+PERCENTS = (50.0, 90.0, 99.0, 99.9)
+"""Percentiles of the magnitude of the pooled peaks."""
+
+HIGHEST_SHARE = 0.1
+"""Share of the peaks that counts as the highest ones."""
+
+MOST_RESAMPLES = 1_000_000
+"""Most resamples of the bootstrap."""
+
+_PERCENTILE_BINS = 8192
+"""Bins in which percentiles of a resample are found; their error is a ten-thousandth of the largest peak."""
+
+_PROFILES = (
+    ("covariance_depth", 2, ("poisson", "plane")),
+    ("covariance_plane", 2, ("poisson", "lag")),
+    ("mean_von_mises", 1, ("poisson", "plane")),
+    ("largest_von_mises", 1, ("poisson", "plane")),
+)
+"""Profiles of an analysis: name, power of the stress that they are of, and dimensions."""
+
+
+def pool_peaks(
+    stresses: Sequence[xr.Dataset],
+    gradients: Sequence[float],
+    bins: int = 100,
+    resamples: int = 1000,
+    confidence: float = 0.95,
+    seed: int = 0,
+) -> xr.Dataset:
+    """Statistics of one surface over its seeds.
+
+    Parameters
+    ----------
+    stresses : sequence of datasets
+        Results of `asperity.stress.analysis.analyse_stress` with the same planes, quantities and Poisson's
+        ratios.
+    gradients : sequence of float
+        ḡ of each seed.
+    bins : int
+    resamples : int
+        Number of bootstrap resamples, at most `MOST_RESAMPLES`.
+    confidence : float
+        Share of the resamples within a band, between 0 and 1.
+    seed : int
+        Seed of the bootstrap, at least 0.
+
+    Returns
+    -------
+    dataset
+        Along `bin` and `depth_bin`: densities of the peaks of all seeds, and counts. Along `percent`:
+        percentiles. Along `plane` and `lag`: covariances of Eq. 22 and depth profiles, means over seeds,
+        with the lengths over which the covariances fall to half. ``…_low`` and ``…_high`` bound a band.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the analyses do not fit together or a setting is out of range.
+
+    Examples
+    --------
+    >>> stresses, gradients = [], []
+    >>> for seed in (1, 2, 3):
+    ...     height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=seed)
+    ...     contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    ...     depths = asp.depth_grid(contact.grid, height=0.25)
+    ...     stresses.append(asp.analyse_stress(contact, depths, quantities=("von_mises",)))
+    ...     gradients.append(contact.gradient_rms_contact)
+    >>> pooled = asp.pool_peaks(stresses, gradients, bins=20, resamples=100)
+    >>> density = pooled["peak_density"].sel(selection="under_contact", quantity="von_mises", poisson=0.3)
+    >>> width = np.diff(pooled["bin_edge"].sel(quantity="von_mises"))
+    >>> round(float((density * width).sum()), 6)
+    1.0
+    """
+    stresses, scale = _checked(stresses, gradients)
+    resamples = whole_number(
+        "resamples",
+        resamples,
+        f"a whole number from 1 to {MOST_RESAMPLES}",
+        lambda count: 1 <= count <= MOST_RESAMPLES,
+    )
+    confidence = number("confidence", confidence, "a number between 0 and 1", lambda share: 0 < share < 1)
+    seed = whole_number("seed", seed, "a whole number ≥ 0", lambda number: number >= 0)
+    bootstrap = _Bootstrap(len(stresses), resamples, confidence, seed)
+    first = stresses[0]
+    depth_edges = _depth_edges(first["plane_depth"].values)
+    pooled = xr.Dataset(
+        _pooled_peaks(stresses, scale, depth_edges, bins, bootstrap)
+        | _pooled_profiles(stresses, scale, bootstrap),
+        coords={
+            "selection": list(SELECTIONS),
+            "quantity": first["quantity"].values,
+            "poisson": first["poisson"].values,
+            "percent": list(PERCENTS),
+            "lag": first["lag"].values,
+            "depth_edge": depth_edges,
+        },
+        attrs={"bootstrap_resamples": resamples, "bootstrap_confidence": confidence},
+    )
+    require_finite("pool_peaks", pooled.data_vars, undefined=True)
+    return pooled
+
+
+def _checked(stresses: Sequence[xr.Dataset], gradients: Sequence[float]) -> tuple[list[xr.Dataset], Array]:
+    stresses, scale = list(stresses), real_array("gradients", gradients).astype(float)
+    if not stresses or scale.shape != (len(stresses),):
+        raise ValueError(
+            f"gradients = {gradients!r}: one for each of the {len(stresses)} stresses (at least one)"
+        )
+    if not (np.all(np.isfinite(scale)) and np.all(scale > 0)):
+        raise ValueError(f"gradients = {gradients!r}: positive finite numbers are needed")
+    for name in ("quantity", "poisson", "plane_depth", "lag"):
+        if any(not np.array_equal(stress[name].values, stresses[0][name].values) for stress in stresses):
+            raise ValueError(f"stresses: all must have the same {name}")
+    return stresses, scale * [stress.attrs.get("effective_modulus", 1.0) for stress in stresses]
+
+
+class _Bootstrap:
+    """Resamples of the seeds, the same for every number, and the bands that they give.
+
+    Parameters
+    ----------
+    seeds, resamples : int
+    confidence : float
+    seed : int
+        Of the random numbers.
+    """
+
+    def __init__(self, seeds: int, resamples: int, confidence: float, seed: int) -> None:
+        self._tail = (1 - confidence) / 2
+        self._all = np.ones((1, seeds))
+        # Number of times that each seed is drawn, (resamples, seeds).
+        draws = np.random.default_rng(seed).multinomial(seeds, np.full(seeds, 1 / seeds), resamples)
+        self._draws = draws.astype(float) if seeds > 1 else np.zeros((0, 1))
+
+    def banded(self, estimate: Callable[[Array, Array], Array], values: Array) -> Array:
+        """An estimate over all seeds and the ends of its band, (3, ...).
+
+        Parameters
+        ----------
+        estimate : callable
+            (resamples, seeds) weights and the values → (resamples, ...) estimates.
+        values : (seeds, ...) array
+        """
+        centre = estimate(self._all, values)[0]
+        if not len(self._draws):
+            return np.stack([centre, np.full_like(centre, np.nan), np.full_like(centre, np.nan)])
+        drawn = estimate(self._draws, values)
+        return np.stack([centre, *np.quantile(drawn, [self._tail, 1 - self._tail], axis=0)])
+
+
+def _pooled_peaks(
+    stresses: Sequence[xr.Dataset], scale: Array, depth_edges: Array, bins: int, bootstrap: _Bootstrap
+) -> dict[str, tuple]:
+    """Counts, densities, percentiles and median depths of the peaks."""
+    quantities = [str(name) for name in stresses[0]["quantity"].values]
+    ratios = stresses[0]["poisson"].values
+    shape = (len(SELECTIONS), len(quantities), ratios.size)
+    edges = np.stack([_quantity_edges(stresses, scale, name, bins) for name in quantities])
+    counts = np.zeros((len(stresses), *shape, bins), np.int64)
+    joint = np.zeros((*shape, bins, depth_edges.size - 1), np.int64)
+    density, percentiles = np.zeros((3, *shape, bins)), np.full((3, *shape, len(PERCENTS)), np.nan)
+    median_depth = np.full((2, *shape), np.nan)
+    for s, q, p in np.ndindex(shape):
+        chosen = [peaks(stress, quantities[q], float(ratios[p]), SELECTIONS[s]) for stress in stresses]
+        values = [found["peak_value"].values / g for found, g in zip(chosen, scale, strict=True)]
+        own = np.stack([np.histogram(v, edges[q])[0] for v in values])
+        counts[:, s, q, p] = own
+        for found, v in zip(chosen, values, strict=True):
+            joint[s, q, p] += np.histogram2d(v, found["peak_depth"].values, (edges[q], depth_edges))[
+                0
+            ].astype(np.int64)
+        median_depth[:, s, q, p] = _median_depths(joint[s, q, p], depth_edges)
+        density[:, s, q, p] = bootstrap.banded(partial(_pooled_density, edges=edges[q]), own)
+        percentiles[:, s, q, p] = _percentiles(values, bootstrap)
+    kinds = ("selection", "quantity", "poisson")
+    return {
+        "bin_edge": (("quantity", "edge"), edges),
+        "peak_counts": (("seed", *kinds, "bin"), counts),
+        "joint_counts": ((*kinds, "bin", "depth_bin"), joint),
+        "median_depth": (kinds, median_depth[0]),
+        "median_depth_highest": (kinds, median_depth[1]),
+        **_with_bounds("peak_density", (*kinds, "bin"), density),
+        **_with_bounds("peak_percentile", (*kinds, "percent"), percentiles),
+    }
+
+
+def _quantity_edges(stresses: Sequence[xr.Dataset], scale: Array, quantity: str, bins: int) -> Array:
+    """Edges of the bins of one quantity, common to all seeds, selections and Poisson's ratios."""
+    values = [
+        peaks(stress, quantity, ratio)["peak_value"].values / gradient
+        for stress, gradient in zip(stresses, scale, strict=True)
+        for ratio in stress["poisson"].values
+    ]
+    return bin_edges(np.concatenate(values), bins)
+
+
+def _pooled_profiles(stresses: Sequence[xr.Dataset], scale: Array, bootstrap: _Bootstrap) -> dict[str, tuple]:
+    """Covariances and depth profiles, means over seeds, and the decay lengths of the mean covariances."""
+    result: dict[str, tuple] = {}
+    for name, power, dimensions in _PROFILES:
+        each = np.stack([s[name].values / g**power for s, g in zip(stresses, scale, strict=True)])
+        flat = bootstrap.banded(_mean, each.reshape(len(stresses), -1))
+        result |= _with_bounds(f"scaled_{name}", dimensions, flat.reshape(3, *each.shape[1:]))
+    depth, lag = stresses[0]["plane_depth"].values, stresses[0]["lag"].values
+    reference = np.stack([stress["reference_depth"].values for stress in stresses])
+    result |= _with_bounds("reference_depth", ("poisson",), bootstrap.banded(_mean, reference))
+    result["plane_depth"] = ("plane", depth)
+    lengths = [
+        decay_lengths(depth, along_depth, lag, in_plane, at)
+        for along_depth, in_plane, at in zip(
+            result["scaled_covariance_depth"][1],
+            result["scaled_covariance_plane"][1],
+            result["reference_depth"][1],
+            strict=True,
+        )
+    ]
+    for name, values in zip(("decay_length_depth", "decay_length_plane"), np.transpose(lengths), strict=True):
+        result[name] = ("poisson", values)
+    return result
+
+
+def _depth_edges(depths: Array) -> Array:
+    """Edges of the depth bins: the planes and the depths midway, since peaks are refined between planes."""
+    return np.sort(np.concatenate([depths, 0.5 * (depths[1:] + depths[:-1])]))
+
+
+def _median_depths(joint: Array, depth_edges: Array) -> tuple[float, float]:
+    """Median depth of all peaks and of the highest ones, from their counts by value and depth.
+
+    The highest peaks are those in the bins of the largest values that hold at most `HIGHEST_SHARE` of all.
+    Within a bin of depth peaks are taken to be distributed evenly.
+    """
+    above = np.cumsum(joint.sum(axis=1)[::-1])[::-1]
+    highest = above <= HIGHEST_SHARE * joint.sum()
+    return _median(joint.sum(axis=0), depth_edges), _median(joint[highest].sum(axis=0), depth_edges)
+
+
+def _median(counts: Array, edges: Array) -> float:
+    """Median of what is counted in bins; NaN if nothing is."""
+    total = counts.sum()
+    if not total:
+        return float("nan")
+    return float(np.interp(0.5, np.concatenate([[0.0], np.cumsum(counts)]) / total, edges))
+
+
+def _pooled_density(weights: Array, counts: Array, edges: Array) -> Array:
+    return normalised(weights @ counts, edges)
+
+
+def _mean(weights: Array, values: Array) -> Array:
+    return weights @ values / weights.sum(axis=1, keepdims=True)
+
+
+def _percentiles(values: Sequence[Array], bootstrap: _Bootstrap) -> Array:
+    """Percentiles of the magnitudes of all values, and their bands, (3, percents).
+
+    The percentiles are exact, those of the resamples are found in fine bins.
+    """
+    magnitudes = [np.abs(v) for v in values]
+    pooled = np.concatenate(magnitudes)
+    if not pooled.size:
+        return np.full((3, len(PERCENTS)), np.nan)
+    edges = np.linspace(0.0, max(pooled.max(), np.finfo(float).tiny), _PERCENTILE_BINS + 1)
+    counts = np.stack([np.histogram(m, edges)[0] for m in magnitudes])
+    shares = np.array(PERCENTS) / 100
+
+    def estimate(weights: Array, counts: Array) -> Array:
+        # One resample after the other: all at once would take 130 MB.
+        cumulative = (np.cumsum(drawn @ counts) for drawn in weights)
+        found = [
+            np.interp(shares, line / max(line[-1], 1.0), edges[1:], left=edges[0]) for line in cumulative
+        ]
+        return np.array(found)
+
+    banded = bootstrap.banded(estimate, counts)
+    banded[0] = np.percentile(pooled, PERCENTS)
+    return banded
+
+
+def _with_bounds(name: str, dimensions: tuple[str, ...], values: Array) -> dict[str, tuple]:
+    """Variables of an estimate and the ends of its band, from (3, ...) values."""
+    return {
+        name: (dimensions, values[0]),
+        f"{name}_low": (dimensions, values[1]),
+        f"{name}_high": (dimensions, values[2]),
+    }

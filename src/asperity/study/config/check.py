@@ -1,0 +1,289 @@
+"""Check of a configuration against the schema, and of its settings against each other."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from typing import Any
+
+import jsonschema
+from jsonschema import ValidationError
+
+from asperity.core.errors import ConfigError, shown
+from asperity.study.config.defaults import LOADS, complete
+from asperity.study.config.reader import is_file
+from asperity.study.config.schema import Entry, accepted, number, schema, setting
+
+_LONGEST_KEY = 40
+"""Characters of a key that are shown as they are; longer keys are shortened like values."""
+
+_ROUNDING = 1e-9
+"""Two nodes on the shortest wavelength may be missed by this much, as 1/3 in decimal digits misses them."""
+
+_FEWEST_PLANES = 4
+"""Planes of the stress that a layer must hold: verification needs one away from both faces."""
+
+_STANDARD = jsonschema.Draft202012Validator
+_FORMATS = jsonschema.FormatChecker(formats=())
+
+
+def check(config: Mapping[str, Any], needed: tuple[str, ...] | None = None) -> None:
+    """Raise `ConfigError` for the first setting that is not accepted.
+
+    Parameters
+    ----------
+    config : mapping
+        A configuration, with its overlays merged.
+    needed : tuple of names, optional
+        Keys that have to be given, of those without a default; by default all of them.
+
+    Raises
+    ------
+    ConfigError
+        For an unknown key, a value outside its range, a missing key, or settings that contradict each other.
+        The message names the key, its value and what is accepted.
+    """
+    _check_plain(config)
+    _check_schema(config, needed)
+    whole = complete(config)
+    _check_points(whole)
+    _check_schema(whole, needed)
+    for line in _contradictions(whole):
+        raise ConfigError(line)
+
+
+def check_files(config: Mapping[str, Any]) -> None:
+    """Raise `ConfigError` for the first measured surface whose file does not exist."""
+    for name, surface in config.get("measured", {}).items():
+        if not is_file(surface["file"]):
+            raise ConfigError(f"measured.{name}.file = {shown(surface['file'])}: no such file")
+
+
+def needed_instead(value: Any, entry: Entry) -> str:
+    """Values that a setting needs in place of this one, in words; empty if the schema accepts the value."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return accepted(entry)
+    error = next(_validator(None)(entry, format_checker=_FORMATS).iter_errors(value), None)
+    return "" if error is None else _needed(error)
+
+
+def check_section(name: str, values: Mapping[str, Any], option: Callable[[str], str]) -> None:
+    """Raise `ConfigError` for the first value that one section of a configuration does not accept.
+
+    Parameters
+    ----------
+    name : str
+        Of the section, such as ``contact``.
+    values : mapping
+    option : callable
+        Gives the name of a setting in the interface of the user, for the message.
+    """
+    errors = _validator(())(setting(name), format_checker=_FORMATS).iter_errors(values)
+    error = next((error for error in errors if error.absolute_path), None)
+    if error is not None:
+        raise ConfigError(
+            f"{option(str(error.absolute_path[0]))} = {shown(error.instance)}: {_needed(error)} is needed"
+        )
+
+
+@_FORMATS.checks("label", raises=ValueError)
+def _is_label(text: object) -> bool:
+    """True for a label that a figure can show; a `ValueError` says what is needed instead."""
+    if isinstance(text, str) and not text.isprintable():
+        raise ValueError("text that can be printed")
+    if isinstance(text, str) and text.count("$") % 2:
+        raise ValueError("mathematics between two dollar signs")
+    return True
+
+
+def _is_quantity(dimension: str) -> Callable[[object], bool]:
+    """Check of a positive number with a unit of a dimension; its `ValueError` says what is needed instead."""
+
+    def check(text: object) -> bool:
+        if not isinstance(text, str):
+            return True
+        from asperity.core.units import DIMENSIONS, to_si  # which needs numpy; the help of a command does not
+
+        try:
+            if to_si(text, dimension) > 0:
+                return True
+        except ValueError:
+            pass
+        units = ", ".join(DIMENSIONS[dimension].examples)
+        raise ValueError(f"a {dimension} > 0 with its unit ({units})")
+
+    return check
+
+
+for _dimension in ("pressure", "force", "length"):
+    _FORMATS.checks(_dimension, raises=ValueError)(_is_quantity(_dimension))
+
+
+def _check_plain(value: Any, key: str = "") -> None:
+    """Raise `ConfigError` for a key that is no text or a number that is not finite.
+
+    A JSON Schema cannot express either.
+    """
+    if isinstance(value, Mapping):
+        for name, entry in value.items():
+            if not isinstance(name, str):
+                raise ConfigError(f"{key}{shown(name)}: a key that is text is needed")
+            _check_plain(entry, f"{key}{name}.")
+    elif isinstance(value, list):
+        for entry in value:
+            _check_plain(entry, key)
+    elif isinstance(value, float) and not math.isfinite(value):
+        raise ConfigError(f"{key.rstrip('.')} = {value!r}: a finite number is needed")
+
+
+def _check_schema(config: Mapping[str, Any], needed: tuple[str, ...] | None) -> None:
+    """Raise `ConfigError` for the error nearest to the top of the configuration."""
+    errors = _validator(needed)(schema(), format_checker=_FORMATS).iter_errors(config)
+    error = min(errors, key=lambda error: (len(error.path), str(error.path)), default=None)
+    if error is not None:
+        raise ConfigError(_one_line(error))
+
+
+@cache
+def _validator(needed: tuple[str, ...] | None) -> Any:
+    """Class of validators that demand all required keys, or only those in `needed`.
+
+    A whole number is one that is written as one: 2048.0 is not accepted.
+    """
+
+    def require(_: Any, keys: list[str], instance: Any, entry: Entry) -> Iterator[ValidationError]:
+        for key in keys:
+            if isinstance(instance, Mapping) and key not in instance and (needed is None or key in needed):
+                yield ValidationError(key)
+
+    def is_whole(_: Any, value: object) -> bool:
+        return isinstance(value, int) and not isinstance(value, bool)
+
+    types = _STANDARD.TYPE_CHECKER.redefine("integer", is_whole)
+    return jsonschema.validators.extend(_STANDARD, {"required": require}, type_checker=types)
+
+
+def _check_points(config: Mapping[str, Any]) -> None:
+    """Raise `ConfigError` for a surface whose preset makes its grid too large."""
+    most = setting("surfaces.NAME.points")["maximum"]
+    for section in ("surfaces", "measured"):
+        for name, surface in config[section].items():
+            if surface.get("points", 0) > most:
+                raise ConfigError(
+                    f"{section}.{name}.points: {surface['points']} are too many for a grid of at most "
+                    f"{most}; a longer wavelength_short or another accuracy is needed"
+                )
+
+
+def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
+    """What settings of a complete configuration contradict each other, a line each."""
+    surfaces, measured, layer = config["surfaces"], config["measured"], config["layer"]
+    known = {**surfaces, **measured}
+    if not known:
+        yield (
+            "surfaces: missing; at least one is needed, here or under measured, or the paper's by "
+            "based_on: config/config.yaml"
+        )
+    for name in measured.keys() & surfaces.keys():
+        yield f"measured.{name}: another name is needed, surfaces.{name} has it"
+    bands = {f"surfaces.{name}": surface for name, surface in surfaces.items()}
+    bands |= {f"tradeoff.{extent}": settings for extent, settings in config["tradeoff"].items()}
+    for key, band in bands.items():
+        short, long = band["wavelength_short"], band["wavelength_long"]
+        if short > long:
+            yield f"{key}.wavelength_short = {short!r}: at most wavelength_long = {long!r} is needed"
+    for name, surface in surfaces.items():
+        yield from _in_surface(f"surfaces.{name}", surface)
+    for study, names in config.get("studies", {}).items():
+        for name in names:
+            if name not in known:
+                yield f"studies.{study} = {shown(name)}: the name of a surface is needed ({', '.join(known)})"
+    if config["claims"] and config["figures"] != "paper":
+        yield "claims = true needs figures = 'paper': the claims are statements about the paper's surfaces"
+    for name, surface in known.items():
+        least = _FEWEST_PLANES * config["stress"]["depth_spacing"] / surface.get("points", math.inf)
+        if layer["height"] < least:
+            yield (
+                f"layer.height = {layer['height']!r}: at least {number(least)} is needed for {name}, "
+                f"{_FEWEST_PLANES} planes at its depth_spacing"
+            )
+    contact = config["contact"]
+    loads = [name for name in LOADS if name in contact]
+    if len(loads) > 1:
+        yield (
+            f"contact.{loads[1]} = {shown(contact[loads[1]])}: not accepted together with {loads[0]}; "
+            f"one of {', '.join(LOADS)} is needed"
+        )
+    path = contact.get("path_area_fractions", [])
+    if path != sorted(path):
+        yield f"contact.path_area_fractions = {shown(path)}: rising numbers are needed"
+    for key, listed, own in (
+        ("stress.poisson", config["stress"]["poisson"], "poisson"),
+        ("interpretations.lateral", config["interpretations"]["lateral"], "lateral"),
+    ):
+        if layer[own] not in listed:
+            yield f"{key} = {shown(listed)}: layer.{own} = {layer[own]!r} must be one of them"
+
+
+def _in_surface(key: str, surface: Mapping[str, Any]) -> Iterator[str]:
+    """What contradicts itself in the settings of a random surface."""
+    short, points = surface["wavelength_short"], surface["points"]
+    if short * points < 2 - _ROUNDING:
+        yield (
+            f"{key}.points = {points!r}: at least {round(2 / short)} are needed, "
+            f"two on wavelength_short = {short!r}"
+        )
+    if "moments" in surface:
+        if "johnson" in surface:
+            yield f"{key}.moments: only one of moments and johnson is accepted"
+        least = 1 + surface["moments"]["skewness"] ** 2
+        if (kurtosis := surface["moments"]["kurtosis"]) <= least:
+            needed = f"a number > {number(least)}, 1 + skewness²,"
+            yield f"{key}.moments.kurtosis = {kurtosis!r}: {needed} is needed"
+
+
+def _one_line(error: ValidationError) -> str:
+    """Message of an error: key, value and what is accepted."""
+    path = [_part(part) for part in error.absolute_path]
+    if error.validator == "required":
+        missing = error.message
+        needed = accepted(error.schema["properties"][missing])
+        return f"{'.'.join([*path, missing])}: missing; {needed} is needed"
+    if error.validator == "additionalProperties":
+        return _unknown_key(path, error.instance, error.schema)
+    if "propertyNames" in error.absolute_schema_path:
+        return f"{'.'.join([*path, shown(error.instance)])}: {accepted(error.schema)} is needed"
+    hint = ""
+    if error.schema.get("type") in ("number", "integer") and _is_number(error.instance):
+        hint = " (YAML reads this as text; an exponent needs a decimal point: 1.0e-6)"
+    return (
+        f"{'.'.join(path) or 'the configuration'} = {shown(error.instance)}: {_needed(error)} is needed{hint}"
+    )
+
+
+def _needed(error: ValidationError) -> str:
+    return str(error.cause) if error.validator == "format" else accepted(error.schema)
+
+
+def _unknown_key(path: list[str], given: Mapping[str, Any], entry: Entry) -> str:
+    unknown = next(name for name in given if name not in entry["properties"])
+    key = ".".join([*path, _part(unknown)])
+    if unknown in (renamed := entry.get("renamed", {})):
+        return f"{key}: is called {'.'.join([*path, renamed[unknown]])} now"
+    if unknown in (removed := entry.get("removed", {})):
+        return f"{key}: does not exist any more; {removed[unknown]}"
+    return f"{key}: unknown key; known here are {', '.join(entry['properties'])}"
+
+
+def _part(name: Any) -> str:
+    """One part of a dotted key, as a message shows it."""
+    return str(name) if len(str(name)) <= _LONGEST_KEY and str(name).isprintable() else shown(name)
+
+
+def _is_number(text: Any) -> bool:
+    """True for text that Python, but not YAML, reads as a finite number."""
+    try:
+        return isinstance(text, str) and math.isfinite(float(text))
+    except ValueError:
+        return False

@@ -1,0 +1,144 @@
+"""Configurations and overlays in files: plain YAML, of which nothing is executed.
+
+Stricter than a usual YAML reader: no tags that make objects, no key given twice, limits on size, depth and
+content, so that a file from someone else does no harm.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from asperity.core.errors import ConfigError, shown
+from asperity.study.config.defaults import beneath
+
+_MAX_FILE_SIZE = 2**17
+"""Bytes of a file, which are read in three seconds; the configuration of the paper has four thousand."""
+
+_MAX_SCALAR = 2000
+"""Characters of a text or number; long numbers, above all to base 60, take long to convert."""
+
+_MAX_VALUES = 100_000
+"""Values in a file, each alias counted as all that it stands for; aliases of aliases grow without bound."""
+
+_MAX_DEPTH = 32
+"""Levels of nested keys and lists; a configuration has six."""
+
+
+class _Loader(yaml.SafeLoader):
+    """Reader of YAML that refuses a key given twice."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        keys = Counter(str(key.value) for key, _ in node.value if key.tag != "tag:yaml.org,2002:merge")
+        twice = next((key for key, count in keys.items() if count > 1), None)
+        if twice is not None:
+            raise yaml.constructor.ConstructorError(
+                None, None, f"{shown(twice)} is given twice", node.start_mark
+            )
+        return super().construct_mapping(node, deep)
+
+
+def is_file(path: str | Path) -> bool:
+    """True if a path is the name of an existing file; False also for text that cannot be a file name."""
+    try:
+        return Path(path).is_file()
+    except (OSError, ValueError):  # longer than a name may be; with a null character
+        return False
+
+
+def load(path: str | Path) -> dict[str, Any]:
+    """Read a configuration or an overlay from a YAML file.
+
+    Raises
+    ------
+    ConfigError
+        If the file is missing or too large, or its content is not accepted by `parse`.
+    """
+    if not is_file(path):
+        raise ConfigError(f"{path}: no such file")
+    try:
+        with open(path, "rb") as file:
+            content = file.read(_MAX_FILE_SIZE + 1)
+    except OSError as error:
+        raise ConfigError(f"{path}: cannot be read ({error.strerror})") from error
+    if len(content) > _MAX_FILE_SIZE:
+        raise ConfigError(f"{path}: a configuration of at most {_MAX_FILE_SIZE} bytes is needed")
+    return parse(content, str(path))
+
+
+def parse(content: str | bytes, name: str) -> dict[str, Any]:
+    """Read a configuration or an overlay from a YAML text.
+
+    Parameters
+    ----------
+    content : str or bytes
+    name : str
+        Name of the text in messages.
+
+    Raises
+    ------
+    ConfigError
+        If the text is not YAML in UTF-8, is no mapping, gives a key twice, or is too large or too deep.
+    """
+    try:
+        loader = _Loader(content)
+        node = loader.get_single_node()
+        if not isinstance(node, yaml.MappingNode):
+            raise ValueError("keys with values are needed, such as `contact: {area_fraction: 0.05}`")
+        _size(node, {}, 0)
+        return loader.construct_document(node)
+    except yaml.MarkedYAMLError as error:
+        where = f" in line {error.problem_mark.line + 1}" if error.problem_mark else ""
+        raise ConfigError(f"{name}: YAML is needed; {error.problem or error.context}{where}") from error
+    except yaml.YAMLError as error:
+        raise ConfigError(f"{name}: YAML in UTF-8 is needed; {str(error).splitlines()[0]}") from error
+    except RecursionError as error:
+        raise ConfigError(f"{name}: at most {_MAX_DEPTH} levels are accepted") from error
+    except ValueError as error:
+        raise ConfigError(f"{name}: {str(error).split(';')[0]}") from error
+
+
+def _size(node: yaml.Node, sizes: dict[int, int], depth: int) -> int:
+    """Number of values in a node, each alias counted as all that it stands for."""
+    if depth > _MAX_DEPTH:
+        raise ValueError(
+            f"at most {_MAX_DEPTH} levels are accepted, line {node.start_mark.line + 1} has more"
+        )
+    if isinstance(node, yaml.ScalarNode) and len(node.value) > _MAX_SCALAR:
+        raise ValueError(
+            f"at most {_MAX_SCALAR} characters are accepted in a value, line {node.start_mark.line + 1} has "
+            f"{len(node.value)}"
+        )
+    if id(node) not in sizes:
+        children: list[yaml.Node] = []
+        if isinstance(node, yaml.MappingNode):
+            children = [child for pair in node.value for child in pair]
+        elif isinstance(node, yaml.SequenceNode):
+            children = node.value
+        sizes[id(node)] = 1 + sum(_size(child, sizes, depth + 1) for child in children)
+    if sizes[id(node)] > _MAX_VALUES:
+        raise ValueError(
+            f"at most {_MAX_VALUES} values are accepted, line {node.start_mark.line + 1} has more"
+        )
+    return sizes[id(node)]
+
+
+def merged(config: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, Any]:
+    """Configuration with an overlay on top of it, merged key by key as Snakemake does.
+
+    The load of section ``contact`` replaces that beneath, which may be another setting.
+    """
+    both = dict(config)
+    for key, value in overlay.items():
+        below = both.get(key)
+        if key == "contact" and isinstance(value, Mapping) and isinstance(below, Mapping):
+            below = beneath(below, value)
+        if isinstance(value, Mapping) and isinstance(below, Mapping):
+            both[key] = merged(below, value)
+        else:
+            both[key] = value
+    return both

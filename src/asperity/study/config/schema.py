@@ -1,0 +1,80 @@
+"""Type, range, unit, default and description of every setting, read from `schema.yaml`.
+
+A setting is found by its dotted key, such as ``contact.tolerance`` or ``surfaces.NAME.hurst``, where ``NAME``
+stands for a name that the user chooses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from functools import cache
+from typing import Any
+
+from asperity.core.data import packaged_yaml
+
+Entry = Mapping[str, Any]
+"""Description of one setting, or of a group of settings, in the words of a JSON Schema."""
+
+_TYPES = {
+    "number": "a number",
+    "integer": "a whole number",
+    "string": "text",
+    "boolean": "true or false",
+    "array": "a list",
+    "object": "a group of keys",
+}
+
+
+@cache
+def schema() -> Entry:
+    """Description of a whole configuration."""
+    return packaged_yaml("asperity.study.config", "schema.yaml")
+
+
+def setting(key: str) -> Entry:
+    """Description of one setting, by its dotted key."""
+    entry = schema()
+    for part in key.split("."):
+        entry = entry["additionalProperties"] if part == "NAME" else entry["properties"][part]
+    return entry
+
+
+def settings(entry: Entry, prefix: str = "") -> Iterator[tuple[str, Entry]]:
+    """Dotted key and description of every group and setting below an entry, in the order of the schema."""
+    for name, below in entry.get("properties", {}).items():
+        yield f"{prefix}{name}", below
+        yield from settings(below, f"{prefix}{name}.")
+    if isinstance(named := entry.get("additionalProperties"), Mapping):
+        yield from settings(named, f"{prefix}NAME.")
+
+
+def accepted(entry: Entry) -> str:
+    """Accepted values of a setting in words, such as "a number > 0 and ≤ 1"."""
+    if "accepts" in entry:
+        return entry["accepts"]
+    if "enum" in entry:
+        return " or ".join(map(str, entry["enum"]))
+    if entry["type"] == "array":
+        return f"a list of {_count(entry)}, each {accepted(entry['items'])}"
+    return f"{_TYPES[entry['type']]} {_limits(entry)}".strip()
+
+
+def number(value: float) -> str:
+    """A number in few characters: no needless zeros, exponents for large and small ones."""
+    return f"{value:.10g}"
+
+
+def _limits(entry: Entry) -> str:
+    if "maxLength" in entry:
+        return f"of {entry['minLength']} to {entry['maxLength']} characters"
+    signs = {"minimum": "≥", "exclusiveMinimum": ">", "maximum": "≤", "exclusiveMaximum": "<"}
+    return " and ".join(f"{sign} {number(entry[limit])}" for limit, sign in signs.items() if limit in entry)
+
+
+def _count(entry: Entry) -> str:
+    """Accepted number of items of a list."""
+    fewest, most = entry.get("minItems", 0), entry.get("maxItems")
+    if most == 1:
+        return "1 item"
+    count = f"≥ {fewest}" if most is None else f"{most}" if fewest == most else f"{fewest} to {most}"
+    return f"{count} {'distinct ' if entry.get('uniqueItems') else ''}items"

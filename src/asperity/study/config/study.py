@@ -1,0 +1,154 @@
+"""The configuration of one study: its files merged, checked and completed, and its folder of results.
+
+A study stands alone: what its files do not ask for is not made. A file with ``based_on: config/config.yaml``
+changes the paper's study instead: the settings of that file hold where it gives none.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from asperity.core.errors import ConfigError, shown
+from asperity.core.packages import absent, message
+from asperity.study.config.check import check, check_files
+from asperity.study.config.defaults import complete, default
+from asperity.study.config.reader import load, merged
+from asperity.study.config.schema import schema, setting
+
+PAPER = "config/config.yaml"
+"""Configuration of the paper, relative to the folder of the project."""
+
+ALL_SURFACES = "all"
+"""Name of the study of all surfaces, if a configuration names no study."""
+
+_ANY_FOLDER = re.compile(r"[^{}\x00-\x1f\x7f]{1,1000}\Z")
+"""Names of folders that Snakemake takes as they are; it takes braces for wildcards."""
+
+
+def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Configuration of a study, complete and checked.
+
+    Parameters
+    ----------
+    files : sequence of paths
+        Configuration, then overlays; without any, the configuration of the paper.
+    given : mapping, optional
+        Settings given on the command line, which override the files. Their ``results`` may be any folder: the
+        user has typed it. That of a file, which may be from someone else, lies in the project.
+
+    Raises
+    ------
+    ConfigError
+        If a file cannot be read, or a setting is not accepted.
+    """
+    given = dict(given or {})
+    files = list(files) or [PAPER]
+    layers = [load(path) for path in files]
+    config: dict[str, Any] = {}
+    for layer in (*layers, {key: value for key, value in given.items() if key != "results"}):
+        config = merged(config, layer)
+    config = with_base(config)
+    config.pop("results", None)
+    if "results" in layers[-1]:  # those of the files beneath are the folders of other studies
+        config["results"] = layers[-1]["results"]
+    elif "results" not in given:
+        config["results"] = _folder_named_after(files[-1])
+    check(config)
+    _check_engine(config)
+    if "results" in given:
+        config["results"] = _folder_given(given["results"])
+    elif config["results"] == "results" and not _is_paper(files[-1]):
+        raise ConfigError(
+            f"results = 'results': {files[-1]} needs a folder below it, such as results/mine; "
+            f"this one holds the results of the paper"
+        )
+    if "studies" not in config:
+        config["studies"] = _study_of_all(config)
+    check_files(config)
+    _check_labels(config)
+    return complete(config)
+
+
+def with_base(config: Mapping[str, Any]) -> dict[str, Any]:
+    """A configuration with the file beneath it that its setting ``based_on`` names.
+
+    Raises
+    ------
+    ConfigError
+        If ``based_on`` names another file than the paper's configuration.
+    """
+    config = dict(config)
+    if (base := config.pop("based_on", None)) is None:
+        return config
+    if base != PAPER:
+        raise ConfigError(f"based_on = {shown(base)}: {setting('based_on')['accepts']} is needed")
+    return merged(load(PAPER), config)
+
+
+def _check_engine(config: Mapping[str, Any]) -> None:
+    """Raise `ConfigError` if the engine of the transforms is not installed."""
+    engine = config.get("fft_engine", default("fft_engine"))
+    if missing := absent([engine]):
+        raise ConfigError(f"fft_engine = {shown(engine)}: {message(missing)}")
+
+
+def _check_labels(config: Mapping[str, Any]) -> None:
+    """Raise `ConfigError` for the first label whose mathematics cannot be drawn."""
+    for section in ("surfaces", "measured"):
+        for name, surface in config.get(section, {}).items():
+            label = surface["label"]
+            if "$" in label and not _can_be_drawn(label):
+                raise ConfigError(
+                    f"{section}.{name}.label = {shown(label)}: mathematics that matplotlib can draw is needed"
+                )
+
+
+def _can_be_drawn(text: str) -> bool:
+    """True for text whose mathematics matplotlib reads; imported here, as it takes time."""
+    from matplotlib.mathtext import MathTextParser
+
+    try:
+        MathTextParser("path").parse(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _folder_named_after(path: str | Path) -> str:
+    """Folder of the results of a configuration that names none: results/NAME for NAME.yaml."""
+    folder = f"results/{Path(path).stem}"
+    if not re.match(setting("results")["pattern"], folder):
+        raise ConfigError(
+            f"results: missing; {shown(Path(path).name)} cannot name the folder, "
+            f"one such as results/mine is needed"
+        )
+    return folder
+
+
+def _folder_given(folder: Any) -> str:
+    """Folder of results that the user has typed, without ``~`` and needless slashes."""
+    if not isinstance(folder, str) or not _ANY_FOLDER.match(folder):
+        raise ConfigError(
+            f"results = {shown(folder)}: a folder is needed, without braces, of at most 1000 characters"
+        )
+    return Path(os.path.normpath(os.path.expanduser(folder))).as_posix()  # as in a Snakefile, also on Windows
+
+
+def _is_paper(path: str | Path) -> bool:
+    return os.path.realpath(path) == os.path.realpath(PAPER)
+
+
+def _study_of_all(config: Mapping[str, Any]) -> dict[str, list[str]]:
+    """One study of all surfaces, in place of a missing section ``studies``."""
+    names = [*config.get("surfaces", {}), *config.get("measured", {})]
+    most = schema()["properties"]["studies"]["additionalProperties"]["maxItems"]
+    if len(names) > most:
+        raise ConfigError(
+            f"studies: missing; with {len(names)} surfaces, studies of at most {most} of them are needed, "
+            f"such as {{first: [{', '.join(names[:2])}]}}"
+        )
+    return {ALL_SURFACES: names}

@@ -1,0 +1,102 @@
+"""Stage contact: the solid pressed against a rough surface, and its load-area curve."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from asperity.contact import solve_path
+from asperity.core.types import Array, Progress
+from asperity.elasticity.layer import Layer
+from asperity.results.dataset import grid_of
+from asperity.study.config.defaults import imposed_load
+from asperity.study.stages.solid import solid
+
+
+def solve_contact(
+    surface: xr.Dataset,
+    layer_settings: Mapping[str, Any],
+    contact_settings: Mapping[str, Any],
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Contact at the load of the configuration, and at the area fractions of its load-area curve.
+
+    Parameters
+    ----------
+    surface : dataset
+        Result of stage surface.
+    layer_settings, contact_settings : mapping
+        Sections ``layer`` and ``contact`` of the configuration.
+    progress : callable, optional
+        Called as ``progress(done, total)``.
+
+    Returns
+    -------
+    dataset
+        Pressure, displacement and gap at the load of section ``contact``, and the load-area curve. The
+        attributes hold the description of the solid (`asperity.study.stages.solid.SOLID_ATTRIBUTES`) and the
+        certificate of the solution.
+
+    Raises
+    ------
+    ConvergenceError
+        If a contact does not converge.
+    ValueError
+        If the approach is that of full contact or more.
+    """
+    layer, record = solid(layer_settings)
+    kind, value = imposed_load(contact_settings)
+    height = surface["height"].values
+    fractions = {*contact_settings.get("path_area_fractions", ())}
+    if kind == "area_fraction":
+        fractions.add(value)
+    elif kind == "approach" and not value < (most := largest_approach(height, layer)):
+        raise ValueError(
+            f"contact.approach = {value!r}: less than {most:.6g} is needed, the height of the mean plane "
+            "above the point that touches first; there a periodic half-space is in full contact"
+        )
+    path = sorted(fractions)
+    press = partial(
+        solve_path,
+        height,
+        layer,
+        grid_of(surface).length,
+        method=contact_settings["method"],
+        rtol=contact_settings["tolerance"],
+        dtype=contact_settings["precision"],
+    )
+    curve = []
+    for fraction, step in zip(path, press(area_fractions=path, progress=progress), strict=True):
+        curve.append((step.area_fraction, step.mean_pressure, step.gradient_rms_contact))
+        if kind == "area_fraction" and fraction == value:
+            contact = step
+    if kind != "area_fraction":
+        position = float(height.min()) + value
+        own = {"mean_pressures": [value]} if kind == "mean_pressure" else {"approaches": [position]}
+        (contact,) = press(**own, progress=progress)
+        curve.append((contact.area_fraction, contact.mean_pressure, contact.gradient_rms_contact))
+        curve.sort()
+    area_fraction, mean_pressure, gradient_rms = np.array(curve).T
+    solved = contact.to_dataset()
+    dataset = solved.assign(
+        path_area_fraction=("load", area_fraction),
+        path_mean_pressure=("load", mean_pressure),
+        path_gradient_rms_contact=("load", gradient_rms),
+    ).assign_coords(y=surface["y"], x=surface["x"])
+    dataset.attrs = record | {
+        name: value for name, value in solved.attrs.items() if name.startswith("certificate_")
+    }
+    return dataset
+
+
+def largest_approach(height: Array, layer: Layer) -> float:
+    """Approach since first touch below which a solid without uniform displacement is not in full contact.
+
+    Infinite for a solid with a uniform displacement.
+    """
+    return float(height.mean() - height.min()) if layer.uniform_compliance() == 0 else math.inf

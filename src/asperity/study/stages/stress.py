@@ -1,0 +1,116 @@
+"""Stage stress: the stress inside the solid under a contact, its peaks and its decay."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import xarray as xr
+
+from asperity.core.types import Progress
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.results.dataset import grid_of
+from asperity.stress.analysis import analyse_lateral_conditions
+from asperity.stress.planes.planes import depth_grid
+from asperity.study.stages.solid import SOLID_ATTRIBUTES, solid
+
+QUANTITIES = ("pressure", "von_mises", "xx", "zz", "xz")
+"""Quantities whose peaks the study seeks."""
+
+GROWTH_PER_SPACING = 0.25
+"""`growth` over `spacing` of `depth_grid`: the setting ``depth_spacing`` scales all distances of planes."""
+
+
+def compute_stress(
+    contact: xr.Dataset,
+    layer_settings: Mapping[str, Any],
+    stress_settings: Mapping[str, Any],
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Stress through the whole depth under a contact, for every Poisson's ratio of the configuration.
+
+    Parameters
+    ----------
+    contact : dataset
+        Result of stage contact.
+    layer_settings, stress_settings : mapping
+        Sections ``layer`` and ``stress`` of the configuration.
+    progress : callable, optional
+
+    Returns
+    -------
+    dataset
+        As of `analyse_stress`. The planes of a half-space reach down to the height of the layer that it
+        stands for. A layer has only the Poisson's ratio of its contact.
+
+    Raises
+    ------
+    ValueError
+        If the half-space of the contact does not stand for the layer at another Poisson's ratio.
+    """
+    own = layer_settings["lateral"]
+    return compute_stresses(contact, layer_settings, stress_settings, progress=progress)[own]
+
+
+def compute_stresses(
+    contact: xr.Dataset,
+    layer_settings: Mapping[str, Any],
+    stress_settings: Mapping[str, Any],
+    laterals: Sequence[str] = (),
+    quantities: Sequence[str] = QUANTITIES,
+    progress: Progress | None = None,
+) -> dict[str, xr.Dataset]:
+    """Stress under several conditions of the mean (q = 0) mode, which the same contact serves.
+
+    Parameters
+    ----------
+    contact, layer_settings, stress_settings, progress
+        As for `compute_stress`.
+    laterals : sequence of names
+        Conditions as of ``layer.lateral``, besides that of the layer itself.
+    quantities : sequence of names
+        Quantities whose peaks are sought.
+
+    Returns
+    -------
+    dict
+        Condition of the mean (q = 0) mode, that of the layer first → dataset as of `compute_stress`.
+
+    Raises
+    ------
+    ValueError
+        If the half-space of the contact does not stand for the layer at another Poisson's ratio.
+    """
+    layer, _ = solid(layer_settings)
+    grid = grid_of(contact)
+    poisson = [layer.poisson]
+    if layer.height is None:
+        poisson = stress_settings["poisson"]
+        _check_half_space(layer_settings, poisson)
+    spacing = stress_settings["depth_spacing"]
+    found = analyse_lateral_conditions(
+        LoadedSolid(contact["pressure"].values.astype(float), grid, layer),
+        [layer.lateral, *(name for name in laterals if name != layer.lateral)],
+        depth_grid(grid, layer_settings["height"], spacing, GROWTH_PER_SPACING * spacing),
+        poisson,
+        quantities,
+        tolerance=stress_settings["tolerance"],
+        progress=progress,
+    )
+    kept = {name: contact.attrs[name] for name in SOLID_ATTRIBUTES}
+    kept["gradient_rms_contact"] = float(contact["gradient_rms_contact"])
+    return {
+        lateral: dataset.assign_attrs(kept, uniform_mode=f"laterally {lateral}")
+        for lateral, dataset in found.items()
+    }
+
+
+def _check_half_space(layer_settings: Mapping[str, Any], ratios: Sequence[float]) -> None:
+    """Raise `ValueError` if the half-space does not stand for the layer at one of the Poisson's ratios."""
+    for poisson in ratios:
+        layer, record = solid({**layer_settings, "poisson": poisson})
+        if layer.height is not None:
+            raise ValueError(
+                f"stress.poisson = {poisson}: {record['solid_reason']}; "
+                f"leave this ratio out or allow a larger layer.half_space_tolerance"
+            )

@@ -1,0 +1,137 @@
+"""Stage surface: a random or measured rough surface, its roughness parameters and its spectrum."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from asperity.core.types import Array
+from asperity.fourier.grid import Fourier, Grid
+from asperity.surface.johnson import johnson, with_moments
+from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
+from asperity.surface.reading.map_file import open_map
+from asperity.surface.roughness import spectrum, surface_dataset
+from asperity.surface.self_affine import self_affine, target_spectrum
+from asperity.surface.treatment.treatment import cell_edge, make_periodic, missing_options
+
+_BAND = ("hurst", "wavelength_long", "wavelength_short", "rms_height")
+_MAP_OPTIONS = {field.name for field in fields(MapOptions)}
+
+
+def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
+    """The random surface of one entry of the configuration and one seed.
+
+    Parameters
+    ----------
+    parameters : mapping
+        Entry of section ``surfaces`` of the configuration: hurst, wavelength_long, wavelength_short,
+        rms_height, points, and optionally johnson or moments. Lengths are in units of the cell edge.
+    seed : int
+
+    Returns
+    -------
+    dataset
+        Heights, roughness parameters, spectrum, and the expected spectrum of the Gaussian surface. For a
+        Gaussian surface also the standard errors of skewness and kurtosis, for a transformed one the spectrum
+        before the transform.
+    """
+    grid = Grid((parameters["points"], parameters["points"]))
+    band = {name: parameters[name] for name in _BAND}
+    gaussian, height = random_heights(parameters, grid, seed)
+    dataset = surface_dataset(height, grid)
+    dataset["spectrum_target"] = ("wavenumber", target_spectrum(grid, **band)[1])
+    if height is gaussian:
+        dataset["skewness_error"], dataset["kurtosis_error"] = moment_errors(grid, **band)
+    else:
+        dataset["spectrum_before"] = ("wavenumber", spectrum(gaussian)[1])
+    return dataset
+
+
+def random_heights(parameters: Mapping[str, Any], grid: Grid, seed: int) -> tuple[Array, Array]:
+    """Heights of a random surface before and after their transform, which are one array without a transform.
+
+    Parameters are those of `make_surface`, with the nodes of `grid`.
+    """
+    gaussian = self_affine(grid.shape, seed=seed, **{name: parameters[name] for name in _BAND})
+    if "johnson" in parameters:
+        return gaussian, johnson(gaussian, **parameters["johnson"])
+    if "moments" in parameters:
+        return gaussian, with_moments(gaussian, **parameters["moments"])
+    return gaussian, gaussian
+
+
+def read_surface(parameters: Mapping[str, Any]) -> xr.Dataset:
+    """The measured surface of one entry of the configuration, in units of the longer edge of its cell.
+
+    Parameters
+    ----------
+    parameters : mapping
+        Entry of section ``measured`` of the configuration: file, detrend, and optionally other fields of
+        `asperity.surface.reading.height_map.MapOptions`, as `make_periodic` takes them.
+
+    Returns
+    -------
+    dataset
+        Heights, roughness parameters and spectrum. The attributes are the shortest wavelength kept and the
+        `edge_step` of the period, and with the prefix ``map_`` the record of what was done to the map. If the
+        unit of the map is known, ``map_cell_length`` is the longer edge of the cell in metres.
+
+    Raises
+    ------
+    MapError
+        If the map cannot be used; the message names everything that is wrong or missing.
+    """
+    surface, options = _checked(parameters)
+    kept = make_periodic(surface, options)
+    record = kept.treatment.attributes()
+    if surface.unit is not None:
+        record["map_cell_length"] = cell_edge(surface, options)
+    return surface_dataset(kept.height, kept.grid).assign_attrs(
+        wavelength_short=kept.wavelength_short, edge_step=kept.treatment.edge_step, **record
+    )
+
+
+def map_problems(name: str, parameters: Mapping[str, Any]) -> tuple[str, ...]:
+    """Everything for which `read_surface` would refuse the entry of this name before it computes."""
+    try:
+        _checked(parameters)
+    except MapError as error:
+        return error.renamed(lambda field: f"measured.{name}.{field}").lines
+    return ()
+
+
+def _checked(parameters: Mapping[str, Any]) -> tuple[HeightMap, MapOptions]:
+    """The map of an entry of the configuration, and its options."""
+    path = parameters["file"]
+    options = MapOptions(**{name: parameters[name] for name in _MAP_OPTIONS & parameters.keys()})
+    found = open_map(path, options)
+    if problems := missing_options(found, options, needs_unit=isinstance(options.wavelength_short, str)):
+        raise MapError(path, problems)
+    return found.map, options
+
+
+def moment_errors(
+    grid: Grid, hurst: float, wavelength_long: float, wavelength_short: float, rms_height: float
+) -> tuple[float, float]:
+    """Standard errors of the skewness and the kurtosis of one sample of a Gaussian surface.
+
+    They are √(6 ⟨ρ³⟩) and √(24 ⟨ρ⁴⟩), with the autocorrelation ρ of the surface averaged over the cell: the
+    standard deviations of the means of the third and fourth Hermite polynomial of a Gaussian field, exact to
+    first order. Parameters are those of `asperity.surface.self_affine.target_spectrum`.
+    """
+    wavenumber, power = target_spectrum(grid, hurst, wavelength_long, wavelength_short, rms_height)
+    width = wavenumber[0]
+    ring = np.rint(grid.wavenumber() / width).astype(int)
+    spread: Array = np.zeros(max(ring.max() + 1, power.size + 1))
+    spread[np.rint(wavenumber / width).astype(int)] = power
+    correlation = Fourier(grid).inverse(spread[ring].astype(complex), overwrite=True)
+    correlation /= correlation[0, 0]
+    power = correlation * correlation
+    power *= correlation
+    skewness = abs(power.mean())
+    power *= correlation
+    return float(np.sqrt(6 * skewness)), float(np.sqrt(24 * power.mean()))

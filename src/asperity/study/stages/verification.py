@@ -1,0 +1,290 @@
+"""Verification of the study's results: the laws that they must obey, computed anew from the fields.
+
+`verify_seed` checks the results of one surface and one seed, `verify_statistics` those made from all seeds.
+Residuals that a solver or a stage stored beside its numbers are not used. Each check is a number and the
+bound that it must not exceed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from asperity.contact import verify_contact
+from asperity.core.types import Array, Progress
+from asperity.elasticity.layer import Layer
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.fourier.grid import Fourier, Grid, gradient, mean_square
+from asperity.results.dataset import grid_of, settings_of
+from asperity.stress.peaks.selection import peaks
+from asperity.stress.planes.planes import stress_planes
+from asperity.study.stages.solid import solid
+from asperity.study.stages.statistics import SeedResults
+
+ROUNDING = 1e-10
+"""Bound for laws that hold exactly except for rounding."""
+
+WORST_NODE = 100
+"""Factor by which a single node may exceed the solver's tolerance, which is a norm over all nodes."""
+
+REFINEMENT = 0.25
+"""Part by which a peak refined between nodes may exceed the largest node, with eight nodes per wavelength."""
+
+BETWEEN_NODES = 0.01
+"""Part by which the largest stress of a plane may differ on a coarser grid, which has other nodes."""
+
+DEPTH_STEP = 1e-3
+"""Step of the derivative along depth, over the shortest wavelength or the height of a thinner layer."""
+
+EQUILIBRIUM = 1e-4
+"""Bound for the divergence of the stress: the error of the central difference along depth."""
+
+
+class Check(NamedTuple):
+    """A law, the amount by which a result breaks it, and the amount that is allowed.
+
+    Parameters
+    ----------
+    name : str
+    value, bound : float
+    """
+
+    name: str
+    value: float
+    bound: float
+
+    @property
+    def holds(self) -> bool:
+        """True if the value is within its bound; NaN is not."""
+        return bool(self.value <= self.bound)
+
+
+class VerificationError(RuntimeError):
+    """Results that break a law; the message names the laws and the amounts."""
+
+
+def require(checks: Sequence[Check], where: str) -> None:
+    """Raise `VerificationError` if a check does not hold."""
+    broken = [f"{c.name} {c.value:.3g} > {c.bound:.3g}" for c in checks if not c.holds]
+    if broken:
+        raise VerificationError(f"{where}: {'; '.join(broken)}")
+
+
+def verify(
+    surface_name: str,
+    results: Iterable[SeedResults],
+    statistics: xr.Dataset,
+    progress: Progress | None = None,
+) -> pd.DataFrame:
+    """Check all results of one surface.
+
+    Parameters
+    ----------
+    surface_name : str
+    results : iterable of SeedResults
+        One seed after the other; the fields of a seed are not kept.
+    statistics : dataset
+        Result of stage statistics.
+    progress : callable, optional
+
+    Returns
+    -------
+    data frame
+        A row for each check: surface, part of the results, check, value and bound.
+
+    Raises
+    ------
+    VerificationError
+        If a check does not hold.
+    """
+    found: list[tuple[str, Check]] = []
+    stresses = []
+    for seed, *stages in results:
+        found += [(f"seed {seed}", check) for check in verify_seed(*stages)]
+        stresses.append(stages[-1])
+        if progress is not None:
+            progress(len(stresses), statistics.sizes["seed"])
+    found += [("all seeds", check) for check in verify_statistics(statistics, stresses)]
+    require([check for _, check in found], surface_name)
+    return pd.DataFrame(
+        {"surface": surface_name, "of": part, "check": check.name, "value": check.value, "bound": check.bound}
+        for part, check in found
+    )
+
+
+def verify_seed(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset) -> list[Check]:
+    """Checks of the results of the stages surface, contact and stress for one surface and one seed."""
+    layer, _ = solid(settings_of(contact)["layer"])
+    return [
+        *_of_contact(surface, contact, layer),
+        *_of_path(contact),
+        *_of_fields(contact, stress, layer),
+        *_of_peaks(stress, grid_of(contact)),
+    ]
+
+
+def _of_contact(surface: xr.Dataset, contact: xr.Dataset, layer: Layer) -> list[Check]:
+    """Check the conditions of contact, the load balance and Parseval's theorem."""
+    tolerance = WORST_NODE * settings_of(contact)["contact"]["tolerance"]
+    grid = grid_of(contact)
+    pressure = contact["pressure"].values.astype(float)
+    found = verify_contact(
+        surface["height"].values,
+        pressure,
+        layer,
+        grid.length,
+        approach=float(contact["approach"]),
+        mean_pressure=float(contact["mean_pressure"]),
+    )
+    square = mean_square(Fourier(grid).forward(pressure), grid)
+    touching = float(np.mean(pressure > 0))
+    return [
+        Check("penetration over its length scale", found.penetration, tolerance),
+        Check("gap under contact over its length scale", found.contact_gap, tolerance),
+        Check("tension over the largest pressure", found.tension, tolerance),
+        Check("complementarity", found.complementarity, tolerance),
+        Check("load balance", found.load_imbalance, ROUNDING),
+        Check(
+            "area fraction against the nodes in contact", abs(touching - float(contact["area_fraction"])), 0
+        ),
+        Check("Parseval's theorem, pressure", _relative(square, float(np.mean(pressure**2))), ROUNDING),
+    ]
+
+
+def _of_path(contact: xr.Dataset) -> list[Check]:
+    """Check that area and load rise along the load path."""
+    steps = (np.diff(contact[f"path_{name}"].values) for name in ("area_fraction", "mean_pressure"))
+    return [
+        Check(f"falls of the {name} along the load path", float(np.sum(step <= 0)), 0)
+        for name, step in zip(("area", "load"), steps, strict=True)
+    ]
+
+
+def _of_fields(contact: xr.Dataset, stress: xr.Dataset, layer: Layer) -> list[Check]:
+    """Check equilibrium in one plane, and that plane of the analysis against one without truncation."""
+    grid = grid_of(contact)
+    loaded = LoadedSolid(contact["pressure"].values.astype(float), grid, layer)
+    nu = float(contact.attrs["poisson_contact"])
+    tolerance = settings_of(stress)["stress"]["tolerance"]
+    short = settings_of(contact)["surface"]["wavelength_short"]
+    depths = stress["plane_depth"].values
+    scale = min(short, depths[-1])  # a layer may be thinner than the shortest wavelength
+    number = int(np.argmin(np.abs(depths - scale / 2)))
+    step = DEPTH_STEP * scale
+    triple = depths[number] + step * np.array([-1.0, 0.0, 1.0])
+    names = ("xx", "zz", "xz", "yz", "xy", "von_mises")
+    above, middle, below = stress_planes(loaded, triple, [nu], names, tolerance=0)
+    mean = float(stress["mean_von_mises"].sel(poisson=nu).isel(plane=number))
+    largest = float(stress["largest_von_mises"].sel(poisson=nu).isel(plane=number))
+    von_mises = middle.fields["von_mises"][0]
+    load = float(np.mean(middle.fields["zz"])) + float(contact["mean_pressure"])
+    return [
+        Check("load carried by a plane against that of the contact", abs(load), ROUNDING),
+        *(
+            Check(
+                f"equilibrium along {axis}",
+                _imbalance(axis, above.fields, middle.fields, below.fields, step, grid),
+                EQUILIBRIUM,
+            )
+            for axis in ("x", "z")
+        ),
+        Check(
+            "mean von Mises stress of a plane, computed again",
+            _relative(mean, von_mises.mean()),
+            max(tolerance, ROUNDING),
+        ),
+        Check(
+            "largest von Mises stress of a plane, computed again",
+            _relative(largest, von_mises.max()),
+            tolerance + BETWEEN_NODES,
+        ),
+    ]
+
+
+def _imbalance(
+    axis: str,
+    above: Mapping[str, Array],
+    middle: Mapping[str, Array],
+    below: Mapping[str, Array],
+    step: float,
+    grid: Grid,
+) -> float:
+    """Root mean square of the divergence of the stress over that of its part along depth.
+
+    z points upward, opposite to depth; the derivative along z is a central difference.
+    """
+    along_x, along_y, along_z = {"x": ("xx", "xy", "xz"), "z": ("xz", "yz", "zz")}[axis]
+    fourier = Fourier(grid)
+    _, slope_x = gradient(fourier.forward(middle[along_x][0]), fourier)
+    slope_y, _ = gradient(fourier.forward(middle[along_y][0]), fourier)
+    slope_z = (above[along_z][0] - below[along_z][0]) / (2 * step)
+    divergence = _without_nyquist(slope_x + slope_y + slope_z, fourier)
+    return float(np.std(divergence) / np.std(slope_z))
+
+
+def _without_nyquist(field: Array, fourier: Fourier) -> Array:
+    """A field without its modes at the Nyquist wavenumbers, which have no derivative on the grid."""
+    modes = fourier.forward(field)
+    rows, columns = field.shape
+    if rows % 2 == 0:
+        modes[rows // 2] = 0
+    if columns % 2 == 0:
+        modes[:, columns // 2] = 0
+    return fourier.inverse(modes, overwrite=True)
+
+
+def _of_peaks(stress: xr.Dataset, grid: Grid) -> list[Check]:
+    """Check that peaks are finite, lie in the solid, and exceed the largest node only by their refinement."""
+    outside = 0
+    reach = {"depth": float(stress["plane_depth"].max()), "y": grid.length[0], "x": grid.length[1]}
+    for name, limit in reach.items():
+        place = stress[f"peak_{name}"].values
+        outside += int(np.sum((place < 0) | (place > limit)))
+    excess = 0.0
+    for nu in stress["poisson"].values:
+        found = peaks(stress, "von_mises", nu)
+        largest = float(stress["largest_von_mises"].sel(poisson=nu).max())
+        excess = max(excess, float(found["peak_value"].max()) / largest - 1)
+    return [
+        Check("peaks outside the solid", outside, 0),
+        Check("largest von Mises peak over the largest node", excess, REFINEMENT),
+        Check("peaks that are not finite", float(np.sum(~np.isfinite(stress["peak_value"].values))), 0),
+    ]
+
+
+def verify_statistics(statistics: xr.Dataset, stresses: Sequence[xr.Dataset]) -> list[Check]:
+    """Checks of the statistics of one surface against the analyses of its seeds."""
+    width = np.diff(statistics["bin_edge"].values, axis=1)[None, :, None, :]
+    counted = statistics["peak_counts"].values.sum(axis=-1) > 0
+    integral = np.sum(statistics["peak_density"].values * width, axis=-1)
+    integral = np.where(counted.any(axis=0), integral, 1.0)
+    heights = np.sum(statistics["height_density"].values * np.diff(statistics["height_edge"].values))
+    found = statistics["peak_counts"].sel(selection="all", poisson=statistics["poisson"][0]).sum("bin").values
+    expected = [
+        [
+            peaks(stress, str(name), float(statistics["poisson"][0])).sizes["peak"]
+            for name in statistics["quantity"].values
+        ]
+        for stress in stresses
+    ]
+    joint = statistics["joint_counts"].sum(("bin", "depth_bin")).values
+    return [
+        Check(
+            "densities of the peaks against an integral of one", float(np.abs(integral - 1).max()), ROUNDING
+        ),
+        Check("density of the heights against an integral of one", abs(float(heights) - 1), ROUNDING),
+        Check("peaks not counted", float(np.abs(found - np.array(expected)).sum()), 0),
+        Check(
+            "peaks by value and depth against peaks by value",
+            float(np.abs(joint - statistics["peak_counts"].sum(("seed", "bin")).values).sum()),
+            0,
+        ),
+    ]
+
+
+def _relative(value: float, expected: float) -> float:
+    return abs(value - expected) / abs(expected)

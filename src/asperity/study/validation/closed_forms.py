@@ -1,0 +1,456 @@
+"""Comparisons with closed forms: spheres and ellipses on a half-space, a bonded layer, a wave.
+
+Each goes through the whole chain, from the height of the indenter to the quantity compared. Lengths are in
+units of the edge of the cell, stresses in units of E* unless said otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from asperity.contact import solve
+from asperity.core.types import Array
+from asperity.elasticity.layer import Layer
+from asperity.fourier.grid import Grid
+from asperity.reference.bisinusoid import Bisinusoid
+from asperity.reference.bonded_layer import BondedLayer
+from asperity.reference.elementary import von_mises
+from asperity.reference.elliptic_hertz import EllipticHertz
+from asperity.reference.hertz import Hertz
+from asperity.reference.periodic_hertz import PeriodicHertz
+from asperity.reference.westergaard import Westergaard
+from asperity.stress.planes.planes import stress_planes
+from asperity.study.validation.indenter import (
+    CURVATURE_RADIUS,
+    INDENTATION,
+    bonded_slab,
+    displacement_and_stress,
+    fitted_contact_radius,
+    largest_sample,
+    paraboloid,
+    slab_contact,
+)
+
+RTOL = 1e-8
+"""Tolerance of the solver where it must not matter."""
+
+SEMI_MINOR = 0.3
+"""Smaller semi-axis of the contacts on an isolated map, over the shorter edge of the map."""
+
+WAVE_AMPLITUDE = 1e-5
+"""Amplitude of the waves over their wavelength; all errors are independent of it."""
+
+
+def load_area(
+    points: int = 128,
+    method: str = "gfmd",
+    poisson: Sequence[float] = (0.0, 0.33, 0.5),
+    contact_radii: Sequence[float] = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3),
+) -> xr.Dataset:
+    """Contact area under the loads of the periodic Hertz contact, for several Poisson's ratios (figure 2a).
+
+    Young's modulus is the same for all ratios and the unit of the pressures. The closed form assumes Hertz's
+    pressure distribution, which is good for radii up to 0.3 cell edges.
+
+    Parameters
+    ----------
+    points : int
+        Nodes on an edge of the grid.
+    method : str
+        Solver.
+    poisson : sequence of float
+    contact_radii : sequence of float
+        Radii of the closed form, whose loads are imposed.
+
+    Returns
+    -------
+    Dataset
+        Contact radius and area fraction of the closed form (path) and of the solver (poisson, path), and the
+        load-area curve of the closed form (poisson, curve).
+    """
+    grid = Grid((points, points))
+    height = paraboloid(grid, CURVATURE_RADIUS)
+    radii = np.asarray(contact_radii)
+    curve = np.linspace(0.0, max(contact_radii) + 0.02, 61)[1:]
+    layers = [Layer(1.0, nu) for nu in poisson]
+    imposed = np.array([_periodic_pressures(radii, layer.effective_modulus) for layer in layers])
+    curve_pressure = np.array([_periodic_pressures(curve, layer.effective_modulus) for layer in layers])
+    area, radius = np.empty_like(imposed), np.empty_like(imposed)
+    for at in np.ndindex(imposed.shape):
+        contact = solve(height, layers[at[0]], mean_pressure=float(imposed[at]), method=method, rtol=1e-6)
+        area[at] = contact.area_fraction
+        radius[at] = fitted_contact_radius(contact.pressure, grid)
+    return xr.Dataset(
+        {
+            "hertz_contact_radius": ("path", radii),
+            "hertz_area_fraction": ("path", np.pi * radii**2),
+            "imposed_mean_pressure_young": (("poisson", "path"), imposed),
+            "solved_area_fraction": (("poisson", "path"), area),
+            "solved_contact_radius": (("poisson", "path"), radius),
+            "curve_area_fraction": ("curve", np.pi * curve**2),
+            "curve_mean_pressure_young": (("poisson", "curve"), curve_pressure),
+        },
+        coords={"poisson": np.asarray(poisson, float)},
+        attrs={"grid_points": points, "method": method, "curvature_radius": CURVATURE_RADIUS},
+    )
+
+
+def slab_load_area(
+    points: int = 128,
+    method: str = "gfmd",
+    steps: int = 6,
+    heights: Sequence[float] = (0.1, 0.25, 0.5, 1.0),
+) -> xr.Dataset:
+    """Load and contact area of bonded slabs of several heights, against the half-space (figure 2b, c).
+
+    Each slab is indented to the paper's depth. That depth, 0.02 (slab height × cell edge) / R, is reached in
+    steps that are even in the contact radius; the first is at half of the last radius. The stiffening is the
+    load divided by that of a single Hertz contact with a half-space at the same approach: at the same
+    contact area the loads of slab and half-space nearly agree.
+
+    Parameters
+    ----------
+    points : int
+        Nodes on an edge of the grid.
+    method : str
+        Solver.
+    steps : int
+    heights : sequence of float
+        Slab heights in cell edges.
+
+    Returns
+    -------
+    Dataset
+        Approach, area fraction, contact radius, mean pressure and stiffening (slab, step), and the load-area
+        curve of the periodic Hertz contact on a half-space (curve).
+    """
+    grid = Grid((points, points))
+    height = paraboloid(grid, CURVATURE_RADIUS)
+    part = np.linspace(0.5, 1.0, steps) ** 2
+    approach = INDENTATION / CURVATURE_RADIUS * np.outer(heights, part)
+    area, radius, pressure, hertz_load = (np.empty_like(approach) for _ in range(4))
+    for at in np.ndindex(approach.shape):
+        layer, depth = bonded_slab(0.33, heights[at[0]]), float(approach[at])
+        contact = solve(height, layer, approach=depth, method=method, rtol=1e-6)
+        area[at], pressure[at] = contact.area_fraction, contact.mean_pressure
+        radius[at] = fitted_contact_radius(contact.pressure, grid)
+        hertz_load[at] = Hertz.from_approach(depth, CURVATURE_RADIUS).load
+    curve = np.geomspace(0.9 * radius.min(), 1.1 * radius.max(), 61)
+    along = ("slab", "step")
+    return xr.Dataset(
+        {
+            "slab_approach": (along, approach),
+            "slab_area_fraction": (along, area),
+            "slab_contact_radius": (along, radius),
+            "slab_mean_pressure": (along, pressure),
+            "slab_stiffening": (along, pressure / hertz_load),
+            "curve_area_fraction": ("curve", np.pi * curve**2),
+            "curve_mean_pressure": ("curve", _periodic_pressures(curve)),
+        },
+        coords={"slab_height": ("slab", np.asarray(heights, float))},
+        attrs={"grid_points": points, "method": method, "curvature_radius": CURVATURE_RADIUS},
+    )
+
+
+def _periodic_pressures(radii: Array, effective_modulus: float = 1.0) -> Array:
+    """Mean pressure of the periodic Hertz contact at each contact radius."""
+    contacts = (PeriodicHertz(radius, CURVATURE_RADIUS, 1.0, effective_modulus) for radius in radii)
+    return np.array([contact.mean_pressure for contact in contacts])
+
+
+def grid_convergence(points: Sequence[int] = (32, 64, 128, 256)) -> xr.Dataset:
+    """Error of the contact solution against the number of grid points (figure 2d).
+
+    A wave on a half-space is compared with Westergaard's closed form, a paraboloid on the bonded cubic slab
+    with a grid twice as fine as the finest. Errors are root mean squares over five loads, since the edge of
+    contact can be anywhere between two nodes.
+
+    Parameters
+    ----------
+    points : sequence of int
+        Nodes on an edge of the grids, rising.
+
+    Returns
+    -------
+    Dataset
+        Relative errors of pressure, approach and contact area of the wave and of the load of the slab
+        (grid_points).
+    """
+    loads, indentations = (0.15, 0.27, 0.4, 0.52, 0.66), (0.012, 0.015, 0.018, 0.021, 0.024)
+    wave = np.array([[_wave_errors(n, load) for load in loads] for n in points])
+    slab = np.array(
+        [
+            [slab_contact(n, depth / CURVATURE_RADIUS).mean_pressure for depth in indentations]
+            for n in (*points, 2 * points[-1])
+        ]
+    )
+    errors = {
+        **dict(zip(("wave_pressure", "wave_approach", "wave_area"), np.moveaxis(wave, 2, 0), strict=True)),
+        "slab_load": slab[:-1] / slab[-1] - 1,
+    }
+    return xr.Dataset(
+        {
+            f"{name}_error": ("grid_points", np.sqrt(np.mean(np.square(error), axis=1)))
+            for name, error in errors.items()
+        },
+        coords={"grid_points": np.asarray(points)},
+        attrs={"grid_points": points[-1], "curvature_radius": CURVATURE_RADIUS},
+    )
+
+
+def _wave_errors(points: int, load: float) -> tuple[float, float, float]:
+    """Relative errors of pressure (L2), approach and contact area of a wave; load over that of closing."""
+    mean_pressure = load * (np.pi * WAVE_AMPLITUDE)
+    exact = Westergaard(mean_pressure, WAVE_AMPLITUDE)
+    line = Grid((8, points), (8 / points, 1.0))
+    x = line.coordinates()[1] - 0.5
+    height = np.tile(exact.height(x), (8, 1))
+    contact = solve(height, Layer(1.0, 0.0), line.length, mean_pressure=mean_pressure, rtol=RTOL)
+    pressure = exact.pressure(x)
+    return (
+        float(np.linalg.norm(contact.pressure[0] - pressure) / np.linalg.norm(pressure)),
+        contact.approach / exact.approach - 1,
+        contact.area_fraction / exact.area_fraction - 1,
+    )
+
+
+def punch(points: int = 512, samples: int = 81) -> xr.Dataset:
+    """Von Mises stress under the paraboloid on a half-space, against Huber's closed form (figure 12).
+
+    The closed form is a single contact, the spectral solution a periodic one whose mean lateral stress is a
+    choice: laterally confined, ``σ_xx = σ_yy = −ν/(1 − ν) p̄``, or free, zero. A sum of single contacts has
+    ``−(½ + ν) p̄``, the mean over all directions of the kernels' limit q → 0. With this value ("array") the
+    largest stress differs from that of one contact only by the effect of the neighbours on the pressure, and
+    the two choices differ from it by known amounts.
+
+    Parameters
+    ----------
+    points : int
+        Nodes on an edge of the grid.
+    samples : int
+        Depths of the drawn plane, which reaches two contact radii to each side and in depth.
+
+    Returns
+    -------
+    Dataset
+        Von Mises stress of both on a vertical plane through the axis (poisson, depth, x); its largest value
+        on the axis and the depth of that, for the mean stresses "confined", "free" and "array" and for the
+        closed form (poisson).
+    """
+    poisson, contact_radius, reach = (0.0, 0.5), 0.1, 2.0
+    grid = Grid((points, points))
+    array = PeriodicHertz(contact_radius, CURVATURE_RADIUS)
+    single = Hertz.from_load(array.load, CURVATURE_RADIUS)
+    height = paraboloid(grid, CURVATURE_RADIUS)
+    contact = solve(height, Layer(1.0, 0.0), mean_pressure=array.mean_pressure, rtol=RTOL)
+    width = int(reach * contact_radius * points)
+    x = np.arange(-width, width + 1) / points
+    depth = np.linspace(0.0, reach * contact_radius, samples)
+    axis_depth = np.linspace(0.2, 0.8, 61) * contact_radius
+    planes = []
+    for nu in poisson:
+        layer = Layer(1 - nu**2, nu, lateral="free")
+        _, stress = displacement_and_stress(contact.pressure, grid, layer, 0.5, 0.5, axis_depth)
+        on_axis = {"closed_form": single.stress(0.0, axis_depth, nu).von_mises}
+        for name, lateral in (("free", 0.0), ("confined", nu / (1 - nu)), ("array", 0.5 + nu)):
+            uniform = -lateral * array.mean_pressure * np.array([1, 1, 0, 0, 0, 0])
+            on_axis[name] = von_mises(stress[:, 0] + uniform)
+        layer = Layer(1 - nu**2, nu)
+        middle = np.full(len(x), 0.5)
+        _, stress = displacement_and_stress(contact.pressure, grid, layer, middle, x + 0.5, depth)
+        variables: dict[str, object] = {
+            "von_mises_spectral": (("depth", "x"), von_mises(stress)),
+            "von_mises_closed_form": (
+                ("depth", "x"),
+                single.stress(np.abs(x), depth[:, None], nu).von_mises,
+            ),
+        }
+        for name, values in on_axis.items():
+            variables[f"peak_von_mises_{name}"], variables[f"peak_depth_{name}"] = largest_sample(
+                values, axis_depth
+            )
+        planes.append(xr.Dataset(variables, coords={"depth": depth, "x": x}))
+    return (
+        xr.concat(planes, xr.Variable("poisson", np.asarray(poisson)))
+        .assign(
+            contact_radius=single.contact_radius,
+            largest_pressure=single.largest_pressure,
+            largest_pressure_spectral=float(contact.pressure.max()),
+            gradient_rms_contact=single.contact_radius / (np.sqrt(2) * CURVATURE_RADIUS),
+        )
+        .assign_attrs(grid_points=points, curvature_radius=CURVATURE_RADIUS)
+    )
+
+
+def elliptic_contacts(points: int = 128) -> xr.Dataset:
+    """Pressure and stress of elliptic contacts on an isolated map, against closed forms.
+
+    Parameters
+    ----------
+    points : int
+        Nodes on each edge of the map, whose edges are in proportion to the semi-axes.
+
+    Returns
+    -------
+    Dataset
+        Largest pressure, area of contact over that of the map, and the largest von Mises and shear stress on
+        the axis with their depths, each ``solved_`` and ``exact_`` (axis_ratio).
+    """
+    poisson, axis_ratios = 0.3, (0.2, 0.4, 0.6, 0.8, 1.0)
+    names = ("von_mises", "largest_shear")
+    rows = []
+    for ratio in axis_ratios:
+        exact = EllipticHertz(SEMI_MINOR / ratio, SEMI_MINOR, largest_pressure=1e-4)
+        grid = Grid((points, points), (1.0, 1.0 / ratio))
+        y, x = (nodes - edge / 2 for nodes, edge in zip(grid.coordinates(), grid.length, strict=True))
+        radius_x, radius_y = exact.curvature_radii
+        height = y[:, None] ** 2 / (2 * radius_y) + x**2 / (2 * radius_x)
+        solid = Layer(1 - poisson**2, poisson)
+        contact = solve(height, solid, grid.length, force=exact.load, boundary="free", rtol=RTOL)
+        depth = np.linspace(0.25, 1.0, 61) * SEMI_MINOR
+        middle = points // 2
+        planes = stress_planes(contact, depth, poisson, names, tolerance=0)
+        axis = np.array([[plane.fields[name][0, middle, middle] for name in names] for plane in planes])
+        peaks = exact.largest_von_mises_on_axis(poisson), exact.largest_shear_on_axis(poisson)
+        row = {
+            "solved_largest_pressure": float(contact.pressure.max()),
+            "exact_largest_pressure": exact.largest_pressure,
+            "solved_area": contact.area_fraction,
+            "exact_area": np.pi * exact.semi_major * exact.semi_minor / grid.area,
+        }
+        for name, samples, peak in zip(names, axis.T, peaks, strict=True):
+            row[f"solved_{name}"], row[f"solved_{name}_depth"] = largest_sample(samples, depth)
+            row[f"exact_{name}"], row[f"exact_{name}_depth"] = peak
+        rows.append(row)
+    return xr.Dataset(
+        {name: ("axis_ratio", [row[name] for row in rows]) for name in rows[0]},
+        coords={"axis_ratio": np.asarray(axis_ratios)},
+        attrs={"grid_points": points, "poisson": poisson},
+    )
+
+
+def edge_tension(points: int = 512) -> xr.Dataset:
+    """Radial stress of the surface outside a circular isolated contact, against (1 − 2ν)/3 p₀ a²/r².
+
+    Parameters
+    ----------
+    points : int
+        Nodes on each edge of the map.
+
+    Returns
+    -------
+    Dataset
+        Radial stress over the largest pressure, ``solved_tension`` and ``exact_tension``, on the nodes of a
+        line through the axis outside the contact, up to 1.5 contact radii from the axis (poisson,
+        radial_distance), the distance in contact radii.
+    """
+    poisson = np.array([0.0, 0.3, 0.5])
+    exact = EllipticHertz(SEMI_MINOR, SEMI_MINOR, largest_pressure=1e-4)
+    height = paraboloid(Grid((points, points)), exact.curvature_radii[0])
+    contact = solve(height, Layer(1.0, 0.0), force=exact.load, boundary="free", rtol=RTOL)
+    distance = (np.arange(points) - points // 2) / points / SEMI_MINOR
+    outside = (distance > 1) & (distance <= 1.5)
+    plane = next(stress_planes(contact, [0.0], list(poisson), ["xx"], tolerance=0))
+    solved = plane.fields["xx"][:, points // 2, outside] / exact.largest_pressure
+    tension = (1 - 2 * poisson[:, None]) / 3 / distance[outside] ** 2
+    along = ("poisson", "radial_distance")
+    return xr.Dataset(
+        {"solved_tension": (along, solved), "exact_tension": (along, tension)},
+        coords={"poisson": poisson, "radial_distance": distance[outside]},
+        attrs={"grid_points": points},
+    )
+
+
+def layer_indentation(points: int = 512) -> xr.Dataset:
+    """Load of bonded layers under a flat punch and a paraboloid, against a Fredholm equation.
+
+    The cell is so large that neighbours do not matter: their influence decays within a few layer heights.
+    The radius of the flat punch is that of a circle with the area of its nodes.
+
+    Parameters
+    ----------
+    points : int
+        Nodes on an edge of the grid.
+
+    Returns
+    -------
+    Dataset
+        Load, ``solved_`` and ``exact_load`` (indenter, contact_ratio, poisson), and the contact radius under
+        the paraboloid (contact_ratio, poisson), at the approach of the closed form. The contact ratio is the
+        contact radius over the height of the layer. The contact radius is that of a circle with the area of
+        the contact nodes.
+    """
+    contact_ratios, poisson, contact_radius = (0.5, 1.0, 2.0), (0.0, 0.3, 0.5), 0.05
+    round_face = paraboloid(Grid((points, points)), CURVATURE_RADIUS)
+    inside = round_face <= contact_radius**2 / (2 * CURVATURE_RADIUS)
+    flat_face = np.where(inside, 0.0, 1.0)  # around the punch too high to be touched
+    punch_radius = float(np.sqrt(np.mean(inside) / np.pi))
+    solved, exact = np.empty((2, 2, len(contact_ratios), len(poisson)))
+    radius = np.empty(solved.shape[1:])
+    for i, j in np.ndindex(radius.shape):
+        height, nu = contact_radius / contact_ratios[i], poisson[j]
+        layer = BondedLayer(height, nu)
+        forms = layer.flat_punch(punch_radius, 1e-4), layer.paraboloid(contact_radius, CURVATURE_RADIUS)
+        for indenter, (face, expected) in enumerate(zip((flat_face, round_face), forms, strict=True)):
+            contact = solve(face, bonded_slab(nu, height), approach=expected.approach, rtol=RTOL)
+            solved[indenter, i, j], exact[indenter, i, j] = contact.mean_pressure, expected.load
+        radius[i, j] = np.sqrt(contact.area_fraction / np.pi)
+    along = ("contact_ratio", "poisson")
+    return xr.Dataset(
+        {
+            "solved_load": (("indenter", *along), solved),
+            "exact_load": (("indenter", *along), exact),
+            "solved_contact_radius": (along, radius),
+            "exact_contact_radius": (along, np.full(radius.shape, contact_radius)),
+        },
+        coords={
+            "indenter": ["flat punch", "paraboloid"],
+            "contact_ratio": np.asarray(contact_ratios),
+            "poisson": np.asarray(poisson),
+        },
+        attrs={"grid_points": points},
+    )
+
+
+def wave_asymptotes(points: int = 512) -> xr.Dataset:
+    """Bisinusoidal wave on a half-space in small and nearly complete contact, against its asymptotes.
+
+    Parameters
+    ----------
+    points : int
+        Nodes on an edge of the grid.
+
+    Returns
+    -------
+    Dataset
+        Contact radius under small loads (small_load), and mean gap in nearly complete contact
+        (nearly_complete_load), each ``solved_`` and ``exact_``; loads are mean pressures over the smallest
+        one of complete contact. The asymptotes have errors of their own, which vanish with the load and with
+        the part of the surface that is out of contact.
+    """
+    small, nearly_complete = np.array([0.001, 0.01]), np.array([0.95, 0.99])
+    wave = Bisinusoid(10 * WAVE_AMPLITUDE)
+    grid = Grid((points, points))
+    y, x = (nodes - 0.5 for nodes in grid.coordinates())
+    height = wave.height(y[:, None], x)
+    radius, exact_radius, gap, exact_gap = np.empty((4, 2))
+    for n, pressure in enumerate(wave.complete_pressure * small):
+        contact = solve(height, Layer(1.0, 0.0), mean_pressure=pressure, rtol=RTOL)
+        radius[n] = fitted_contact_radius(contact.pressure, grid)
+        exact_radius[n] = np.sqrt(wave.small_area_fraction(pressure) / np.pi)
+    for n, pressure in enumerate(wave.complete_pressure * nearly_complete):
+        gap[n] = solve(height, Layer(1.0, 0.0), mean_pressure=pressure, rtol=RTOL).gap.mean()
+        exact_gap[n] = wave.nearly_complete_mean_gap(pressure)
+    return xr.Dataset(
+        {
+            "solved_contact_radius": ("small_load", radius),
+            "exact_contact_radius": ("small_load", exact_radius),
+            "solved_mean_gap": ("nearly_complete_load", gap),
+            "exact_mean_gap": ("nearly_complete_load", exact_gap),
+        },
+        coords={"small_load": small, "nearly_complete_load": nearly_complete},
+        attrs={"grid_points": points},
+    )

@@ -1,0 +1,303 @@
+"""Contacts at the ends of every range of settings, and at the ends of every two ranges at once.
+
+A case is a small rough contact with twelve settings. Each setting has a few levels, from one end of the
+accepted range to the other, and every level is tried alone and with every level of every other setting.
+Floating-point overflow, division by zero and invalid operations raise, and warnings are errors. A case is
+solved, refused with a message that names the setting, or ends with `ConvergenceError`; anything else is a
+defect. A solution counts only if `asperity.study.validation.solution_check` confirms it.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
+from itertools import combinations_with_replacement
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from asperity.contact import solve
+from asperity.core.errors import ConvergenceError
+from asperity.core.types import Array
+from asperity.elasticity.layer import Layer
+from asperity.fourier.grid import Grid
+from asperity.study.validation.solution_check import ALLOWED, DIRECT_NODES, check_solution, mode_compliance
+from asperity.surface.johnson import johnson
+from asperity.surface.roughness import roughness_parameters
+from asperity.surface.self_affine import self_affine
+
+TOLERANCES = {"float64": 1e-6, "float32": 1e-4}
+"""Tolerance of the solver in each precision."""
+
+OUTCOMES = (
+    "no cell",
+    "certified and checked",
+    "certified",
+    "not converged",
+    "refused",
+    "wrong",
+    "warned",
+    "failed",
+)
+"""Outcomes of a case, by number; "no cell" stands for two levels of the same setting."""
+
+NO_CELL, CHECKED, CERTIFIED, NOT_CONVERGED, REFUSED, WRONG, WARNED, FAILED = range(len(OUTCOMES))
+ACCEPTABLE = (NO_CELL, CHECKED, CERTIFIED, NOT_CONVERGED, REFUSED)
+"""Certified solutions and named errors; all other outcomes are defects."""
+
+
+@dataclass(frozen=True)
+class ExtremeCase:
+    """Settings of a rough contact. The defaults are the base case, of which one or two settings are changed.
+
+    Attributes
+    ----------
+    poisson : float
+    scaled_height : float
+        2π height / L, the smallest q · height of the cell; infinite for the half-space.
+    bottom : str
+    imposed : tuple
+        ``("load", part)`` of the mean pressure that closes the last gap, ``("area", fraction)`` of the
+        nodes, or ``("approach", part)`` of the way from the lowest to the mean height.
+    rms_gradient : float
+    hurst : float
+        Hurst exponent H.
+    wavelength_long : float
+        Longest wavelength over the edge of the cell.
+    nodes_short : float
+        Shortest wavelength over the grid spacing.
+    johnson : tuple, optional
+        γ and δ of Eq. 23; None for Gaussian heights.
+    precision : "float64" or "float32"
+    points : int
+        Nodes on an edge.
+    method : str
+        Solver.
+    """
+
+    poisson: float = 0.33
+    scaled_height: float = math.inf
+    bottom: str = "bonded"
+    imposed: tuple[str, float] = ("load", 0.03)
+    rms_gradient: float = 0.1
+    hurst: float = 0.8
+    wavelength_long: float = 0.5
+    nodes_short: float = 4.0
+    johnson: tuple[float, float] | None = None
+    precision: str = "float64"
+    points: int = 24
+    method: str = "active_set"
+
+
+LEVELS: dict[str, tuple[Any, ...]] = {
+    "poisson": (-0.95, 0.0, 0.33, 0.4999, 0.5),
+    "scaled_height": (1e-6, 1e-3, 0.1, 1.0, 10.0, 1e5, math.inf),
+    "bottom": ("bonded", "frictionless", "free"),
+    "imposed": (
+        ("load", 0.0),
+        ("load", 1e-100),
+        ("load", 1e-9),
+        ("load", 1e-3),
+        ("load", 0.03),
+        ("load", 0.5),
+        ("load", 1.0),
+        ("load", 1e3),
+        ("area", 1e-9),
+        ("area", 0.1),
+        ("area", 1.0),
+        ("approach", -0.5),
+        ("approach", 0.5),
+        ("approach", 0.999),
+    ),
+    "rms_gradient": (1e-6, 1e-3, 0.1, 10.0),
+    "hurst": (0.0, 0.8, 1.0),
+    "wavelength_long": (1.0, 0.5, 1 / 6),
+    "nodes_short": (2.0, 2.5, 4.0, 8.0),
+    "johnson": (None, (1.25, 100.0), (1.25, 1.0), (-1.25, 1.0), (1.25, 0.1), (1.25, 0.01)),
+    "precision": ("float64", "float32"),
+    "points": (24, 25, 64, 128, 512),
+    "method": ("active_set", "gfmd"),
+}
+"""Levels of each setting, the default among them."""
+
+BEYOND: dict[str, tuple[Any, ...]] = {
+    "poisson": (-1.0, 0.51, math.nan),
+    "scaled_height": (0.0, -1.0),
+    "bottom": ("glued",),
+    "imposed": (("load", -1.0), ("load", math.inf), ("area", 0.0), ("area", 1.01), ("approach", 1.0)),
+    "rms_gradient": (math.inf, math.nan),
+    "hurst": (-0.01, 1.01),
+    "wavelength_long": (0.0, math.inf),
+    "nodes_short": (1.9, 0.0),
+    "johnson": ((1.25, 0.0), (1e3, 0.01), (math.nan, 1.0)),
+    "precision": ("float16",),
+    "points": (0,),
+    "method": ("magic",),
+}
+"""Values just out of range; each must be refused with a message that names the setting."""
+
+
+class Attempt(NamedTuple):
+    """Outcome of a case.
+
+    Attributes
+    ----------
+    outcome : int
+        Index into `OUTCOMES`.
+    violation, error : float
+        Violation of the conditions of contact and error of the pressure, in units of the tolerance.
+    reason : str
+        Why there is no solution, or none that was compared with the direct one.
+    """
+
+    outcome: int
+    violation: float = math.nan
+    error: float = math.nan
+    reason: str = ""
+
+
+def outcome_matrix(levels: str = "all", largest: int = 512) -> xr.Dataset:
+    """Outcome of contacts with every level of every setting, alone and with every level of another setting.
+
+    Parameters
+    ----------
+    levels : "all" | "ends"
+        All levels, or of each setting the default, the first and the last.
+    largest : int
+        Nodes on an edge of the largest grid; levels of larger grids are left out.
+
+    Returns
+    -------
+    Dataset
+        ``outcome``, ``scaled_violation`` and ``scaled_pressure_error`` over (level, other_level), symmetric,
+        with single levels on the diagonal; ``reason`` as in `Attempt`; outcome and reason of values out of
+        range along ``beyond``.
+    """
+    chosen = list(chosen_levels(levels, largest))
+    matrix = np.full((len(chosen), len(chosen)), None, object)
+    for i, j in combinations_with_replacement(range(len(chosen)), 2):
+        different = i == j or chosen[i][0] != chosen[j][0]
+        case = ExtremeCase(**dict([chosen[i], chosen[j]]))
+        matrix[i, j] = matrix[j, i] = attempt(case) if different else Attempt(NO_CELL)
+    beyond = [(name, value) for name, values in BEYOND.items() for value in values]
+    outside = [attempt(ExtremeCase(**{name: value})) for name, value in beyond]
+    flags = {
+        "flag_values": np.arange(len(OUTCOMES), dtype=np.int8),
+        "flag_meanings": " ".join(name.replace(" ", "_") for name in OUTCOMES),
+    }
+    outcome, violation, error, reason = np.moveaxis(np.array(matrix.tolist(), object), 2, 0)
+    both, out = ("level", "other_level"), "beyond"
+    default = [getattr(ExtremeCase(), name) == value for name, value in chosen]
+    return xr.Dataset(
+        {
+            "outcome": (both, outcome.astype(np.int8), flags),
+            "scaled_violation": (both, violation.astype(float)),
+            "scaled_pressure_error": (both, error.astype(float)),
+            "reason": (both, reason),
+            "level_axis": ("level", [name for name, _ in chosen]),
+            "level_value": ("level", [label(value) for _, value in chosen]),
+            "level_default": ("level", np.array(default, np.int8)),
+            "beyond_axis": (out, [name for name, _ in beyond]),
+            "beyond_value": (out, [label(value) for _, value in beyond]),
+            "beyond_outcome": (out, np.array([result.outcome for result in outside], np.int8), flags),
+            "beyond_reason": (out, np.array([result.reason for result in outside], object)),
+        },
+        attrs={
+            "allowed": ALLOWED,
+            "tolerance_float64": TOLERANCES["float64"],
+            "tolerance_float32": TOLERANCES["float32"],
+            "direct_nodes": DIRECT_NODES,
+        },
+    )
+
+
+def chosen_levels(levels: str, largest: int) -> Iterator[tuple[str, Any]]:
+    """Setting and value of every level that is tried."""
+    if levels not in ("all", "ends"):
+        raise ValueError(f"levels = {levels!r}: all or ends is needed")
+    for name, values in LEVELS.items():
+        held = [v for v in values if name != "points" or v <= largest]
+        ends = (held[0], held[-1], getattr(ExtremeCase(), name))
+        for value in held:
+            if levels == "all" or value in ends:
+                yield name, value
+
+
+def label(value: Any) -> str:
+    """Text of a level."""
+    if isinstance(value, tuple):
+        return " ".join(map(label, value))
+    if value is None:
+        return "none"
+    return value if isinstance(value, str) else f"{value:.4g}"
+
+
+@cache
+def attempt(case: ExtremeCase) -> Attempt:
+    """Outcome of solving a case while floating-point errors raise and warnings are errors."""
+    with np.errstate(over="raise", divide="raise", invalid="raise"), warnings.catch_warnings():
+        warnings.simplefilter("error")
+        try:
+            unit = unit_surface(case)
+            layer = Layer(1.0, case.poisson, _layer_height(case), case.bottom)
+            imposed = imposed_quantity(case, unit, layer)
+            rtol = TOLERANCES.get(case.precision, TOLERANCES["float64"])
+            height = case.rms_gradient * unit
+            contact = solve(height, layer, **imposed, method=case.method, dtype=case.precision, rtol=rtol)
+        except ConvergenceError as error:
+            return Attempt(NOT_CONVERGED, reason=str(error))
+        except (ValueError, TypeError) as error:
+            return Attempt(REFUSED, reason=str(error))
+        except (Warning, FloatingPointError) as error:
+            return Attempt(WARNED, reason=_message(error))
+        except Exception as error:  # any other exception is a defect, to be shown in the matrix
+            return Attempt(FAILED, reason=_message(error))
+        check = check_solution(contact, imposed, TOLERANCES[case.precision])
+    outcome = (CHECKED if check.direct else CERTIFIED) if check.holds else WRONG
+    return Attempt(outcome, check.violation, check.error, check.reason)
+
+
+def unit_surface(case: ExtremeCase) -> Array:
+    """Height of the indenter of a case, scaled to an rms gradient of one, (points, points)."""
+    shape = (case.points, case.points)
+    short = case.nodes_short / max(case.points, 1)
+    height = self_affine(shape, case.hurst, case.wavelength_long, short, rms_height=1.0, seed=1)
+    if case.johnson is not None:
+        height = johnson(height, *case.johnson)
+    return height / roughness_parameters(height).rms_gradient
+
+
+def imposed_quantity(case: ExtremeCase, unit_height: Array, layer: Layer) -> dict[str, Any]:
+    """Imposed area fraction, approach or mean pressure, as a keyword of `asperity.solve`."""
+    kind, amount = case.imposed
+    if kind == "area":
+        return {"area_fraction": amount}
+    if kind == "approach":
+        lowest = float(unit_height.min())
+        return {"approach": case.rms_gradient * (lowest + amount * (float(unit_height.mean()) - lowest))}
+    return {"mean_pressure": case.rms_gradient * amount * closing_pressure(unit_height, layer)}
+
+
+def closing_pressure(height: Array, layer: Layer) -> float:
+    """Mean pressure at which the last gap closes.
+
+    It is the largest tension needed to hold the surface to the indenter everywhere at zero mean pressure.
+    """
+    grid = Grid(height.shape)
+    compliance = mode_compliance(layer, grid)
+    compliance[0, 0] = np.inf
+    return float(np.fft.irfft2(np.fft.rfft2(height) / compliance, grid.shape).max())
+
+
+def _layer_height(case: ExtremeCase) -> float | None:
+    """Height of the layer in cell edges, None for the half-space."""
+    return None if math.isinf(case.scaled_height) else case.scaled_height / (2 * math.pi)
+
+
+def _message(error: BaseException) -> str:
+    """Type and message of an exception in one line."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"

@@ -1,0 +1,145 @@
+"""Comparison with finite elements: a paraboloid pressed into a bonded cubic slab."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from asperity.contact import Contact
+from asperity.reference import finite_element
+from asperity.reference.finite_element import graded
+from asperity.study.validation.indenter import (
+    CURVATURE_RADIUS,
+    INDENTATION,
+    displacement_and_stress,
+    fitted_contact_radius,
+    slab_contact,
+)
+
+FIELDS = {"displacement_z": 2, "stress_zz": 2, "stress_xx": 0, "stress_xz": 4}
+"""Compared fields, with their index among the components of displacement or stress."""
+
+EDGE_DISTANCE = 0.05
+"""Points within this distance of the edge of contact, in cell edges, count as near it."""
+
+APPROACH = INDENTATION / CURVATURE_RADIUS
+"""The paper's indentation depth for the cubic slab."""
+
+
+def compare_elements(
+    elements: tuple[int, int] = (24, 20), points: int = 256, contact: Contact | None = None
+) -> xr.Dataset:
+    """Fields on the diagonal plane of a slab by the spectral solver and finite elements (figures 1, 3, 4).
+
+    Parameters
+    ----------
+    elements : (int, int)
+        27-node hexahedra along half an edge of the cell, and along its height; finer at the contact.
+    points : int
+        Nodes on an edge of the spectral grid.
+    contact : Contact, optional
+        The spectral solution, if it is already known.
+
+    Returns
+    -------
+    Dataset
+        The fields `FIELDS` of both on the diagonal plane (depth, distance), ordered by depth, at the Gauss
+        points of the elements; the loads, and the displacements of the elements on the outside of the
+        quarter cell.
+    """
+    across, up = elements
+    poisson = 0.33
+    slab = finite_element.Slab(
+        graded(0.5, across, 3.0), 1 - graded(1.0, up, 10.0)[::-1], 1 - poisson**2, poisson
+    )
+    pressed = finite_element.press(slab, CURVATURE_RADIUS, APPROACH)
+    x, z, *by_elements = slab.on_diagonal(pressed.displacement)
+    contact = contact or slab_contact(points, APPROACH)
+    order = np.argsort(1 - z)
+    depth = (1 - z)[order]
+    spectral = displacement_and_stress(contact.pressure, contact.grid, contact.layer, x + 0.5, x + 0.5, depth)
+    moved = pressed.displacement
+    variables: dict[str, object] = {
+        "load_spectral": contact.mean_pressure,
+        "load_elements": pressed.load,
+        "contact_radius": fitted_contact_radius(contact.pressure, contact.grid),
+        "surface_displacement_elements": (("node_y", "axis_node"), moved[2, -1]),
+        "rim_displacement_elements": (("component", "node_z", "axis_node"), moved[:, :, -1]),
+    }
+    for name, component in FIELDS.items():
+        kind = 0 if name.startswith("displacement") else 1
+        variables[f"{name}_spectral"] = ("depth", "distance"), spectral[kind][..., component]
+        variables[f"{name}_elements"] = ("depth", "distance"), by_elements[kind][order][..., component]
+    return xr.Dataset(
+        variables,
+        coords={
+            "distance": np.sqrt(2) * x,
+            "depth": depth,
+            "axis_node": slab.free.nodes,
+            "node_z": slab.column.nodes,
+        },
+        attrs={
+            "grid_points": contact.grid.shape[0],
+            "curvature_radius": CURVATURE_RADIUS,
+            "approach": APPROACH,
+            "poisson": poisson,
+            "elements": f"{across} × {across} × {up} hexahedra of 27 nodes",
+            "unknowns": int(moved.size),
+        },
+    )
+
+
+def largest_differences(dataset: xr.Dataset) -> xr.Dataset:
+    """Largest difference of each field over its largest magnitude, near the edge of contact and away from it.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Result of `compare_elements`.
+
+    Returns
+    -------
+    Dataset
+        ``difference_away`` and ``difference_edge`` along ``field``, and ``difference_load``.
+    """
+    distance = np.hypot(dataset.distance - dataset.contact_radius, dataset.depth)
+    rows = []
+    for name in FIELDS:
+        spectral, elements = dataset[f"{name}_spectral"], dataset[f"{name}_elements"]
+        relative = np.abs(spectral - elements) / np.abs(spectral).max()
+        away = float(relative.where(distance > EDGE_DISTANCE).max())
+        near = float(relative.where(distance <= EDGE_DISTANCE).max())
+        rows.append((away, near))
+    away, near = np.array(rows).T
+    return xr.Dataset(
+        {
+            "difference_away": ("field", away),
+            "difference_edge": ("field", near),
+            "difference_load": float(dataset.load_elements / dataset.load_spectral - 1),
+        },
+        coords={"field": list(FIELDS)},
+    )
+
+
+def mesh_convergence(
+    meshes: Sequence[tuple[int, int]] = ((8, 7), (12, 10), (16, 13), (24, 20)), points: int = 512
+) -> xr.Dataset:
+    """Differences between finite elements of several meshes and one fine spectral grid.
+
+    Parameters
+    ----------
+    meshes : sequence of (int, int)
+        Hexahedra along half an edge of the cell and along its height, coarse to fine.
+    points : int
+        Nodes on an edge of the spectral grid.
+
+    Returns
+    -------
+    Dataset
+        Result of `largest_differences` for every mesh, along ``mesh``.
+    """
+    contact = slab_contact(points, APPROACH)
+    found = [largest_differences(compare_elements(mesh, contact=contact)) for mesh in meshes]
+    return xr.concat(found, "mesh").assign_coords(mesh_elements=("mesh", [across for across, _ in meshes]))

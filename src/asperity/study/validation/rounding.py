@@ -1,0 +1,223 @@
+"""Rounding errors of the elastic layer: the printed formulas, a direct solution, and the library.
+
+The reference is `asperity.reference.state_space` in high precision, for exactly the rounded numbers that the
+formulas were given.
+
+Two quantities are compared over q · height:
+
+* ``compliance``: the 6 × 6 compliance of both faces (Eqs. A.1–A.3). The error is the largest of its entries,
+  each relative to √(G_ii G_jj).
+* ``bonded_stress``: the stress under a pressure mode on a bonded layer at five depths. The error is relative
+to the
+  largest component at that depth and divided by 1 + q · depth, because the rounding of q · depth alone is
+  amplified by this factor.
+
+Three formulas compute them: ``printed`` is Eq. A.3 with its misprints corrected (compliance only),
+``direct`` sets up Eqs. 5–7 and solves the six linear equations, ``layer`` is `asperity.Layer`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import xarray as xr
+
+from asperity.core.types import Array
+from asperity.elasticity.layer import Layer
+from asperity.reference import printed
+from asperity.reference.state_space import StateSpace
+
+FORMULAS = ("printed", "direct", "layer")
+PRECISIONS = ("float64", "float32")
+QUANTITIES = ("compliance", "bonded_stress")
+
+# The results depend on q · height alone; direction of the wavevector, height and Young's modulus are
+# arbitrary.
+_DIRECTION = (0.6, 0.8)
+_HEIGHT = 1.0
+_YOUNG = 1.0
+
+_DEPTH_FRACTIONS = np.array([0.0, 0.125, 0.5, 0.875, 1.0])
+
+# Limit on q · depth of `rounding_errors`: deeper, single precision has no digits left.
+_DEEPEST = 40.0
+
+# Decimal digits of the reference.
+_DIGITS = 80
+
+
+def rounding_errors(
+    poisson: Sequence[float] = (0.0, 0.33, 0.49, 0.4999, 0.5),
+    smallest: float = 1e-8,
+    largest: float = 1e5,
+    per_decade: int = 6,
+) -> xr.Dataset:
+    """Rounding errors of the formulas of the layer in both precisions, against high precision.
+
+    Parameters
+    ----------
+    poisson : sequence
+        Poisson's ratios, rounded to single precision so that both precisions have the same solid.
+    smallest, largest : float
+        Range of q · height.
+    per_decade : int
+        Number of values in a decade.
+
+    Returns
+    -------
+    Dataset
+        ``error`` over (quantity, formula, precision, poisson, scaled_wavenumber); NaN where a formula gives
+        no finite number, and for the stress by the printed formulas, which have none.
+    """
+    steps = round(per_decade * np.log10(largest / smallest)) + 1
+    nominal = np.geomspace(smallest, largest, steps)
+    qx, qy = (np.float32(component * nominal).astype(float) for component in _DIRECTION)
+    scaled = np.hypot(qx, qy) * _HEIGHT
+    ratios = np.asarray(poisson, np.float32).astype(float)
+    depths = _HEIGHT * np.minimum(1.0, _DEEPEST / scaled)[:, None] * _DEPTH_FRACTIONS
+    depths = np.minimum(np.float32(depths).astype(float), _HEIGHT)
+    shape = (len(QUANTITIES), len(FORMULAS), len(PRECISIONS), len(ratios), steps)
+    error = np.full(shape, np.nan)
+    for n, nu in enumerate(ratios):
+        compliance, stress = _reference(qx, qy, nu, depths)
+        for p, precision in enumerate(PRECISIONS):
+            kind = np.dtype(precision)
+            x, y, d = qx.astype(kind), qy.astype(kind), depths.astype(kind)
+            number = kind.type(nu)
+            with np.errstate(all="ignore"):
+                tensors = {
+                    "printed": _printed_compliance(x, y, number),
+                    "direct": _direct_compliance(x, y, number),
+                    "layer": Layer(_YOUNG, nu, _HEIGHT).compliance(x, y),
+                }
+                fields = {
+                    "direct": _direct_stress(x, y, number, d),
+                    "layer": Layer(_YOUNG, nu, _HEIGHT).stress(x[:, None], y[:, None], d),
+                }
+            for f, formula in enumerate(FORMULAS):
+                error[0, f, p, n] = compliance_error(tensors[formula], compliance)
+                if formula in fields:
+                    error[1, f, p, n] = _stress_error(fields[formula], stress, scaled[:, None] * depths)
+    return xr.Dataset(
+        {"error": (("quantity", "formula", "precision", "poisson", "scaled_wavenumber"), error)},
+        coords={
+            "quantity": list(QUANTITIES),
+            "formula": list(FORMULAS),
+            "precision": list(PRECISIONS),
+            "poisson": np.asarray(poisson, dtype=float),
+            "scaled_wavenumber": nominal,
+        },
+    )
+
+
+def _reference(qx: Array, qy: Array, nu: float, depths: Array) -> tuple[list[Any], list[list[Any]]]:
+    """Compliances and stresses of every mode in high precision."""
+    compliance, stress = [], []
+    for x, y, levels in zip(qx, qy, depths, strict=True):
+        mode = (x, y, _YOUNG, nu, _HEIGHT)
+        compliance.append(StateSpace(*mode, bottom="free", digits=_DIGITS).compliance())
+        bonded = StateSpace(*mode, bottom="bonded", digits=_DIGITS)
+        stress.append([bonded.stress(level) for level in levels])
+    return compliance, stress
+
+
+def compliance_error(values: Array, true: Sequence[Any]) -> Array:
+    """Largest error of the entries of every mode, each relative to √(G_ii G_jj), (modes,)."""
+    out = np.full(len(true), np.nan)
+    for n, (matrix, exact) in enumerate(zip(values, true, strict=True)):
+        if not np.all(np.isfinite(matrix)):
+            continue
+        size = [mp.sqrt(abs(exact[i, i])) for i in range(6)]
+        out[n] = max(
+            float(abs(complex(matrix[i, j]) - exact[i, j]) / (size[i] * size[j]))
+            for i in range(6)
+            for j in range(6)
+        )
+    return out
+
+
+def _stress_error(values: Array, true: Sequence[Sequence[Any]], decay: Array) -> Array:
+    """Largest error over all depths of every mode, (modes,).
+
+    The error at a depth is relative to the largest component there and divided by 1 + q · depth, `decay`.
+    """
+    out = np.full(len(true), np.nan)
+    for n, (levels, exact_levels, d) in enumerate(zip(values, true, decay, strict=True)):
+        if not np.all(np.isfinite(levels)):
+            continue
+        errors = []
+        for level, exact, deep in zip(levels, exact_levels, d, strict=True):
+            size = max(abs(e) for e in exact)
+            largest = max(abs(complex(v) - e) for v, e in zip(level, exact, strict=True))
+            errors.append(float(largest / size) / (1 + deep))
+        out[n] = max(errors)
+    return out
+
+
+def _printed_compliance(qx: Array, qy: Array, nu: Any) -> Array:
+    """Compliance of both faces by Eqs. A.2 and A.3, misprints corrected, (modes, 6, 6)."""
+    kind = qx.dtype.type
+    elements = printed.compliance_elements(np, qx, qy, kind(_HEIGHT), kind(_YOUNG), nu)
+    return _stack(printed.compliance(elements), qx)
+
+
+def _direct(qx: Array, qy: Array, nu: Any, z: Array) -> tuple[Array, Array, Array]:
+    """Displacements, their derivatives along z and tractions of the columns of Eq. 6, each (modes, 3, 6)."""
+    kind = qx.dtype.type
+    values, slopes = printed.basis(np, qx, qy, z, (1 - 2 * nu) / (2 * (1 - nu)))
+    rows = printed.stress_rows(values, slopes, qx, qy, kind(_YOUNG), nu)
+    # Tractions in the order x, y, z.
+    ordered = [rows[2], rows[1], rows[0]]
+    return _stack(values, qx), _stack(slopes, qx), _stack(ordered, qx)
+
+
+def _direct_compliance(qx: Array, qy: Array, nu: Any) -> Array:
+    """Compliance of both faces by a numerical solution of Eqs. 5–7, (modes, 6, 6)."""
+    top, _, top_traction = _direct(qx, qy, nu, np.full_like(qx, _HEIGHT))
+    bottom, _, bottom_traction = _direct(qx, qy, nu, np.zeros_like(qx))
+    tractions = np.concatenate([top_traction, -bottom_traction], axis=1)
+    identity = np.broadcast_to(np.eye(6, dtype=tractions.dtype), tractions.shape)
+    return np.concatenate([top, bottom], axis=1) @ _solve(tractions, identity)
+
+
+def _direct_stress(qx: Array, qy: Array, nu: Any, depths: Array) -> Array:
+    """Stress under a unit pressure on a bonded layer, likewise, (modes, depths, 6)."""
+    c11, c12, c44 = printed.elastic_constants(qx.dtype.type(_YOUNG), nu)
+    bottom, _, _ = _direct(qx, qy, nu, np.zeros_like(qx))
+    _, _, traction = _direct(qx, qy, nu, np.full_like(qx, _HEIGHT))
+    system = np.concatenate([traction, bottom], axis=1)
+    load = np.zeros((len(qx), 6, 1), system.dtype)
+    load[:, 2] = -1
+    amplitudes = _solve(system, load)
+    out = np.empty((*depths.shape, 6), system.dtype)
+    for level in range(depths.shape[1]):
+        values, slopes, rows = _direct(qx, qy, nu, qx.dtype.type(_HEIGHT) - depths[:, level])
+        u, slope, t = ((part @ amplitudes)[..., 0] for part in (values, slopes, rows))
+        x, y = 1j * qx * u[:, 0], 1j * qy * u[:, 1]
+        out[:, level, 0] = c11 * x + c12 * (y + slope[:, 2])
+        out[:, level, 1] = c11 * y + c12 * (x + slope[:, 2])
+        out[:, level, 2], out[:, level, 3], out[:, level, 4] = t[:, 2], t[:, 1], t[:, 0]
+        out[:, level, 5] = c44 * 1j * (qx * u[:, 1] + qy * u[:, 0])
+    return out
+
+
+def _stack(rows: Sequence[Sequence[Any]], like: Array) -> Array:
+    """Array (modes, rows, columns) from rows of (modes,) arrays, complex in the precision of `like`."""
+    kind = np.result_type(like.dtype, np.complex64)
+    entries = [[np.broadcast_to(entry, like.shape) for entry in row] for row in rows]
+    return np.ascontiguousarray(np.moveaxis(np.array(entries), -1, 0).astype(kind))
+
+
+def _solve(systems: Array, sides: Array) -> Array:
+    """Solution of every linear system; NaN where it is singular to rounding."""
+    out = np.full(sides.shape, np.nan, systems.dtype)
+    for n, (system, side) in enumerate(zip(systems, sides, strict=True)):
+        if np.all(np.isfinite(system)):
+            try:
+                out[n] = np.linalg.solve(system, side)
+            except np.linalg.LinAlgError:
+                continue
+    return out

@@ -1,0 +1,256 @@
+"""Comparisons of the study: the functions that make them, and the errors that they must keep.
+
+`CHECKS` is the one list of errors with their bounds. The study writes them as a table
+(``results/validation/table.csv``), and ``tests/physics/test_validation.py`` asserts each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from asperity.core import markup
+from asperity.study.validation.closed_forms import (
+    edge_tension,
+    elliptic_contacts,
+    grid_convergence,
+    layer_indentation,
+    load_area,
+    punch,
+    slab_load_area,
+    wave_asymptotes,
+)
+from asperity.study.validation.extremes import outcome_matrix
+from asperity.study.validation.finite_elements import (
+    FIELDS,
+    compare_elements,
+    largest_differences,
+    mesh_convergence,
+)
+from asperity.study.validation.rounding import rounding_errors
+
+COMPARISONS: Mapping[str, Callable[..., xr.Dataset]] = {
+    "load_area": load_area,
+    "slab_load_area": slab_load_area,
+    "grid_convergence": grid_convergence,
+    "elements": compare_elements,
+    "mesh_convergence": mesh_convergence,
+    "punch": punch,
+    "elliptic_contacts": elliptic_contacts,
+    "edge_tension": edge_tension,
+    "layer_indentation": layer_indentation,
+    "wave_asymptotes": wave_asymptotes,
+    "stability": rounding_errors,
+    "extremes": outcome_matrix,
+}
+"""Function of each comparison, by its key in section ``validation``; the keywords are the keys there."""
+
+
+class Check(NamedTuple):
+    """An error of a comparison that must be within a bound.
+
+    Attributes
+    ----------
+    comparison, quantity, against, source : str
+        Key of `COMPARISONS`, what is compared, with what, and where the error comes from.
+    bound : float
+        Largest error; smallest order of convergence if the source is ``"rate"``.
+    error : callable
+        Error from the dataset of the comparison.
+    grid : str
+        Grid and mesh; attributes of the dataset are inserted.
+    """
+
+    comparison: str
+    quantity: str
+    against: str
+    source: str
+    bound: float
+    error: Callable[[xr.Dataset], Any]
+    grid: str
+
+
+class Row(NamedTuple):
+    """One line of the validation table."""
+
+    quantity: str
+    against: str
+    grid: str
+    source: str
+    error: float
+    bound: float
+
+    @property
+    def holds(self) -> bool:
+        """True if the error is at most its bound, or a convergence order at least its bound."""
+        return self.error >= self.bound if self.source == "rate" else self.error <= self.bound
+
+
+def relative_error(found: xr.Dataset, name: str) -> xr.DataArray:
+    """Magnitude of the relative difference between ``solved_`` and ``exact_`` values of a quantity."""
+    return abs(found[f"solved_{name}"] / found[f"exact_{name}"] - 1)
+
+
+def convergence_order(points: xr.DataArray, error: xr.DataArray) -> float:
+    """Order n of an error ~ points⁻ⁿ, fitted over all grids."""
+    return float(-np.polyfit(np.log(points.values), np.log(error.values), 1)[0])
+
+
+def _checks(
+    comparison: str,
+    against: str,
+    source: str,
+    *rows: tuple[str, float, Callable[[xr.Dataset], Any]],
+    grid: str = "{grid_points}²",
+) -> list[Check]:
+    """Checks of one comparison: quantity, bound and error of each."""
+    return [
+        Check(comparison, quantity, against, source, bound, error, grid) for quantity, bound, error in rows
+    ]
+
+
+def _worst(name: str, **selected: Any) -> Callable[[xr.Dataset], Any]:
+    return lambda found: relative_error(found, name).sel(**selected).max()
+
+
+def _peak(name: str, nu: float) -> Callable[[xr.Dataset], Any]:
+    return lambda found: (found[f"{name}_array"] / found[f"{name}_closed_form"] - 1).sel(poisson=nu)
+
+
+def _difference(where: str, field: str) -> Callable[[xr.Dataset], Any]:
+    return lambda found: largest_differences(found)[f"difference_{where}"].sel(field=field)
+
+
+_MESH = "{grid_points}²; {elements}"
+_SYMBOLS = {"displacement_z": "u_z", "stress_zz": "σ_zz", "stress_xx": "σ_xx", "stress_xz": "σ_xz"}
+
+CHECKS = (
+    *_checks(
+        "load_area",
+        "periodic Hertz, Eq. 15",
+        "grid, Hertz's shape",
+        (
+            "contact radius at given load",
+            0.01,
+            lambda found: abs(found.solved_contact_radius / found.hertz_contact_radius - 1).max(),
+        ),
+    ),
+    *_checks(
+        "grid_convergence",
+        "Westergaard",
+        "rate",
+        ("pressure, L2", 0.8, lambda d: convergence_order(d.grid_points, d.wave_pressure_error)),
+        grid="all grids",
+    ),
+    *_checks(
+        "grid_convergence",
+        "Westergaard",
+        "grid",
+        ("approach", 5e-4, lambda found: found.wave_approach_error[-1]),
+        grid="{grid_points}",
+    ),
+    *_checks(
+        "grid_convergence",
+        "twice the grid",
+        "grid",
+        ("load at given approach, slab", 5e-4, lambda found: found.slab_load_error[-1]),
+    ),
+    *_checks(
+        "elements",
+        "scikit-fem",
+        "mesh, grid",
+        ("load at given approach, slab", 5e-4, lambda d: largest_differences(d).difference_load),
+        *((f"{_SYMBOLS[name]} away from the edge", 3e-3, _difference("away", name)) for name in FIELDS),
+        grid=_MESH,
+    ),
+    *_checks(
+        "elements",
+        "scikit-fem",
+        "edge",
+        *((f"{_SYMBOLS[name]} at the edge", 0.1, _difference("edge", name)) for name in FIELDS),
+        grid=_MESH,
+    ),
+    *_checks(
+        "punch",
+        "Hertz, Huber",
+        "periodic cell, grid",
+        ("largest von Mises stress, ν = 0", 0.01, _peak("peak_von_mises", 0)),
+        ("its depth, ν = 0", 0.01, _peak("peak_depth", 0)),
+        ("largest von Mises stress, ν = 0.5", 0.01, _peak("peak_von_mises", 0.5)),
+        ("its depth, ν = 0.5", 0.01, _peak("peak_depth", 0.5)),
+    ),
+    *_checks(
+        "elliptic_contacts",
+        "elliptic Hertz, b/a = 0.2…1",
+        "grid",
+        ("largest pressure", 1e-4, _worst("largest_pressure")),
+        ("largest von Mises stress on the axis", 2e-4, _worst("von_mises")),
+        ("its depth", 5e-4, _worst("von_mises_depth")),
+        ("largest shear stress on the axis", 2e-4, _worst("largest_shear")),
+        ("its depth", 5e-4, _worst("largest_shear_depth")),
+    ),
+    *_checks(
+        "edge_tension",
+        "(1 − 2ν)/3 p₀ a²/r²",
+        "grid",
+        ("tension at the edge, over p₀", 3e-4, lambda d: abs(d.solved_tension - d.exact_tension).max()),
+    ),
+    *_checks(
+        "layer_indentation",
+        "bonded layer, Fredholm equation",
+        "grid",
+        ("load of a layer, flat punch", 0.015, _worst("load", indenter="flat punch")),
+        ("load of a layer, paraboloid", 3e-4, _worst("load", indenter="paraboloid")),
+        ("contact radius, paraboloid", 0.01, _worst("contact_radius")),
+    ),
+    *_checks(
+        "wave_asymptotes",
+        "bisinusoidal wave",
+        "asymptote, grid",
+        ("contact radius at p̄/p* = 0.001", 5e-3, _worst("contact_radius", small_load=0.001)),
+        ("mean gap at p̄/p* = 0.99", 5e-3, _worst("mean_gap", nearly_complete_load=0.99)),
+    ),
+)
+"""Errors of the comparisons with closed forms and finite elements, and their bounds."""
+
+
+def title(name: str) -> str:
+    """Title of the dataset of a comparison: the first line of its function's docstring."""
+    return f"Validation: {(COMPARISONS[name].__doc__ or name).splitlines()[0].removesuffix('.')}"
+
+
+def row_of(check: Check, found: xr.Dataset) -> Row:
+    """Row of the table for a check of the dataset of its comparison."""
+    grid, error = check.grid.format(**found.attrs), float(np.abs(check.error(found)))
+    return Row(check.quantity, check.against, grid, check.source, error, check.bound)
+
+
+def table_rows(datasets: Mapping[str, xr.Dataset]) -> list[Row]:
+    """Rows of the validation table from the results of some comparisons, by name."""
+    return [row_of(check, datasets[check.comparison]) for check in CHECKS if check.comparison in datasets]
+
+
+def frame(rows: Sequence[Row]) -> pd.DataFrame:
+    """The table ``validation`` of `asperity.results.tables.TABLES`, with all digits."""
+    columns = ["quantity", "against", "grid", "source", "error", "bound", "holds"]
+    return pd.DataFrame([[getattr(row, name) for name in columns] for row in rows], columns=columns)
+
+
+def for_reader(rows: Sequence[Row]) -> pd.DataFrame:
+    """The table as text: errors in percent; an error beyond its bound is marked."""
+    table = []
+    for row in rows:
+        value = f"order {row.error:.2f}" if row.source == "rate" else f"{100 * row.error:.2g} %"
+        limit = f"≥ {row.bound:g}" if row.source == "rate" else f"{100 * row.bound:g} %"
+        table.append([*row[:4], value, limit if row.holds else f"{limit}, **exceeded**"])
+    head = ["quantity", "against", "grid; mesh", "error is of", "error", "bound"]
+    return pd.DataFrame(table, columns=head)
+
+
+def markdown(rows: Sequence[Row]) -> str:
+    """The table in Markdown, for `docs/validation.md`."""
+    return markup.markdown(for_reader(rows)) + "\n"

@@ -1,0 +1,218 @@
+"""Two measured maps pressed face to face, as the one rough face that the contact needs.
+
+Both maps were measured with their peaks upward. The lower one lies as it was measured. The upper one is
+turned over about an axis through the middle of its map, so that its peaks point down, and is laid on the
+lower one, middle on middle, moved by a shift. The gap before the first touch is the height of the upper
+face over the lower one: as the slopes are small, only the sum of both reliefs counts,
+
+    h(y, x) = −z_lower(y, x) − z_upper(y', x'),
+
+the lower face of an indenter as `asperity.solve` takes it. Turned about the axis y, y' runs along y and x'
+against x. A map whose heights are those of a lower face already faces down and is not turned.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.fft import dctn
+
+from asperity.core.arguments import choice, number, require_finite
+from asperity.core.errors import shown
+from asperity.core.types import Array
+from asperity.core.units import shown_si
+from asperity.fourier.grid import Fourier, Grid, resample
+from asperity.surface.reading.height_map import AXES, LOWER_FACE, PEAKS_UP, HeightMap, MapError
+
+ON_A_NODE = 1e-6
+"""A position nearer to a node than this share of a pixel is on it."""
+
+FEWEST_NODES = 4
+"""Fewest nodes on an edge of the common area."""
+
+
+class FacedMaps(NamedTuple):
+    """Two maps face to face.
+
+    Parameters
+    ----------
+    map : HeightMap
+        The combined lower face, on the pixels of the lower map that both maps cover. It is periodic if both
+        maps are, which need the same edges then.
+    origin : (y, x)
+        Corner of the common area on the lower map.
+    whole : bool
+        True if the common area is all of the lower map.
+    done : tuple of str
+        What was done, one sentence a step.
+    """
+
+    map: HeightMap
+    origin: tuple[float, float]
+    whole: bool
+    done: tuple[str, ...]
+
+
+def face_to_face(
+    lower: HeightMap,
+    upper: HeightMap,
+    turned_about: str = "y",
+    shift: tuple[float, float] = (0.0, 0.0),
+) -> FacedMaps:
+    """The rough face that stands for two measured maps pressed against each other.
+
+    Parameters
+    ----------
+    lower, upper : HeightMap
+        Levelled and without missing points; see `asperity.treat_map`.
+    turned_about : "y" | "x"
+        Axis about which the upper map is turned over.
+    shift : (y, x)
+        Position of the middle of the upper map over that of the lower one, in the unit of the maps.
+
+    Raises
+    ------
+    MapError, TypeError, ValueError
+        If an argument is out of range, a map has points without data or no orientation, the unit of one map
+        alone is known, two periodic maps have different edges, or the maps have fewer than `FEWEST_NODES`
+        nodes on an edge in common.
+
+    Examples
+    --------
+    Two ground faces whose lays cross; the solver takes the sum as one indenter:
+
+    >>> length = (1e-4, 1e-4)
+    >>> waves = 1e-7 * np.cos(2 * np.pi * np.arange(64) / 16) * np.ones((64, 1))
+    >>> lower = asp.HeightMap(waves, length, periodic=True, unit="m", orientation="peaks up")
+    >>> upper = asp.HeightMap(waves.T, length, periodic=True, unit="m", orientation="peaks up")
+    >>> faced = asp.face_to_face(lower, upper)
+    >>> float(round(np.ptp(faced.map.height) / np.ptp(waves), 6))
+    2.0
+
+    Turned over about y, a peak at the left of the upper map touches the right of the lower one:
+
+    >>> peak = np.zeros((64, 64))
+    >>> peak[20, 3] = 1e-7
+    >>> faced = asp.face_to_face(asp.HeightMap(0 * peak, length), asp.HeightMap(peak, length))
+    >>> np.argwhere(faced.map.height == faced.map.height.min()).tolist()
+    [[20, 60]]
+    """
+    choice("turned_about", turned_about, AXES)
+    if np.shape(shift) != (2,):
+        raise ValueError(f"shift = {shown(shift)}: a pair (y, x) of finite numbers is needed")
+    shift_y, shift_x = (
+        number("shift", value, "a pair (y, x) of finite numbers", np.isfinite) for value in shift
+    )
+    _require_comparable(lower, upper)
+    turned = upper.orientation == PEAKS_UP
+    face = upper.as_indenter()
+    if turned:
+        face = face[:, ::-1] if turned_about == "y" else face[::-1]
+    periodic = lower.periodic and upper.periodic
+    if periodic:
+        part = tuple(slice(0, nodes) for nodes in lower.height.shape)
+        found, resampled = _moved_period(face, lower, (shift_y, shift_x))
+    else:
+        parts, places, on_nodes = zip(
+            *(_common_nodes(lower, upper, axis, (shift_y, shift_x)[axis]) for axis in (0, 1)), strict=True
+        )
+        part, resampled = tuple(parts), not all(on_nodes)
+        if resampled:
+            found = _sampled(face, places, lower, upper)
+        else:
+            found = face[np.ix_(*(np.rint(place).astype(np.int64) for place in places))]
+    height = lower.as_indenter()[part] + found
+    require_finite("face_to_face", {"height": height})
+    pixel = lower.spacing
+    combined = replace(
+        lower,
+        height=height - height.mean(),
+        length=(height.shape[0] * pixel[0], height.shape[1] * pixel[1]),
+        periodic=periodic,
+        orientation=LOWER_FACE,
+        channel="",
+    )
+    origin = part[0].start * pixel[0], part[1].start * pixel[1]
+    whole = height.shape == lower.height.shape
+
+    def in_words(*values: float) -> list[str]:
+        return [shown_si(value, "m", 4) if lower.unit else f"{value:.4g}" for value in values]
+
+    how = f"turned over about the axis {turned_about}"
+    how = how if turned else "not turned: its heights are those of a lower face"
+    moved = f" with a shift of {' x '.join(in_words(shift_y, shift_x))}" if shift_y or shift_x else ""
+    done = [f"counter map {how}, and laid on the map{moved}"]
+    if not whole:
+        size, (y, x) = " x ".join(in_words(*combined.length)), in_words(*origin)
+        done.append(
+            f"the maps have {size} in common; places count from its corner, y = {y} and x = {x} of the map"
+        )
+    if resampled:
+        done.append("counter map interpolated to the pixels of the map")
+    return FacedMaps(combined, origin, whole, tuple(done))
+
+
+def _require_comparable(lower: HeightMap, upper: HeightMap) -> None:
+    for name, surface in (("lower", lower), ("upper", upper)):
+        if surface.missing:
+            raise MapError(surface.name, [f"{name}: {surface.missing} points have no data; fill them first"])
+    if (lower.unit is None) != (upper.unit is None):
+        raise MapError(upper.name, ["the unit of one map is known and that of the other is not; give it"])
+    equal = np.allclose(lower.length, upper.length, rtol=ON_A_NODE, atol=0)
+    if lower.periodic and upper.periodic and not equal:
+        mine, its = (" x ".join(f"{edge:.6g}" for edge in surface.length) for surface in (lower, upper))
+        raise MapError(upper.name, [f"periodic maps of equal edges are needed, not {mine} and {its}"])
+
+
+def _common_nodes(lower: HeightMap, upper: HeightMap, axis: int, shift: float) -> tuple[slice, Array, bool]:
+    """Nodes of the lower map that the upper one covers, their places in it, and if these are its nodes.
+
+    Nodes are the middles of pixels, and places are in pixels of the upper map from its first node.
+    """
+    nodes, step = lower.height.shape[axis], lower.spacing[axis]
+    count, pixel = upper.height.shape[axis], upper.spacing[axis]
+    position = (np.arange(nodes) + 0.5) * step - lower.length[axis] / 2 - shift
+    place = (position + upper.length[axis] / 2) / pixel - 0.5
+    inside = np.flatnonzero((place > -0.5 - ON_A_NODE) & (place < count - 0.5 + ON_A_NODE))
+    if inside.size < FEWEST_NODES:
+        common = f"the maps have {inside.size} nodes in common, at least {FEWEST_NODES} are needed"
+        raise MapError(upper.name, [f"shift along {AXES[axis]} = {shift:.6g}: {common}"])
+    place = place[inside]
+    equal_pixels = abs(step / pixel - 1) * nodes < ON_A_NODE
+    on_nodes = equal_pixels and bool(np.abs(place - np.rint(place)).max() < ON_A_NODE)
+    return slice(int(inside[0]), int(inside[-1]) + 1), place, on_nodes
+
+
+def _sampled(face: Array, places: tuple[Array, ...], lower: HeightMap, upper: HeightMap) -> Array:
+    """Values of a face with edges at places between its nodes, without waves that the lower map cannot hold.
+
+    The cosine series is the Fourier series of the map continued by its mirror images.
+    """
+    values = dctn(face, norm="ortho")
+    for axis, place in enumerate(places):
+        nodes = face.shape[axis]
+        order = np.arange(nodes)
+        weight = np.where(order == 0, np.sqrt(1 / nodes), np.sqrt(2 / nodes))
+        # A mode of order k has a wavelength of 2 · length / k.
+        weight[order * lower.spacing[axis] > upper.length[axis]] = 0.0
+        basis = weight * np.cos(np.pi / nodes * (place[:, None] + 0.5) * order)
+        values = basis @ values if axis == 0 else values @ basis.T
+    return values
+
+
+def _moved_period(face: Array, lower: HeightMap, shift: tuple[float, float]) -> tuple[Array, bool]:
+    """A period on the nodes of the lower map and moved by a shift, and if it was interpolated."""
+    target = Grid((lower.height.shape[0], lower.height.shape[1]), lower.length)
+    source = Grid((face.shape[0], face.shape[1]), lower.length)
+    moved = [value / step for value, step in zip(shift, target.spacing, strict=True)]
+    nodes = [round(value) for value in moved]
+    whole = max(abs(a - b) for a, b in zip(moved, nodes, strict=True)) < ON_A_NODE
+    if whole and source.shape == target.shape:
+        return np.roll(face, nodes, axis=(0, 1)), False
+    modes = resample(Fourier(source).forward(face), source, target)
+    # Nodes are the middles of pixels: the first nodes of unlike grids are at different places.
+    late = [value + (a - b) / 2 for value, a, b in zip(shift, source.spacing, target.spacing, strict=True)]
+    phase = target.odd_qy[:, None] * late[0] + target.odd_qx[None, :] * late[1]
+    return Fourier(target).inverse(modes * np.exp(-1j * phase)), True

@@ -1,0 +1,241 @@
+"""Operations on the heights of a map: spikes, missing points, trends, windows and short waves."""
+
+from __future__ import annotations
+
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+
+from asperity.core.packages import require
+from asperity.core.types import Array
+from asperity.fourier.grid import Fourier, Grid, resample
+
+TAPER = 0.1
+"""Fraction of an edge, at each of its ends, over which a windowed map falls to its mean plane."""
+
+MEDIAN_POINTS = 5
+"""Edge of the square of points in which the local median is taken."""
+
+LONGEST_SPIKE = 5
+"""Edge of the largest square of points that is a spike; a group that extends farther is a scratch, a step or
+a particle, and stays."""
+
+_MAX_DESPIKE_ITERATIONS = 10
+
+
+class Trend(NamedTuple):
+    """Trend that was subtracted from a map.
+
+    Parameters
+    ----------
+    slope : (slope_y, slope_x)
+        Gradient of the mean plane.
+    bow : float
+        Difference between the largest and the smallest value of the terms of degree two.
+    """
+
+    slope: tuple[float, float]
+    bow: float
+
+
+def find_spikes(height: Array, threshold: float) -> Array:
+    """Points of a map that stand out of their surroundings.
+
+    A spike differs from the local median by more than `threshold` robust standard deviations of the local
+    roughness (1.4826 times the median of the absolute difference between height and local mean), and belongs
+    to a connected group of such points that fits into a square of `LONGEST_SPIKE` points. Found spikes are
+    replaced by the local median and the search is repeated until it finds no more. Mean and median are those
+    of `MEDIAN_POINTS` squared points; the median is taken of the medians of their rows (P. M. Narendra, IEEE
+    Trans. Pattern Anal. Mach. Intell. 3 (1981) 20, doi 10.1109/TPAMI.1981.4767047). The difference from the
+    mean is Gaussian for a Gaussian surface; that from the median is not, and its spread is no measure.
+
+    Parameters
+    ----------
+    height : (ny, nx) array
+        NaN where there are no data; these points are no spikes.
+    threshold : float
+
+    Returns
+    -------
+    spikes : (ny, nx) array of bool
+    """
+    missing = ~np.isfinite(height)
+    smooth = subtract_trend(_nearest(height, missing), "tilt", (1.0, 1.0))[0]
+    spikes = np.zeros(height.shape, dtype=bool)
+    for _ in range(_MAX_DESPIKE_ITERATIONS):
+        median, mean = _local_median_and_mean(smooth)
+        size = np.abs(smooth - mean)[~missing]
+        sigma = 1.4826 * float(np.median(size)) if size.size else 0.0
+        if sigma == 0 and size.size:  # more than half of the points equal their mean: coarse quantisation
+            sigma = 1.2533 * float(np.mean(size))
+        found = _compact((np.abs(smooth - median) > threshold * sigma) & ~missing) & ~spikes
+        if not found.any():
+            break
+        spikes |= found
+        smooth[found] = median[found]
+    return spikes
+
+
+def _local_median_and_mean(height: Array) -> tuple[Array, Array]:
+    """Median of the row medians, and mean, of a square of points around each point."""
+    median: Array = height
+    mean: Array = height
+    for axis in (0, 1):
+        mean = np.mean(_neighbours(mean, axis), axis=0)
+        median = _median_of_five(*_neighbours(median, axis))
+    return median, mean
+
+
+def _neighbours(height: Array, axis: int) -> list[Array]:
+    """The heights shifted by −2 to 2 points along an axis.
+
+    Beyond an edge they go on as the point reflection at the edge, so that a slope has no bend there. The
+    height of the edge is the median of itself and of two extrapolations, so that a spike in it is none of the
+    reflection.
+    """
+    half = MEDIAN_POINTS // 2
+    n = height.shape[axis]
+    rows = np.moveaxis(height, axis, 0)
+    if n < MEDIAN_POINTS:
+        padded = np.pad(rows, ((half, half), (0, 0)), mode="edge")
+    else:
+        ends = []
+        for side in (rows, rows[::-1]):
+            edge = np.median([side[0], 2 * side[1] - side[2], 2 * side[2] - side[4]], axis=0)
+            ends.append(2 * edge - side[half:0:-1])
+        padded = np.concatenate([ends[0], rows, ends[1][::-1]])
+    return [np.moveaxis(padded[start : start + n], 0, axis) for start in range(MEDIAN_POINTS)]
+
+
+def _median_of_five(a: Array, b: Array, c: Array, d: Array, e: Array) -> Array:
+    """Elementwise median of five arrays."""
+    low = np.maximum(np.minimum(a, b), np.minimum(c, d))
+    high = np.minimum(np.maximum(a, b), np.maximum(c, d))
+    # The median is that of e and of the two middle values of the other four.
+    return np.maximum(np.minimum(low, high), np.minimum(e, np.maximum(low, high)))
+
+
+def _compact(marked: Array) -> Array:
+    """The marked points whose connected group fits into a square of `LONGEST_SPIKE` points."""
+    from scipy.ndimage import find_objects, label
+
+    if not marked.any():
+        return marked
+    groups, count = label(marked, np.ones((3, 3)))
+    small = np.zeros(count + 1, dtype=bool)
+    for number, box in enumerate(find_objects(groups), 1):
+        small[number] = all(side.stop - side.start <= LONGEST_SPIKE for side in box)
+    return small[groups]
+
+
+def _nearest(height: Array, missing: Array) -> Array:
+    """The heights with those of the nearest points where data are missing."""
+    if not missing.any():
+        return np.array(height, dtype=float)
+    from scipy.ndimage import distance_transform_edt
+
+    nearest = distance_transform_edt(missing, return_distances=False, return_indices=True)
+    return height[tuple(nearest)].astype(float)
+
+
+def fill_harmonic(height: Array, missing: Array) -> Array:
+    """The heights with a harmonic function at the missing points: their Laplacian is zero there."""
+    if not missing.any():
+        return height
+    require(("SurfaceTopography",))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of packages that are not installed and not needed here
+        from SurfaceTopography import Topography
+
+    masked = np.ma.masked_array(height.T, missing.T)
+    topography = Topography(masked, tuple(map(float, masked.shape)))
+    return np.asarray(topography.interpolate_undefined_data_with_harmonic_function().heights()).T
+
+
+def subtract_trend(height: Array, detrend: str, length: tuple[float, float]) -> tuple[Array, Trend]:
+    """The heights minus their least-squares polynomial, and that polynomial.
+
+    The polynomial is a constant, a plane (``tilt``) or of degree two (``curvature``). Its terms are
+    orthogonal on a full grid.
+    """
+    linear_y, linear_x = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in height.shape)
+    square_y, square_x = (np.square(linear) - np.mean(np.square(linear)) for linear in (linear_y, linear_x))
+    one_y, one_x = np.ones_like(linear_y), np.ones_like(linear_x)
+    terms = [(one_y, one_x)]
+    if detrend in ("tilt", "curvature"):
+        terms += [(linear_y, one_x), (one_y, linear_x)]
+    if detrend == "curvature":
+        terms += [(square_y, one_x), (linear_y, linear_x), (one_y, square_x)]
+    left = height.astype(float)
+    coefficients = []
+    for term_y, term_x in terms:
+        norm = (term_y @ term_y) * (term_x @ term_x)
+        coefficient = (term_y @ height @ term_x) / norm if norm > 0 else 0.0
+        coefficients.append(float(coefficient))
+        if norm > 0:
+            left -= np.outer(coefficient * term_y, term_x)
+    coefficients += [0.0] * (6 - len(coefficients))
+    # The terms of degree one run from -1 to 1 over the distance between the first and the last point.
+    half = [edge * (1 - 1 / n) / 2 for edge, n in zip(length, height.shape, strict=True)]
+    slope = coefficients[1] / half[0], coefficients[2] / half[1]
+    bow = 0.0
+    if detrend == "curvature":
+        shape = coefficients[3] * square_y[:, None] + coefficients[5] * square_x[None, :]
+        bow = float(np.ptp(shape + coefficients[4] * np.outer(linear_y, linear_x)))
+    return left, Trend(slope, bow)
+
+
+def mirrored(height: Array) -> Array:
+    """The map and its mirror images at two edges: a cell of twice the edges without steps."""
+    return np.block([[height, height[:, ::-1]], [height[::-1], height[::-1, ::-1]]])
+
+
+def tukey_window(shape: tuple[int, ...]) -> Array:
+    """Tukey window, which falls to zero over the fraction `TAPER` at each end of an edge.
+
+    F. J. Harris, Proc. IEEE 66 (1978) 51, doi 10.1109/PROC.1978.10837.
+    """
+    from scipy.signal.windows import tukey
+
+    window_y, window_x = (tukey(n, 2 * TAPER, sym=False) for n in shape)
+    return window_y[:, None] * window_x[None, :]
+
+
+def edge_step(height: Array) -> float:
+    """Rms height step across the edges of a period, relative to the rms step between all neighbouring nodes.
+
+    It is about one for a periodic map, zero for a mirrored one, and larger if opposite edges do not match.
+    """
+    across = np.concatenate([height[0] - height[-1], height[:, 0] - height[:, -1]])
+    along_y, along_x = np.diff(height, axis=0), np.diff(height, axis=1)
+    inside = (np.sum(along_y**2) + np.sum(along_x**2)) / max(along_y.size + along_x.size, 1)
+    return float(np.sqrt(np.mean(across**2) / inside)) if inside > 0 else 0.0
+
+
+def low_pass_periodic(height: Array, grid: Grid, target: Grid, shortest: float | None) -> Array:
+    """A periodic map on another grid, by Fourier series, without waves shorter than `shortest`; mean zero."""
+    coefficients = Fourier(grid).forward(height)
+    if shortest is not None:
+        coefficients[grid.wavenumber() > 2 * np.pi / shortest * (1 + 1e-9)] = 0.0
+    coefficients[0, 0] = 0.0
+    return Fourier(target).inverse(resample(coefficients, grid, target), overwrite=True)
+
+
+def low_pass_bounded(height: Array, grid: Grid, target: Grid, shortest: float | None) -> Array:
+    """A map with edges on another grid, by cosine series, without waves shorter than `shortest`; mean zero.
+
+    Points are the centres of pixels on both grids. The series is the Fourier series of the map continued by
+    its mirror images, so no step at an edge is smoothed into the map.
+    """
+    from scipy.fft import dctn, idctn
+
+    coefficients = dctn(height, norm="ortho")
+    if shortest is not None:
+        half = [np.pi * np.arange(n) / edge for n, edge in zip(grid.shape, grid.length, strict=True)]
+        coefficients[np.hypot(half[0][:, None], half[1][None, :]) > 2 * np.pi / shortest * (1 + 1e-9)] = 0.0
+    coefficients[0, 0] = 0.0
+    kept = np.zeros(target.shape)
+    rows, columns = (min(a, b) for a, b in zip(grid.shape, target.shape, strict=True))
+    kept[:rows, :columns] = coefficients[:rows, :columns]
+    return idctn(kept, norm="ortho") * np.sqrt(kept.size / height.size)

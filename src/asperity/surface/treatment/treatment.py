@@ -1,0 +1,501 @@
+"""From a measured map to the lower face of an indenter, with a record of everything that was done to it.
+
+The steps are, in this order: spikes are removed, points without data are filled, a trend is subtracted, the
+map is made periodic (or left as it is, for a contact without periodic boundaries), short waves are removed,
+the map is resampled, and the form of a sphere or cylinder is added.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from asperity.core.arguments import require_finite
+from asperity.core.types import Array
+from asperity.core.units import shown_si
+from asperity.fourier.grid import Grid, good_size
+from asperity.surface.form import add_cylinder, add_sphere
+from asperity.surface.reading.height_map import (
+    ORIENTATION_NEEDED,
+    PERIODICITIES,
+    UNIT_NEEDED,
+    HeightMap,
+    MapError,
+    MapOptions,
+)
+from asperity.surface.reading.map_file import MapFile, open_map
+from asperity.surface.treatment.levelling import (
+    edge_step,
+    fill_harmonic,
+    find_spikes,
+    low_pass_bounded,
+    low_pass_periodic,
+    mirrored,
+    subtract_trend,
+    tukey_window,
+)
+
+DESPIKE = 8.0
+"""Threshold that is proposed for spikes, in robust standard deviations from the local median. No point of
+Gaussian self-affine surfaces of 512² points is above it, for Hurst exponents from 0.2 to 0.9."""
+
+# Largest variation, relative to the heights, of a map that is flat but for rounding.
+_ROUNDING = 1e-13
+
+
+@dataclass(frozen=True)
+class MapTreatment:
+    """Record of what was done to a map.
+
+    Parameters
+    ----------
+    orientation : str
+        Meaning of the heights in the file: ``peaks up`` (they were turned upside down) or ``lower face``.
+    unit : str
+        Unit of the lengths below: ``m``, or ``unknown``.
+    missing, spikes : int
+        Points without data in the file, and points removed as spikes. Both were filled.
+    filled_fraction : float
+        Share of the points that were filled.
+    despike : float
+        Threshold for spikes in robust standard deviations, 0 if none were looked for.
+    detrend : str
+    tilt : float
+        Angle of the mean plane that was removed, in radians.
+    bow : float
+        Height of the terms of degree two that were removed, from lowest to highest point.
+    periodic : str
+        ``declared``, ``mirrored``, ``windowed``, ``none``, or ``stated by the file``.
+    altered_fraction : float
+        Share of the area that a window lowered.
+    edge_step_before, edge_step : float
+        `asperity.surface.treatment.levelling.edge_step` of the levelled map and of the result.
+    shape_y, shape_x, points_y, points_x : int
+        Points of the file and of the result.
+    length_y, length_x : float
+        Edges of the result.
+    wavelength_short : float
+        Shortest wave of the result.
+    filtered : int
+        1 if shorter waves were removed.
+    """
+
+    orientation: str
+    unit: str
+    missing: int
+    spikes: int
+    filled_fraction: float
+    despike: float
+    detrend: str
+    tilt: float
+    bow: float
+    periodic: str
+    altered_fraction: float
+    edge_step_before: float
+    edge_step: float
+    shape_y: int
+    shape_x: int
+    points_y: int
+    points_x: int
+    length_y: float
+    length_x: float
+    wavelength_short: float
+    filtered: int
+
+    def attributes(self) -> dict[str, Any]:
+        """The record as attributes of a NetCDF file."""
+        return {f"map_{name}": value for name, value in asdict(self).items()}
+
+    @property
+    def images(self) -> int:
+        """Number of images of the map along each edge of the cell: 2 if it is mirrored."""
+        return 2 if self.periodic == "mirrored" else 1
+
+    def lines(self) -> list[str]:
+        """The record in words, one sentence a step."""
+        lines = [
+            "turned upside down: the peaks of the map touch first"
+            if self.orientation == "peaks up"
+            else "used as it is: the heights are those of an indenter's lower face"
+        ]
+        if self.despike:
+            lines.append(
+                f"spikes: {self._share(self.spikes)} beyond {self.despike:g} robust standard deviations "
+                "from the local median replaced"
+            )
+        if self.missing:
+            lines.append(f"without data: {self._share(self.missing)} filled by a harmonic function")
+        tilt = f"tilt of {math.degrees(self.tilt):.3g}°"
+        levelled = {
+            "none": "mean height",
+            "tilt": tilt,
+            "curvature": f"{tilt} and curvature of {self._length(self.bow)} height",
+        }
+        lines.append(f"levelled: {levelled[self.detrend]} removed")
+        lines.append(self._made_periodic())
+        if self.filtered:
+            lines.append(f"waves shorter than {self._length(self.wavelength_short)} removed")
+        if (self.points_y, self.points_x) != (self.images * self.shape_y, self.images * self.shape_x):
+            lines.append(f"resampled to {self.points_y} x {self.points_x} points")
+        return lines
+
+    def _made_periodic(self) -> str:
+        step = f"edge step {self.edge_step_before:.3g} times that between neighbouring points"
+        size = f"{self._length(self.length_y)} x {self._length(self.length_x)}"
+        return {
+            "mirrored": f"mirrored at two edges: the cell is {size}",
+            "windowed": f"windowed: {100 * self.altered_fraction:.3g} % of the area lowered towards the mean",
+            "declared": f"taken as one period, as declared: {step}",
+            "none": "not made periodic: for a free boundary",
+        }.get(self.periodic, f"taken as one period, as the file states: {step}")
+
+    def _share(self, count: int) -> str:
+        return f"{count} points ({100 * count / (self.shape_y * self.shape_x):.2g} %)"
+
+    def _length(self, value: float) -> str:
+        return shown_si(value, "m", 3) if self.unit == "m" else f"{value:.3g}"
+
+
+@dataclass(frozen=True, repr=False)
+class TreatedMap:
+    """The lower face of an indenter made from a map.
+
+    Parameters
+    ----------
+    height : (ny, nx) array
+        Heights measured upward, with mean zero but for an added form.
+    grid : Grid
+        Grid of the heights, in their unit.
+    wavelength_short : float
+        Shortest wavelength that was kept.
+    treatment : MapTreatment
+        Record of what was done.
+    name : str
+        Name of the map.
+    done : tuple of str
+        What was done to the map, in words.
+    """
+
+    height: Array
+    grid: Grid
+    wavelength_short: float
+    treatment: MapTreatment
+    name: str = ""
+    done: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        ny, nx = self.height.shape
+        return f"<TreatedMap of {ny} × {nx} nodes, shortest wavelength {self.wavelength_short:.4g}>"
+
+    @property
+    def boundary(self) -> str:
+        """Boundary of the contact, "free" if the map was not made periodic."""
+        return "free" if self.treatment.periodic == "none" else "periodic"
+
+    @property
+    def is_mirrored(self) -> bool:
+        """True if the cell holds the map and its mirror images."""
+        return self.treatment.images > 1
+
+    @property
+    def map_length(self) -> tuple[float, float]:
+        """Edges of the map; those of the cell of a mirrored map are twice as long."""
+        images = self.treatment.images
+        return self.grid.length[0] / images, self.grid.length[1] / images
+
+    @property
+    def map_shape(self) -> tuple[int, int]:
+        """Nodes (y, x) of the map in the cell."""
+        images = self.treatment.images
+        return self.grid.shape[0] // images, self.grid.shape[1] // images
+
+    @property
+    def map_area(self) -> float:
+        """Area of the map."""
+        return self.map_length[0] * self.map_length[1]
+
+    def is_on_map(self, y: Array, x: Array) -> Array:
+        """True for places in the cell that belong to the map, and not to one of its mirror images.
+
+        A peak on the mirror is found between a node of the map and its image, to rounding: places up to the
+        nearest nodes of the images belong to the map. There is no second peak so near to the mirror.
+        """
+        own = np.ones(np.shape(y), bool)
+        if self.is_mirrored:
+            for place, length, spacing in zip((y, x), self.map_length, self.grid.spacing, strict=True):
+                own &= (place < length) | (place >= 2 * length - spacing)
+        return own
+
+    def on_map(self, y: Array | float, x: Array | float) -> tuple[Array, Array]:
+        """Places on the map of places in the cell, which may lie in a mirror image of the map.
+
+        Mirror images repeat the outermost row and column: the mirror stands half a spacing beyond the last
+        node. Between the mirror and the first node the map has no node of its own.
+        """
+        found = []
+        for place, length, spacing in zip((y, x), self.map_length, self.grid.spacing, strict=True):
+            image = np.maximum(2 * length - spacing - np.asarray(place), 0.0)
+            found.append(np.where(np.asarray(place) < length - spacing / 2, place, image))
+        return found[0], found[1]
+
+    def map_alone(self) -> TreatedMap:
+        """The surface without its periodic images and mirror images: nothing surrounds it."""
+        rows, columns = self.map_shape
+        record = replace(self.treatment, periodic="none", edge_step=0.0)
+        height, grid = self.height[:rows, :columns], Grid(self.map_shape, self.map_length)
+        return replace(self, height=height, grid=grid, treatment=record)
+
+
+def prepare_map(path: str | os.PathLike[str], options: MapOptions | None = None, **given: Any) -> TreatedMap:
+    """The lower face of an indenter, in metres, from a file with a measured map.
+
+    Parameters
+    ----------
+    path : path
+    options : MapOptions, optional
+    **given
+        Fields of `MapOptions`, in place of those of `options`.
+
+    Raises
+    ------
+    MapError
+        If the file cannot be used; the message names everything that is wrong or missing, also that its unit
+        is not known.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from pathlib import Path
+    >>> heights = asp.self_affine((40, 40), 0.8, 60e-6, 10e-6, rms_height=1e-7, seed=1, length=80e-6)
+    >>> what = asp.MapOptions(physical_size=("80 um", "80 um"), unit="nm", orientation="peaks up")
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     np.save(Path(folder) / "map.npy", heights * 1e9)
+    ...     made = asp.prepare_map(Path(folder) / "map.npy", what, periodic="windowed")
+    >>> made.height.shape, [round(edge, 9) for edge in made.grid.length]
+    ((40, 40), [8e-05, 8e-05])
+    """
+    options = MapOptions.chosen(options, given)
+    found = open_map(path, options)
+    if problems := missing_options(found, options):
+        raise MapError(os.fspath(path), problems)
+    return treat_map(found.map, options)
+
+
+def missing_options(found: MapFile, options: MapOptions, needs_unit: bool = True) -> list[str]:
+    """Everything that a file and the options lack for the treatment of a map."""
+    problems = list(found.problems)
+    if needs_unit and found.map.unit is None and not any(text.startswith("unit") for text in problems):
+        problems.append(UNIT_NEEDED)
+    return problems + [text for text in _missing(found.map, options) if text not in problems]
+
+
+def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: Any) -> TreatedMap:
+    """The lower face of an indenter made from a measured map.
+
+    Parameters
+    ----------
+    surface : HeightMap
+    options : MapOptions, optional
+        What is known of a file is not used.
+    **given
+        Fields of `MapOptions`, in place of those of `options`.
+
+    Raises
+    ------
+    MapError
+        If an option is out of range or missing, or if the map is flat; the message says all that is wrong.
+
+    Examples
+    --------
+    >>> heights = asp.self_affine((40, 40), 0.8, 60e-6, 10e-6, rms_height=1e-7, seed=1, length=80e-6)
+    >>> heights[3, 5] = np.nan  # a point without data
+    >>> surface = asp.HeightMap(heights, length=(80e-6, 80e-6))
+    >>> made = asp.treat_map(surface, periodic="mirrored", undefined="harmonic")
+    >>> made.height.shape, bool(np.isfinite(made.height).all())
+    ((80, 80), True)
+    """
+    options = MapOptions.chosen(options, given)
+    if problems := _missing(surface, options) or _out_of_range(surface, options):
+        raise MapError(surface.name, problems)
+    missing = ~np.isfinite(surface.height)
+    spikes = np.zeros_like(missing)
+    if options.despike is not None:
+        spikes = find_spikes(surface.height, options.despike)
+    filled = fill_harmonic(surface.height, missing | spikes)
+    level, trend = subtract_trend(filled, options.detrend, surface.length)
+    if np.ptp(level) <= _ROUNDING * np.abs(filled).max():
+        raise MapError(surface.name, ["a surface that varies is needed, this one is flat"])
+    step, altered = edge_step(level), 0.0
+    if options.periodic == "mirrored":
+        level = mirrored(level)
+    elif options.periodic == "windowed":
+        window = tukey_window(level.shape)
+        level, altered = level * window, float(np.mean(window < 1))
+    lower = level - np.mean(level) if surface.orientation == "lower face" else np.mean(level) - level
+    grid, target = _grids(surface, options)
+    shortest = options.wavelength_short
+    if shortest is not None:
+        shortest = surface.in_map_unit("wavelength_short", shortest)
+    low_pass = low_pass_bounded if options.periodic == "none" else low_pass_periodic
+    smooth = low_pass(lower, grid, target, shortest)
+    if np.ptp(smooth) <= _ROUNDING * np.ptp(lower):
+        raise MapError(
+            surface.name,
+            ["wavelength_short: a smaller one is needed, the map has no waves of this length or longer"],
+        )
+    require_finite("treat_map", {"height": smooth})
+    missing_points, spike_points = int(np.count_nonzero(missing)), int(np.count_nonzero(spikes))
+    record = MapTreatment(
+        orientation=surface.orientation or "",
+        unit="m" if surface.unit else "unknown",
+        missing=missing_points,
+        spikes=spike_points,
+        filled_fraction=(missing_points + spike_points) / surface.height.size,
+        despike=options.despike or 0.0,
+        detrend=options.detrend,
+        tilt=math.atan(math.hypot(*trend.slope)),
+        bow=trend.bow,
+        periodic=options.periodic or "stated by the file",
+        altered_fraction=altered,
+        edge_step_before=step,
+        edge_step=edge_step(smooth),
+        shape_y=surface.height.shape[0],
+        shape_x=surface.height.shape[1],
+        points_y=target.shape[0],
+        points_x=target.shape[1],
+        length_y=target.length[0],
+        length_x=target.length[1],
+        wavelength_short=shortest or _two_nodes(grid, target),
+        filtered=int(shortest is not None),
+    )
+    treated = TreatedMap(smooth, target, record.wavelength_short, record, surface.name, tuple(record.lines()))
+    if options.radius is None:
+        return treated
+    return _with_form(treated, options, surface.in_map_unit("radius", options.radius))
+
+
+def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given: Any) -> TreatedMap:
+    """The periodic lower face of an indenter, in units of the longer edge of its cell.
+
+    Parameters
+    ----------
+    surface : HeightMap
+    options : MapOptions, optional
+        ``periodic="none"`` is not accepted. A number for `wavelength_short` is in units of the longer edge of
+        the cell, which has twice the edges of the map if it is mirrored.
+    **given
+        Fields of `MapOptions`, in place of those of `options`.
+
+    Returns
+    -------
+    TreatedMap
+        Its lengths, and those of its record, are in units of the longer edge of the cell.
+
+    Raises
+    ------
+    MapError
+        As for `treat_map`.
+
+    Examples
+    --------
+    >>> edges = 80e-6, 120e-6
+    >>> heights = asp.self_affine((40, 60), 0.8, 60e-6, 10e-6, rms_height=1e-7, seed=1, length=edges)
+    >>> surface = asp.HeightMap(heights, edges)
+    >>> made = asp.make_periodic(surface, periodic="mirrored")
+    >>> made.height.shape, made.grid.length  # four mirror images; the longer edge is 1
+    ((80, 120), (0.6666666666666667, 1.0))
+    """
+    options = MapOptions.chosen(options, given)
+    if options.periodic == "none":
+        known = ", ".join(PERIODICITIES[:-1])
+        raise MapError(surface.name, [f"periodic = 'none': one of {known} is needed"])
+    edge = cell_edge(surface, options)
+    if isinstance(options.wavelength_short, str):
+        length = surface.in_map_unit("wavelength_short", options.wavelength_short)
+        options = replace(options, wavelength_short=length / edge)
+    scale = 1 / edge
+    scaled = replace(
+        surface,
+        height=surface.height * scale,
+        length=(surface.length[0] * scale, surface.length[1] * scale),
+        unit=None,
+    )
+    return treat_map(scaled, options)
+
+
+def cell_edge(surface: HeightMap, options: MapOptions) -> float:
+    """Longer edge of the periodic cell that a map becomes."""
+    return max(surface.length) * (2 if options.periodic == "mirrored" else 1)
+
+
+def _missing(surface: HeightMap, options: MapOptions) -> list[str]:
+    """What the map does not say, and no option either."""
+    problems = []
+    if surface.orientation is None:
+        problems.append(ORIENTATION_NEEDED)
+    if options.periodic is None and not surface.periodic:
+        problems.append(
+            "periodic: the file does not say that the map is one period; set it to declared, mirrored or "
+            "windowed, or press it with a free boundary"
+        )
+    if surface.missing and options.undefined is None:
+        problems.append(f"undefined: {surface.missing} points of the map have no data; set it to harmonic")
+    return problems
+
+
+def _out_of_range(surface: HeightMap, options: MapOptions) -> list[str]:
+    """Message on a shortest wavelength out of range, and on a form that the cell cannot hold."""
+    grid, target = _grids(surface, options)
+    if options.radius is not None and options.periodic == "mirrored" and any(n % 2 for n in target.shape):
+        return [f"points: even numbers are needed for a form on a mirrored map, not {target.shape}"]
+    if options.wavelength_short is None:
+        return []
+    try:
+        given = surface.in_map_unit("wavelength_short", options.wavelength_short)
+    except ValueError as error:
+        return [str(error)]
+    shortest, longest = _two_nodes(grid, target), max(grid.length)
+    if shortest * (1 - 1e-9) <= given <= longest * (1 + 1e-9):
+        return []
+    in_unit = (lambda size: shown_si(size, "m", 6)) if surface.unit else (lambda size: f"{size:.6g}")
+    low, high, value = in_unit(shortest), in_unit(longest), in_unit(float(given))
+    return [f"wavelength_short = {value}: a number ≥ {low} (two nodes), ≤ {high} is needed"]
+
+
+def _grids(surface: HeightMap, options: MapOptions) -> tuple[Grid, Grid]:
+    """Grid of the cell before it is resampled, and after it, with about square pixels."""
+    images = 2 if options.periodic == "mirrored" else 1
+    ny, nx = surface.height.shape
+    grid = Grid((images * ny, images * nx), (images * surface.length[0], images * surface.length[1]))
+    if options.points is None:
+        return grid, grid
+    longest = max(grid.length)
+    shape = [
+        int(options.points) if edge == longest else good_size(round(options.points * edge / longest))
+        for edge in grid.length
+    ]
+    return grid, Grid((shape[0], shape[1]), grid.length)
+
+
+def _two_nodes(grid: Grid, target: Grid) -> float:
+    return 2 * max(*grid.spacing, *target.spacing)
+
+
+def _with_form(treated: TreatedMap, options: MapOptions, radius: float) -> TreatedMap:
+    """The surface with the form of a sphere or cylinder, on every mirror image of the map."""
+    part = Grid(treated.map_shape, treated.map_length)
+    flat = np.zeros(part.shape)
+    if options.form == "sphere":
+        form, word = add_sphere(flat, part, radius), "a sphere"
+    else:
+        form = add_cylinder(flat, part, radius, axis=options.cylinder_axis)
+        word = f"a cylinder along {options.cylinder_axis}"
+    if treated.is_mirrored:
+        form = mirrored(form)
+    size = shown_si(radius, "m") if treated.treatment.unit == "m" else f"{radius:g}"
+    line = f"form of {word} of radius {size} added"
+    return replace(treated, height=treated.height + form, done=(*treated.done, line))

@@ -1,0 +1,100 @@
+"""What a dataset of xarray can do with a result of asperity, as ``dataset.asperity``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import xarray as xr
+
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.stress.peaks.selection import peaks as select_peaks
+from asperity.stress.section import stress_section
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@xr.register_dataset_accessor("asperity")
+class ResultAccessor:
+    """Pictures, sections and peaks of a result, as ``dataset.asperity``.
+
+    The dataset is one of `analyse_stress`, of `Contact.to_dataset`, or of a result file.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> stress = asp.analyse_stress(contact)
+    >>> stress.asperity
+    <result of stage stress: plot(), peaks()>
+    >>> figure = stress.asperity.plot("von_mises")
+    >>> int(stress.asperity.peaks("von_mises").sizes["peak"]) > 10
+    True
+    >>> contact.to_dataset().asperity.section(depths=[0.0, 0.02]).sizes["depth"]
+    2
+    """
+
+    def __init__(self, dataset: xr.Dataset) -> None:
+        self._dataset = dataset
+
+    @property
+    def stage(self) -> str | None:
+        """The stage of which it is a result: surface, contact or stress; None for another dataset."""
+        marks = {"stress": "peak_value", "contact": "pressure", "surface": "height"}
+        return next((stage for stage, name in marks.items() if name in self._dataset), None)
+
+    def __repr__(self) -> str:
+        can = {"surface": "plot()", "contact": "plot(), section()", "stress": "plot(), peaks()"}
+        if self.stage is None:
+            return "<no result of asperity>"
+        return f"<result of stage {self.stage}: {can[self.stage]}>"
+
+    def plot(self, *arguments: Any, **settings: Any) -> Figure:
+        """The picture of the stage: `plot_height`, `plot_pressure` or `plot_peaks`, with their arguments.
+
+        Raises
+        ------
+        ValueError
+            If the dataset is no result of these stages.
+        """
+        stage = self._needed("plot", "surface", "contact", "stress")
+        from asperity.views import maps, peak_plot  # matplotlib is imported only to draw
+
+        plots: dict[str, Callable[..., Figure]] = {
+            "surface": maps.plot_height,
+            "contact": maps.plot_pressure,
+            "stress": peak_plot.plot_peaks,
+        }
+        return plots[stage](self._dataset, *arguments, **settings)
+
+    def section(self, *arguments: Any, **settings: Any) -> xr.Dataset:
+        """Stress in a vertical section below a contact: `stress_section`, with its arguments.
+
+        Raises
+        ------
+        ValueError
+            If the dataset is no contact that describes its solid.
+        """
+        self._needed("section", "contact")
+        return stress_section(LoadedSolid.from_dataset(self._dataset), *arguments, **settings)
+
+    def peaks(self, quantity: str, poisson: float | None = None, selection: str = "all") -> xr.Dataset:
+        """Peaks of one quantity: `asperity.peaks`, with its arguments.
+
+        Raises
+        ------
+        ValueError
+            If the dataset is no result of a stress analysis, or has not the quantity.
+        """
+        self._needed("peaks", "stress")
+        return select_peaks(self._dataset, quantity, poisson, selection)
+
+    def _needed(self, name: str, *stages: str) -> str:
+        """The stage, if it is among some."""
+        stage = self.stage
+        if stage not in stages:
+            raise ValueError(
+                f"{name}: a result of stage {' or '.join(stages)} is needed, not of {stage or 'none'}"
+            )
+        return stage

@@ -1,0 +1,279 @@
+"""Results for other programs: tables of peaks and surface fields, VTK image data (``.vti``) of fields.
+
+A table holds one row for each peak, or for each node of the surface. An image holds fields on equidistant
+nodes: x and y of the cell, z upward with 0 in the surface, so that the solid is at z ≤ 0. SI results are
+exported in µm and MPa, dimensionless ones in cell lengths and E*; the names of columns and fields end in the
+unit.
+
+Images are written plane by plane, so that memory does not grow with the size of a box. The file format is
+"VTK XML ImageData" with appended raw data (VTK File Formats, Kitware; https://docs.vtk.org); ParaView, VTK
+and pyvista open it.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+
+from asperity.core.types import Array, Progress
+from asperity.results.atomic import atomic_write
+from asperity.results.tables import write_table
+from asperity.stress.section import StressBox
+from asperity.views.source import Source, Span, Window
+
+MAX_PLANES = 4096
+"""Most planes of a box."""
+
+LENGTHS = ("height", "gap", "displacement")
+"""Fields over the surface that are lengths; the pressure is a stress."""
+
+ROWS_AT_ONCE = 64
+"""Rows of nodes of a table that are written together."""
+
+IMAGE_HEAD = """\
+<?xml version="1.0" encoding="UTF-8"?>\
+<VTKFile type="ImageData" version="1.0" byte_order="LittleEndian" header_type="UInt64">\
+<ImageData WholeExtent="{extent}" Origin="{origin}" Spacing="{spacing}"><Piece Extent="{extent}">\
+<PointData Scalars="{first}">{arrays}</PointData></Piece></ImageData><AppendedData encoding="raw">_"""
+
+IMAGE_ARRAY = '<DataArray type="Float32" Name="{}" NumberOfComponents="1" format="appended" offset="{}"/>'
+
+
+@dataclass(frozen=True)
+class ExportUnits:
+    """Units of exported numbers.
+
+    Parameters
+    ----------
+    length, stress : float
+        Size of the exported unit in that of the result; numbers are divided by it.
+    length_name, stress_name : str
+        Ends of the names of columns and fields.
+    """
+
+    length: float = 1.0
+    stress: float = 1.0
+    length_name: str = "cell_length"
+    stress_name: str = "effective_modulus"
+
+    def columns(self, fields: Iterable[str]) -> dict[str, float]:
+        """Names of fields with their units, such as ``pressure_MPa``, and the sizes of these."""
+        return {
+            f"{name}_{self.length_name if name in LENGTHS else self.stress_name}": (
+                self.length if name in LENGTHS else self.stress
+            )
+            for name in fields
+        }
+
+
+DIMENSIONLESS = ExportUnits()
+MICROMETRES_AND_MEGAPASCALS = ExportUnits(1e-6, 1e6, "um", "MPa")
+
+
+def export_units(data: xr.Dataset) -> ExportUnits:
+    """Units in which the numbers of a result are exported."""
+    return MICROMETRES_AND_MEGAPASCALS if data.attrs.get("unit_system") == "SI" else DIMENSIONLESS
+
+
+def peak_table(stress: xr.Dataset) -> pd.DataFrame:
+    """Peaks of a stress analysis as a table, the largest of each quantity first.
+
+    Parameters
+    ----------
+    stress : dataset
+        Result of stage stress.
+
+    Returns
+    -------
+    table : DataFrame
+        ``quantity``; ``poisson``, empty where the peak is the same for every ratio; ``kind``, "surface" or
+        "interior"; ``under_contact``; ``value``, ``depth``, ``y`` and ``x``, each with its unit in its name,
+        such as ``value_MPa`` and ``depth_um``.
+    """
+    units = export_units(stress)
+    value = f"value_{units.stress_name}"
+    table = pd.DataFrame(
+        {
+            "quantity": stress["peak_quantity"].values.astype(str),
+            "poisson": stress["peak_poisson"].values,
+            "kind": np.where(stress["peak_interior"].values, "interior", "surface"),
+            "under_contact": stress["peak_under_contact"].values.astype(bool),
+            value: stress["peak_value"].values / units.stress,
+            **{
+                f"{name}_{units.length_name}": stress[f"peak_{name}"].values / units.length
+                for name in ("depth", "y", "x")
+            },
+        }
+    )
+    order = table.assign(size=-table[value].abs()).sort_values(["quantity", "poisson", "size"], kind="stable")
+    return table.loc[order.index].reset_index(drop=True)
+
+
+def write_peaks(stress: xr.Dataset, path: str | os.PathLike[str]) -> int:
+    """Write `peak_table` as CSV, with seven digits, or as Parquet, and return the number of its rows."""
+    table = peak_table(stress)
+    write_table(table, "peaks", path, float_format="%.7g")
+    return len(table)
+
+
+def box_depths(source: Source, depth: Span, spacing: float | None = None) -> Array:
+    """Equidistant depths of the planes of a box, both ends included.
+
+    Parameters
+    ----------
+    source : Source
+        The contact.
+    depth : (first, last)
+    spacing : float, optional
+        Largest distance between planes, by default that between the nodes of the grid.
+
+    Raises
+    ------
+    ValueError
+        If the depths do not rise, or there are more than `MAX_PLANES` planes.
+    """
+    top, bottom = depth
+    spacing = min(source.grid.spacing) if spacing is None else spacing
+    given = f"depth = {source.shown(top)} to {source.shown(bottom)}"
+    if not 0 <= top < bottom:
+        raise ValueError(f"{given}: rising depths ≥ 0 are needed")
+    if not spacing > 0:
+        raise ValueError(f"spacing = {source.shown(spacing)}: a distance > 0 is needed")
+    intervals = (bottom - top) / spacing
+    if intervals > MAX_PLANES - 1:
+        raise ValueError(
+            f"{given}, spacing = {source.shown(spacing)}: a spacing of at least "
+            f"{source.shown((bottom - top) / (MAX_PLANES - 1))} is needed, for at most {MAX_PLANES} planes"
+        )
+    return np.linspace(top, bottom, max(2, int(np.ceil(intervals - 1e-6)) + 1))
+
+
+def write_box(
+    box: StressBox,
+    path: str | os.PathLike[str],
+    units: ExportUnits = DIMENSIONLESS,
+    progress: Progress | None = None,
+) -> int:
+    """Write the fields of a box of one Poisson's ratio as VTK image data, and return the bytes of the file.
+
+    Parameters
+    ----------
+    box : StressBox
+        With equidistant depths.
+    path : path
+        Ends in ``.vti``.
+    units : ExportUnits
+        The unit of stress is in that of the pressure.
+    progress : callable, optional
+    """
+    planes = ([plane[name][0] for name in box.fields] for plane in box.planes(progress))
+    return _write_image(path, (box.x, box.y, box.depth), units.columns(box.fields), units.length, planes)
+
+
+def surface_fields(data: xr.Dataset, source: Source) -> dict[str, Array]:
+    """Fields over the surface of a result: height of the rough face, pressure, gap, displacement.
+
+    Raises
+    ------
+    ValueError
+        If the result has no such field.
+    """
+    found = {"height": source.fields["height"]} if "height" in source.fields else {}
+    found |= {name: data[name].values for name in ("pressure", "gap", "displacement") if name in data}
+    if not found:
+        raise ValueError("result: a surface or a contact, with fields over y and x, is needed")
+    return found
+
+
+def write_surface_image(
+    path: str | os.PathLike[str], fields: Mapping[str, Array], part: Window, units: ExportUnits
+) -> int:
+    """Write fields over a part of the surface as VTK image data of one layer of nodes; return its bytes."""
+    axes = part.x, part.y, np.zeros(1)
+    plane = [part.of(values) for values in fields.values()]
+    return _write_image(path, axes, units.columns(fields), units.length, [plane])
+
+
+def write_surface_table(
+    path: str | os.PathLike[str], fields: Mapping[str, Array], part: Window, units: ExportUnits
+) -> int:
+    """Write fields over a part of the surface as CSV, a row for each node; return the number of rows.
+
+    Columns: y and x with their unit, then the fields with theirs. A part of one row or column of nodes is a
+    profile. Files are written some rows at a time, so that memory does not grow with their size.
+    """
+    columns = units.columns(fields)
+    with atomic_write(path) as unfinished, open(unfinished, "w", encoding="utf-8", newline="") as file:
+        for first in range(0, part.y.size, ROWS_AT_ONCE):
+            rows = slice(first, min(first + ROWS_AT_ONCE, part.y.size))
+            y, x = np.meshgrid(part.y[rows] / units.length, part.x / units.length, indexing="ij")
+            table = {f"y_{units.length_name}": y.ravel(), f"x_{units.length_name}": x.ravel()}
+            for (name, unit), values in zip(columns.items(), fields.values(), strict=True):
+                table[name] = (part.of(values)[rows] / unit).ravel()
+            pd.DataFrame(table).to_csv(
+                file, index=False, header=not first, float_format="%.7g", lineterminator="\n"
+            )
+    return part.y.size * part.x.size
+
+
+def _write_image(
+    path: str | os.PathLike[str],
+    axes: tuple[Array, Array, Array],
+    columns: Mapping[str, float],
+    length: float,
+    planes: Iterable[Sequence[Array]],
+) -> int:
+    """Write VTK image data, plane by plane from the surface downward; return its bytes.
+
+    Parameters
+    ----------
+    path : path
+    axes : (x, y, depth)
+        Positions of the nodes.
+    columns : dict
+        Name of each field → unit by which its values are divided.
+    length : float
+        Unit of length.
+    planes : iterable
+        Fields [y, x] of each plane.
+    """
+    plane_bytes = 4 * axes[0].size * axes[1].size
+    field_bytes = plane_bytes * axes[2].size
+    head = _image_head(axes, list(columns), length, field_bytes)
+    begins = [len(head) + number * (8 + field_bytes) for number in range(len(columns))]
+    with atomic_write(path) as unfinished, open(unfinished, "wb") as file:
+        file.write(head)
+        for begin in begins:
+            file.seek(begin)
+            file.write(np.uint64(field_bytes).astype("<u8").tobytes())
+        for number, fields in enumerate(planes):
+            deeper = axes[2].size - 1 - number  # z rises upward, so that the deepest plane comes first
+            for begin, unit, values in zip(begins, columns.values(), fields, strict=True):
+                file.seek(begin + 8 + deeper * plane_bytes)
+                file.write(np.ascontiguousarray(values / unit, "<f4").data)
+        file.seek(begins[-1] + 8 + field_bytes)
+        file.write(b"\n</AppendedData></VTKFile>\n")
+        return file.tell()
+
+
+def _image_head(
+    axes: tuple[Array, Array, Array], names: Sequence[str], length: float, field_bytes: int
+) -> bytes:
+    """The XML of an image up to its data: nodes, and name and place of every field."""
+    x, y, depth = (nodes / length for nodes in axes)
+    upward = x, y, 0.0 - depth[::-1]
+    steps = [(nodes[-1] - nodes[0]) / (nodes.size - 1) if nodes.size > 1 else 1.0 for nodes in upward]
+    arrays = [IMAGE_ARRAY.format(name, number * (8 + field_bytes)) for number, name in enumerate(names)]
+    text = IMAGE_HEAD.format(
+        extent=" ".join(f"0 {nodes.size - 1}" for nodes in upward),
+        origin=" ".join(repr(float(nodes[0])) for nodes in upward),
+        spacing=" ".join(repr(float(step)) for step in steps),
+        first=names[0],
+        arrays="".join(arrays),
+    )
+    return text.encode()

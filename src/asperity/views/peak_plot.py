@@ -1,0 +1,166 @@
+"""Peaks of the stress: magnitude and depth of every one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from asperity.core.types import Array
+from asperity.results.dataset import unit_system
+from asperity.stress.peaks.selection import SAME_RATIO, peaks
+from asperity.views.panels import canvas, finish_title
+from asperity.views.scales import Limits, Measure, measure, robust_limits
+from asperity.views.source import require_same_system, title_of, titled
+from asperity.views.stress_field import field_name
+
+LARGE_PEAK = 0.5
+"""Peaks of at least this part of the largest magnitude set the depth that is shown."""
+
+SHAPE = 0.8
+"""Height of a panel over its width."""
+
+AXIS_DEPTH = 1.3
+"""Depth of the axis over that of the deepest peaks, which leaves room for the legend."""
+
+TICKS = 5
+"""Most intervals between ticks of magnitude, whose numbers may be long."""
+
+BINS = 60
+"""Bins of a histogram."""
+
+
+def plot_peaks(
+    stress: Any,
+    quantity: str = "von_mises",
+    poisson: float | None = None,
+    *,
+    axes: Axes | Sequence[Axes] | None = None,
+) -> Figure:
+    """Magnitude and depth of the stress peaks, each a point; those under a contact in another colour.
+
+    The line is the largest von Mises stress of each plane. Peaks that all lie in the surface, such as those
+    of the contact pressure, are drawn as a histogram.
+
+    Parameters
+    ----------
+    stress : dataset, sequence of them, or mapping from titles to them
+        Results of stage stress; several are drawn beside each other on the same axes.
+    quantity : str
+        One of the analysed quantities.
+    poisson : float, optional
+        One of the analysed Poisson's ratios, by default that of the contact.
+    axes : Axes or sequence of Axes, optional
+        Where to draw, one for each result; by default in a new figure.
+
+    Returns
+    -------
+    figure : matplotlib Figure
+        The axes leave single outliers out; the panel says how many, and their extreme.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If a result is of another stage, or has not the quantity or the ratio.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> stress = asp.analyse_stress(contact, quantities=("von_mises",))
+    >>> figure = asp.plot_peaks(stress, "von_mises")
+    >>> len(figure.axes)
+    1
+    """
+    given = titled(stress)
+    for _, data in given:
+        if not (isinstance(data, xr.Dataset) and "peak_value" in data):
+            raise TypeError("stress: a result of stage stress, with its peaks, is needed")
+    systems = [unit_system(data) for _, data in given]
+    require_same_system(systems)
+    system = systems[0]
+    found = [_peaks(data, quantity, poisson) for _, data in given]
+    sizes = [np.abs(data["peak_value"].values) for data, _ in found]
+    depths = [data["peak_depth"].values for data, _ in found]
+    limits = robust_limits(sizes, 0.0)
+    # Small peaks lie at the surface around the contacts, and far below them: large ones set the depth shown.
+    large = [size >= LARGE_PEAK * size.max(initial=0.0) for size in sizes]
+    shown = [depth[kept] for depth, kept in zip(depths, large, strict=True)]
+    deepest = robust_limits(shown if any(depth.any() for depth in shown) else depths, 0.0)
+    unit = measure(limits.high, "stress", system)
+    length = measure(deepest.high, "length", system)
+    in_surface = not any(depth.any() for depth in depths)
+    with canvas(len(given), axes, SHAPE) as (figure, panels):
+        for axis, (title, result), (data, profile) in zip(panels, given, found, strict=True):
+            if in_surface:
+                _draw_histogram(axis, data, limits, unit)
+            else:
+                _draw_points(axis, data, profile, limits, deepest, unit, length)
+            axis.locator_params(axis="x", nbins=TICKS)
+            axis.set_xlabel(unit.label(f"magnitude of peaks of {field_name(quantity)}"))
+            values = np.abs(data["peak_value"].values)
+            finish_title(axis, title_of(result) if title is None else title, limits.beyond(values, unit))
+    return figure
+
+
+def _peaks(
+    stress: xr.Dataset, quantity: str, poisson: float | None
+) -> tuple[xr.Dataset, tuple[Array, Array] | None]:
+    """Peaks of a quantity, and the largest von Mises stress over depth if that is the quantity."""
+    if poisson is None:
+        own = stress.attrs.get("poisson_contact")
+        if own in stress["poisson"].values:
+            poisson = own
+    found = peaks(stress, quantity, poisson)
+    if quantity != "von_mises":
+        return found, None
+    ratio = float(found["poisson"])
+    profile = stress["largest_von_mises"].sel(poisson=ratio, method="nearest", tolerance=SAME_RATIO)
+    return found, (stress["plane_depth"].values, profile.values)
+
+
+def _draw_points(
+    axis: Axes,
+    data: xr.Dataset,
+    profile: tuple[Array, Array] | None,
+    limits: Limits,
+    deepest: Limits,
+    unit: Measure,
+    length: Measure,
+) -> None:
+    under = data["peak_under_contact"].values.astype(bool)
+    values, depth = np.abs(data["peak_value"].values) / unit.factor, data["peak_depth"].values / length.factor
+    for chosen, colour, name in ((~under, "C4", "elsewhere"), (under, "C0", "under a contact")):
+        axis.plot(
+            values[chosen],
+            depth[chosen],
+            ls="none",
+            marker="o",
+            ms=2 if values.size < 5000 else 1,
+            mew=0,
+            alpha=0.6,
+            color=colour,
+            label=f"{np.count_nonzero(chosen)} {name}",
+            rasterized=values.size > 2000,
+        )
+    if profile is not None:
+        axis.plot(
+            profile[1] / unit.factor, profile[0] / length.factor, color="C1", label="largest of each plane"
+        )
+    axis.set(
+        xlim=(0, 1.03 * limits.high / unit.factor),
+        ylim=(AXIS_DEPTH * deepest.high / length.factor, 0),
+        ylabel=length.label("depth"),
+    )
+    axis.legend(loc="lower right")
+
+
+def _draw_histogram(axis: Axes, data: xr.Dataset, limits: Limits, unit: Measure) -> None:
+    values = np.abs(data["peak_value"].values) / unit.factor
+    high = limits.high / unit.factor
+    axis.hist(values[values <= high], bins=BINS, range=(0, high), color="C0")
+    axis.set(xlim=(0, high), ylabel="number of peaks")

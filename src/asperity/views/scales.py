@@ -1,0 +1,193 @@
+"""Units of pictures, and colour scales that single outliers do not flatten.
+
+Units have sensible prefixes in SI; dimensionless results are drawn in cell lengths and E*.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from asperity.core.types import Array
+from asperity.core.units import scaled_unit
+from asperity.results.variables import SI_UNITS
+
+if TYPE_CHECKING:
+    from matplotlib.colors import Normalize
+
+MPA_RANGE = (1e5, 1e11)
+"""Largest stresses, in Pa, that are shown in MPa: strengths of materials are given in MPa, up to 100 GPa."""
+
+_SI_UNITS = {"length": "m", "stress": "Pa"}
+_STUDY_UNITS = {"length": ("cell length", "cell lengths"), "stress": ("$E^*$", "$E^*$")}
+
+
+@dataclass(frozen=True)
+class Measure:
+    """Unit in which a quantity is drawn.
+
+    Parameters
+    ----------
+    factor : float
+        Size of the unit in that of the result; values are divided by it.
+    symbol : str
+        Such as ``µm``; ``cell length`` or ``$E^*$`` for a dimensionless result; empty if it is not known.
+    ratio : bool
+        True if values are shown as a multiple of the symbol, ``depth / cell length``.
+    after_number : str
+        Symbol after a number, where it is another one: ``0.1 cell lengths``.
+    """
+
+    factor: float = 1.0
+    symbol: str = ""
+    ratio: bool = False
+    after_number: str = ""
+
+    def label(self, name: str) -> str:
+        """Label of an axis, such as ``depth (µm)`` or ``depth / cell length``."""
+        if not self.symbol:
+            return name
+        return f"{name} / {self.symbol}" if self.ratio else f"{name} ({self.symbol})"
+
+    def text(self, value: float, digits: int = 4) -> str:
+        """A value with its unit, such as ``12.5 µm``; without an exponent below 10¹⁵."""
+        rounded = float(f"{value / self.factor:.{digits}g}")
+        return f"{rounded:.15g} {self.after_number or self.symbol}".strip()
+
+
+def measure(values: ArrayLike, dimension: str, system: str | None) -> Measure:
+    """Unit in which values are drawn.
+
+    Parameters
+    ----------
+    values : array
+        The largest magnitude decides the prefix.
+    dimension : "length" | "stress"
+    system : str or None
+        Unit system of the values, None if it is not known.
+    """
+    if system is None:
+        return Measure()
+    if system != SI_UNITS:
+        symbol, after_number = _STUDY_UNITS[dimension]
+        return Measure(1.0, symbol, ratio=True, after_number=after_number)
+    largest = float(np.max(np.abs(values), initial=0.0))
+    if dimension == "stress" and MPA_RANGE[0] <= largest < MPA_RANGE[1]:
+        return Measure(1e6, "MPa")
+    if dimension == "length" and not largest:
+        return Measure(1e-6, "µm")
+    return Measure(*scaled_unit(largest, _SI_UNITS[dimension]))
+
+
+TAIL = 0.001
+"""Share of the values at each end that does not count for the limits."""
+
+MIN_IN_TAIL = 3
+"""Fewest values at each end that do not count: one wrong node of a map makes up to three high peaks."""
+
+ROUNDING = 1e-6
+"""Values beyond a limit by less than this share of the scale are not said to lie beyond it."""
+
+MARGIN = 0.25
+"""The limits reach beyond the quantiles by at most this share of their distance. So the limits of Gaussian
+values lie 4.6 standard deviations from the mean; of 512² independent values one is expected beyond them."""
+
+SEQUENTIAL = "viridis"
+"""Colours from dark (small) to light (large); perceptually uniform, for any colour vision."""
+
+ON_WHITE = "viridis_r"
+"""Colours from light (small) to dark (large), where white means no value."""
+
+STRESS = "inferno"
+"""Colours of stresses that have one sign."""
+
+SIGNED = "coolwarm"
+"""Colours of stresses of both signs, the same lightness for both (K. Moreland, 2009,
+doi 10.1007/978-3-642-10520-3_9); grey is zero."""
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Limits of a colour scale or of an axis, and the extreme values.
+
+    Parameters
+    ----------
+    low, high : float
+    smallest, largest : float
+        Extreme finite values, which may lie beyond the limits.
+    """
+
+    low: float
+    high: float
+    smallest: float
+    largest: float
+
+    @property
+    def extend(self) -> str:
+        """Ends of the colour bar beyond which there are values, in the words of matplotlib."""
+        return {(0, 0): "neither", (1, 0): "min", (0, 1): "max", (1, 1): "both"}[
+            int(self.smallest < self.low - self._slack), int(self.largest > self.high + self._slack)
+        ]
+
+    @property
+    def _slack(self) -> float:
+        return ROUNDING * (self.high - self.low)
+
+    def symmetric(self) -> Limits:
+        """Limits of the same size on both sides of zero."""
+        size = max(abs(self.low), abs(self.high))
+        return replace(self, low=-size, high=size)
+
+    def normalise(self, unit: Measure) -> Normalize:
+        """Map from values in a unit to colours."""
+        from matplotlib.colors import Normalize
+
+        return Normalize(self.low / unit.factor, self.high / unit.factor)
+
+    def beyond(self, values: Array, unit: Measure) -> str:
+        """Number and extreme of the values beyond the limits in words; empty if there are none."""
+        parts = []
+        for count, word, extreme in (
+            (np.count_nonzero(values > self.high + self._slack), "above", np.nanmax(values, initial=-np.inf)),
+            (np.count_nonzero(values < self.low - self._slack), "below", np.nanmin(values, initial=np.inf)),
+        ):
+            if count:
+                parts.append(f"{count} {word} the scale, to {unit.text(float(extreme), 3)}")
+        return "; ".join(parts)
+
+
+def robust_limits(fields: Iterable[Array], low: float | None = None) -> Limits:
+    """Limits that hold nearly all values of some fields and are not moved by single outliers.
+
+    They are the extreme values, or the quantiles of each field at `TAIL` and a `MARGIN` if these are nearer.
+
+    Parameters
+    ----------
+    fields : iterable of arrays
+        Of any shapes; missing values are left out.
+    low : float, optional
+        Fixed lower limit, such as 0 for a pressure.
+    """
+    bottoms, tops, smallest, largest = [], [], [], []
+    for field in fields:
+        values = field[np.isfinite(field)]
+        if not values.size:
+            continue
+        smallest.append(float(values.min()))
+        largest.append(float(values.max()))
+        tail = min(max(TAIL, MIN_IN_TAIL / values.size), 0.5)
+        lower, upper = np.quantile(values, [tail, 1 - tail])
+        margin = MARGIN * (upper - (lower if low is None else low))
+        bottoms.append(max(smallest[-1], float(lower - margin)))
+        tops.append(min(largest[-1], float(upper + margin)))
+    if not tops:
+        return Limits(0.0, 1.0, 0.0, 0.0)
+    bottom = min(bottoms) if low is None else low
+    top = max(tops)
+    if not top > bottom:
+        top = bottom + (abs(bottom) or 1.0)
+    return Limits(bottom, top, min(smallest), max(largest))

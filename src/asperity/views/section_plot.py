@@ -1,0 +1,224 @@
+"""Stress in a vertical section through the solid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from numbers import Real
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from asperity.core.types import Array, Progress
+from asperity.stress.planes.planes import depth_grid
+from asperity.stress.section import stress_section
+from asperity.views.maps import Look
+from asperity.views.panels import add_colour_bar, canvas, finish_title
+from asperity.views.scales import Limits, Measure, measure
+from asperity.views.source import Span
+from asperity.views.stress_field import Stress, field_look, stresses
+
+MAX_SHAPE = 0.25
+"""Largest depth of a section over its length, where no depth is given."""
+
+MIN_SHAPE = 0.12
+"""Smallest depth of a section over its length, where no depth is given."""
+
+FADED = 0.05
+"""Where no depth is given, a section ends below the depth at which the stress has fallen to this share of its
+largest, so that its small lower part does not fill the picture."""
+
+MAX_POINTS = 2048
+"""Most nodes drawn along a section; of a finer grid the largest magnitude of each block is drawn."""
+
+SECTION_TOLERANCE = 1e-5
+"""Largest relative error of the planes of a section."""
+
+
+class Section(NamedTuple):
+    """Stress in one vertical section.
+
+    Parameters
+    ----------
+    title : str
+        With the position of the section.
+    along : "x" | "y"
+        Axis along the section.
+    position, depth : arrays
+    values : array [depth, position]
+    contact : bool array
+        True at positions in contact.
+    """
+
+    title: str
+    along: str
+    position: Array
+    depth: Array
+    values: Array
+    contact: Array
+
+
+def plot_section(
+    contact: Any,
+    y: float | Span | None = None,
+    x: float | Span | None = None,
+    depth: float | None = None,
+    field: str = "von_mises",
+    poisson: float | None = None,
+    *,
+    body: str = "lower",
+    friction: float | None = None,
+    sliding_direction: str | float | None = None,
+    axes: Axes | Sequence[Axes] | None = None,
+    unit_system: str | None = None,
+    progress: Progress | None = None,
+) -> Figure:
+    """Stress in a vertical section through the solid under a contact, with the contacts as bars above it.
+
+    Parameters
+    ----------
+    contact : dataset, `Contact`, sequence of them, or mapping from titles to them
+        Results of stage contact; sections of several are drawn below each other in the same colours.
+    y, x : float or (first, last), optional
+        A number for one of them is the place of the section, rounded to a node; a pair for the other the
+        part that is drawn. By default the section runs along x through the largest contact pressure.
+    depth : float, optional
+        Lower end of the section. By default it is chosen so that the stress is seen, at most a quarter of
+        the length and the height of the layer.
+    field : str
+        As for `asperity.stress_planes`.
+    poisson : float, optional
+        By default that of the contact.
+    body : "lower" | "upper"
+        The body whose stress is drawn, if the contact has two; depth counts from its surface.
+    friction, sliding_direction : float, str or float, optional
+        Full sliding, as for `asperity.stress_planes`, in the direction in which the upper body moves over the
+        lower one; by default that of the result.
+    axes, unit_system
+        As for `asperity.plot_height`.
+    progress : callable, optional
+        Called as progress(done, total) for each result.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument is out of range, or the result does not describe a solid under a pressure.
+
+    Examples
+    --------
+    >>> height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    >>> contact = asp.solve(height, asp.Layer(young=1.0, poisson=0.3), area_fraction=0.1)
+    >>> figure = asp.plot_section(contact, y=0.5, depth=0.1)
+    >>> figure.savefig("section.png")  # doctest: +SKIP
+    >>> len(figure.axes) >= 2
+    True
+    """
+    found = stresses(contact, field, poisson, body, friction, sliding_direction, unit_system)
+    sections = [_section(stress, y, x, depth, progress) for stress in found]
+    look = field_look(field)
+    limits = look.limits(section.values for section in sections)
+    if depth is None:
+        bottom = max(_faded_below(section, FADED * max(abs(limits.low), limits.high)) for section in sections)
+        sections = [_down_to(section, bottom) for section in sections]
+    system = found[0].source.system
+    unit = measure([limits.low, limits.high], "stress", system)
+    length = measure([section.position[-1] for section in sections], "length", system)
+    shape = max(float(np.ptp(section.depth) / np.ptp(section.position)) for section in sections)
+    with canvas(len(sections), axes, shape, columns=1) as (figure, panels):
+        for axis, section in zip(panels, sections, strict=True):
+            _draw(axis, section, look, limits, unit, length)
+        add_colour_bar(figure, panels, look.colours, limits, unit, look.label, below=True)
+    return figure
+
+
+def _section(
+    stress: Stress,
+    y: float | Span | None,
+    x: float | Span | None,
+    depth: float | None,
+    progress: Progress | None,
+) -> Section:
+    source, solid = stress.source, stress.solid
+    given = {"y": y, "x": x}
+    numbers = [name for name, value in given.items() if isinstance(value, Real)]
+    pairs = [name for name, value in given.items() if value is not None and name not in numbers]
+    if len(numbers) == 2 or len(pairs) == 2:
+        raise ValueError("y, x: a number for one of them and at most a pair for the other are needed")
+    across = numbers[0] if numbers else "x" if pairs == ["y"] else "y"
+    along = "x" if across == "y" else "y"
+    part = source.window(**{along: given[along]})  # type: ignore[arg-type]
+    kept, position = (part.columns, part.x) if along == "x" else (part.rows, part.y)
+    axis = "yx".index(across)
+    if numbers:
+        node = source.node(across, given[across])  # type: ignore[arg-type]
+    else:
+        node = int(np.unravel_index(source.field("pressure").argmax(), source.grid.shape)[axis])
+    height = solid.layer.height or np.inf
+    if depth is None:
+        depth = min(MAX_SHAPE * float(np.ptp(position)), height)
+    elif not 0 < depth <= height:
+        most = f" and at most {source.shown(height)}" if solid.layer.height else ""
+        raise ValueError(f"depth = {source.shown(depth)}: a depth > 0{most} is needed")
+    at = float(node * solid.grid.spacing[axis])
+    found = stress_section(
+        solid,
+        along,
+        at,
+        depth_grid(solid.grid, depth),
+        (stress.field,),
+        tolerance=SECTION_TOLERANCE,
+        progress=progress,
+        **stress.settings,
+    )
+    largest = max(source.grid.length)
+    text = f"{across} = {measure(largest, 'length', source.system).text(at)}"
+    return Section(
+        ", ".join(line for line in (source.title, text) if line),
+        along,
+        position,
+        found["depth"].values,
+        found[stress.field].values[0][:, kept],
+        solid.pressure.take(node, axis)[kept] > 0,
+    )
+
+
+def _faded_below(section: Section, faded: float) -> float:
+    """Depth of the plane below the deepest one with a stress above a magnitude, at least `MIN_SHAPE`."""
+    above = np.flatnonzero(np.abs(section.values).max(axis=1) > faded)
+    below = min(int(above.max(initial=0)) + 1, section.depth.size - 1)
+    return max(float(section.depth[below]), MIN_SHAPE * float(np.ptp(section.position)))
+
+
+def _down_to(section: Section, bottom: float) -> Section:
+    kept = slice(0, int(np.searchsorted(section.depth, bottom)) + 1)
+    return section._replace(depth=section.depth[kept], values=section.values[kept])
+
+
+def _draw(axis: Axes, section: Section, look: Look, limits: Limits, unit: Measure, length: Measure) -> None:
+    size = section.position.size
+    starts = np.arange(0, size, -(-size // MAX_POINTS))
+    values = section.values
+    if starts.size < size:
+        values = np.stack([look.reduce(block, axis=(1,)) for block in np.split(values, starts[1:], 1)], 1)
+    position = section.position[starts] / length.factor
+    axis.pcolormesh(
+        position,
+        section.depth / length.factor,
+        values / unit.factor,
+        norm=limits.normalise(unit),
+        cmap=look.colours,
+        shading="gouraud",
+        rasterized=True,
+    )
+    # The contacts are bars on the upper edge, as thick as two spines.
+    bars = np.where(np.maximum.reduceat(section.contact, starts), 0.0, np.nan)
+    axis.plot(position, bars, color="k", lw=3, solid_capstyle="butt", clip_on=False, zorder=5)
+    axis.set(
+        xlim=(position[0], position[-1]),
+        ylim=(section.depth[-1] / length.factor, 0),
+        xlabel=length.label(section.along),
+        ylabel=length.label("depth"),
+        aspect="equal",
+    )
+    finish_title(axis, section.title, limits.beyond(section.values, unit))

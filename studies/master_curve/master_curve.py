@@ -1,0 +1,328 @@
+"""Do height and depth of the von Mises peaks lie on one curve? Writes docs/master_curve.md, .csv and .png.
+
+    python studies/master_curve/master_curve.py studies/master_curve/config.yaml
+
+computes the surfaces that are missing in the folder of results, then the table docs/master_curve.csv. Without
+a configuration the page is written from the table that is kept. Run it in the project's folder.
+
+A number y over its scale s is one curve if ln(y/s) depends on Poisson's ratio alone. The *scatter* of a scale
+is the root mean square of what is left of ln(y/s) after subtracting the mean of each Poisson's ratio, over
+all surfaces and areas. All errors are standard errors of the jackknife over surfaces.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+from jinja2 import Environment, StrictUndefined
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from asperity import autocorrelation
+from asperity.core.markup import with_error
+from asperity.core.types import Array
+from asperity.fourier.grid import Fourier, gradient
+from asperity.reference.hertz import Hertz
+from asperity.results.dataset import grid_of
+from asperity.stress.statistics.covariance import half_length
+from asperity.study.config.study import read_study
+from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.statistics import seed_statistics
+from asperity.study.stages.stress import compute_stress
+from asperity.study.stages.surface import make_surface
+from asperity.views.style import panels, save, style
+
+HEIGHT_SCALES = {
+    "height_gradient_contact": ("E\\*ḡ_r, gradient of the contact", r"$E^*\bar{g}_r$"),
+    "height_gradient_whole": ("E\\*ḡ, gradient of the whole surface", r"$E^*\bar{g}$"),
+    "height_contact_pressure": ("p̄/A, mean pressure of the contact", r"($\bar{p}/A$)"),
+}
+"""Column of the table → scale of the height on the page, and in the figure."""
+
+DEPTH_SCALES = {
+    "depth_pressure_length": ("ℓ_p, half width of the autocovariance of the pressure", r"$\ell_p$"),
+    "depth_hydraulic_radius": ("area over half the boundary of contact", r"(2$A/\partial A$)"),
+    "depth_patch_radius": ("area-weighted mean radius of the patches", "patch radius"),
+    "depth_curvature_length": ("√(m₂/m₄) over the contact", r"$\sqrt{m_2/m_4}$"),
+    "depth_height_length": ("√(m₀/m₂) over the contact", r"$\sqrt{m_0/m_2}$"),
+    "depth_wavelength": ("λ_s", r"$\lambda_s$"),
+}
+"""Column of the table → scale of the depth on the page, and in the figure; the last one is λ_s itself."""
+
+WAVELENGTH = "depth_wavelength"
+COLLAPSED = 0.05
+"""Largest scatter of what is called one curve."""
+
+REFERENCE = 0.33
+"""Poisson's ratio to which the others are compared."""
+
+
+def contact_lengths(height: np.ndarray, contact: xr.Dataset) -> dict[str, float]:
+    """Lengths of one contact, in units of the cell.
+
+    ``pressure_length``: distance at which the autocovariance of the pressure falls to half;
+    ``hydraulic_radius``: twice the area over the length of its boundary, the radius of a circle;
+    ``height_length``: rms height over rms profile slope over the contact, √(m₀/m₂)_r;
+    ``curvature_length``: rms profile slope over curvature over the contact, √(m₂/m₄)_r.
+    """
+    grid, pressure = grid_of(contact), contact["pressure"].values
+    touching = pressure > 0
+    fourier = Fourier(grid)
+    coefficients = fourier.forward(height)
+    slope_y, slope_x = gradient(coefficients, fourier)
+    laplacian = fourier.inverse(-(grid.wavenumber() ** 2) * coefficients)
+    slope = np.sqrt((slope_y**2 + slope_x**2)[touching].mean() / 2)
+    edges = [np.sum(touching != np.roll(touching, 1, axis)) for axis in (0, 1)]
+    boundary = edges[0] * grid.spacing[1] + edges[1] * grid.spacing[0]
+    lag, covariance = autocorrelation(pressure, grid)
+    return {
+        "pressure_length": half_length(lag, covariance / covariance[0]),
+        "hydraulic_radius": 2 * touching.mean() / boundary * (4 / np.pi),
+        "height_length": float(height[touching].std() / slope),
+        "curvature_length": float(slope / np.sqrt(3 / 8 * (laplacian[touching] ** 2).mean())),
+    }
+
+
+def numbers_of(parameters: Mapping[str, Any], seed: int, settings: Mapping[str, Any]) -> xr.Dataset:
+    """Height and depth of the high peaks of one seed over every scale, under all areas."""
+    surface, contact_settings = make_surface(parameters, seed), settings["contact"]
+    found = []
+    for area in sorted({*contact_settings["path_area_fractions"], contact_settings["area_fraction"]}):
+        of_area = {**contact_settings, "area_fraction": area, "path_area_fractions": []}
+        contact = solve_contact(surface, settings["layer"], of_area)
+        stress = compute_stress(contact, settings["layer"], settings["stress"])
+        high = seed_statistics(surface, contact, stress).sel(quantity="von_mises", level=0.99, drop=True)
+        scaled, depth = high["seed_peak_quantile"], high["seed_mean_depth_highest"]
+        slope, touching = high["seed_gradient_rms_contact"], high["seed_area_fraction"]
+        lengths = {"wavelength": parameters["wavelength_short"], "patch_radius": high["seed_patch_radius"]}
+        lengths |= contact_lengths(surface["height"].values, contact)
+        numbers = {
+            "area": touching,
+            "height_gradient_contact": scaled,
+            "height_gradient_whole": scaled * slope / high["seed_rms_gradient"],
+            "height_contact_pressure": scaled * slope * touching / high["seed_mean_pressure"],
+            **{f"depth_{name}": depth / length for name, length in lengths.items()},
+        }
+        found.append(xr.Dataset(numbers))
+    return xr.concat(found, "load")
+
+
+def collect(config: Mapping[str, Any]) -> dict[str, xr.Dataset]:
+    """Surface → numbers of all seeds, read from their files or computed."""
+    found = {}
+    for name, surface in config["surfaces"].items():
+        path = Path(config["results"], f"{name}.nc")
+        parts = {section: config[section] for section in ("layer", "contact", "stress", "seeds")}
+        settings = json.dumps([surface, parts], default=str)
+        if not path.exists() or xr.load_dataset(path).attrs["settings"] != settings:
+            print(name, flush=True)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            seeds = [numbers_of(surface, seed, config) for seed in config["seeds"]]
+            xr.concat(seeds, "seed").assign_attrs(settings=settings).to_netcdf(path)
+        found[name] = xr.load_dataset(path)
+    return found
+
+
+def table(config: Mapping[str, Any], samples: Mapping[str, xr.Dataset]) -> pd.DataFrame:
+    """Mean height and depth over every scale, a row for each surface, area and Poisson's ratio."""
+    rows = []
+    for name, data in samples.items():
+        surface = config["surfaces"][name]
+        for load in range(data.sizes["load"]):
+            for poisson in data["poisson"].values:
+                row = {
+                    "surface": name,
+                    "hurst": surface["hurst"],
+                    "ratio": surface["wavelength_long"] / surface["wavelength_short"],
+                    "skewed": "johnson" in surface,
+                    "area": float(data["area"].isel(load=load).mean()),
+                    "poisson": float(poisson),
+                    "seeds": data.sizes["seed"],
+                }
+                for key in (*HEIGHT_SCALES, *DEPTH_SCALES):
+                    each = np.log(data[key].isel(load=load).sel(poisson=poisson).values)
+                    row[key] = math.exp(each.mean())
+                    row[f"{key}_error"] = row[key] * each.std(ddof=1) / math.sqrt(each.size)
+                rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def _design(rows: pd.DataFrame, terms: Sequence[str]) -> Array:
+    """Columns of least squares: one for each Poisson's ratio, then the terms.
+
+    A term is ``"ln A"``, ``"H"``, ``"ln λ_l/λ_s"`` or a key of `DEPTH_SCALES`: the logarithm of that length
+    over λ_s, from the depth over both.
+    """
+    known = {"ln A": np.log(rows["area"]), "H": rows["hurst"], "ln λ_l/λ_s": np.log(rows["ratio"])}
+    known |= {key: np.log(rows[WAVELENGTH] / rows[key]) for key in DEPTH_SCALES}
+    constants = [(rows["poisson"] == nu).astype(float) for nu in np.sort(rows["poisson"].unique())]
+    return np.column_stack([*constants, *(known[term] for term in terms)])
+
+
+def _fit(rows: pd.DataFrame, key: str, terms: Sequence[str]) -> Array:
+    """Coefficients of the least squares of the logarithm of a number."""
+    return np.linalg.lstsq(_design(rows, terms), np.log(rows[key].to_numpy()), rcond=None)[0]
+
+
+def _left(rows: pd.DataFrame, key: str, terms: Sequence[str], coefficients: Array) -> Array:
+    """What is left of the logarithm of a number after a fit."""
+    return np.log(rows[key].to_numpy()) - _design(rows, terms) @ coefficients
+
+
+def _root_mean_square(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
+
+
+def _jackknife(rows: pd.DataFrame, function: Callable[[pd.DataFrame], Any]) -> Array:
+    """A function of the rows and its standard errors, leaving one surface out at a time."""
+    names = rows["surface"].unique()
+    found = np.array([function(rows[rows["surface"] != name]) for name in names])
+    variance = (names.size - 1) / names.size * ((found - found.mean(axis=0)) ** 2).sum(axis=0)
+    return np.array([function(rows), np.sqrt(variance)])
+
+
+def scatter(rows: pd.DataFrame, key: str, terms: Sequence[str] = ()) -> Array:
+    """Scatter of a number over its scale, after terms that are fitted too, and its error."""
+    return _jackknife(rows, lambda some: _root_mean_square(_left(some, key, terms, _fit(some, key, terms))))
+
+
+def exponents(rows: pd.DataFrame, key: str, terms: Sequence[str]) -> dict[str, Array]:
+    """Slope of the logarithm of a number with each term, and its error."""
+    found = _jackknife(rows, lambda some: _fit(some, key, terms)[-len(terms) :])
+    return dict(zip(terms, found.T, strict=True))
+
+
+def of_poisson(rows: pd.DataFrame, key: str) -> dict[float, Array]:
+    """Geometric mean of a number over surfaces and areas at each Poisson's ratio, and its error."""
+    found = _jackknife(rows, lambda some: np.exp(_fit(some, key, ())))
+    return dict(zip(np.sort(rows["poisson"].unique()).tolist(), found.T, strict=True))
+
+
+def held_out(rows: pd.DataFrame, key: str, terms: Sequence[str]) -> float:
+    """Root mean square error with which a fit to all other surfaces predicts the logarithm for a surface."""
+    errors = []
+    for name in rows["surface"].unique():
+        chosen = rows["surface"] == name
+        errors.append(_left(rows[chosen], key, terms, _fit(rows[~chosen], key, terms)))
+    return _root_mean_square(np.concatenate(errors))
+
+
+def hertz_peak(poisson: float) -> tuple[float, float]:
+    """Largest von Mises stress on the axis of a Hertzian contact over its mean pressure, and depth over a."""
+    contact, radius = Hertz.from_approach(1e-2, 1.0), math.sqrt(1e-2)
+    depth = np.linspace(0, 1.5, 3001) * radius
+    stress = contact.stress(np.zeros_like(depth), depth, poisson).von_mises
+    top = int(np.argmax(stress))
+    return float(stress[top] / contact.mean_contact_pressure), float(depth[top] / radius)
+
+
+def draw(rows: pd.DataFrame) -> Figure:
+    """Height over E*ḡ_r, depth over λ_s, the curve of the depth, and the scatter of all scales."""
+    figure, (height, depth, curve, scales) = panels(2, 2)
+    for axis, key in ((height, "height_gradient_contact"), (depth, WAVELENGTH)):
+        _draw_points(axis, rows, rows["area"], key, [0.02, 0.05, 0.1, 0.2])
+        axis.set(xlabel="area fraction $A$", ylim=(0, None))
+    length = rows[WAVELENGTH] / rows["depth_curvature_length"]
+    _draw_points(curve, rows, length, WAVELENGTH, [0.12, 0.15, 0.2, 0.25, 0.3])
+    power = _fit(rows, WAVELENGTH, ["depth_curvature_length"])[-1]
+    ends = np.array([length.min(), length.max()])
+    for colour, (_, some) in enumerate(rows.groupby("poisson")):
+        factor = np.exp(np.log(some[WAVELENGTH] / length[some.index] ** power).mean())
+        curve.plot(ends, factor * ends**power, color=f"C{colour}", lw=0.8)
+    curve.set(yscale="log", xlabel=r"$\sqrt{m_2/m_4}$ over contact / $\lambda_s$")
+    ticks = [0.1, 0.15, 0.2, 0.25, 0.3]
+    curve.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
+    curve.set_yticks([], minor=True)
+    height.legend(loc="lower right", ncols=2, fontsize="x-small")
+    _draw_scatter(scales, rows)
+    return figure
+
+
+def _draw_points(axis: Axes, rows: pd.DataFrame, along: pd.Series, key: str, ticks: Sequence[float]) -> None:
+    """Points with their errors: a colour for each Poisson's ratio, a marker for each kind of surface."""
+    kinds = [(f"$H$ = {hurst:g}", (rows["hurst"] == hurst) & ~rows["skewed"]) for hurst in (0.2, 0.5, 0.8)]
+    kinds.append(("skewed", rows["skewed"]))
+    ratios = sorted(rows["poisson"].unique())
+    for marker, (name, chosen) in zip("os^D", kinds, strict=True):
+        for colour, poisson in enumerate(ratios):
+            some = rows[chosen & (rows["poisson"] == poisson)]
+            x, y, error = along[some.index], some[key], some[f"{key}_error"]
+            axis.errorbar(x, y, error, fmt=marker, ms=3, lw=0.7, color=f"C{colour}")
+        axis.plot([], [], marker, color="0.4", ms=3, ls="none", label=name)
+    for colour, poisson in enumerate(ratios):
+        axis.plot([], [], color=f"C{colour}", label=rf"$\nu$ = {poisson:g}")
+    axis.set(xscale="log", ylabel=_label(key))
+    axis.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    axis.set_xticks([], minor=True)
+
+
+def _label(key: str) -> str:
+    return f"{key.partition('_')[0]} / {(HEIGHT_SCALES | DEPTH_SCALES)[key][1]}"
+
+
+def _draw_scatter(axis: Axes, rows: pd.DataFrame) -> None:
+    """Scatter of every scale as a bar, with its standard error; pale with a fitted power of ℓ/λ_s."""
+    order = [*HEIGHT_SCALES, *DEPTH_SCALES]
+    bar: dict[str, Any] = {"height": 0.4, "error_kw": {"lw": 1}}
+    for place, key in enumerate(order):
+        colour = "C0" if key in HEIGHT_SCALES else "C1"
+        value, error = 100 * scatter(rows, key)
+        axis.barh(place - 0.2, value, xerr=error, color=colour, **bar)
+        if key in DEPTH_SCALES and key != WAVELENGTH:
+            value, error = 100 * scatter(rows, WAVELENGTH, [key])
+            axis.barh(place + 0.2, value, xerr=error, color=colour, alpha=0.4, **bar)
+    axis.set_yticks(range(len(order)), [_label(key) for key in order], fontsize="x-small")
+    axis.invert_yaxis()
+    axis.set(xlabel="scatter, %", xlim=(0, 60))
+
+
+def page(rows: pd.DataFrame) -> str:
+    """The page docs/master_curve.md, from its template."""
+    height = min(HEIGHT_SCALES, key=lambda key: scatter(rows, key)[0])
+    length = min(list(DEPTH_SCALES)[:-1], key=lambda key: scatter(rows, WAVELENGTH, [key])[0])
+    fits = [("height", key, key, "ln A", "A^b") for key in HEIGHT_SCALES]
+    fits += [("depth", key, WAVELENGTH, key, "λ_s (s/λ_s)^b") for key in DEPTH_SCALES if key != WAVELENGTH]
+    fits.append(("depth", WAVELENGTH, WAVELENGTH, "ln A", "A^b"))
+    environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.filters["percent"] = lambda found: f"{with_error(*(100 * found))} %"
+    environment.filters["error"] = lambda found: with_error(*found)
+    environment.filters["signed"] = lambda found: with_error(*found, signed=True)
+    text = Path(__file__).with_name("page.md.j2").read_text(encoding="utf-8")
+    names = {key: name for key, (name, _) in (HEIGHT_SCALES | DEPTH_SCALES).items()}
+    functions = (scatter, exponents, held_out, of_poisson, hertz_peak)
+    return environment.from_string(text).render(
+        rows=rows,
+        gaussian=rows[~rows["skewed"]],
+        height=height,
+        length=length,
+        fits=fits,
+        names=names,
+        wavelength=WAVELENGTH,
+        collapsed=COLLAPSED,
+        reference=REFERENCE,
+        **{function.__name__: function for function in functions},
+    )
+
+
+def main() -> None:
+    """Write table, figure and page."""
+    kept = Path("docs/master_curve.csv")
+    if sys.argv[1:]:
+        config = read_study(sys.argv[1:])
+        table(config, collect(config)).to_csv(kept, index=False, float_format="%.6g")
+    rows = pd.read_csv(kept)
+    with style():
+        save(draw(rows), kept.with_suffix(".png"))
+    kept.with_suffix(".md").write_text(page(rows) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

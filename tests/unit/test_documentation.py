@@ -1,0 +1,82 @@
+"""Examples of docstrings, pages and the gallery run as they stand; the API page is complete."""
+
+from __future__ import annotations
+
+import doctest
+import re
+import runpy
+from pathlib import Path
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import asperity
+import asperity.engineering
+
+ROOT = Path(__file__).parents[2]
+DOCSTRINGS = [
+    *((asperity, name) for name in sorted(set(asperity.__all__) - {"__version__"})),
+    *((asperity.engineering, name) for name in ("Body", "run", "write_answer")),
+]
+PAGES = ("README.md", "docs/index.md", "docs/contact.md", "docs/two_bodies.md", "docs/paraview.md")
+BLOCKS = {
+    f"{page} {number}": block
+    for page in PAGES
+    for number, block in enumerate(
+        re.findall(r"```python\n(.*?)```", (ROOT / page).read_text("utf-8"), re.DOTALL)
+    )
+}
+GALLERY = sorted((ROOT / "examples").glob("*/plot_*.py"))
+
+pytestmark = pytest.mark.xdist_group("documentation")  # functions are compiled and imported once
+
+
+@pytest.fixture(autouse=True)
+def _without_screen(monkeypatch):
+    monkeypatch.setattr(plt, "show", lambda: None)
+    with mpl.rc_context():
+        plt.switch_backend("agg")
+        yield
+        plt.close("all")
+
+
+@pytest.mark.parametrize(("module", "name"), DOCSTRINGS, ids=[name for _, name in DOCSTRINGS])
+def test_docstring_example_runs(module, name):
+    names = {"asp": asperity, "np": np}
+    if module is asperity.engineering:
+        names |= {public: getattr(module, public) for public in module.__all__}
+    (found,) = doctest.DocTestFinder(recurse=False).find(getattr(module, name), name, globs=names)
+    assert any(example.want for example in found.examples), f"{name}: an example with a result is needed"
+    runner = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE)
+    messages: list[str] = []
+    assert runner.run(found, out=messages.append).failed == 0, "".join(messages)
+
+
+@pytest.mark.parametrize("block", BLOCKS.values(), ids=BLOCKS)
+def test_page_example_runs(block, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names: dict = {}
+    exec(block, names)
+    names["contact"].certificate.check(1e-4)
+
+
+@pytest.mark.parametrize("path", GALLERY, ids=lambda path: path.stem)
+def test_gallery_example_runs(path, monkeypatch):
+    """Each ends with checks of its physics."""
+    monkeypatch.chdir(path.parent)
+    runpy.run_path(str(path), run_name="__main__")
+    for number in plt.get_fignums():
+        plt.figure(number).canvas.draw()
+
+
+def test_api_page_lists_every_public_name():
+    listed = re.findall(r"^   ~asperity\.(\w+)$", (ROOT / "docs/api.rst").read_text("utf-8"), re.MULTILINE)
+    assert sorted(listed) == sorted(set(asperity.__all__) - {"__version__"})
+
+
+@pytest.mark.parametrize("name", ["README.md", "CONTRIBUTING.md"])
+def test_links_to_project_files_exist(name):
+    links = re.findall(r"\]\((?!https?:)([^)#]+)\)", (ROOT / name).read_text("utf-8"))
+    assert [link for link in links if not (ROOT / link).exists()] == []

@@ -1,0 +1,235 @@
+"""Extreme and wrong arguments: a finite, certified result under the load imposed, or one line of refusal."""
+
+import tracemalloc
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.study.cost.model import job_cost
+from asperity.surface.reading.height_map import MapError
+
+HALF_SPACE = asp.Layer(1.0, 0.3)
+HUGE = 10**400
+"""A whole number beyond those of floating point."""
+
+
+def rough(points=32, seed=0):
+    return np.random.default_rng(seed).standard_normal((points, points))
+
+
+# Contacts of any scale
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize(("heights", "lengths", "moduli"), [(-200, 0, 0), (200, 100, 0), (0, -180, 200)])
+def test_units_by_powers_of_two_change_no_bit(boundary, heights, lengths, moduli):
+    """Multiplication by a power of two is exact, also far beyond the range of single precision."""
+    height, by = 0.01 * rough(), [2.0**exponent for exponent in (heights, lengths, moduli)]
+    settings = {"area_fraction": 0.1, "boundary": boundary}
+    one = asp.solve(height, HALF_SPACE, **settings)
+    other = asp.solve(height * by[0], asp.Layer(by[2], 0.3), by[1], **settings)
+    np.testing.assert_array_equal(other.pressure, one.pressure * (by[0] / by[1] * by[2]))
+    np.testing.assert_array_equal(other.gap, one.gap * by[0])
+    assert other.approach == one.approach * by[0]
+    assert other.certificate.worst == one.certificate.worst
+
+
+@pytest.mark.parametrize("load", [1e-100, 1e-60, 1e-20, 1e60])
+@pytest.mark.parametrize("offset", [0.0, 5.0])
+def test_flat_punch_pressure_scales_with_any_load(load, offset):
+    """Without a height there is no scale but the load's."""
+    settings = {"boundary": "free", "rtol": 1e-12}
+    one = asp.solve(np.zeros((16, 16)), HALF_SPACE, mean_pressure=1.0, **settings)
+    other = asp.solve(np.full((16, 16), offset), HALF_SPACE, mean_pressure=load, **settings)
+    np.testing.assert_allclose(other.pressure, load * one.pressure, rtol=1e-4)
+    assert other.approach == pytest.approx(offset + load * one.approach, rel=1e-12)
+
+
+@pytest.mark.parametrize("size", [1e-60, 1e60])
+def test_single_precision_refuses_numbers_beyond_its_range(size):
+    with pytest.raises(ValueError, match=r"^dtype = 'float32': cannot hold heights of about .*float64"):
+        asp.solve(size * rough(), HALF_SPACE, area_fraction=0.1, dtype="float32")
+
+
+def test_single_precision_is_refined_in_double():
+    """The rounding of the heights alone, 1000 × 6e-8 of their rms, is above the tolerance."""
+    height = 1e-3 * (rough() + 1000)
+    single, double = (
+        asp.solve(height, HALF_SPACE, area_fraction=0.1, dtype=dtype) for dtype in ("float32", "float64")
+    )
+    assert single.pressure.dtype == np.float32
+    error = np.linalg.norm(single.pressure - double.pressure) / np.linalg.norm(double.pressure)
+    assert error < 1e-5
+
+
+@pytest.mark.parametrize("fraction", [0.01, 0.1])
+def test_gfmd_in_single_precision_reaches_its_tolerance(fraction):
+    """Their rounding alone leaves an error of 1e-5 at 10 % of the area, and 5e-4 at 1 %."""
+    height = asp.self_affine((32, 32), 0.3, 0.5, 0.125, rms_height=1e-3, seed=1)
+    settings = {"area_fraction": fraction, "method": "gfmd"}
+    single, double = (
+        asp.solve(height, HALF_SPACE, dtype=dtype, **settings) for dtype in ("float32", "float64")
+    )
+    assert single.pressure.dtype == np.float32
+    error = np.linalg.norm(single.pressure - double.pressure) / np.linalg.norm(double.pressure)
+    assert error < 1e-6
+
+
+def test_contact_refined_in_double_fits_memory_estimate():
+    height = 1e-3 * (rough(256) + 1000)
+
+    def peak(dtype):
+        tracemalloc.start()
+        contact = asp.solve(height, HALF_SPACE, area_fraction=0.1, dtype=dtype, rtol=1e-6)
+        assert contact.pressure.dtype == dtype
+        found = tracemalloc.get_traced_memory()[1]
+        tracemalloc.stop()
+        return found
+
+    peak("float64")  # compiles
+    estimate = job_cost("contact", height.size).memory - job_cost("contact", 0).memory
+    assert peak("float64") < estimate
+    assert 0.8 * estimate < peak("float32") < estimate
+
+
+def test_flat_certificate_is_relative_to_nodal_displacement():
+    """Without heights: the largest pressure times the spacing over E*."""
+    shape, pressure, approach = (16, 16), 3.0, 0.1
+    found = asp.verify_contact(
+        np.zeros(shape), np.full(shape, pressure), asp.Layer(2.0, 0.0), approach=approach
+    )
+    assert found.penetration == pytest.approx(approach / (pressure / 16 / 2.0))
+
+
+# An imposed area that the surface does not allow
+
+
+@pytest.mark.parametrize("method", ["active_set", "gfmd"])
+@pytest.mark.parametrize("fraction", [0.001, 0.1])
+def test_smallest_area_is_lowest_level_of_steps(method, fraction):
+    height = np.random.default_rng(1).integers(0, 2, (8, 8))
+    contact = asp.solve(height, HALF_SPACE, area_fraction=fraction, method=method)
+    np.testing.assert_array_equal(contact.pressure > 0, height == 0)
+    assert contact.control_error == pytest.approx(np.mean(height == 0) / fraction - 1)
+    assert f"(imposed area missed by {100 * contact.control_error:.2g} %)" in repr(contact)
+
+
+@pytest.mark.parametrize("method", ["active_set", "gfmd"])
+@pytest.mark.parametrize("fraction", [0.01, 0.99])
+def test_flat_surface_touches_everywhere(method, fraction):
+    contact = asp.solve(np.zeros((2, 2)), HALF_SPACE, area_fraction=fraction, method=method)
+    assert contact.area_fraction == 1
+    assert contact.control_error == pytest.approx(1 / fraction - 1)
+
+
+def test_tilted_plane_touches_row_by_row():
+    height = np.tile(1e-3 * np.arange(8.0), (8, 1))
+    contact = asp.solve(height, HALF_SPACE, area_fraction=0.1)
+    assert (contact.area_fraction, contact.control_error) == (0.125, 0.25)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (2, 2)])
+@pytest.mark.parametrize("size", [1.0, 1e30, 1e60])
+def test_huge_initial_pressure_is_finite_or_refused(shape, size):
+    height = np.random.default_rng(0).standard_normal(shape)
+    settings = {"area_fraction": 0.99, "method": "gfmd", "dtype": "float32"}
+    try:
+        contact = asp.solve(height, HALF_SPACE, initial=np.full(shape, size), **settings)
+    except asp.ConvergenceError:
+        assert size > 3e38
+    else:
+        assert np.all(np.isfinite(contact.pressure))
+        contact.certificate.check(1e-6)
+
+
+# Arguments
+
+
+def loaded(size=1.0, shape=(8, 8)):
+    pressure = size * np.random.default_rng(0).random(shape)
+    return asp.LoadedSolid(pressure, asp.Grid(shape), HALF_SPACE)
+
+
+REFUSED = {
+    "solve area": lambda: asp.solve(rough(8), HALF_SPACE, area_fraction=HUGE),
+    "solve load": lambda: asp.solve(rough(8), HALF_SPACE, mean_pressure=HUGE),
+    "solve force": lambda: asp.solve(rough(8), HALF_SPACE, force=-1),
+    "solve approach": lambda: asp.solve(rough(8), HALF_SPACE, approach=HUGE),
+    "solve rtol": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, rtol=HUGE),
+    "solve threads": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, threads=2**63),
+    "solve no thread": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, threads=True),
+    "solve dtype": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, dtype="x"),
+    "solve initial": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, initial="x"),
+    "solve method": lambda: asp.solve(rough(8), HALF_SPACE, approach=0.1, method=[]),
+    "body": lambda: asp.solve(rough(8), HALF_SPACE, area_fraction=0.1).in_body({}),
+    "planes fields": lambda: asp.stress_planes(loaded(), [0.0], fields=[np.zeros(2)]),
+    "planes boundary": lambda: asp.plane_peaks(rough(8), asp.Grid((8, 8)), boundary=np.zeros(2)),
+    "solve booleans": lambda: asp.solve(rough(8) > 0, HALF_SPACE, approach=0.1),
+    "solve objects": lambda: asp.solve([[HUGE, 1], [1, 2]], HALF_SPACE, approach=0.1),
+    "solve large": lambda: asp.solve(1e80 * rough(8), HALF_SPACE, area_fraction=0.1),
+    "solve small": lambda: asp.solve(1e-80 * rough(8), HALF_SPACE, area_fraction=0.1),
+    "certificate objects": lambda: asp.verify_contact(np.full((8, 8), HUGE), rough(8), HALF_SPACE),
+    "certificate shapes": lambda: asp.verify_contact(rough(8), rough(4), HALF_SPACE),
+    "layer height": lambda: asp.Layer(1.0, 0.3, 5e-324),
+    "layer modulus": lambda: asp.Layer(HUGE, 0.3),
+    "grid nodes": lambda: asp.Grid((HUGE, 8)),
+    "grid edge": lambda: asp.Grid((8, 8), HUGE),
+    "moments": lambda: asp.with_moments(rough(8), 0.0, 1.0001),
+    "moments of nothing": lambda: asp.with_moments(np.empty((0, 0)), 0.0, 3.0),
+    "johnson of a flat surface": lambda: asp.johnson(np.zeros((4, 4)), 0.5, 1.0),
+    "sphere under holes": lambda: asp.add_sphere(np.full((8, 8), np.nan), 1.0, 1.0),
+    "sphere centre": lambda: asp.add_sphere(rough(8), 1.0, 1.0, (0.0, [1.0])),
+    "planes of a huge pressure": lambda: next(iter(asp.stress_planes(loaded(1e150), [0.0]))),
+    "box spacing": lambda: asp.stress_box(loaded(), [0.0], spacing=5e-324),
+    "box extent": lambda: asp.stress_box(loaded(), [0.0], x=(0.0, [1.0])),
+    "peaks index": lambda: asp.find_peaks(asp.stress_planes(loaded(), [0.0, 0.1]), "von_mises", 99),
+    "peaks of a huge field": lambda: asp.plane_peaks(1e300 * rough(8), asp.Grid((8, 8))),
+    "density bins": lambda: asp.probability_density(rough(8), 2**40),
+    "density no bins": lambda: asp.probability_density(rough(8), np.inf),
+    "density limits": lambda: asp.probability_density(rough(8), 10, (0.0, 5e-324)),
+    "autocorrelation": lambda: asp.autocorrelation(1e300 * rough(8), asp.Grid((8, 8))),
+    "map of a point": lambda: asp.treat_map(asp.HeightMap(np.ones((1, 1)), (1.0, 1.0), True)),
+    "map of a line": lambda: asp.treat_map(asp.HeightMap(np.ones(8), (1.0, 1.0), True)),
+    "map of texts": lambda: asp.treat_map(asp.HeightMap(np.full((8, 8), "a"), (1.0, 1.0), True)),
+    "map edges": lambda: asp.HeightMap(rough(8), ({}, 1.0)),
+    "friction": lambda: asp.analyse_stress(loaded(), friction=1e20),
+    "negative friction": lambda: asp.stress_section(loaded(), friction=-0.1),
+    "form on an odd map": lambda: asp.treat_map(
+        asp.HeightMap(rough(8), (1.0, 1.0), unit="m", orientation="peaks up"),
+        periodic="mirrored",
+        points=15,
+        radius=1.0,
+    ),
+    "map points": lambda: asp.treat_map(asp.HeightMap(rough(8), (1.0, 1.0), True), points=2**62),
+}
+
+
+@pytest.mark.parametrize("call", REFUSED.values(), ids=REFUSED)
+def test_argument_out_of_range_is_refused(call):
+    with pytest.raises((ValueError, TypeError)) as caught:
+        call()
+    assert caught.type in (ValueError, TypeError, MapError)
+    statement = caught.traceback[-1].statement
+    assert str(statement).lstrip().startswith("raise"), "an exception of Python's or NumPy's own"
+    message = str(caught.value)
+    assert message.isprintable()
+    assert len(message) < 300
+
+
+def test_values_equal_but_for_rounding_have_density():
+    values = 1.0 + np.spacing(1.0) * np.arange(4)
+    density = asp.probability_density(values, 100)
+    assert density.counts.sum() == 4
+    assert np.all(np.isfinite(density.density))
+
+
+def test_long_narrow_cells_agree_along_both_axes():
+    """Rings of wavenumbers between those of the modes are left out: here 16 million of 16 million."""
+    pressure = np.random.default_rng(0).random((16, 16))
+    long, wide = (
+        asp.LoadedSolid(field, asp.Grid((16, 16), length), HALF_SPACE)
+        for field, length in ((pressure, (1.0, 1e-6)), (pressure.T, (1e-6, 1.0)))
+    )
+    one, other = (next(iter(asp.stress_planes(solid, [1e-7], fields=["zz"]))) for solid in (long, wide))
+    np.testing.assert_allclose(one.fields["zz"][0].T, other.fields["zz"][0], rtol=1e-9)

@@ -1,0 +1,109 @@
+"""The free-space kernel against quadrature and multiple precision; padded transforms against sums."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+
+from asperity.elasticity.loaded_rectangle import (
+    PaddedFourier,
+    compliance_modes,
+    padded_grid,
+    rectangle_compliance,
+    rectangle_slope_x,
+    slope_modes,
+)
+from asperity.fourier.grid import Grid
+
+pytestmark = pytest.mark.engines
+
+EDGES = [(1.0, 1.0), (0.2, 1.0), (1e-6, 3e-6)]
+
+
+def love(y: mpmath.mpf, x: mpmath.mpf, edges: tuple[float, float]) -> mpmath.mpf:
+    """Love's formula in multiple precision, in which nothing cancels noticeably; E* = 1."""
+    b, a = (mpmath.mpf(edge) / 2 for edge in edges)
+
+    def corner(x: mpmath.mpf, y: mpmath.mpf) -> mpmath.mpf:
+        return x * mpmath.asinh(y / abs(x)) + y * mpmath.asinh(x / abs(y))
+
+    sides = corner(x + a, y + b) - corner(x - a, y + b) - corner(x + a, y - b) + corner(x - a, y - b)
+    return sides / mpmath.pi
+
+
+@pytest.mark.parametrize("edges", EDGES)
+@pytest.mark.parametrize(("j", "i"), [(0, 0), (0, 1), (2, -3), (40, 7), (4096, 4096), (0, 16384), (-9e4, 1)])
+def test_compliance_of_a_rectangle_in_multiple_precision(edges, j, i):
+    """Rounding: about 1e-16 times the distance over the shorter edge."""
+    y, x = j * edges[0], i * edges[1]
+    with mpmath.workdps(40):
+        exact = love(mpmath.mpf(y), mpmath.mpf(x), edges)
+        relative = float(rectangle_compliance(y, x, edges, 1.0).item() / exact - 1)
+    assert abs(relative) < 1e-15 * (1 + np.hypot(y, x) / min(edges))
+
+
+@pytest.mark.parametrize(("y", "x"), [(0.0, 1.0), (0.7, 0.0), (1.3, -2.1)])
+def test_compliance_of_a_rectangle_by_quadrature(y, x):
+    """1/(π E* ρ) integrated by a Gauss rule, exact to rounding outside the rectangle."""
+    nodes, weights = np.polynomial.legendre.leggauss(60)
+    edges, modulus = (0.8, 1.2), 3.0
+    eta, xi = 0.4 * nodes[:, None], 0.6 * nodes
+    area = 0.24 * weights[:, None] * weights
+    expected = np.sum(area / np.hypot(y - eta, x - xi)) / (np.pi * modulus)
+    assert rectangle_compliance(y, x, edges, modulus).item() == pytest.approx(expected, rel=1e-10)
+
+
+def test_compliance_in_the_middle_of_a_square():
+    """4 a ln(1 + √2)/(π E*) for the edge a (Love 1929)."""
+    expected = 4 * 0.3 * np.log(1 + np.sqrt(2)) / (np.pi * 7.0)
+    assert rectangle_compliance(0.0, 0.0, (0.3, 0.3), 7.0).item() == pytest.approx(expected, rel=1e-15)
+
+
+@pytest.mark.parametrize(("j", "i"), [(0, 1), (2, -3), (40, 7), (5, 0)])
+def test_slope_is_the_derivative_of_the_compliance(j, i):
+    edges = (0.2, 1.0)
+    with mpmath.workdps(40):
+        y = mpmath.mpf(j) * edges[0]
+        expected = float(mpmath.diff(lambda x: love(y, x, edges), mpmath.mpf(i) * edges[1]))
+    found = rectangle_slope_x(j * edges[0], i * edges[1], edges, 1.0).item()
+    assert found == pytest.approx(expected, rel=1e-12, abs=1e-15)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 9), (16, 16), (13, 22)])
+def test_padded_convolution_is_the_sum_over_all_nodes(shape):
+    grid = Grid(shape, (0.3, 2.0))
+    pressure = np.random.default_rng(1).random(shape)
+    fourier = PaddedFourier(grid)
+    y, x = (part.ravel() for part in np.meshgrid(*grid.coordinates(), indexing="ij"))
+    dy, dx = y[:, None] - y, x[:, None] - x
+    spacing_y, spacing_x = grid.spacing
+    slope_y, slope_x = slope_modes(grid, 2.0)
+    for modes, matrix in (
+        (compliance_modes(grid, 2.0), rectangle_compliance(dy, dx, grid.spacing, 2.0)),
+        (slope_y, rectangle_slope_x(dx, dy, (spacing_x, spacing_y), 2.0)),
+        (slope_x, rectangle_slope_x(dy, dx, (spacing_y, spacing_x), 2.0)),
+    ):
+        field = fourier.inverse(fourier.forward(pressure) * modes)
+        np.testing.assert_allclose(field.ravel(), matrix @ pressure.ravel(), rtol=0, atol=1e-14)
+
+
+@pytest.mark.parametrize("shape", [(64, 64), (32, 100), (7, 300)])
+@pytest.mark.parametrize("length", [(1.0, 1.0), (0.3, 1.7)])
+def test_factors_of_the_compliance_are_positive(shape, length):
+    """The elastic energy of any pressure is positive, also on the padded grid of the preconditioner."""
+    assert compliance_modes(Grid(shape, length), 1.0).min() > 0
+
+
+def test_padded_transforms_do_not_depend_on_threads():
+    grid = Grid((200, 130))
+    pressure = np.random.default_rng(2).random(grid.shape)
+    fields = []
+    for threads in (1, 2, 3):
+        fourier = PaddedFourier(grid, threads=threads)
+        fields.append(fourier.inverse(fourier.forward(pressure), overwrite=True))
+        rows, columns = padded_grid(grid).shape
+        assert fourier.work.nodes == 2 * (200 + rows) * columns // 2
+    np.testing.assert_allclose(fields[0], pressure, rtol=0, atol=1e-14)
+    np.testing.assert_array_equal(fields[1], fields[0])
+    np.testing.assert_array_equal(fields[2], fields[0])

@@ -1,0 +1,166 @@
+"""The studies beside the paper: moments, boundaries and lengths, regressions, and a tiny run of each."""
+
+from pathlib import Path
+
+import master_curve
+import nayak
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+from asperity import Grid, Layer, solve
+from asperity.study.config.study import read_study
+
+ROOT = Path(__file__).parents[2]
+
+
+def test_nayak_parameter_of_waves():
+    """A single wave has 3/2, the smallest value; for two waves the moments are sums."""
+    grid = Grid((64, 64))
+    y, x = (2 * np.pi * axis for axis in grid.coordinates())
+    one = np.cos(3 * x)[None, :] + 0 * y[:, None]
+    assert nayak.nayak_parameter(one, grid) == pytest.approx(1.5, rel=1e-12)
+    two = 2 * np.cos(3 * x)[None, :] + np.sin(8 * y)[:, None]
+    squares, wavenumbers = np.array([4.0, 1.0]), 2 * np.pi * np.array([3.0, 8.0])
+    moments = [(squares * wavenumbers**order).sum() for order in (0, 2, 4)]
+    expected = 1.5 * moments[0] * moments[2] / moments[1] ** 2
+    assert nayak.nayak_parameter(two, grid) == pytest.approx(expected, rel=1e-12)
+
+
+def test_boundary_of_a_rectangle_across_the_edge():
+    """The length is the perimeter; the integral of a field has the mean of both sides of an edge."""
+    grid = Grid((16, 32), (1.0, 2.0))
+    touching = np.zeros(grid.shape, bool)
+    touching[4:8, 28:] = touching[4:8, :2] = True  # 4 × 6 nodes of 1/16 by 1/16, across the period
+    assert nayak.boundary_integral(touching, np.ones(grid.shape), grid) == pytest.approx(20 / 16)
+    rows = np.arange(16.0)[:, None] * np.ones(32)
+    # Rows 3 and 4, 7 and 8 meet along 6 edges each; the sides of rows 4 to 7 are two edges each.
+    expected = (6 * (3.5 + 7.5) + 2 * (4 + 5 + 6 + 7)) / 16
+    assert nayak.boundary_integral(touching, rows, grid) == pytest.approx(expected)
+
+
+def test_corrected_area_of_a_sphere_is_nearer_to_hertz():
+    """In the mean over radii of 5 to 9 nodes."""
+    points, radius = 64, 10.0
+    grid = Grid((points, points))
+    y, x = grid.coordinates()
+    height = ((y[:, None] - 0.5) ** 2 + (x[None, :] - 0.5) ** 2) / (2 * radius)
+    raw, corrected = [], []
+    for nodes in np.linspace(5.0, 9.0, 17):
+        circle = nodes / points
+        pressure = 4 * circle**3 / (3 * radius)
+        found = solve(height, Layer(young=1.0, poisson=0.0), mean_pressure=pressure, boundary="free")
+        touching = found.pressure > 0
+        strip = nayak.STRIP / points * nayak.boundary_integral(touching, np.ones(grid.shape), grid)
+        raw.append(touching.mean() / (np.pi * circle**2) - 1)
+        corrected.append((touching.mean() - strip) / (np.pi * circle**2) - 1)
+    assert np.mean(raw) > 0.02
+    assert abs(np.mean(corrected)) < np.mean(raw) / 3
+
+
+def test_limit_from_nested_seeds():
+    """Numbers with an error of known order have their limit exactly; their scatter is that of all seeds."""
+    seeds = 2.0 + 0.01 * np.random.default_rng(1).standard_normal(200)
+    levels = [seeds[:n] + 0.3 / nodes**1.5 for n, nodes in ((200, 8), (50, 16), (5, 32))]
+    assert nayak.order_of([nayak.means(levels)]) == pytest.approx(1.5)
+    value, scatter = nayak.limit(levels, 1.5)
+    assert value == pytest.approx(seeds.mean(), rel=1e-10)
+    assert scatter == pytest.approx(seeds.std(ddof=1) / np.sqrt(200), rel=1e-6)
+
+
+def _regression_with_noise(noise: float, seed: int) -> nayak.Regression:
+    """Of κ = 2.4 − 0.15 ln α − 0.05 ln A, twelve surfaces under three loads, with noise of each surface."""
+    rng = np.random.default_rng(seed)
+    rows = pd.DataFrame({"number": np.repeat(np.arange(12), 3), "area": np.tile([0.02, 0.05, 0.1], 12)})
+    rows = rows.assign(surface=rows["number"].astype(str), nayak=2 * 1.3 ** rows["number"], ratio=4.0)
+    rows = nayak.with_logarithms(rows).assign(kappa_error=0.004)
+    shift = noise * np.repeat(rng.standard_normal(12), 3)
+    rows["kappa"] = 2.4 - 0.15 * rows["ln_nayak"] - 0.05 * rows["ln_area"] + shift
+    return nayak.regress(rows, "kappa", ["ln_nayak", "ln_area"])
+
+
+def test_intervals_hold_slopes_as_often_as_said():
+    exact = _regression_with_noise(0.0, 0)
+    assert exact.slopes == pytest.approx({"ln_nayak": -0.15, "ln_area": -0.05})
+    assert exact.explained == pytest.approx(1)
+    found = [_regression_with_noise(0.01, seed) for seed in range(40)]
+    held = [abs(one.slopes["ln_nayak"] + 0.15) < one.errors["ln_nayak"] for one in found]
+    assert 0.85 <= np.mean(held) <= 1
+
+
+def test_tiny_nayak_study(tmp_path):
+    """Six surfaces on small grids, from contacts to page; a second run reads the files of the first."""
+    config = {"results": tmp_path, "hurst": [0.2, 0.5, 0.8], "bands": {2: 0.5, 4: 0.5}, "loads": [0.02, 0.06]}
+    config |= {"nodes": [4, 8], "grid_nodes": 3 * 64**2, "most_seeds": 4}
+    samples = nayak.collect(config)
+    rows = nayak.table(config, samples)
+    files = {path: path.stat().st_mtime_ns for path in tmp_path.iterdir()}
+    assert nayak.table(config, nayak.collect(config)).equals(rows)
+    assert files == {path: path.stat().st_mtime_ns for path in tmp_path.iterdir()}
+    assert len(rows) == 12
+    assert rows["kappa"].between(1.5, 3).all()
+    assert (rows["kappa_r"] < rows["kappa"]).all()  # contacts are at summits, which are less steep
+    assert "| 0.2 | 2 | 1." in nayak.page(nayak.with_logarithms(rows))
+
+
+def test_lengths_of_a_wave():
+    """Full contact with one wave: the pressure halves where J0 = 1/2; moments are those of the wave."""
+    points, waves = 256, 4
+    x = np.arange(points) / points
+    height = np.cos(2 * np.pi * waves * x)[None, :] + np.cos(2 * np.pi * waves * x)[:, None]
+    contact = xr.Dataset({"pressure": (("y", "x"), height + 3)}, coords={"y": x, "x": x})
+    contact["pressure"][0, 0] = 0.0  # one node out of contact gives the boundary four edges
+    found = master_curve.contact_lengths(height, contact)
+    wavenumber = 2 * np.pi * waves
+    # Each profile moment over the next is 1/q² for two waves at right angles, of the slope along one of them.
+    assert found["height_length"] == pytest.approx(np.sqrt(2) / wavenumber, rel=1e-3)
+    assert found["hydraulic_radius"] == pytest.approx(8 / np.pi * points / 4, rel=1e-3)
+    assert found["curvature_length"] == pytest.approx(np.sqrt(4 / 3) / wavenumber, rel=1e-3)
+    # The mean over directions of cos(q r cos φ) is J0(q r), which is one half at 1.5211.
+    assert found["pressure_length"] == pytest.approx(1.5211 / wavenumber, rel=0.02)
+
+
+def test_hertz_peak_of_johnson():
+    """Johnson, Contact Mechanics (1985), section 3.4: at ν = 0.3 the largest τ is 0.31 p0 at 0.48 a."""
+    height, depth = master_curve.hertz_peak(0.3)
+    assert height == pytest.approx(2 * 0.31 * 1.5, rel=2e-3)
+    assert depth == pytest.approx(0.48, abs=5e-3)
+
+
+def test_scales_that_made_the_numbers_leave_no_scatter():
+    """Depths λ_s C(ν) (ℓ/λ_s)^0.6 with ℓ from the area, heights that are one curve up to 2 % of noise."""
+    index = pd.MultiIndex.from_product([range(8), (0.02, 0.05, 0.2), (0.0, 0.33, 0.5)])
+    rows = index.to_frame(index=False, name=["surface", "area", "poisson"])
+    factor = rows["poisson"].map({0.0: 0.75, 0.33: 1.0, 0.5: 1.1})
+    length = 0.3 * rows["area"] ** 0.2 * (1 + rows["surface"] % 2)
+    rows = rows.assign(hurst=0.8, ratio=8.0, **dict.fromkeys(master_curve.DEPTH_SCALES, 1.0))
+    rows["depth_wavelength"] = factor * length**0.6
+    rows["depth_pressure_length"] = rows["depth_wavelength"] / length
+    noise = 0.02 * np.random.default_rng(3).standard_normal(8)
+    rows["height_gradient_contact"] = factor * np.exp(noise[rows["surface"]])
+    fitted = (rows, "depth_wavelength", ["depth_pressure_length"])
+    assert master_curve.scatter(*fitted)[0] < 1e-12
+    assert master_curve.held_out(*fitted) < 1e-12
+    assert master_curve.exponents(*fitted)["depth_pressure_length"][0] == pytest.approx(0.6)
+    value, error = master_curve.scatter(rows, "height_gradient_contact")
+    assert value == pytest.approx(0.02, abs=3 * error)
+    assert master_curve.held_out(rows, "height_gradient_contact", []) > value
+
+
+def test_tiny_master_curve_study(tmp_path):
+    """Three small surfaces from contact to page; a second run reads the files of the first."""
+    config = read_study([ROOT / "studies/master_curve/config.yaml"])
+    config["results"], config["seeds"] = str(tmp_path), [1, 2]
+    surface = config["surfaces"]["hurst_08_ratio_8"] | {"points": 64}
+    surface |= {"wavelength_long": 0.5, "wavelength_short": 0.125}
+    config["surfaces"] = {f"s{hurst}": surface | {"hurst": hurst} for hurst in (0.2, 0.5, 0.8)}
+    config["contact"] |= {"path_area_fractions": [0.3]}
+    config["stress"] |= {"poisson": [0.0, 0.33]}
+    rows = master_curve.table(config, master_curve.collect(config))
+    files = {path: path.stat().st_mtime_ns for path in tmp_path.iterdir()}
+    assert master_curve.table(config, master_curve.collect(config)).equals(rows)
+    assert files == {path: path.stat().st_mtime_ns for path in tmp_path.iterdir()}
+    assert len(rows) == 3 * 2 * 2
+    assert (rows.loc[rows["poisson"] == 0, "height_gradient_contact"] > 1).all()
+    assert "Hertz" in master_curve.page(rows)

@@ -1,0 +1,120 @@
+# The stages of the study. Of the jobs that are ready, those of a higher priority start first: the longest chain, from the
+# surface to the stress on the largest grid, starts early, and small jobs fill the time left.
+rule surface:
+    input:
+        map=lambda wildcards: ([MEASURED[wildcards.surface]["file"]] if wildcards.surface in MEASURED else []),
+    output:
+        f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
+    log:
+        f"{RESULTS}/log/surface/{{surface}}/seed{{seed}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/surface/{{surface}}/seed{{seed}}.tsv"
+    priority: 3
+    resources:
+        **needs("surface"),
+    params:
+        code=code("surface"),
+        surface=surface_settings,
+        fft_engine=FFT_ENGINE,
+    script:
+        "../scripts/surface.py"
+
+
+rule contact:
+    input:
+        surface=rules.surface.output[0],
+    output:
+        f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
+    log:
+        f"{RESULTS}/log/contact/{{surface}}/seed{{seed}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/contact/{{surface}}/seed{{seed}}.tsv"
+    priority: 2
+    resources:
+        **needs("contact"),
+    params:
+        code=code("contact"),
+        layer=config["layer"],
+        contact=contact_settings,
+        fft_engine=FFT_ENGINE,
+    script:
+        "../scripts/contact.py"
+
+
+rule stress:
+    input:
+        contact=rules.contact.output[0],
+    output:
+        f"{RESULTS}/stress/{{surface}}/seed{{seed}}.nc",
+        [f"{RESULTS}/interpretations/{name}/stress/{{surface}}/seed{{seed}}.nc" for name in OTHER_LATERALS],
+    log:
+        f"{RESULTS}/log/stress/{{surface}}/seed{{seed}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/stress/{{surface}}/seed{{seed}}.tsv"
+    priority: 1
+    resources:
+        **needs("stress"),
+    params:
+        code=code("stress"),
+        stress=config["stress"],
+        laterals=OTHER_LATERALS,
+        quantities=OTHER_COMPONENTS,
+        fft_engine=FFT_ENGINE,
+    script:
+        "../scripts/stress.py"
+
+
+rule statistics:
+    input:
+        surface=results_of_seeds("surface"),
+        contact=results_of_seeds("contact"),
+        stress=results_of_seeds("stress"),
+        others=other_stresses_of_seeds,
+    output:
+        f"{RESULTS}/statistics/{{surface}}.nc",
+        [f"{RESULTS}/interpretations/{name}/statistics/{{surface}}.nc" for name in OTHER_LATERALS],
+    log:
+        f"{RESULTS}/log/statistics/{{surface}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/statistics/{{surface}}.tsv"
+    resources:
+        **needs("statistics"),
+    params:
+        code=code("statistics"),
+        statistics=config["statistics"],
+        laterals=OTHER_LATERALS,
+        fft_engine=FFT_ENGINE,
+    script:
+        "../scripts/statistics.py"
+
+
+rule verification:
+    input:
+        surface=results_of_seeds("surface"),
+        contact=results_of_seeds("contact"),
+        stress=results_of_seeds("stress"),
+        statistics=f"{RESULTS}/statistics/{{surface}}.nc",
+    output:
+        table=f"{RESULTS}/verification/{{surface}}.csv",
+        page=report(
+            f"{RESULTS}/verification/{{surface}}.html",
+            caption="../report/verification.rst",
+            category="Verification",
+            labels=lambda wildcards: {"surface": wildcards.surface},
+        ),
+    log:
+        f"{RESULTS}/log/verification/{{surface}}.log",
+    benchmark:
+        f"{RESULTS}/benchmark/verification/{{surface}}.tsv"
+    resources:
+        **needs("verification"),
+    params:
+        code=code("verification"),
+        fft_engine=FFT_ENGINE,
+    script:
+        "../scripts/verification.py"
+
+
+rule verified:
+    input:
+        expand(rules.verification.output, surface=sorted(STUDIED)),
