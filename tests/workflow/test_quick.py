@@ -66,7 +66,7 @@ def test_every_rule_has_its_cost(quick_study):
     [
         ("contact/problem.py", {"contact": "6", "stress": "6", "statistics": "6"}, {"surface"}),
         # Of the paper's study and of the measured surface.
-        ("paper/figures/fig10.py", {"figure": "2"}, {"surface", "contact", "stress", "statistics"}),
+        ("paper/figures/fig10_14_18.py", {"figure": "2"}, {"surface", "contact", "stress", "statistics"}),
     ],
 )
 def test_changed_module_reruns_the_jobs_that_use_it(quick_study, module, rerun, kept):
