@@ -1,24 +1,21 @@
-"""The figures, one module for each kind of drawing.
+"""The figures, one module for each kind of drawing; `figures.yaml` lists them and what each needs.
 
-A module has a table ``FIGURES``, and two functions with the same arguments, ``draw`` (returns a
-`matplotlib.figure.Figure`) and ``caption`` (returns reStructuredText). An entry of the table describes a
-figure by the fields of `Description`. The arguments of the functions are the results of the stages that it
-needs, and its options.
-
-The tables are read from the sources, without importing the modules: libraries for plotting take a second to
-import, and the workflow asks in every job which files its figures need.
+A module has two functions with the same arguments, ``draw`` (returns a `matplotlib.figure.Figure`) and
+``caption`` (returns reStructuredText). The arguments are the results of the stages that the figure needs, and
+its options. A module is imported when its figure is drawn: libraries for plotting take a second to import,
+and the workflow asks in every job which files its figures need.
 """
 
 from __future__ import annotations
 
-import ast
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 from typing import Any
+
+from asperity.core.data import packaged_yaml
 
 
 @dataclass(frozen=True)
@@ -29,24 +26,22 @@ class Description:
     ----------
     name : str
         Of the figure and its files; with ``_study`` in the supplement.
-    module : str
-        In which it is drawn.
     title : str
-        First line of the caption, by default that of the module's docstring, without the number.
+        First line of the caption, without the number.
+    stages : sequence of str
+        Stages whose results are drawn.
+    module : str
+        In which it is drawn; by default that with its name.
     number : int, optional
         Of the figure in the paper.
-    stages : tuple of str
-        Stages whose results are drawn.
-    studies : tuple of str
+    studies : sequence of str
         Studies of the configuration that are shown. With one study an argument maps surfaces to datasets,
         with several it maps studies to such mappings.
-    supplement : tuple of str
+    supplement : sequence of str
         Further studies of which the figure is drawn; for study ``moments``, ``fig09_moments``.
     own : str
         Name of the figure for a user's own study; of study ``steel`` it is ``peaks_steel``.
-    several_ratios : bool
-        True for a figure of one surface at several Poisson's ratios.
-    datasets : tuple of str
+    datasets : sequence of str
         Datasets of stage validation that are drawn, in place of studies.
     cost : str
         Line of the table of costs from which time and memory are estimated.
@@ -57,18 +52,22 @@ class Description:
     """
 
     name: str
-    module: str
     title: str
-    number: int | None
-    stages: tuple[str, ...]
-    studies: tuple[str, ...] = ()
-    supplement: tuple[str, ...] = ()
+    stages: Sequence[str]
+    module: str = ""
+    number: int | None = None
+    studies: Sequence[str] = ()
+    supplement: Sequence[str] = ()
     own: str = ""
-    several_ratios: bool = False
-    datasets: tuple[str, ...] = ()
+    datasets: Sequence[str] = ()
     cost: str = "figure"
     options: Mapping[str, Any] = field(default_factory=dict)
     category: str = "Supplement"
+
+    @property
+    def several_ratios(self) -> bool:
+        """True for a figure of one surface at several Poisson's ratios."""
+        return "ratios" in self.options.get("cases", "")
 
     @property
     def compares_studies(self) -> bool:
@@ -87,31 +86,26 @@ class Description:
         path : callable
             Stage and surface, or ``validation`` and dataset → what stands for the result.
         """
-        if self.datasets:
-            return {stage: {name: path(stage, name) for name in self.datasets} for stage in self.stages}
-        tree = {
-            stage: {study: {name: path(stage, name) for name in studies[study]} for study in self.studies}
-            for stage in self.stages
-        }
+
+        def of(stage: str, names: Sequence[str]) -> dict[str, Any]:
+            return {name: path(stage, name) for name in names}
+
         if self.compares_studies:
-            return tree
-        return {stage: of_study for stage, by_study in tree.items() for of_study in by_study.values()}
+            return {
+                stage: {study: of(stage, studies[study]) for study in self.studies} for stage in self.stages
+            }
+        names = self.datasets or studies[self.studies[0]]
+        return {stage: of(stage, names) for stage in self.stages}
 
 
 @cache
 def known() -> dict[str, Description]:
-    """Descriptions of the figures of all modules by name."""
+    """Descriptions of all figures by name."""
     found = {}
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        module = ast.parse(path.read_text(encoding="utf-8"))
-        title = (ast.get_docstring(module) or "").splitlines()[0]
-        for node in module.body:
-            if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "FIGURES":
-                for name, entry in ast.literal_eval(node.value).items():
-                    text = entry.pop("title", re.sub(r"^Figure \d+: ", "", title))
-                    number = re.fullmatch(r"fig(\d+)", name)
-                    found[name] = Description(name, path.stem, text, number and int(number[1]), **entry)
-    return {name: found[name] for name in sorted(found)}
+    for name, entry in packaged_yaml(__name__, "figures.yaml").items():
+        number = re.fullmatch(r"fig(\d+)", name)
+        found[name] = Description(name, **{"module": name, **entry}, number=number and int(number[1]))
+    return found
 
 
 def figures_of(config: Mapping[str, Any]) -> dict[str, Description]:

@@ -16,8 +16,6 @@ from asperity.paper.figures.cases import Datasets, bullets
 from asperity.study.validation.extremes import NO_CELL, OUTCOMES, REFUSED
 from asperity.views.style import MILLIMETRE, PAGE
 
-FIGURES = {"extremes": {"stages": ("validation",), "datasets": ("extremes",), "cost": "figure of extremes"}}
-
 _HEIGHT = 178 * MILLIMETRE
 
 _COLOURS = dict(

@@ -11,8 +11,6 @@ from asperity.core.types import Array
 from asperity.paper.figures import cell
 from asperity.paper.figures.cases import Datasets
 
-FIGURES = {"fig01": {"stages": ("validation",), "datasets": ("elements",)}}
-
 DEPTH = 0.14
 """Indentation as drawn, in cell lengths; the computed displacements are magnified to it."""
 

@@ -13,10 +13,6 @@ from matplotlib.ticker import NullLocator, ScalarFormatter
 from asperity.paper.figures.cases import Datasets, bullets
 from asperity.views.style import panels
 
-FIGURES = {
-    "fig02": {"stages": ("validation",), "datasets": ("load_area", "slab_load_area", "grid_convergence")}
-}
-
 MARKERS = "os^Dv"
 
 ERRORS = {

@@ -16,33 +16,6 @@ from asperity.paper.figures.cases import Datasets, bullets
 from asperity.study.validation.finite_elements import largest_differences
 from asperity.views.style import panels
 
-FIGURES = {
-    "fig03": {
-        "title": "normal displacement and stress under a Hertzian contact, and finite elements beside them.",
-        "stages": ("validation",),
-        "datasets": ("elements",),
-        "cost": "figure of elements",
-        "options": {
-            "fields": {
-                "displacement_z": (r"$u_z / u_z^0$", "viridis"),
-                "stress_zz": (r"$\sigma_{zz} / p_0$", "viridis"),
-            }
-        },
-    },
-    "fig04": {
-        "title": "lateral and shear stress under a Hertzian contact, and finite elements beside them.",
-        "stages": ("validation",),
-        "datasets": ("elements",),
-        "cost": "figure of elements",
-        "options": {
-            "fields": {
-                "stress_xx": (r"$\sigma_{xx} / p_0$", "viridis"),
-                "stress_xz": (r"$\sigma_{xz} / p_0$", "RdBu_r"),
-            }
-        },
-    },
-}
-
 SMALLEST, LARGEST = 1e-3, 10.0
 """Limits between which differences are drawn, in percent of the field's largest magnitude."""
 

@@ -13,8 +13,6 @@ from asperity.paper.figures import cell
 from asperity.paper.figures.cases import Datasets, bullets, contact_area, name
 from asperity.views.style import label
 
-FIGURES = {"fig05": {"stages": ("surface", "contact"), "studies": ("hurst",), "supplement": ("measured",)}}
-
 NODES = 192
 """Largest number of nodes drawn along an edge."""
 

@@ -13,23 +13,6 @@ from matplotlib.figure import Figure
 from asperity.paper.figures.cases import Datasets, bullets, name
 from asperity.views.style import label, panels
 
-FIGURES = {
-    "fig06": {
-        "title": "the heights of the rough surfaces, and a cross-section of each.",
-        "stages": ("surface", "statistics"),
-        "studies": ("hurst",),
-        "supplement": ("moments", "measured"),
-        "own": "heights",
-    },
-    "fig16": {
-        "title": "the heights of the skewed surfaces and of those with other cut-offs, "
-        "and a section of each.",
-        "stages": ("surface", "statistics"),
-        "studies": ("skewness", "kurtosis"),
-        "options": {"offset": 7.0},
-    },
-}
-
 
 def draw(surface: Mapping[str, Any], statistics: Mapping[str, Any], offset: float = 0.0) -> Figure:
     """Draw the density of the heights of all seeds, and the section y = L/2 of one.

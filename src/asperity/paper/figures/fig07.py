@@ -10,10 +10,6 @@ from asperity.paper.figures.cases import Datasets, bullets, contact_area
 from asperity.results.dataset import grid_of
 from asperity.views.style import COLUMN, PAGE, label, panels
 
-FIGURES = {
-    "fig07": {"stages": ("contact",), "studies": ("hurst",), "supplement": ("measured",), "own": "pressure"}
-}
-
 PIXELS = 512
 """Smallest number of pixels along an edge, where the grid has as many nodes."""
 

@@ -11,15 +11,6 @@ from asperity.paper.figures.cases import Datasets, bullets, name, of_surfaces
 from asperity.paper.figures.densities import finish_densities, peak_density
 from asperity.views.style import label, panels
 
-FIGURES = {
-    "fig08": {
-        "stages": ("contact", "statistics"),
-        "studies": ("hurst",),
-        "supplement": ("measured",),
-        "own": "load_area",
-    }
-}
-
 
 def draw(contact: Datasets, statistics: Datasets) -> Figure:
     """Draw (a) the area fraction against load, with two theories, and (b) the density of the pressure peaks.

@@ -8,25 +8,6 @@ from asperity.paper.figures.cases import CASES, Case, Datasets, bullets, extreme
 from asperity.paper.figures.densities import finish_densities, peak_density, von_mises_densities
 from asperity.views.style import panels
 
-FIGURES = {
-    "fig09": {
-        "title": "distributions of the peaks of the von Mises stress and of two components.",
-        "stages": ("statistics",),
-        "studies": ("hurst",),
-        "supplement": ("moments", "measured"),
-        "own": "peaks",
-        "options": {"cases": "surfaces"},
-    },
-    "fig13": {
-        "title": "how compressibility changes the distributions of the stress peaks.",
-        "stages": ("statistics",),
-        "studies": ("compressibility",),
-        "own": "poisson_peaks",
-        "several_ratios": True,
-        "options": {"cases": "ratios"},
-    },
-}
-
 
 def draw(statistics: Datasets, cases: str) -> Figure:
     """Draw the densities of (a) the von Mises peaks and (b) the peaks of −σ_xx and of another component.

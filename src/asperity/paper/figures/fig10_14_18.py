@@ -14,31 +14,6 @@ from asperity.paper.figures.cases import CASES, Case, Datasets, bullets
 from asperity.paper.figures.densities import LARGEST_OVER_MEDIAN, median
 from asperity.views.style import COLUMN, PAGE, panels
 
-FIGURES = {
-    "fig10": {
-        "title": "how the von Mises peaks are distributed over value and depth, one panel for each surface.",
-        "stages": ("statistics",),
-        "studies": ("hurst",),
-        "supplement": ("moments", "measured"),
-        "own": "depths",
-        "options": {"cases": "surfaces"},
-    },
-    "fig14": {
-        "title": "von Mises peaks over value and depth, in the least and the most compressible solid.",
-        "stages": ("statistics",),
-        "studies": ("compressibility",),
-        "own": "poisson_depths",
-        "several_ratios": True,
-        "options": {"cases": "extreme ratios"},
-    },
-    "fig18": {
-        "title": "von Mises peaks over value and depth, without and with the shortest waves.",
-        "stages": ("statistics",),
-        "studies": ("kurtosis",),
-        "options": {"cases": "shortest waves"},
-    },
-}
-
 LARGEST_DEPTH = 6.0
 """Largest depth drawn, in units of the shortest wavelength."""
 

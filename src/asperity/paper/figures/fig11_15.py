@@ -8,26 +8,6 @@ from asperity.paper.figures.cases import CASES, Datasets, bullets
 from asperity.paper.figures.densities import curve_with_band
 from asperity.views.style import panels
 
-FIGURES = {
-    "fig11": {
-        "title": "the average decay of the von Mises stress along depth and in the plane of its "
-        "largest peak.",
-        "stages": ("statistics",),
-        "studies": ("hurst",),
-        "supplement": ("moments", "measured"),
-        "own": "decay",
-        "options": {"cases": "surfaces"},
-    },
-    "fig15": {
-        "title": "compressibility and the average decay of the von Mises stress.",
-        "stages": ("statistics",),
-        "studies": ("compressibility",),
-        "own": "poisson_decay",
-        "several_ratios": True,
-        "options": {"cases": "ratios"},
-    },
-}
-
 LARGEST_DISTANCE = 6.0
 """Largest depth or distance drawn, in units of the shortest wavelength."""
 

@@ -12,8 +12,6 @@ from asperity.core.types import Array
 from asperity.paper.figures.cases import Datasets, bullets
 from asperity.views.style import panels
 
-FIGURES = {"fig12": {"stages": ("validation",), "datasets": ("punch",)}}
-
 
 def draw(validation: Datasets) -> Figure:
     """Draw the vertical plane through the axis for each ratio, with Huber's closed form as lines."""

@@ -10,8 +10,6 @@ from asperity.paper.figures.cases import Case, Datasets, bullets, of_surfaces
 from asperity.paper.figures.densities import von_mises_densities
 from asperity.views.style import panels
 
-FIGURES = {"fig17": {"stages": ("statistics",), "studies": ("skewness", "kurtosis")}}
-
 
 def draw(statistics: Mapping[str, Datasets]) -> Figure:
     """Draw the densities for surfaces of different (a) skewness and (b) shortest wavelength.

@@ -9,8 +9,6 @@ from matplotlib.ticker import ScalarFormatter
 from asperity.paper.figures.cases import Datasets, bullets, name
 from asperity.views.style import COLUMN, label, panels
 
-FIGURES = {"spectrum": {"stages": ("surface",), "own": "spectrum"}}
-
 SMALLEST_POWER = 1e-8
 """Smallest spectral density drawn, over the largest: below are rounding errors."""
 

@@ -16,8 +16,6 @@ from asperity.core.types import Array
 from asperity.paper.figures.cases import Datasets, bullets
 from asperity.views.style import panels
 
-FIGURES = {"stability": {"stages": ("validation",), "datasets": ("stability",)}}
-
 _COLOURS = {"printed": "#D55E00", "direct": "#56B4E9", "layer": "#000000"}
 _NAMES = {
     "printed": "Eqs. A.2–A.3, misprints corrected",
