@@ -1,11 +1,11 @@
 from asperity.study.config.reader import load
 from asperity.study.config.study import PAPER
-from asperity.paper.claims.sources import DATASETS, deltas, roles, with_deltas
+from asperity.paper.claims.sources import DATASETS, deltas, roles
 
 # The statements are about the surfaces of the paper: a surface of another name has no role in them.
 ROLES = roles(STUDIES, {name: SURFACES[name] for name in load(PAPER)["surfaces"] if name in SURFACES})
 DELTAS = deltas(ROLES, SURFACES, config["interpretations"].get("delta", []))
-ROLES_OF_DELTA = with_deltas(ROLES, DELTAS)
+ROLES_OF_DELTA = ROLES | {role: name for found in DELTAS.values() for role, name in found.items()}
 CLAIMED = sorted({name for by_role in (ROLES_OF_DELTA, *RESOLUTIONS.values()) for name in by_role.values()})
 # Of every choice, the study's own option first.
 INTERPRETATIONS = config["interpretations"] | {
@@ -28,12 +28,6 @@ rule claims:
         table=f"{RESULTS}/claims.csv",
         interpretations=f"{RESULTS}/interpretations.csv",
         text=f"{RESULTS}/claims.md",
-        page=report(
-            f"{RESULTS}/claims.html",
-            caption="../report/claims.rst",
-            category="Claims",
-            labels={"claims": "table"},
-        ),
         picture=[
             report(
                 f"{RESULTS}/claims.png",

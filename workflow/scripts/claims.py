@@ -36,7 +36,5 @@ with job(snakemake), style(snakemake.input.style):
     limits = report.continuum_table(HEADLINES, finer)
     write_table(report.frame(findings, params.nodes), "claims", output.table)
     write_table(report.frame_of_interpretations(findings), "claims_interpretations", output.interpretations)
-    text = report.markdown(findings, params.seeds, params.nodes, limits)
-    write_text(output.text, text)
-    write_text(output.page, report.page(findings, limits))
+    write_text(output.text, report.markdown(findings, params.seeds, params.nodes, limits))
     save(overview.draw(findings), *output.picture)

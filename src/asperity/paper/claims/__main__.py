@@ -59,7 +59,7 @@ def section(found: Sequence[Finding]) -> str:
     of[HOLDS] = [f for f in of[HOLDS] if f.claim.identifier in NOTABLE]
     named = {
         verdict: "; ".join(
-            f"{f.claim.sentence} ({with_error(f.own.value, f.own.error)})" for f in of[verdict]
+            f"{f.claim.sentence} ({with_error(f.own.value, f.own.standard_error)})" for f in of[verdict]
         )
         for verdict in (HOLDS, FAILS)
     }
@@ -80,7 +80,7 @@ def section(found: Sequence[Finding]) -> str:
 def _nearest(finding: Finding, verdict: str) -> str:
     """The number under the interpretation nearest to the study's own that has a verdict, and its options."""
     one = next(one for one in finding.shown if one.verdict == verdict)
-    options = ((name, one.options[name]) for name in finding.choices)
+    options = ((name, one.interpretation[name]) for name in finding.choices)
     words = (option_in_words(o) if isinstance(o, str) else f"{name} {o:g}" for name, o in options)
     return f"{one.value:.3g}: {', '.join(words)}"
 

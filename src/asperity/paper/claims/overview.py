@@ -8,21 +8,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity.paper.claims.verdicts import (
-    DEPENDS,
-    FAILS,
-    HOLDS,
-    NO_DATA,
-    UNDECIDED,
-    UNTESTABLE,
-    Finding,
-    Judgement,
-    tally,
-)
+from asperity.paper.claims.verdicts import NO_DATA, VERDICTS, Finding, Judgement, tally
 from asperity.views.style import MILLIMETRE, PAGE
 
-_COLOUR = {HOLDS: "C0", FAILS: "C1", DEPENDS: "C2", UNDECIDED: "0.45", UNTESTABLE: "0.6", NO_DATA: "0.75"}
-_MARKER = {HOLDS: "o", FAILS: "s", DEPENDS: "^", UNDECIDED: "D", UNTESTABLE: "+", NO_DATA: "x"}
+_COLOUR = dict(zip(VERDICTS, ("C0", "C1", "C2", "0.45", "0.6", "0.75"), strict=True))
+_MARKER = dict(zip(VERDICTS, "os^D+x", strict=True))
 _ROW = 4.6
 """Height of a row, in millimetres."""
 
@@ -89,8 +79,8 @@ def _draw_judgement(
     shown = float(np.clip(value, _LOW * 1.02, _HIGH / 1.02))
     if value != shown:
         marker = ">" if value > shown else "<"
-    elif np.isfinite(one.low):
-        interval = np.clip([one.low / unit, one.high / unit], _LOW, _HIGH)
+    elif np.isfinite(one.interval_low):
+        interval = np.clip([one.interval_low / unit, one.interval_high / unit], _LOW, _HIGH)
         axis.plot(interval, [row, row], color=colour, alpha=alpha)
     axis.plot(shown, row, marker, color=colour, alpha=alpha, clip_on=False)
 

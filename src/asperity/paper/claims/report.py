@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -13,7 +14,7 @@ from asperity.core.markup import with_error
 from asperity.core.version import __version__
 from asperity.paper.claims.continuum import continuum
 from asperity.paper.claims.numbers import Evidence, Measure
-from asperity.paper.claims.paper import Claim, Region
+from asperity.paper.claims.paper import Claim
 from asperity.paper.claims.verdicts import (
     CONFIDENCE,
     DEPENDS,
@@ -24,6 +25,7 @@ from asperity.paper.claims.verdicts import (
     conclude,
     tally,
 )
+from asperity.results.tables import TABLES
 
 _RULE = f"""\
 Under one interpretation of the paper a statement holds if the {100 * CONFIDENCE:g} % interval of the mean
@@ -44,85 +46,56 @@ _HEAD = ("the paper says", "measured", "predicted", "value", "verdict", "shift")
 
 def frame(findings: Sequence[Finding], nodes: float) -> pd.DataFrame:
     """All that is known of each claim, a row each; `nodes` on the shortest wavelength in the study."""
-    return pd.DataFrame(
-        {
+    rows = [
+        _record(f.own)
+        | {
             "identifier": f.claim.identifier,
             "section": f.claim.section,
             "the paper says": f.claim.sentence,
             "measured": f.claim.measured,
             "predicted": str(f.own.region),
-            "value": f.own.value,
-            "standard error": f.own.error,
-            "interval low": f.own.low,
-            "interval high": f.own.high,
-            "seeds": f.own.seeds,
             "verdict": f.verdict,
             "choices": ", ".join(f.choices),
             "interpretations": "; ".join(in_words(one, f.choices) for one in f.shown),
             "nodes per shortest wavelength": nodes if f.own.seeds else np.nan,
-            "value at nodes": f.own.at_nodes,
-            "continuum shift": f.own.shift,
-            "continuum shift error": f.own.shift_error,
-            "missing": f.own.missing,
         }
         for f in findings
-    )
-
-
-_FIELDS = {
-    "value": "value",
-    "standard error": "error",
-    "interval low": "low",
-    "interval high": "high",
-    "seeds": "seeds",
-    "verdict": "verdict",
-    "value at nodes": "at_nodes",
-    "continuum shift": "shift",
-    "continuum shift error": "shift_error",
-    "missing": "missing",
-}
-"""Column of `frame_of_interpretations` → field of `Judgement`."""
+    ]
+    return pd.DataFrame(rows, columns=list(TABLES["claims"]["columns"]))
 
 
 def frame_of_interpretations(findings: Sequence[Finding]) -> pd.DataFrame:
     """The judgement of every claim under every interpretation, a row each, the study's own first."""
     return pd.DataFrame(
-        {
-            "identifier": f.claim.identifier,
-            "interpretation": json.dumps(dict(one.options)),
-            "region low": one.region.low,
-            "region high": one.region.high,
-            **{column: getattr(one, name) for column, name in _FIELDS.items()},
-        }
-        for f in findings
-        for one in f.judgements
+        {"identifier": f.claim.identifier, **_record(one)} for f in findings for one in f.judgements
     )
+
+
+def _record(one: Judgement) -> dict[str, Any]:
+    """A judgement as a row of a table."""
+    row = {name.replace("_", " "): value for name, value in vars(one).items()}
+    return row | {"interpretation": json.dumps(dict(one.interpretation))}
 
 
 def findings_of(table: pd.DataFrame, claims: Sequence[Claim]) -> list[Finding]:
     """The findings from the table of `frame_of_interpretations`, in the order of the claims."""
-    found = []
-    for claim in claims:
-        rows = (
-            table[table["identifier"] == claim.identifier].astype({"missing": object}).fillna({"missing": ""})
-        )
-        judgements = [
-            Judgement(
-                options=json.loads(row["interpretation"]),
-                region=Region(row["region low"], row["region high"]),
-                **{name: row[column] for column, name in _FIELDS.items()},
-            )
-            for row in rows.to_dict("records")
-        ]
-        if judgements:
-            found.append(conclude(claim, judgements))
-    return found
+    table = table.astype({"missing": object}).fillna({"missing": ""})
+    table = table.rename(columns=lambda name: name.replace(" ", "_"))
+    table["interpretation"] = table["interpretation"].map(json.loads)
+    of_claim = {name: rows.drop(columns="identifier") for name, rows in table.groupby("identifier")}
+    return [
+        conclude(claim, [Judgement(**row) for row in of_claim[claim.identifier].to_dict("records")])
+        for claim in claims
+        if claim.identifier in of_claim
+    ]
 
 
 def in_words(one: Judgement, choices: Sequence[str]) -> str:
     """A judgement under the options of some choices: ``lateral free: 1.56 (1.54 to 1.59) holds``."""
-    options = ", ".join(f"{name} {option_in_words(one.options[name])}" for name in choices)
-    interval = f" ({one.low:.4g} to {one.high:.4g})" if np.isfinite(one.low) else ""
+    options = ", ".join(f"{name} {option_in_words(one.interpretation[name])}" for name in choices)
+    interval = (
+        f" ({one.interval_low:.4g} to {one.interval_high:.4g})" if np.isfinite(one.interval_low) else ""
+    )
     return f"{options}: {one.value:.4g}{interval} {one.verdict}".removeprefix(": ")
 
 
@@ -145,8 +118,8 @@ def verdict_in_words(finding: Finding) -> str:
 
 def _named(finding: Finding, one: Judgement) -> tuple[str, ...]:
     """Choices to name with a judgement: those of the verdict, and those with another option than own."""
-    own = finding.own.options
-    return tuple(name for name in own if name in finding.choices or one.options[name] != own[name])
+    own = finding.own.interpretation
+    return tuple(name for name in own if name in finding.choices or one.interpretation[name] != own[name])
 
 
 def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> dict[str, pd.DataFrame]:
@@ -163,9 +136,9 @@ def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> d
                 f.claim.sentence,
                 f.claim.measured,
                 str(f.own.region),
-                with_error(f.own.value, f.own.error),
+                with_error(f.own.value, f.own.standard_error),
                 verdict_in_words(f),
-                with_error(f.own.shift, f.own.shift_error, signed=True),
+                with_error(f.own.continuum_shift, f.own.continuum_shift_error, signed=True),
             ]
         )
     every = {heading: pd.DataFrame(found[heading], columns=list(_HEAD)) for heading in sorted(found)}
@@ -211,8 +184,3 @@ def markdown(
     for heading, table in tables(findings, limits).items():
         parts += [f"## {heading}", markup.markdown(table)]
     return "\n\n".join(parts) + "\n"
-
-
-def page(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> str:
-    """The findings as an HTML page, for the report of the workflow."""
-    return markup.page("Does the paper hold?", tables(findings, limits))

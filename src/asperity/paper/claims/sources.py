@@ -70,16 +70,16 @@ def deltas(
     Returns
     -------
     dict
-        δ, that of the study first → role → name of a surface; empty without such a study. Values for which
-        surfaces are missing are left out.
+        δ, that of the study first → role at this δ (`role_of_delta`) → name of a surface; empty without such
+        a study. Values for which surfaces are missing are left out.
     """
     own = {role: name for role, name in by_role.items() if role in SKEWED}
     if not own or not all("johnson" in surfaces[name] for name in own.values()):
         return {}
-    found = {surfaces[own[SKEWED[0]]]["johnson"]["delta"]: own}
-    for delta in wanted:
+    found: dict[float, dict[str, str]] = {}
+    for delta in (surfaces[own[SKEWED[0]]]["johnson"]["delta"], *wanted):
         twins = {
-            role: name
+            role_of_delta(role, delta): name
             for role, twin in own.items()
             for name, surface in surfaces.items()
             if surface.get("johnson", {}).get("delta") == delta
@@ -88,14 +88,6 @@ def deltas(
         if len(twins) == len(SKEWED):
             found.setdefault(delta, twins)
     return found
-
-
-def with_deltas(by_role: Mapping[str, str], of_delta: Mapping[float, Mapping[str, str]]) -> dict[str, str]:
-    """Role → surface, with the roles of the skewed surfaces at each δ; as of `roles` and `deltas`."""
-    skewed = {
-        role_of_delta(role, delta): name for delta in of_delta for role, name in of_delta[delta].items()
-    }
-    return {**by_role, **skewed}
 
 
 def _but_for_delta(surface: Mapping[str, Any]) -> dict[str, Any]:

@@ -3,7 +3,8 @@
 A claim is judged under every interpretation that the paper's text admits: every combination of the options
 of its choices (section ``interpretations`` of the configuration), the study's own options first. Under one of
 them (`judge`) the 95 % interval of the mean over seeds (Student's t) lies inside the region of the claim:
-*holds*; outside: *does not hold*; across its edge, or with one seed only: *not decided*. Two surfaces are
+*holds*; outside: *does not hold*; across its edge, or with one seed only: *not decided*. A claim that our
+number cannot refute holds or is *not testable here*. Two surfaces are
 compared seed by seed, since one seed gives both the same random phases. A number that does not depend on a
 random surface has its numerical uncertainty as interval. Where the continuum limit of the number is known and
 differs from the number by more than the standard error, the limit decides, with its error in the interval.
@@ -39,42 +40,49 @@ LIMIT_ERRORS = 2.0
 
 @dataclass(frozen=True)
 class Judgement:
-    """The number of a claim under one interpretation, and what it decides.
+    """The number of a claim under one interpretation, and what it decides: a row of ``interpretations.csv``.
 
     Parameters
     ----------
-    options : mapping
+    interpretation : mapping
         Choice of the claim → option taken.
-    region : Region
-    verdict : one of `VERDICTS`
+    region_low, region_high : float
+        Where the statement wants the number.
     value : float
         Mean over seeds, or its continuum limit where that decides.
-    error : float
-        Standard error over seeds, or the numerical uncertainty; NaN with one seed.
-    low, high : float
+    standard_error : float
+        Over seeds, or the numerical uncertainty; NaN with one seed.
+    interval_low, interval_high : float
         Interval that decides.
     seeds : int
         Number of seeds; 0 if no random surface enters.
+    verdict : one of `VERDICTS`
+    value_at_nodes : float
+        The value on the study's grid.
+    continuum_shift, continuum_shift_error : float
+        What the continuum limit adds to the value on the study's grid, where it is known; else NaN.
     missing : str
         What is missing, if the verdict is *no data*.
-    at_nodes : float
-        The value on the study's grid.
-    shift, shift_error : float
-        What the continuum limit adds to the value on the study's grid, where it is known; else NaN.
     """
 
-    options: Options
-    region: Region
-    verdict: str
+    interpretation: Options
+    region_low: float
+    region_high: float
     value: float = np.nan
-    error: float = np.nan
-    low: float = np.nan
-    high: float = np.nan
+    standard_error: float = np.nan
+    interval_low: float = np.nan
+    interval_high: float = np.nan
     seeds: int = 0
+    verdict: str = NO_DATA
+    value_at_nodes: float = np.nan
+    continuum_shift: float = np.nan
+    continuum_shift_error: float = np.nan
     missing: str = ""
-    at_nodes: float = np.nan
-    shift: float = np.nan
-    shift_error: float = np.nan
+
+    @property
+    def region(self) -> Region:
+        """Where the statement wants the number."""
+        return Region(self.region_low, self.region_high)
 
 
 @dataclass(frozen=True)
@@ -141,10 +149,10 @@ def judge(claim: Claim, evidence: Evidence, finer: Mapping[float, Evidence] | No
     try:
         found = claim.measure(evidence)
     except MissingEvidenceError as lacking:
-        return Judgement(options, region, NO_DATA, missing=str(lacking))
+        return Judgement(options, *region, missing=str(lacking))
     if unknown := int(np.sum(~np.isfinite(found))):
         missing = f"nothing to measure in {unknown} of {np.size(found)} numbers"
-        return Judgement(options, region, NO_DATA, missing=missing)
+        return Judgement(options, *region, missing=missing)
     if isinstance(found, Fixed):
         seeds, value, error = 0, *found
         half = error
@@ -167,11 +175,11 @@ def judge(claim: Claim, evidence: Evidence, finer: Mapping[float, Evidence] | No
     verdict = UNDECIDED
     if region.low <= low and high <= region.high:
         verdict = HOLDS
+    elif claim.untestable:
+        verdict = UNTESTABLE
     elif high < region.low or low > region.high:
         verdict = FAILS
-    return Judgement(
-        options, region, verdict, value, error, low, high, seeds, "", at_nodes, shift, shift_error
-    )
+    return Judgement(options, *region, value, error, low, high, seeds, verdict, at_nodes, shift, shift_error)
 
 
 def conclude(claim: Claim, judgements: Sequence[Judgement]) -> Finding:
@@ -180,41 +188,35 @@ def conclude(claim: Claim, judgements: Sequence[Judgement]) -> Finding:
     Interpretations without data are left out, unless the study's own is one of them.
     """
     every = tuple(judgements)
-    own, known = every[0], [one for one in every if one.verdict != NO_DATA]
-    found = {one.verdict for one in known}
-    if own.verdict == NO_DATA:
-        return Finding(claim, NO_DATA, every, shown=(own,))
-    if claim.untestable and own.verdict != HOLDS:
-        return Finding(claim, UNTESTABLE, every, shown=(own,))
-    if len(found) == 1:
-        return Finding(claim, own.verdict, every, shown=(own,))
+    found = {one.verdict for one in every} - {NO_DATA}
+    if every[0].verdict == NO_DATA or len(found) == 1:
+        return Finding(claim, every[0].verdict, every, shown=every[:1])
     if {HOLDS, FAILS} <= found:
-        choices, shown = _contrast(own, known, (HOLDS, FAILS))
-        return Finding(claim, DEPENDS, every, choices, shown)
-    decided = (found - {UNDECIDED}).pop()
-    choices, shown = _contrast(own, known, (decided, UNDECIDED))
-    return Finding(claim, UNDECIDED, every, choices, shown)
+        return Finding(claim, DEPENDS, every, *_contrast(every, HOLDS, FAILS))
+    (decided,) = found - {UNDECIDED}
+    return Finding(claim, UNDECIDED, every, *_contrast(every, decided, UNDECIDED))
 
 
-def _contrast(
-    own: Judgement, known: Sequence[Judgement], verdicts: tuple[str, str]
-) -> tuple[tuple[str, ...], tuple[Judgement, ...]]:
+def _contrast(every: Sequence[Judgement], *verdicts: str) -> tuple[tuple[str, ...], tuple[Judgement, ...]]:
     """The choices that tell two verdicts apart, and judgements that show it, nearest to the study's own.
 
-    Of all pairs of interpretations with the two verdicts, those count that differ in the fewest choices, and
-    among these the ones nearest to the study's own.
+    The study's own judgement is the first one. Of all pairs of interpretations with the two verdicts, those
+    count that differ in the fewest choices, and among these the ones nearest to the study's own.
     """
 
     def apart(one: Judgement, other: Judgement) -> tuple[str, ...]:
-        return tuple(name for name in own.options if one.options[name] != other.options[name])
+        return tuple(
+            name for name in own.interpretation if one.interpretation[name] != other.interpretation[name]
+        )
 
-    of_verdict = [[one for one in known if one.verdict == verdict] for verdict in verdicts]
+    own = every[0]
+    of_verdict = [[one for one in every if one.verdict == verdict] for verdict in verdicts]
     ranked: dict[tuple[int, int], list[tuple[Judgement, ...]]] = {}
     for pair in product(*of_verdict):
         rank = (len(apart(*pair)), min(len(apart(own, one)) for one in pair))
         ranked.setdefault(rank, []).append(pair)
     nearest = ranked[min(ranked)]
-    choices = tuple(name for name in own.options if any(name in apart(*pair) for pair in nearest))
+    choices = tuple(name for name in own.interpretation if any(name in apart(*pair) for pair in nearest))
     shown: list[Judgement] = []
     for pair in nearest:
         for one in sorted(pair, key=lambda one: len(apart(own, one))):
