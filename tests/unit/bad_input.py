@@ -32,14 +32,17 @@ MERGES = "a: &a {x: 1}\n" + "".join(
 )
 
 CONFIGS = [
-    ("contact: {tolerance: 1e-6}", "contact.tolerance = '1e-6': a number ≥ 1e-14 and ≤ 0.01 is needed (YAML"),
-    ("contact: {area_fraction: .inf}", "contact.area_fraction = inf: a finite number"),
+    ("contact: {tolerance: '1e-6'}", "contact.tolerance = '1e-6': a number ≥ 1e-14 and ≤ 0.01 is needed"),
+    ("contact: {area_fraction: .inf}", "contact.area_fraction = inf: a number > 0 and ≤ 1"),
+    ("contact: {area_fraction: !!timestamp x}", "overlay.yaml: "),
+    ("seeds: [010, 1:20]", "seeds.1 = '1:20': a whole number"),
     ("contact: {area_fraction: 10}", "contact.area_fraction = 10: a number > 0 and ≤ 1"),
     ("contact: {area: 0.1}", "contact.area: unknown key; known here are method, area_fraction"),
     ("contact: {method: magic}", "contact.method = 'magic': gfmd or active_set"),
     ("contact: {path_area_fractions: [0.1, 0.05]}", "contact.path_area_fractions = [0.1, 0.05]: rising"),
     ("contact: null", "contact = None: a group of keys"),
     ("seeds: [1, 1]", "seeds = [1, 1]: a list of ≥ 1 distinct items"),
+    ("tradeoff: {reduced: {seeds: [2, 2]}}", "tradeoff.reduced.seeds = [2, 2]: a list of ≥ 1 distinct items"),
     ("seeds: [-1]", "seeds.0 = -1: a whole number"),
     ("results: ../elsewhere", "results = '../elsewhere': `results` or a folder below it"),
     ("surfaces: {hurst_02: {hurst: true}}", "surfaces.hurst_02.hurst = True: a number"),
@@ -56,7 +59,7 @@ CONFIGS = [
     ("surfaces: {hurst_02: {rms_height: 0}}", "surfaces.hurst_02.rms_height = 0: a number > 0"),
     ("surfaces: {'H=0.2': {hurst: 0.2}}", "surfaces.'H=0.2': a name of at most 40 lower-case"),
     ("surfaces: {new: {hurst: 0.2}}", "surfaces.new.label: missing; text of 1 to 60 characters is needed"),
-    ("surfaces: {1: {hurst: 0.2}}", "surfaces.1: a key that is text"),
+    ("surfaces: {1: {hurst: 0.2}}", "surfaces.1: a name of at most 40 lower-case letters"),
     ("surfaces: {hurst_02: {johnson: {gamma: 1}}}", "surfaces.hurst_02.johnson.delta: missing; a number > 0"),
     ("studies: {hurst: [unknown]}", "studies.hurst = 'unknown': the name of a surface is needed (hurst_02"),
     (
@@ -89,8 +92,8 @@ CONFIGS = [
     ),
     ("statistics: {confidence: 95}", "statistics.confidence = 95: a number > 0 and < 1"),
     # numbers that are none, or none of their kind
-    ("contact: {area_fraction: 0,1}", "contact.1: a key that is text is needed"),
-    ("contact: {area_fraction: 2026-11-21}", "contact.area_fraction = datetime.date(2026, 11, 21): a number"),
+    ("contact: {area_fraction: 0,1}", "contact.1: unknown key"),
+    ("contact: {area_fraction: 2026-11-21}", "contact.area_fraction = '2026-11-21': a number"),
     ("contact: {area_fraction: !!binary aGVsbG8=}", "contact.area_fraction = b'hello': a number"),
     (f"seeds: [1{'0' * 400}]", "a whole number ≥ 0 and ≤ 4294967295 is needed"),
     ("seeds: !!set {1}", "seeds = {1}: a list"),

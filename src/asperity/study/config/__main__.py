@@ -12,11 +12,9 @@ import argparse
 import sys
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import Any
 
 from asperity.core.errors import ConfigError, one_line
 from asperity.core.packages import MissingPackageError, require
-from asperity.study.config.presets import KEYS
 from asperity.study.config.schema import Entry, accepted, schema, settings
 
 MARK = "<!-- settings: python -m asperity.study.config describe config/README.md -->\n"
@@ -28,50 +26,37 @@ _HEAD = ["| key | accepts | unit | default | meaning |", "|---|---|---|---|---|"
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; 0 on success, 1 with one line on stderr otherwise."""
     parser = argparse.ArgumentParser(prog="python -m asperity.study.config", allow_abbrev=False)
-    commands = parser.add_subparsers(required=True, metavar="COMMAND")
-    checking = commands.add_parser("check", help="check a configuration, with its overlays merged")
-    checking.add_argument("files", nargs="+", metavar="FILE", help="configuration, then overlays, in YAML")
-    _add_results(checking)
-    checking.set_defaults(run=_check)
-    placing = commands.add_parser("results", help="folder of the results of a study")
-    placing.add_argument(
-        "files", nargs="*", metavar="FILE", help="configuration, then overlays; else the paper's"
-    )
-    _add_results(placing)
-    placing.set_defaults(run=_print_results)
+    commands = parser.add_subparsers(required=True, metavar="COMMAND", dest="command")
+    for name, many, text in (
+        ("check", "+", "check a configuration, with its overlays merged"),
+        ("results", "*", "folder of the results of a study, by default the paper's"),
+    ):
+        command = commands.add_parser(name, help=text)
+        command.add_argument(
+            "files", nargs=many, help="configuration, then overlays, in YAML", metavar="FILE"
+        )
+        command.add_argument("--results", help="folder given on the command line of the study")
     describing = commands.add_parser("describe", help="tables of all settings, in Markdown")
     describing.add_argument("readme", nargs="?", help="file to write them into; otherwise they are printed")
-    describing.set_defaults(run=_describe)
     options = parser.parse_args(arguments)
     try:
         require(("jsonschema", "matplotlib", "yaml"))
-        options.run(options)
+        _run(options)
     except (ConfigError, MissingPackageError, OSError) as error:
         print(f"config: {one_line(str(error))}", file=sys.stderr)
         return 1
     return 0
 
 
-def _add_results(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("--results", metavar="FOLDER", help="folder given on the command line of the study")
+def _run(options: argparse.Namespace) -> None:
+    if options.command != "describe":
+        from asperity.study.config.study import read_study
 
-
-def _check(options: argparse.Namespace) -> None:
-    _study(options)
-
-
-def _print_results(options: argparse.Namespace) -> None:
-    print(_study(options)["results"])
-
-
-def _study(options: argparse.Namespace) -> dict[str, Any]:
-    from asperity.study.config.study import read_study
-
-    return read_study(options.files, {} if options.results is None else {"results": options.results})
-
-
-def _describe(options: argparse.Namespace) -> None:
-    if options.readme is None:
+        given = {} if options.results is None else {"results": options.results}
+        study = read_study(options.files, given)
+        if options.command == "results":
+            print(study["results"])
+    elif options.readme is None:
         print(describe(), end="")
     else:
         readme = Path(options.readme)
@@ -97,13 +82,7 @@ def with_settings(text: str) -> str:
 def _table(title: str, description: str, rows: Iterable[tuple[str, Entry]]) -> str:
     lines = []
     for key, entry in rows:
-        cells = (
-            f"`{key}`",
-            accepted(entry),
-            entry.get("unit", ""),
-            _default(key, entry),
-            entry["description"],
-        )
+        cells = (f"`{key}`", accepted(entry), entry.get("unit", ""), _default(entry), entry["description"])
         lines.append(f"| {' | '.join(cells)} |")
     return "\n".join([f"### {title}", "", description, "", *_HEAD, *lines])
 
@@ -124,13 +103,11 @@ def _rows(section: str, entry: Entry) -> Iterator[tuple[str, Entry]]:
         yield key, below
 
 
-def _default(key: str, entry: Entry) -> str:
-    if key in KEYS:
-        return "preset"
-    if "default" in entry:
-        value = entry["default"]
-        return f"`{str(value).lower() if isinstance(value, bool) else value}`"
-    return entry.get("left_out", "")
+def _default(entry: Entry) -> str:
+    if "default" not in entry:
+        return entry.get("left_out", "")
+    value = entry["default"]
+    return f"`{str(value).lower() if isinstance(value, bool) else value}`"
 
 
 if __name__ == "__main__":

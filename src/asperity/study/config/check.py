@@ -44,13 +44,11 @@ def check(config: Mapping[str, Any], needed: tuple[str, ...] | None = None) -> N
         For an unknown key, a value outside its range, a missing key, or settings that contradict each other.
         The message names the key, its value and what is accepted.
     """
-    _check_plain(config)
     _check_schema(config, needed)
     whole = complete(config)
-    _check_points(whole)
-    _check_schema(whole, needed)
     for line in _contradictions(whole):
         raise ConfigError(line)
+    _check_schema(whole, needed)
 
 
 def check_files(config: Mapping[str, Any]) -> None:
@@ -62,8 +60,6 @@ def check_files(config: Mapping[str, Any]) -> None:
 
 def needed_instead(value: Any, entry: Entry) -> str:
     """Values that a setting needs in place of this one, in words; empty if the schema accepts the value."""
-    if isinstance(value, float) and not math.isfinite(value):
-        return accepted(entry)
     error = next(_validator(None)(entry, format_checker=_FORMATS).iter_errors(value), None)
     return "" if error is None else _needed(error)
 
@@ -120,23 +116,6 @@ for _dimension in ("pressure", "force", "length"):
     _FORMATS.checks(_dimension, raises=ValueError)(_is_quantity(_dimension))
 
 
-def _check_plain(value: Any, key: str = "") -> None:
-    """Raise `ConfigError` for a key that is no text or a number that is not finite.
-
-    A JSON Schema cannot express either.
-    """
-    if isinstance(value, Mapping):
-        for name, entry in value.items():
-            if not isinstance(name, str):
-                raise ConfigError(f"{key}{shown(name)}: a key that is text is needed")
-            _check_plain(entry, f"{key}{name}.")
-    elif isinstance(value, list):
-        for entry in value:
-            _check_plain(entry, key)
-    elif isinstance(value, float) and not math.isfinite(value):
-        raise ConfigError(f"{key.rstrip('.')} = {value!r}: a finite number is needed")
-
-
 def _check_schema(config: Mapping[str, Any], needed: tuple[str, ...] | None) -> None:
     """Raise `ConfigError` for the error nearest to the top of the configuration."""
     errors = _validator(needed)(schema(), format_checker=_FORMATS).iter_errors(config)
@@ -149,7 +128,7 @@ def _check_schema(config: Mapping[str, Any], needed: tuple[str, ...] | None) -> 
 def _validator(needed: tuple[str, ...] | None) -> Any:
     """Class of validators that demand all required keys, or only those in `needed`.
 
-    A whole number is one that is written as one: 2048.0 is not accepted.
+    Numbers are finite, and a whole number is one that is written as one: 2048.0 is not accepted.
     """
 
     def require(_: Any, keys: list[str], instance: Any, entry: Entry) -> Iterator[ValidationError]:
@@ -160,20 +139,11 @@ def _validator(needed: tuple[str, ...] | None) -> Any:
     def is_whole(_: Any, value: object) -> bool:
         return isinstance(value, int) and not isinstance(value, bool)
 
-    types = _STANDARD.TYPE_CHECKER.redefine("integer", is_whole)
+    def is_finite(_: Any, value: object) -> bool:
+        return is_whole(_, value) or (isinstance(value, float) and math.isfinite(value))
+
+    types = _STANDARD.TYPE_CHECKER.redefine_many({"integer": is_whole, "number": is_finite})
     return jsonschema.validators.extend(_STANDARD, {"required": require}, type_checker=types)
-
-
-def _check_points(config: Mapping[str, Any]) -> None:
-    """Raise `ConfigError` for a surface whose preset makes its grid too large."""
-    most = setting("surfaces.NAME.points")["maximum"]
-    for section in ("surfaces", "measured"):
-        for name, surface in config[section].items():
-            if surface.get("points", 0) > most:
-                raise ConfigError(
-                    f"{section}.{name}.points: {surface['points']} are too many for a grid of at most "
-                    f"{most}; a longer wavelength_short or another accuracy is needed"
-                )
 
 
 def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
@@ -195,6 +165,14 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
             yield f"{key}.wavelength_short = {short!r}: at most wavelength_long = {long!r} is needed"
     for name, surface in surfaces.items():
         yield from _in_surface(f"surfaces.{name}", surface)
+    most = setting("surfaces.NAME.points")["maximum"]
+    for section in ("surfaces", "measured"):
+        for name, surface in config[section].items():
+            if surface.get("points", 0) > most:
+                yield (
+                    f"{section}.{name}.points: {surface['points']} are too many for a grid of at most "
+                    f"{most}; a longer wavelength_short or another accuracy is needed"
+                )
     for study, names in config.get("studies", {}).items():
         for name in names:
             if name not in known:
@@ -254,12 +232,7 @@ def _one_line(error: ValidationError) -> str:
         return _unknown_key(path, error.instance, error.schema)
     if "propertyNames" in error.absolute_schema_path:
         return f"{'.'.join([*path, shown(error.instance)])}: {accepted(error.schema)} is needed"
-    hint = ""
-    if error.schema.get("type") in ("number", "integer") and _is_number(error.instance):
-        hint = " (YAML reads this as text; an exponent needs a decimal point: 1.0e-6)"
-    return (
-        f"{'.'.join(path) or 'the configuration'} = {shown(error.instance)}: {_needed(error)} is needed{hint}"
-    )
+    return f"{'.'.join(path) or 'the configuration'} = {shown(error.instance)}: {_needed(error)} is needed"
 
 
 def _needed(error: ValidationError) -> str:
@@ -279,11 +252,3 @@ def _unknown_key(path: list[str], given: Mapping[str, Any], entry: Entry) -> str
 def _part(name: Any) -> str:
     """One part of a dotted key, as a message shows it."""
     return str(name) if len(str(name)) <= _LONGEST_KEY and str(name).isprintable() else shown(name)
-
-
-def _is_number(text: Any) -> bool:
-    """True for text that Python, but not YAML, reads as a finite number."""
-    try:
-        return isinstance(text, str) and math.isfinite(float(text))
-    except ValueError:
-        return False

@@ -1,11 +1,14 @@
-"""Configurations and overlays in files: plain YAML, of which nothing is executed.
+"""Configurations and overlays in files: plain YAML 1.2, of which nothing is executed.
 
 Stricter than a usual YAML reader: no tags that make objects, no key given twice, limits on size, depth and
-content, so that a file from someone else does no harm.
+content, so that a file from someone else does no harm. Plain scalars are those of the core schema of YAML 1.2
+(https://yaml.org/spec/1.2.2/#103-core-schema): PyYAML follows YAML 1.1, where ``010`` is 8, ``1:20`` is 80,
+``no`` is false and ``1e-6`` is text.
 """
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
@@ -20,7 +23,7 @@ _MAX_FILE_SIZE = 2**17
 """Bytes of a file, which are read in three seconds; the configuration of the paper has four thousand."""
 
 _MAX_SCALAR = 2000
-"""Characters of a text or number; long numbers, above all to base 60, take long to convert."""
+"""Characters of a text or number; long numbers take long to convert."""
 
 _MAX_VALUES = 100_000
 """Values in a file, each alias counted as all that it stands for; aliases of aliases grow without bound."""
@@ -29,8 +32,21 @@ _MAX_DEPTH = 32
 """Levels of nested keys and lists; a configuration has six."""
 
 
+_SCALARS = {
+    "null": r"(~|null|Null|NULL|)\Z",
+    "bool": r"(true|True|TRUE|false|False|FALSE)\Z",
+    "int": r"[-+]?[0-9]+\Z",
+    "float": r"([-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?|[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN))\Z",
+    "merge": r"<<\Z",
+}
+"""Tag of a plain scalar → its pattern; any other is text. Merging of keys is kept from YAML 1.1."""
+
+
 class _Loader(yaml.SafeLoader):
-    """Reader of YAML that refuses a key given twice."""
+    """Reader of YAML 1.2 that refuses a key given twice."""
+
+    def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
+        return int(node.value)  # decimal, also with a leading zero
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         keys = Counter(str(key.value) for key, _ in node.value if key.tag != "tag:yaml.org,2002:merge")
@@ -40,6 +56,12 @@ class _Loader(yaml.SafeLoader):
                 None, None, f"{shown(twice)} is given twice", node.start_mark
             )
         return super().construct_mapping(node, deep)
+
+
+_Loader.yaml_implicit_resolvers = {
+    None: [(f"tag:yaml.org,2002:{tag}", re.compile(pattern)) for tag, pattern in _SCALARS.items()]
+}
+_Loader.add_constructor("tag:yaml.org,2002:int", _Loader.construct_yaml_int)
 
 
 def is_file(path: str | Path) -> bool:
@@ -98,7 +120,7 @@ def parse(content: str | bytes, name: str) -> dict[str, Any]:
         raise ConfigError(f"{name}: YAML in UTF-8 is needed; {str(error).splitlines()[0]}") from error
     except RecursionError as error:
         raise ConfigError(f"{name}: at most {_MAX_DEPTH} levels are accepted") from error
-    except ValueError as error:
+    except (ValueError, AttributeError) as error:  # also of a scalar that its tag does not fit
         raise ConfigError(f"{name}: {str(error).split(';')[0]}") from error
 
 

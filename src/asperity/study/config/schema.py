@@ -28,7 +28,22 @@ _TYPES = {
 @cache
 def schema() -> Entry:
     """Description of a whole configuration."""
-    return packaged_yaml("asperity.study.config", "schema.yaml")
+    return _group(packaged_yaml("asperity.study.config", "schema.yaml"))
+
+
+def _group(entry: Entry) -> Entry:
+    """An entry; a group takes no unknown keys, and requires those without a value of their own."""
+    if not {"properties", "additionalProperties"} & entry.keys():
+        return entry
+    below = {name: _group(each) for name, each in entry.get("properties", {}).items()}
+    named = entry.get("additionalProperties")
+    return {
+        **entry,
+        "type": "object",
+        "properties": below,
+        "additionalProperties": _group(named) if named else False,
+        "required": [name for name, each in below.items() if not {"default", "left_out"} & each.keys()],
+    }
 
 
 def setting(key: str) -> Entry:
