@@ -9,6 +9,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from asperity.core.errors import DatasetError
 from asperity.study.runtime.manifest import MANIFEST, compare, read_manifest
 
 
@@ -21,7 +22,10 @@ def main() -> None:
     folder = parser.parse_args().results
     if not (folder / MANIFEST).is_file():
         sys.exit(f"verify: {folder}: no {MANIFEST}; name the folder of a study that has run to its end")
-    found = list(compare(folder))
+    try:
+        found = list(compare(folder))
+    except (DatasetError, OSError) as error:
+        sys.exit(f"verify: {error}")
     for name, what in found:
         print(f"verify: {folder / name}: {what}", file=sys.stderr)
     if any(what != "extra" for _, what in found):

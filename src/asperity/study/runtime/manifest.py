@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import hashlib
 import os
+import re
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from asperity.core.errors import DatasetError
 from asperity.results.atomic import write_text
 
 MANIFEST = "SHA256SUMS"
@@ -16,10 +18,21 @@ _NO_RESULTS = ("log", "benchmark", ".snakemake")
 
 
 def read_manifest(folder: Path) -> dict[str, str]:
-    """Path of every file, relative to the folder → its hash; empty without a manifest."""
+    """Path of every file, relative to the folder → its hash; empty without a manifest.
+
+    Raises
+    ------
+    DatasetError
+        If a line of the manifest is not a hash and a name.
+    """
     path = folder / MANIFEST
-    lines = path.read_text(encoding="utf-8").splitlines() if path.is_file() else []
-    return {name: digest for digest, name in (line.split("  ", 1) for line in lines)}
+    text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+    found = [re.fullmatch(r"([0-9a-f]{64})  (.+)", line) for line in text.splitlines()]
+    if None in found:
+        raise DatasetError(
+            f"{path}: line {found.index(None) + 1} is not a hash and a name; delete it and run again"
+        )
+    return {each[2]: each[1] for each in found if each}
 
 
 def write_manifest(folder: Path, outputs: Iterable[str | os.PathLike[str]]) -> None:
@@ -41,12 +54,12 @@ def write_manifest(folder: Path, outputs: Iterable[str | os.PathLike[str]]) -> N
 
 
 def compare(folder: Path) -> Iterator[tuple[str, str]]:
-    """Every file that differs from the manifest, and whether it is missing, changed or extra."""
+    """Every file that differs from the manifest, and how: missing, not a regular file, changed or extra."""
     known = read_manifest(folder)
     for name, digest in known.items():
         path = folder / name
         if not path.is_file():
-            yield name, "missing"
+            yield name, "not a regular file" if path.exists() else "missing"
         elif hash_of(path) != digest:
             yield name, "changed"
     for place, below, names in os.walk(folder):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import shutil
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 PARTS = (
     "Snakefile",
@@ -37,19 +38,33 @@ def make_study_folder(folder: str | os.PathLike[str]) -> Path:
     ValueError
         If there is a file of this name, or the folder holds anything.
     OSError
-        If the folder cannot be written.
+        If the folder cannot be written; nothing of it is left then.
     """
     path = Path(folder)
-    if path.is_dir() and (held := sorted(entry.name for entry in path.iterdir())):
-        raise ValueError(f"{folder}: holds {held[0]}; the name of an empty or new folder is needed")
-    if path.exists() and not path.is_dir():
+    is_new = not path.exists()
+    if not is_new and not path.is_dir():
         raise ValueError(f"{folder}: a file; the name of an empty or new folder is needed")
-    for part in PARTS:
-        origin, target = source() / part, path / part
-        target.parent.mkdir(parents=True, exist_ok=True)
-        if origin.is_dir():  # without permissions and times: an installed package may be read-only
-            left_out = shutil.ignore_patterns("__pycache__")
-            shutil.copytree(origin, target, ignore=left_out, copy_function=shutil.copyfile)
-        else:
-            shutil.copyfile(origin, target)
+    if not is_new and (held := sorted(entry.name for entry in path.iterdir())):
+        raise ValueError(f"{folder}: holds {held[0]}; the name of an empty or new folder is needed")
+    path.mkdir(parents=True, exist_ok=True)
+    try:
+        with TemporaryDirectory(dir=path) as unfinished:
+            for part in PARTS:
+                _copy(source(), part, Path(unfinished))
+            for entry in list(Path(unfinished).iterdir()):
+                entry.rename(path / entry.name)
+    except OSError:
+        if is_new:
+            path.rmdir()
+        raise
     return path
+
+
+def _copy(project: Path, part: str, folder: Path) -> None:
+    """Copy a part of the project, without permissions and times: an installed package may be read-only."""
+    origin = project / part
+    for file in origin.rglob("*") if origin.is_dir() else [origin]:
+        if file.is_file() and file.parent.name != "__pycache__":
+            target = folder / file.relative_to(project)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(file, target)

@@ -1,0 +1,114 @@
+"""Files of a study: the folder of `asperity study init`, results that lack something, the manifest."""
+
+import errno
+import os
+import runpy
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+from small_study import CONTACT, LAYER, STRESS
+
+from asperity.cli.main import main
+from asperity.results import dataset
+from asperity.study.runtime.manifest import MANIFEST, compare, write_manifest
+from asperity.study.runtime.study_folder import PARTS
+from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.stress import compute_stress
+from asperity.study.stages.surface import make_surface
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture
+def results(tmp_path):
+    """A folder of results with its manifest."""
+    for name in ("one.nc", "two.nc"):
+        (tmp_path / name).write_text(name)
+    write_manifest(tmp_path, [tmp_path / "one.nc", tmp_path / "two.nc"])
+    return tmp_path
+
+
+@pytest.mark.parametrize("is_new", [True, False])
+def test_init_writes_the_study_or_nothing(tmp_path, monkeypatch, capsys, is_new):
+    folder = tmp_path / "study"
+    if not is_new:
+        folder.mkdir()
+    genuine = shutil.copyfile
+
+    def full_disk(origin, target):
+        if origin.name == "quick.yaml":
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        genuine(origin, target)
+
+    monkeypatch.setattr(shutil, "copyfile", full_disk)
+    assert main(["study", "init", str(folder)]) == 1
+    assert capsys.readouterr().err == "asperity: [Errno 28] No space left on device\n"
+    assert folder.exists() == (not is_new)
+    monkeypatch.setattr(shutil, "copyfile", genuine)
+    assert main(["study", "init", str(folder)]) == 0
+    assert all((folder / part).exists() for part in PARTS)
+    assert {path.name for path in folder.iterdir()} == {part.split("/")[0] for part in PARTS}
+    assert main(["study", "init", str(folder)]) == 1
+    assert "holds Snakefile; the name of an empty or new folder is needed" in capsys.readouterr().err
+
+
+def test_a_sound_folder_is_as_written(results):
+    assert list(compare(results)) == []
+
+
+def test_every_kind_of_damage_is_named(results):
+    (results / "one.nc").unlink()
+    os.mkfifo(results / "one.nc")  # reading it would wait for ever
+    (results / "two.nc").write_text("other")
+    (results / "three.nc").write_text("three")
+    assert list(compare(results)) == [
+        ("one.nc", "not a regular file"),
+        ("two.nc", "changed"),
+        ("three.nc", "extra"),
+    ]
+    (results / "two.nc").unlink()
+    assert ("two.nc", "missing") in compare(results)
+
+
+def test_a_later_run_keeps_damage_visible(results):
+    (results / "one.nc").write_text("other")
+    os.utime(results / "one.nc", (0, 0))
+    write_manifest(results, [])
+    assert list(compare(results)) == [("one.nc", "changed")]
+
+
+def test_a_damaged_manifest_is_one_line(results, monkeypatch):
+    (results / MANIFEST).write_text("no hash\n")
+    monkeypatch.setattr(sys, "argv", ["verify.py", str(results)])
+    with pytest.raises(SystemExit, match=r"^verify: \S+: line 1 is not a hash and a name; delete it and run"):
+        runpy.run_path(str(ROOT / "workflow/verify.py"), run_name="__main__")
+
+
+SURFACE = {"hurst": 0.8, "wavelength_long": 0.5, "wavelength_short": 0.25, "rms_height": 1e-3, "points": 16}
+
+
+def test_a_result_that_lacks_something_is_one_line(tmp_path, capsys):
+    """Made by someone who can compute a fingerprint; a damaged file is refused before."""
+    contact = solve_contact(make_surface(SURFACE, 1), LAYER, CONTACT)
+    settings = {"name": "a", "seed": 1, "surface": SURFACE, "layer": LAYER, "contact": CONTACT}
+    stress = compute_stress(contact, LAYER, STRESS)
+    without = contact.copy(deep=False)
+    del without.attrs["solid"]
+    files = {"stress": stress, "without": without, "unloaded": contact.assign(pressure=0 * contact.pressure)}
+    for name, data in files.items():
+        own = settings | {"stress": STRESS} if name == "stress" else settings
+        dataset.write(data, tmp_path / f"{name}.nc", name, own)
+    paths = {name: str(tmp_path / f"{name}.nc") for name in (*files, "out")}
+    for words, line in (
+        (["stress", paths["without"]], "KeyError: 'solid'"),
+        (
+            ["peaks", paths["stress"], "--contact", paths["unloaded"]],
+            "ZeroDivisionError: Weights sum to zero",
+        ),
+    ):
+        assert main([*words, "--out", paths["out"]]) == 1
+        said = capsys.readouterr().err
+        assert said.startswith(f"asperity: a file that is read lacks what a result holds: {line}")
+        assert said.count("\n") == 1
