@@ -1,12 +1,16 @@
 """``asperity run``: from a file of a ground steel surface to a folder with an answer."""
 
+import os
 import re
+from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
 
 from asperity.cli.main import main
+from asperity.core.errors import DatasetError
 from asperity.engineering import Body, run, write_answer
 from asperity.results import dataset
 from asperity.surface.reading.height_map import HeightMap
@@ -98,6 +102,99 @@ def test_a_second_answer_replaces_the_first_alone(path, folder, tmp_path, capsys
     assert not list(folder.glob(".unfinished*"))
 
 
+RESULTS = {"surface.nc", "contact.nc", "stress.nc", "peaks.csv", "answer.csv"}
+
+
+def loads_in(folder):
+    """Loads of all results in a folder that say theirs."""
+    found = {dataset.settings_of(dataset.read(path))["load"]["mean_pressure"] for path in folder.glob("*.nc")}
+    tables = [pd.read_csv(path).set_index("name")["value"] for path in folder.glob("answer.csv")]
+    return found | {round(table["mean pressure, nominal"], -3) for table in tables}
+
+
+@pytest.fixture(scope="module")
+def two_answers():
+    rng = np.random.default_rng(1)
+    surface = HeightMap(1e-8 * rng.normal(size=(16, 16)), (16e-6, 16e-6), name="small", periodic=True)
+    return [run(surface, Body(210e9, 0.3), mean_pressure=load) for load in (50e6, 60e6)]
+
+
+class Killed(BaseException):
+    """Raised in place of a kill: no code of asperity catches it."""
+
+
+@pytest.fixture
+def without_pictures(monkeypatch):
+    monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
+
+
+def test_a_killed_run_leaves_the_old_or_the_new_answer(two_answers, tmp_path, monkeypatch, without_pictures):
+    """Killed before each call that changes the folder, one after the other."""
+    folder, step, calls = tmp_path / "answer", 0, []
+    genuine = {name: getattr(os, name) for name in ("replace", "rename", "unlink")}
+
+    def counted(name):
+        def function(*arguments, **options):
+            calls.extend([name] * (Path(arguments[-1]).parent == folder))
+            if len(calls) == step:
+                raise Killed
+            return genuine[name](*arguments, **options)
+
+        return function
+
+    while step <= len(calls):
+        step += 1
+        write_answer(two_answers[0], folder)
+        calls.clear()
+        with monkeypatch.context() as patch, suppress(Killed):
+            for name in genuine:
+                patch.setattr(os, name, counted(name))
+            write_answer(two_answers[1], folder)
+        assert len(loads_in(folder)) <= 1
+        assert {path.name for path in folder.rglob("*")} >= RESULTS
+    assert step > 15
+    assert loads_in(folder) == {60e6}
+
+
+def test_results_are_written_before_pictures_can_fail(two_answers, tmp_path, monkeypatch):
+    monkeypatch.setattr("asperity.engineering.output.plot_pressure", lambda *_, **__: 1 / 0)
+    with pytest.raises(DatasetError, match="results are written, pictures and report not"):
+        write_answer(two_answers[0], tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} == {*RESULTS, ".asperity-run.json"}
+    monkeypatch.undo()
+    write_answer(two_answers[1], tmp_path)
+    assert (tmp_path / "report.html").exists()
+
+
+def test_a_link_is_followed_and_modes_are_kept(two_answers, tmp_path, without_pictures):
+    (tmp_path / "link").symlink_to(tmp_path / "target", target_is_directory=True)
+    written = write_answer(two_answers[0], tmp_path / "link")
+    assert (tmp_path / "link").is_symlink()
+    assert {path.resolve().parent for path in written} == {tmp_path / "target"}
+    (tmp_path / "target/contact.nc").chmod(0o640)
+    write_answer(two_answers[1], tmp_path / "link")
+    assert (tmp_path / "target/contact.nc").stat().st_mode & 0o777 == 0o640
+    (tmp_path / "target/contact.nc").chmod(0o440)
+    with pytest.raises(ValueError, match=r"holds contact\.nc, which is read-only"):
+        write_answer(two_answers[0], tmp_path / "link")
+    assert loads_in(tmp_path / "target") == {60e6}
+
+
+def test_the_name_of_a_map_is_text(tmp_path, capsys, monkeypatch):
+    """Not mathematics, no control of the terminal, and no longer than a title."""
+    monkeypatch.chdir(tmp_path)
+    name = r"$\frac{1}$" + "\x1b[31m" + 230 * "m" + ".asc"
+    header = "# Width: 16 um\n# Height: 16 um\n# Value units: nm\n"
+    np.savetxt(name, np.random.default_rng(1).normal(size=(16, 16)), header=header, comments="")
+    assert main(["info", name]) == 0
+    assert main(["run", name, *COMMAND, "--out", "answer"]) == 0
+    assert main(["view", "answer/contact.nc", "pressure"]) == 0
+    printed = capsys.readouterr()
+    page = (tmp_path / "answer/report.html").read_text(encoding="utf-8")
+    assert "\x1b" not in printed.out + printed.err + page
+    assert max(map(len, page.partition("<style>")[0].splitlines())) < 100
+
+
 def test_files_that_run_has_not_written_are_kept(path, tmp_path, capsys):
     (tmp_path / "contact.nc").write_text("of asperity solve")
     for source, out, message in (
@@ -129,8 +226,8 @@ def test_everything_wrong_is_named_at_once(tmp_path, capsys):
     lines = capsys.readouterr().err.splitlines()
     starts = [line.removeprefix("asperity: ").split(" ")[0].rstrip(":,") for line in lines]
     assert starts == [
-        *("--young", "--poisson", "--pressure", str(tmp_path / "none.x3p")),
-        *("--pressure", "--rigid", "--bottom", "--out"),
+        *("--young", "--poisson", "--pressure"),
+        *("--pressure", "--rigid", "--bottom", "--out", str(tmp_path / "none.x3p")),
     ]
     assert "(kPa, MPa, GPa, N/mm^2) is needed" in lines[0]
 

@@ -18,6 +18,7 @@ from asperity.study.config import __main__ as config
 from asperity.study.stages.surface import make_surface
 
 ROOT = Path(__file__).parents[2]
+DATA = ROOT / "tests/data"
 PAPER = str(ROOT / "config/config.yaml")
 LONG = "x" * 300 + ".nc"
 """Longer than a file name may be."""
@@ -243,7 +244,7 @@ COMMANDS = [
     ("solve {surface} --out {folder}", 1, "a folder, the name of a file is needed"),
     ("solve {surface} --out {surface}", 1, "surface.nc: is read too, another name is needed"),
     ("solve {surface} --out {surface}/x.nc", 1, "surface.nc/x.nc: cannot be written ("),
-    ("solve {surface} --out /proc/x.nc", 1, "/proc/x.nc: cannot be written"),
+    ("solve {surface} --out /proc/x.nc", 1, "/proc/x.nc: cannot be written (No such file or directory"),
     ("stress {surface} --out {folder}/x.nc", 1, "a result of surface, one of contact is needed"),
     ("stress /dev/null --out {folder}/x.nc", 1, "/dev/null: not a regular file"),
     ("peaks {stress} {stress} --contact {contact} --out {folder}/x.nc", 1, "one for each stress is needed"),
@@ -338,7 +339,7 @@ class Intruder:
 MIRRORED = "--periodic mirrored"
 MAPS = [
     ("map.asc", matrix(ROWS), "", "set it to declared, mirrored or windowed"),
-    ("empty.asc", b"", MIRRORED, "empty.asc: no known format"),
+    ("empty.asc", b"", MIRRORED, "empty.asc: not a height map that can be read (no known format"),
     ("zeros.x3p", bytes(1000), MIRRORED, "zeros.x3p: not a height map that can be read"),
     ("ragged.asc", matrix([*ROWS[:5], ROWS[5][:3], *ROWS[6:]]), MIRRORED, "ragged.asc: not a height map"),
     (
@@ -371,6 +372,7 @@ MAPS = [
         MIRRORED + " --wavelength-short 1e-4",
         "--wavelength-short = 0.0001: a number ≥",
     ),
+    ("gwyddion.x3p", (DATA / "steel.gwy").read_bytes(), MIRRORED, "its name is that of format x3p, its"),
     ("bomb.nc", b"CDF\x05" + b"\x7f" * 64, MIRRORED, "bomb.nc: not a height map that can be read"),
 ]
 

@@ -2,6 +2,7 @@
 
 import gzip
 import importlib.util
+import os
 import re
 import struct
 import sys
@@ -144,6 +145,36 @@ def test_any_bytes_are_no_map_unless_a_format_is_asked_for(tmp_path):
     assert read_map(tmp_path / "f", format="hgt", physical_size=(1, 1)).height.shape == (50, 50)
 
 
+@pytest.mark.parametrize("content", [bytes(2**18), b"\1\0" * 2**17, b"a\n" * 2**17])
+def test_content_without_numbers_is_not_searched_for_them(content, tmp_path, monkeypatch):
+    """Readers of text go through all of a file, which takes a second a megabyte."""
+    from SurfaceTopography.IO import lookup_reader_by_format as readers
+
+    path = tmp_path / "map.gz"
+    path.write_bytes(gzip.compress(content))
+    for name in ("asc", "xyz"):
+        reader = readers[name]
+        stub = type(name, (reader,), {"__init__": lambda self, file: pytest.fail(f"{file} is searched")})
+        monkeypatch.setitem(readers, name, stub)
+    with pytest.raises(MapError, match="no known format"):
+        read_map(path)
+    path.write_bytes(gzip.compress(b"1 2\n3 4\n"))
+    with pytest.raises(pytest.fail.Exception, match="is searched"):
+        read_map(path)
+
+
+def test_what_is_no_regular_file_is_named(tmp_path, capsys):
+    fifo = tmp_path / "fifo"
+    os.mkfifo(fifo)
+    for path in (str(fifo), os.devnull):
+        with pytest.raises(MapError, match="not a regular file"):
+            read_map(path)
+        with pytest.raises(SystemExit):
+            main(["run", path, "--young", "1GPa", "--poisson", "0.3", "--force", "1N", "--out", "x"])
+        assert main(["solve", path, "--out", str(tmp_path / "x.nc")]) == 1
+        assert capsys.readouterr().err == 2 * f"asperity: {path}: not a regular file\n"
+
+
 def points(spots, values, header="", separator=" "):
     rows = (separator.join((f"{x:.4f}", f"{y:.4f}", str(z))) for (x, y), z in zip(spots, values, strict=True))
     return header + "\n".join(rows) + "\n"
@@ -186,9 +217,12 @@ MATRIX = "# Channel: Height\n# Width: 4 µm\n# Height: 80 µm\n# Value units: nm
         (MATRIX + "1 2 3 4\n2 --- 4 5\n3 4 5 6\n4 5 6 8\n5 6 8 8\n", "line 6: '---' is no number"),
         (MATRIX + "1 2 3 4\n***\n3 4 5 6\n4 5 6 8\n5 6 8 8\n", "line 6: '***' is no number"),
         (MATRIX + "1 2 3 4\n3 1,5e-9 5 6\n4 5 6 8\n5 6 8 8\n", "line 6: '1,5e-9' is no number"),
+        ("1 2 ... 4\n2 3 4 5\n3 4 5 6\n4 5 6 8\n", "line 1: '...' is no number"),
+        ("a b c d\n***\n2 3 4 5\n3 4 5 6\n4 5 6 8\n", "line 2: '***' is no number"),
+        ("1 2 3 4\n2 3 4 5\n3 4 5 6\n4 5 6 8\n5 6 x 8\n", "line 5: 'x' is no number"),
         ("\n".join("1 2 3 4" for _ in range(400)), "a list of points or a log, not a map"),
     ],
-    ids=range(9),
+    ids=range(12),
 )
 def test_a_text_that_is_no_map_is_refused(tmp_path, content, line):
     (tmp_path / "points.xyz").write_text(content)

@@ -15,7 +15,7 @@ from typing import NoReturn
 from asperity.core.errors import ConvergenceError, DatasetError, InputError, PreflightError, fail
 from asperity.core.packages import BASE, NAMES, PACKAGES, MissingPackageError, message, require
 
-INTERRUPTED = "interrupted, nothing is written; run the same command again to start over"
+INTERRUPTED = "interrupted; run the same command again to start over"
 
 
 class Interrupted(KeyboardInterrupt):

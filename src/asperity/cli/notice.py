@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from numba.core import event
 from tqdm import tqdm
 
+from asperity.core.errors import one_line
 from asperity.study.runtime.progress import ProgressBar
 
 NOTICE = "asperity: compiling, at the first use only, about 30 s"
@@ -17,7 +18,7 @@ NOTICE = "asperity: compiling, at the first use only, about 30 s"
 @contextmanager
 def progress_bar(label: str) -> Iterator[ProgressBar]:
     """Progress bar while a command computes."""
-    with event.install_listener("numba:compile", _Notice()), ProgressBar(label) as progress:
+    with event.install_listener("numba:compile", _Notice()), ProgressBar(one_line(label)) as progress:
         yield progress
 
 

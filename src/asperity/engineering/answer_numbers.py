@@ -85,7 +85,7 @@ class BodyAnswer:
     volume_above_yield : float or None
         Volume under the map whose von Mises stress is above yield; None without a yield stress.
     depths_above_yield : (first, last) or None
-        Depths between which planes contain such points.
+        Depths between which there are such points, interpolated between planes.
     fraction_above_yield : float or None
         That volume over the volume from the surface to the last of these depths.
     """
@@ -227,11 +227,10 @@ def body_answer(body: Body, stress: StressInBody, face: TreatedMap) -> BodyAnswe
     """Numbers of the stress in one body."""
     depths = stress.dataset["plane_depth"].values
     volume, bounds, fraction = None, None, None
-    if stress.above_yield is not None:
+    if stress.above_yield is not None and body.yield_stress is not None:
         volume = float(np.trapezoid(stress.above_yield, depths)) * face.map_area
-        above = np.flatnonzero(stress.above_yield)
-        if above.size:
-            bounds = float(depths[above[0]]), float(depths[above[-1]])
+        bounds = _depths_above(body.yield_stress, stress.dataset["largest_von_mises"].values.ravel(), depths)
+        if bounds is not None:
             fraction = volume / (face.map_area * bounds[1]) if bounds[1] else 0.0
     largest = {}
     for field, found in stress.extremes.items():
@@ -239,6 +238,20 @@ def body_answer(body: Body, stress: StressInBody, face: TreatedMap) -> BodyAnswe
         y, x = map(float, face.on_map(found.y, found.x))
         largest[field] = found._replace(y=y, x=x)
     return BodyAnswer(body, largest, _percentiles(stress.dataset), volume, bounds, fraction)
+
+
+def _depths_above(limit: float, largest: Array, depths: Array) -> tuple[float, float] | None:
+    """Depths between which a stress is above a limit, from its largest value in each plane."""
+    above = np.flatnonzero(largest > limit)
+    if not above.size:
+        return None
+
+    def crossing(plane: int, beyond: int) -> float:
+        if not 0 <= beyond < depths.size:
+            return float(depths[plane])
+        return float(np.interp(limit, largest[[beyond, plane]], depths[[beyond, plane]]))
+
+    return crossing(above[0], above[0] - 1), crossing(above[-1], above[-1] + 1)
 
 
 def _percentiles(stress: xr.Dataset) -> dict[int, float]:

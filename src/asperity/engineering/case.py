@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from asperity.core.arguments import choice, magnitude, number
-from asperity.core.errors import shown
+from asperity.core.errors import one_line, shown
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.loaded_solid import traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
@@ -20,6 +20,9 @@ from asperity.surface.treatment.treatment import TreatedMap, missing_options, tr
 
 CONTROL_UNITS = {"mean_pressure": "Pa", "force": "N", "approach": "m", "area_fraction": "1"}
 """Quantity of which one is imposed → its unit."""
+
+LONGEST_NAME = 60
+"""Characters of the name of a map that titles show at most."""
 
 
 @dataclass(frozen=True)
@@ -220,7 +223,8 @@ def _read(source: str | os.PathLike[str] | HeightMap, options: MapOptions) -> tu
         name, path = os.path.splitext(os.path.basename(os.fspath(source)))[0], os.fspath(source)
     if problems := missing_options(found, _completed(options, found.map)):
         raise MapError(path, problems)
-    return name, found.map
+    name = one_line(name)
+    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 3]}...", found.map
 
 
 def _levelled(surface: HeightMap, options: MapOptions) -> tuple[HeightMap, float, list[str]]:

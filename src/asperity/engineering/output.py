@@ -5,7 +5,9 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import stat
 from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -33,19 +35,26 @@ MANIFEST = ".asperity-run.json"
 """File with the names of all files of an answer in its folder, so that no other file is ever replaced."""
 
 UNFINISHED = ".unfinished-"
-"""Begin of the name of the folder in which the files are written before they are moved to their places."""
+"""Begin of the name of the folder in which files are written before they are moved to their places."""
+
+COMPLETE = ".complete"
+"""Name of that folder once all its files are written, which then replace those of an earlier answer."""
 
 ALWAYS_WRITTEN = ("surface.nc", "contact.nc", "peaks.csv", "answer.csv", "height.png", "report.html")
 
 
 def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
-    """Write an answer into a folder.
+    """Write an answer into a folder: first the results and tables, then the pictures and the report.
+
+    A process that is killed at any moment leaves the earlier answer or the results of the new one. Should it
+    be killed while files are moved to their places, the next call moves those that are left.
 
     Parameters
     ----------
     answer : Answer
     folder : path
-        Made if it is not there. An earlier answer in it is replaced, other files stay.
+        Made if it is not there; a symbolic link is followed. An earlier answer in it is replaced, other files
+        stay.
 
     Returns
     -------
@@ -55,9 +64,10 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
     Raises
     ------
     ValueError
-        If a file would replace one that is not of an earlier answer.
+        If a file would replace one that is not of an earlier answer, or is read-only.
     DatasetError
-        If it cannot be written; an earlier answer is still there then.
+        If it cannot be written; the earlier answer is still there then, or the results of the new one without
+        pictures and report.
 
     Examples
     --------
@@ -72,49 +82,90 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
     """
     folder = Path(folder)
     try:
-        folder.mkdir(parents=True, exist_ok=True)
-        for abandoned in folder.glob(f"{UNFINISHED}*"):  # by a run that was killed
+        Path(os.path.realpath(folder)).mkdir(parents=True, exist_ok=True)
+        for abandoned in folder.glob(f"{UNFINISHED}*"):  # by a process that was killed
             shutil.rmtree(abandoned, ignore_errors=True)
-        with TemporaryDirectory(prefix=UNFINISHED, dir=folder) as name:
-            unfinished = Path(name)
-            _write_files(answer, unfinished)
-            names = sorted(path.name for path in unfinished.iterdir())
-            if problem := folder_problem(folder, names):
-                raise ValueError(f"{folder}: {problem}")
-            earlier = _names_of_earlier(folder)
-            write_text(folder / MANIFEST, json.dumps(sorted({*earlier, *names})))
-            for name in names:
-                os.replace(unfinished / name, folder / name)
-            for name in earlier - {*names}:
-                (folder / name).unlink(missing_ok=True)
-            write_text(folder / MANIFEST, json.dumps(names))
+        _move_complete(folder)
+        with _replacing(folder, kept=set()) as unfinished:
+            _write_results(answer, unfinished)
+        results = _names(folder)
+        try:
+            with _replacing(folder, kept=results) as unfinished:
+                _write_report(answer, unfinished)
+        except Exception as error:  # drawing fails with errors of any type
+            raise DatasetError(f"{folder}: results are written, pictures and report not ({error})") from error
     except OSError as error:
         raise DatasetError(f"{folder}: cannot be written ({error.strerror or error})") from error
-    return [folder / name for name in names]
+    return [folder / name for name in sorted(_names(folder))]
 
 
 def folder_problem(folder: str | os.PathLike[str], names: Iterable[str] = ALWAYS_WRITTEN) -> str:
     """Reason why an answer with files of these names cannot be written into a folder, empty if it can."""
     folder = Path(folder)
-    if folder.exists() and not folder.is_dir():
+    try:
+        if not folder.exists():
+            return ""
+    except OSError as error:
+        return f"cannot be written ({error.strerror})"
+    if not folder.is_dir():
         return "a file, the name of a folder is needed"
-    others = (name for name in names if (folder / name).exists() and name not in _names_of_earlier(folder))
-    if other := next(others, None):
-        return f"holds {other}, which asperity run has not written; another folder is needed"
+    for path in (folder / name for name in names if (folder / name).exists()):
+        if path.name not in _names(folder):
+            return f"holds {path.name}, which asperity run has not written; another folder is needed"
+        if not path.stat().st_mode & stat.S_IWUSR:
+            return f"holds {path.name}, which is read-only; another folder is needed"
     return ""
 
 
-def _names_of_earlier(folder: Path) -> set[str]:
-    """Names of the files of an earlier answer."""
-    try:
-        found = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return set()
-    return {name for name in found if isinstance(name, str) and Path(name).name == name}
+@contextmanager
+def _replacing(folder: Path, kept: set[str]) -> Iterator[Path]:
+    """Folder whose files replace those of an earlier answer, except for `kept`, when the block succeeds."""
+    with TemporaryDirectory(prefix=UNFINISHED, dir=folder, ignore_cleanup_errors=True) as name:
+        unfinished = Path(name)
+        yield unfinished
+        names = {path.name for path in unfinished.iterdir()}
+        if problem := folder_problem(folder, names):
+            raise ValueError(f"{folder}: {problem}")
+        write_text(unfinished / MANIFEST, json.dumps(sorted(kept | names)))
+        unfinished.rename(folder / COMPLETE)
+    _move_complete(folder)
 
 
-def _write_files(answer: Answer, folder: Path) -> None:
-    """Write all files of an answer into an empty folder."""
+def _move_complete(folder: Path) -> None:
+    """Move the complete files to their places, after those of the earlier answer are deleted.
+
+    The folder never holds files of two answers. Its manifest is deleted before the first file is moved, and
+    moved last, so that the steps can be continued wherever they were interrupted.
+    """
+    complete = folder / COMPLETE
+    if not complete.is_dir():
+        return
+    new = {path.name for path in complete.iterdir()}
+    if (folder / MANIFEST).exists():
+        kept = _names(complete) - new
+        for path in (folder / name for name in _names(folder) - kept):
+            if path.exists() and path.name in new:
+                shutil.copymode(path, complete / path.name)
+            path.unlink(missing_ok=True)
+        (folder / MANIFEST).unlink()
+    for name in sorted(new, key=MANIFEST.__eq__):
+        os.replace(complete / name, folder / name)
+    complete.rmdir()
+
+
+def _names(folder: Path) -> set[str]:
+    """Names of the files of the answer in a folder."""
+    for manifest in (folder / MANIFEST, folder / COMPLETE / MANIFEST):
+        try:
+            found = json.loads(manifest.read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            continue
+        return {name for name in found if isinstance(name, str) and Path(name).name == name}
+    return set()
+
+
+def _write_results(answer: Answer, folder: Path) -> None:
+    """Write the results and tables of an answer into an empty folder."""
     settings = settings_of(answer)
     surface = f"rough surface {answer.face.name}"
     dataset.write(surface_of(answer), folder / "surface.nc", f"R{surface[1:]}", settings)
@@ -125,13 +176,17 @@ def _write_files(answer: Answer, folder: Path) -> None:
         dataset.write(stress_dataset(answer, body), folder / f"stress{_of(answer, body)}.nc", title, settings)
     write_table(answer.peaks(), "answer_peaks", folder / "peaks.csv", float_format="%.8g")
     write_table(answer.frame(), "answer", folder / "answer.csv", float_format="%.8g")
+
+
+def _write_report(answer: Answer, folder: Path) -> None:
+    """Write the pictures of an answer and the report into an empty folder."""
     shown = []
     for picture in pictures(answer):
         path = folder / f"{picture.name}.png"
         picture.figure.savefig(path, metadata={"Software": None})
         shown.append((picture, path.read_bytes()))
-    page = report_page(answer, shown, json.dumps(settings, indent=2, ensure_ascii=False))
-    write_text(folder / "report.html", page)
+    settings = json.dumps(settings_of(answer), indent=2, ensure_ascii=False)
+    write_text(folder / "report.html", report_page(answer, shown, settings))
 
 
 def _of(answer: Answer, body: str) -> str:
@@ -226,7 +281,7 @@ def pictures(answer: Answer) -> Iterator[Picture]:
     Mirror images of the map are left out. The stress is drawn in a section and a plane through the extreme
     value of each field, and as its peaks.
     """
-    face, name = answer.face, answer.face.name
+    face, name = answer.face, answer.face.name.replace("$", r"\$")  # no mathematics
     contact = {name: contact_dataset(answer)}
     y, x = (0.0, face.map_length[0]), (0.0, face.map_length[1])
     yield Picture(

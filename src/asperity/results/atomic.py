@@ -18,6 +18,9 @@ from asperity.core.system import is_running
 MIN_FREE_SPACE = 2**20
 """A disk with fewer free bytes is called full: the NetCDF library does not say so itself."""
 
+# Characters of a name that the name of its temporary file holds, which has at most 255 bytes.
+_LONGEST_STEM = 50
+
 
 @contextmanager
 def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
@@ -32,7 +35,8 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
         If the file cannot be written; the message names the file and the remedy.
     """
     target = Path(os.path.realpath(path))
-    unfinished = target.with_name(f".{target.name}.{os.getpid()}.{secrets.token_hex(8)}.unfinished")
+    stem = f".{target.name[:_LONGEST_STEM]}.{os.getpid()}.{secrets.token_hex(8)}"
+    unfinished = target.with_name(f"{stem}.unfinished")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
         earlier = target.stat().st_mode if target.exists() else None
@@ -69,7 +73,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 def _delete_abandoned(path: Path) -> None:
     """Delete temporary files of `path` whose processes have ended."""
-    pattern = re.compile(rf"\.{re.escape(path.name)}\.(\d+)\.\w+\.unfinished")
+    pattern = re.compile(rf"\.{re.escape(path.name[:_LONGEST_STEM])}\.(\d+)\.\w+\.unfinished")
     for left in path.parent.iterdir():
         found = pattern.fullmatch(left.name)
         if found and not is_running(int(found[1])):
@@ -79,6 +83,7 @@ def _delete_abandoned(path: Path) -> None:
 def _cause_and_remedy(error: Exception, path: Path) -> str:
     """End of the message that a file cannot be written."""
     existing = next(folder for folder in path.parents if folder.is_dir())
-    if getattr(error, "errno", None) == errno.ENOSPC or shutil.disk_usage(existing).free < MIN_FREE_SPACE:
+    reason, space = getattr(error, "strerror", None) or error, shutil.disk_usage(existing)
+    if getattr(error, "errno", None) == errno.ENOSPC or (space.total and space.free < MIN_FREE_SPACE):
         return "the disk is full); free some space and run again"
-    return f"{getattr(error, 'strerror', None) or error}); make its folder writable and run again"
+    return f"{reason}); make its folder writable and run again"

@@ -230,7 +230,7 @@ def title_of(data: xr.Dataset) -> str:
     try:
         return label(data)
     except (KeyError, TypeError):
-        return str(settings_of(data).get("name", ""))
+        return str(settings_of(data).get("name", "")).replace("$", r"\$")  # no mathematics
 
 
 def _source(result: Any, unit_system: str | None, title: str | None) -> Source:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from asperity.cli.parser import flag, section
+from asperity.core.errors import one_line
 from asperity.surface.description import describe_map
 from asperity.surface.reading.height_map import MapError, MapOptions, renamed
 
@@ -17,7 +18,7 @@ def run(options: argparse.Namespace) -> None:
         raise error.renamed(flag) from error
     width = max(map(len, found.properties)) + 2
     for name, text in found.properties.items():
-        print(f"{name + ':':<{width}}{text}")
+        print(f"{name + ':':<{width}}{one_line(text)}")
     chosen = "asperity run fills points without data and mirrors the map by itself; "
     chosen += "asperity solve and a study need"
     for heading, problems in (("every calculation needs", found.needed), (chosen, found.choices)):

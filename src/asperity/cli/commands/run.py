@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
 from collections.abc import Mapping, Set
 from dataclasses import fields
@@ -11,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 from asperity.cli.parser import COMMANDS, arguments, converted, direction, flag
-from asperity.core.errors import ConfigError, InputError, fail, shown
+from asperity.core.errors import ConfigError, InputError, fail, one_line, shown
 from asperity.core.packages import require
 from asperity.core.units import shown_si, to_si
 from asperity.study.config.check import needed_instead
-from asperity.study.config.reader import is_file, load
+from asperity.study.config.reader import load
 from asperity.study.config.schema import setting
 
 WRONG_USAGE = 2
@@ -87,12 +86,11 @@ def run(options: argparse.Namespace) -> None:
             progress=progress,
             **case,
         )
+    print(answer.text(), end="\n\n", flush=True)
     files = write_answer(answer, options.out)
-    print(answer.text())
-    pictures = " ".join(str(path) for path in files if path.suffix == ".png")
-    results = " ".join(str(path) for path in files if path.suffix in (".nc", ".csv"))
-    report = next(path for path in files if path.suffix == ".html")
-    print(f"\npictures  {pictures}\nresults   {results}\nreport    {report}")
+    for kind, suffixes in (("pictures", [".png"]), ("results", [".nc", ".csv"]), ("report", [".html"])):
+        names = " ".join(str(path) for path in files if path.suffix in suffixes)
+        print(f"{kind:<10}{one_line(names)}")
 
 
 def _face(path: str, values: Mapping[str, Any], refused: Set[str]) -> tuple[Any, list[str]]:
@@ -100,8 +98,6 @@ def _face(path: str, values: Mapping[str, Any], refused: Set[str]) -> tuple[Any,
 
     A map that needs an option whose value is `refused` already is not blamed for it again.
     """
-    if not is_file(path) or not is_file(values.get("counter_map", path)):
-        return None, []
     from asperity.engineering.case import read_face
     from asperity.surface.reading.height_map import MapError
 
@@ -176,9 +172,7 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any], know
     loads = [flag(name) for name in _LOADS if name in known]
     counter = [name for name in _COUNTER_NAMES if name in known]
     free, sliding = values.get("boundary") == "free", bool(values.get("friction"))
-    folder = what = ""
-    if not is_file(options.map):
-        what = "a folder, a height map is needed" if os.path.isdir(options.map) else "no such file"
+    folder = ""
     if options.out is not None:
         folder = folder_problem(options.out)
         maps = [Path(path).resolve() for path in (options.map, values.get("counter_map")) if path]
@@ -186,7 +180,6 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any], know
             folder = "holds the map; another folder is needed"
     young = setting("engineering.young")["accepts"]
     checks: list[tuple[object, str]] = [
-        (what, f"{options.map}: {what}"),
         ("young" not in known, f"--young: missing; {young} is needed"),
         ("poisson" not in known, "--poisson: missing; a number > -1 and ≤ 0.5 is needed"),
         (
@@ -219,7 +212,6 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any], know
         (name in known and needs not in known, f"{flag(name)}: needs {flag(needs)}")
         for name, needs in _NEEDS.items()
     ]
-    counter_map = values.get("counter_map")
     checks += [
         (
             free and "periodic" in known,
@@ -229,7 +221,6 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any], know
             "cylinder_axis" in known and values.get("form") != "cylinder",
             "--cylinder-axis: needs --form cylinder",
         ),
-        (counter_map and not is_file(counter_map), f"--counter-map {counter_map}: no such file"),
         (options.out is None, "--out: missing; the name of a folder is needed"),
         (folder, f"--out {options.out}: {folder}"),
     ]

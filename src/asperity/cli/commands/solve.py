@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 from pathlib import Path
 from typing import Any
 
@@ -20,10 +19,10 @@ from asperity.results.dataset import grid_of
 from asperity.results.variables import SI_UNITS, cell_length, in_cell_lengths, in_si
 from asperity.study.config.check import check_section
 from asperity.study.config.defaults import complete_map, default
-from asperity.study.config.reader import is_file
 from asperity.study.stages.contact import largest_approach, solve_contact
 from asperity.study.stages.solid import solid
 from asperity.study.stages.surface import read_surface
+from asperity.surface.reading.formats import path_problem
 from asperity.surface.reading.height_map import MapError
 
 DIMENSIONS_OF_LOADS = {"mean_pressure": "pressure", "force": "force", "approach": "length"}
@@ -71,15 +70,15 @@ def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, A
 
     The surface comes from a result of stage surface, or from a height map.
     """
-    if not is_file(path):
-        raise ValueError(f"{path}: {'a folder, a file is needed' if os.path.isdir(path) else 'no such file'}")
+    if problem := path_problem(path):
+        raise ValueError(f"{path}: {problem}")
     if is_result(path):
         if given:
             raise ValueError(f"{flag(next(iter(given)))}: for height maps, {path} is a surface")
         found = read_stage(path, "surface")
         edge = cell_length(found) if dataset.unit_system(found) == SI_UNITS else None
         return (*in_cell_lengths(found, dataset.settings_of(found)), edge)
-    parameters = complete_map({"label": path.stem, "file": str(path), **given})
+    parameters = complete_map({"label": path.stem.replace("$", r"\$"), "file": str(path), **given})
     try:
         surface = read_surface(parameters)
     except MapError as error:

@@ -10,6 +10,7 @@ import gzip
 import io
 import math
 import os
+import stat
 import warnings
 import zipfile
 import zlib
@@ -31,13 +32,19 @@ from asperity.surface.reading.height_map import (
     MapOptions,
     metres,
 )
-from asperity.surface.reading.points import find_points, grid_points, require_numbers
+from asperity.surface.reading.points import find_points, grid_points, has_numbers, require_numbers
 
 ARRAY_FORMATS = ("npy", "npz", "h5", "mat")
 """Formats of bare arrays: element [i, j] is row i along y and column j along x, as everywhere in asperity."""
 
 WITHOUT_SIGNATURE = ("hgt",)
 """Formats in which any file of a suitable size could be read: they have to be asked for."""
+
+TEXT_FORMATS = ("asc", "xyz")
+"""Formats of text, which are not tried for other content: their readers search all of it for numbers."""
+
+BLOCK = 2**16
+"""Bytes at the begin of a file that tell text from other content."""
 
 FEW_COLUMNS, ELONGATED = 8, 20
 """A table without edges that has no more columns than this, and this many times more rows, is no map."""
@@ -108,24 +115,33 @@ def read_content(path: str | os.PathLike[str], options: MapOptions) -> FileConte
         If the file cannot be read as a height map; the message begins with its name.
     """
     name = os.fspath(path)
-    if not os.path.isfile(path):
-        what = "no such file"
-        if os.path.exists(path):
-            what = f"a {'folder' if os.path.isdir(path) else 'device'}, a file is needed"
-        raise MapError(name, [what])
+    if problem := path_problem(path):
+        raise MapError(name, [problem])
     try:
         if surface := _own_surface(path):
             return surface
         with _opened(path, options.max_memory) as file:
             text = None if options.format else _text(file)
             if text is not None and (table := find_points(text)):
+                _require_agreement(name, "xyz")
                 return _points(table)
             file.seek(0)
             by_name = file.read(4) == _HDF5  # whose reader may keep a file open for a while
             file.seek(0)
-            return _instrument_map(name if by_name else file, text, options)
+            return _instrument_map(name, None if by_name else file, text, options)
     except ValueError as error:
         raise MapError(name, [_first_line(error)]) from error
+
+
+def path_problem(path: str | os.PathLike[str]) -> str:
+    """Reason why a path is not that of a file with a map, empty if it may be."""
+    try:
+        mode = os.stat(path).st_mode
+    except (OSError, ValueError):  # also for names that are too long, or with a null character
+        return "no such file"
+    if stat.S_ISDIR(mode):
+        return "a folder, a file is needed"
+    return "" if stat.S_ISREG(mode) else "not a regular file"
 
 
 @contextmanager
@@ -160,13 +176,16 @@ def _require_size(size: float, limit: float) -> None:
 
 
 def _text(file: BinaryIO) -> str | None:
-    """The text of a file, None if the file is binary."""
-    start = file.read(2**16)
-    if start.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return (start + file.read()).decode("utf-16", errors="replace")
-    if b"\0" in start:
+    """The text of a file, None if its first block is no text or has no line of numbers."""
+    start = file.read(BLOCK)
+    is_utf_16 = start.startswith((b"\xff\xfe", b"\xfe\xff"))
+    if b"\0" in start and not is_utf_16:
+        return None
+    if not has_numbers(start.decode("utf-16" if is_utf_16 else "utf-8", errors="replace")):
         return None
     content = start + file.read()
+    if is_utf_16:
+        return content.decode("utf-16", errors="replace")
     try:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -223,24 +242,49 @@ def _points(table: Any) -> FileContent:
     return FileContent(height, (Channel("z", height.shape),), "z", length, unit)
 
 
-def _instrument_map(file: str | BinaryIO, text: str | None, options: MapOptions) -> FileContent:
+def _reader(name: str, file: BinaryIO | None, is_text: bool, format: str | None) -> Any:
+    """The reader of SurfaceTopography for a file, by its name if it is not open."""
+    from SurfaceTopography.IO import lookup_reader_by_format as readers
+    from SurfaceTopography.IO.Reader import MagicMatch
+
+    if format is not None and format not in readers:
+        raise ValueError(f"format = {shown(format)}: one of {', '.join(sorted(readers))} is needed")
+    begin = file.read(BLOCK) if file else b""
+    skipped = WITHOUT_SIGNATURE if is_text else (*WITHOUT_SIGNATURE, *TEXT_FORMATS)
+    reason = f"no known format; one of {', '.join(WITHOUT_SIGNATURE)} needs its format to be set"
+    for found in [format] if format else readers:
+        if format is None and (found in skipped or readers[found].can_read(begin) is MagicMatch.NO):
+            continue
+        try:
+            if file:
+                file.seek(0)
+            return readers[found](file or name)
+        except Exception as error:  # readers of many formats raise errors of any type for other files
+            reason = _first_line(error) if format else reason
+    raise ValueError(f"not a height map that can be read ({reason})")
+
+
+def _require_agreement(name: str, found: str) -> None:
+    """Raise `ValueError` if the extension of a file is that of other formats than its content."""
+    from SurfaceTopography.IO import lookup_reader_by_format as readers
+
+    extension = os.path.splitext(name.lower().removesuffix(".gz"))[1].removeprefix(".")
+    named = [known for known, reader in readers.items() if extension in reader.file_extensions()]
+    both_text = found in TEXT_FORMATS and not {*named}.isdisjoint(TEXT_FORMATS)
+    if named and found not in named and not both_text:
+        raise ValueError(
+            f"its name is that of format {' or '.join(named)}, its content of {found}; rename it, or set "
+            f"format to {found}"
+        )
+
+
+def _instrument_map(name: str, file: BinaryIO | None, text: str | None, options: MapOptions) -> FileContent:
     """A map in a format that SurfaceTopography reads."""
     require(("SurfaceTopography",))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        from SurfaceTopography.IO import lookup_reader_by_format, open_topography
-
-        if options.format is not None and options.format not in lookup_reader_by_format:
-            known = ", ".join(sorted(lookup_reader_by_format))
-            raise ValueError(f"format = {shown(options.format)}: one of {known} is needed")
-        try:
-            reader = open_topography(file, options.format)
-        except Exception as error:  # readers of many formats raise errors of any type for damaged files
-            raise ValueError(f"not a height map that can be read ({_reason(error)})") from error
-        with reader:
+        with _reader(name, file, text is not None, options.format) as reader:
             found = reader.format()
-            if found in WITHOUT_SIGNATURE and options.format is None:
-                raise ValueError(f"no known format (if it is one of {found}, set format to {found})")
             if found == "asc" and text is not None:
                 require_numbers(text)
             infos = reader.channels
@@ -259,7 +303,9 @@ def _instrument_map(file: str | BinaryIO, text: str | None, options: MapOptions)
                 topography = reader.topography(channel_index=index, **assumed)
                 height: Array = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan)
             except Exception as error:
-                raise ValueError(f"not a height map that can be read ({_reason(error)})") from error
+                raise ValueError(f"not a height map that can be read ({_first_line(error)})") from error
+    if options.format is None:
+        _require_agreement(name, found)
     bare = by_rows or (found == "asc" and not known_size and topography.unit is None)
     height = np.ascontiguousarray(height if by_rows else height.T)
     _require_map(height.shape, bare, options)
@@ -311,12 +357,6 @@ def _require_map(shape: tuple[int, ...], bare: bool, options: MapOptions) -> Non
             f"a table of {rows} x {columns} numbers is a list of points or a log, not a map; a matrix of "
             "heights, or text with columns x, y, z on a regular grid, is needed"
         )
-
-
-def _reason(error: Exception) -> str:
-    """First line of an error of SurfaceTopography; without the list of readers that it has tried."""
-    reason = _first_line(error)
-    return "no known format" if reason.startswith("tried ") else reason
 
 
 def _first_line(error: Exception) -> str:

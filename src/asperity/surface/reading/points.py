@@ -89,22 +89,45 @@ def find_points(text: str) -> PointTable | None:
     return PointTable(body, begin + 1, stated.get("lateral"), stated.get("value"))
 
 
+def has_numbers(text: str) -> bool:
+    """True if a line of a text consists of numbers; its last word may be cut off."""
+    complete = text if text[-1:].isspace() else " ".join(text.rsplit(None, 1)[:-1])
+    return any(_numbers(line) for line in complete.splitlines())
+
+
 def require_numbers(text: str, first_line: int = 1) -> None:
     """Raise `ValueError` for the first word in a table of numbers that is none, with its line.
 
-    The table begins at the first line of numbers and ends at the last; lines that begin with # are comments.
+    The table has all lines from the first one of numbers to the last. A line before or after belongs to it
+    too if it has as many words, half of them numbers, or only words for missing data. Lines that begin with #
+    are comments.
     """
-    bad = None
-    inside = False
+    width = 0
+    doubtful: list[tuple[int, list[str]]] = []
     for place, line in enumerate(text.splitlines(), first_line):
         words = line.split()
-        wrong = next((word for word in words if not _is_number(word)), None)
-        if words and wrong is None:
-            inside = True
-            if bad:
-                raise ValueError(f"line {bad[0]}: {shown(bad[1])} is no number")
-        elif inside and words and not bad and not words[0].startswith("#"):
-            bad = place, wrong
+        if not words or words[0].startswith("#"):
+            continue
+        if not all(map(_is_number, words)):
+            doubtful.append((place, words))
+            continue
+        _require_no_row(doubtful, 0 if width else len(words))
+        width, doubtful = len(words), []
+    if width:
+        _require_no_row(doubtful, width)
+
+
+def _require_no_row(lines: list[tuple[int, list[str]]], width: int) -> None:
+    """Raise `ValueError` for the first of some lines that is a row of so many numbers; of any if 0."""
+    for place, words in lines:
+        numbers = sum(map(_is_number, words))
+        if (
+            width == 0
+            or (len(words) == width and 2 * numbers >= width)
+            or all(map(_MISSING.fullmatch, words))
+        ):
+            wrong = next(word for word in words if not _is_number(word))
+            raise ValueError(f"line {place}: {shown(wrong)} is no number")
 
 
 def grid_points(points: Array) -> tuple[Array, tuple[float, float]]:
