@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import asperity as asp
 from asperity.core.errors import DatasetError, NewerFileError
 from asperity.results import dataset
 from asperity.results.atomic import write_text
-from asperity.results.variables import DIMENSIONS, SI_UNITS, STAGES, STUDY_UNITS, VARIABLES, units_of
+from asperity.results.variables import DIMENSIONS, SI_UNITS, STAGES, STUDY_UNITS, VARIABLES, in_si, units_of
 
 SETTINGS = {"seed": 3, "surface": {"hurst": 0.8}}
 
@@ -233,6 +234,51 @@ def test_every_flipped_bit_is_seen_or_harmless(path):
         else:
             assert found.identical(whole)
     assert seen > 10  # most bytes are data
+
+
+def pressed(height, length, **settings):
+    return asp.solve(height, asp.Layer(1.0, 0.3), length, **settings)
+
+
+def test_a_row_of_nodes_keeps_the_edges_of_its_cell(tmp_path):
+    contact = pressed(np.linspace(-1, 1, 33)[None] ** 2, (0.01, 1.0), mean_pressure=0.1, boundary="free")
+    contact.to_netcdf(tmp_path / "row.nc")
+    found = dataset.read(tmp_path / "row.nc")
+    assert dataset.grid_of(found) == contact.grid
+    assert dataset.grid_of(in_si(found, {}, 2e-3, 1e9)[0]).length == (2e-5, 2e-3)
+    del found["y"].attrs["cell_edge"]  # as files of earlier versions
+    with pytest.raises(ValueError, match="y: the nodes of a whole cell are needed"):
+        dataset.grid_of(found)
+
+
+HEIGHT = np.random.default_rng(1).normal(size=(16, 24))
+
+
+@pytest.mark.parametrize(
+    ("part", "axis"),
+    [
+        ({"y": slice(4, 12)}, "y"),
+        ({"x": slice(0, 12)}, "x"),
+        ({"x": slice(None, None, -1)}, "x"),
+        ({"y": [0, 1, 2, 3, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]}, "y"),
+    ],
+)
+def test_a_part_of_a_contact_has_no_stress(part, axis):
+    data = pressed(HEIGHT, (2.0, 3.0), mean_pressure=0.01).to_dataset().isel(part)
+    for function in (asp.plot_pressure, lambda data: data.asperity.section()):
+        with pytest.raises(ValueError, match=f"^{axis}: the nodes of a whole cell are needed, equidistant"):
+            function(data)
+
+
+def test_dimensions_are_taken_by_name():
+    contact = pressed(HEIGHT, (2.0, 3.0), mean_pressure=0.01)
+    turned = pressed(xr.DataArray(HEIGHT.T, dims=("x", "y")), (2.0, 3.0), mean_pressure=0.01)
+    np.testing.assert_array_equal(turned.pressure, contact.pressure)
+    data = contact.to_dataset()
+    for found in (data.transpose("x", "y"), data):
+        np.testing.assert_array_equal(asp.LoadedSolid.from_dataset(found).pressure, contact.pressure)
+        shown = asp.plot_pressure(found).axes[0].images[0].get_array()
+        assert shown.shape == (16, 24)
 
 
 def test_a_missing_file_is_named(tmp_path):

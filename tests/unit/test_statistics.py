@@ -206,6 +206,13 @@ def test_median_depths_are_those_of_all_and_of_the_highest_peaks():
     assert float(here["median_depth_highest"]) == pytest.approx(0.825, abs=0.03)  # 500 peaks
 
 
+def test_the_same_seed_twice_is_refused():
+    with pytest.raises(
+        ValueError, match="stresses: numbers 1 and 3 have the same peaks; every seed is needed"
+    ):
+        pool_peaks([stress(1), stress(2), stress(1)], [1.0] * 3)
+
+
 def test_bands_hold_the_estimate_and_narrow_with_the_seeds():
     few = pool_peaks([stress(s) for s in range(4)], [1.0] * 4, bins=20, resamples=300)
     many = pool_peaks([stress(s) for s in range(16)], [1.0] * 16, bins=20, resamples=300)
@@ -229,6 +236,7 @@ def test_band_of_two_seeds_is_exact():
     """Of the resamples of two seeds a quarter each holds one of them twice, and half holds both."""
     low, high = stress(0), stress(0)
     high["mean_von_mises"] = 3 * high["mean_von_mises"]
+    high["peak_value"] = 3 * high["peak_value"]
     for confidence, factors in ((0.4, (2, 2)), (0.6, (1, 3))):
         pooled = pool_peaks([low, high], [1, 1], 10, 2000, confidence=confidence)
         for side, factor in zip(("low", "high"), factors, strict=True):
@@ -251,9 +259,8 @@ def test_one_seed_has_an_estimate_and_no_band():
 
 
 def test_a_selection_without_peaks_has_no_percentiles():
-    data = stress()
-    data["peak_interior"][:] = False
-    result = pool_peaks([data, data], [1.0, 1.0], bins=10, resamples=20)
+    stresses = [stress(seed).assign(peak_interior=("peak", np.zeros(4000, bool))) for seed in (0, 1)]
+    result = pool_peaks(stresses, [1.0, 1.0], bins=10, resamples=20)
     assert np.isnan(result["peak_percentile"].sel(selection="interior")).all()
     assert np.isnan(result["median_depth"].sel(selection="interior")).all()
     assert (result["peak_density"].sel(selection="interior") == 0).all()

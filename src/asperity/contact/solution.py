@@ -139,7 +139,6 @@ class Contact:
         """
         import xarray as xr
 
-        y, x = self.grid.coordinates()
         plane = ("y", "x")
         solid = self.solid
         lower, upper = (solid.lower, solid.upper) if isinstance(solid, TwoBodies) else (solid, None)
@@ -161,7 +160,7 @@ class Contact:
                 "approach": self.approach,
                 "gradient_rms_contact": self.gradient_rms_contact,
             },
-            coords={"y": y, "x": x},
+            coords=self.grid.dataset_coordinates(),
             attrs={
                 "unit_system": unit_system,
                 "settings": json.dumps(settings, sort_keys=True),

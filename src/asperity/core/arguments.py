@@ -94,9 +94,12 @@ def choices(name: str, values: Any, known: Sequence[str]) -> tuple[str, ...]:
 def real_array(name: str, values: Any) -> Array:
     """An array of real numbers; float32 and float64 are kept, everything else becomes float64.
 
+    A DataArray with the dimensions x and y becomes an array [y, x].
     Complex numbers, truth values, text, and masked arrays with masked elements are refused. Elements may be
     infinite or NaN.
     """
+    if set(getattr(values, "dims", ())) == {"y", "x"}:
+        values = values.transpose("y", "x")
     if np.ma.is_masked(values):
         raise ValueError(f"{name}: an array without masked elements is needed")
     try:

@@ -127,7 +127,7 @@ class LoadedSolid:
         """
         if "pressure" not in contact or "solid" not in contact.attrs:
             raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
-        pressure = contact["pressure"].values.astype(float)
+        pressure = contact["pressure"].transpose("y", "x").values.astype(float)
         return cls(
             pressure, grid_of(contact), layer_of(contact), str(contact.attrs.get("boundary", "periodic"))
         )

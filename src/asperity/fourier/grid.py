@@ -49,6 +49,12 @@ if TYPE_CHECKING:
 MOST_NODES = 2**31 - 1
 """Largest number of nodes on an axis."""
 
+CELL_EDGE = "cell_edge"
+"""Attribute of a coordinate of a dataset: length of the cell along it."""
+
+OFF_NODE = 1e-3
+"""Largest distance of a coordinate from its node, in spacings: coordinates may be in single precision."""
+
 ALL = slice(None)
 """All rows of an array."""
 
@@ -161,6 +167,11 @@ class Grid:
         """Positions y, (ny,), and x, (nx,), of the nodes."""
         spacing_y, spacing_x = self.spacing
         return spacing_y * np.arange(self.shape[0]), spacing_x * np.arange(self.shape[1])
+
+    def dataset_coordinates(self) -> dict[str, tuple[str, Array, dict[str, float]]]:
+        """Coordinates y and x of a dataset, with the edges of the cell as attributes, for `grid_of`."""
+        found = zip("yx", self.coordinates(), self.length, strict=True)
+        return {axis: (axis, nodes, {CELL_EDGE: edge}) for axis, nodes, edge in found}
 
     def field(self, name: str, values: Any) -> Array:
         """Values of a field at the nodes as an array of finite real numbers; `name` stands in the message.
@@ -377,7 +388,24 @@ def radial_average(values: Array, grid: Grid) -> tuple[Array, Array]:
 
 
 def grid_of(dataset: xr.Dataset) -> Grid:
-    """The grid of a result with coordinates y and x."""
-    shape = dataset.sizes["y"], dataset.sizes["x"]
-    steps = [float(dataset[axis][1]) if dataset.sizes[axis] > 1 else 1.0 for axis in ("y", "x")]
-    return Grid(shape, (shape[0] * steps[0], shape[1] * steps[1]))
+    """The grid of a result with coordinates y and x, as of `Grid.dataset_coordinates`.
+
+    Raises
+    ------
+    ValueError
+        If the coordinates are not those of a whole cell: equidistant, rising from zero to one spacing before
+        the edge. Without the attribute `CELL_EDGE` the edge follows from two or more nodes.
+    """
+    edges = []
+    for axis in ("y", "x"):
+        nodes = dataset[axis].values.astype(float)
+        spacing = float(nodes[1]) if nodes.size > 1 else math.nan
+        edge = float(dataset[axis].attrs.get(CELL_EDGE, nodes.size * spacing))
+        off = np.abs(nodes * nodes.size / edge - np.arange(nodes.size)).max(initial=0.0)
+        if not (edge > 0 and off < OFF_NODE):
+            raise ValueError(
+                f"{axis}: the nodes of a whole cell are needed, equidistant and rising from 0; a part of a "
+                "result cannot be analysed alone, but drawn and exported by its positions y and x"
+            )
+        edges.append(edge)
+    return Grid((dataset.sizes["y"], dataset.sizes["x"]), (edges[0], edges[1]))

@@ -168,12 +168,11 @@ def surface_dataset(height: Array, grid: Grid) -> xr.Dataset:
     import xarray as xr
 
     wavenumber, power = spectrum(height, grid.length)
-    y, x = grid.coordinates()
     return xr.Dataset(
         {
             "height": (("y", "x"), height),
             **asdict(roughness_parameters(height, grid.length)),
             "spectrum": ("wavenumber", power),
         },
-        coords={"y": y, "x": x, "wavenumber": wavenumber},
+        coords=grid.dataset_coordinates() | {"wavenumber": wavenumber},
     )

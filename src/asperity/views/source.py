@@ -257,6 +257,7 @@ def _source(result: Any, unit_system: str | None, title: str | None) -> Source:
 def _source_of_dataset(data: xr.Dataset, title: str | None) -> Source:
     if not {"y", "x"} <= set(data.sizes):
         raise TypeError("result: a dataset of stage surface or contact, with fields over y and x, is needed")
+    data = data.transpose("y", "x", ...)
     fields = {name: data[name].values for name in FIELDS if name in data}
     if {"gap", "displacement", "approach"} <= set(data.variables):
         height = data["gap"] - data["displacement"] + data["approach"]

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import combinations
 
 import numpy as np
 import xarray as xr
@@ -79,7 +80,7 @@ def pool_peaks(
     Raises
     ------
     ValueError, TypeError
-        If the analyses do not fit together or a setting is out of range.
+        If the analyses do not fit together, two of them are the same, or a setting is out of range.
 
     Examples
     --------
@@ -136,6 +137,12 @@ def _checked(stresses: Sequence[xr.Dataset], gradients: Sequence[float]) -> tupl
     for name in ("quantity", "poisson", "plane_depth", "lag"):
         if any(not np.array_equal(stress[name].values, stresses[0][name].values) for stress in stresses):
             raise ValueError(f"stresses: all must have the same {name}")
+    peaks_of = [stress["peak_value"].values for stress in stresses]
+    for one, other in combinations(range(len(stresses)), 2):
+        if peaks_of[one].size and np.array_equal(peaks_of[one], peaks_of[other]):
+            raise ValueError(
+                f"stresses: numbers {one + 1} and {other + 1} have the same peaks; every seed is needed once"
+            )
     return stresses, scale * [stress.attrs.get("effective_modulus", 1.0) for stress in stresses]
 
 
