@@ -16,7 +16,6 @@ from asperity.core.parallel import (
     in_strips,
     results,
     results_of,
-    select,
     total,
 )
 
@@ -38,23 +37,6 @@ def test_strips_cover_all_rows_once(threads):
 
     in_strips(work, (1000, STRIP // 100), threads)
     assert (seen == 1).all()
-
-
-@pytest.mark.parametrize("threads", [1, 2, 3])
-def test_elements_are_selected_in_order(threads):
-    field = np.random.default_rng(0).normal(size=100_000)
-    found, values = select(
-        lambda part: int(np.count_nonzero(field[part] > 0)),
-        lambda part, nodes, chosen: (
-            np.copyto(nodes, part.start + np.flatnonzero(field[part] > 0)),
-            np.copyto(chosen, field[part][field[part] > 0]),
-        ),
-        field.size,
-        threads,
-        (np.int64, np.float64),
-    )
-    np.testing.assert_array_equal(found, np.flatnonzero(field > 0))
-    np.testing.assert_array_equal(values, field[field > 0])
 
 
 @pytest.mark.parametrize("threads", [1, 2])

@@ -41,6 +41,23 @@ def test_package_imports_without_unix_modules():
     subprocess.run([sys.executable, "-c", code], check=True)
 
 
+SOLVE = (
+    "import asperity as asp; height = asp.self_affine((16, 16), 0.8, 0.5, 0.25, rms_height=1e-3, seed=1);"
+    "print(asp.solve(height, asp.Layer(1.0, 0.3), area_fraction=0.1, threads=2))"
+)
+
+
+def test_nested_numbers_of_threads_are_accepted():
+    """OpenMP allows a number for each level, of which ducc0 takes none."""
+    subprocess.run([sys.executable, "-c", SOLVE], check=True, env={**os.environ, "OMP_NUM_THREADS": "4,2"})
+
+
+def test_loops_without_machine_code_are_refused():
+    environment = {**os.environ, "NUMBA_DISABLE_JIT": "1"}
+    found = subprocess.run([sys.executable, "-c", SOLVE], capture_output=True, text=True, env=environment)
+    assert found.stderr.splitlines()[-1].startswith("ImportError: NUMBA_DISABLE_JIT is set: ")
+
+
 def test_peak_memory_is_within_that_of_the_machine():
     system.reset_peak_memory()
     before = psutil.Process().memory_info().rss / 1e6

@@ -14,7 +14,12 @@ from numpy.typing import ArrayLike, DTypeLike
 
 from asperity.contact import gfmd
 from asperity.contact.active_set import nested_grids
-from asperity.contact.certificate import certificate_of_fields, rms_deviation, verify_contact
+from asperity.contact.certificate import (
+    Certificate,
+    certificate_of_fields,
+    rms_deviation,
+    verify_contact,
+)
 from asperity.contact.compliance import response_on
 from asperity.contact.compliance.vectors import dot
 from asperity.contact.problem import Control, Problem, State
@@ -32,10 +37,10 @@ from asperity.core.arguments import (
 from asperity.core.compiled import compiled
 from asperity.core.errors import ConvergenceError, shown
 from asperity.core.parallel import apply, extremes, total
-from asperity.core.types import REAL_TYPES, Array, Progress
+from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
-from asperity.fourier.grid import Grid
+from asperity.fourier.grid import Grid, real_type
 
 METHODS = {"active_set": nested_grids.solve, "gfmd": gfmd.solve}
 
@@ -153,8 +158,14 @@ def solve(
     >>> bool(abs(contact.max_pressure / hertz - 1) < 0.01)
     True
     """
-    precision, rtol, threads = _checked_settings(dtype, rtol, threads)
-    values, height_range = _checked_height(height, threads)
+    begin = time.perf_counter()
+    if dtype is None:
+        raise ValueError("dtype = None: float64 or float32 is needed")
+    precision = real_type(dtype)
+    rtol = number("rtol", rtol, "a number between 0 and 1", lambda value: 0 < value < 1)
+    accepted = f"a whole number from 1 to {MAX_THREADS}"
+    threads = whole_number("threads", threads, accepted, lambda count: 1 <= count <= MAX_THREADS)
+    values, lowest, highest = _checked_height(height, threads)
     grid = Grid(values.shape, length)  # type: ignore[arg-type]
     if not isinstance(solid, (Layer, TwoBodies)):
         raise TypeError(f"solid = {shown(solid)}: a Layer or TwoBodies is needed")
@@ -174,35 +185,64 @@ def solve(
             f"approach = {shown(approach)}: less than the mean height {values.mean():.6g} is needed, because "
             "this solid has no uniform displacement"
         )
-    start = _checked_initial(initial, grid)
-    begin = time.perf_counter()
-    units = _units_of(height_range, solid, grid, control)
+    start = None
+    if initial is not None:
+        start = grid.field("initial", initial.pressure if isinstance(initial, Contact) else initial)
+        start = start.astype(float)
+    units = _Units.of(lowest, highest, solid, grid, control)
     start = None if start is None else start / units.stress
-    imposed, omits_mean = units.control(control), control.fixes_load
-    scaled = boundary, units.solid(solid), units.grid(grid)
-    heights = units.heights(values)
-    problem = Problem(heights, response_on(*scaled, precision, threads, omits_mean))
-    control = _within_reach(imposed, problem)
+    imposed = units.control(control)
+    heights, scaled = units.heights(values), (boundary, units.solid(solid), units.grid(grid))
+    problem = Problem(heights, response_on(*scaled, precision, threads, control.fixes_load))
     # A given start may overflow: the result is checked in the end.
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         state = None
         try:
-            state = _state_of(problem, control, method, rtol, progress, start)
+            state = _state_of(problem, imposed, method, rtol, progress, start)
         except ConvergenceError:
-            if precision == "float64" or rtol < np.finfo(precision).eps:
+            if precision == np.float64 or rtol < np.finfo(precision).eps:
                 raise
         # Not in the block above, so that the fields of the first attempt are released.
         if state is None:
-            in_double = Problem(heights, response_on(*scaled, "float64", threads, omits_mean))
-            state = _state_of(in_double, control, method, rtol, progress, start)
+            in_double = Problem(heights, response_on(*scaled, "float64", threads, control.fixes_load))
+            state = _state_of(in_double, imposed, method, rtol, progress, start)
             state = replace(state, pressure=state.pressure.astype(precision), displacement=None)
-        found = _certified(problem, imposed, state, method, rtol, begin)
-        restored = units.restored(found, values, solid, grid)
+        displacement, gap, approach, nodes, mean_pressure = _fields_of(problem, imposed, state)
+        certificate = _checked_certificate(problem, imposed, state, gap, approach, rtol, method)
+        pairs = problem.fourier.work.pairs(grid)
+        reached = {"area_fraction": nodes / grid.size, "mean_pressure": mean_pressure}.get(imposed.kind)
+        error = abs(reached / imposed.value - 1) if imposed.value and reached is not None else 0.0
+        contact = Contact(
+            height=values.astype(precision, copy=False),
+            pressure=_times(state.pressure, units.stress),
+            displacement=_times(displacement, units.height),
+            gap=_times(gap, units.height),
+            grid=grid,
+            solid=solid,
+            boundary=boundary,
+            area_fraction=nodes / grid.size,
+            mean_pressure=mean_pressure * units.stress,
+            approach=approach * units.height + units.datum,
+            certificate=replace(certificate, pairs=pairs, seconds=time.perf_counter() - begin),
+            control_error=error,
+            method=method,
+            rtol=rtol,
+        )
+    if units.change and (
+        np.count_nonzero(contact.pressure) != nodes
+        or not is_finite(contact.pressure)
+        or bool(np.ptp(contact.height)) != (lowest < highest)
+    ):
+        other = "float64 or other units" if precision == np.float32 else "other units"
+        raise ValueError(
+            f"dtype = {precision.name!r}: cannot hold heights of about {units.height:.0e} and pressures of "
+            f"about {units.stress:.0e}; {other} are needed"
+        )
     # The certificate is finite only if the fields are, which a change of units may undo.
-    fields = () if restored.gap is found.gap else ("pressure", "displacement", "gap")
+    fields = ("pressure", "displacement", "gap") if units.change else ()
     numbers = ("mean_pressure", "approach", "area_fraction", "control_error")
-    require_finite("solve", {name: getattr(restored, name) for name in (*fields, *numbers)})
-    return restored
+    require_finite("solve", {name: getattr(contact, name) for name in (*fields, *numbers)})
+    return contact
 
 
 def solve_path(
@@ -264,35 +304,20 @@ def _solve_each(
     solve_one: Callable[..., Contact], kind: str, values: Sequence[float], progress: Progress | None
 ) -> Iterator[Contact]:
     for index, value in enumerate(values):
-        of_load = None if progress is None else partial(_report, progress, index, len(values))
-        yield solve_one(**{kind: value}, progress=of_load)
-        if progress is not None:
-            progress(index + 1, len(values))
-
-
-def _report(progress: Progress, index: int, count: int, done: float, total: float) -> None:
-    """Report the progress of one load as progress of the path."""
-    progress(index + done / total, count)
+        if progress is None:
+            yield solve_one(**{kind: value})
+            continue
+        yield solve_one(
+            **{kind: value},
+            progress=lambda done, total, index=index: progress(index + done / total, len(values)),
+        )
+        progress(index + 1, len(values))
 
 
 # Arguments
 
 
-def _checked_settings(dtype: Any, rtol: Any, threads: Any) -> tuple[str, float, int]:
-    """Return precision, tolerance and number of threads, within their ranges."""
-    try:
-        real = np.dtype(dtype)
-    except (TypeError, ValueError):
-        real = None
-    if dtype is None or real not in REAL_TYPES:
-        raise ValueError(f"dtype = {shown(dtype)}: float64 or float32 is needed")
-    tolerance = number("rtol", rtol, "a number between 0 and 1", lambda value: 0 < value < 1)
-    accepted = f"a whole number from 1 to {MAX_THREADS}"
-    workers = whole_number("threads", threads, accepted, lambda count: 1 <= count <= MAX_THREADS)
-    return str(real), tolerance, workers
-
-
-def _checked_height(height: ArrayLike, threads: int) -> tuple[Array, tuple[float, float]]:
+def _checked_height(height: ArrayLike, threads: int) -> tuple[Array, float, float]:
     """Return the surface as a real array [y, x] of finite numbers, and its least and largest height."""
     values = finite_array("height", height).astype(float, copy=False)
     if values.ndim != 2 or values.size == 0:
@@ -303,7 +328,7 @@ def _checked_height(height: ArrayLike, threads: int) -> tuple[Array, tuple[float
             f"height: heights that differ by {SMALLEST:g} or more, or not at all, are needed; they differ by "
             f"{highest - lowest:.3g}"
         )
-    return values, (lowest, highest)
+    return values, lowest, highest
 
 
 def _checked_control(imposed: dict[str, float | None], grid: Grid) -> Control:
@@ -316,17 +341,6 @@ def _checked_control(imposed: dict[str, float | None], grid: Grid) -> Control:
     ((kind, raw),) = given.items()
     value = number(kind, raw, *_CONTROLS[kind])
     return Control("mean_pressure", value / grid.area) if kind == "force" else Control(kind, value)
-
-
-def _checked_initial(initial: Contact | ArrayLike | None, grid: Grid) -> Array | None:
-    """Return the pressure to start from, finite and of the shape of the surface."""
-    if initial is None:
-        return None
-    pressure = initial.pressure if isinstance(initial, Contact) else initial
-    values = finite_array("initial", pressure).astype(float, copy=False)
-    if values.shape != grid.shape:
-        raise ValueError(f"initial has the shape {values.shape}: that of height, {grid.shape}, is needed")
-    return values
 
 
 # Units
@@ -351,16 +365,40 @@ class _Units:
     stress: float
     datum: float
 
+    @classmethod
+    def of(cls, lowest: float, highest: float, solid: Solid, grid: Grid, control: Control) -> _Units:
+        """Units of edge, modulus, and heights.
+
+        Heights have the unit of the edge, unless their range, or what the load or the approach makes of a
+        half-space if that is more, is smaller or larger by more than 2^40.
+        """
+        edge, modulus = max(grid.length), solid.effective_modulus
+        depth = highest - lowest
+        datum = 0.0 if depth else lowest
+        if control.kind == "mean_pressure":
+            depth = max(depth, control.value / modulus * edge)
+        elif control.kind == "approach":
+            depth = max(depth, control.value - lowest)
+        length, height = _power_of_two(edge), _power_of_two(depth if depth > 0 else edge)
+        if 2.0**-40 <= height / length <= 2.0**40:
+            height = length
+        return cls(length, height, _power_of_two(modulus) * (height / length), datum)
+
+    @property
+    def change(self) -> bool:
+        """True if they are not those of the caller."""
+        return (self.length, self.height, self.stress, self.datum) != (1, 1, 1, 0)
+
     def grid(self, grid: Grid) -> Grid:
         return Grid(grid.shape, (grid.length[0] / self.length, grid.length[1] / self.length))
 
     def solid(self, solid: Solid) -> Solid:
         """The solid in these units: the ratio of a stress to a slope is its modulus."""
         if isinstance(solid, TwoBodies):
-            return TwoBodies(self._layer(solid.lower), self._layer(solid.upper))
-        return self._layer(solid)
+            return TwoBodies(self.layer(solid.lower), self.layer(solid.upper))
+        return self.layer(solid)
 
-    def _layer(self, layer: Layer) -> Layer:
+    def layer(self, layer: Layer) -> Layer:
         height = None if layer.height is None else layer.height / self.length
         return replace(layer, young=layer.young / self.stress / self.length * self.height, height=height)
 
@@ -376,77 +414,20 @@ class _Units:
             return replace(control, value=(control.value - self.datum) / self.height)
         return control
 
-    def restored(self, found: Contact, height: Array, solid: Solid, grid: Grid) -> Contact:
-        """A solution in these units as one in those of the caller.
 
-        Raises
-        ------
-        ValueError
-            If the precision of its fields does not hold the numbers in those units.
-        """
-        if (self.length, self.height, self.stress, self.datum) == (1.0, 1.0, 1.0, 0.0):
-            return replace(found, solid=solid)
-        real = found.pressure.dtype.type
-        pressure = found.pressure * real(self.stress)
-        own_height = height.astype(real, copy=False)
-        if (
-            not is_finite(pressure)
-            or np.count_nonzero(pressure) != np.count_nonzero(found.pressure)
-            or bool(np.ptp(own_height)) != bool(np.ptp(height))
-        ):
-            other = "float64 or other units" if pressure.itemsize == 4 else "other units"
-            raise ValueError(
-                f"dtype = {pressure.dtype.name!r}: cannot hold heights of about {self.height:.0e} and "
-                f"pressures of about {self.stress:.0e}; {other} are needed"
-            )
-        return replace(
-            found,
-            height=own_height,
-            pressure=pressure,
-            displacement=found.displacement * real(self.height),
-            gap=found.gap * real(self.height),
-            grid=grid,
-            solid=solid,
-            mean_pressure=found.mean_pressure * self.stress,
-            approach=found.approach * self.height + self.datum,
-        )
+def _power_of_two(value: float) -> float:
+    """The power of two at or below a positive number."""
+    return math.ldexp(0.5, math.frexp(value)[1])
 
 
-def _units_of(height_range: tuple[float, float], solid: Solid, grid: Grid, control: Control) -> _Units:
-    """Units of edge, modulus, and heights.
-
-    Heights have the unit of the edge, unless their range, or what the load or the approach makes of a
-    half-space if that is more, is smaller or larger by more than 2^40.
-    """
-    edge, modulus = max(grid.length), solid.effective_modulus
-    lowest, highest = height_range
-    depth = highest - lowest
-    datum = 0.0 if depth else lowest
-    if control.kind == "mean_pressure":
-        depth = max(depth, control.value / modulus * edge)
-    elif control.kind == "approach":
-        depth = max(depth, control.value - lowest)
-    length, exponent = _exponent(edge), _exponent(depth if depth > 0 else edge)
-    if abs(exponent - length) <= 40:
-        exponent = length
-    stress = _exponent(modulus) + exponent - length
-    return _Units(math.ldexp(1.0, length), math.ldexp(1.0, exponent), math.ldexp(1.0, stress), datum)
-
-
-def _exponent(value: float) -> int:
-    """Exponent of the power of two at or below a positive number."""
-    return math.frexp(value)[1] - 1
+def _times(field: Array, unit: float) -> Array:
+    """A field times a unit, in place."""
+    if unit != 1:
+        field *= field.dtype.type(unit)
+    return field
 
 
 # The solution
-
-
-def _within_reach(control: Control, problem: Problem) -> Control:
-    """The control; an imposed area is at least that of the lowest nodes, which all touch at any load."""
-    if control.kind != "area_fraction":
-        return control
-    lowest = np.count_nonzero(problem.height == problem.height_range[0])
-    return replace(control, value=max(control.value, lowest / problem.height.size))
 
 
 def _state_of(
@@ -457,19 +438,17 @@ def _state_of(
     progress: Progress | None,
     initial: Array | None,
 ) -> State:
-    """The state under a load."""
+    """The state under a load; an imposed area is at least that of the lowest nodes, which touch together."""
     lowest, _ = problem.height_range
     if control.kind == "approach" and control.value <= lowest:
         return State(np.zeros_like(problem.height), control.value, 0.0)
     if control.kind == "mean_pressure" and control.value == 0:
         return State(np.zeros_like(problem.height), lowest, 0.0)
-    if (
-        control.kind == "area_fraction"
-        and control.value == 1
-        and problem.response.repeats
-        and problem.height.any()
-    ):
-        return _full_contact(problem)
+    if control.kind == "area_fraction":
+        together = np.count_nonzero(problem.height == lowest) / problem.grid.size
+        control = replace(control, value=max(control.value, together))
+        if control.value == 1 and problem.response.repeats and problem.height.any():
+            return _full_contact(problem)
     start = None if initial is None else _near_start(problem, control, initial)
     return METHODS[method](problem, control, rtol, progress, start)
 
@@ -487,124 +466,97 @@ def _full_contact(problem: Problem) -> State:
 
 
 def _near_start(problem: Problem, control: Control, initial: Array) -> Array | None:
-    """A given pressure without tension, of the magnitude that fits the heights; None if it is far off.
+    """A given pressure without tension, so large that the deformed surface in contact fits the indenter.
 
-    At a given approach its energy is least, at a given area the deformed surface in contact is nearest to the
-    indenter.
+    None if its load, area or approach is then far from the imposed one.
     """
-    contact, largest = initial > 0, float(initial.max())
+    contact = initial > 0
     if not contact.any():
         return None
-    pressure = (np.maximum(initial, 0) / largest).astype(problem.fourier.real)
+    pressure = (np.maximum(initial, 0) / initial.max()).astype(problem.fourier.real)
     heights = problem.height[contact].astype(float)
     displaced = problem.response.displacement(pressure)[contact].astype(float)
-    factor, now, wanted = 0.0, 0.0, control.value
-    if control.kind == "mean_pressure":
-        factor, now = largest, largest * float(pressure.mean(dtype=float))
-    elif control.kind == "area_fraction":
-        now = np.count_nonzero(contact) / problem.grid.size
-        if variance := float(np.var(displaced)):
-            factor = -float(np.mean(displaced * (heights - heights.mean()))) / variance
-    else:
-        weights, lowest = pressure[contact].astype(float), problem.height_range[0]
-        if energy := max(float(weights @ displaced), 0.0):
-            factor = float(weights @ (control.value - heights)) / energy
-        now, wanted = float((heights + factor * displaced).mean()) - lowest, control.value - lowest
+    variance, lowest = float(np.var(displaced)), problem.height_range[0]
+    if not variance > 0:
+        return None
+    factor = -float(np.mean(displaced * (heights - heights.mean()))) / variance
+    now, wanted = {
+        "mean_pressure": (factor * float(pressure.mean(dtype=float)), control.value),
+        "area_fraction": (heights.size / problem.grid.size, control.value),
+        "approach": (float(np.mean(heights + factor * displaced)) - lowest, control.value - lowest),
+    }[control.kind]
     if not (factor > 0 and abs(now - wanted) < NEAR_START * wanted):
         return None
     return pressure * pressure.dtype.type(factor)
 
 
-def _certified(
-    problem: Problem, control: Control, state: State, method: str, rtol: float, begin: float
-) -> Contact:
-    """Evaluate the fields that follow from the pressure of a state, and certify it."""
-    grid, response, pressure, displacement = (
-        problem.grid,
-        problem.response,
-        state.pressure,
-        state.displacement,
-    )
-    threads = problem.fourier.threads
+def _fields_of(problem: Problem, control: Control, state: State) -> tuple[Array, Array, float, int, float]:
+    """Displacement, gap, approach, number of contact nodes and mean pressure that follow from a pressure."""
+    response, threads, displacement = problem.response, problem.fourier.threads, state.displacement
     if displacement is None:
-        displacement = response.displacement(pressure)
+        displacement = response.displacement(state.pressure)
     mean = response.omitted_compliance * state.load if response.omits_mean else 0.0
     if mean:
         displacement = displacement + displacement.dtype.type(mean)
-    pairs = problem.fourier.work.pairs(grid)
     gap = np.empty_like(problem.height)
-    flat = [field.reshape(-1) for field in (pressure, problem.height, displacement, gap)]
-    total_gap, nodes, total_pressure = total(_gap_of_contact, threads, *flat[:3])
-    approach = state.approach + mean if nodes == 0 else total_gap / nodes
-    approach = state.approach if control.kind == "approach" else approach
-    apply(_write_gap, threads, *flat[1:3], gap.dtype.type(approach), flat[3])
+    pressure, height, displaced, out = (
+        field.reshape(-1) for field in (state.pressure, problem.height, displacement, gap)
+    )
+    total_gap, nodes, total_pressure = total(_gap_of_contact, threads, pressure, height, displaced)
+    approach = state.approach
+    if control.kind != "approach":
+        approach = state.approach + mean if nodes == 0 else total_gap / nodes
+    apply(_write_gap, threads, height, displaced, gap.dtype.type(approach), out)
+    return displacement, gap, approach, nodes, total_pressure / problem.grid.size
+
+
+def _checked_certificate(
+    problem: Problem, control: Control, state: State, gap: Array, approach: float, rtol: float, method: str
+) -> Certificate:
+    """The certificate of a state.
+
+    Raises
+    ------
+    ConvergenceError
+        If a field is not finite, or the certificate exceeds what the tolerance allows: a relative error of
+        the pressure changes the gap by that fraction of the displacement that the pressure can cause, which
+        is largest for the longest wave.
+    """
+    pressure, height, solid = state.pressure, problem.height, problem.response.solid
+    threads = problem.fourier.threads
     load = state.load if control.kind == "mean_pressure" else None
     if pressure.dtype == np.float64:
-        certificate = certificate_of_fields(problem.height, pressure, gap, problem.unit, load, threads)
+        certificate = certificate_of_fields(height, pressure, gap, problem.unit, load, threads)
     else:
         certificate = verify_contact(
-            problem.height,
+            height,
             pressure,
-            response.solid,
-            grid.length,
+            solid,
+            problem.grid.length,
             approach=approach,
             mean_pressure=load,
-            boundary=response.boundary,
+            boundary=problem.response.boundary,
             threads=threads,
         )
-    reached = {"area_fraction": nodes / grid.size, "mean_pressure": total_pressure / grid.size}
-    error = 0.0
-    if control.kind in reached and control.value:
-        error = abs(reached[control.kind] / control.value - 1)
-    found = Contact(
-        height=problem.height,
-        pressure=pressure,
-        displacement=displacement,
-        gap=gap,
-        grid=grid,
-        solid=response.solid,
-        boundary=response.boundary,
-        **reached,
-        approach=approach,
-        certificate=replace(
-            certificate, iterations=state.iterations, pairs=pairs, seconds=time.perf_counter() - begin
-        ),
-        control_error=error,
-        method=method,
-        rtol=rtol,
-    )
-    _require_certificate(found, threads)
-    return found
-
-
-def _require_certificate(contact: Contact, threads: int) -> None:
-    """Raise `ConvergenceError` if a field is not finite or the certificate exceeds what the tolerance allows.
-
-    A relative error of the pressure changes the gap by that fraction of the displacement that the pressure
-    can cause, which is largest for the longest wave.
-    """
-    allowed = MAX_VIOLATION * contact.rtol
-    if contact.certificate.worst <= allowed:
-        return
-    finite = is_finite(contact.pressure) and is_finite(contact.gap)
-    rms_height = rms_deviation(contact.height, threads)
-    if finite and rms_height:
-        pressure = contact.pressure.reshape(-1)
-        rms_pressure = math.sqrt(dot(pressure, pressure) / pressure.size)
-        longest = float(contact.solid.surface_compliance(2 * np.pi / max(contact.grid.length)))
-        allowed *= max(1.0, rms_pressure * longest / rms_height)
-        largest = max(float(contact.height.max()), -float(contact.height.min()))
-        allowed += MAX_ROUNDINGS * float(np.finfo(contact.pressure.dtype).eps) * largest / rms_height
-    if finite and contact.certificate.worst <= allowed:
-        return
-    raise ConvergenceError(
-        f"{contact.method} on {contact.grid.shape} nodes ended with a pressure that "
-        + ("violates the conditions of contact" if finite else "is not finite"),
-        contact.certificate.worst,
-        contact.rtol,
-        contact.certificate.iterations,
-        contact.mean_pressure,
-    )
+    worst, allowed, finite = certificate.worst, MAX_VIOLATION * rtol, True
+    if worst > allowed:
+        finite = is_finite(pressure) and is_finite(gap)
+        if finite and (rms_height := rms_deviation(height, threads)):
+            values = pressure.reshape(-1)
+            longest = float(solid.surface_compliance(2 * np.pi / max(problem.grid.length)))
+            allowed *= max(1.0, math.sqrt(dot(values, values) / values.size) * longest / rms_height)
+            largest = max(map(abs, problem.height_range))
+            allowed += MAX_ROUNDINGS * float(np.finfo(pressure.dtype).eps) * largest / rms_height
+    if not finite or worst > allowed:
+        raise ConvergenceError(
+            f"{method} on {problem.grid.shape} nodes ended with a pressure that "
+            + ("violates the conditions of contact" if finite else "is not finite"),
+            worst,
+            rtol,
+            state.iterations,
+            float(pressure.mean(dtype=float)),
+        )
+    return replace(certificate, iterations=state.iterations)
 
 
 @compiled

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from numbers import Real
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -51,15 +51,8 @@ def magnitude(name: str, value: Any, alternative: str = "") -> float:
 
 def whole_number(name: str, value: Any, accepted: str, accepts: Callable[[int], bool]) -> int:
     """A whole number, given as an integer or as a float without a fraction; arguments as for `number`."""
-    if not isinstance(value, Real) or isinstance(value, bool):
-        raise TypeError(f"{name} = {shown(value)}: {accepted} is needed")
-    try:
-        converted = int(cast(Any, value))
-    except (OverflowError, ValueError) as error:  # infinity, NaN
-        raise ValueError(f"{name} = {shown(value)}: {accepted} is needed") from error
-    if converted != value or not accepts(converted):
-        raise ValueError(f"{name} = {shown(value)}: {accepted} is needed")
-    return converted
+    number(name, value, accepted, lambda _: int(value) == value and accepts(int(value)))
+    return int(value)
 
 
 def pair(name: str, value: Any, accepted: str) -> tuple[Any, Any]:

@@ -9,7 +9,10 @@ from __future__ import annotations
 
 from functools import partial
 
-from numba import njit
+from numba import config, njit
+
+if config.DISABLE_JIT:  # type: ignore[attr-defined]
+    raise ImportError("NUMBA_DISABLE_JIT is set: asperity needs compiled loops; unset the variable")
 
 _kept = partial(njit, cache=True, error_model="numpy", nogil=True)
 _loop = partial(_kept, _nrt=False)

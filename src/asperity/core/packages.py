@@ -14,7 +14,6 @@ BASE = ""
 PACKAGES = {
     BASE: {
         "ducc0": "ducc0",
-        "filelock": "filelock",
         "jinja2": "jinja2",
         "jsonschema": "jsonschema",
         "lazy_loader": "lazy-loader",

@@ -7,11 +7,10 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from itertools import accumulate, pairwise
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from numpy.typing import DTypeLike
 
 from asperity.core.types import Array
 
@@ -150,39 +149,6 @@ def total(function: Callable[..., Any], threads: int, *arguments: Any) -> Any:
     """Sum of the `results`, of a number or of several."""
     found = results(function, threads, *arguments)
     return tuple(map(sum, zip(*found, strict=True))) if isinstance(found[0], tuple) else sum(found)
-
-
-def select(
-    count: Callable[[slice], int],
-    write: Callable[..., object],
-    size: int,
-    threads: int,
-    types: Sequence[DTypeLike],
-    multiple: int = 1,
-) -> tuple[Array, ...]:
-    """Elements chosen among `size`, in order.
-
-    Parameters
-    ----------
-    count : callable
-        Returns how many are chosen in a part, given its slice.
-    write : callable
-        Writes them; called with the same slice and, for each type, an array of as many elements.
-    size, threads, multiple : int
-        As for `in_parts`.
-    types : sequence of types
-        Of the arrays that are returned.
-    """
-    parts = in_parts(lambda part: (part, count(part)), size, threads, multiple)
-    ends = list(accumulate(number for _, number in parts))
-    chosen = tuple(np.empty(ends[-1], one) for one in types)
-
-    def write_some(some: slice) -> None:
-        for (part, number), end in zip(parts[some], ends[some], strict=True):
-            write(part, *(array[end - number : end] for array in chosen))
-
-    in_parts(write_some, len(parts), threads, smallest=1)
-    return chosen
 
 
 def extremes(values: Array, threads: int) -> tuple[float, float]:

@@ -42,32 +42,23 @@ def available_memory() -> float:
 
 
 def peak_memory() -> float:
-    """Largest resident memory of this process since `reset_peak_memory`, in MB."""
-    return _peak_bytes() / 1e6
-
-
-def reset_peak_memory() -> None:
-    """Forget the peak of the resident memory so far; only Linux can, elsewhere it is that since the start."""
-    if _RESET.exists():
-        _RESET.write_text("5", encoding="ascii")
-
-
-def _peak_bytes() -> int:
-    """Peak of the resident memory in bytes.
+    """Largest resident memory of this process since `reset_peak_memory`, in MB.
 
     `getrusage` also counts the process from which this one was forked, before it started its own program:
     the file of Linux is better.
     """
     if _STATUS.is_file():
         lines = dict(line.split(":", 1) for line in _STATUS.read_text(encoding="utf-8").splitlines())
-        return 1024 * int(lines["VmHWM"].split()[0])
+        return 1024 * int(lines["VmHWM"].split()[0]) / 1e6
     if resource is not None:
-        return _unit() * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        unit = 1 if sys.platform == "darwin" else 1024
+        return unit * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
     import psutil
 
-    return psutil.Process().memory_info().peak_wset
+    return psutil.Process().memory_info().peak_wset / 1e6
 
 
-def _unit() -> int:
-    """Bytes in the unit of `getrusage`."""
-    return 1 if sys.platform == "darwin" else 1024
+def reset_peak_memory() -> None:
+    """Forget the peak of the resident memory so far; only Linux can, elsewhere it is that since the start."""
+    if _RESET.exists():
+        _RESET.write_text("5", encoding="ascii")

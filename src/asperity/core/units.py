@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import re
+from contextlib import suppress
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -69,27 +70,21 @@ def to_si(value: Any, dimension: str, name: str = "value") -> float:
     ValueError
         If the value has no unit, a unit of another dimension, or is not a finite number.
     """
-    known = DIMENSIONS[dimension]
-    accepted = f"a number with a unit of {dimension} ({', '.join(known.examples)}) is needed"
-    text = value.strip() if isinstance(value, str) else value
-    if isinstance(value, (int, float, np.number)) or (isinstance(text, str) and _is_number(text)):
-        raise ValueError(f"{name} = {shown(value)}: {accepted}, such as {_example(text, known)!r}")
-    if not isinstance(text, str) and not (hasattr(text, "magnitude") and hasattr(text, "units")):
-        raise ValueError(f"{name} = {shown(value)}: {accepted}")
-    if isinstance(text, str):
-        match = _NUMBER_AND_UNIT.fullmatch(text)
-        if match is None:
-            raise ValueError(f"{name} = {shown(value)}: {accepted}")
-        magnitude, unit = float(match[1]), match[2]
-    else:
-        magnitude, unit = float(text.magnitude), text.units
-    try:
-        number = float(_registry().Quantity(magnitude, unit).to(known.unit).magnitude)
-    except Exception as error:  # pint raises errors of many unrelated types for a unit that it does not know
-        raise ValueError(f"{name} = {shown(value)}: {accepted}") from error
-    if not math.isfinite(number):
-        raise ValueError(f"{name} = {shown(value)}: {accepted}")
-    return number
+    known, registry, number = DIMENSIONS[dimension], _registry(), math.nan
+    with suppress(Exception):  # pint raises errors of many unrelated types for a unit that it does not know
+        if isinstance(value, str):
+            match = _NUMBER_AND_UNIT.fullmatch(value.strip())
+            magnitude, unit = match.groups() if match else (math.nan, known.unit)
+        else:
+            magnitude, unit = value.magnitude, value.units
+        number = float(registry.Quantity(float(magnitude), unit).to(known.unit).magnitude)
+    if math.isfinite(number):
+        return number
+    example = f", such as '{str(value).strip()} {known.examples[1]}'" if _is_number(value) else ""
+    raise ValueError(
+        f"{name} = {shown(value)}: a number with a unit of {dimension} ({', '.join(known.examples)}) "
+        f"is needed{example}"
+    )
 
 
 def shown_si(value: float, unit: str, digits: int = 4) -> str:
@@ -149,16 +144,12 @@ def _symbol(exponent: int, unit: str) -> str:
     return f"{_PREFIXES[exponent]}{base}{_SUPERSCRIPTS[_POWERS[unit]]}"
 
 
-def _is_number(text: str) -> bool:
+def _is_number(value: Any) -> bool:
     try:
-        float(text)
-    except ValueError:
+        float(value)
+    except (TypeError, ValueError, OverflowError):
         return False
     return True
-
-
-def _example(value: Any, dimension: Dimension) -> str:
-    return f"{value} {dimension.examples[1]}"
 
 
 @cache

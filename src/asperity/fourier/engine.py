@@ -15,15 +15,15 @@ import os
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager, suppress
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from importlib.metadata import version
 from pathlib import Path
+from tempfile import NamedTemporaryFile
 from typing import Any
 
 import ducc0
 import numpy as np
-from filelock import FileLock
 
 from asperity.core.errors import shown
 from asperity.core.packages import require
@@ -38,6 +38,10 @@ DEFAULT = "ducc0"
 
 VARIABLE = "ASPERITY_FFT_ENGINE"
 """Environment variable with the engine of a process in which none is chosen."""
+
+# ducc0 reads one number; OpenMP allows one for each level of nested threads, such as "4,2".
+if "," in os.environ.get("OMP_NUM_THREADS", ""):
+    os.environ.setdefault("DUCC0_NUM_THREADS", os.environ["OMP_NUM_THREADS"].split(",")[0])
 
 _chosen: ContextVar[Engine | None] = ContextVar("asperity_fft_engine", default=None)
 
@@ -170,13 +174,6 @@ class Ducc0Engine(Engine):
         return [(slice(shared), threads)] * (shared > 0) + [(slice(shared, lines), 1)] * (shared < lines)
 
 
-class _Plans(threading.local):
-    """Plans of one thread: (kind, length, precision) → block of lines before and after, transform."""
-
-    def __init__(self) -> None:
-        self.made: dict[tuple[str, int, str], tuple[Array, Array, Callable[[], None]]] = {}
-
-
 class PyfftwEngine(Engine):
     """Transforms by FFTW, through pyFFTW.
 
@@ -189,7 +186,7 @@ class PyfftwEngine(Engine):
     LINES = 16
 
     def __init__(self) -> None:
-        self._plans = _Plans()
+        self._of_thread = threading.local()
         self._planner = threading.Lock()  # FFTW makes one plan at a time
 
     @property
@@ -216,12 +213,14 @@ class PyfftwEngine(Engine):
         self, kind: str, source: Array, target: Array, length: int, threads: int, factor: Any = None
     ) -> None:
         """Transform the lines of an array, (lines, ...), after multiplication by a factor."""
-        key = kind, length, source.real.dtype.name
+        precision = source.real.dtype.name
+        key = f"{kind} {length} {precision}"
 
         def transform(part: slice) -> None:
-            if key not in self._plans.made:
-                self._plans.made[key] = self._plan(*key)
-            before, after, execute = self._plans.made[key]
+            plans = vars(self._of_thread)  # each thread has plans of its own
+            if key not in plans:
+                plans[key] = self._plan(kind, length, precision)
+            before, after, execute = plans[key]
             for start in range(part.start, part.stop, self.LINES):
                 lines = slice(start, min(start + self.LINES, part.stop))
                 count = lines.stop - start
@@ -243,11 +242,9 @@ class PyfftwEngine(Engine):
         whole = pyfftw.zeros_aligned((self.LINES, length), complex_type, n=64)
         before, after = {"r2c": (real, half), "c2r": (half, real)}.get(kind, (whole, whole))
         direction = "FFTW_FORWARD" if kind in ("r2c", "forward") else "FFTW_BACKWARD"
+        flags = "FFTW_MEASURE", "FFTW_DESTROY_INPUT"
         with self._planner, _kept_wisdom():
-            plan = pyfftw.FFTW(
-                before, after, (1,), direction, ("FFTW_MEASURE", "FFTW_DESTROY_INPUT"), threads=1
-            )
-        return before, after, plan.execute
+            return before, after, pyfftw.FFTW(before, after, (1,), direction, flags, threads=1).execute
 
 
 def _planes(values: Array) -> Array:
@@ -256,25 +253,25 @@ def _planes(values: Array) -> Array:
 
 @contextmanager
 def _kept_wisdom() -> Iterator[None]:
-    """Block of one process at a time, which begins with the wisdom of the user's cache and adds its own.
+    """Block that begins with the wisdom in the user's cache, and adds its own.
 
+    The file is replaced as a whole: of processes that measure plans at once, the last one keeps its own.
     Where the cache cannot be written, plans are measured in every run.
     """
     import pyfftw
 
     folder = Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "asperity"
     path = folder / f"fftw_wisdom_{version('pyfftw')}.json"
-    with ExitStack() as stack:
+    with suppress(OSError, ValueError, IndexError):
+        pyfftw.import_wisdom([text.encode() for text in json.loads(path.read_text())])
+    known = pyfftw.export_wisdom()
+    yield
+    if (wisdom := pyfftw.export_wisdom()) != known:
         with suppress(OSError):
             folder.mkdir(parents=True, exist_ok=True)
-            stack.enter_context(FileLock(path.with_suffix(".lock")))
-        with suppress(OSError, ValueError, IndexError):
-            pyfftw.import_wisdom([text.encode() for text in json.loads(path.read_text())])
-        known = pyfftw.export_wisdom()
-        yield
-        if (wisdom := pyfftw.export_wisdom()) != known:
-            with suppress(OSError):
-                path.write_text(json.dumps([text.decode() for text in wisdom]))
+            with NamedTemporaryFile("w", dir=folder, delete=False) as file:
+                json.dump([text.decode() for text in wisdom], file)
+            os.replace(file.name, path)
 
 
 _ENGINES = {"ducc0": Ducc0Engine(), "pyfftw": PyfftwEngine()}

@@ -9,8 +9,8 @@ import numpy as np
 
 from asperity.contact.compliance.vectors import added, scatter
 from asperity.contact.problem import Control, Problem
-from asperity.core.compiled import compiled
-from asperity.core.parallel import apply, in_parts, select, total
+from asperity.core.compiled import compiled, makes_arrays
+from asperity.core.parallel import apply, in_parts, total
 from asperity.core.types import Array
 
 
@@ -75,21 +75,13 @@ class Iterate:
         height, displacement = self.problem.height.reshape(-1), self.displacement.reshape(-1)
         bound = height.dtype.type(level)
 
-        def contact_nodes(part: slice) -> Array:
-            return self.nodes[_within(self.nodes, part)]
+        def found_in(part: slice) -> tuple[Array, Array]:
+            contact_nodes = self.nodes[_within(self.nodes, part)]
+            return _free_below(height[part], displacement[part], contact_nodes, part.start, bound)
 
-        nodes, gap = select(
-            lambda part: count_free_below(
-                height[part], displacement[part], contact_nodes(part), part.start, bound
-            ),
-            lambda part, *found: _write_free_below(
-                height[part], displacement[part], contact_nodes(part), part.start, bound, *found
-            ),
-            height.size,
-            self.problem.fourier.threads,
-            (np.uint32, height.dtype),
-        )
-        return nodes, gap
+        found = in_parts(found_in, height.size, self.problem.fourier.threads)
+        nodes, gaps = zip(*found, strict=True)
+        return np.concatenate(nodes), np.concatenate(gaps)
 
     def pressure_field(self) -> Array:
         """Pressure [y, x] of all nodes."""
@@ -173,23 +165,16 @@ def _subtract_gap(height: Any, approach: Any, stiffness: Any, pressure: Any) -> 
         pressure[i] -= stiffness * (height[i] - approach)
 
 
-@compiled
-def count_free_below(height: Any, displacement: Any, nodes: Any, start: int, level: Any) -> int:
-    """Number of nodes of a part of a field, with its contact nodes, that are free and below a level."""
-    below = 0
+@makes_arrays
+def _free_below(height: Any, displacement: Any, contact_nodes: Any, start: int, level: Any) -> Any:
+    """Nodes of a part of a field that are out of contact and below a level, and their gaps h + u."""
+    count = 0
     for i in range(height.size):
-        below += height[i] + displacement[i] < level
-    for k in range(nodes.size):
-        i = nodes[k] - start
-        below -= height[i] + displacement[i] < level
-    return below
-
-
-@compiled
-def _write_free_below(
-    height: Any, displacement: Any, contact_nodes: Any, start: int, level: Any, nodes: Any, gap: Any
-) -> None:
-    """Write the nodes that `count_free_below` counts, and their gaps h + u."""
+        count += height[i] + displacement[i] < level
+    for k in range(contact_nodes.size):
+        i = contact_nodes[k] - start
+        count -= height[i] + displacement[i] < level
+    nodes, gap = np.empty(count, np.uint32), np.empty(count, height.dtype)
     found, k = 0, 0
     for i in range(height.size):
         if height[i] + displacement[i] < level:
@@ -198,3 +183,4 @@ def _write_free_below(
             if k == contact_nodes.size or contact_nodes[k] != start + i:
                 nodes[found], gap[found] = start + i, height[i] + displacement[i]
                 found += 1
+    return nodes, gap
