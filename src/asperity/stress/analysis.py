@@ -54,8 +54,8 @@ INDEPENDENT_OF_LATERAL = ("zz", "yz", "xz", "xy")
 ROUNDING = 1e-12
 """Maxima below this share of the root mean square of σ_zz of their plane are rounding."""
 
-ROWS_AT_ONCE = 16
-"""Rows of a strip whose fields are computed, searched and summed while they are in the processor's cache."""
+NODES_AT_ONCE = 2**14
+"""Nodes of a strip of rows whose fields are computed, searched and summed while they are in the cache."""
 
 
 def analyse_stress(
@@ -251,13 +251,14 @@ class _Analysis:
     def _add(self, number: int, plane: LinearPlane) -> None:
         searched, count = self._searched(plane), self._von_mises
         (ny, nx), references = plane.grid.shape, self._references.on(plane.grid)
+        rows = max(16, NODES_AT_ONCE // nx)
         taken = np.empty((count, ny, nx), plane.basis.values.dtype) if self._references.is_rising else None
 
         # The floor is known when the plane is; until then, one that is a little lower.
         lower_floor = max(plane.bound, 0.99 * self._floor * plane.scale)
 
         def reduced(first: int) -> tuple[Maxima, Array]:
-            last = min(first + ROWS_AT_ONCE, ny)
+            last = min(first + rows, ny)
             values = searched.rows(first, last)
             if taken is not None:
                 taken[:, first:last] = values[:count, 1:-1, MARGIN : MARGIN + nx]
@@ -266,7 +267,7 @@ class _Analysis:
                 row_sums(values[: count + 1], nx, first, references),
             )
 
-        tasks = [partial(reduced, first) for first in range(0, ny, ROWS_AT_ONCE)]
+        tasks = [partial(reduced, first) for first in range(0, ny, rows)]
         strips, sums = zip(*results_of(tasks, self._stream.threads), strict=True)
         total = np.concatenate(sums, axis=1)
         self._references.add(

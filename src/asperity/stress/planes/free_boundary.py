@@ -46,7 +46,7 @@ MIN_NODES = 48
 below 3e-10 of it."""
 
 ALIASES = 4.0
-"""Number of short waves of comparable size that the nodes take for one long wave, at most."""
+"""See `Truncation`."""
 
 
 class FreePlanes:
@@ -77,8 +77,8 @@ class FreePlanes:
             self.plan = [PlaneGrid(grid, 0.0, 0.0, 0) for _ in depths]
             return
         padded = [_repeated(other) for other in coarse]
-        truncation = _FreeTruncation(
-            self._repeated_modes, _repeated(grid), solid.layer, tolerance, envelope, padded
+        truncation = Truncation(
+            self._repeated_modes, _repeated(grid), solid.layer, tolerance, envelope, padded, ALIASES
         )
         own = dict(zip(padded, coarse, strict=True))
         chosen = [truncation.choose(depth, all_columns=True) for depth in depths]
@@ -110,85 +110,44 @@ class FreePlanes:
 
     def compute(self, depth: float, own: PlaneGrid, fields: Sequence[BasisField], values: Array) -> None:
         """Compute the basis fields of one plane; arguments as for `PeriodicPlanes`."""
-        convolution = self._convolution(depth, own.grid)
+        cell, modes, taper = self._cell(own.grid)
+        ny, nx = own.grid.shape
 
         def transform(field: BasisField, out: Array) -> None:
-            out[...] = convolution(field)
+            fourier = Fourier(cell)
+            spectrum = fourier.forward(self._influence(field, depth, cell) * taper)
+            spectrum *= modes
+            spectrum *= cell.size
+            out[...] = fourier.inverse(spectrum, overwrite=True)[:ny, :nx]
 
         tasks = [partial(transform, field, out) for field, out in zip(fields, values, strict=True)]
         results_of(tasks, self._threads)
-        self._work.nodes += 2 * len(fields) * convolution.cell.size
+        self._work.nodes += 2 * len(fields) * cell.size
 
-    def _convolution(self, depth: float, grid: Grid) -> _Convolution:
-        """Function that returns a basis field of the stress in one plane, on `grid`."""
+    def _cell(self, grid: Grid) -> tuple[Grid, Array, Array | float]:
+        """Cell of the convolution, coefficients of the pressure in it, and the taper of the influence."""
         if grid == self._grid:
-            cell, modes = self._padded
-            return _Convolution(modes, cell, grid, depth, self._traction, tapered=False)
+            return *self._padded, 1.0
         cell, source = _repeated(grid), _repeated(self._grid)
         modes = resample(self._repeated_modes, source, cell)
         for axis, wavenumber in ((0, cell.qy[:, None]), (1, cell.qx[None, :])):
             fine, coarse = (np.sinc(wavenumber * own.spacing[axis] / (2 * np.pi)) for own in (source, cell))
             modes *= fine / coarse
-        return _Convolution(modes, cell, grid, depth, self._traction, tapered=True)
+        return cell, modes, np.outer(_taper(cell, grid, 0), _taper(cell, grid, 1))
 
-
-class _Convolution:
-    """Convolution of a pressure with the stress of a loaded pixel in one plane."""
-
-    def __init__(
-        self,
-        modes: Array,
-        cell: Grid,
-        grid: Grid,
-        depth: float,
-        traction: tuple[float, float],
-        tapered: bool,
-    ) -> None:
-        self.cell = cell
-        self._modes, self._grid, self._depth = modes, grid, float(depth)
-        self._fourier = Fourier(cell)
-        self._loads = [("z", 1.0), ("x", traction[0]), ("y", traction[1])]
-        self._taper = [_taper(cell, grid, axis) for axis in (0, 1)] if tapered else None
-
-    def __call__(self, field: BasisField) -> Array:
-        """One basis field, (ny, nx)."""
-        cell = self._fourier.grid
-        spectrum = self._fourier.forward(self._influence(field))
-        spectrum *= self._modes
-        spectrum *= cell.size
-        values = self._fourier.inverse(spectrum, overwrite=True)
-        return values[: self._grid.shape[0], : self._grid.shape[1]]
-
-    def _influence(self, field: BasisField) -> Array:
+    def _influence(self, field: BasisField, depth: float, cell: Grid) -> Array:
         """The basis field around one loaded pixel, in the order of a cyclic convolution."""
-        cell = self._fourier.grid
         y, x = (step * np.arange(n // 2 + 1) for step, n in zip(cell.spacing, cell.shape, strict=True))
         total = np.zeros(cell.shape)
-        for loaded, share in self._loads:
+        for loaded, share in zip("zxy", (1.0, *self._traction), strict=True):
             if share:
-                a, b = rectangle_stress(field.component, loaded, y, x, self._depth, cell.spacing)
+                a, b = rectangle_stress(field.component, loaded, y, x, float(depth), cell.spacing)
                 sign_y, sign_x = parity(field.component, loaded)
                 quarter = share * (field.constant * a + field.slope * b)
                 half = np.concatenate([quarter, sign_y * quarter[(cell.shape[0] - 1) // 2 : 0 : -1]], axis=0)
                 right = sign_x * half[:, (cell.shape[1] - 1) // 2 : 0 : -1]
                 total += np.concatenate([half, right], axis=1)
-        if self._taper is not None:
-            total *= self._taper[0][:, None]
-            total *= self._taper[1][None, :]
         return total
-
-
-class _FreeTruncation(Truncation):
-    """Chooses the coarsest sufficient grid of an isolated map; the grids are those of the padded cell."""
-
-    def bounds(self, depth: float) -> Array:
-        dropped = super().bounds(depth)
-        aliased = np.zeros_like(dropped)
-        for number, grid in enumerate(self.grids[1:], start=1):
-            nyquist = np.pi / max(grid.spacing)
-            alias = np.maximum(2 * nyquist - self._wavenumber, nyquist) * depth
-            aliased[number] = ALIASES * self._envelope * self._kept[number] @ ((1 + alias) * np.exp(-alias))
-        return dropped + aliased
 
 
 def _repeated(grid: Grid) -> Grid:

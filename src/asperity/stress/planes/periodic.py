@@ -2,50 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from asperity.core.compiled import compiled
+from asperity.core.compiled import compiled, inlined
 from asperity.core.parallel import results_of
 from asperity.core.types import Array
-from asperity.elasticity.layer import Kernels, ShearKernels
+from asperity.elasticity.layer import COMPONENTS
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.fourier.grid import Fourier, Grid, Work, resample
 from asperity.stress.planes.fields import BasisField
 from asperity.stress.planes.truncation import PlaneGrid, Truncation
 
+_XX, _YY, _ZZ, _YZ, _XZ, _XY = range(6)
+
 COLUMNS_AT_ONCE = 64
 """Columns of modes whose spectra stay in the processor's cache until they are transformed along y."""
-
-
-class _Term(NamedTuple):
-    """A factor of some columns of the pressure modes.
-
-    Parameters
-    ----------
-    factor : (ny // 2 + 1, columns) array
-        Of the modes with ky ≥ 0.
-    odd : bool
-        True if the factor of −ky has the opposite sign.
-    imaginary : bool
-        True if the factor is to be multiplied by the imaginary unit.
-    """
-
-    factor: Array
-    odd: bool
-    imaginary: bool
-
-
-class _Directions(NamedTuple):
-    """Components of the unit wavevectors of some columns of modes with ky ≥ 0, and of factors odd in them."""
-
-    c: Array
-    s: Array
-    odd_c: Array
-    odd_s: Array
 
 
 class PeriodicPlanes:
@@ -99,6 +74,10 @@ class PeriodicPlanes:
         self._fourier = Fourier(grid, self.dtype)
         self._modes = resample(self._finest[1], self._finest[0], grid)
         self._wavenumber = grid.half_wavenumber().astype(self.dtype)
+        self._over_q = 1 / np.where(self._wavenumber > 0, self._wavenumber, np.inf)
+        self._along_x, self._along_y = (
+            np.stack(pair).astype(self.dtype) for pair in ((grid.qx, grid.odd_qx), (grid.qy, grid.odd_qy))
+        )
 
     @staticmethod
     def row_length(grid: Grid) -> int:
@@ -141,26 +120,22 @@ class PeriodicPlanes:
 
     def _spectra(self, depth: float, fields: Sequence[BasisField], columns: slice) -> Array:
         """Some columns of the coefficients of the basis fields, (fields, ny, columns)."""
-        grid, q = self._fourier.grid, self._wavenumber[:, columns]
-        rows = q.shape[0]
-        kernels = self._layer.kernels(q, depth)
-        over_q = 1 / np.where(q > 0, q, np.inf)
-        components = grid.qx[columns], grid.qy[:rows, None], grid.odd_qx[columns], grid.odd_qy[:rows, None]
-        directions = _Directions(*(component.astype(self.dtype) * over_q for component in components))
+        real, q = self.dtype.type, self._wavenumber[:, columns]
+        kernels = self._layer.kernels(q, depth)[:3]
         shear_kernels = self._layer.shear_kernels(q, depth) if any(self._traction) else None
-        spectra = np.empty((len(fields), grid.shape[0], q.shape[1]), self._modes.dtype)
-        numbers = np.ascontiguousarray(self._modes[:, columns]).view(self.dtype)
-        for field, spectrum in zip(fields, spectra, strict=True):
-            terms = [*self._pressure_terms(field, kernels, directions)]
+        directions = self._along_x[:, columns], self._along_y, self._over_q[:, columns]
+        modes = np.ascontiguousarray(self._modes[:, columns])
+        factor = np.empty(modes.shape[1], self.dtype)
+        spectra = np.empty((len(fields), *modes.shape), modes.dtype)
+        for (component, *share), spectrum in zip(fields, spectra, strict=True):
+            kind = COMPONENTS.index(component), *map(real, share)
+            numbers = modes.view(self.dtype), spectrum.view(self.dtype)
+            _fill_spectrum(*kind, directions, kernels, factor, *numbers)
             if shear_kernels is not None:
-                terms += self._traction_terms(field, shear_kernels, directions)
-            _multiply(*terms[0], numbers, spectrum.view(self.dtype))
-            for term in terms[1:]:
-                product = np.empty_like(spectrum)
-                _multiply(*term, numbers, product.view(self.dtype))
-                spectrum += product
-            if columns.start == 0:
-                spectrum[0, 0] = self._mean(field)
+                traction = tuple(map(real, self._traction))
+                _add_sliding(*kind, traction, directions, tuple(shear_kernels), modes, spectrum)
+        if columns.start == 0:
+            spectra[:, 0, 0] = [self._mean(field) for field in fields]
         return spectra
 
     def _mean(self, field: BasisField) -> float:
@@ -168,68 +143,108 @@ class PeriodicPlanes:
         traction = dict(zip(("xz", "yz"), self._traction, strict=True))
         return field.constant * self.mean_pressure * {"zz": -1.0, **traction}.get(field.component, 0.0)
 
-    def _pressure_terms(
-        self, field: BasisField, kernels: Kernels, directions: _Directions
-    ) -> Iterator[_Term]:
-        """Factors of the pressure, with the kernels Z, L and T of `Layer.grid_kernels`."""
-        component, a, b = field
-        c, s, odd_c, odd_s = directions
-        z, along = kernels.normal, kernels.longitudinal
-        if component == "zz":
-            yield _Term(-a * z, False, False)
-        elif component == "xz":
-            yield _Term(-a * odd_c * kernels.shear, False, True)
-        elif component == "yz":
-            yield _Term(-a * odd_s * kernels.shear, True, True)
-        elif component == "xy":
-            yield _Term(odd_c * odd_s * (b * (z + along) - a * along), True, False)
-        else:
-            own, other = (c, s) if component == "xx" else (s, c)
-            yield _Term(-(a * own * own * along + b * other * other * (z + along)), False, False)
 
-    def _traction_terms(
-        self, field: BasisField, kernels: ShearKernels, directions: _Directions
-    ) -> Iterator[_Term]:
-        """Factors of the pressure under a shear traction, with N, M, X, P and Q of `grid_shear_kernels`.
+@compiled
+def _fill_spectrum(
+    component: int, a: float, b: float, directions: Any, kernels: Any, factor: Any, modes: Any, out: Any
+) -> None:
+    """Fill `out` with the coefficients of a A + b B of one component under the pressure.
 
-        The traction on the surface is t = (friction_x, friction_y) p; the equations are in
-        ``docs/method.md``. The terms in friction_x and friction_y differ in their parity in ky.
-        """
-        component, a, b = field
-        friction_x, friction_y = self._traction
-        c, s, odd_c, odd_s = directions
-        cc, ss = c * c, s * s
-        n, m, x, t, turn = kernels
-        if component in ("xz", "yz"):
-            own, other = (friction_x, friction_y) if component == "xz" else (friction_y, friction_x)
-            first, second = (cc, ss) if component == "xz" else (ss, cc)
-            yield _Term(a * own * (first * x + second * t), False, False)
-            yield _Term(a * other * odd_c * odd_s * (x - t), True, False)
-        elif component == "xy":
-            across = a * (ss * m + (cc - ss) * turn) - b * ss * (n + m)
-            yield _Term(friction_y * odd_c * across, False, True)
-            across = a * (cc * m - (cc - ss) * turn) - b * cc * (n + m)
-            yield _Term(friction_x * odd_s * across, True, True)
+    Parameters
+    ----------
+    component : int
+        Its place in `COMPONENTS`.
+    a, b : float
+    directions : tuple
+        q_x of the columns and q_y of the rows, each for factors even in it and, zero in a Nyquist mode, for
+        odd ones; 1/q of the rows with q_y ≥ 0, and 0 at q = 0.
+    kernels : tuple
+        Z, L and T of `Layer.kernels` in the rows with q_y ≥ 0.
+    factor : (columns,) array
+        Any values.
+    modes, out : (ny, 2 columns) arrays
+        Coefficients of the pressure and those to fill, real and imaginary parts in turn.
+    """
+    (qx, odd_qx), (qy, odd_qy), over_q = directions
+    rows = out.shape[0]
+    for j in range(rows // 2 + 1):
+        over, z, along, shear = over_q[j], kernels[0][j], kernels[1][j], kernels[2][j]
+        if component == _ZZ:
+            for i in range(factor.size):
+                factor[i] = -a * z[i]
+        elif component == _XZ:
+            for i in range(factor.size):
+                factor[i] = -a * (odd_qx[i] * over[i]) * shear[i]
+        elif component == _YZ:
+            for i in range(factor.size):
+                factor[i] = -a * (odd_qy[j] * over[i]) * shear[i]
+        elif component == _XY:
+            for i in range(factor.size):
+                both = odd_qx[i] * over[i] * (odd_qy[j] * over[i])
+                factor[i] = both * (b * (z[i] + along[i]) - a * along[i])
         else:
-            along_x = {"zz": a * n, "xx": a * (cc * m + 2 * ss * turn) + b * ss * (n + m)}
-            along_y = {"zz": a * n, "xx": a * (cc * m - 2 * cc * turn) + b * ss * (n + m)}
-            along_x["yy"] = a * (ss * m - 2 * ss * turn) + b * cc * (n + m)
-            along_y["yy"] = a * (ss * m + 2 * cc * turn) + b * cc * (n + m)
-            yield _Term(friction_x * odd_c * along_x[component], False, True)
-            yield _Term(friction_y * odd_s * along_y[component], True, True)
+            for i in range(factor.size):
+                c, s = qx[i] * over[i], qy[j] * over[i]
+                own, other = (c, s) if component == _XX else (s, c)
+                factor[i] = -(a * own * own * along[i] + b * other * other * (z[i] + along[i]))
+        _multiply(factor, modes[j], component in (_XZ, _YZ), out[j])
+        if 0 < j < rows - j:
+            if component in (_YZ, _XY):
+                for i in range(factor.size):
+                    factor[i] = -factor[i]
+            _multiply(factor, modes[rows - j], component in (_XZ, _YZ), out[rows - j])
+
+
+@inlined
+def _multiply(factor: Any, modes: Any, imaginary: bool, out: Any) -> None:
+    """Fill `out` with a factor, or one times the imaginary unit, times coefficients."""
+    if imaginary:
+        for i in range(factor.size):
+            out[2 * i] = -factor[i] * modes[2 * i + 1]
+            out[2 * i + 1] = factor[i] * modes[2 * i]
+    else:
+        for i in range(factor.size):
+            out[2 * i] = factor[i] * modes[2 * i]
+            out[2 * i + 1] = factor[i] * modes[2 * i + 1]
 
 
 @compiled
-def _multiply(factor: Any, odd: bool, imaginary: bool, modes: Any, out: Any) -> None:
-    """Fill `out` with the product of a `_Term` and modes, real and imaginary parts in turn."""
+def _add_sliding(
+    component: int, a: float, b: float, traction: Any, directions: Any, kernels: Any, modes: Any, out: Any
+) -> None:
+    """Add to `out` the coefficients of a A + b B of one component under a shear traction.
+
+    The traction is `traction` times the pressure; the equations are in ``docs/method.md``. `kernels` are N,
+    M, X, P and Q of `Layer.shear_kernels`, `modes` and `out` complex; the others are as of `_fill_spectrum`.
+    """
+    (qx, odd_qx), (qy, odd_qy), over_q = directions
+    friction_x, friction_y = traction
     for j in range(out.shape[0]):
-        line, own, into = factor[min(j, out.shape[0] - j)], modes[j], out[j]
-        sign = line.dtype.type(-1 if odd and 2 * j > out.shape[0] else 1)
-        if imaginary:
-            for i in range(line.size):
-                into[2 * i] = -sign * line[i] * own[2 * i + 1]
-                into[2 * i + 1] = sign * line[i] * own[2 * i]
-        else:
-            for i in range(line.size):
-                into[2 * i] = sign * line[i] * own[2 * i]
-                into[2 * i + 1] = sign * line[i] * own[2 * i + 1]
+        row = min(j, out.shape[0] - j)
+        for i in range(out.shape[1]):
+            n, m, turn = kernels[0][row, i], kernels[1][row, i], kernels[4][row, i]
+            along, across, over = kernels[2][row, i], kernels[3][row, i], over_q[row, i]
+            cc, ss = (qx[i] * over) ** 2, (qy[j] * over) ** 2
+            odd_c, odd_s = odd_qx[i] * over, odd_qy[j] * over
+            x, y = friction_x * odd_c, friction_y * odd_s
+            if component == _XZ:
+                both = friction_y * odd_c * odd_s * (along - across)
+                out[j, i] += a * (friction_x * (cc * along + ss * across) + both) * modes[j, i]
+                continue
+            if component == _YZ:
+                both = friction_x * odd_c * odd_s * (along - across)
+                out[j, i] += a * (friction_y * (ss * along + cc * across) + both) * modes[j, i]
+                continue
+            if component == _ZZ:
+                factor = a * (x + y) * n
+            elif component == _XX:
+                turned = (x + x) * ss - (y + y) * cc
+                factor = a * ((x + y) * cc * m + turned * turn) + b * (x + y) * ss * (n + m)
+            elif component == _YY:
+                turned = (y + y) * cc - (x + x) * ss
+                factor = a * ((x + y) * ss * m + turned * turn) + b * (x + y) * cc * (n + m)
+            else:
+                x, y = friction_y * odd_c, friction_x * odd_s
+                both = y * cc + x * ss
+                factor = a * (both * m + (cc - ss) * (x - y) * turn) - b * both * (n + m)
+            out[j, i] += complex(-factor * modes[j, i].imag, factor * modes[j, i].real)

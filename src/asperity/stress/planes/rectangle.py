@@ -17,13 +17,9 @@ V,zz = −V,xx − V,yy, χ,xxx = −χ,xyy − V,xz, φ2,xxx = −φ2,xyy − V
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from asperity.core.types import Array
-
-EVEN, ODD = 1.0, -1.0
 
 
 def parity(component: str, loaded: str) -> tuple[float, float]:
@@ -37,10 +33,7 @@ def parity(component: str, loaded: str) -> tuple[float, float]:
         Pressure, or traction along x or y.
     """
     letters = component + loaded
-    return (
-        ODD if letters.count("y") % 2 else EVEN,
-        ODD if letters.count("x") % 2 else EVEN,
-    )
+    return (-1.0) ** letters.count("y"), (-1.0) ** letters.count("x")
 
 
 def rectangle_stress(
@@ -70,104 +63,53 @@ def rectangle_stress(
         return constant.T, slope.T
     corner_y = np.append(y - 0.5 * edges[0], y[-1] + 0.5 * edges[0])[:, None]
     corner_x = np.append(x - 0.5 * edges[1], x[-1] + 0.5 * edges[1])[None, :]
-    corner = _Corner(corner_y, corner_x, depth)
-    primitives = _PRESSURE if loaded == "z" else _TRACTION_X
-    constant, slope = primitives[component](corner)
+    constant, slope = (_under_pressure if loaded == "z" else _under_traction)(
+        component, corner_y, corner_x, depth
+    )
     return _alternating(constant), _alternating(slope)
 
 
-class _Corner:
-    """Primitives of the derivatives of the potentials at the corners of all rectangles."""
-
-    def __init__(self, y: Array, x: Array, z: float) -> None:
-        self.y, self.x, self.z = y, x, z
-        self.rho = np.sqrt(x**2 + y**2 + z**2)
-
-    @property
-    def exchanged(self) -> _Corner:
-        """The same with x and y exchanged."""
-        return _Corner(self.x, self.y, self.z)
-
-    def v_z(self) -> Array:
-        return -np.arctan2(self.x * self.y, self.z * self.rho)
-
-    def v_xx(self) -> Array:
-        return -self.x * self.y / (self.rho * (self.x**2 + self.z**2))
-
-    def v_xy(self) -> Array:
-        return 1 / self.rho
-
-    def v_xz(self) -> Array:
-        return -self.z * self.y / (self.rho * (self.x**2 + self.z**2))
-
-    def v_x(self) -> Array:
-        return np.arcsinh(self.y / np.sqrt(self.x**2 + self.z**2))
-
-    def chi_xx(self) -> Array:
-        return np.arctan2(self.x * self.y * (self.rho - self.z), self.x**2 * self.rho + self.y**2 * self.z)
-
-    def chi_xy(self) -> Array:
-        return np.log(self.z + self.rho)
-
-    def chi_xxy(self) -> Array:
-        return self.x / (self.rho * (self.rho + self.z))
-
-    def phi_xxy(self) -> Array:
-        return -self.x / (self.rho + self.z)
+def _under_pressure(component: str, y: Array, x: Array, z: float) -> tuple[Array, Array]:
+    """Primitives of A and B under a pressure."""
+    rho = np.sqrt(x**2 + y**2 + z**2)
+    none = np.zeros((2, 2))
+    if component in ("yy", "yz"):
+        return _under_pressure(component.replace("y", "x"), x, y, z)
+    v_xx, v_yy = (-x * y / (rho * (side**2 + z**2)) for side in (x, y))
+    v_z = -np.arctan2(x * y, z * rho)
+    if component == "zz":
+        return v_z + z * (v_xx + v_yy), none
+    if component == "xz":
+        return -(z**2) * y / (rho * (x**2 + z**2)), none
+    if component == "xy":
+        chi_xy = np.log(z + rho)
+        return -z / rho - chi_xy, 2 * chi_xy
+    chi_xx = np.arctan2(x * y * (rho - z), x**2 * rho + y**2 * z)
+    return -z * v_xx - chi_xx, 2 * v_z + 2 * chi_xx
 
 
-Pair = tuple[Array, Array]
-_NONE = np.zeros((1, 1))
-
-
-def _pressure_xx(c: _Corner) -> Pair:
-    return -c.z * c.v_xx() - c.chi_xx(), 2 * c.v_z() + 2 * c.chi_xx()
-
-
-def _pressure_zz(c: _Corner) -> Pair:
-    return c.v_z() + c.z * (c.v_xx() + c.exchanged.v_xx()), _NONE
-
-
-def _pressure_xy(c: _Corner) -> Pair:
-    return -c.z * c.v_xy() - c.chi_xy(), 2 * c.chi_xy()
-
-
-def _traction_xx(c: _Corner) -> Pair:
-    plane, swapped = c.v_x(), c.exchanged
-    chi_xyy, phi_xyy = swapped.chi_xxy(), swapped.phi_xxy()
-    return 2 * plane + c.z * (chi_xyy + c.v_xz()), 2 * plane - 2 * (phi_xyy + plane)
-
-
-def _traction_yy(c: _Corner) -> Pair:
-    swapped = c.exchanged
-    return -c.z * swapped.chi_xxy(), 2 * c.v_x() + 2 * swapped.phi_xxy()
-
-
-def _traction_xy(c: _Corner) -> Pair:
-    return c.exchanged.v_x() - c.z * c.chi_xxy(), 2 * c.phi_xxy()
-
-
-_PRESSURE: dict[str, Callable[[_Corner], Pair]] = {
-    "xx": _pressure_xx,
-    "yy": lambda c: _pressure_xx(c.exchanged),
-    "zz": _pressure_zz,
-    "yz": lambda c: (c.z * c.exchanged.v_xz(), _NONE),
-    "xz": lambda c: (c.z * c.v_xz(), _NONE),
-    "xy": _pressure_xy,
-}
-_TRACTION_X: dict[str, Callable[[_Corner], Pair]] = {
-    "xx": _traction_xx,
-    "yy": _traction_yy,
-    "zz": lambda c: (-c.z * c.v_xz(), _NONE),
-    "yz": lambda c: (c.z * c.v_xy(), _NONE),
-    "xz": lambda c: (-c.v_z() + c.z * c.v_xx(), _NONE),
-    "xy": _traction_xy,
-}
+def _under_traction(component: str, y: Array, x: Array, z: float) -> tuple[Array, Array]:
+    """Primitives of A and B under a traction along x."""
+    rho = np.sqrt(x**2 + y**2 + z**2)
+    none = np.zeros((2, 2))
+    if component == "yz":
+        return z / rho, none
+    if component == "xz":
+        return np.arctan2(x * y, z * rho) - z * x * y / (rho * (x**2 + z**2)), none
+    v_xz = -z * y / (rho * (x**2 + z**2))
+    if component == "zz":
+        return -z * v_xz, none
+    v_x, v_y = (np.arcsinh(t / np.sqrt(s**2 + z**2)) for s, t in ((x, y), (y, x)))
+    chi_xxy, chi_xyy = (s / (rho * (rho + z)) for s in (x, y))
+    phi_xxy, phi_xyy = (-s / (z + rho) for s in (x, y))
+    if component == "xy":
+        return v_y - z * chi_xxy, 2 * phi_xxy
+    if component == "yy":
+        return -z * chi_xyy, 2 * v_x + 2 * phi_xyy
+    return 2 * v_x + z * (chi_xyy + v_xz), 2 * v_x - 2 * (phi_xyy + v_x)
 
 
 def _alternating(corners: Array) -> Array:
     """Sum over the four corners of each rectangle, over 2π."""
-    if corners is _NONE:
-        return _NONE
     rows = corners[1:] - corners[:-1]
     return (rows[:, 1:] - rows[:, :-1]) / (2 * np.pi)

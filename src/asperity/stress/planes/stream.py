@@ -187,11 +187,9 @@ class PlaneStream:
 
     def planes(self) -> Iterator[LinearPlane]:
         """The planes one after the other."""
-        solid, components = self.solid, self._components()
-        source = self._source()
+        solid, source, basis_fields = self.solid, self._source(), self._basis_fields()
         done = np.cumsum([each.grid.size for each in source.plan], dtype=float)
-        fields = self._basis_fields(components)
-        place = self._places(fields)
+        fields, place = list(basis_fields.values()), self._places(list(basis_fields))
         memory = deque([np.empty(0, source.dtype)] * 2)
         for depth, own, share in zip(self.depths, source.plan, done / done[-1], strict=True):
             memory.rotate()
@@ -219,30 +217,24 @@ class PlaneStream:
             return FreePlanes(*arguments)
         return PeriodicPlanes(*arguments, "float32" if single else "float64")
 
-    def _components(self) -> tuple[str, ...]:
-        """Components from which the fields follow, in the order of `COMPONENTS`."""
+    def _basis_fields(self) -> dict[tuple[str, str], BasisField]:
+        """The fields to transform by their entry of `BASIS`: A and B, or A + ν B for one Poisson's ratio."""
         needed = set(self.names)
-        if needed.intersection(MEASURES):
-            return COMPONENTS
         if "hydrostatic" in needed:
             needed.update(("xx", "yy", "zz"))
-        return tuple(name for name in COMPONENTS if name in needed)
-
-    def _basis_fields(self, components: tuple[str, ...]) -> list[BasisField]:
-        """The fields to transform: A and B for several Poisson's ratios, A + ν B for one."""
+        every = not needed.isdisjoint(MEASURES)
+        components = [name for name in COMPONENTS if every or name in needed]
         if len(self.ratios) == 1:
-            return [BasisField(name, 1.0, self.ratios[0]) for name in components]
-        sloping = ("xx", "xy") if components == COMPONENTS else ("xx", "yy", "xy")
-        return [
-            *(BasisField(name, 1.0, 0.0) for name in components),
-            *(BasisField(name, 0.0, 1.0) for name in components if name in sloping),
-        ]
-
-    def _places(self, fields: list[BasisField]) -> Array:
-        """Places of the basis fields as `Basis` has them."""
-        places = {
-            (field.component, "constant" if field.constant else "slope"): n for n, field in enumerate(fields)
+            return {(name, "constant"): BasisField(name, 1.0, self.ratios[0]) for name in components}
+        fields = {(name, "constant"): BasisField(name, 1.0, 0.0) for name in components}
+        sloping = ("xx", "xy") if every else ("xx", "yy", "xy")
+        return fields | {
+            (name, "slope"): BasisField(name, 0.0, 1.0) for name in components if name in sloping
         }
+
+    def _places(self, entries: list[tuple[str, str]]) -> Array:
+        """Places of the basis fields as `Basis` has them."""
+        places = {entry: n for n, entry in enumerate(entries)}
         if len(self.ratios) == 1:
             places |= {(name, "slope"): n for (name, _), n in places.items()}
         return np.array([places.get(entry, -1) for entry in BASIS])

@@ -64,6 +64,9 @@ class Truncation:
         The constant K.
     grids : sequence of Grid, optional
         Coarser grids of the same cell, by default `coarser_grids`.
+    aliases : float
+        Number of short waves of comparable size that the nodes of a plane take for one long wave, at most;
+        0 where the modes of the plane are transformed.
 
     Attributes
     ----------
@@ -79,9 +82,10 @@ class Truncation:
         tolerance: float,
         envelope: float,
         grids: Sequence[Grid] | None = None,
+        aliases: float = 0.0,
     ) -> None:
         self.grids = coarser_grids(grid) if grids is None else [grid, *grids]
-        self.tolerance = tolerance
+        self.tolerance, self._aliases = tolerance, aliases
         self._layer = layer
         self._envelope = envelope
         width = 2 * np.pi / max(grid.length)
@@ -120,8 +124,13 @@ class Truncation:
 
     def bounds(self, depth: float) -> Array:
         """Largest error of any stress at `depth` on each of the grids, (grids,)."""
-        decay = self._wavenumber * depth
-        return self._envelope * (self._dropped @ ((1 + decay) * np.exp(-decay)))
+        bounds = self._dropped @ _decayed(self._wavenumber * depth)
+        if self._aliases:
+            for number, grid in enumerate(self.grids[1:], start=1):
+                nyquist = np.pi / max(grid.spacing)
+                alias = np.maximum(2 * nyquist - self._wavenumber, nyquist)
+                bounds[number] += self._aliases * self._kept[number] @ _decayed(alias * depth)
+        return self._envelope * bounds
 
     def choose(self, depth: float, all_columns: bool = False) -> PlaneGrid:
         """The coarsest sufficient grid at `depth`, and its bound."""
@@ -135,8 +144,8 @@ class Truncation:
         if all_columns:
             return PlaneGrid(grid, bound, scale, grid.half_shape[1])
         # What is left of the tolerance allows columns to be left out of the transforms along y.
-        decay = self._qx[: grid.half_shape[1]] * depth
-        dropped = self._envelope * self._of_columns[: decay.size] * (1 + decay) * np.exp(-decay)
+        count = grid.half_shape[1]
+        dropped = self._envelope * self._of_columns[:count] * _decayed(self._qx[:count] * depth)
         beyond = np.append(np.cumsum(dropped[::-1])[::-1], 0.0)
         columns = max(1, int(np.flatnonzero(beyond <= allowed - bound)[0]))
         return PlaneGrid(grid, bound + float(beyond[columns]), scale, columns)
@@ -165,6 +174,11 @@ def coarser_grids(grid: Grid) -> list[Grid]:
         halving /= 2
         if min(grid.shape) * halving < MIN_NODES:
             return grids
+
+
+def _decayed(decay: Array) -> Array:
+    """Bound of a mode at the depth `decay`/q over its pressure, without the constant K."""
+    return (1 + decay) * np.exp(-decay)
 
 
 def _folded(values: Array, multiplicity: Array) -> Array:

@@ -64,8 +64,7 @@ class References:
         self._largest, self._means = np.full(fields, -np.inf), np.zeros(fields)
         self._rising = np.full(fields, True)
         self._above: list[tuple[Array, Array]] = []
-        self._modes: list[tuple[Grid, Array] | None] = [None] * fields
-        self._in_plane: list[tuple[Array, Array] | None] = [None] * fields
+        self._modes: dict[int, tuple[Grid, Array]] = {}
 
     @property
     def is_rising(self) -> bool:
@@ -76,8 +75,11 @@ class References:
         """The references on the grid of the next plane, (fields, ny, nx); none before the first plane."""
         if self._fields.size and grid != self._grid:
             self._end(np.flatnonzero(self._rising))
-            self._fields = np.stack([self._resampled(m, grid) for m in range(self.number.size)])
-            self._means = np.array([found[1][0, 0].real for found in self._modes if found is not None], float)
+            fields = np.empty((self.number.size, *grid.shape), self._fields.dtype)
+            for m, field in enumerate(fields):
+                field[:] = self._resampled(m, grid)
+                self._means[m] = self._modes[m][1][0, 0].real
+            self._fields = fields
         self._grid = grid
         return self._fields
 
@@ -108,12 +110,12 @@ class References:
             self._rising[:] = False
             self._above = []
         before, self._fields = self._fields, fields()  # the array before may be kept
-        if risen.size < self.number.size:
-            self._fields[~has_risen] = before[~has_risen]
+        for m in np.flatnonzero(~has_risen).tolist():
+            self._fields[m] = before[m]
         self.number[risen], self._largest[risen], self._means[risen] = number, largest[risen], mean[risen]
         self.covariance[risen, number] = (square / size - mean * mean)[risen]
         for m in risen.tolist():
-            self._modes[m] = self._in_plane[m] = None
+            self._modes.pop(m, None)
             self.missing[m] = 0 if self._rising[m] else number
 
     def _packed(self) -> tuple[Array, Array]:
@@ -122,8 +124,7 @@ class References:
             return np.ones(self.number.size), self._fields
         steps = np.where(self._largest > 0, self._largest, 1.0) / PACKED
         packed = np.empty(self._fields.shape, np.uint16)
-        for m, field in enumerate(self._fields):
-            packed[m] = field * np.float32(1 / steps[m]) + np.float32(0.5)
+        _pack(self._fields, (1 / steps).astype(np.float32), packed)
         return steps, packed
 
     def _end(self, fields: Array) -> None:
@@ -136,14 +137,11 @@ class References:
             self._above = []
 
     def _transformed(self, m: int) -> tuple[Grid, Array]:
-        """The modes of a reference and their grid; the covariance in its plane is found from them."""
-        found = self._modes[m]
-        if found is None:
-            field = self._fields[m]
-            modes = Fourier(self._grid, field.dtype, self._threads, self._work).forward(field)
-            self._in_plane[m] = autocovariance(modes, self._grid, self._finest, self._threads, self._work)
-            found = self._modes[m] = self._grid, modes
-        return found
+        """The modes of a reference and their grid, that of the plane in which it was found."""
+        if m not in self._modes:
+            fourier = Fourier(self._grid, self._fields.dtype, self._threads, self._work)
+            self._modes[m] = self._grid, fourier.forward(self._fields[m])
+        return self._modes[m]
 
     def _resampled(self, m: int, grid: Grid) -> Array:
         """A reference on a grid."""
@@ -153,10 +151,12 @@ class References:
 
     def in_plane(self) -> tuple[Array, Array]:
         """Lags, (lags,), and the covariance of each reference within its plane, (fields, lags)."""
+        lag, found = np.empty(0), []
         for m in range(self.number.size):
-            self._transformed(m)
-        lags, found = zip(*(found for found in self._in_plane if found is not None), strict=True)
-        return lags[0], np.stack(found)
+            source, modes = self._transformed(m)
+            lag, covariance = autocovariance(modes, source, self._finest, self._threads, self._work)
+            found.append(covariance)
+        return lag, np.stack(found)
 
     def add_again(self, number: int, grid: Grid, fields: Array) -> None:
         """Compare a plane above some references that has not been compared, given its fields."""
@@ -204,6 +204,15 @@ def _sum_rows(values: Any, columns: int, first: int, references: Any, sums: Any)
                 sums[m, j, 0] += total
                 sums[m, j, 1] += square
                 sums[m, j, 3] += product
+
+
+@compiled
+def _pack(fields: Any, per_step: Any, out: Any) -> None:
+    """Fill `out` with fields ≥ 0 as whole numbers of steps."""
+    for m in range(fields.shape[0]):
+        for j in range(fields.shape[1]):
+            for i in range(fields.shape[2]):
+                out[m, j, i] = np.int32(fields[m, j, i] * per_step[m] + np.float32(0.5))
 
 
 def _covariance(one: Array, two: Array) -> float:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 from scipy import ndimage
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from asperity.core.types import Array
 
@@ -25,25 +27,15 @@ def contact_patches(contact: Array, periodic: bool = True) -> tuple[Array, Array
         Radius of the disc of the same area, in grid spacings.
     """
     number, count = ndimage.label(contact, structure=np.ones((3, 3)))
-    parent = np.arange(count + 1)
-
-    def root(i: int) -> int:
-        while parent[i] != i:
-            i = parent[i]
-        return i
-
-    # Join the patches that meet across the periodic edges: union-find over the nodes on opposite edges.
-    edges = ((number[0], number[-1]), (number[:, 0], number[:, -1])) if periodic else ()
-    for first, last in edges:
-        for shift in (-1, 0, 1):
-            moved = np.roll(last, shift)
-            for one, other in zip(first, moved, strict=True):
-                if one and other:
-                    parent[root(one)] = root(other)
-    roots = np.array([root(i) for i in range(count + 1)])
-    merged = np.unique(roots, return_inverse=True)[1][number] if count else number
-    area = np.bincount(merged.ravel())[1:]
-    return merged, np.sqrt(area / np.pi)
+    if periodic:
+        # Patches that meet across opposite edges, or diagonally across them, are one.
+        edges = ((number[0], number[-1]), (number[:, 0], number[:, -1]))
+        pairs = np.hstack([(first, np.roll(last, shift)) for first, last in edges for shift in (-1, 0, 1)])
+        pairs = pairs[:, (pairs > 0).all(axis=0)]
+        meet = coo_array((np.ones(pairs.shape[1]), tuple(pairs)), shape=(count + 1, count + 1))
+        number = connected_components(meet, directed=False)[1][number]
+    area = np.bincount(number.ravel())[1:]
+    return number, np.sqrt(area / np.pi)
 
 
 def depth_patch_correlation(depth: Array, row: Array, column: Array, patches: Array, radii: Array) -> float:
