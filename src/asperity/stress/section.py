@@ -249,39 +249,20 @@ def _positions(name: str, extent: Any, solid: LoadedSolid, axis: int, spacing: f
 
 def _interpolated(plane: LinearPlane, y: Array, x: Array, periodic: bool) -> LinearPlane:
     """The plane with its basis fields at other positions."""
-    along_y, along_x = (
-        _Interpolation(nodes, positions / step, periodic)
-        for nodes, positions, step in zip(plane.grid.shape, (y, x), plane.grid.spacing, strict=True)
-    )
-    given = plane.basis.values[:, :, : plane.basis.columns]
-    values = np.stack([along_x(along_y(field).T).T for field in given])
+    values = plane.basis.values[:, :, : plane.basis.columns]
+    for axis, (positions, step) in enumerate(zip((y, x), plane.grid.spacing, strict=True), start=1):
+        values = _along(axis, values, positions / step, periodic)
     return replace(plane, basis=plane.basis._replace(values=values, columns=x.size))
 
 
-class _Interpolation:
-    """Interpolation along the first axis of an array.
-
-    Parameters
-    ----------
-    nodes : int
-    positions : (positions,) array
-        In spacings from the first node.
-    periodic : bool
-    """
-
-    def __init__(self, nodes: int, positions: Array, periodic: bool) -> None:
-        nearest = np.rint(positions)
-        self._index = nearest.astype(np.int64) % nodes
-        self._weights = None
-        inside = periodic or nearest.max() < nodes
-        if not (inside and np.all(np.abs(positions - nearest) < ON_A_NODE)):
-            weights = _trigonometric_weights if periodic else _lagrange_weights
-            self._weights = weights(nodes, positions)
-
-    def __call__(self, values: Array) -> Array:
-        if self._weights is None:
-            return values[self._index]
-        return self._weights @ values
+def _along(axis: int, values: Array, positions: Array, periodic: bool) -> Array:
+    """Values interpolated to positions along one axis, in spacings from the first node."""
+    nodes, nearest = values.shape[axis], np.rint(positions)
+    inside = periodic or nearest.max() < nodes
+    if inside and np.all(np.abs(positions - nearest) < ON_A_NODE):
+        return values.take(nearest.astype(np.int64) % nodes, axis)
+    weights = (_trigonometric_weights if periodic else _lagrange_weights)(nodes, positions)
+    return weights @ values if axis == 1 else values @ weights.T
 
 
 def _trigonometric_weights(nodes: int, positions: Array) -> Array:

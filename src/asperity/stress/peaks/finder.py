@@ -22,7 +22,6 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from scipy.ndimage import maximum_filter
 from scipy.spatial import cKDTree
 
 from asperity.core.arguments import choice, number, require_finite
@@ -33,10 +32,6 @@ from asperity.stress.peaks.maxima import Maxima, maxima_in_rows, refine_in_plane
 from asperity.stress.peaks.selection import checked_ratio
 from asperity.stress.planes.fields import BASIS, Basis, Fields, field_at, field_in, field_rows
 from asperity.stress.planes.planes import StressPlane
-
-REACH = 3.001
-"""Largest distance of the nodes of two matched maxima, in spacings of the coarser grid: refined positions
-are at most one spacing from their nodes, and from each other."""
 
 
 @dataclass(frozen=True)
@@ -253,54 +248,24 @@ def _matched_maxima(
     wins : (pairs,) bool array
     """
     spacing = np.maximum(upper_plane.grid.spacing, lower_plane.grid.spacing)
-    box = np.array(upper_plane.grid.length) / spacing
-    near = np.flatnonzero(_are_near(lower, lower_plane, upper, upper_plane, box))
-    lower = lower.select(near)
-    if not near.size:
-        return near, near, np.empty(0, bool)
-
-    def positions(maxima: Maxima, plane: SearchedPlane, offsets: list[Array]) -> Array:
-        """Refined positions in spacings, and a third dimension, which keeps fields apart."""
-        places = _places(maxima, plane, offsets) * (plane.grid.spacing / spacing)
-        return np.column_stack([places, 2.0 * maxima.field])
-
-    high, *offsets_up = refine_in_plane(upper.here)
-    low, *offsets_low = refine_in_plane(lower.here)
-    place_up, place_low = (
-        positions(upper, upper_plane, offsets_up),
-        positions(lower, lower_plane, offsets_low),
+    (high, place_up), (low, place_low) = (
+        _places_of_fields(maxima, plane, spacing)
+        for maxima, plane in ((upper, upper_plane), (lower, lower_plane))
     )
-    size = np.array([*box, 0.0]) if upper_plane.periodic else None
-    distance, nearest = cKDTree(place_low, boxsize=size).query(place_up, p=np.inf)
+    cell = np.array([*np.array(upper_plane.grid.length) / spacing, 0.0]) if upper_plane.periodic else None
+    distance, nearest = cKDTree(place_low, boxsize=cell).query(place_up, p=np.inf)
     close = np.flatnonzero(np.asarray(distance) <= 1.0)
     partner = np.asarray(nearest)[close]
-    mutual = np.asarray(cKDTree(place_up, boxsize=size).query(place_low[partner], p=np.inf)[1]) == close
+    mutual = np.asarray(cKDTree(place_up, boxsize=cell).query(place_low[partner], p=np.inf)[1]) == close
     pair, partner = close[mutual], partner[mutual]
-    return pair, near[partner], high[pair] > low[partner]
+    return pair, partner, high[pair] > low[partner]
 
 
-def _are_near(
-    maxima: Maxima, plane: SearchedPlane, others: Maxima, other_plane: SearchedPlane, box: Array
-) -> Array:
-    """True for all maxima within `REACH` of another one of their field, and for some of those that are not.
-
-    The cell, `box` spacings long, is divided into squares at least as wide as the reach: maxima in the
-    square of another one and in the eight around it are near.
-    """
-    count = np.maximum(box / REACH, 1).astype(int)
-
-    def squares(plane: SearchedPlane, maxima: Maxima) -> tuple[Array, ...]:
-        return maxima.field, *(
-            place * squares // nodes
-            for place, squares, nodes in zip(
-                (maxima.row, maxima.column), count, plane.grid.shape, strict=True
-            )
-        )
-
-    taken = np.zeros((max(maxima.field.max(), others.field.max()) + 1, *count), bool)
-    taken[squares(other_plane, others)] = True
-    taken = maximum_filter(taken, (1, 3, 3), mode="wrap" if plane.periodic else "nearest")
-    return taken[squares(plane, maxima)]
+def _places_of_fields(maxima: Maxima, plane: SearchedPlane, spacing: Array) -> tuple[Array, Array]:
+    """Refined values and positions in spacings, with a third dimension, which keeps fields apart."""
+    value, *offsets = refine_in_plane(maxima.here)
+    places = _places(maxima, plane, offsets) * (plane.grid.spacing / spacing)
+    return value, np.column_stack([places, 2.0 * maxima.field])
 
 
 def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "periodic") -> Peaks:

@@ -127,13 +127,13 @@ class PeriodicPlanes:
         modes = np.ascontiguousarray(self._modes[:, columns])
         factor = np.empty(modes.shape[1], self.dtype)
         spectra = np.empty((len(fields), *modes.shape), modes.dtype)
-        for (component, *share), spectrum in zip(fields, spectra, strict=True):
-            kind = COMPONENTS.index(component), *map(real, share)
-            numbers = modes.view(self.dtype), spectrum.view(self.dtype)
-            _fill_spectrum(*kind, directions, kernels, factor, *numbers)
+        traction = tuple(map(real, self._traction))
+        for field, spectrum in zip(fields, spectra, strict=True):
+            component, a, b = COMPONENTS.index(field.component), real(field.constant), real(field.slope)
+            numbers, into = modes.view(self.dtype), spectrum.view(self.dtype)
+            _fill_spectrum(component, a, b, directions, kernels, factor, numbers, into)
             if shear_kernels is not None:
-                traction = tuple(map(real, self._traction))
-                _add_sliding(*kind, traction, directions, tuple(shear_kernels), modes, spectrum)
+                _add_sliding(component, a, b, traction, directions, tuple(shear_kernels), modes, spectrum)
         if columns.start == 0:
             spectra[:, 0, 0] = [self._mean(field) for field in fields]
         return spectra

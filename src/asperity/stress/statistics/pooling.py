@@ -11,7 +11,7 @@ is NaN.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from functools import partial
 from itertools import combinations
 
@@ -36,13 +36,8 @@ MOST_RESAMPLES = 1_000_000
 _PERCENTILE_BINS = 8192
 """Bins in which percentiles of a resample are found; their error is a ten-thousandth of the largest peak."""
 
-_PROFILES = (
-    ("covariance_depth", 2, ("poisson", "plane")),
-    ("covariance_plane", 2, ("poisson", "lag")),
-    ("mean_von_mises", 1, ("poisson", "plane")),
-    ("largest_von_mises", 1, ("poisson", "plane")),
-)
-"""Profiles of an analysis: name, power of the stress that they are of, and dimensions."""
+_PROFILES = {"covariance_depth": 2, "covariance_plane": 2, "mean_von_mises": 1, "largest_von_mises": 1}
+"""Profiles of an analysis, and the power of the stress that they are of."""
 
 
 def pool_peaks(
@@ -159,7 +154,6 @@ class _Bootstrap:
 
     def __init__(self, seeds: int, resamples: int, confidence: float, seed: int) -> None:
         self._tail = (1 - confidence) / 2
-        self._all = np.ones((1, seeds))
         # Number of times that each seed is drawn, (resamples, seeds).
         draws = np.random.default_rng(seed).multinomial(seeds, np.full(seeds, 1 / seeds), resamples)
         self._draws = draws.astype(float) if seeds > 1 else np.zeros((0, 1))
@@ -173,11 +167,11 @@ class _Bootstrap:
             (resamples, seeds) weights and the values → (resamples, ...) estimates.
         values : (seeds, ...) array
         """
-        centre = estimate(self._all, values)[0]
+        centre = estimate(np.ones((1, len(values))), values)
         if not len(self._draws):
-            return np.stack([centre, np.full_like(centre, np.nan), np.full_like(centre, np.nan)])
+            return np.concatenate([centre, np.full((2, *centre.shape[1:]), np.nan)])
         drawn = estimate(self._draws, values)
-        return np.stack([centre, *np.quantile(drawn, [self._tail, 1 - self._tail], axis=0)])
+        return np.concatenate([centre, np.quantile(drawn, [self._tail, 1 - self._tail], axis=0)])
 
 
 def _pooled_peaks(
@@ -197,10 +191,8 @@ def _pooled_peaks(
         values = [found["peak_value"].values / g for found, g in zip(chosen, scale, strict=True)]
         own = np.stack([np.histogram(v, edges[q])[0] for v in values])
         counts[:, s, q, p] = own
-        for found, v in zip(chosen, values, strict=True):
-            joint[s, q, p] += np.histogram2d(v, found["peak_depth"].values, (edges[q], depth_edges))[
-                0
-            ].astype(np.int64)
+        depths = np.concatenate([found["peak_depth"].values for found in chosen])
+        joint[s, q, p] = np.histogram2d(np.concatenate(values), depths, (edges[q], depth_edges))[0]
         median_depth[:, s, q, p] = _median_depths(joint[s, q, p], depth_edges)
         density[:, s, q, p] = bootstrap.banded(partial(_pooled_density, edges=edges[q]), own)
         percentiles[:, s, q, p] = _percentiles(values, bootstrap)
@@ -229,25 +221,22 @@ def _quantity_edges(stresses: Sequence[xr.Dataset], scale: Array, quantity: str,
 def _pooled_profiles(stresses: Sequence[xr.Dataset], scale: Array, bootstrap: _Bootstrap) -> dict[str, tuple]:
     """Covariances and depth profiles, means over seeds, and the decay lengths of the mean covariances."""
     result: dict[str, tuple] = {}
-    for name, power, dimensions in _PROFILES:
+    for name, power in _PROFILES.items():
         each = np.stack([s[name].values / g**power for s, g in zip(stresses, scale, strict=True)])
-        flat = bootstrap.banded(_mean, each.reshape(len(stresses), -1))
-        result |= _with_bounds(f"scaled_{name}", dimensions, flat.reshape(3, *each.shape[1:]))
+        result |= _with_bounds(f"scaled_{name}", stresses[0][name].dims, bootstrap.banded(_mean, each))
     depth, lag = stresses[0]["plane_depth"].values, stresses[0]["lag"].values
     reference = np.stack([stress["reference_depth"].values for stress in stresses])
     result |= _with_bounds("reference_depth", ("poisson",), bootstrap.banded(_mean, reference))
     result["plane_depth"] = ("plane", depth)
+    along_depth, in_plane, at = (
+        result[name][1] for name in ("scaled_covariance_depth", "scaled_covariance_plane", "reference_depth")
+    )
     lengths = [
-        decay_lengths(depth, along_depth, lag, in_plane, at)
-        for along_depth, in_plane, at in zip(
-            result["scaled_covariance_depth"][1],
-            result["scaled_covariance_plane"][1],
-            result["reference_depth"][1],
-            strict=True,
-        )
+        decay_lengths(depth, along_depth[n], lag, in_plane[n], at[n]) for n in range(len(reference[0]))
     ]
-    for name, values in zip(("decay_length_depth", "decay_length_plane"), np.transpose(lengths), strict=True):
-        result[name] = ("poisson", values)
+    result["decay_length_depth"], result["decay_length_plane"] = (
+        ("poisson", values) for values in np.transpose(lengths)
+    )
     return result
 
 
@@ -280,7 +269,7 @@ def _pooled_density(weights: Array, counts: Array, edges: Array) -> Array:
 
 
 def _mean(weights: Array, values: Array) -> Array:
-    return weights @ values / weights.sum(axis=1, keepdims=True)
+    return np.tensordot(weights, values, 1) / len(values)
 
 
 def _percentiles(values: Sequence[Array], bootstrap: _Bootstrap) -> Array:
@@ -309,7 +298,7 @@ def _percentiles(values: Sequence[Array], bootstrap: _Bootstrap) -> Array:
     return banded
 
 
-def _with_bounds(name: str, dimensions: tuple[str, ...], values: Array) -> dict[str, tuple]:
+def _with_bounds(name: str, dimensions: tuple[Hashable, ...], values: Array) -> dict[str, tuple]:
     """Variables of an estimate and the ends of its band, from (3, ...) values."""
     return {
         name: (dimensions, values[0]),
