@@ -9,8 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from asperity.core.types import Array
-from asperity.core.units import shown_si
-from asperity.surface.reading.height_map import HeightMap, MapOptions
+from asperity.surface.reading.height_map import LOWER_FACE, PEAKS_UP, HeightMap, MapOptions
 from asperity.surface.reading.map_file import MapFile, open_map
 from asperity.surface.roughness import spectrum
 from asperity.surface.treatment.levelling import edge_step, fill_harmonic, find_spikes, subtract_trend
@@ -30,8 +29,8 @@ NARROWEST_SLOPE = 4.0
 """Smallest ratio of wavenumbers over which a slope of the spectrum is given."""
 
 ORIENTATION_WORDS = {
-    "peaks up": "peaks up, as instruments show them",
-    "lower face": "lower face of an indenter, the lowest points touch first",
+    PEAKS_UP: "peaks up, as instruments show them",
+    LOWER_FACE: "lower face of an indenter, the lowest points touch first",
     None: "the file does not say which way is up",
 }
 
@@ -77,13 +76,12 @@ def _properties(found: MapFile) -> dict[str, str]:
     level, spikes, slope = np.zeros(height.shape), np.zeros_like(missing), (0.0, 0.0)
     if not missing.all():
         spikes = find_spikes(height, DESPIKE)
-        level, trend = subtract_trend(fill_harmonic(height, missing | spikes), "tilt", surface.length)
-        slope = trend.slope
+        level, slope, _ = subtract_trend(fill_harmonic(height, missing | spikes), "tilt", surface.length)
     rms_height = float(np.sqrt(np.mean(np.square(level))))
     squares = [np.mean(np.square(np.diff(level, axis=n) / surface.spacing[n])) for n in (0, 1)]
 
     def length(value: float) -> str:
-        return shown_si(value, "m", 4) if surface.unit else f"{value:.4g}"
+        return surface.shown_length(value, digits=4)
 
     def share(points: Array) -> str:
         count = int(np.count_nonzero(points))

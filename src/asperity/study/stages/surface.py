@@ -77,8 +77,8 @@ def read_surface(parameters: Mapping[str, Any]) -> xr.Dataset:
     -------
     dataset
         Heights, roughness parameters and spectrum. The attributes are the shortest wavelength kept and the
-        `edge_step` of the period, and with the prefix ``map_`` the record of what was done to the map. If the
-        unit of the map is known, ``map_cell_length`` is the longer edge of the cell in metres.
+        `edge_step` of the period, and with the prefix ``map_`` what was done to the map. If the unit of
+        the map is known, ``map_cell_length`` is the longer edge of the cell in metres.
 
     Raises
     ------
@@ -87,11 +87,14 @@ def read_surface(parameters: Mapping[str, Any]) -> xr.Dataset:
     """
     surface, options = _checked(parameters)
     kept = make_periodic(surface, options)
-    record = kept.treatment.attributes()
+    record: dict[str, Any] = {f"map_{name}": value for name, value in vars(kept.treatment).items()}
     if surface.unit is not None:
         record["map_cell_length"] = cell_edge(surface, options)
     return surface_dataset(kept.height, kept.grid).assign_attrs(
-        wavelength_short=kept.wavelength_short, edge_step=kept.treatment.edge_step, **record
+        wavelength_short=kept.wavelength_short,
+        edge_step=kept.treatment.edge_step,
+        map_treatment="\n".join(kept.done),
+        **record,
     )
 
 

@@ -21,14 +21,14 @@ from asperity.core.arguments import choice, finite_array, magnitude, number, rea
 from asperity.core.errors import InputError, shown
 from asperity.core.markup import picture, table
 from asperity.core.types import Array
-from asperity.core.units import to_si
+from asperity.core.units import shown_si, to_si
 
 PEAKS_UP, LOWER_FACE = "peaks up", "lower face"
 ORIENTATIONS = (PEAKS_UP, LOWER_FACE)
 """Meaning of the heights of a map: peaks upward as measured, or the lower face of an indenter."""
 
 DETRENDS = ("none", "tilt", "curvature")
-"""Trends that can be removed."""
+"""Trends that can be removed, of the degrees 0, 1 and 2."""
 
 PERIODICITIES = ("declared", "mirrored", "windowed", "none")
 """Ways in which a map is made periodic; with ``none`` it is not, for a contact with a free boundary."""
@@ -308,6 +308,12 @@ class HeightMap:
         if self.orientation is None:
             raise MapError(self.name, [ORIENTATION_NEEDED])
         return self.height if self.orientation == LOWER_FACE else -self.height
+
+    def shown_length(self, *values: float, digits: int = 3) -> str:
+        """One or two lengths in the unit of the map as text."""
+        return " x ".join(
+            shown_si(value, "m", digits) if self.unit else f"{value:.{digits}g}" for value in values
+        )
 
     def in_map_unit(self, name: str, value: float | str) -> float:
         """An option that is a length, in the unit of the map.

@@ -22,7 +22,6 @@ from scipy.fft import dctn
 from asperity.core.arguments import choice, number, require_finite
 from asperity.core.errors import shown
 from asperity.core.types import Array
-from asperity.core.units import shown_si
 from asperity.fourier.grid import Fourier, Grid, resample
 from asperity.surface.reading.height_map import AXES, LOWER_FACE, PEAKS_UP, HeightMap, MapError
 
@@ -137,15 +136,13 @@ def face_to_face(
     origin = part[0].start * pixel[0], part[1].start * pixel[1]
     whole = height.shape == lower.height.shape
 
-    def in_words(*values: float) -> list[str]:
-        return [shown_si(value, "m", 4) if lower.unit else f"{value:.4g}" for value in values]
-
     how = f"turned over about the axis {turned_about}"
     how = how if turned else "not turned: its heights are those of a lower face"
-    moved = f" with a shift of {' x '.join(in_words(shift_y, shift_x))}" if shift_y or shift_x else ""
-    done = [f"counter map {how}, and laid on the map{moved}"]
+    moved = f" with a shift of {lower.shown_length(shift_y, shift_x, digits=4)}"
+    done = [f"counter map {how}, and laid on the map{moved if shift_y or shift_x else ''}"]
     if not whole:
-        size, (y, x) = " x ".join(in_words(*combined.length)), in_words(*origin)
+        size = lower.shown_length(*combined.length, digits=4)
+        y, x = (lower.shown_length(place, digits=4) for place in origin)
         done.append(
             f"the maps have {size} in common; places count from its corner, y = {y} and x = {x} of the map"
         )

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import warnings
-from typing import NamedTuple
 
 import numpy as np
 
 from asperity.core.packages import require
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, resample
+from asperity.surface.reading.height_map import DETRENDS
 
 TAPER = 0.1
 """Fraction of an edge, at each of its ends, over which a windowed map falls to its mean plane."""
@@ -22,21 +22,6 @@ LONGEST_SPIKE = 5
 a particle, and stays."""
 
 _MAX_DESPIKE_ITERATIONS = 10
-
-
-class Trend(NamedTuple):
-    """Trend that was subtracted from a map.
-
-    Parameters
-    ----------
-    slope : (slope_y, slope_x)
-        Gradient of the mean plane.
-    bow : float
-        Difference between the largest and the smallest value of the terms of degree two.
-    """
-
-    slope: tuple[float, float]
-    bow: float
 
 
 def find_spikes(height: Array, threshold: float) -> Array:
@@ -153,37 +138,41 @@ def fill_harmonic(height: Array, missing: Array) -> Array:
     return np.asarray(topography.interpolate_undefined_data_with_harmonic_function().heights()).T
 
 
-def subtract_trend(height: Array, detrend: str, length: tuple[float, float]) -> tuple[Array, Trend]:
-    """The heights minus their least-squares polynomial, and that polynomial.
+def subtract_trend(
+    height: Array, detrend: str, length: tuple[float, float]
+) -> tuple[Array, tuple[float, float], float]:
+    """The heights minus their least-squares polynomial; its mean gradient (y, x), and the height of its bow.
 
-    The polynomial is a constant, a plane (``tilt``) or of degree two (``curvature``). Its terms are
-    orthogonal on a full grid.
+    The polynomial is a constant, a plane (``tilt``) or of degree two (``curvature``), and the bow is the
+    range of the terms of degree two. The terms are orthogonal on a full grid.
     """
-    linear_y, linear_x = (np.linspace(-1.0, 1.0, n) if n > 1 else np.zeros(1) for n in height.shape)
+    linear_y, linear_x = (np.linspace(-1.0, 1.0, n) for n in height.shape)
     square_y, square_x = (np.square(linear) - np.mean(np.square(linear)) for linear in (linear_y, linear_x))
     one_y, one_x = np.ones_like(linear_y), np.ones_like(linear_x)
-    terms = [(one_y, one_x)]
-    if detrend in ("tilt", "curvature"):
-        terms += [(linear_y, one_x), (one_y, linear_x)]
-    if detrend == "curvature":
-        terms += [(square_y, one_x), (linear_y, linear_x), (one_y, square_x)]
-    left = height.astype(float)
-    coefficients = []
-    for term_y, term_x in terms:
+    terms = [
+        (0, one_y, one_x),
+        (1, linear_y, one_x),
+        (1, one_y, linear_x),
+        (2, square_y, one_x),
+        (2, linear_y, linear_x),
+        (2, one_y, square_x),
+    ]
+    left, linear, curved = height.astype(float), [], np.zeros(height.shape)
+    for degree, term_y, term_x in terms:
         norm = (term_y @ term_y) * (term_x @ term_x)
-        coefficient = (term_y @ height @ term_x) / norm if norm > 0 else 0.0
-        coefficients.append(float(coefficient))
-        if norm > 0:
-            left -= np.outer(coefficient * term_y, term_x)
-    coefficients += [0.0] * (6 - len(coefficients))
+        if degree > DETRENDS.index(detrend) or norm == 0:
+            continue
+        coefficient = (term_y @ height @ term_x) / norm
+        subtracted = np.outer(coefficient * term_y, term_x)
+        left -= subtracted
+        if degree == 1:
+            linear.append(float(coefficient))
+        elif degree == 2:
+            curved += subtracted
     # The terms of degree one run from -1 to 1 over the distance between the first and the last point.
     half = [edge * (1 - 1 / n) / 2 for edge, n in zip(length, height.shape, strict=True)]
-    slope = coefficients[1] / half[0], coefficients[2] / half[1]
-    bow = 0.0
-    if detrend == "curvature":
-        shape = coefficients[3] * square_y[:, None] + coefficients[5] * square_x[None, :]
-        bow = float(np.ptp(shape + coefficients[4] * np.outer(linear_y, linear_x)))
-    return left, Trend(slope, bow)
+    slope_y, slope_x = linear or (0.0, 0.0)
+    return left, (slope_y / half[0], slope_x / half[1]), float(np.ptp(curved))
 
 
 def mirrored(height: Array) -> Array:

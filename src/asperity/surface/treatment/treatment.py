@@ -9,18 +9,20 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from asperity.core.arguments import require_finite
 from asperity.core.types import Array
-from asperity.core.units import shown_si
 from asperity.fourier.grid import Grid, good_size
 from asperity.surface.form import add_cylinder, add_sphere
 from asperity.surface.reading.height_map import (
+    LOWER_FACE,
     ORIENTATION_NEEDED,
+    PEAKS_UP,
     PERIODICITIES,
     UNIT_NEEDED,
     HeightMap,
@@ -49,115 +51,32 @@ _ROUNDING = 1e-13
 
 @dataclass(frozen=True)
 class MapTreatment:
-    """Record of what was done to a map.
+    """What the treatment of a map changed, in numbers; lengths are in the unit of the map.
 
     Parameters
     ----------
-    orientation : str
-        Meaning of the heights in the file: ``peaks up`` (they were turned upside down) or ``lower face``.
-    unit : str
-        Unit of the lengths below: ``m``, or ``unknown``.
     missing, spikes : int
         Points without data in the file, and points removed as spikes. Both were filled.
     filled_fraction : float
         Share of the points that were filled.
-    despike : float
-        Threshold for spikes in robust standard deviations, 0 if none were looked for.
-    detrend : str
     tilt : float
         Angle of the mean plane that was removed, in radians.
     bow : float
         Height of the terms of degree two that were removed, from lowest to highest point.
-    periodic : str
-        ``declared``, ``mirrored``, ``windowed``, ``none``, or ``stated by the file``.
     altered_fraction : float
         Share of the area that a window lowered.
     edge_step_before, edge_step : float
         `asperity.surface.treatment.levelling.edge_step` of the levelled map and of the result.
-    shape_y, shape_x, points_y, points_x : int
-        Points of the file and of the result.
-    length_y, length_x : float
-        Edges of the result.
-    wavelength_short : float
-        Shortest wave of the result.
-    filtered : int
-        1 if shorter waves were removed.
     """
 
-    orientation: str
-    unit: str
     missing: int
     spikes: int
     filled_fraction: float
-    despike: float
-    detrend: str
     tilt: float
     bow: float
-    periodic: str
     altered_fraction: float
     edge_step_before: float
     edge_step: float
-    shape_y: int
-    shape_x: int
-    points_y: int
-    points_x: int
-    length_y: float
-    length_x: float
-    wavelength_short: float
-    filtered: int
-
-    def attributes(self) -> dict[str, Any]:
-        """The record as attributes of a NetCDF file."""
-        return {f"map_{name}": value for name, value in asdict(self).items()}
-
-    @property
-    def images(self) -> int:
-        """Number of images of the map along each edge of the cell: 2 if it is mirrored."""
-        return 2 if self.periodic == "mirrored" else 1
-
-    def lines(self) -> list[str]:
-        """The record in words, one sentence a step."""
-        lines = [
-            "turned upside down: the peaks of the map touch first"
-            if self.orientation == "peaks up"
-            else "used as it is: the heights are those of an indenter's lower face"
-        ]
-        if self.despike:
-            lines.append(
-                f"spikes: {self._share(self.spikes)} beyond {self.despike:g} robust standard deviations "
-                "from the local median replaced"
-            )
-        if self.missing:
-            lines.append(f"without data: {self._share(self.missing)} filled by a harmonic function")
-        tilt = f"tilt of {math.degrees(self.tilt):.3g}°"
-        levelled = {
-            "none": "mean height",
-            "tilt": tilt,
-            "curvature": f"{tilt} and curvature of {self._length(self.bow)} height",
-        }
-        lines.append(f"levelled: {levelled[self.detrend]} removed")
-        lines.append(self._made_periodic())
-        if self.filtered:
-            lines.append(f"waves shorter than {self._length(self.wavelength_short)} removed")
-        if (self.points_y, self.points_x) != (self.images * self.shape_y, self.images * self.shape_x):
-            lines.append(f"resampled to {self.points_y} x {self.points_x} points")
-        return lines
-
-    def _made_periodic(self) -> str:
-        step = f"edge step {self.edge_step_before:.3g} times that between neighbouring points"
-        size = f"{self._length(self.length_y)} x {self._length(self.length_x)}"
-        return {
-            "mirrored": f"mirrored at two edges: the cell is {size}",
-            "windowed": f"windowed: {100 * self.altered_fraction:.3g} % of the area lowered towards the mean",
-            "declared": f"taken as one period, as declared: {step}",
-            "none": "not made periodic: for a free boundary",
-        }.get(self.periodic, f"taken as one period, as the file states: {step}")
-
-    def _share(self, count: int) -> str:
-        return f"{count} points ({100 * count / (self.shape_y * self.shape_x):.2g} %)"
-
-    def _length(self, value: float) -> str:
-        return shown_si(value, "m", 3) if self.unit == "m" else f"{value:.3g}"
 
 
 @dataclass(frozen=True, repr=False)
@@ -173,45 +92,43 @@ class TreatedMap:
     wavelength_short : float
         Shortest wavelength that was kept.
     treatment : MapTreatment
-        Record of what was done.
+    done : tuple of str
+        What was done to the map, in words, a sentence a step.
     name : str
         Name of the map.
-    done : tuple of str
-        What was done to the map, in words.
+    images : int
+        Number of images of the map along each edge of the cell: 2 if it is mirrored.
+    boundary : "periodic" | "free"
+        Boundary of the contact, "free" if the map was not made periodic.
     """
 
     height: Array
     grid: Grid
     wavelength_short: float
     treatment: MapTreatment
-    name: str = ""
     done: tuple[str, ...] = ()
+    name: str = ""
+    images: int = 1
+    boundary: str = "periodic"
 
     def __repr__(self) -> str:
         ny, nx = self.height.shape
         return f"<TreatedMap of {ny} × {nx} nodes, shortest wavelength {self.wavelength_short:.4g}>"
 
     @property
-    def boundary(self) -> str:
-        """Boundary of the contact, "free" if the map was not made periodic."""
-        return "free" if self.treatment.periodic == "none" else "periodic"
-
-    @property
     def is_mirrored(self) -> bool:
         """True if the cell holds the map and its mirror images."""
-        return self.treatment.images > 1
+        return self.images > 1
 
     @property
     def map_length(self) -> tuple[float, float]:
         """Edges of the map; those of the cell of a mirrored map are twice as long."""
-        images = self.treatment.images
-        return self.grid.length[0] / images, self.grid.length[1] / images
+        return self.grid.length[0] / self.images, self.grid.length[1] / self.images
 
     @property
     def map_shape(self) -> tuple[int, int]:
         """Nodes (y, x) of the map in the cell."""
-        images = self.treatment.images
-        return self.grid.shape[0] // images, self.grid.shape[1] // images
+        return self.grid.shape[0] // self.images, self.grid.shape[1] // self.images
 
     @property
     def map_area(self) -> float:
@@ -245,9 +162,8 @@ class TreatedMap:
     def map_alone(self) -> TreatedMap:
         """The surface without its periodic images and mirror images: nothing surrounds it."""
         rows, columns = self.map_shape
-        record = replace(self.treatment, periodic="none", edge_step=0.0)
-        height, grid = self.height[:rows, :columns], Grid(self.map_shape, self.map_length)
-        return replace(self, height=height, grid=grid, treatment=record)
+        grid = Grid(self.map_shape, self.map_length)
+        return replace(self, height=self.height[:rows, :columns], grid=grid, images=1, boundary="free")
 
 
 def prepare_map(path: str | os.PathLike[str], options: MapOptions | None = None, **given: Any) -> TreatedMap:
@@ -326,7 +242,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     if options.despike is not None:
         spikes = find_spikes(surface.height, options.despike)
     filled = fill_harmonic(surface.height, missing | spikes)
-    level, trend = subtract_trend(filled, options.detrend, surface.length)
+    level, slope, bow = subtract_trend(filled, options.detrend, surface.length)
     if np.ptp(level) <= _ROUNDING * np.abs(filled).max():
         raise MapError(surface.name, ["a surface that varies is needed, this one is flat"])
     step, altered = edge_step(level), 0.0
@@ -335,47 +251,81 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     elif options.periodic == "windowed":
         window = tukey_window(level.shape)
         level, altered = level * window, float(np.mean(window < 1))
-    lower = level - np.mean(level) if surface.orientation == "lower face" else np.mean(level) - level
+    lower = level - np.mean(level) if surface.orientation == LOWER_FACE else np.mean(level) - level
     grid, target = _grids(surface, options)
     shortest = options.wavelength_short
     if shortest is not None:
         shortest = surface.in_map_unit("wavelength_short", shortest)
     low_pass = low_pass_bounded if options.periodic == "none" else low_pass_periodic
-    smooth = low_pass(lower, grid, target, shortest)
-    if np.ptp(smooth) <= _ROUNDING * np.ptp(lower):
-        raise MapError(
-            surface.name,
-            ["wavelength_short: a smaller one is needed, the map has no waves of this length or longer"],
-        )
-    require_finite("treat_map", {"height": smooth})
-    missing_points, spike_points = int(np.count_nonzero(missing)), int(np.count_nonzero(spikes))
+    height = low_pass(lower, grid, target, shortest)
+    if np.ptp(height) <= _ROUNDING * np.ptp(lower):
+        problem = "wavelength_short: a smaller one is needed, the map has no waves of this length or longer"
+        raise MapError(surface.name, [problem])
+    require_finite("treat_map", {"height": height})
     record = MapTreatment(
-        orientation=surface.orientation or "",
-        unit="m" if surface.unit else "unknown",
-        missing=missing_points,
-        spikes=spike_points,
-        filled_fraction=(missing_points + spike_points) / surface.height.size,
-        despike=options.despike or 0.0,
-        detrend=options.detrend,
-        tilt=math.atan(math.hypot(*trend.slope)),
-        bow=trend.bow,
-        periodic=options.periodic or "stated by the file",
+        missing=int(np.count_nonzero(missing)),
+        spikes=int(np.count_nonzero(spikes)),
+        filled_fraction=np.count_nonzero(missing | spikes) / surface.height.size,
+        tilt=math.atan(math.hypot(*slope)),
+        bow=bow,
         altered_fraction=altered,
         edge_step_before=step,
-        edge_step=edge_step(smooth),
-        shape_y=surface.height.shape[0],
-        shape_x=surface.height.shape[1],
-        points_y=target.shape[0],
-        points_x=target.shape[1],
-        length_y=target.length[0],
-        length_x=target.length[1],
-        wavelength_short=shortest or _two_nodes(grid, target),
-        filtered=int(shortest is not None),
+        edge_step=edge_step(height),
     )
-    treated = TreatedMap(smooth, target, record.wavelength_short, record, surface.name, tuple(record.lines()))
+    treated = TreatedMap(
+        height,
+        target,
+        shortest or _two_nodes(grid, target),
+        record,
+        tuple(_steps(surface, options, record, grid, target, shortest)),
+        surface.name,
+        grid.shape[0] // surface.height.shape[0],
+        "free" if options.periodic == "none" else "periodic",
+    )
     if options.radius is None:
         return treated
-    return _with_form(treated, options, surface.in_map_unit("radius", options.radius))
+    return _with_form(treated, options, surface)
+
+
+def _steps(
+    surface: HeightMap,
+    options: MapOptions,
+    record: MapTreatment,
+    grid: Grid,
+    target: Grid,
+    shortest: float | None,
+) -> Iterator[str]:
+    """What is done to a map, one sentence a step; `grid` is that of the cell before it is resampled."""
+
+    def share(count: int) -> str:
+        return f"{count} points ({100 * count / surface.height.size:.2g} %)"
+
+    if surface.orientation == PEAKS_UP:
+        yield "turned upside down: the peaks of the map touch first"
+    else:
+        yield "used as it is: the heights are those of an indenter's lower face"
+    if options.despike:
+        yield (
+            f"spikes: {share(record.spikes)} beyond {options.despike:g} robust standard deviations from the "
+            "local median replaced"
+        )
+    if record.missing:
+        yield f"without data: {share(record.missing)} filled by a harmonic function"
+    tilt, bow = f"tilt of {math.degrees(record.tilt):.3g}°", surface.shown_length(record.bow)
+    levels = {"none": "mean height", "tilt": tilt, "curvature": f"{tilt} and curvature of {bow} height"}
+    yield f"levelled: {levels[options.detrend]} removed"
+    step = f"edge step {record.edge_step_before:.3g} times that between neighbouring points"
+    yield {
+        None: f"taken as one period, as the file states: {step}",
+        "declared": f"taken as one period, as declared: {step}",
+        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*target.length)}",
+        "windowed": f"windowed: {100 * record.altered_fraction:.3g} % of the area lowered towards the mean",
+        "none": "not made periodic: for a free boundary",
+    }[options.periodic]
+    if shortest is not None:
+        yield f"waves shorter than {surface.shown_length(shortest)} removed"
+    if target.shape != grid.shape:
+        yield f"resampled to {target.shape[0]} x {target.shape[1]} points"
 
 
 def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given: Any) -> TreatedMap:
@@ -461,8 +411,7 @@ def _out_of_range(surface: HeightMap, options: MapOptions) -> list[str]:
     shortest, longest = _two_nodes(grid, target), max(grid.length)
     if shortest * (1 - 1e-9) <= given <= longest * (1 + 1e-9):
         return []
-    in_unit = (lambda size: shown_si(size, "m", 6)) if surface.unit else (lambda size: f"{size:.6g}")
-    low, high, value = in_unit(shortest), in_unit(longest), in_unit(float(given))
+    low, high, value = (surface.shown_length(size, digits=6) for size in (shortest, longest, float(given)))
     return [f"wavelength_short = {value}: a number ≥ {low} (two nodes), ≤ {high} is needed"]
 
 
@@ -485,17 +434,17 @@ def _two_nodes(grid: Grid, target: Grid) -> float:
     return 2 * max(*grid.spacing, *target.spacing)
 
 
-def _with_form(treated: TreatedMap, options: MapOptions, radius: float) -> TreatedMap:
+def _with_form(treated: TreatedMap, options: MapOptions, surface: HeightMap) -> TreatedMap:
     """The surface with the form of a sphere or cylinder, on every mirror image of the map."""
     part = Grid(treated.map_shape, treated.map_length)
-    flat = np.zeros(part.shape)
+    flat, word = np.zeros(part.shape), "a sphere"
+    radius = surface.in_map_unit("radius", options.radius or 0.0)
     if options.form == "sphere":
-        form, word = add_sphere(flat, part, radius), "a sphere"
+        form = add_sphere(flat, part, radius)
     else:
         form = add_cylinder(flat, part, radius, axis=options.cylinder_axis)
         word = f"a cylinder along {options.cylinder_axis}"
     if treated.is_mirrored:
         form = mirrored(form)
-    size = shown_si(radius, "m") if treated.treatment.unit == "m" else f"{radius:g}"
-    line = f"form of {word} of radius {size} added"
+    line = f"form of {word} of radius {surface.shown_length(radius, digits=4)} added"
     return replace(treated, height=treated.height + form, done=(*treated.done, line))
