@@ -227,7 +227,7 @@ def test_everything_wrong_is_named_at_once(tmp_path, capsys):
     starts = [line.removeprefix("asperity: ").split(" ")[0].rstrip(":,") for line in lines]
     assert starts == [
         *("--young", "--poisson", "--pressure"),
-        *("--pressure", "--rigid", "--bottom", "--out", str(tmp_path / "none.x3p")),
+        *("--pressure", "--rigid", "--bottom", "--counter-young", "--out", str(tmp_path / "none.x3p")),
     ]
     assert "(kPa, MPa, GPa, N/mm^2) is needed" in lines[0]
 

@@ -14,6 +14,7 @@ from typing import Any
 from asperity.contact import Contact, solve
 from asperity.core.arguments import choices, require_finite
 from asperity.core.types import Progress
+from asperity.core.units import shown_si
 from asperity.engineering.advice import advise
 from asperity.engineering.answer import Answer
 from asperity.engineering.answer_numbers import (
@@ -154,12 +155,19 @@ def run(
 
 def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Contact:
     """The contact of the case."""
-    load = case.load
+    load, lowest = case.load, float(face.height.min())
     imposed: dict[str, Any] = {load.kind: load.value}
     if load.kind == "force":
         imposed = {"mean_pressure": load.value / face.map_area}
     elif load.kind == "approach":
-        imposed = {"approach": float(face.height.min()) + load.value}
+        most = float(face.height.mean()) - lowest
+        if face.boundary == "periodic" and case.solid.uniform_compliance() == 0 and load.value >= most:
+            raise ValueError(
+                f"approach = {shown_si(load.value, 'm')}: less than {shown_si(most, 'm')} is needed, the "
+                "height of the mean plane above the point that touches first; there a periodic half-space "
+                "is in full contact"
+            )
+        imposed = {"approach": lowest + load.value}
     return solve(
         face.height,
         case.solid,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +20,7 @@ from asperity.results.dataset import grid_of
 from asperity.results.variables import SI_UNITS, cell_length, in_cell_lengths, in_si
 from asperity.study.config.check import check_section
 from asperity.study.config.defaults import complete_map, default
-from asperity.study.stages.contact import largest_approach, solve_contact
-from asperity.study.stages.solid import solid
+from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.surface import read_surface
 from asperity.surface.reading.formats import path_problem
 from asperity.surface.reading.height_map import MapError
@@ -34,15 +34,25 @@ def run(options: argparse.Namespace) -> None:
     check_out([options.out], [options.surface])
     layer, contact = section(options, "layer"), section(options, "contact")
     young = options.young and to_si(options.young, "pressure", "--young")
-    given = _loads_given(options, contact)
+    loads = {name: text for name in DIMENSIONS_OF_LOADS if (text := getattr(options, name)) is not None}
+    names = [*map(flag, loads), *(["--area-fraction"] if "area_fraction" in contact else [])]
+    if len(names) > 1:
+        raise ValueError(f"{names[0]}: not accepted together with {names[1]}; one load is imposed")
+    if not names:
+        contact["area_fraction"] = default("contact.area_fraction")
     check_section("contact", contact, flag)
     contact["path_area_fractions"] = sorted(contact.get("path_area_fractions", []))
     surface, settings, edge = _surface(Path(options.surface), section(options, "measured.NAME"))
-    _check_system(options.surface, surface, edge, young)
-    if given:
+    if young and edge is None:
+        raise ValueError(f"--young: for surfaces with a unit, {options.surface} has none")
+    if edge is not None and not young and "map_cell_length" not in surface.attrs:
+        raise ValueError(
+            f"--young: missing; {options.surface} is in SI units, a pressure with its unit is needed"
+        )
+    for name, text in loads.items():
         scale = None if edge is None or not young else (edge, young / (1 - layer["poisson"] ** 2))
-        load = _load(*given, scale, _map_area(surface, settings))
-        _check_approach(given[1], load, surface, layer, edge)
+        images = 4 if settings["surface"].get("periodic") == "mirrored" else 1
+        load = _load(name, text, scale, grid_of(surface).area / images)
         check_section("contact", load, flag)
         contact |= load
     with progress_bar(f"contact {settings['name']}") as progress:
@@ -88,27 +98,6 @@ def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, A
     return surface, settings, surface.attrs.get("map_cell_length")
 
 
-def _check_system(path: str, surface: xr.Dataset, edge: float | None, young: float | None) -> None:
-    """Raise `ValueError` if only one of the surface and the solid is in SI units."""
-    if young and edge is None:
-        raise ValueError(f"--young: for surfaces with a unit, {path} has none")
-    if edge is not None and not young and "map_cell_length" not in surface.attrs:
-        raise ValueError(f"--young: missing; {path} is in SI units, a pressure with its unit is needed")
-
-
-def _loads_given(options: argparse.Namespace, contact: dict[str, Any]) -> tuple[str, str] | None:
-    """Name and text of an imposed quantity other than the area; without one `contact` gets an area."""
-    others = {name: getattr(options, name) for name in DIMENSIONS_OF_LOADS}
-    given = [(name, text) for name, text in others.items() if text is not None]
-    names = [flag(name) for name, _ in given] + ["--area-fraction"] * ("area_fraction" in contact)
-    if len(names) > 1:
-        raise ValueError(f"{names[0]}: not accepted together with {names[1]}; one load is imposed")
-    if given:
-        return given[0]
-    contact.setdefault("area_fraction", default("contact.area_fraction"))
-    return None
-
-
 def _load(name: str, text: str, scale: tuple[float, float] | None, area: float) -> dict[str, float]:
     """The load as a setting of section ``contact``, in the units of the study.
 
@@ -119,16 +108,11 @@ def _load(name: str, text: str, scale: tuple[float, float] | None, area: float) 
     scale : (length, modulus) or None
         Edge of the cell in m and effective modulus in Pa; None without them.
     area : float
-        On which a force acts, over the square of the edge of the cell.
+        On which a force acts, that of the map, over the square of the edge of the cell.
     """
-    try:
-        number = float(text)
-    except ValueError:
-        number = None
-    if number is not None and name != "force":
-        return {name: number}
-    if number is not None:
-        raise ValueError(f"{flag(name)} = {shown(text)}: a force with its unit, such as '12 N', is needed")
+    if name != "force":
+        with suppress(ValueError):
+            return {name: float(text)}
     value = to_si(text, DIMENSIONS_OF_LOADS[name], flag(name))
     if not value > 0:
         raise ValueError(f"{flag(name)} = {shown(text)}: more than 0 is needed")
@@ -138,22 +122,3 @@ def _load(name: str, text: str, scale: tuple[float, float] | None, area: float) 
     if name == "approach":
         return {"approach": value / length}
     return {"mean_pressure": value / modulus / (area * length**2 if name == "force" else 1)}
-
-
-def _map_area(surface: xr.Dataset, settings: dict[str, Any]) -> float:
-    """Area on which a force acts, in cell lengths: that of the cell, of which a mirrored map is a quarter."""
-    images = 4 if settings["surface"].get("periodic") == "mirrored" else 1
-    return grid_of(surface).area / images
-
-
-def _check_approach(
-    text: str, load: dict[str, float], surface: xr.Dataset, layer: dict[str, Any], edge: float | None
-) -> None:
-    """Raise `ValueError` for an approach that no pressure causes."""
-    most = largest_approach(surface["height"].values, solid(layer)[0])
-    if load.get("approach", 0.0) >= most:
-        shown_most = f"{most:.6g}" if edge is None else shown_si(most * edge, "m")
-        raise ValueError(
-            f"--approach = {text}: less than {shown_most} is needed, the height of the mean plane above the "
-            "point that touches first; there a periodic half-space is in full contact"
-        )
