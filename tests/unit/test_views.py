@@ -335,7 +335,7 @@ def test_the_command_draws_several_results(files, tmp_path):
     [
         ("{contact}", "result files and one of height, pressure, gap, section, plane, peaks are needed"),
         ("{contact} {contact} gap", "contact.nc: given twice"),
-        ("{stress} gap", "a result of stress, one of contact is needed for gap"),
+        ("{stress} gap", "a result of stress, one of contact is needed"),
         ("{contact} section y=205um", "y = '205um': a number in cell lengths is needed"),
         ("{contact} section y=0.1 x=0.1", "y, x: a number for one of them"),
         ("{contact} section z=1", "'z=1': one of y=..., x=..., depth=... is needed"),

@@ -2,14 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 import xarray as xr
 
 from asperity.results import dataset
-from asperity.results.dataset import settings_of, stage_of
 from asperity.study.config.reader import is_file
+
+MAKERS = {
+    "surface": "asperity surface",
+    "contact": "asperity solve",
+    "stress": "asperity stress",
+    "statistics": "asperity peaks",
+}
+"""Stage → command that makes its results."""
+
+
+def read_result(path: str | Path, stages: Collection[str]) -> tuple[str, xr.Dataset]:
+    """Stage and content of a result file, which has to be of one of some stages.
+
+    Raises
+    ------
+    ValueError
+        If it is a result of another stage.
+    DatasetError
+        If it is missing or damaged.
+    """
+    data = dataset.read(path)
+    stage = dataset.stage_of(data)
+    if stage is None or stage not in stages:
+        known = " or ".join(stages)
+        raise ValueError(f"{path}: a result of {stage or 'no stage'}, one of {known} is needed")
+    return stage, data
+
+
+def required(given: Mapping[str, Any], stage: str, what: str) -> Any:
+    """The result of a stage, which an option or a figure needs; `ValueError` if none is given."""
+    if stage not in given:
+        maker = f" (of {MAKERS[stage]})" if stage in MAKERS else ""
+        raise ValueError(f"{what}: a {stage} file{maker} is needed, none is given")
+    return given[stage]
 
 
 def read_stage(path: str | Path, stage: str) -> xr.Dataset:
@@ -22,10 +56,8 @@ def read_stage(path: str | Path, stage: str) -> xr.Dataset:
     DatasetError
         If it is missing or damaged.
     """
-    data = dataset.read(path)
-    if (found := stage_of(data)) != stage:
-        raise ValueError(f"{path}: a result of {found or 'no stage'}, one of {stage} is needed")
-    if "map" in settings_of(data):
+    _, data = read_result(path, [stage])
+    if "map" in dataset.settings_of(data):
         raise ValueError(
             f"{path}: a result of asperity run, which makes those of all stages itself; one of asperity "
             "surface, solve or stress is needed"

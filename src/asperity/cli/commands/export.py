@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import argparse
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import xarray as xr
 
-from asperity.cli.files import check_out
+from asperity.cli.files import check_out, read_result, required
 from asperity.cli.notice import progress_bar
 from asperity.cli.parser import section, sliding
 from asperity.cli.positions import is_si, length, positions, span
 from asperity.core.errors import shown
 from asperity.core.types import Array
-from asperity.results import dataset
 from asperity.results.tables import SUFFIXES
 from asperity.stress.planes.fields import FIELDS
 from asperity.stress.section import stress_box
@@ -31,9 +29,6 @@ from asperity.views.export import (
     write_surface_table,
 )
 from asperity.views.source import Source, Window, sources
-
-MAKERS = {"surface": "asperity surface", "contact": "asperity solve", "stress": "asperity stress"}
-"""Stage → command that makes its results."""
 
 
 def run(options: argparse.Namespace) -> None:
@@ -55,14 +50,18 @@ def run(options: argparse.Namespace) -> None:
     for path, accepted in suffixes.items():
         if Path(path).suffix not in accepted:
             raise ValueError(f"{path}: a name that ends in {' or '.join(accepted)} is needed")
-    given = _by_stage(options.results)
+    given: dict[str, xr.Dataset] = {}
+    for path in options.results:
+        stage, data = read_result(path, ("surface", "contact", "stress"))
+        if stage in given:
+            raise ValueError(f"{path}: a second result of {stage}, one is needed")
+        given[stage] = data
     if options.peaks:
-        count = write_peaks(_needed(given, "stress", "--peaks"), options.peaks)
+        count = write_peaks(required(given, "stress", "--peaks"), options.peaks)
         print(f"{options.peaks}: {count} peaks")
     if options.surface or profiles:
-        data = given.get("contact")
-        if data is None:
-            data = _needed(given, "surface", "--surface, --profile")
+        stage = "contact" if "contact" in given else "surface"
+        data = required(given, stage, "--surface, --profile")
         source = sources(data)[0]
         fields = surface_fields(data, source)
         for path in options.surface or ():
@@ -70,7 +69,7 @@ def run(options: argparse.Namespace) -> None:
         for axis, text, path in profiles:
             _export_profile(data, source, fields, axis, text, path)
     for names, depths, path in boxes:
-        _export_box(_needed(given, "contact", "--field"), names, depths, path, options)
+        _export_box(required(given, "contact", "--field"), names, depths, path, options)
 
 
 def _box_chosen(text: str) -> tuple[list[str], str]:
@@ -89,27 +88,6 @@ def _line_chosen(text: str) -> tuple[str, str]:
     """Axis and position of a profile, from text such as ``y=205um``."""
     (found,) = positions("--profile", [text], ("y", "x")).items()
     return found
-
-
-def _by_stage(paths: list[str]) -> dict[str, xr.Dataset]:
-    found: dict[str, xr.Dataset] = {}
-    for path in paths:
-        data = dataset.read(path)
-        stage = dataset.stage_of(data)
-        if stage not in MAKERS:
-            raise ValueError(
-                f"{path}: a result of {stage or 'no stage'}, one of {', '.join(MAKERS)} is needed"
-            )
-        if stage in found:
-            raise ValueError(f"{path}: a second result of {stage}, one is needed")
-        found[stage] = data
-    return found
-
-
-def _needed(given: Mapping[str, xr.Dataset], stage: str, option: str) -> xr.Dataset:
-    if stage not in given:
-        raise ValueError(f"{option}: a {stage} file (of {MAKERS[stage]}) is needed, none is given")
-    return given[stage]
 
 
 def _spans(options: argparse.Namespace, si: bool) -> dict[str, tuple[float, float]]:

@@ -8,7 +8,7 @@ from typing import Any
 
 import xarray as xr
 
-from asperity.cli.files import check_out
+from asperity.cli.files import MAKERS, check_out, read_result, required
 from asperity.cli.parser import section
 from asperity.core.packages import require
 from asperity.paper.figures import draw, known
@@ -16,7 +16,6 @@ from asperity.results import dataset
 from asperity.results.variables import STUDY_UNITS
 from asperity.views.style import save, style
 
-_MAKERS = {"contact": "asperity solve", "stress": "asperity stress", "statistics": "asperity peaks"}
 _OF_ONE_RATIO = (8, 9, 10, 11, 13, 17, 18)
 """Figures that show one Poisson's ratio."""
 
@@ -32,10 +31,7 @@ def run(options: argparse.Namespace) -> None:
         raise ValueError(f"{figure} is drawn from the validation of the study only")
     given = _by_stage(options.results)
     for stage in stages:
-        if stage not in given:
-            maker = f" (of {_MAKERS[stage]})" if stage in _MAKERS else ""
-            raise ValueError(f"{figure}: a {stage} file{maker} is needed, none is given")
-        if list(given[stage]) != list(given[stages[0]]):
+        if list(required(given, stage, figure)) != list(given[stages[0]]):
             raise ValueError(f"{figure}: the same surfaces are needed from each stage")
     shown: dict[str, Any] = {stage: given[stage] for stage in stages}
     if options.figure in _OF_ONE_RATIO:
@@ -51,14 +47,11 @@ def _by_stage(paths: list[str]) -> dict[str, dict[str, xr.Dataset]]:
     """Results by stage and name of the surface; a name that is given twice is numbered."""
     given: dict[str, dict[str, xr.Dataset]] = {}
     for path in paths:
-        data = dataset.read(path)
+        stage, data = read_result(path, MAKERS)
         if (system := dataset.unit_system(data)) != STUDY_UNITS:
             raise ValueError(
                 f"{path}: in {system} units; a result in cell lengths, as of the study, is needed"
             )
-        stage = dataset.stage_of(data)
-        if stage is None:
-            raise ValueError(f"{path}: no result of surface, contact, stress or statistics")
         results = given.setdefault(stage, {})
         name = dataset.settings_of(data)["name"]
         numbered = (f"{name} {number}" for number in range(2, len(results) + 3))

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any
 
 from asperity.cli.files import check_out
-from asperity.cli.parser import section
+from asperity.cli.parser import flag, section
 from asperity.core.errors import shown
 from asperity.core.units import shown_si, to_si
 from asperity.results import write_result
@@ -33,10 +32,20 @@ def run(options: argparse.Namespace) -> None:
     parameters = given | {name: _in_cell_lengths(name, given[name], edge) for name in LENGTHS}
     moments = {name: parameters.pop(f"moments.{name}", None) for name in ("skewness", "kurtosis")}
     if any(value is not None for value in moments.values()):
-        parameters["moments"] = _checked_moments(moments)
-    short = parameters["wavelength_short"]
-    parameters.setdefault("points", PRESETS[default("accuracy")].points(short))
-    _check_band(parameters, given)
+        if None in moments.values():
+            raise ValueError("--skewness, --kurtosis: both are needed, or none of them")
+        parameters["moments"] = moments
+    points = parameters.setdefault(
+        "points", PRESETS[default("accuracy")].points(parameters["wavelength_short"])
+    )
+    if needed := needed_instead(points, setting("surfaces.NAME.points")):
+        raise ValueError(f"--points = {points}, the default: {needed} is needed")
+    if points * parameters["wavelength_short"] < 2 - _ROUNDING:
+        fewest = round(2 / parameters["wavelength_short"])
+        raise ValueError(
+            f"--points = {points}: at least {fewest} are needed, two on --wavelength-short = "
+            f"{given['wavelength_short']}"
+        )
     name = Path(options.out).stem
     parameters.setdefault("label", f"H = {parameters['hurst']:g}")
     surface = make_surface(parameters, options.seed)
@@ -61,51 +70,17 @@ def _in_cell_lengths(name: str, text: str, edge: float | None) -> float:
     ValueError
         If it has a unit and the cell has none or the reverse, or the schema does not accept it.
     """
-    flag = _flag(name)
     if edge is not None:
-        value = to_si(text, "length", flag) / edge
+        value = to_si(text, "length", flag(name)) / edge
     else:
         try:
             value = float(text)
         except ValueError:
             raise ValueError(
-                f"{flag} = {shown(text)}: a number in cell lengths is needed, or a length with a unit "
+                f"{flag(name)} = {shown(text)}: a number in cell lengths is needed, or a length with a unit "
                 "together with --length, the edge of the cell"
             ) from None
     if needed := needed_instead(value, setting(f"surfaces.NAME.{name}")):
         size = "" if edge is None else f", {value:.4g} of --length"
-        raise ValueError(f"{flag} = {shown(text)}{size}: {needed}, in cell lengths, is needed")
+        raise ValueError(f"{flag(name)} = {shown(text)}{size}: {needed}, in cell lengths, is needed")
     return value
-
-
-def _checked_moments(moments: dict[str, float | None]) -> dict[str, float]:
-    skewness, kurtosis = moments["skewness"], moments["kurtosis"]
-    if skewness is None or kurtosis is None:
-        raise ValueError("--skewness, --kurtosis: both are needed, or none of them")
-    if kurtosis <= 1 + skewness**2:
-        raise ValueError(
-            f"--kurtosis = {kurtosis:g}: a number > {1 + skewness**2:g}, 1 + skewness², is needed"
-        )
-    return {"skewness": skewness, "kurtosis": kurtosis}
-
-
-def _check_band(parameters: dict[str, Any], given: dict[str, Any]) -> None:
-    """Raise `ValueError` if the wavelengths contradict each other or the number of nodes."""
-    short, long, points = (parameters[name] for name in ("wavelength_short", "wavelength_long", "points"))
-    if short > long:
-        raise ValueError(
-            f"--wavelength-short = {shown(given['wavelength_short'])}: at most --wavelength-long = "
-            f"{given['wavelength_long']} is needed"
-        )
-    most = setting("surfaces.NAME.points")["maximum"]
-    if points > most:
-        raise ValueError(f"--points: the default, {points}, is more than {most}; another number is needed")
-    if points * short < 2 - _ROUNDING:
-        raise ValueError(
-            f"--points = {points}: at least {round(2 / short)} are needed, two on --wavelength-short = "
-            f"{given['wavelength_short']}"
-        )
-
-
-def _flag(name: str) -> str:
-    return "--" + name.replace("_", "-")

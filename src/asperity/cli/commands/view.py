@@ -10,12 +10,11 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from asperity.cli.files import check_out
+from asperity.cli.files import check_out, read_result
 from asperity.cli.notice import progress_bar
 from asperity.cli.parser import flag, section, sliding
 from asperity.cli.positions import is_si, is_span, length, positions, span
 from asperity.core.errors import shown
-from asperity.results import dataset
 from asperity.stress.analysis import QUANTITIES
 from asperity.stress.planes.fields import FIELDS
 from asperity.views.maps import plot_gap, plot_height, plot_pressure
@@ -62,12 +61,7 @@ def _read(paths: Sequence[str], view: str) -> dict[str, xr.Dataset]:
     for path in paths:
         if path in read:
             raise ValueError(f"{path}: given twice")
-        read[path] = dataset.read(path)
-        if (stage := dataset.stage_of(read[path])) not in needed:
-            listed = " or ".join(needed)
-            raise ValueError(
-                f"{path}: a result of {stage or 'no stage'}, one of {listed} is needed for {view}"
-            )
+        _, read[path] = read_result(path, needed)
     titles = [title_of(data) for data in read.values()]
     stems = [Path(path).stem for path in paths]
     apart = [stem if stems.count(stem) == 1 else path for path, stem in zip(paths, stems, strict=True)]
