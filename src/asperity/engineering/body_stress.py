@@ -37,8 +37,8 @@ DIRECTION = {"von_mises": 1, "largest_shear": 1, "principal_1": 1, "principal_3"
 BOUNDS = {"largest_shear": (3**-0.5, 0.0), "principal_1": (2 / 3, 1.0), "principal_3": (2 / 3, -1.0)}
 """Field → factors of the von Mises and the hydrostatic stress in an upper bound of it, or of its negative.
 
-Principal stresses are computed only where the bound exceeds the extreme value so far: `run` takes a quarter of
-the time at 512²."""
+Principal stresses are computed only where the bound exceeds the extreme value so far: `run` takes a quarter
+of the time at 512²."""
 
 ROUNDING = 1e-5
 """Uncertainty of these bounds by rounding in single precision, relative to the highest of a plane."""
