@@ -12,8 +12,7 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -47,9 +46,6 @@ FORMAT_VERSION = 1
 
 FFT_ENGINE = "fft_engine"
 """Attribute that holds the library of the Fourier transforms, its version and plans."""
-
-MAX_BLOCK = 2**26
-"""Bytes of a variable that are read at once to compute a fingerprint."""
 
 _DENSE = ("height", "displacement", "gap")
 """Fields of which compression would save a sixth of the file and take most of the time of writing it."""
@@ -197,58 +193,28 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     (('y', 'x'), 0.001)
     >>> folder.cleanup()
     """
-    with _opened(path) as opened:
-        _check_size(opened, path)
-        dataset = opened.load()
-        _check(dataset)
-    return dataset
-
-
-def read_made_from(path: str | os.PathLike[str], settings: Mapping[str, Any]) -> xr.Dataset | None:
-    """A result file as of `read`; None if it is missing, damaged or made from other settings."""
-    try:
-        dataset = read(path)
-    except DatasetError:
-        return None
-    return dataset if settings_of(dataset) == settings else None
-
-
-def verify(path: str | os.PathLike[str]) -> None:
-    """Check a file of the project's own results as `read` does, in little memory.
-
-    Raises
-    ------
-    DatasetError
-        As by `read`; the message says that a damaged file may be deleted.
-    """
-    with _opened(path, own=True) as opened:
-        _check(opened)
-
-
-@contextmanager
-def _opened(path: str | os.PathLike[str], own: bool = False) -> Iterator[xr.Dataset]:
-    """A result file whose values are not read yet; errors in the block become a `DatasetError`.
-
-    The message advises to delete the file only if it is a result: it is known to be the user's own, or holds
-    a fingerprint. Any other may be, for example, a measured map of the user.
-    """
     if not Path(path).is_file():
         raise DatasetError(f"{path}: {'not a regular file' if os.path.exists(path) else 'no such file'}")
+    is_result = False
     try:
         with xr.open_dataset(path, engine="netcdf4", cache=False) as opened:
             if FINGERPRINT not in opened.attrs:
                 raise ValueError(f"it has no attribute {FINGERPRINT}")
-            own = True
+            is_result = True
             if (version := int(opened.attrs.get(FORMAT, 1))) > FORMAT_VERSION:
                 raise NewerFileError(
                     f"{path}: {FORMAT} = {version}, at most {FORMAT_VERSION} is read by asperity "
                     f"{__version__}; install a newer asperity"
                 )
-            yield opened
+            _check_size(opened, path)
+            dataset = opened.load()
+            _check(dataset)
+            return dataset
     except DatasetError:
         raise
     except (OSError, RuntimeError, ValueError, KeyError, AttributeError) as error:
-        if own:
+        # Only a file with a fingerprint is surely a result: any other may be a measured map of the user.
+        if is_result:
             raise DatasetError(f"{path}: damaged ({error}); delete it and run again") from error
         raise DatasetError(f"{path}: not a result of asperity, or damaged ({error})") from error
 
@@ -292,8 +258,7 @@ def fingerprint(dataset: xr.Dataset) -> str:
         variable = dataset.variables[name]
         found.update(_attribute_bytes({"name": name, "dims": variable.dims, "shape": variable.shape}))
         found.update(_attribute_bytes(variable.attrs))
-        for block in _blocks(variable):
-            found.update(_value_bytes(block))
+        found.update(_value_bytes(variable.values))
     return found.hexdigest()
 
 
@@ -303,18 +268,8 @@ def _attribute_bytes(attributes: Mapping[Any, Any]) -> bytes:
     return json.dumps(values, sort_keys=True).encode()
 
 
-def _blocks(variable: xr.Variable) -> Iterator[Any]:
-    """The values, some rows at a time."""
-    if not variable.ndim or variable.nbytes <= MAX_BLOCK:
-        yield variable.values
-        return
-    rows = max(1, MAX_BLOCK * variable.shape[0] // variable.nbytes)
-    for begin in range(0, variable.shape[0], rows):
-        yield variable[begin : begin + rows].values
-
-
 def _value_bytes(values: Any) -> Any:
-    """Values as bytes; those of the blocks of a text variable join to those of the whole."""
+    """Values as bytes."""
     values = np.asarray(values)
     if values.dtype.kind in "fiub":
         return np.ascontiguousarray(values).data
