@@ -134,46 +134,43 @@ def test_memory_does_not_grow_with_the_planes(tmp_path):
 
 
 def contact_in_si():
-    """A contact of a wave in SI, as stage contact writes it."""
+    """A contact of a wave in SI, as stage contact writes it, and its source."""
     solid = wave()
-    y, x = solid.grid.coordinates()
     fields = {"pressure": solid.pressure, "gap": 1e-7 + 0 * solid.pressure}
     data = {name: (("y", "x"), values) for name, values in fields.items()}
-    data = xr.Dataset(data, coords={"y": y, "x": x}, attrs={"unit_system": "SI"})
-    return data, solid, sources(data)[0]
+    data = xr.Dataset(data, coords=solid.grid.dataset_coordinates(), attrs={"unit_system": "SI"})
+    return solid, sources(data)[0]
 
 
 def test_surface_fields_are_an_image_of_one_layer(tmp_path):
-    data, solid, source = contact_in_si()
-    part = source.window(y=(64e-6, 320e-6))
-    fields = surface_fields(data, source)
-    size = write_surface_image(tmp_path / "surface.vti", fields, part, MICROMETRES_AND_MEGAPASCALS)
+    solid, source = contact_in_si()
+    size = write_surface_image(
+        tmp_path / "surface.vti", surface_fields(source, source.part(y=(64e-6, 320e-6)))
+    )
     assert size == (tmp_path / "surface.vti").stat().st_size
     (x, y, z), found = read_image(tmp_path / "surface.vti")
-    np.testing.assert_allclose(x, 1e6 * part.x, rtol=1e-12)
-    np.testing.assert_allclose(y, 1e6 * part.y, rtol=1e-12)
+    np.testing.assert_allclose(x, 8.0 * np.arange(32), rtol=1e-12)
+    np.testing.assert_allclose(y, 32.0 * np.arange(2, 11), rtol=1e-12)
     assert z.tolist() == [0.0]
     assert list(found) == ["pressure_MPa", "gap_um"]
-    np.testing.assert_allclose(found["pressure_MPa"][0], solid.pressure[part.rows] / 1e6, rtol=1e-6)
+    np.testing.assert_allclose(found["pressure_MPa"][0], solid.pressure[2:11] / 1e6, rtol=1e-6)
     assert found["gap_um"] == pytest.approx(0.1)
 
 
 def test_surface_fields_are_a_table_written_in_blocks(tmp_path, monkeypatch):
-    data, solid, source = contact_in_si()
+    solid, source = contact_in_si()
     monkeypatch.setattr("asperity.views.export.ROWS_AT_ONCE", 3)
-    fields = surface_fields(data, source)
-    count = write_surface_table(tmp_path / "s.csv", fields, source.window(), MICROMETRES_AND_MEGAPASCALS)
-    with open(tmp_path / "s.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == count == solid.grid.size
-    assert list(rows[0]) == ["y_um", "x_um", "pressure_MPa", "gap_um"]
-    found = np.array([float(row["pressure_MPa"]) for row in rows]).reshape(solid.grid.shape)
+    count = write_surface_table(tmp_path / "s.csv", surface_fields(source, source.part()))
+    table = pd.read_csv(tmp_path / "s.csv")
+    assert len(table) == count == solid.grid.size
+    assert list(table) == ["y_um", "x_um", "pressure_MPa", "gap_um"]
+    found = table["pressure_MPa"].to_numpy().reshape(solid.grid.shape)
     np.testing.assert_allclose(found, solid.pressure / 1e6, rtol=1e-6)
-    assert float(rows[33]["x_um"]) == pytest.approx(1e6 * solid.grid.spacing[1])
+    assert table["x_um"][33] == pytest.approx(8.0)
 
 
 def test_texts_and_tables_have_the_same_bytes_on_windows(tmp_path, monkeypatch):
-    data, _, source = contact_in_si()
+    _, source = contact_in_si()
     columns = ["area_fraction", "parameter", "setting", "output", "error"]
     table = pd.DataFrame([[0.1, "ν", "a,b", "area", 1 / 3], [0.1, "seeds", "", "area", 2.0]], columns=columns)
 
@@ -181,8 +178,7 @@ def test_texts_and_tables_have_the_same_bytes_on_windows(tmp_path, monkeypatch):
         folder.mkdir()
         write_text(folder / "text.md", "one\ntwo\n")
         write_table(table, "tradeoff", folder / "table.csv", "%.3g")
-        fields = surface_fields(data, source)
-        write_surface_table(folder / "fields.csv", fields, source.window(), MICROMETRES_AND_MEGAPASCALS)
+        write_surface_table(folder / "fields.csv", surface_fields(source, source.part()))
 
     write(tmp_path / "here")
     # as Windows: texts are written with os.linesep, by the implementation of open that asks for it

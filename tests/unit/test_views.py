@@ -13,9 +13,8 @@ import asperity as asp
 from asperity.cli.main import main
 from asperity.results import dataset
 from asperity.results.variables import SI_UNITS, STUDY_UNITS, in_si
-from asperity.views.maps import PIXELS, blocks, largest_magnitude
+from asperity.views.maps import PIXELS
 from asperity.views.scales import measure, robust_limits
-from asperity.views.source import sources
 
 EDGE, PRESSURE = 512e-6, 50e6
 GRID = asp.Grid((64, 64), EDGE)
@@ -164,15 +163,19 @@ def test_a_part_of_the_cell_is_drawn(files):
 
 
 def test_pixels_of_fine_grids_hold_the_largest_node():
-    source = asp.LoadedSolid(np.zeros((8, 2 * PIXELS + 1)), asp.Grid((8, 2 * PIXELS + 1)), asp.Layer(1, 0.3))
-    source.pressure[3, 1000] = -7.0
-    part = sources(source)[0].window()
-    shown, y, x = blocks(source.pressure, part, largest_magnitude)
-    assert shown.shape == (8, -(-(2 * PIXELS + 1) // 3))
-    row, column = np.unravel_index(np.abs(shown).argmax(), shown.shape)
-    assert shown[row, column] == -7.0
-    assert abs(x[column] - part.x[1000]) <= 1.01 * part.spacing[1]
-    assert y[row] == part.y[3]
+    grid = asp.Grid((8, 2 * PIXELS + 1), (8.0, 2 * PIXELS + 1.0))
+    pressure = np.ones(grid.shape)
+    pressure[3, 1000] = 7.0
+    axis = asp.plot_pressure(asp.LoadedSolid(pressure, grid, asp.Layer(1, 0.3))).axes[0]
+    (shown,) = axis.images
+    left, right, bottom, top = shown.get_extent()
+    ny, nx = shown.get_array().shape
+    assert (ny, nx) == (8, -(-(2 * PIXELS + 1) // 3))
+    row, column = np.unravel_index(shown.get_array().argmax(), (ny, nx))
+    assert shown.get_array()[row, column] == 7.0
+    assert left + (column + 0.5) * (right - left) / nx == pytest.approx(1000, abs=1.01)
+    assert bottom + (row + 0.5) * (top - bottom) / ny == pytest.approx(3)
+    assert axis.get_xlim() == (-0.5, 2 * PIXELS + 0.5)  # the last block is not full
 
 
 def test_a_section_shows_the_stress_of_a_wave():
@@ -328,6 +331,19 @@ def test_the_command_draws_several_results(files, tmp_path):
     assert main(["view", files["contact"], str(copy), "gap", "--out", *pictures]) == 0
     assert (tmp_path / "a.png").stat().st_size > 3000
     assert (tmp_path / "a.svg").read_text().count("y / cell length") == 2  # a panel for each result
+
+
+def test_names_of_files_are_plain_text(files, tmp_path, capsys):
+    paths = [tmp_path / "a" / "$x$\x1b[31m.nc", tmp_path / "b.nc"]
+    for path in paths:
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(Path(files["contact"]).read_bytes())
+    assert main(["view", *map(str, paths), "gap", "--out", str(tmp_path / "\x1b[31m.svg")]) == 0
+    assert capsys.readouterr().out.endswith("\\x1b[31m.svg\n")
+    assert "($x$\\x1b[31m)" in (tmp_path / "\x1b[31m.svg").read_text()  # the title in a comment of its text
+    unlabelled = dataset.read(files["contact"]).assign_attrs(settings='{"name": "$\\\\frac{1}$"}')
+    assert asp.plot_gap(unlabelled).axes[0].get_title(loc="left") == r"\$\frac{1}\$"
+    asp.plot_gap(unlabelled).savefig(tmp_path / "gap.png")
 
 
 @pytest.mark.parametrize(

@@ -30,6 +30,7 @@ from asperity.views.peak_plot import plot_peaks
 from asperity.views.plane_plot import plot_plane
 from asperity.views.section_plot import plot_section
 from asperity.views.stress_field import POSITIVE, field_words
+from asperity.views.style import plain_text
 
 MANIFEST = ".asperity-run.json"
 """File with the names of all files of an answer in its folder, so that no other file is ever replaced."""
@@ -281,7 +282,7 @@ def pictures(answer: Answer) -> Iterator[Picture]:
     Mirror images of the map are left out. The stress is drawn in a section and a plane through the extreme
     value of each field, and as its peaks.
     """
-    face, name = answer.face, answer.face.name.replace("$", r"\$")  # no mathematics
+    face, name = answer.face, plain_text(answer.face.name)
     contact = {name: contact_dataset(answer)}
     y, x = (0.0, face.map_length[0]), (0.0, face.map_length[1])
     yield Picture(

@@ -12,9 +12,10 @@ and pyvista open it.
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -22,15 +23,14 @@ import xarray as xr
 
 from asperity.core.types import Array, Progress
 from asperity.results.atomic import atomic_write
+from asperity.results.dataset import UNIT_SYSTEM
 from asperity.results.tables import write_table
+from asperity.results.variables import SI_UNITS
 from asperity.stress.section import StressBox
-from asperity.views.source import Source, Span, Window
+from asperity.views.source import Part, Source, Span
 
 MAX_PLANES = 4096
 """Most planes of a box."""
-
-LENGTHS = ("height", "gap", "displacement")
-"""Fields over the surface that are lengths; the pressure is a stress."""
 
 ROWS_AT_ONCE = 64
 """Rows of nodes of a table that are written together."""
@@ -44,8 +44,7 @@ IMAGE_HEAD = """\
 IMAGE_ARRAY = '<DataArray type="Float32" Name="{}" NumberOfComponents="1" format="appended" offset="{}"/>'
 
 
-@dataclass(frozen=True)
-class ExportUnits:
+class ExportUnits(NamedTuple):
     """Units of exported numbers.
 
     Parameters
@@ -61,23 +60,14 @@ class ExportUnits:
     length_name: str = "cell_length"
     stress_name: str = "effective_modulus"
 
-    def columns(self, fields: Iterable[str]) -> dict[str, float]:
-        """Names of fields with their units, such as ``pressure_MPa``, and the sizes of these."""
-        return {
-            f"{name}_{self.length_name if name in LENGTHS else self.stress_name}": (
-                self.length if name in LENGTHS else self.stress
-            )
-            for name in fields
-        }
-
 
 DIMENSIONLESS = ExportUnits()
 MICROMETRES_AND_MEGAPASCALS = ExportUnits(1e-6, 1e6, "um", "MPa")
 
 
-def export_units(data: xr.Dataset) -> ExportUnits:
-    """Units in which the numbers of a result are exported."""
-    return MICROMETRES_AND_MEGAPASCALS if data.attrs.get("unit_system") == "SI" else DIMENSIONLESS
+def export_units(system: str | None) -> ExportUnits:
+    """Units in which the numbers of a result in a system of units are exported."""
+    return MICROMETRES_AND_MEGAPASCALS if system == SI_UNITS else DIMENSIONLESS
 
 
 def peak_table(stress: xr.Dataset) -> pd.DataFrame:
@@ -95,7 +85,7 @@ def peak_table(stress: xr.Dataset) -> pd.DataFrame:
         "interior"; ``under_contact``; ``value``, ``depth``, ``y`` and ``x``, each with its unit in its name,
         such as ``value_MPa`` and ``depth_um``.
     """
-    units = export_units(stress)
+    units = export_units(stress.attrs.get(UNIT_SYSTEM))
     value = f"value_{units.stress_name}"
     table = pd.DataFrame(
         {
@@ -171,61 +161,48 @@ def write_box(
         The unit of stress is in that of the pressure.
     progress : callable, optional
     """
-    planes = ([plane[name][0] for name in box.fields] for plane in box.planes(progress))
-    return _write_image(path, (box.x, box.y, box.depth), units.columns(box.fields), units.length, planes)
+    planes = ([plane[name][0] / units.stress for name in box.fields] for plane in box.planes(progress))
+    axes = box.x / units.length, box.y / units.length, box.depth / units.length
+    return _write_image(path, axes, [f"{name}_{units.stress_name}" for name in box.fields], planes)
 
 
-def surface_fields(data: xr.Dataset, source: Source) -> dict[str, Array]:
-    """Fields over the surface of a result: height of the rough face, pressure, gap, displacement.
-
-    Raises
-    ------
-    ValueError
-        If the result has no such field.
-    """
-    found = {"height": source.fields["height"]} if "height" in source.fields else {}
-    found |= {name: data[name].values for name in ("pressure", "gap", "displacement") if name in data}
-    if not found:
-        raise ValueError("result: a surface or a contact, with fields over y and x, is needed")
-    return found
+def surface_fields(source: Source, part: Part) -> xr.Dataset:
+    """Fields over a part of the surface in their exported units, which the names of all variables end in."""
+    units = export_units(source.system)
+    y, x = (f"{axis}_{units.length_name}" for axis in "yx")
+    fields = {}
+    for name, values in source.fields.items():
+        unit, word = (units.stress, units.stress_name) if name == "pressure" else units[::2]
+        fields[f"{name}_{word}"] = ((y, x), values[part] / unit)
+    along_y, along_x = source.positions(part)
+    return xr.Dataset(fields, coords={y: along_y / units.length, x: along_x / units.length})
 
 
-def write_surface_image(
-    path: str | os.PathLike[str], fields: Mapping[str, Array], part: Window, units: ExportUnits
-) -> int:
-    """Write fields over a part of the surface as VTK image data of one layer of nodes; return its bytes."""
-    axes = part.x, part.y, np.zeros(1)
-    plane = [part.of(values) for values in fields.values()]
-    return _write_image(path, axes, units.columns(fields), units.length, [plane])
+def write_surface_image(path: str | os.PathLike[str], fields: xr.Dataset) -> int:
+    """Write fields over the surface as VTK image data of one layer of nodes; return its bytes."""
+    y, x = (fields[name].values for name in fields.dims)
+    plane = [values.values for values in fields.values()]
+    return _write_image(path, (x, y, np.zeros(1)), [str(name) for name in fields], [plane])
 
 
-def write_surface_table(
-    path: str | os.PathLike[str], fields: Mapping[str, Array], part: Window, units: ExportUnits
-) -> int:
-    """Write fields over a part of the surface as CSV, a row for each node; return the number of rows.
+def write_surface_table(path: str | os.PathLike[str], fields: xr.Dataset) -> int:
+    """Write fields over the surface as CSV, a row for each node; return the number of rows.
 
     Columns: y and x with their unit, then the fields with theirs. A part of one row or column of nodes is a
-    profile. Files are written some rows at a time, so that memory does not grow with their size.
+    profile. Files are written some rows at a time, so that the table is never in memory.
     """
-    columns = units.columns(fields)
+    y, rows = next(iter(fields.sizes.items()))
     with atomic_write(path) as unfinished, open(unfinished, "w", encoding="utf-8", newline="") as file:
-        for first in range(0, part.y.size, ROWS_AT_ONCE):
-            rows = slice(first, min(first + ROWS_AT_ONCE, part.y.size))
-            y, x = np.meshgrid(part.y[rows] / units.length, part.x / units.length, indexing="ij")
-            table = {f"y_{units.length_name}": y.ravel(), f"x_{units.length_name}": x.ravel()}
-            for (name, unit), values in zip(columns.items(), fields.values(), strict=True):
-                table[name] = (part.of(values)[rows] / unit).ravel()
-            pd.DataFrame(table).to_csv(
-                file, index=False, header=not first, float_format="%.7g", lineterminator="\n"
-            )
-    return part.y.size * part.x.size
+        for first in range(0, rows, ROWS_AT_ONCE):
+            table = fields.isel({y: slice(first, first + ROWS_AT_ONCE)}).to_dataframe().reset_index()
+            table.to_csv(file, index=False, header=not first, float_format="%.7g", lineterminator="\n")
+    return math.prod(fields.sizes.values())
 
 
 def _write_image(
     path: str | os.PathLike[str],
     axes: tuple[Array, Array, Array],
-    columns: Mapping[str, float],
-    length: float,
+    names: Sequence[str],
     planes: Iterable[Sequence[Array]],
 ) -> int:
     """Write VTK image data, plane by plane from the surface downward; return its bytes.
@@ -235,17 +212,15 @@ def _write_image(
     path : path
     axes : (x, y, depth)
         Positions of the nodes.
-    columns : dict
-        Name of each field → unit by which its values are divided.
-    length : float
-        Unit of length.
+    names : sequence of str
+        Of the fields.
     planes : iterable
         Fields [y, x] of each plane.
     """
     plane_bytes = 4 * axes[0].size * axes[1].size
     field_bytes = plane_bytes * axes[2].size
-    head = _image_head(axes, list(columns), length, field_bytes)
-    begins = [len(head) + number * (8 + field_bytes) for number in range(len(columns))]
+    head = _image_head(axes, names, field_bytes)
+    begins = [len(head) + number * (8 + field_bytes) for number in range(len(names))]
     with atomic_write(path) as unfinished, open(unfinished, "wb") as file:
         file.write(head)
         for begin in begins:
@@ -253,19 +228,17 @@ def _write_image(
             file.write(np.uint64(field_bytes).astype("<u8").tobytes())
         for number, fields in enumerate(planes):
             deeper = axes[2].size - 1 - number  # z rises upward, so that the deepest plane comes first
-            for begin, unit, values in zip(begins, columns.values(), fields, strict=True):
+            for begin, values in zip(begins, fields, strict=True):
                 file.seek(begin + 8 + deeper * plane_bytes)
-                file.write(np.ascontiguousarray(values / unit, "<f4").data)
+                file.write(np.ascontiguousarray(values, "<f4").data)
         file.seek(begins[-1] + 8 + field_bytes)
         file.write(b"\n</AppendedData></VTKFile>\n")
         return file.tell()
 
 
-def _image_head(
-    axes: tuple[Array, Array, Array], names: Sequence[str], length: float, field_bytes: int
-) -> bytes:
+def _image_head(axes: tuple[Array, Array, Array], names: Sequence[str], field_bytes: int) -> bytes:
     """The XML of an image up to its data: nodes, and name and place of every field."""
-    x, y, depth = (nodes / length for nodes in axes)
+    x, y, depth = axes
     upward = x, y, 0.0 - depth[::-1]
     steps = [(nodes[-1] - nodes[0]) / (nodes.size - 1) if nodes.size > 1 else 1.0 for nodes in upward]
     arrays = [IMAGE_ARRAY.format(name, number * (8 + field_bytes)) for number, name in enumerate(names)]

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from asperity.core.types import Array
 from asperity.views.panels import add_colour_bar, canvas, finish_title
 from asperity.views.scales import ON_WHITE, SEQUENTIAL, Limits, Measure, measure, robust_limits
-from asperity.views.source import Source, Span, Window, sources
+from asperity.views.source import Part, Source, Span, sources
 
 PIXELS = 1024
 """Most pixels along an edge; a pixel of a finer grid stands for a block of nodes."""
@@ -23,22 +23,19 @@ class Map(NamedTuple):
 
     Parameters
     ----------
-    title : str
-    system : str or None
-        Unit system of the values.
-    window : Window
-        The nodes.
+    source : Source
+    part : Part
+        The nodes that are shown.
     values : array [y, x]
-        At the nodes; missing values are left white.
-    contacts : bool array [y, x] or None
-        True at nodes in contact, which are outlined.
+        At these nodes; missing values are left white.
+    note : str
+        Second part of the title.
     """
 
-    title: str
-    system: str | None
-    window: Window
+    source: Source
+    part: Part
     values: Array
-    contacts: Array | None
+    note: str = ""
 
 
 class Look(NamedTuple):
@@ -164,50 +161,6 @@ def plot_gap(
     return _plot(result, "gap", GAP, y, x, axes, unit_system)
 
 
-def draw_maps(maps: Sequence[Map], look: Look, axes: Axes | Sequence[Axes] | None) -> Figure:
-    """Draw maps in common colours, and their colour bar."""
-    system = maps[0].system
-    limits = look.limits(shown.values for shown in maps)
-    unit = measure([limits.low, limits.high], look.dimension, system)
-    edges = [edge for shown in maps for edge in (shown.window.x[-1], shown.window.y[-1])]
-    length = measure(edges, "length", system)
-    tallest = max(np.ptp(shown.window.y) / np.ptp(shown.window.x) for shown in maps)
-    with canvas(len(maps), axes, shape=float(tallest)) as (figure, panels):
-        for axis, shown in zip(panels, maps, strict=True):
-            _draw(axis, shown, look, limits, unit, length)
-        add_colour_bar(figure, panels, look.colours, limits, unit, look.label)
-    return figure
-
-
-def blocks(values: Array, part: Window, reduce: Callable[..., Array]) -> tuple[Array, Array, Array]:
-    """Values of blocks of nodes, at most `PIXELS` along an edge, and the positions y and x of their middles.
-
-    Parameters
-    ----------
-    values : array [y, x]
-        At the nodes of the window.
-    part : Window
-    reduce : callable
-        Value of a block from those of its nodes, such as ``np.max``.
-    """
-    size = [max(1, -(-nodes // PIXELS)) for nodes in values.shape]
-    y, x = (
-        nodes[0] + spacing * (block * np.arange(-(-nodes.size // block)) + (block - 1) / 2)
-        for nodes, spacing, block in zip((part.y, part.x), part.spacing, size, strict=True)
-    )
-    if size == [1, 1]:
-        return values, y, x
-    missing = [(0, -nodes % block) for nodes, block in zip(values.shape, size, strict=True)]
-    padded = np.pad(values, missing, mode="edge")
-    return reduce(padded.reshape(y.size, size[0], x.size, size[1]), axis=(1, 3)), y, x
-
-
-def largest_magnitude(values: Array, axis: tuple[int, ...]) -> Array:
-    """The value of largest magnitude along some axes, with its sign."""
-    high, low = values.max(axis=axis), values.min(axis=axis)
-    return np.where(high >= -low, high, low)
-
-
 def _plot(
     result: Any,
     name: str,
@@ -217,43 +170,75 @@ def _plot(
     axes: Axes | Sequence[Axes] | None,
     unit_system: str | None,
 ) -> Figure:
-    return draw_maps([_map(source, name, y, x) for source in sources(result, unit_system)], look, axes)
+    maps = []
+    for source in sources(result, unit_system):
+        part = source.part(y, x)
+        values = source.field(name)[part]
+        maps.append(Map(source, part, np.where(values > 0, values, np.nan) if name == "pressure" else values))
+    return draw_maps(maps, look, axes)
 
 
-def _map(source: Source, name: str, y: Span | None, x: Span | None) -> Map:
-    part = source.window(y, x)
-    values = part.of(source.field(name))
-    pressure = source.fields.get("pressure")
-    if name == "pressure":
-        values = np.where(values > 0, values, np.nan)
-    contacts = None if pressure is None else pressure > 0
-    return Map(source.title, source.system, part, values, contacts)
+def draw_maps(maps: Sequence[Map], look: Look, axes: Axes | Sequence[Axes] | None) -> Figure:
+    """Draw maps in common colours, and their colour bar."""
+    system = maps[0].source.system
+    limits = look.limits(shown.values for shown in maps)
+    unit = measure([limits.low, limits.high], look.dimension, system)
+    nodes = [shown.source.positions(shown.part) for shown in maps]
+    length = measure([edge for y, x in nodes for edge in (x[-1], y[-1])], "length", system)
+    tallest = max(np.ptp(y) / np.ptp(x) for y, x in nodes)
+    with canvas(len(maps), axes, shape=float(tallest)) as (figure, panels):
+        for axis, shown in zip(panels, maps, strict=True):
+            _draw(axis, shown, look, limits, unit, length)
+        add_colour_bar(figure, panels, look.colours, limits, unit, look.label)
+    return figure
 
 
 def _draw(axis: Axes, shown: Map, look: Look, limits: Limits, unit: Measure, length: Measure) -> None:
-    part = shown.window
-    values, y, x = blocks(shown.values, part, look.reduce)
-    dy, dx = y[1] - y[0], x[1] - x[0]
-    extent = np.array([x[0] - dx / 2, x[-1] + dx / 2, y[0] - dy / 2, y[-1] + dy / 2]) / length.factor
+    size = [max(1, -(-nodes // PIXELS)) for nodes in shown.values.shape]
+    # Edges of the nodes that are shown, and of the pixels, which are blocks of nodes and may reach further.
+    begin, end, last = [], [], []
+    steps = [step / length.factor for step in shown.source.grid.spacing]
+    for step, nodes, block in zip(steps, shown.part, size, strict=True):
+        count = nodes.stop - nodes.start
+        begin.append((nodes.start - 0.5) * step)
+        end.append((nodes.stop - 0.5) * step)
+        last.append(begin[-1] + -(-count // block) * block * step)
+    extent = begin[1], last[1], begin[0], last[0]
     axis.imshow(
-        np.ma.masked_invalid(values / unit.factor),
+        np.ma.masked_invalid(blocks(shown.values, size, look.reduce) / unit.factor),
         origin="lower",
-        extent=tuple(extent),
+        extent=extent,
         norm=limits.normalise(unit),
         cmap=look.colours,
     )
-    if shown.contacts is not None:
-        contacts, y, x = blocks(part.of(shown.contacts).astype(np.float32), part, np.max)
-        if contacts.min() < contacts.max():
-            y, x = y / length.factor, x / length.factor
-            axis.contour(x, y, contacts, levels=[0.5], colors=look.outline, linewidths=0.5)
-    edge_y, edge_x = part.spacing[0] / 2, part.spacing[1] / 2
+    if "pressure" in shown.source.fields:
+        pressed = shown.source.fields["pressure"][shown.part] > 0
+        contacts = blocks(pressed.astype(np.float32), size, np.max)
+        if min(contacts.shape) > 1 and contacts.min() < contacts.max():
+            axis.contour(
+                contacts, levels=[0.5], origin="lower", extent=extent, colors=look.outline, linewidths=0.5
+            )
     axis.set(
-        xlim=((part.x[0] - edge_x) / length.factor, (part.x[-1] + edge_x) / length.factor),
-        ylim=((part.y[0] - edge_y) / length.factor, (part.y[-1] + edge_y) / length.factor),
+        xlim=(begin[1], end[1]),
+        ylim=(begin[0], end[0]),
         xlabel=length.label("x"),
         ylabel=length.label("y"),
         aspect="equal",
     )
     axis.spines[["top", "right"]].set_visible(True)
-    finish_title(axis, shown.title, limits.beyond(shown.values, unit))
+    title = ", ".join(text for text in (shown.source.title, shown.note) if text)
+    finish_title(axis, title, limits.beyond(shown.values, unit))
+
+
+def blocks(values: Array, size: Sequence[int], reduce: Callable[..., Array]) -> Array:
+    """Values [y, x] of blocks of nodes, each of `size` nodes along y and x; the last ones may be smaller."""
+    missing = [(0, -nodes % block) for nodes, block in zip(values.shape, size, strict=True)]
+    padded = np.pad(values, missing, mode="edge")
+    rows, columns = (nodes // block for nodes, block in zip(padded.shape, size, strict=True))
+    return reduce(padded.reshape(rows, size[0], columns, size[1]), axis=(1, 3))
+
+
+def largest_magnitude(values: Array, axis: tuple[int, ...]) -> Array:
+    """The value of largest magnitude along some axes, with its sign."""
+    high, low = values.max(axis=axis), values.min(axis=axis)
+    return np.where(high >= -low, high, low)

@@ -74,7 +74,7 @@ def _plane(
     stress: Stress, depth: float | str, y: Span | None, x: Span | None, progress: Progress | None
 ) -> Map:
     source, solid, field = stress.source, stress.solid, stress.field
-    part = source.window(y, x)
+    part = source.part(y, x)
     label = "depth"
     if depth == "max":
         label = "depth of the largest"
@@ -90,6 +90,5 @@ def _plane(
             f"depth = {source.shown(place)}: max or a depth from 0 to {source.shown(deepest)} is needed"
         )
     (plane,) = stress_planes(solid, [place], fields=(field,), tolerance=0.0, **stress.settings)
-    text = f"{label}: {measure(place, 'length', source.system).text(place)}"
-    title = ", ".join(line for line in (source.title, text) if line)
-    return Map(title, source.system, part, part.of(plane.fields[field][0]), solid.pressure > 0)
+    note = f"{label}: {measure(place, 'length', source.system).text(place)}"
+    return Map(source, part, plane.fields[field][0][part], note)

@@ -147,9 +147,9 @@ def _section(
         raise ValueError("y, x: a number for one of them and at most a pair for the other are needed")
     across = numbers[0] if numbers else "x" if pairs == ["y"] else "y"
     along = "x" if across == "y" else "y"
-    part = source.window(**{along: given[along]})  # type: ignore[arg-type]
-    kept, position = (part.columns, part.x) if along == "x" else (part.rows, part.y)
-    axis = "yx".index(across)
+    part = source.part(**{along: given[along]})  # type: ignore[arg-type]
+    axis, other = "yx".index(across), "yx".index(along)
+    kept, position = part[other], source.positions(part)[other]
     if numbers:
         node = source.node(across, given[across])  # type: ignore[arg-type]
     else:

@@ -18,44 +18,23 @@ from asperity.elasticity.two_bodies import TwoBodies
 from asperity.fourier.grid import Grid, grid_of
 from asperity.results.dataset import settings_of, unit_system
 from asperity.results.variables import SI_UNITS
-from asperity.views.style import label
+from asperity.views.style import label, plain_text
 
-FIELDS = ("height", "pressure", "gap")
+FIELDS = ("height", "pressure", "gap", "displacement")
 
 Span = tuple[float, float]
 """First and last position of a part of an axis."""
+
+Part = tuple[slice, slice]
+"""Rows and columns of the nodes of a part of a cell: index of a field [y, x]."""
 
 _ROUNDING = 1e-9
 """A node that lies outside by this share of the edge, by rounding, counts as inside."""
 
 
 @dataclass(frozen=True)
-class Window:
-    """Part of a cell: the nodes that are drawn or exported.
-
-    Parameters
-    ----------
-    rows, columns : slice
-        Nodes along y and x.
-    y, x : arrays
-        Positions of these nodes.
-    spacing : (along y, along x)
-    """
-
-    rows: slice
-    columns: slice
-    y: Array
-    x: Array
-    spacing: tuple[float, float]
-
-    def of(self, field: Array) -> Array:
-        """The part of a field [y, x]."""
-        return field[self.rows, self.columns]
-
-
-@dataclass(frozen=True)
 class Source:
-    """A result to draw.
+    """A result to draw or to export.
 
     Parameters
     ----------
@@ -100,31 +79,35 @@ class Source:
         """A length with its unit, for messages."""
         return shown_si(length, "m") if self.system == SI_UNITS else f"{length:.6g}"
 
-    def window(self, y: Span | None = None, x: Span | None = None) -> Window:
-        """The part of the cell between two positions along each axis, both included; by default all of it.
+    def part(self, y: Span | None = None, x: Span | None = None) -> Part:
+        """The nodes between two positions along each axis, both included; by default all of them.
 
         Raises
         ------
         ValueError
             If the positions do not rise, lie outside the cell, or have fewer than two nodes between them.
         """
-        parts, positions = [], []
-        axes = zip("yx", (y, x), self.grid.coordinates(), self.grid.length, strict=True)
-        for name, span, nodes, edge in axes:
-            part = slice(0, nodes.size)
-            if span is not None:
-                low, high = span
-                given = f"{name} = {self.shown(low)} to {self.shown(high)}"
-                if not 0 <= low < high <= edge + _ROUNDING * edge:
-                    raise ValueError(f"{given}: rising positions from 0 to {self.shown(edge)} are needed")
-                ends = low - _ROUNDING * edge, high + _ROUNDING * edge
-                part = slice(*map(int, np.searchsorted(nodes, ends)))
-                if part.stop - part.start < 2:
-                    apart = self.shown(edge / nodes.size)
-                    raise ValueError(f"{given}: at least two nodes are needed, they are {apart} apart")
-            parts.append(part)
-            positions.append(nodes[part])
-        return Window(parts[0], parts[1], positions[0], positions[1], self.grid.spacing)
+        rows, columns = (self._nodes(axis, span) for axis, span in enumerate((y, x)))
+        return rows, columns
+
+    def _nodes(self, axis: int, span: Span | None) -> slice:
+        nodes, edge = self.grid.coordinates()[axis], self.grid.length[axis]
+        if span is None:
+            return slice(0, nodes.size)
+        low, high = span
+        given, margin = f"{'yx'[axis]} = {self.shown(low)} to {self.shown(high)}", _ROUNDING * edge
+        if not 0 <= low < high <= edge + margin:
+            raise ValueError(f"{given}: rising positions from 0 to {self.shown(edge)} are needed")
+        first, last = map(int, np.searchsorted(nodes, (low - margin, high + margin)))
+        if last - first < 2:
+            apart = self.shown(edge / nodes.size)
+            raise ValueError(f"{given}: at least two nodes are needed, they are {apart} apart")
+        return slice(first, last)
+
+    def positions(self, part: Part) -> tuple[Array, Array]:
+        """Positions y and x of the nodes of a part."""
+        y, x = self.grid.coordinates()
+        return y[part[0]], x[part[1]]
 
     def node(self, axis: str, position: float) -> int:
         """The node nearest to a position along an axis.
@@ -142,8 +125,17 @@ class Source:
             )
         return round(position / self.grid.spacing[number]) % self.grid.shape[number]
 
-    def pressed(self, body: str = "lower") -> LoadedSolid:
-        """A body under its contact pressure.
+    def loaded(
+        self, body: str = "lower", friction: float | None = None, direction: str | float | None = None
+    ) -> tuple[LoadedSolid, dict[str, Any]]:
+        """A body under its contact pressure, and its friction as arguments of `asperity.stress_planes`.
+
+        Parameters
+        ----------
+        body : "lower" | "upper"
+        friction, direction : float, str or float, optional
+            Coefficient, and direction in which the upper body moves over the lower one; by default those of
+            the result.
 
         Raises
         ------
@@ -154,23 +146,8 @@ class Source:
             raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
         if body not in self.layers:
             raise ValueError(f"body = {shown(body)}: {' or '.join(self.layers)} is needed")
-        pressure = self.fields["pressure"].astype(float)
-        return LoadedSolid(pressure, self.grid, self.layers[body], self.boundary)
-
-    def sliding_of(
-        self, body: str = "lower", friction: float | None = None, direction: str | float | None = None
-    ) -> dict[str, Any]:
-        """Friction and direction of the traction on a body, as arguments of `asperity.stress_planes`.
-
-        Parameters
-        ----------
-        body : "lower" | "upper"
-        friction, direction : float, str or float, optional
-            Coefficient, and direction in which the upper body moves over the lower one; by default those of
-            the result.
-        """
         direction = self.sliding.sliding_direction if direction is None else direction
-        return {
+        return LoadedSolid(self.fields["pressure"], self.grid, self.layers[body], self.boundary), {
             "friction": self.sliding.friction if friction is None else friction,
             "sliding_direction": traction_direction(direction, body),
         }
@@ -224,13 +201,13 @@ def require_same_system(systems: Sequence[str | None]) -> None:
 
 
 def title_of(data: xr.Dataset) -> str:
-    """Label of the surface of a dataset, or its name; empty if it has neither."""
+    """Label of the surface of a dataset, or its name as plain text; empty if it has neither."""
     if "settings" not in data.attrs:
         return ""
     try:
         return label(data)
     except (KeyError, TypeError):
-        return str(settings_of(data).get("name", "")).replace("$", r"\$")  # no mathematics
+        return plain_text(str(settings_of(data).get("name", "")))
 
 
 def _source(result: Any, unit_system: str | None, title: str | None) -> Source:
@@ -243,39 +220,35 @@ def _source(result: Any, unit_system: str | None, title: str | None) -> Source:
             f"result = {shown(result)}: a result of stage surface or contact, or an object with grid and "
             "height or pressure, such as a Contact, is needed"
         )
-    solid = getattr(result, "solid", None)
+    solid = getattr(result, "solid", None) or getattr(result, "layer", None)
+    layers = {"lower": solid} if isinstance(solid, Layer) else {}
     if isinstance(solid, TwoBodies):
         layers = {"lower": solid.lower, "upper": solid.upper}
-    else:
-        layer = getattr(result, "layer", None)
-        layers = {"lower": layer} if isinstance(layer, Layer) else {}
     system = getattr(result, "unit_system", unit_system)
-    boundary = getattr(result, "boundary", "periodic")
-    return Source(title or "", grid, system, fields, layers, boundary)
+    return Source(title or "", grid, system, fields, layers, getattr(result, "boundary", "periodic"))
 
 
 def _source_of_dataset(data: xr.Dataset, title: str | None) -> Source:
     if not {"y", "x"} <= set(data.sizes):
         raise TypeError("result: a dataset of stage surface or contact, with fields over y and x, is needed")
-    data = data.transpose("y", "x", ...)
-    fields = {name: data[name].values for name in FIELDS if name in data}
-    if {"gap", "displacement", "approach"} <= set(data.variables):
-        height = data["gap"] - data["displacement"] + data["approach"]
-        fields.setdefault("height", (height - height.mean()).values)
-    title = title_of(data) if title is None else title
-    layers = _layers_of(data) if "pressure" in data and "solid" in data.attrs else {}
-    boundary = str(data.attrs.get("boundary", "periodic"))
-    settings = settings_of(data) if "settings" in data.attrs else {}
-    sliding = Sliding(settings.get("friction", 0.0), settings.get("sliding_direction", "x"))
-    return Source(title, grid_of(data), unit_system(data), fields, layers, boundary, sliding)
-
-
-def _layers_of(contact: xr.Dataset) -> dict[str, Layer]:
-    """The elastic bodies of a contact; the stress in each depends on the pressure and not on its modulus."""
-    lower, upper = layer_of(contact), settings_of(contact).get("upper")
-    if upper is None:
-        return {"lower": lower}
-    return {
-        "lower": lower,
-        "upper": Layer(*(upper[name] for name in ("young", "poisson", "height", "bottom"))),
-    }
+    found = {name: data[name].transpose("y", "x") for name in FIELDS if name in data}
+    if "height" not in found and {"gap", "displacement", "approach"} <= set(data.variables):
+        height = found["gap"] - found["displacement"] + data["approach"]
+        found = {"height": height - height.mean(), **found}
+    layers, sliding = {}, Sliding()
+    if "settings" in data.attrs:
+        settings = settings_of(data)
+        sliding = Sliding(settings.get("friction", 0.0), settings.get("sliding_direction", "x"))
+        if "pressure" in data and "solid" in data.attrs:
+            layers["lower"] = layer_of(data)  # the stress depends on the pressure and not on the modulus
+        if layers and (upper := settings.get("upper")):
+            layers["upper"] = Layer(*(upper[name] for name in ("young", "poisson", "height", "bottom")))
+    return Source(
+        title_of(data) if title is None else title,
+        grid_of(data),
+        unit_system(data),
+        {name: values.values for name, values in found.items()},
+        layers,
+        str(data.attrs.get("boundary", "periodic")),
+        sliding,
+    )

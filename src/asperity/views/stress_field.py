@@ -52,15 +52,11 @@ def stresses(
     unit_system: str | None,
 ) -> list[Stress]:
     """The field in one of the bodies of each result, with its own friction if none is given."""
-    return [
-        Stress(
-            source,
-            source.pressed(body),
-            field,
-            {"poisson": poisson, **source.sliding_of(body, friction, sliding_direction)},
-        )
-        for source in sources(contact, unit_system)
-    ]
+    found = []
+    for source in sources(contact, unit_system):
+        solid, sliding = source.loaded(body, friction, sliding_direction)
+        found.append(Stress(source, solid, field, {"poisson": poisson, **sliding}))
+    return found
 
 
 def field_words(field: str) -> str:

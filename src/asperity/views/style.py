@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 import xarray as xr
 
+from asperity.core.errors import one_line
 from asperity.results.atomic import atomic_write
 from asperity.results.dataset import settings_of
 
@@ -49,13 +50,8 @@ def panels(
     figure = Figure(figsize=(width, rows * height * MILLIMETRE))
     axes = [figure.add_subplot(rows, columns, number + 1) for number in range(rows * columns)]
     for letter, axis in zip("abcdefgh", axes, strict=False):
-        letter_panel(axis, letter)
+        axis.set_title(f"({letter})", loc="left", fontweight="bold")
     return figure, axes
-
-
-def letter_panel(axis: Axes, letter: str) -> None:
-    """Write the panel's letter at its upper left."""
-    axis.set_title(f"({letter})", loc="left", fontweight="bold")
 
 
 def label(data: xr.Dataset) -> str:
@@ -65,6 +61,11 @@ def label(data: xr.Dataset) -> str:
     """
     settings = settings_of(data)
     return data.attrs.get("label") or settings["surface"].get("label") or settings["name"]
+
+
+def plain_text(name: str) -> str:
+    """A name, such as that of a file, as pictures show it: its dollar signs begin no mathematics."""
+    return one_line(name).replace("$", r"\$")
 
 
 def wavelength_short(data: xr.Dataset) -> float:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import xarray as xr
@@ -13,9 +12,9 @@ from asperity.cli.files import check_out, read_result, required
 from asperity.cli.notice import progress_bar
 from asperity.cli.parser import section, sliding
 from asperity.cli.positions import is_si, length, positions, span
-from asperity.core.errors import shown
-from asperity.core.types import Array
+from asperity.core.errors import one_line, shown
 from asperity.results.tables import SUFFIXES
+from asperity.results.variables import SI_UNITS
 from asperity.stress.planes.fields import FIELDS
 from asperity.stress.section import stress_box
 from asperity.study.runtime.preflight import require_space
@@ -28,7 +27,7 @@ from asperity.views.export import (
     write_surface_image,
     write_surface_table,
 )
-from asperity.views.source import Source, Window, sources
+from asperity.views.source import Source, sources
 
 
 def run(options: argparse.Namespace) -> None:
@@ -58,16 +57,15 @@ def run(options: argparse.Namespace) -> None:
         given[stage] = data
     if options.peaks:
         count = write_peaks(required(given, "stress", "--peaks"), options.peaks)
-        print(f"{options.peaks}: {count} peaks")
+        print(f"{one_line(options.peaks)}: {count} peaks")
     if options.surface or profiles:
         stage = "contact" if "contact" in given else "surface"
         data = required(given, stage, "--surface, --profile")
         source = sources(data)[0]
-        fields = surface_fields(data, source)
         for path in options.surface or ():
-            _export_surface(data, source, fields, path, options)
+            _export_surface(source, path, options)
         for axis, text, path in profiles:
-            _export_profile(data, source, fields, axis, text, path)
+            _export_profile(source, axis, text, path)
     for names, depths, path in boxes:
         _export_box(required(given, "contact", "--field"), names, depths, path, options)
 
@@ -96,34 +94,26 @@ def _spans(options: argparse.Namespace, si: bool) -> dict[str, tuple[float, floa
     return {name: span(f"--{name}", text, si) for name, text in texts.items() if text}
 
 
-def _export_surface(
-    data: xr.Dataset, source: Source, fields: dict[str, Array], path: str, options: argparse.Namespace
-) -> None:
-    part, units = source.window(**_spans(options, is_si(data))), export_units(data)
+def _export_surface(source: Source, path: str, options: argparse.Namespace) -> None:
+    fields = surface_fields(source, source.part(**_spans(options, source.system == SI_UNITS)))
     image = Path(path).suffix == ".vti"
-    nodes = part.y.size * part.x.size * len(fields)
+    nodes = math.prod(fields.sizes.values()) * len(fields)
     require_space(Path(path).absolute().parent, 1e-6 * nodes * (4 if image else 16))
     write = write_surface_image if image else write_surface_table
-    write(path, fields, part, units)
-    names = ", ".join(units.columns(fields))
-    print(f"{path}: {names} at {part.x.size} × {part.y.size} nodes along x, y")
+    write(path, fields)
+    ny, nx = fields.sizes.values()
+    print(f"{one_line(path)}: {', '.join(map(str, fields))} at {nx} × {ny} nodes along x, y")
 
 
-def _export_profile(
-    data: xr.Dataset, source: Source, fields: dict[str, Array], axis: str, text: str, path: str
-) -> None:
+def _export_profile(source: Source, axis: str, text: str, path: str) -> None:
     """Write the fields along the line of nodes nearest to a position."""
-    node = source.node(axis, length(f"--profile {axis}", text, is_si(data)))
-    part: Window = source.window()
+    node = source.node(axis, length(f"--profile {axis}", text, source.system == SI_UNITS))
+    rows, columns = source.part()
     line = slice(node, node + 1)
-    if axis == "y":
-        part = replace(part, rows=line, y=part.y[line])
-    else:
-        part = replace(part, columns=line, x=part.x[line])
-    units = export_units(data)
-    count = write_surface_table(path, fields, part, units)
+    fields = surface_fields(source, (line, columns) if axis == "y" else (rows, line))
+    count = write_surface_table(path, fields)
     exact = source.shown(float(node * source.grid.spacing["yx".index(axis)]))
-    print(f"{path}: {', '.join(units.columns(fields))} at {count} nodes of {axis} = {exact}")
+    print(f"{one_line(path)}: {', '.join(map(str, fields))} at {count} nodes of {axis} = {exact}")
 
 
 def _export_box(
@@ -132,25 +122,26 @@ def _export_box(
     si = is_si(contact)
     source = sources(contact)[0]
     given = sliding(options)
+    solid, settings = source.loaded(options.body, given.get("friction"), given.get("sliding_direction"))
     spacing = length("--spacing", options.spacing, si) if options.spacing else None
-    part = source.window(**_spans(options, si))
+    y, x = source.positions(source.part(**_spans(options, si)))
     box = stress_box(
-        source.pressed(options.body),
+        solid,
         box_depths(source, span("--field", depths, si), spacing),
-        (float(part.y[0]), float(part.y[-1])),
-        (float(part.x[0]), float(part.x[-1])),
+        (float(y[0]), float(y[-1])),
+        (float(x[0]), float(x[-1])),
         names,
         section(options, "layer").get("poisson"),
         tolerance=0.0,
-        **source.sliding_of(options.body, given.get("friction"), given.get("sliding_direction")),
+        **settings,
     )
     shape = box.x.size, box.y.size, box.depth.size
     require_space(Path(path).absolute().parent, 4e-6 * len(names) * math.prod(shape))
-    units = export_units(contact)
+    units = export_units(source.system)
     with progress_bar("export") as progress:
         size = write_box(box, path, units, progress)
     print(
-        f"{path}: {', '.join(names)} in {units.stress_name.replace('_', ' ')} on "
+        f"{one_line(path)}: {', '.join(names)} in {units.stress_name.replace('_', ' ')} on "
         f"{' × '.join(map(str, shape))} nodes along x, y, z, in "
         f"{'µm' if si else 'cell lengths'}, {size / 1e6:.3g} MB"
     )

@@ -14,7 +14,7 @@ from asperity.cli.files import check_out, read_result
 from asperity.cli.notice import progress_bar
 from asperity.cli.parser import flag, section, sliding
 from asperity.cli.positions import is_si, is_span, length, positions, span
-from asperity.core.errors import shown
+from asperity.core.errors import one_line, shown
 from asperity.stress.analysis import QUANTITIES
 from asperity.stress.planes.fields import FIELDS
 from asperity.views.maps import plot_gap, plot_height, plot_pressure
@@ -22,7 +22,7 @@ from asperity.views.peak_plot import plot_peaks
 from asperity.views.plane_plot import plot_plane
 from asperity.views.section_plot import plot_section
 from asperity.views.source import title_of
-from asperity.views.style import save, style
+from asperity.views.style import plain_text, save, style
 
 MAPS = {"height": plot_height, "pressure": plot_pressure, "gap": plot_gap}
 
@@ -51,7 +51,7 @@ def run(options: argparse.Namespace) -> None:
     check_out(out, paths)
     with style():
         save(_draw(view, results, given, options), *out)
-    print(", ".join(out))
+    print(one_line(", ".join(out)))
 
 
 def _read(paths: Sequence[str], view: str) -> dict[str, xr.Dataset]:
@@ -63,8 +63,11 @@ def _read(paths: Sequence[str], view: str) -> dict[str, xr.Dataset]:
             raise ValueError(f"{path}: given twice")
         _, read[path] = read_result(path, needed)
     titles = [title_of(data) for data in read.values()]
-    stems = [Path(path).stem for path in paths]
-    apart = [stem if stems.count(stem) == 1 else path for path, stem in zip(paths, stems, strict=True)]
+    stems = [plain_text(Path(path).stem) for path in paths]
+    apart = [
+        stem if stems.count(stem) == 1 else path
+        for path, stem in zip(map(plain_text, paths), stems, strict=True)
+    ]
     return {
         title if titles.count(title) == 1 else f"{title} ({name})": data
         for title, name, data in zip(titles, apart, read.values(), strict=True)
