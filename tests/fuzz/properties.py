@@ -41,6 +41,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 
 import bad_input
 import random_input
+import random_pressure
 
 WORST_NODE = 100.0
 """Violation of the contact conditions that a node may have, in units of the solver's tolerance."""
@@ -60,7 +61,7 @@ contacts = st.fixed_dictionaries(
     {
         "height": heights,
         "solid": bodies,
-        "kind": choice(*PLURALS),
+        "kind": st.sampled_from(list(PLURALS)),
         "values": st.lists(number(1e-3, 1.0), min_size=1, max_size=3),
         "settings": st.fixed_dictionaries(
             {},
@@ -70,6 +71,7 @@ contacts = st.fixed_dictionaries(
                 "boundary": boundaries,
                 "rtol": st.sampled_from([1e-2, 1e-4, 1e-6]) | number(1e-8, 1e-2),
                 "dtype": choice("float64", "float32"),
+                "initial": heights.map(made),
             },
         ),
     }
@@ -131,6 +133,55 @@ def rounding(contact):
     scale = float(np.std(contact.height, dtype=float)) or float(contact.max_pressure) * nodal_compliance
     largest = float(np.abs(contact.height).max())
     return 10 * float(np.finfo(contact.pressure.dtype).eps) * largest / scale if scale else 0.0
+
+
+AREAS = [1.0, 1 - 1e-3, 0.99, 0.5, 1e-3, 1e-9]
+same_contacts = st.fixed_dictionaries(
+    {
+        "shape": st.tuples(st.integers(4, 24), st.integers(4, 24)),
+        "seed": st.integers(0, 2**32),
+        "young": st.sampled_from([1.0, 1e-9, 1e11]),
+        "kind": st.sampled_from(["mean_pressure", "approach", "area_fraction"]),
+        "area_fraction": st.sampled_from(AREAS) | st.floats(0, 1, exclude_min=True),
+        "start": st.floats(-9, 9),
+        "shift": st.integers(0, 3),
+        "method": st.sampled_from(["active_set", "gfmd"]),
+    }
+)
+
+
+def try_same_contact(case):
+    """Neither a start of any size nor a moved map changes a load that the imposed quantity determines."""
+    generator = np.random.default_rng(case["seed"])
+    height, solid = 1e-3 * generator.standard_normal(case["shape"]), asp.Layer(case["young"], 0.3)
+    contact = asp.solve(height, solid, area_fraction=case["area_fraction"])
+    touching = np.count_nonzero(contact.pressure)
+    if case["kind"] == "approach" and touching > 0.9 * height.size:
+        return "left out"  # the approach of a half-space hardly changes with the load
+    start = 10.0 ** case["start"] * contact.max_pressure * generator.random(height.shape)
+    again = asp.solve(
+        np.roll(height, case["shift"], axis=1),
+        solid,
+        initial=start,
+        method=case["method"],
+        **{case["kind"]: getattr(contact, case["kind"])},
+    )
+    if case["kind"] != "area_fraction" or touching == height.size:
+        same = math.isclose(again.mean_pressure, contact.mean_pressure, rel_tol=1e-2)
+    else:
+        low, high = contact.load_interval
+        slack = 1e-4 * high
+        same = low - slack <= again.mean_pressure <= high + slack
+        require(np.count_nonzero(again.pressure) == touching, "the number of contact nodes is another")
+    require(same, f"the load is another under an imposed {case['kind']}")
+    return "same"
+
+
+def try_bound(case):
+    """The error of a pressure against the direct solution of its load is within its certificate's bound."""
+    error, bound, rounding = random_pressure.error_and_bound(case)
+    require(error <= bound + rounding, "the error exceeds its bound")
+    return "bounded"
 
 
 certificates = st.fixed_dictionaries(
@@ -445,7 +496,9 @@ def try_map(case):
 
 PROPERTIES = {
     "contact": (contacts, try_contact),
+    "same contact": (same_contacts, try_same_contact),
     "certificate": (certificates, try_certificate),
+    "bound": (random_pressure.pressures, try_bound),
     "stress": (stresses, try_stress),
     "analysis": (analyses, try_analysis),
     "statistics": (statistics, try_statistics),

@@ -201,8 +201,7 @@ def error_against_a_tight_tolerance(height: np.ndarray, layer: Layer, **argument
     return float(difference) / contact.rtol
 
 
-@pytest.mark.parametrize("rtol", [1e-4, 1e-6])
-@pytest.mark.parametrize("load", [1e-4, 1e-3, 1e-1])
+@pytest.mark.parametrize(("load", "rtol"), [(1e-7, 1e-6), (1e-3, 1e-4), (1e-3, 1e-6), (1e-1, 1e-6)])
 def test_gfmd_reaches_its_tolerance_at_small_loads(load: float, rtol: float) -> None:
     # The load is in units of E* × rms gradient. The tolerance bounds the solver's error alone.
     height = asp.self_affine((128, 128), seed=1, **ROUGH)

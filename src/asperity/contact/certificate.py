@@ -74,6 +74,15 @@ class Certificate:
         violations = list(self.violations.values())
         return max(violations) if np.all(np.isfinite(violations)) else np.inf
 
+    @property
+    def error_bound(self) -> float:
+        """Upper bound of the error of a pressure p ≥ 0, (p − p*)·G (p − p*) / (Σ p × rms height).
+
+        p* is the exact pressure of the same load, and G the compliance: the energy of the error over the load
+        times the length to which the violations are relative. The proof is in ``docs/contact.md``.
+        """
+        return self.penetration + self.complementarity if self.tension == 0 else math.inf
+
     def __repr__(self) -> str:
         found = ", ".join(f"{name} {value:.2g}" for name, value in self.violations.items())
         return f"<Certificate: {found}; {self.iterations} iterations, {self.seconds:.3g} s>"

@@ -16,7 +16,7 @@ mode; the damping is a fraction of the critical damping of the slowest mode, for
 
 The indenter is at rest and the load pushes the solid against it. Under an imposed load the mean (q = 0) mode
 therefore has no elastic stiffness. It is stabilised by the growth of the contact: d(load)/d(gap) ≈ load /
-(half the rms height).
+(half the rms height), but no less than the stiffness of a single node in contact, E* / (spacing × nodes).
 
 Under an imposed approach, a solid without uniform displacement has to keep the mean of its displacement at
 zero. A spring pulls the mean back, and a load is adjusted until the spring is relaxed. The change of the load
@@ -170,6 +170,7 @@ class DampedDynamics:
         self.load = _first_load(problem, control, initial)
         self._damping_fraction = damping_fraction
         self._wall = (0.0 if control.fixes_load else control.value) - problem.height
+        self._node_stiffness = 1 / (problem.unit * problem.grid.size)
         self._half_rms_height = 0.5 * float(np.std(problem.height, dtype=float))
         compliance = problem.response.compliance
         stiffness = np.zeros_like(compliance)
@@ -260,7 +261,7 @@ class DampedDynamics:
         """κ = ω² τ² of the slowest mode under the load."""
         slowest = self._softest
         if self._fixed_load and self._half_rms_height:
-            slowest = min(slowest, self.load / self._half_rms_height)
+            slowest = min(slowest, max(self.load / self._half_rms_height, self._node_stiffness))
         return min(slowest * self._squared_step, 2.0)
 
 

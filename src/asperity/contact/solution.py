@@ -12,6 +12,7 @@ import numpy as np
 
 from asperity.contact.certificate import Certificate
 from asperity.contact.compliance import response_on
+from asperity.contact.load_interval import load_interval
 from asperity.core.errors import shown
 from asperity.core.markup import picture, table
 from asperity.core.types import Array
@@ -213,6 +214,14 @@ class Contact:
     def mean_contact_pressure(self) -> float:
         """Mean pressure of the nodes under pressure, load over contact area; NaN without contact."""
         return self.mean_pressure / self.area_fraction if self.area_fraction else float("nan")
+
+    @cached_property
+    def load_interval(self) -> tuple[float, float]:
+        """Least and largest mean pressure under which the same nodes touch.
+
+        An imposed area fixes the load no closer than this. The largest one is infinite in full contact.
+        """
+        return load_interval(self.pressure, self.gap, self.grid, self.solid, self.boundary)
 
     def in_body(self, body: str) -> LoadedSolid:
         """One body under the contact pressure, for the stress inside it.

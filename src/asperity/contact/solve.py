@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -24,6 +24,7 @@ from asperity.contact.compliance import response_on
 from asperity.contact.compliance.vectors import dot
 from asperity.contact.problem import Control, Problem, State
 from asperity.contact.solution import Contact
+from asperity.contact.units import Units
 from asperity.core.arguments import (
     LARGEST,
     SMALLEST,
@@ -189,7 +190,7 @@ def solve(
     if initial is not None:
         start = grid.field("initial", initial.pressure if isinstance(initial, Contact) else initial)
         start = start.astype(float)
-    units = _Units.of(lowest, highest, solid, grid, control)
+    units = Units.of(lowest, highest, solid, grid, control)
     start = None if start is None else start / units.stress
     imposed = units.control(control)
     heights, scaled = units.heights(values), (boundary, units.solid(solid), units.grid(grid))
@@ -343,83 +344,6 @@ def _checked_control(imposed: dict[str, float | None], grid: Grid) -> Control:
     return Control("mean_pressure", value / grid.area) if kind == "force" else Control(kind, value)
 
 
-# Units
-
-
-@dataclass(frozen=True)
-class _Units:
-    """Units of a contact problem, in which its numbers are near one.
-
-    They are powers of two, so that the solution is the same bit by bit.
-
-    Attributes
-    ----------
-    length, height, stress : float
-        In the unit of lengths and in that of Young's modulus.
-    datum : float
-        Height from which heights and the approach are measured.
-    """
-
-    length: float
-    height: float
-    stress: float
-    datum: float
-
-    @classmethod
-    def of(cls, lowest: float, highest: float, solid: Solid, grid: Grid, control: Control) -> _Units:
-        """Units of edge, modulus, and heights.
-
-        Heights have the unit of the edge, unless their range, or what the load or the approach makes of a
-        half-space if that is more, is smaller or larger by more than 2^40.
-        """
-        edge, modulus = max(grid.length), solid.effective_modulus
-        depth = highest - lowest
-        datum = 0.0 if depth else lowest
-        if control.kind == "mean_pressure":
-            depth = max(depth, control.value / modulus * edge)
-        elif control.kind == "approach":
-            depth = max(depth, control.value - lowest)
-        length, height = _power_of_two(edge), _power_of_two(depth if depth > 0 else edge)
-        if 2.0**-40 <= height / length <= 2.0**40:
-            height = length
-        return cls(length, height, _power_of_two(modulus) * (height / length), datum)
-
-    @property
-    def change(self) -> bool:
-        """True if they are not those of the caller."""
-        return (self.length, self.height, self.stress, self.datum) != (1, 1, 1, 0)
-
-    def grid(self, grid: Grid) -> Grid:
-        return Grid(grid.shape, (grid.length[0] / self.length, grid.length[1] / self.length))
-
-    def solid(self, solid: Solid) -> Solid:
-        """The solid in these units: the ratio of a stress to a slope is its modulus."""
-        if isinstance(solid, TwoBodies):
-            return TwoBodies(self.layer(solid.lower), self.layer(solid.upper))
-        return self.layer(solid)
-
-    def layer(self, layer: Layer) -> Layer:
-        height = None if layer.height is None else layer.height / self.length
-        return replace(layer, young=layer.young / self.stress / self.length * self.height, height=height)
-
-    def heights(self, height: Array) -> Array:
-        if self.height == 1 and self.datum == 0:
-            return height
-        return (height - self.datum) / self.height
-
-    def control(self, control: Control) -> Control:
-        if control.kind == "mean_pressure":
-            return replace(control, value=control.value / self.stress)
-        if control.kind == "approach":
-            return replace(control, value=(control.value - self.datum) / self.height)
-        return control
-
-
-def _power_of_two(value: float) -> float:
-    """The power of two at or below a positive number."""
-    return math.ldexp(0.5, math.frexp(value)[1])
-
-
 def _times(field: Array, unit: float) -> Array:
     """A field times a unit, in place."""
     if unit != 1:
@@ -447,7 +371,8 @@ def _state_of(
     if control.kind == "area_fraction":
         together = np.count_nonzero(problem.height == lowest) / problem.grid.size
         control = replace(control, value=max(control.value, together))
-        if control.value == 1 and problem.response.repeats and problem.height.any():
+        all_touch = round(control.value * problem.grid.size) == problem.grid.size
+        if all_touch and problem.response.repeats and problem.height.any():
             return _full_contact(problem)
     start = None if initial is None else _near_start(problem, control, initial)
     return METHODS[method](problem, control, rtol, progress, start)
