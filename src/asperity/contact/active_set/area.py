@@ -33,10 +33,6 @@ LOAD_RESOLUTION = 0.1
 # Largest relative change of the load in one step.
 MAX_LOAD_CHANGE = 0.5
 
-# Before the pressure has converged the load changes by at most so many times the error of the area, relative
-# to the nodes in or out of contact, whichever are fewer. Light contact of rough surfaces needs 1.1 times it.
-REACH = 3.0
-
 # Drop of the residual in the solve for the tangent. On rough surfaces of 512² nodes 0.05 and 0.2 take 5 %
 # more transforms.
 TANGENT_DROP = 0.1
@@ -153,11 +149,7 @@ def extended(
     slope = float(tangent.pressure.sum(dtype=float)) / iterate.problem.grid.size
     if not slope > 0:
         return None
-    largest = MAX_LOAD_CHANGE
-    fewer = min(area.target, iterate.problem.grid.size - area.target)
-    if not converged and fewer:
-        largest = min(largest, REACH * abs(count - area.target) / fewer)
-    up = largest * load / slope
+    up = MAX_LOAD_CHANGE * load / slope
     down = 0.999 * load / slope if converged else up
     near_nodes = Entering.after(iterate, system, correction, unit * up)
     rate = 1 - system.operators.displacement_at(near_nodes.nodes, tangent.pressure)
