@@ -347,15 +347,15 @@ def test_a_huge_start_changes_nothing(kind: str, method: str) -> None:
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("dtype", ["float64", "float32"])
-def test_full_area_is_the_least_load_of_full_contact(method: str, dtype: str) -> None:
+@pytest.mark.parametrize(("dtype", "fraction"), [("float64", 1.0), ("float64", 0.9996), ("float32", 1.0)])
+def test_full_area_is_the_least_load_of_full_contact(method: str, dtype: str, fraction: float) -> None:
     """That load is −min of the pressure of zero mean under which the surface is flat, p̂ = −ĥ E* q / 2."""
     height = 1e-3 * np.random.default_rng(0).normal(size=(32, 32))
     solid, wavenumber = Layer(0.91, 0.3), 2 * np.pi * np.fft.fftfreq(32, 1 / 32)
     q = np.hypot(wavenumber[:, None], wavenumber)
     zero_mean = np.fft.ifft2(-np.fft.fft2(height) * solid.effective_modulus * q / 2).real
     for surface in (height, np.roll(height, 3, axis=1)):
-        contact = solve(surface, solid, area_fraction=1.0, method=method, dtype=dtype)
+        contact = solve(surface, solid, area_fraction=fraction, method=method, dtype=dtype)
         assert contact.area_fraction == 1
         assert contact.mean_pressure == pytest.approx(-zero_mean.min(), rel=1e-5)
 
