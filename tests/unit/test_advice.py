@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import pytest
 
+import asperity as asp
 from asperity.engineering import Body, advice
 from asperity.engineering.answer_numbers import Neighbours, Numbers
 from asperity.fourier.grid import Grid
@@ -18,6 +19,7 @@ def an_answer(
     fine=None,
     imposed_area=0.05,
     neighbours=None,
+    friction=0.0,
     **material,
 ):
     """An answer about which nothing is to be said, with some of its values replaced."""
@@ -50,7 +52,11 @@ def an_answer(
     return SimpleNamespace(
         numbers=SimpleNamespace(**(plain | dict(numbers))),
         face=SimpleNamespace(**(shown | dict(face)), treatment=SimpleNamespace(**treated)),
-        case=SimpleNamespace(load=SimpleNamespace(kind="area_fraction", value=imposed_area)),
+        case=SimpleNamespace(
+            load=SimpleNamespace(kind="area_fraction", value=imposed_area),
+            friction=friction,
+            solid=asp.Layer(1e6, 0.5, height=20.37e-6),
+        ),
         bodies=dict.fromkeys(("lower", "upper")[:bodies], stress),
         fine=fine or coarse,
         coarse=coarse,
@@ -143,3 +149,9 @@ def test_the_effect_of_neighbouring_forms_is_told(neighbours, level, words):
     told = [found for found in advice.advise(an_answer(neighbours=neighbours)) if "forms" in found.subject]
     assert [found.level for found in told] == [level]
     assert words in told[0].text
+
+
+def test_friction_on_a_thin_layer_is_warned_of_with_the_wave_it_changes_most():
+    (found,) = (f for f in advice.advise(an_answer(friction=0.3)) if f.subject == "friction in the contact")
+    assert found.level == "warning"
+    assert "waves of 128 µm by up to 37 %" in found.text  # 1.23 μ at a wavenumber of 1/height

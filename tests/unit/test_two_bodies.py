@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from asperity.elasticity.layer import Layer
-from asperity.elasticity.two_bodies import TwoBodies
+from asperity.elasticity.two_bodies import TwoBodies, sliding_coupling
 from asperity.fourier.grid import Grid
+from asperity.reference.state_space import StateSpace
 
 STEEL, BRONZE = Layer(210e9, 0.3), Layer(110e9, 0.34)
 
@@ -34,3 +35,21 @@ def test_layers_add_their_compliances():
 def test_anything_else_than_layers_is_refused():
     with pytest.raises(TypeError, match=r"^upper = None: a Layer is needed"):
         TwoBodies(STEEL, None)
+
+
+@pytest.mark.parametrize("poisson", [-0.3, 0.3, 0.5])
+@pytest.mark.parametrize("height", [0.2, 1.0, 4.0])
+def test_sliding_displaces_a_bonded_layer_as_the_state_space_solution(height, poisson):
+    mode = StateSpace(1, 0, 2.0, poisson, height, digits=30)
+    by_traction, by_pressure = (abs(mode.state(0, mode.solve(top))[2]) for top in ([1, 0, 0], [0, 0, -1]))
+    found = sliding_coupling(Layer(2.0, poisson, height), 1.0)
+    assert found == pytest.approx(float(by_traction / by_pressure), rel=1e-12)
+
+
+def test_sliding_couples_two_half_spaces_by_dundurs_constant():
+    shear = [body.young / (2 * (1 + body.poisson)) for body in (STEEL, BRONZE)]
+    beta = 0.5 * ((1 - 0.6) / shear[0] - (1 - 0.68) / shear[1]) / (0.7 / shear[0] + 0.66 / shear[1])
+    found = sliding_coupling(TwoBodies(STEEL, BRONZE), [1.0, 1e6])
+    np.testing.assert_allclose(found, abs(beta), rtol=1e-13)
+    coating = Layer(3e9, 0.4, height=0.1)
+    assert sliding_coupling(TwoBodies(coating, coating), 3.0) == 0

@@ -90,3 +90,43 @@ class TwoBodies:
 
 Solid = Layer | TwoBodies
 """A solid that can be pressed: one against a rigid indenter, or two bodies against each other."""
+
+
+def sliding_coupling(solid: Solid, q: ArrayLike) -> Array:
+    """Normal displacement of the surfaces by a shear traction along a wave, over that by an equal pressure.
+
+    Full sliding with friction μ changes the gap of each wave by up to μ times this ratio, which a contact
+    without friction neglects. By reciprocity it follows from the kernels V and W of `Layer.kernels` at the
+    surface. It is 0 for two equal bodies, (1 − 2ν)/(2 − 2ν) for a half-space against a rigid body, and
+    Dundurs' constant β for two half-spaces (J. Dundurs, J. Appl. Mech. 36 (1969) 650,
+    DOI 10.1115/1.3564739). On a bonded layer it is not 0 even at ν = 1/2.
+
+    Parameters
+    ----------
+    solid : Layer or TwoBodies
+    q : array
+        Wavenumbers, from 1e-75 to 1e75.
+
+    Returns
+    -------
+    array
+        Ratios ≥ 0 of the shape of q.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a wavenumber is not a number or out of range, or a layer has a free bottom.
+
+    Examples
+    --------
+    >>> rubber = asp.Layer(young=2e6, poisson=0.5, height=1e-3)  # 1 mm, bonded to a rigid base
+    >>> np.round(sliding_coupling(rubber, [1e2, 1e3, 1e4]), 2)
+    array([14.98,  1.23,  0.  ])
+    """
+    along, normal = np.zeros((2, *np.shape(q)))
+    bodies = (solid.lower, solid.upper) if isinstance(solid, TwoBodies) else (solid,)
+    for direction, body in zip((1, -1), bodies, strict=False):
+        kernels, unit = body.kernels(q, 0.0), (1 + body.poisson) / body.young
+        along += direction * unit * kernels.displacement_longitudinal
+        normal += unit * kernels.displacement_normal
+    return np.abs(along) / normal

@@ -7,9 +7,12 @@ from collections.abc import Iterator
 from string import Formatter
 from typing import Any
 
+import numpy as np
+
 from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.data import packaged_yaml
 from asperity.core.units import shown_si
+from asperity.elasticity.two_bodies import sliding_coupling
 from asperity.engineering.answer import Advice, Answer
 from asperity.engineering.answer_numbers import BodyAnswer
 
@@ -65,6 +68,9 @@ HIGHEST_YIELD = 0.1
 ACCEPTED_VIOLATION = 1e-3
 """Violation of the conditions of contact, relative, from which a solution is doubtful."""
 
+NEGLECTED_COUPLING = 0.1
+"""Share of the displacement of a wave by which friction changes it, from which it counts."""
+
 Found = tuple[str, str, dict[str, Any]]
 """Level of an advice, its name in `advice.yaml`, and the values in its text."""
 
@@ -81,7 +87,7 @@ CHANGING_NUMBERS = {
 def advise(answer: Answer) -> tuple[Advice, ...]:
     """All warnings and notes on an answer, warnings first."""
     texts = packaged_yaml("asperity.engineering", "advice.yaml")
-    found = [*_on_contact(answer)]
+    found = [*_on_contact(answer), *_on_sliding(answer)]
     for name, body in answer.bodies.items():
         where = f" of the {name} body" if len(answer.bodies) > 1 else ""
         found += [(level, key, values | {"where": where}) for level, key, values in _on_body(body)]
@@ -113,6 +119,23 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
         yield WARNING, "another_area", {"wanted": 100 * load.value, "area": 100 * area}
     if not numbers.violation <= ACCEPTED_VIOLATION:
         yield WARNING, "inaccurate", {"violation": numbers.violation}
+
+
+def _on_sliding(answer: Answer) -> Iterator[Found]:
+    """Effect of the shear traction on the contact, which is solved without friction."""
+    case, face = answer.case, answer.face
+    if case.friction:
+        wave = np.geomspace(face.wavelength_short, max(face.grid.length), 100)
+        change = case.friction * sliding_coupling(case.solid, 2 * np.pi / wave)
+        most = int(change.argmax())
+        level = WARNING if change[most] > NEGLECTED_COUPLING else NOTE
+        values = {
+            "wave": wave[most],
+            "most": 100 * change[most],
+            "shortest": wave[0],
+            "least": 100 * change[0],
+        }
+        yield level, "neglected_friction", values
 
 
 def _on_body(part: BodyAnswer) -> Iterator[Found]:

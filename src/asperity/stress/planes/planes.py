@@ -13,9 +13,10 @@ Sliding
 -------
 With ``friction`` μ > 0 the solid also bears the shear traction t = μ p along ``sliding_direction``: full
 sliding, with the traction on this solid in the direction in which the other body moves over it. The pressure
-stays that of the contact without friction. This is exact if both bodies have equal elastic constants or are
-incompressible, and against a rigid body if ν = 1/2; otherwise the effect of the traction on the pressure is
-neglected. The mean (q = 0) mode of the traction is σ_xz = t̄_x, σ_yz = t̄_y at every depth (z upward).
+stays that of the contact without friction. This is exact for two equal bodies, and for incompressible
+half-spaces against each other or a rigid body. Otherwise, and on a bonded layer for every ν, the normal
+displacement by the traction is neglected: `asperity.elasticity.two_bodies.sliding_coupling` says how large it
+is. The mean (q = 0) mode of the traction is σ_xz = t̄_x, σ_yz = t̄_y at every depth (z upward).
 """
 
 from __future__ import annotations
