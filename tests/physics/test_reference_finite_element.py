@@ -16,7 +16,7 @@ def slab():
 
 
 def test_stiffness_is_that_of_27_node_hexahedra(slab):
-    plane, column = slab.free.edges, slab.column.edges
+    plane, column = slab.plane.edges, slab.column.edges
     mesh = skfem.MeshHex.init_tensor(plane, plane, column)
     basis = skfem.Basis(mesh, skfem.ElementVector(skfem.ElementHex2()), intorder=4)
     stiffness = linear_elasticity(*lame_parameters(YOUNG, POISSON)).assemble(basis)
@@ -26,7 +26,7 @@ def test_stiffness_is_that_of_27_node_hexahedra(slab):
         return np.abs(lines[:, None] - positions[None, :]).argmin(axis=0)
 
     x, y, z = basis.doflocs
-    node = [numbers(slab.column.nodes, z), numbers(slab.free.nodes, y), numbers(slab.free.nodes, x)]
+    node = [numbers(slab.column.nodes, z), numbers(slab.plane.nodes, y), numbers(slab.plane.nodes, x)]
     component = np.empty(len(x), int)
     for number, name in enumerate(("u^1", "u^2", "u^3")):
         component[basis.get_dofs(elements=True).all(name)] = number
@@ -57,7 +57,7 @@ def test_uniform_compression_is_exact(slab):
 
 def test_stress_of_a_quadratic_displacement_is_exact(slab):
     """Gauss-point strains of a field inside the elements' space."""
-    z, y, x = np.meshgrid(slab.column.nodes, slab.free.nodes, slab.free.nodes, indexing="ij")
+    z, y, x = np.meshgrid(slab.column.nodes, slab.plane.nodes, slab.plane.nodes, indexing="ij")
     moved = np.stack([x * y + z**2, 2 * x * z, x**2 - 3 * y * z])
     along, up, displacement, stress = slab.on_diagonal(moved)
     z, x = np.meshgrid(up, along, indexing="ij")
@@ -77,7 +77,7 @@ def pressed() -> SlabContact:
 
 
 def test_contact_is_complementary(pressed):
-    nodes = pressed.slab.free.nodes
+    nodes = pressed.slab.plane.nodes
     height = (nodes[:, None] ** 2 + nodes**2) / 20
     gap = height - pressed.displacement[2, -1] - 0.002
     assert np.all(pressed.pressure[pressed.contact] > 0)

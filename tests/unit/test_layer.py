@@ -74,10 +74,6 @@ def test_incompressible_confined_layer_has_no_mean_compliance():
 @pytest.mark.parametrize("shape", [(8, 6), (7, 5)])
 def test_mirrored_rows_are_those_of_all_wavenumbers(shape):
     grid, layer = Grid(shape), Layer(1.0, 0.3, 0.2)
-    kernels = layer.grid_kernels(grid, 0.05)
-    assert kernels.normal.shape == (shape[0] // 2 + 1, shape[1] // 2 + 1)
-    for half, full in zip(kernels, layer.kernels(grid.wavenumber(), 0.05), strict=True):
-        np.testing.assert_array_equal(mirror_rows(half, grid), full)
     compliance = mirror_rows(layer.half_grid_surface_compliance(grid), grid)
     np.testing.assert_array_equal(compliance, layer.surface_compliance(grid.wavenumber()))
 
@@ -156,7 +152,7 @@ def test_a_wavenumber_or_depth_out_of_range_is_named(call, words):
         (lambda s: s.kernels([[1.0], [2.0, 3.0]], 0.0), "q"),
         (lambda s: s.kernels(1.0, "0.1"), "depth"),
         (lambda s: s.stress(1.0, "a", 0.0), "qy"),
-        (lambda s: s.grid_kernels(Grid((4, 4)), [0.1, 0.2]), "depth"),
+        (lambda s: s.shear_kernels(1.0, [0.1, 0.2]), "depth"),
     ],
 )
 def test_an_array_that_is_not_real_is_refused(call, name):

@@ -431,18 +431,8 @@ class Layer:
         self, grid: Grid, dtype: DTypeLike = "float64", rows: slice = ALL
     ) -> Array:
         """`surface_compliance` of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1), or of some."""
-        return self.surface_compliance(_half_wavenumber(grid, dtype, rows))
-
-    def grid_kernels(self, grid: Grid, depth: float, dtype: DTypeLike = "float64") -> Kernels:
-        """`kernels` at one depth for the rows 0 ≤ ky ≤ ny/2 of a grid, (ny // 2 + 1, nx // 2 + 1).
-
-        The row −ky equals the row ky: `mirror_rows` expands the result to all stored rows.
-        """
-        return self.kernels(_half_wavenumber(grid, dtype), _one_depth(depth))
-
-    def grid_shear_kernels(self, grid: Grid, depth: float, dtype: DTypeLike = "float64") -> ShearKernels:
-        """`shear_kernels` at one depth, for the rows of `grid_kernels`."""
-        return self.shear_kernels(_half_wavenumber(grid, dtype), depth)
+        q = grid.half_wavenumber(rows).astype(real_type(dtype), copy=False)
+        return self.surface_compliance(q)
 
     def _depths(self, depth: ArrayLike) -> Array:
         """Depths as float64, checked."""
@@ -511,7 +501,3 @@ def _polar(qx: ArrayLike, qy: ArrayLike) -> tuple[Array, Array, Array, np.dtype]
     q = np.hypot(x, y)
     safe = np.where(q == 0, 1.0, q)
     return q, x / safe, y / safe, kind
-
-
-def _half_wavenumber(grid: Grid, dtype: DTypeLike, rows: slice = ALL) -> Array:
-    return grid.half_wavenumber(rows).astype(real_type(dtype), copy=False)

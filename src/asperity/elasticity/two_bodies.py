@@ -119,9 +119,10 @@ def sliding_coupling(solid: Solid, q: ArrayLike) -> Array:
 
     Examples
     --------
+    >>> from asperity.elasticity.two_bodies import sliding_coupling
     >>> rubber = asp.Layer(young=2e6, poisson=0.5, height=1e-3)  # 1 mm, bonded to a rigid base
     >>> np.round(sliding_coupling(rubber, [1e2, 1e3, 1e4]), 2)
-    array([14.98,  1.23,  0.  ])
+    array([14.97,  1.23,  0.  ])
     """
     along, normal = np.zeros((2, *np.shape(q)))
     bodies = (solid.lower, solid.upper) if isinstance(solid, TwoBodies) else (solid,)

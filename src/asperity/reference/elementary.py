@@ -82,24 +82,6 @@ def point_force_stress(y: ArrayLike, x: ArrayLike, depth: ArrayLike, poisson: fl
     return np.stack([xx, yy, zz, cubic * n_y * n_z**2, cubic * n_x * n_z**2, xy], axis=-1)
 
 
-def point_force_displacement(
-    y: ArrayLike, x: ArrayLike, depth: ArrayLike, young: float, poisson: float
-) -> Array:
-    """Displacement (x, y, z), z up, under a unit force pressing on the surface at the origin, (..., 3).
-
-    It vanishes far away (K. L. Johnson, Contact Mechanics, 1985, eq. 3.18). Arguments as for
-    `point_force_stress`.
-    """
-    require_positive(young=young)
-    y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
-    distance = np.sqrt(x**2 + y**2 + depth**2)
-    scale = (1 + poisson) / (2 * np.pi * young * distance)
-    n_z = depth / distance
-    outward = scale * (n_z - (1 - 2 * poisson) / (1 + n_z)) / distance
-    up = -scale * (2 * (1 - poisson) + n_z**2)
-    return np.stack([outward * x, outward * y, up], axis=-1)
-
-
 def tangential_point_force_stress(y: ArrayLike, x: ArrayLike, depth: ArrayLike, poisson: float) -> Array:
     """Stress under a unit force along x on the surface at the origin: Cerruti's solution, (..., 6).
 
@@ -118,26 +100,6 @@ def tangential_point_force_stress(y: ArrayLike, x: ArrayLike, depth: ArrayLike, 
     xy = -cubic * n_x**2 * n_y + weight * n_y * (-single + n_x**2 * double)
     zz = -cubic * n_x * n_z**2
     return np.stack([xx, yy, zz, cubic * n_x * n_y * n_z, cubic * n_x**2 * n_z, xy], axis=-1)
-
-
-def tangential_point_force_displacement(
-    y: ArrayLike, x: ArrayLike, depth: ArrayLike, young: float, poisson: float
-) -> Array:
-    """Displacement (x, y, z), z up, under a unit force along x on the surface at the origin, (..., 3).
-
-    It vanishes far away (K. L. Johnson, Contact Mechanics, 1985, eq. 3.75). Arguments as for
-    `point_force_stress`.
-    """
-    require_positive(young=young)
-    y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
-    distance = np.sqrt(x**2 + y**2 + depth**2)
-    n_x, n_y, n_z = x / distance, y / distance, depth / distance
-    scale = (1 + poisson) / (2 * np.pi * young * distance)
-    blunt = (1 - 2 * poisson) / (1 + n_z)
-    along = scale * (1 + n_x**2 + blunt * (1 - n_x**2 / (1 + n_z)))
-    across = scale * n_x * n_y * (1 - blunt / (1 + n_z))
-    down = scale * n_x * (n_z + blunt)
-    return np.stack([along, across, -down], axis=-1)
 
 
 def von_mises(stress: ArrayLike) -> Array:

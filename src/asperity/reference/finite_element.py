@@ -8,7 +8,7 @@ the bottom.
 The mesh is a tensor product of three graded lines, whose quadratic matrices scikit-fem assembles. The
 stiffness of the hexahedra is a sum of Kronecker products of these matrices, to rounding
 (`tests/physics/test_reference_finite_element.py` compares it with scikit-fem's own three-dimensional
-assembly), and is applied factor by factor, never stored. Its three diagonal blocks are inverted exactly by
+assembly), and is applied axis by axis, never stored. Its three diagonal blocks are inverted exactly by
 diagonalising the lines (R. E. Lynch, J. R. Rice, D. H. Thomas, Numer. Math. 6 (1964) 185,
 DOI 10.1007/BF01386067) and precondition conjugate gradients: the number of iterations does not grow with the
 mesh, and no matrix is factorised. The displacement of contact nodes is prescribed by projecting the
@@ -20,14 +20,13 @@ are in any unit, stresses in that of Young's modulus.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from itertools import product
 
 import numpy as np
 import scipy.linalg
-import scipy.sparse as sp
 from skfem import Basis, BilinearForm, ElementLineP2, MeshLine
 
 from asperity.core.arguments import require_positive
@@ -50,21 +49,6 @@ def graded(length: float, elements: int, ratio: float) -> Array:
     return length * np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum()
 
 
-@BilinearForm
-def _mass(u, v, _):
-    return u * v
-
-
-@BilinearForm
-def _stiffness(u, v, _):
-    return u.grad[0] * v.grad[0]
-
-
-@BilinearForm
-def _convection(u, v, _):
-    return u.grad[0] * v
-
-
 @dataclass(frozen=True, eq=False)
 class Line:
     """Quadratic elements on a line.
@@ -73,66 +57,57 @@ class Line:
     ----------
     edges : (elements + 1,) array
         Ends of the elements, rising.
-    fixed : tuple of int
-        End nodes, 0 for the first and −1 for the last, where the field is zero.
     """
 
     edges: Array
-    fixed: tuple[int, ...] = ()
 
     @cached_property
     def nodes(self) -> Array:
         """Positions of the 2 elements + 1 nodes."""
-        middle = 0.5 * (self.edges[1:] + self.edges[:-1])
-        return np.sort(np.concatenate([self.edges, middle]))
+        return np.sort(np.concatenate([self.edges, 0.5 * (self.edges[1:] + self.edges[:-1])]))
 
     @cached_property
-    def matrices(self) -> tuple[sp.csr_array, sp.csr_array, sp.csr_array]:
-        """Mass ∫φφ, stiffness ∫φ′φ′ and convection ∫φφ′, nodes in rising order, test functions in rows."""
+    def matrices(self) -> dict[tuple[bool, bool], Array]:
+        """∫φφ, ∫φφ′, ∫φ′φ and ∫φ′φ′, by whether test and trial function are differentiated."""
         basis = Basis(MeshLine(self.edges), ElementLineP2(), intorder=4)
         order = np.argsort(basis.doflocs[0])
         mass, stiffness, convection = (
-            sp.csr_array(form.assemble(basis).tocsr()[order][:, order])
-            for form in (_mass, _stiffness, _convection)
+            form.assemble(basis).toarray()[np.ix_(order, order)]
+            for form in (
+                BilinearForm(lambda u, v, _: u * v),
+                BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0]),
+                BilinearForm(lambda u, v, _: u.grad[0] * v),
+            )
         )
-        return mass, stiffness, convection
+        return {
+            (False, False): mass,
+            (False, True): convection,
+            (True, False): convection.T,
+            (True, True): stiffness,
+        }
 
-    @cached_property
-    def modes(self) -> tuple[Array, Array]:
-        """Eigenvalues of stiffness against mass, and eigenvectors as columns, zero at fixed ends."""
-        free = np.delete(np.arange(len(self.nodes)), self.fixed)
-        mass, stiffness, _ = (matrix.toarray()[np.ix_(free, free)] for matrix in self.matrices)
-        values, vectors = scipy.linalg.eigh(stiffness, mass)
+    def modes(self, fixed: Sequence[int]) -> tuple[Array, Array]:
+        """Eigenvalues of stiffness against mass and eigenvectors as columns, zero at fixed nodes."""
+        free = np.delete(np.arange(len(self.nodes)), fixed)
+        inside = np.ix_(free, free)
+        values, vectors = scipy.linalg.eigh(
+            self.matrices[True, True][inside], self.matrices[False, False][inside]
+        )
         modes = np.zeros((len(self.nodes), len(free)))
         modes[free] = vectors
         return values, modes
 
-    def at_gauss_points(self, order: int) -> tuple[Array, sp.csr_array]:
-        """Positions of the Gauss points, and the matrix that gives a field or its slope there from its nodes.
-
-        Parameters
-        ----------
-        order : 0 or 1
-            0 for the field, 1 for its slope.
-
-        Returns
-        -------
-        points : (2 elements,) array
-        matrix : (2 elements, 2 elements + 1) sparse array
-        """
-        xi = _GAUSS
-        shape = np.array([xi * (xi - 1) / 2, 1 - xi**2, xi * (xi + 1) / 2])
-        slope = np.array([xi - 0.5, -2 * xi, xi + 0.5])
-        half = 0.5 * np.diff(self.edges)
-        points = (0.5 * (self.edges[1:] + self.edges[:-1]))[:, None] + half[:, None] * xi
-        local = shape.T[None] + 0 * half[:, None, None] if order == 0 else slope.T / half[:, None, None]
-        element = np.arange(len(half))
-        rows = np.broadcast_to((2 * element[:, None] + [0, 1])[:, :, None], local.shape)
-        columns = np.broadcast_to((2 * element[:, None] + [0, 1, 2])[:, None, :], local.shape)
-        size = (points.size, len(self.nodes))
-        return points.ravel(), sp.coo_array(
-            (local.ravel(), (rows.ravel(), columns.ravel())), shape=size
-        ).tocsr()
+    def at_gauss_points(self) -> tuple[Array, Array, Array]:
+        """Positions of two Gauss points an element, and what gives a field and its slope there."""
+        xi = _GAUSS[:, None]
+        shape = np.hstack([xi * (xi - 1) / 2, 1 - xi**2, xi * (xi + 1) / 2])
+        slope = np.hstack([xi - 0.5, -2 * xi, xi + 0.5])
+        half, middle = 0.5 * np.diff(self.edges), 0.5 * (self.edges[1:] + self.edges[:-1])
+        value, derivative = np.zeros((2, 2 * len(half), len(self.nodes)))
+        for element, size in enumerate(half):
+            here = slice(2 * element, 2 * element + 2), slice(2 * element, 2 * element + 3)
+            value[here], derivative[here] = shape, slope / size
+        return (middle[:, None] + half[:, None] * _GAUSS).ravel(), value, derivative
 
 
 class Slab:
@@ -158,67 +133,45 @@ class Slab:
             raise ValueError(f"poisson = {poisson!r}: −1 < poisson < 0.5 is needed by these elements")
         self.shear_modulus = young / (2 * (1 + poisson))
         self.lame = 2 * self.shear_modulus * poisson / (1 - 2 * poisson)
-        self.free = Line(plane)
-        self.walled = Line(plane, fixed=(0, -1))
-        self.column = Line(column, fixed=(0,))
-        side = len(self.free.nodes)
+        self.plane, self.column = Line(plane), Line(column)
+        side = len(self.plane.nodes)
         self.shape = (len(self.column.nodes), side, side)
-        self._terms = list(self._make_terms())
-        # For each displacement component its lines along z, y and x, which carry its boundary conditions.
-        self._lines = [
-            (self.column, self.free, self.walled),
-            (self.column, self.walled, self.free),
-            (self.column, self.free, self.free),
-        ]
+        free, walled, column_modes = self.plane.modes(()), self.plane.modes((0, -1)), self.column.modes((0,))
+        # The modes along z, y and x of each displacement component, which carry its boundary conditions.
+        self._modes = [(column_modes, free, walled), (column_modes, walled, free), (column_modes, free, free)]
         stiff, soft = self.lame + 2 * self.shear_modulus, self.shear_modulus
         self._inverse = []
-        for component, lines in enumerate(self._lines):
-            z, y, x = (line.modes[0] for line in lines)
-            weights = [stiff if axis == component else soft for axis in (2, 1, 0)]
-            self._inverse.append(
-                1 / (weights[0] * z[:, None, None] + weights[1] * y[:, None] + weights[2] * x)
-            )
+        for component, modes in enumerate(self._modes):
+            z, y, x = ((stiff if axis == component else soft) * modes[2 - axis][0] for axis in (2, 1, 0))
+            self._inverse.append(1 / (z[:, None, None] + y[:, None] + x))
         self._held = np.zeros((3, *self.shape), bool)
         self._held[:, 0] = True
         self._held[0, :, :, [0, -1]] = True
         self._held[1, :, [0, -1], :] = True
 
-    def _make_terms(self) -> Iterator[tuple[int, int, Any, Any]]:
-        """Terms of the stiffness: test and trial component, factor in the plane (y, x), factor along z."""
-        lame, mu = self.lame, self.shear_modulus
-        mass, stiff, conv = self.free.matrices
-        mass_z, stiff_z, conv_z = self.column.matrices
-        both = sp.kron(mass, mass, "csr")
-        along_y, along_x = sp.kron(stiff, mass, "csr"), sp.kron(mass, stiff, "csr")
-        yield 0, 0, (lame + 2 * mu) * along_x + mu * along_y, mass_z
-        yield 0, 0, mu * both, stiff_z
-        yield 1, 1, (lame + 2 * mu) * along_y + mu * along_x, mass_z
-        yield 1, 1, mu * both, stiff_z
-        yield 2, 2, mu * (along_x + along_y), mass_z
-        yield 2, 2, (lame + 2 * mu) * both, stiff_z
-        shear = lame * sp.kron(conv, conv.T, "csr") + mu * sp.kron(conv.T, conv, "csr")
-        yield 0, 1, shear, mass_z
-        yield 1, 0, shear.T.tocsr(), mass_z
-        for component, slope in ((0, sp.kron(mass, conv, "csr")), (1, sp.kron(conv, mass, "csr"))):
-            yield component, 2, lame * slope.T.tocsr(), conv_z
-            yield component, 2, mu * slope, conv_z.T.tocsr()
-            yield 2, component, lame * slope, conv_z.T.tocsr()
-            yield 2, component, mu * slope.T.tocsr(), conv_z
-
     def force(self, displacement: Array) -> Array:
-        """Nodal forces of a displacement, both (3, nz, ny, nx), reactions of supports included."""
-        nz = self.shape[0]
-        out = np.zeros((3, nz, self.shape[1] * self.shape[2]))
-        flat = displacement.reshape(out.shape)
-        for test, trial, plane, line in self._terms:
-            out[test] += line @ (plane @ flat[trial].T).T
-        return out.reshape(displacement.shape)
+        """Nodal forces of a displacement, both (3, nz, ny, nx), reactions of supports included.
+
+        The work of the force on v is ∫ (λ ∂_i v_i ∂_j u_j + μ ∂_j v_i (∂_i u_j + ∂_j u_i)).
+        """
+        out = np.zeros_like(displacement)
+        for i, j in product(range(3), repeat=2):
+            out[i] += self.lame * self._integral(displacement[j], i, j)
+            out[i] += self.shear_modulus * self._integral(displacement[j], j, i)
+            out[i] += self.shear_modulus * self._integral(displacement[i], j, j)
+        return out
+
+    def _integral(self, field: Array, i: int, j: int) -> Array:
+        """∫ ∂_i φ ∂_j u of a field for all test functions φ; 0, 1, 2 are x, y, z."""
+        lines = (self.plane, self.plane, self.column)
+        x, y, z = (line.matrices[axis == i, axis == j] for axis, line in enumerate(lines))
+        return _transform(field, z, y, x)
 
     def precondition(self, force: Array) -> Array:
         """Displacement under nodal forces by the diagonal blocks of the stiffness alone, zero at supports."""
         out = np.empty_like(force)
-        for component, lines in enumerate(self._lines):
-            z, y, x = (line.modes[1] for line in lines)
+        for component, modes in enumerate(self._modes):
+            z, y, x = (vectors for _, vectors in modes)
             spectrum = self._inverse[component] * _transform(force[component], z.T, y.T, x.T)
             out[component] = _transform(spectrum, z, y, x)
         return out
@@ -226,8 +179,8 @@ class Slab:
     @cached_property
     def _surface(self) -> tuple[Array, Array]:
         """Eigenvectors of u_z in the plane, and the surface displacement under a unit force of each mode."""
-        z, y, _ = self._lines[2]
-        return y.modes[1], np.einsum("k,kyx->yx", z.modes[1][-1] ** 2, self._inverse[2])
+        (_, z), (_, y), _ = self._modes[2]
+        return y, np.einsum("k,kyx->yx", z[-1] ** 2, self._inverse[2])
 
     def surface_compliance(self, nodes: Array) -> Array:
         """Displacement u_z of surface nodes under forces at them by the preconditioner, (nodes, nodes)."""
@@ -244,7 +197,7 @@ class Slab:
 
     def nodal_area(self) -> Array:
         """Integral of the shape function of each surface node, (ny, nx)."""
-        weight = np.asarray(self.free.matrices[0].sum(axis=1)).ravel()
+        weight = self.plane.matrices[False, False].sum(axis=1)
         return np.outer(weight, weight)
 
     def on_diagonal(self, displacement: Array) -> tuple[Array, Array, Array, Array]:
@@ -263,12 +216,11 @@ class Slab:
         stress : (nz, nx, 6) array
             In the order xx, yy, zz, yz, xz, xy.
         """
-        (x, value), (_, slope) = (self.free.at_gauss_points(order) for order in (0, 1))
-        (z, value_z), (_, slope_z) = (self.column.at_gauss_points(order) for order in (0, 1))
+        x, value, slope = self.plane.at_gauss_points()
+        z, value_z, slope_z = self.column.at_gauss_points()
 
-        def sample(field: Array, along_z: Any, along_y: Any, along_x: Any) -> Array:
-            plane = sp.vstack([sp.kron(along_y[i], along_x[i]) for i in range(len(x))]).tocsr()
-            return along_z @ (plane @ field.reshape(len(field), -1).T).T
+        def sample(field: Array, along_z: Array, along_y: Array, along_x: Array) -> Array:
+            return np.einsum("zpp->zp", _transform(field, along_z, along_y, along_x))
 
         moved = np.stack([sample(part, value_z, value, value) for part in displacement], axis=-1)
         strain = np.empty((3, 3, len(z), len(x)))
@@ -397,7 +349,7 @@ def press(
         If the active set does not settle.
     """
     require_positive(curvature_radius=curvature_radius, approach=approach)
-    nodes = slab.free.nodes
+    nodes = slab.plane.nodes
     depth = (approach - (nodes[:, None] ** 2 + nodes**2) / (2 * curvature_radius)).ravel()
     # First guess: the edge of contact is displaced by half of the approach, as in Hertz contact.
     contact = depth > 0.5 * approach

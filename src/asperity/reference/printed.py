@@ -11,52 +11,14 @@ precision of the arguments. Equation numbers are those of the paper. z is measur
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
-
-ELEMENTS = ("11", "12", "13", "22", "23", "33", "14", "15", "16", "25", "26", "36")
-"""Indices of the elements of Eq. A.3."""
 
 
 def elastic_constants(young: Any, poisson: Any) -> tuple[Any, Any, Any]:
     """C11, C12 and C44 of an isotropic solid; C11 and C12 are infinite at ν = 1/2."""
     factor = young / ((1 + poisson) * (1 - 2 * poisson))
     return factor * (1 - poisson), factor * poisson, young / (2 * (1 + poisson))
-
-
-def equilibrium_in_space(
-    displacement: Sequence[Sequence[Any]], qx: Any, qy: Any, young: Any, poisson: Any, corrected: bool
-) -> list[Any]:
-    """Left-hand sides of the three lines of Eq. 3 for one Fourier mode.
-
-    `displacement` holds (u_x, u_y, u_z) and its first and second derivative along z. As printed the first
-    line has ∂x² + ∂y² instead of ∂y² + ∂z² and the third ∂x² + ∂z² instead of ∂x² + ∂y².
-    """
-    c11, c12, c44 = elastic_constants(young, poisson)
-    (ux, uy, uz), (ux1, uy1, uz1), (ux2, uy2, uz2) = displacement
-    x, y = 1j * qx, 1j * qy
-    shear_x = y * y * ux + (ux2 if corrected else x * x * ux)
-    shear_z = x * x * uz + (y * y * uz if corrected else uz2)
-    mixed = c12 + c44
-    return [
-        c44 * shear_x + c11 * x * x * ux + mixed * (x * y * uy + x * uz1),
-        c44 * (x * x * uy + uy2) + c11 * y * y * uy + mixed * (x * y * ux + y * uz1),
-        c44 * shear_z + c11 * uz2 + mixed * (y * uy1 + x * ux1),
-    ]
-
-
-def equilibrium_of_mode(displacement: Sequence[Sequence[Any]], qx: Any, qy: Any, s: Any) -> list[Any]:
-    """Left-hand sides of the three lines of Eq. 4, with s = C44/C11; they hold as printed.
-
-    `displacement` as in `equilibrium_in_space`.
-    """
-    (ux, uy, uz), (ux1, uy1, uz1), (ux2, uy2, uz2) = displacement
-    x, y = 1j * qx, 1j * qy
-    return [
-        s * (y * y * ux + x * y * uy + x * uz1 + ux2) + (1 - 2 * s) * (x * y * uy + x * uz1) + x * x * ux,
-        s * (x * x * uy + x * y * ux + y * uz1 + uy2) + (1 - 2 * s) * (x * y * ux + y * uz1) + y * y * uy,
-        s * (x * x * uz + y * y * uz + x * ux1 + y * uy1) + uz2 + (1 - 2 * s) * (x * ux1 + y * uy1),
-    ]
 
 
 def basis(lib: Any, qx: Any, qy: Any, z: Any, s: Any, corrected: bool = True) -> tuple[Any, Any]:
@@ -121,17 +83,10 @@ def stress_rows(
     return rows
 
 
-def half_space_compliance(lib: Any, qx: Any, qy: Any, young: Any, poisson: Any) -> list[Any]:
-    """G_xz, G_yz and G_zz of Eq. 10, displacements per traction t_z; they hold as printed."""
-    square = qx * qx + qy * qy
-    shear = 1j * (poisson + 1) * (2 * poisson - 1) / (young * square)
-    return [shear * qx, shear * qy, -2 * (poisson**2 - 1) / (young * lib.sqrt(square))]
-
-
 def compliance_elements(
     lib: Any, qx: Any, qy: Any, height: Any, young: Any, poisson: Any, corrected: bool = True
 ) -> dict[str, Any]:
-    """The twelve elements of Eq. A.3, by the names of `ELEMENTS`.
+    """The twelve elements of Eq. A.3, by their indices.
 
     In print G11, G12 and G22 have (1 + e^2h)³ instead of (−1 + e^2h)³, the first bracket of G11 has q_r³
     instead of q_y² q_r, and the brackets of G33, G36, G16 and G26 stand under the root.
@@ -145,67 +100,38 @@ def compliance_elements(
     cube = (lib.exp(2 * h) - 1) ** 3 if corrected else (lib.exp(2 * h) + 1) ** 3
     exponential = 8 * lib.exp(3 * h) * (1 + nu) / cube
     first = qy * qy if corrected else q * q
+    divisor = young * q**4 * depth
 
     def rooted(bracket: Any) -> Any:
         """Denominator q [bracket]; in print the bracket stands under the root."""
         return q * bracket if corrected else lib.sqrt(q * q * bracket)
 
+    g11 = first * q * (-2 * qy * qy * zm * zm * coth + double_sinh)
+    g11 = g11 + 2 * qx * qx * qy * qy * zm * (-1 + nu - q * zm * coth)
+    g11 = g11 + 2 * (nu - 1) * zm * qx**4 + qx * qx * (1 - nu) * q * double_sinh
+    g12 = coth * 2 * nu * sinh * sinh * q - coth * 2 * zm * zm * q**3 - 2 * zm * (nu - 1) * q * q
+    g22 = -2 * zm * (nu - 1) * q * q * qy * qy + double_sinh * ((nu - 1) * qy * qy - qx * qx) * q
+    g22 = g22 + 2 * zm * zm * coth * qx * qx * q**3
+    g14 = 2 * q * (zm * zm * qy**4 - sinh * sinh * qy * qy)
+    g14 = g14 + 2 * q * qx * qx * ((nu - 1) * sinh * sinh + zm * zm * qy * qy)
+    g14 = g14 - zm * (nu - 1) * double_sinh * qx * qx * q * q
+    g15 = -zm * (nu - 1) * double_sinh * q * q - 2 * (zm * zm * q * q - nu * sinh * sinh) * q
+    g25 = -zm * (nu - 1) * coth * qy * qy * q + (zm * zm * cosech * cosech * q * q - 1) * qx * qx
+    g25 = g25 + (nu - 1) * qy * qy
+    far = 2 * (nu * nu - 1) * (sinh + zm * cosh * q)
     elements = {
-        "11": -exponential
-        * sinh
-        * (
-            first * q * (-2 * qy * qy * zm * zm * coth + double_sinh)
-            + 2 * qx * qx * qy * qy * zm * (-1 + nu - q * zm * coth)
-            + 2 * (nu - 1) * zm * qx**4
-            + qx * qx * (1 - nu) * q * double_sinh
-        )
-        / (young * q**4 * (-1 + q * q * zm * zm * cosech * cosech)),
-        "12": exponential
-        * sinh**3
-        * qx
-        * qy
-        * (coth * 2 * nu * sinh * sinh * q - coth * 2 * zm * zm * q**3 - 2 * zm * (nu - 1) * q * q)
-        / (young * q**4 * depth),
-        "22": exponential
-        * sinh**3
-        * (
-            -2 * zm * (nu - 1) * q * q * qy * qy
-            + double_sinh * ((nu - 1) * qy * qy - qx * qx) * q
-            + 2 * zm * zm * coth * qx * qx * q**3
-        )
-        / (young * q**4 * depth),
+        "11": -exponential * sinh * g11 / (young * q**4 * (-1 + q * q * zm * zm * cosech * cosech)),
+        "12": exponential * sinh**3 * qx * qy * g12 / divisor,
+        "22": exponential * sinh**3 * g22 / divisor,
         "33": (nu * nu - 1) * (double_sinh + 2 * h) / (young * rooted(depth)),
-        "14": lib.exp(h)
-        * (nu + 1)
-        * (coth - 1)
-        * (
-            2 * q * (zm * zm * qy**4 - sinh * sinh * qy * qy)
-            + 2 * q * qx * qx * ((nu - 1) * sinh * sinh + zm * zm * qy * qy)
-            - zm * (nu - 1) * double_sinh * qx * qx * q * q
-        )
-        / (young * q**4 * depth),
-        "15": lib.exp(-h)
-        * (nu + 1)
-        * (coth + 1)
-        * qx
-        * qy
-        * (-zm * (nu - 1) * double_sinh * q * q - 2 * (zm * zm * q * q - nu * sinh * sinh) * q)
-        / (young * q**4 * depth),
-        "25": 2
-        * (nu + 1)
-        * sinh
-        * (
-            -zm * (nu - 1) * coth * qy * qy * q
-            + (zm * zm * cosech * cosech * q * q - 1) * qx * qx
-            + (nu - 1) * qy * qy
-        )
-        / (young * q**3 * depth),
-        "36": 2 * (nu * nu - 1) * (sinh + zm * cosh * q) / (young * rooted(depth)),
+        "14": lib.exp(h) * (nu + 1) * (coth - 1) * g14 / divisor,
+        "15": lib.exp(-h) * (nu + 1) * (coth + 1) * qx * qy * g15 / divisor,
+        "25": 2 * (nu + 1) * sinh * g25 / (young * q**3 * depth),
+        "36": far / (young * rooted(depth)),
     }
     for name, component in (("1", qx), ("2", qy)):
-        elements[name + "3"] = (
-            -(nu + 1) * component * ((2 * nu - 1) * sinh * sinh - zm * zm * q * q) / (young * q * q * depth)
-        )
+        mixed = (2 * nu - 1) * sinh * sinh - zm * zm * q * q
+        elements[name + "3"] = -(nu + 1) * component * mixed / (young * q * q * depth)
         bracket = -2 * zm * zm * q * q + lib.cosh(2 * h) - 1
         elements[name + "6"] = 4 * zm * (nu * nu - 1) * sinh * component / (young * rooted(bracket))
     return elements
@@ -227,24 +153,3 @@ def compliance(elements: Mapping[str, Any], corrected: bool = True) -> list[list
         [g["15"], g["25"], -1j * g["26"], lower[0], g["22"], -1j * g["23"]],
         [-1j * g["16"], -1j * g["26"], g["36"], lower[1], lower[2], g["33"]],
     ]
-
-
-def gaussian_variable(lib: Any, first: Any, second: Any, corrected: bool = True) -> Any:
-    """Gaussian random variable of Eq. 21: one complex number, or as printed two real ones.
-
-    Both printed lines define the same symbol; they are read as its real and imaginary part. `first` and
-    `second` are independent random numbers, uniform in (0, 1]: the logarithm excludes 0.
-    """
-    radius = lib.sqrt(-2 * lib.log(first))
-    real, imaginary = radius * lib.cos(2 * lib.pi * second), radius * lib.sin(2 * lib.pi * second)
-    return real + 1j * imaginary if corrected else (real, imaginary)
-
-
-def critical_damping(lib: Any, time_step: Any, stiffness: Any, corrected: bool = True) -> Any:
-    """Critical damping of a mode of unit mass, Eq. 18: (2/Δt) √(κ − κ²/4), printed as (2/Δt) √(κ − κ), zero.
-
-    `stiffness` is that of the mode, E/(2 L_c (1 + ν)) in the paper, and κ = stiffness Δt². The corrected
-    form is critical for the scheme that the paper describes, with centred damping.
-    """
-    kappa = stiffness * time_step**2
-    return 2 / time_step * lib.sqrt(kappa - (kappa**2 / 4 if corrected else kappa))

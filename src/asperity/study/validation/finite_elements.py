@@ -77,7 +77,7 @@ def compare_elements(
         coords={
             "distance": np.sqrt(2) * x,
             "depth": depth,
-            "axis_node": slab.free.nodes,
+            "axis_node": slab.plane.nodes,
             "node_z": slab.column.nodes,
         },
         attrs={
