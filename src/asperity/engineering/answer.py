@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
@@ -143,23 +144,18 @@ class Answer:
             own = self.face.is_on_map(table["y_m"].to_numpy(), table["x_m"].to_numpy())
             table = table[own & table["quantity"].isin(("pressure", *self.fields))].copy()
             table["y_m"], table["x_m"] = self.face.on_map(table["y_m"], table["x_m"])
-            table.insert(0, "body", body)
-            order = table.assign(size=table["value_Pa"].abs())
-            order = order.sort_values(["quantity", "size"], ascending=[False, False], kind="stable")
-            tables.append(table.loc[order.index])
-        order = ["body", "quantity", *PEAK_COLUMNS.values(), "under_contact"]
-        return pd.concat(tables, ignore_index=True)[order]
+            tables.append(table.assign(body=body, size=table["value_Pa"].abs()))
+        found = pd.concat(tables, ignore_index=True)
+        order = {"body": True, "quantity": False, "size": False}
+        found = found.sort_values([*order], ascending=[*order.values()], ignore_index=True)
+        return found[["body", "quantity", *PEAK_COLUMNS.values(), "under_contact"]]
 
     def text(self) -> str:
         """The answer as a block of text, warnings last."""
         width = max(len(row.name) for row in self.rows)
         lines = [self.title]
-        group = ""
-        for row in self.rows:
-            if row.group != group:
-                group = row.group
-                lines += ["", group]
-            lines.append(f"  {row.name:<{width}}  {row.shown}")
+        for group, rows in groupby(self.rows, key=lambda row: row.group):
+            lines += ["", group, *(f"  {row.name:<{width}}  {row.shown}" for row in rows)]
         lines += ["", "what was done to the map", *(f"  {step}" for step in self.face.done)]
         for advice in self.advice:
             lines += ["", f"{advice.level}: {advice.text}"]

@@ -150,46 +150,39 @@ class _Extremes:
         if self._limit is not None:
             self.above.append(float(np.mean(invariants["von_mises"] > self._limit)))
         for name in self._fields:
-            if name in invariants:
-                self._compare(name, invariants[name], plane)
-            elif name in BOUNDS:
-                self._compare_bounded(name, invariants, plane)
+            if name in BOUNDS:
+                nodes = self._candidates(name, invariants, plane)
+                values = plane.field_at(name, self._poisson, nodes)
             else:
-                self._compare(name, plane.field(name, self._poisson), plane)
+                field = invariants[name] if name in invariants else plane.field(name, self._poisson)
+                nodes = np.array([field.argmax(), field.argmin()])
+                values = field.ravel()[nodes]
+            self._take(name, values, nodes, plane)
 
-    def _compare_bounded(self, name: str, invariants: Mapping[str, Array], plane: LinearPlane) -> None:
-        """Compare a field of principal stresses, computed only where its bound exceeds the extreme so far."""
+    def _candidates(self, name: str, invariants: Mapping[str, Array], plane: LinearPlane) -> Array:
+        """Nodes at which the upper bound of a field exceeds its extreme value so far."""
         of_von_mises, of_hydrostatic = BOUNDS[name]
         bound = of_von_mises * invariants["von_mises"] + of_hydrostatic * invariants["hydrostatic"]
-        flat = bound.reshape(-1)
-        highest = int(flat.argmax())
-        earlier = self.found.get(name)
-        known = earlier.value if earlier else float(self._sample(name, plane, np.array([highest]))[0])
-        least = _rank(name, known) - ROUNDING * abs(float(flat[highest]))
-        candidates = np.flatnonzero(flat >= least)
-        if candidates.size:
-            values = self._sample(name, plane, candidates)
-            best = int(np.argmax(DIRECTION[name] * values))
-            self._take(name, float(values[best]), int(candidates[best]), plane)
+        bound = bound.ravel()
+        highest = bound.argmax()
+        if name in self.found:
+            known = self.found[name].value
+        else:
+            known = float(plane.field_at(name, self._poisson, np.array([highest]))[0])
+        return np.flatnonzero(bound >= DIRECTION[name] * known - ROUNDING * abs(float(bound[highest])))
 
-    def _sample(self, name: str, plane: LinearPlane, nodes: Array) -> Array:
-        return plane.field_at(name, self._poisson, nodes)
-
-    def _compare(self, name: str, values: Array, plane: LinearPlane) -> None:
-        node = max(
-            (int(values.argmax()), int(values.argmin())), key=lambda n: _rank(name, float(values.flat[n]))
-        )
-        self._take(name, float(values.flat[node]), node, plane)
-
-    def _take(self, name: str, value: float, node: int, plane: LinearPlane) -> None:
-        """Take the value at a node if it is more extreme than the one so far."""
-        earlier = self.found.get(name)
-        if earlier is None or _rank(name, value) > _rank(name, earlier.value):
-            row, column = divmod(node, plane.grid.shape[1])
+    def _take(self, name: str, values: Array, nodes: Array, plane: LinearPlane) -> None:
+        """Take the most extreme of some values if it is more extreme than the one so far."""
+        if not nodes.size:
+            return
+        sizes = _size(name, values)
+        best = int(sizes.argmax())
+        if name not in self.found or sizes[best] > _size(name, np.array(self.found[name].value)):
+            row, column = divmod(int(nodes[best]), plane.grid.shape[1])
             y, x = row * plane.grid.spacing[0], column * plane.grid.spacing[1]
-            self.found[name] = Extreme(value, plane.depth, y, x)
+            self.found[name] = Extreme(float(values[best]), plane.depth, y, x)
 
 
-def _rank(name: str, value: float) -> float:
+def _size(name: str, values: Array) -> Array:
     """What is largest for the extreme value of a field."""
-    return DIRECTION[name] * value if name in DIRECTION else abs(value)
+    return DIRECTION[name] * values if name in DIRECTION else np.abs(values)

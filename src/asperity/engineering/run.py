@@ -32,9 +32,6 @@ from asperity.stress.planes.fields import FIELDS
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 from asperity.surface.treatment.treatment import TreatedMap
 
-CONTACT_TOLERANCE = 1e-6
-"""Error of the pressure relative to its norm."""
-
 
 def run(
     source: str | os.PathLike[str] | HeightMap | TreatedMap,
@@ -120,9 +117,7 @@ def run(
     case = Case(lower, upper, Load.chosen(load), friction, sliding_direction)
     names = choices("fields", fields, FIELDS)
     options = map_options or MapOptions()
-    counter = counter_map
-    if counter is not None and not isinstance(counter, CounterMap):
-        counter = CounterMap(counter)
+    counter = counter_map if isinstance(counter_map, CounterMap | None) else CounterMap(counter_map)
     face = source if isinstance(source, TreatedMap) else read_face(source, options, counter)
     contact = press(face, case, _part(progress, 0.1, 0.5))
     share = 0.35 / len(case.bodies)
@@ -173,7 +168,6 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
         case.solid,
         face.grid.length,
         boundary=face.boundary,
-        rtol=CONTACT_TOLERANCE,
         progress=progress,
         **imposed,
     )
