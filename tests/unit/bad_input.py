@@ -37,29 +37,18 @@ CONFIGS = [
     ("contact: {area_fraction: .inf}", "contact.area_fraction = inf: a number > 0 and ≤ 1"),
     ("contact: {area_fraction: !!timestamp x}", "overlay.yaml: "),
     ("seeds: [010, 1:20]", "seeds.1 = '1:20': a whole number"),
-    ("contact: {area_fraction: 10}", "contact.area_fraction = 10: a number > 0 and ≤ 1"),
     ("contact: {area: 0.1}", "contact.area: unknown key; known here are method, area_fraction"),
     ("contact: {method: magic}", "contact.method = 'magic': gfmd or active_set"),
     ("contact: {path_area_fractions: [0.1, 0.05]}", "contact.path_area_fractions = [0.1, 0.05]: rising"),
-    ("contact: null", "contact = None: a group of keys"),
-    ("seeds: [1, 1]", "seeds = [1, 1]: a list of ≥ 1 distinct items"),
     ("tradeoff: {reduced: {seeds: [2, 2]}}", "tradeoff.reduced.seeds = [2, 2]: a list of ≥ 1 distinct items"),
     ("seeds: [-1]", "seeds.0 = -1: a whole number"),
-    ("results: ../elsewhere", "results = '../elsewhere': `results` or a folder below it"),
-    ("surfaces: {hurst_02: {hurst: true}}", "surfaces.hurst_02.hurst = True: a number"),
     ("surfaces: {hurst_02: {points: 256}}", "surfaces.hurst_02.points = 256: at least 512 are needed"),
     (
         "surfaces: {hurst_02: {wavelength_short: 0.5}}",
         "wavelength_short = 0.5: at most wavelength_long = 0.125",
     ),
-    (
-        "surfaces: {gaussian: {wavelength_short: 1.0e-180}}",
-        "surfaces.gaussian.wavelength_short = 1e-180: a number ≥ 6.103515625e-05 and ≤ 1 is needed",
-    ),
     ("surfaces: {gaussian: {wavelength_short: 0.0001}}", "surfaces.gaussian.points: 80000 are too many"),
-    ("surfaces: {hurst_02: {rms_height: 0}}", "surfaces.hurst_02.rms_height = 0: a number > 0"),
     ("surfaces: {'H=0.2': {hurst: 0.2}}", "surfaces.'H=0.2': a name of at most 40 lower-case"),
-    ("surfaces: {new: {hurst: 0.2}}", "surfaces.new.label: missing; text of 1 to 60 characters is needed"),
     ("surfaces: {1: {hurst: 0.2}}", "surfaces.1: a name of at most 40 lower-case letters"),
     ("surfaces: {hurst_02: {johnson: {gamma: 1}}}", "surfaces.hurst_02.johnson.delta: missing; a number > 0"),
     ("studies: {hurst: [unknown]}", "studies.hurst = 'unknown': the name of a surface is needed (hurst_02"),
@@ -71,76 +60,41 @@ CONFIGS = [
         "surfaces: {kurtosis_low: {moments: {skewness: 2}}}",
         "surfaces.kurtosis_low.moments.kurtosis = 2.4: a number > 5, 1 + skewness², is needed",
     ),
-    (
-        "measured: {fault: {periodic: maybe}}",
-        "measured.fault.periodic = 'maybe': declared or mirrored or windowed",
-    ),
     ("measured: {mine: {label: mine, detrend: tilt}}", "measured.mine.file: missing; a file name"),
-    ("measured: {hurst_02: {label: a, file: b, detrend: none}}", "measured.hurst_02: another name is needed"),
     (
         "studies: {compressibility: [hurst_02, hurst_08]}",
         "studies.compressibility = ['hurst_02', 'hurst_08']: a",
     ),
     (
-        "studies: {kurtosis: [gaussian, gaussian]}",
-        "studies.kurtosis = ['gaussian', 'gaussian']: a list of 0 to 4",
-    ),
-    ("layer: {height: 0}", "layer.height = 0: a number > 0"),
-    ("layer: {bottom: glued}", "layer.bottom = 'glued': bonded or frictionless"),
-    (
         "stress: {poisson: [0.33, 0.33]}",
         "stress.poisson = [0.33, 0.33]: a list of 1 to 16 distinct items",
     ),
-    ("statistics: {confidence: 95}", "statistics.confidence = 95: a number > 0 and < 1"),
     # numbers that are none, or none of their kind
     ("contact: {area_fraction: 0,1}", "contact.1: unknown key"),
     ("contact: {area_fraction: 2026-11-21}", "contact.area_fraction = '2026-11-21': a number"),
-    ("contact: {area_fraction: !!binary aGVsbG8=}", "contact.area_fraction = b'hello': a number"),
     (f"seeds: [1{'0' * 400}]", "a whole number ≥ 0 and ≤ 4294967295 is needed"),
-    ("seeds: !!set {1}", "seeds = {1}: a list"),
-    ("surfaces: {hurst_02: {points: 2048.0}}", "surfaces.hurst_02.points = 2048.0: a whole number"),
     # text that is none
     (f"surfaces: {{hurst_02: {{label: {'ü' * 61}}}}}", "text of 1 to 60 characters is needed"),
-    (
-        'surfaces: {hurst_02: {label: "two\\nlines"}}',
-        "label = 'two\\nlines': text that can be printed is needed",
-    ),
     (
         'surfaces: {hurst_02: {label: "\\e[31mred"}}',
         "label = '\\x1b[31mred': text that can be printed is needed",
     ),
     ('"con\\ntact": 1', "'con\\ntact': unknown key"),
-    (f"? {'k' * 900}\n: 1", "kkk...: unknown key"),
-    ("ｃontact: {area_fraction: 0.1}", "ｃontact: unknown key; known here are based_on"),
     # names and paths
     (f"surfaces: {{{'a' * 41}: {{hurst: 0.2}}}}", "aaa': a name of at most 40 lower-case letters"),
-    ("results: results/../results", "results = 'results/../results': `results` or a folder below it"),
-    ("results: $HOME", "results = '$HOME'"),
-    (f"results: results/{'a' * 61}", "`results` or a folder below it is needed"),
-    (
-        "measured: {mine: {label: mine, file: none.x3p, detrend: tilt}}",
-        "measured.mine.file = 'none.x3p': no such file",
-    ),
     ("measured: {fault: {file: /dev/zero}}", "measured.fault.file = '/dev/zero': no such file"),
     ('measured: {fault: {file: "a\\0b"}}', "measured.fault.file = 'a\\x00b': no such file"),
-    ("measured: {fault: {physical_size: [1]}}", "measured.fault.physical_size = [1]: a list of 2 items"),
     # what contradicts itself
     ("layer: {poisson: 0.2}\nstress: {poisson: [0.3]}", "layer.poisson = 0.2 must be one of them"),
     (
         "contact: {precision: float32, tolerance: 1.0e-9}",
         "contact.tolerance = 1e-09: a number ≥ 1e-6 with precision float32",
     ),
-    (
-        "validation: {slab_load_area: {points: 32}}",
-        "validation.slab_load_area.points = 32: a whole number ≥ 64",
-    ),
     # what is no configuration
     ("", "overlay.yaml: keys with values are needed"),
     ("contact: 1\n---\ncontact: 2", "overlay.yaml: YAML is needed; but found another document in line 2"),
     (b"\xff\xfe\x00", "overlay.yaml: YAML in UTF-8 is needed"),
-    (b"results: \xe9", "overlay.yaml: YAML in UTF-8 is needed"),
     (b"#" * (2**17 + 1), "overlay.yaml: a configuration of at most 131072 bytes is needed"),
-    ("? [1, 2]\n: 3", "overlay.yaml: YAML is needed; found unhashable key in line 1"),
     (
         "contact: {method: gfmd}\ncontact: {method: active_set}",
         "overlay.yaml: YAML is needed; 'contact' is given twice",
@@ -148,24 +102,19 @@ CONFIGS = [
     # renamed keys
     ("body: {poisson: [0.33]}", "body: is called stress now"),
     # names that are too long, and characters that formats give a meaning
-    (f"measured: {{fault: {{file: {LONG}}}}}", "no such file"),
-    (f"measured: {{fault: {{file: {'x' * 1001}}}}}", "a file name without braces of at most 1000 characters"),
     ("measured: {fault: {file: 'a{b}.asc'}}", "measured.fault.file = 'a{b}.asc': a file name without braces"),
-    ("contact: {area_fraction: '{0} %s'}", "contact.area_fraction = '{0} %s': a number"),
     ("surfaces: {hurst_02: {label: 'a $ sign'}}", "mathematics between two dollar signs is needed"),
     # tags and anchors
     (
         "seeds: !!python/object/apply:os.system ['touch pwned']",
         "overlay.yaml: YAML is needed; could not determine",
     ),
-    ("seeds: !include /etc/passwd", "overlay.yaml: YAML is needed; could not determine a constructor"),
     ("__use_yte__: true\n?open('pwned', 'w'): {}", "__use_yte__: unknown key"),
     (MERGES, "overlay.yaml: at most 100000 values are accepted, line 6 has more"),
     (
         f"contact: {{area_fraction: {':'.join(['59'] * 10_000)}}}",
         "overlay.yaml: at most 2000 characters are accepted in a value, line 1 has 29999",
     ),
-    ("contact: *absent", "overlay.yaml: YAML is needed; found undefined alias 'absent' in line 1"),
     ("contact: " + "[" * 40 + "]" * 40, "overlay.yaml: at most 32 levels are accepted, line 1 has more"),
     (MANY_ALIASES, "overlay.yaml: at most 100000 values are accepted, line 6 has more"),
 ]
@@ -211,30 +160,18 @@ COMMANDS = [
     ("solve s.nc", 2, "the following arguments are required: --out"),
     ("solve s.nc --out x.nc --area 0.1", 2, "unrecognized arguments: --area 0.1"),
     ("solve s.nc --out x.nc --poisson 0.6", 2, "--poisson: '0.6': a number > -1 and ≤ 0.5 is needed"),
-    ("solve s.nc --out x.nc --area-fraction ten", 2, "'ten': a number > 0 and ≤ 1 is needed"),
     (f"solve s.nc --out x.nc --area-fraction {HUGE}", 2, "999...: a number > 0 and ≤ 1 is needed"),
     ("solve s.nc --out x.nc --area-fraction 0.1 0.2", 2, "unrecognized arguments: 0.2"),
-    ("solve s.nc --out x.nc --fft-engine fftw", 2, "--fft-engine: 'fftw': ducc0 or pyfftw is needed"),
-    ("solve s.nc --out x.nc --path", 2, "--path: expected at least one argument"),
-    ("solve s.nc --out x.nc --layer-height -1", 2, "--layer-height: '-1': a number > 0 and ≤ 1000 is needed"),
-    ("solve s.nc --out x.nc --bottom glued", 2, "--bottom: 'glued': bonded or frictionless is needed"),
-    ("solve s.nc --out x.nc --tolerance 1", 2, "--tolerance: '1': a number ≥ 1e-14 and ≤ 0.01 is needed"),
-    ("solve s.nc --out x.nc --points 3.5", 2, "'3.5': a whole number ≥ 8 and ≤ 32768 is needed"),
     ("solve s.nc --out x.nc --physical-size 1 0", 2, "--physical-size: '0': a length > 0 with its unit"),
     (
         "solve s.nc --out x.nc --detrend \u00fc\x1b[31m",
         2,
         "--detrend: 'ü\\x1b[31m': none or tilt or curvature",
     ),
-    ("stress c.nc --out x.nc --depth-spacing 9", 2, "--depth-spacing: '9': a number ≥ 0.05 and ≤ 4"),
     ("stress c.nc --out x.nc --poisson 0.2 0.2", 2, "[0.2, 0.2]: a list of 1 to 16 distinct items"),
-    ("peaks b.nc --out x.nc", 2, "the following arguments are required: --contact"),
-    ("peaks b.nc --contact c.nc --out x.nc --bins 1", 2, "'1': a whole number ≥ 2 and ≤ 10000 is needed"),
-    ("peaks b.nc --contact c.nc --out x.nc --resamples 1e3", 2, "'1e3': a whole number ≥ 10 and ≤ 100000"),
     ("plot ../../etc/passwd s.nc --out x.png", 2, "'../../etc/passwd': one of 1, 2"),
     ("solve {folder}/none.nc --out {folder}/x.nc", 1, "none.nc: no such file"),
     ("solve {folder} --out {folder}/x.nc", 1, "a folder, a file is needed"),
-    ("solve {contact} --out {folder}/x.nc", 1, "a result of contact, one of surface is needed"),
     ("solve {surface} --detrend tilt --out {folder}/x.nc", 1, "--detrend: for height maps"),
     (
         "solve {surface} --precision float32 --tolerance 1e-14 --out {folder}/x.nc",
@@ -245,14 +182,8 @@ COMMANDS = [
     ("solve {surface} --out {surface}", 1, "surface.nc: is read too, another name is needed"),
     ("solve {surface} --out {surface}/x.nc", 1, "surface.nc/x.nc: cannot be written ("),
     ("solve {surface} --out /proc/x.nc", 1, "/proc/x.nc: cannot be written (No such file or directory"),
-    ("stress {surface} --out {folder}/x.nc", 1, "a result of surface, one of contact is needed"),
     ("stress /dev/null --out {folder}/x.nc", 1, "/dev/null: not a regular file"),
     ("peaks {stress} {stress} --contact {contact} --out {folder}/x.nc", 1, "one for each stress is needed"),
-    (
-        "peaks {contact} --contact {stress} --out {folder}/x.nc",
-        1,
-        "a result of contact, one of stress is needed",
-    ),
     (
         "peaks {stress} --contact {contact} --out {contact}",
         1,
@@ -272,26 +203,14 @@ COMMANDS = [
     ("plan", 2, "the following arguments are required: CONFIG_OR_SPECTRUM"),
     # characters that formats give a meaning
     ("{0}%s%(prog)s", 2, "invalid choice: '{0}%s%(prog)s'"),
-    ("solve s.nc --out x.nc --bottom {}%d", 2, "--bottom: '{}%d': bonded or frictionless is needed"),
-    ("solve s.nc --out x.nc --label {0}$", 2, "'{0}$': mathematics between two dollar signs is needed"),
-    ("plan %s{0}", 1, "'%s{0}': a file, or keys and values"),
     # names that are too long for a file
     (f"solve {LONG} --out {{folder}}/x.nc", 1, "no such file"),
     (f"solve {{surface}} --out {{folder}}/{LONG}", 1, "File name too long"),
-    (f"plot 9 {{statistics}} --out {{folder}}/{LONG}.png", 1, "File name too long"),
     # Poisson's ratios that were not analysed
     ("plot 9 {statistics} --poisson 0.2 --out {folder}/x.png", 1, "set --poisson to one of 0, 0.33"),
     ("plan {surface}", 1, "surface.nc: YAML in UTF-8 is needed"),
-    (f"plan {SPECTRUM} --error -1", 2, "--error: '-1': a number > 0 is needed"),
     (f"plan {SPECTRUM} --error 1e-9", 1, "error = 1e-09: 0."),
-    (f"plan {SPECTRUM} --seconds nan", 2, "--seconds: 'nan': a number > 0 is needed"),
-    (f"plan {SPECTRUM} --seconds 1e-9", 1, "not within this time and memory"),
     (f"plan {SPECTRUM} --output depth", 1, "output = 'depth': one of area_fraction, proportionality"),
-    (
-        f'plan {SPECTRUM} {{"hurts":1}}',
-        1,
-        "surfaces.surface.hurts: unknown key; known here are label, hurst",
-    ),
     (
         f'plan {SPECTRUM} {{"wavelength_short":0.5}}',
         1,
@@ -302,8 +221,6 @@ COMMANDS = [
         1,
         "YAML is needed; could not determine a constructor",
     ),
-    ('plan {"hurst":1,"hurst":0}', 1, "YAML is needed; 'hurst' is given twice in line 1"),
-    ('plan {"surfaces":{}}', 1, "surfaces: missing; at least one is needed, here or under measured"),
 ]
 
 HEADER = "# Channel: Height\n# Width: 8 m\n# Height: 8 m\n# Value units: m\n"
@@ -340,7 +257,6 @@ MIRRORED = "--periodic mirrored"
 MAPS = [
     ("map.asc", matrix(ROWS), "", "set it to declared, mirrored or windowed"),
     ("empty.asc", b"", MIRRORED, "empty.asc: not a height map that can be read (no known format"),
-    ("zeros.x3p", bytes(1000), MIRRORED, "zeros.x3p: not a height map that can be read"),
     ("ragged.asc", matrix([*ROWS[:5], ROWS[5][:3], *ROWS[6:]]), MIRRORED, "ragged.asc: not a height map"),
     (
         "nan.asc",
@@ -348,24 +264,14 @@ MAPS = [
         MIRRORED,
         "--undefined: 1 points of the map have no data; set it to harmonic",
     ),
-    ("enormous.asc", replaced("1e300"), MIRRORED, "enormous.asc"),
-    ("flat.asc", matrix([["1.0"] * 8] * 8), MIRRORED, "a surface that varies is needed, this one is flat"),
     (
         "bare.asc",
         matrix(ROWS, ""),
         MIRRORED,
         "--physical-size: the file does not say",
     ),
-    (
-        "size.asc",
-        matrix(ROWS),
-        MIRRORED + " --physical-size 1 1",
-        "--physical-size: the file itself says 8 x 8 m (y, x); leave it out",
-    ),
-    ("nosize.asc", matrix(ROWS, HEADER.replace("8 m", "0 m")), MIRRORED, "nosize.asc"),
     ("units.asc", matrix(ROWS, HEADER.replace("8 m", "8 furlong")), MIRRORED, "units.asc"),
     ("pickle.npy", saved(np.array([[Intruder()] * 4] * 4)), MIRRORED, "pickle.npy: not a height map"),
-    ("complex.npy", saved(np.ones((4, 4), complex)), MIRRORED, "complex.npy"),
     (
         "short.asc",
         matrix(ROWS),

@@ -18,7 +18,7 @@ from bad_input import (
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-deterministic = settings(derandomize=True, database=None, deadline=None, max_examples=50)
+deterministic = settings(derandomize=True, database=None, deadline=None, max_examples=25)
 """The same examples in every run; `make fuzz` draws new ones."""
 
 

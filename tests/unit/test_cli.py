@@ -4,7 +4,6 @@ import os
 import subprocess
 import sys
 from importlib.util import find_spec
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,8 +13,8 @@ from project import ROOT, hide
 
 from asperity.cli.main import main
 from asperity.cli.notice import NOTICE, progress_bar
-from asperity.cli.parser import make_parser
-from asperity.core.packages import BASE, PACKAGES
+from asperity.cli.parser import COMMANDS, make_parser
+from asperity.core.packages import PACKAGES
 from asperity.results import dataset
 from asperity.study.config.defaults import default
 from asperity.study.config.schema import setting
@@ -53,11 +52,9 @@ def test_the_moments_of_the_surface_are_recovered_from_the_contact(files):
 @pytest.mark.parametrize(
     ("figure", "stages"),
     [
-        ("6", ["surface", "statistics"]),
         ("7", ["contact"]),
         ("fig09", ["statistics"]),
         ("14", ["statistics"]),
-        ("17", ["statistics"]),
     ],
 )
 def test_the_figures_of_the_study_are_drawn_from_them(files, tmp_path, figure, stages):
@@ -84,16 +81,6 @@ def test_a_height_map_is_pressed_face_down(tmp_path, capsys):
     pressure = dataset.read(out)["pressure"].values
     assert np.unravel_index(pressure.argmax(), pressure.shape) == (0, 0)
     assert dataset.settings_of(dataset.read(out))["surface"]["label"] == "waves"
-
-
-def test_names_with_characters_that_formats_give_a_meaning_are_accepted(tmp_path):
-    pytest.importorskip("SurfaceTopography")
-    surface, contact, stress = (str(tmp_path / name) for name in ("{0}%s.asc", "{}%(a)d.nc", "%{.nc"))
-    Path(surface).write_text(HEADER + WAVES)
-    label = ["--label", "{0} %s"]
-    assert main(["solve", surface, "--periodic", "declared", *label, "--out", contact]) == 0
-    assert main(["stress", contact, "--out", stress]) == 0
-    assert dataset.settings_of(dataset.read(stress))["surface"]["label"] == "{0} %s"
 
 
 def test_a_layer_has_only_the_ratio_of_its_contact(files, tmp_path, capsys):
@@ -139,22 +126,19 @@ def test_help_does_not_wait_for_numerical_libraries():
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
 
 
-@pytest.mark.parametrize(
-    "command", ["", "surface", "solve", "stress", "peaks", "plot", "plan", "view", "export"]
-)
-def test_every_command_has_help(capsys, command):
-    with pytest.raises(SystemExit) as stopped:
-        main([*command.split(), "--help"])
-    assert stopped.value.code == 0
-    assert "None" not in capsys.readouterr().out
+def test_every_command_has_help(capsys):
+    for command in ([], *([name] for name in COMMANDS)):
+        with pytest.raises(SystemExit) as stopped:
+            main([*command, "--help"])
+        assert stopped.value.code == 0
+        assert "None" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
     ("name", "command"),
     [
-        *((name, "--version") for name in PACKAGES[BASE]),
+        ("numba", "--version"),
         ("matplotlib", "plot 9 a.nc --out b.png"),
-        ("SurfaceTopography", f"run {STEEL} --young 1GPa --poisson 0.3 --pressure 1MPa --out new"),
         ("SurfaceTopography", f"info {STEEL}"),
     ],
 )
@@ -179,11 +163,9 @@ def test_all_missing_packages_of_a_command_are_named(monkeypatch, capsys):
     monkeypatch.setattr(
         "asperity.core.packages.find_spec", lambda name: None if name in missing else find_spec(name)
     )
-    command = f"run {STEEL} --young 1GPa --poisson 0.3 --pressure 1MPa --out new"
-    assert main(command.split()) == 1
+    assert main(f"run {STEEL} --young 1GPa --poisson 0.3 --pressure 1MPa --out new".split()) == 1
     line = "asperity: not installed: SurfaceTopography, matplotlib; install with: "
-    line += 'pip install "asperity[maps]"\n'
-    assert capsys.readouterr().err == line
+    assert capsys.readouterr().err == f'{line}pip install "asperity[maps]"\n'
 
 
 def test_solve_imposes_pressure_force_and_approach_alike(tmp_path, capsys):

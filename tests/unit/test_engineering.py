@@ -9,7 +9,6 @@ import asperity as asp
 from asperity import MapOptions
 from asperity.engineering import Body, run
 from asperity.engineering.body_stress import scaled_solid, stress_in
-from asperity.engineering.output import pictures
 from asperity.fourier.grid import Fourier, resample
 from asperity.reference.hertz import Hertz
 from asperity.reference.sliding_sphere import SlidingSphere
@@ -51,11 +50,6 @@ def sphere():
     return run(a_sphere(), body, force=FORCE, map_options=AS_IT_IS)
 
 
-@pytest.fixture(scope="module")
-def pair():
-    return run(a_sphere(), STEEL, ALUMINIUM, force=FORCE, map_options=AS_IT_IS)
-
-
 def test_a_sphere_is_as_hertz_says(sphere):
     """The periodic cell of eleven radii changes the pressure by a percent, pixels of a/15 as much."""
     radius, largest = hertz(STEEL)
@@ -82,21 +76,15 @@ def test_depths_above_yield_are_those_of_hertz(sphere):
     assert sphere.bodies["lower"].fraction_above_yield == pytest.approx(volume / (EDGE**2 * last))
 
 
-def test_a_sphere_with_nothing_around_it_is_as_hertz_says():
-    """By the form of the map, and by the radius added to a map of heights below a nanometre."""
+def test_a_ball_with_nothing_around_it_is_as_hertz_says():
+    """By the radius added to a map of heights below a nanometre."""
     radius, largest = hertz(STEEL)
-    flat = HeightMap(1e-12 * np.random.default_rng(1).normal(size=(POINTS, POINTS)), (EDGE, EDGE))
-    settings = MapOptions(detrend="none", periodic="none")
-    by_form = run(a_sphere(), STEEL, force=FORCE, map_options=settings)
-    by_radius = run(
-        flat, STEEL, force=FORCE, map_options=MapOptions(detrend="none", periodic="none", radius=RADIUS)
-    )
-    depth = np.linspace(0, 2, 2001)
-    expected = von_mises_on_axis(depth, STEEL.poisson).max() * largest
-    for answer in (by_form, by_radius):
-        assert answer.numbers.largest_pressure == pytest.approx(largest, rel=0.01)
-        assert answer.numbers.approach == pytest.approx(radius**2 / RADIUS, rel=0.01)
-        assert answer.bodies["lower"].largest_von_mises == pytest.approx(expected, rel=0.02)
+    flat = HeightMap(1e-12 * np.random.default_rng(1).normal(size=(80, 80)), (EDGE / 2, EDGE / 2))
+    free = MapOptions(detrend="none", periodic="none", radius=RADIUS)
+    answer = run(flat, STEEL, force=FORCE, map_options=free)
+    assert answer.numbers.largest_pressure == pytest.approx(largest, rel=0.01)
+    assert answer.numbers.approach == pytest.approx(radius**2 / RADIUS, rel=0.01)
+    assert answer.numbers.load_on_edges == pytest.approx(0, abs=1e-6)
 
 
 def test_a_sliding_sphere_is_as_hamilton_and_goodman_say():
@@ -171,23 +159,6 @@ def test_two_rough_maps_touch_at_the_sum_of_their_heights(both_rough):
     assert any("turned over about the axis y" in line for line in answer.face.done)
 
 
-def test_swapped_rough_bodies_have_the_mirrored_contact(both_rough):
-    """From the side of the other body left and right are exchanged; the stresses go with the materials."""
-    lower, upper, answer = both_rough
-    swapped = run(upper, ALUMINIUM, STEEL, counter_map=lower, mean_pressure=100e6)
-    quarter = np.s_[:64, :64]
-    np.testing.assert_allclose(
-        swapped.contact.pressure[quarter][:, ::-1],
-        answer.contact.pressure[quarter],
-        atol=1e-4 * answer.numbers.largest_pressure,
-    )
-    for one, other in (("lower", "upper"), ("upper", "lower")):
-        mine, its = swapped.bodies[one].largest, answer.bodies[other].largest
-        for field in mine:
-            assert mine[field].value == pytest.approx(its[field].value, rel=1e-3)
-        assert mine["von_mises"].x == pytest.approx(63e-6 - its["von_mises"].x, abs=1e-6)
-
-
 def test_stress_in_rough_bodies_follows_their_own_ratio(both_rough):
     """Against the stress of the common pressure in one half-space with the ratio of each body."""
     *_, answer = both_rough
@@ -202,23 +173,15 @@ def test_stress_in_rough_bodies_follows_their_own_ratio(both_rough):
         assert largest <= answer.bodies[name].largest_von_mises < 1.25 * largest
 
 
-def test_two_materials_are_as_hertz_says(pair):
+def test_two_materials_are_as_hertz_says():
     """Contact is wider than with a rigid body, and the images of the periodic cell count for more."""
     _, largest = hertz(STEEL, ALUMINIUM)
+    pair = run(a_sphere(), STEEL, ALUMINIUM, force=FORCE, map_options=AS_IT_IS)
     assert pair.numbers.largest_pressure == pytest.approx(largest, rel=0.02)
     depth = np.linspace(0, 2, 2001)
     for name, body in (("lower", STEEL), ("upper", ALUMINIUM)):
         expected = von_mises_on_axis(depth, body.poisson).max() * largest
         assert pair.bodies[name].largest_von_mises == pytest.approx(expected, rel=0.03)
-
-
-def test_swapping_the_bodies_swaps_their_stresses(pair):
-    swapped = run(a_sphere(), ALUMINIUM, STEEL, force=FORCE, map_options=AS_IT_IS)
-    assert swapped.numbers == pair.numbers
-    for one, other in (("lower", "upper"), ("upper", "lower")):
-        assert swapped.bodies[one].largest_von_mises == pytest.approx(
-            pair.bodies[other].largest_von_mises, rel=1e-12
-        )
 
 
 @pytest.fixture(scope="module")
@@ -250,19 +213,10 @@ def test_load_and_area_are_those_of_the_map(rough):
     assert near.max() > 0.5 * body.largest_von_mises
 
 
-def test_resolved_waves_change_little_with_the_resolution():
-    fine = run(a_rough_map(128, 16e-6), STEEL, mean_pressure=200e6)
-    coarse = run(a_rough_map(128, 2e-6), STEEL, mean_pressure=200e6)
-    change = [abs(a.fine.changes_from(a.coarse)["area_fraction"]) for a in (fine, coarse)]
-    assert change[0] < 0.05
-    assert change[1] > 0.1
-
-
-def test_a_thin_layer_is_stiffer_than_the_half_space(rough):
-    layer = Body(STEEL.young, STEEL.poisson, height=5e-6)
-    answer = run(a_rough_map(), layer, mean_pressure=200e6)
-    assert answer.numbers.approach < rough.numbers.approach
-    assert answer.stresses["lower"]["plane_depth"].max() == pytest.approx(5e-6)
+def test_resolved_waves_change_little_with_the_resolution(rough):
+    resolved = run(a_rough_map(128, 16e-6), STEEL, mean_pressure=200e6)
+    changes = [abs(a.fine.changes_from(a.coarse)["area_fraction"]) for a in (resolved, rough)]
+    assert changes[0] < 0.05 < changes[1]
 
 
 @pytest.mark.parametrize(
@@ -272,14 +226,6 @@ def test_a_thin_layer_is_stiffer_than_the_half_space(rough):
 def test_one_load_within_its_range_is_needed(wrong):
     with pytest.raises(ValueError, match="needed"):
         run(a_rough_map(), STEEL, **wrong)
-
-
-def test_a_stiff_counter_body_is_as_rigid():
-    layer = Body(1e9, 0.3, height=5e-6)
-    one = run(a_rough_map(), layer, mean_pressure=1e6)
-    two = run(a_rough_map(), layer, Body(1e16, 0.3), mean_pressure=1e6)
-    assert two.numbers.contact_area == pytest.approx(one.numbers.contact_area, rel=1e-3)
-    assert two.numbers.largest_pressure == pytest.approx(one.numbers.largest_pressure, rel=1e-4)
 
 
 def test_stress_between_nodes_is_that_of_fourier_series(rough):
@@ -296,32 +242,11 @@ def test_stress_between_nodes_is_that_of_fourier_series(rough):
     assert at_nodes < 0.9 * exact
 
 
-def test_fields_that_are_asked_for_are_listed_and_drawn():
-    free = MapOptions(detrend="none", periodic="none")
-    answer = run(
-        a_sphere(),
-        STEEL,
-        ALUMINIUM,
-        force=FORCE,
-        friction=0.2,
-        map_options=free,
-        fields=("largest_shear", "xx"),
-    )
-    assert set(answer.peaks()["quantity"]) == {"pressure", "largest_shear", "xx"}
-    names = {picture.name for picture in pictures(answer)}
-    inside = {
-        f"{kind}_{field}_{body}"
-        for kind in ("section", "plane", "peaks")
-        for field in ("largest_shear", "xx")
-        for body in ("lower", "upper")
-    }
-    assert names == {"height", "pressure"} | inside
-
-
 def test_layers_slide_if_they_are_bonded():
     layer = Body(STEEL.young, STEEL.poisson, height=5e-6)
     still, sliding = (run(a_rough_map(), layer, mean_pressure=100e6, friction=mu) for mu in (0.0, 0.4))
     assert sliding.bodies["lower"].largest_von_mises > still.bodies["lower"].largest_von_mises
+    assert still.stresses["lower"]["plane_depth"].max() == pytest.approx(5e-6)
     with pytest.raises(ValueError, match="frictionless bottom, which bears no shear"):
         run(a_rough_map(), replace(layer, bottom="frictionless"), mean_pressure=1e6, friction=0.4)
 

