@@ -45,8 +45,8 @@ def test_errors_stay_within_their_bounds_on_another_scene(reference, name):
     evaluation = evaluate(UNSEEN, accuracy, reference.mean_pressure)
     errors = output_errors(evaluation, reference)
     bounds = error_bounds(UNSEEN, accuracy, one_surface=True)
-    beyond = {name: errors[name] for name in OUTPUTS if abs(errors[name]) > sum(bounds[name].values())}
-    assert not beyond
+    largest = dict(zip(OUTPUTS, sum(bounds.values()), strict=True))
+    assert not {name: errors[name] for name in OUTPUTS if abs(errors[name]) > largest[name]}
 
 
 def test_the_proposed_settings_are_the_cheapest_within_the_error():
@@ -85,19 +85,19 @@ def test_less_memory_means_a_coarser_grid():
 def test_four_times_the_seeds_halve_their_error_and_take_four_times_as_long():
     one = assess([UNSEEN], PRESETS["paper"], factor=1.0)
     four = assess([UNSEEN], replace(PRESETS["paper"], seeds=4), factor=1.0)
-    assert four.errors["peak_depth"]["seeds"] == pytest.approx(one.errors["peak_depth"]["seeds"] / 2)
+    assert four.errors["seeds"] == pytest.approx(one.errors["seeds"] / 2)
     assert four.seconds == pytest.approx(4 * one.seconds)
 
 
 def test_bounds_are_above_every_measured_error_by_the_safety_factor():
     known = load().errors["0.02"]["points_per_wavelength"]["8"]
     bounds = error_bounds(UNSEEN, PRESETS["paper"])
-    assert all(bounds[name]["discretisation"] >= SAFETY_FACTOR * known[name] for name in OUTPUTS)
+    assert (bounds["discretisation"] >= [SAFETY_FACTOR * known[name] for name in OUTPUTS]).all()
 
 
 def test_what_was_not_measured_has_no_bound():
     coarser = replace(PRESETS["paper"], points_per_wavelength=2.0)
-    assert error_bounds(UNSEEN, coarser)["peak_depth"]["discretisation"] == float("inf")
+    assert (error_bounds(UNSEEN, coarser)["discretisation"] == float("inf")).all()
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from asperity.results.atomic import atomic_write
 from asperity.results.dataset import PAPER
 from asperity.study.cost.benchmark import cost_table, job_costs
 from asperity.study.cost.tables import errors_for_reader, presets_for_reader
-from asperity.study.validation.table import Row, for_reader
+from asperity.study.validation.table import for_reader
 
 GROUPS = ("Figures of the paper", "Figures", "Supplement")
 
@@ -139,8 +139,8 @@ def _validation(results: Path) -> str:
     path = results / "validation/table.csv"
     if not path.exists():
         return ""
-    table = pd.read_csv(path, keep_default_na=False).drop(columns="holds")
-    return html_table(for_reader([Row(**row) for row in table.to_dict("records")]))
+    table = pd.read_csv(path, keep_default_na=False)
+    return html_table(for_reader(table))
 
 
 def _tradeoff(results: Path) -> dict[str, Any] | None:

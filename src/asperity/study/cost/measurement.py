@@ -16,9 +16,9 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -74,23 +74,8 @@ LOADS = (0.02, 0.04, 0.07)
 """Further area fractions with which the cost of several loads is measured."""
 
 
-@dataclass(frozen=True)
-class Run:
-    """One evaluation of the measurement.
-
-    Parameters
-    ----------
-    parameter, setting : str
-        Parameter that is varied and its setting; empty for a reference.
-    evaluation : Evaluation
-    errors : mapping
-        Output → error; empty without a reference.
-    """
-
-    parameter: str
-    setting: str
-    evaluation: Evaluation
-    errors: Mapping[str, float] = field(default_factory=dict)
+Run = dict[str, Any]
+"""A row of the measurement: what was varied and how, the scene, the settings, costs, outputs and errors."""
 
 
 def measure(
@@ -127,21 +112,18 @@ def measure(
     """
     kinds = [Scene(h, wavelength_long, wavelength_short, area) for h in hurst for area in area_fractions]
     _compile(hurst[0])
-    groups = [
-        *(
-            _varied_settings(replace(kind, seed=seed), points_per_wavelength)
-            for kind in kinds
-            for seed in seeds
-        ),
-        *(_varied_seeds(kind) for kind in kinds),
-        _growing_cells(hurst, sizes, wavelength_long),
-    ]
+    groups = [_varied_settings(replace(kind, seed=n), points_per_wavelength) for kind in kinds for n in seeds]
+    groups += [*map(_varied_seeds, kinds), _growing_cells(hurst, sizes, wavelength_long)]
     runs: list[Run] = []
     for number, group in enumerate(groups):
         runs += group
         if progress is not None:
             progress(number + 1, len(groups))
-    return _dataset(runs)
+    columns = {name: [run[name] for run in runs] for name in runs[0]}
+    return xr.Dataset(
+        {name: (("run", "output")[: np.ndim(values)], values) for name, values in columns.items()},
+        coords={"output": list(OUTPUTS)},
+    )
 
 
 def _compile(hurst: float) -> None:
@@ -154,12 +136,12 @@ def _compile(hurst: float) -> None:
 def _varied_settings(scene: Scene, grids: Sequence[float]) -> Iterator[Run]:
     """Every parameter varied by itself, then combinations of settings."""
     finest = evaluate(scene, replace(CONVERGED, points_per_wavelength=grids[-1]))
-    yield Run("", "", finest)
+    yield _run("", "", finest)
     for points in grids[:-1]:
         accuracy = replace(CONVERGED, points_per_wavelength=points)
         yield _compared(finest, "points_per_wavelength", points, accuracy)
     converged = evaluate(scene, CONVERGED)
-    yield Run("", "", converged)
+    yield _run("", "", converged)
     for parameter, settings in VARIED.items():
         for setting in settings:
             accuracy = replace(CONVERGED, **{parameter: setting})
@@ -179,9 +161,8 @@ def _varied_settings(scene: Scene, grids: Sequence[float]) -> Iterator[Run]:
 
 def _compared(reference: Evaluation, parameter: str, setting: object, accuracy: AccuracySettings) -> Run:
     """The scene of a reference evaluated at other settings, and its errors against the reference."""
-    mean_pressure = reference.mean_pressure
-    evaluation = evaluate(reference.scene, accuracy, mean_pressure)
-    return Run(parameter, str(setting), evaluation, output_errors(evaluation, reference))
+    evaluation = evaluate(reference.scene, accuracy, reference.mean_pressure)
+    return _run(parameter, str(setting), evaluation, output_errors(evaluation, reference))
 
 
 def _half_space(scene: Scene) -> Run:
@@ -196,18 +177,14 @@ def _varied_seeds(scene: Scene) -> Iterator[Run]:
     """Surfaces of one kind, each compared with the mean over their seeds."""
     evaluations = [evaluate(replace(scene, seed=seed), PRESETS["paper"]) for seed in SEEDS]
     values = [evaluation.values() for evaluation in evaluations]
-    means = {name: float(np.mean([value[name] for value in values])) for name in NUMBERS}
+    means = {name: np.mean([value[name] for value in values], axis=0) for name in OUTPUTS}
     # All have the same area, and their loads differ. The relative difference of the load at a given area is
     # nearly that of the area at a given load.
-    loads = [evaluation.mean_pressure for evaluation in evaluations]
-    quantiles = [evaluation.quantiles() for evaluation in evaluations]
-    mean_quantiles = {name: np.mean([each[name] for each in quantiles], axis=0) for name in quantiles[0]}
-    for number, evaluation in enumerate(evaluations):
-        errors = {name: values[number][name] / mean - 1 for name, mean in means.items()}
-        errors["area_fraction"] = float(np.mean(loads)) / loads[number] - 1
-        for name, mean in mean_quantiles.items():
-            errors[name] = distance(quantiles[number][name], mean)
-        yield Run("seeds", "1", evaluation, errors)
+    load = np.mean([evaluation.mean_pressure for evaluation in evaluations])
+    for evaluation, value in zip(evaluations, values, strict=True):
+        errors = {name: difference(value[name], means[name]) for name in OUTPUTS}
+        errors["area_fraction"] = float(load / evaluation.mean_pressure - 1)
+        yield _run("seeds", "1", evaluation, errors)
 
 
 def _growing_cells(hurst: Sequence[float], sizes: Sequence[int], wavelength_long: float) -> Iterator[Run]:
@@ -217,46 +194,35 @@ def _growing_cells(hurst: Sequence[float], sizes: Sequence[int], wavelength_long
         # On the largest grid only the last Hurst exponent, to save time.
         for h in hurst if points < max(sizes) else hurst[-1:]:
             scene = Scene(h, wavelength_long, paper.points_per_wavelength / points, 0.1)
-            yield Run("size", str(points), evaluate(scene, paper))
             several = replace(scene, loads=LOADS, poisson=POISSON_RATIOS)
-            yield Run("size", str(points), evaluate(several, paper))
+            yield from (_run("size", str(points), evaluate(each, paper)) for each in (scene, several))
 
 
-_COLUMNS: dict[str, Callable[[Run], Any]] = {
-    "run_parameter": lambda run: run.parameter,
-    "run_setting": lambda run: run.setting,
-    "run_seed": lambda run: run.evaluation.scene.seed,
-    "run_hurst": lambda run: run.evaluation.scene.hurst,
-    "run_wavelength_long": lambda run: run.evaluation.scene.wavelength_long,
-    "run_wavelength_short": lambda run: run.evaluation.scene.wavelength_short,
-    "run_area_fraction": lambda run: run.evaluation.scene.area_fraction,
-    "run_points": lambda run: run.evaluation.accuracy.points(run.evaluation.scene.wavelength_short),
-    "run_ratios": lambda run: len(run.evaluation.scene.poisson),
-    "run_loads": lambda run: run.evaluation.scene.number_of_loads,
-}
+def _run(
+    parameter: str, setting: str, evaluation: Evaluation, errors: Mapping[str, float] | None = None
+) -> Run:
+    """Row of an evaluation; parameter and setting are empty for a reference."""
+    scene, accuracy = evaluation.scene, evaluation.accuracy
+    values, errors = evaluation.values(), errors or {}
+    return {
+        "run_parameter": parameter,
+        "run_setting": setting,
+        "run_seed": scene.seed,
+        "run_hurst": scene.hurst,
+        "run_wavelength_long": scene.wavelength_long,
+        "run_wavelength_short": scene.wavelength_short,
+        "run_area_fraction": scene.area_fraction,
+        "run_points": accuracy.points(scene.wavelength_short),
+        "run_ratios": len(scene.poisson),
+        "run_loads": scene.number_of_loads,
+        **{name: getattr(accuracy, name) for name in PARAMETERS},
+        **evaluation.costs,
+        "output_value": [np.nan if name in DISTRIBUTIONS else values[name] for name in OUTPUTS],
+        "output_error": [errors.get(name, np.nan) for name in OUTPUTS],
+    }
 
 
-def _dataset(runs: Sequence[Run]) -> xr.Dataset:
-    """All runs as one dataset."""
-    columns = {name: [value_of(run) for run in runs] for name, value_of in _COLUMNS.items()}
-    for name in PARAMETERS:
-        columns[name] = [getattr(run.evaluation.accuracy, name) for run in runs]
-    for name in runs[0].evaluation.costs:
-        columns[name] = [run.evaluation.costs[name] for run in runs]
-    values = [list(run.evaluation.values().values()) for run in runs]
-    errors = [[run.errors.get(name, np.nan) for name in OUTPUTS] for run in runs]
-    return xr.Dataset(
-        {
-            **{name: ("run", column) for name, column in columns.items()},
-            "output_value": (("run", "output"), values),
-            "output_error": (("run", "output"), errors),
-        },
-        coords={"output": list(OUTPUTS)},
-    )
-
-
-@dataclass(frozen=True)
-class Evaluation:
+class Evaluation(NamedTuple):
     """Outputs and cost of one calculation from the surface to its statistics.
 
     Parameters
@@ -280,26 +246,19 @@ class Evaluation:
     costs: Mapping[str, float]
 
     @property
-    def seconds(self) -> float:
-        """Processor time of surface, contact and stress."""
-        return sum(self.costs[f"{stage}_seconds"] for stage in CALCULATION_STAGES)
-
-    @property
     def mean_pressure(self) -> float:
         """Load over nominal area."""
         return float(self.statistics["seed_mean_pressure"])
 
-    def values(self) -> dict[str, float]:
-        """Value of every output; NaN for distributions."""
-        numbers = {
-            name: float(self.statistics[variable].sel(where)) for name, (variable, where) in NUMBERS.items()
+    def values(self) -> dict[str, Any]:
+        """Every output: a number, or the quantiles of a distribution."""
+        found = self.statistics
+        values: dict[str, Any] = {
+            name: float(found[variable].sel(where)) for name, (variable, where) in NUMBERS.items()
         }
-        return {"area_fraction": self.area_fraction, **numbers, **dict.fromkeys(DISTRIBUTIONS, np.nan)}
-
-    def quantiles(self) -> dict[str, Array]:
-        """Quantiles of every output that is a distribution, at `asperity.study.stages.statistics.LEVELS`."""
-        peaks = self.statistics["seed_peak_quantile"]
-        return {name: peaks.sel(quantity=quantity).values for name, quantity in DISTRIBUTIONS.items()}
+        quantiles = found["seed_peak_quantile"]
+        values |= {name: quantiles.sel(quantity=kind).values for name, kind in DISTRIBUTIONS.items()}
+        return {"area_fraction": self.area_fraction, **values}
 
 
 def evaluate(scene: Scene, accuracy: AccuracySettings, mean_pressure: float | None = None) -> Evaluation:
@@ -341,18 +300,20 @@ def evaluate(scene: Scene, accuracy: AccuracySettings, mean_pressure: float | No
 
 
 def output_errors(evaluation: Evaluation, reference: Evaluation) -> dict[str, float]:
-    """Errors of all outputs: signed relative differences from a reference, or distances of distributions."""
-    found, expected = evaluation.values(), reference.values()
-    errors = {name: found[name] / expected[name] - 1 for name in ("area_fraction", *NUMBERS)}
-    expected_quantiles = reference.quantiles()
-    for name, quantiles in evaluation.quantiles().items():
-        errors[name] = distance(quantiles, expected_quantiles[name])
-    return errors
+    """Errors of all outputs against those of a reference, as of `difference`."""
+    expected = reference.values()
+    return {name: difference(value, expected[name]) for name, value in evaluation.values().items()}
 
 
-def distance(quantiles: Array, reference: Array) -> float:
-    """Mean distance between equal quantiles of two distributions, divided by the mean of the second."""
-    return float(np.trapezoid(np.abs(quantiles - reference), LEVELS) / np.trapezoid(reference, LEVELS))
+def difference(found: Any, expected: Any) -> float:
+    """Signed relative difference of two numbers, or the distance of two distributions.
+
+    The distance is the mean one between equal quantiles, divided by the mean of the second distribution. The
+    levels of the quantiles are `asperity.study.stages.statistics.LEVELS`.
+    """
+    if np.ndim(found) == 0:
+        return float(found / expected - 1)
+    return float(np.trapezoid(np.abs(found - expected), LEVELS) / np.trapezoid(expected, LEVELS))
 
 
 def _area_at(
@@ -439,7 +400,7 @@ def _deviation(runs: xr.Dataset) -> dict[str, float]:
     return dict(zip(OUTPUTS, _rounded(deviation), strict=True))
 
 
-def _rounded(values: Array) -> list[float]:
+def _rounded(values: Any) -> list[float]:
     """Values rounded to three digits."""
     return [float(f"{value:.3g}") for value in values]
 

@@ -4,6 +4,8 @@ A plan is chosen among all combinations of settings that were measured. For each
 error bound of an output is the largest error measured in any scene, at the next coarser setting measured,
 times a margin, and raised by the error of the reference itself. The bounds of the parameters are added. For
 the mean over surfaces of one kind, a 95 % confidence interval from the spread of the seeds is added.
+
+Errors are arrays over the outputs of `asperity.study.cost.measured.OUTPUTS`, one for each of `SOURCES`.
 """
 
 from __future__ import annotations
@@ -12,10 +14,14 @@ import itertools
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
+import numpy as np
+import pandas as pd
 import yaml
 
 from asperity.core.errors import PlanError
+from asperity.core.types import Array
 from asperity.study.config.presets import PRESETS, AccuracySettings, overlay
 from asperity.study.cost.measured import OUTPUTS, ErrorsBySetting, MeasuredTradeoff, at_area, load
 from asperity.study.cost.measurement import CONVERGED
@@ -78,17 +84,17 @@ class Proposal:
     memory : float
         Peak memory of one process in bytes.
     errors : mapping
-        Output → source → bound of the relative error.
+        Source → bound of the relative error of every output.
     """
 
     accuracy: AccuracySettings
     seconds: float
     memory: float
-    errors: Mapping[str, Mapping[str, float]]
+    errors: Mapping[str, Array]
 
     def error(self, outputs: Iterable[str]) -> float:
         """Largest total error bound of some outputs."""
-        return max(sum(self.errors[name].values()) for name in outputs)
+        return float(np.sum([*self.errors.values()], axis=0)[_places(outputs)].max())
 
 
 def check_outputs(outputs: Iterable[str]) -> None:
@@ -96,6 +102,11 @@ def check_outputs(outputs: Iterable[str]) -> None:
     for name in outputs:
         if name not in OUTPUTS:
             raise ValueError(f"output = {name!r}: one of {', '.join(OUTPUTS)} is needed")
+
+
+def _places(outputs: Iterable[str]) -> list[int]:
+    """Places of some outputs in arrays over all of them."""
+    return [OUTPUTS.index(name) for name in outputs]
 
 
 def scene_cost(scene: Scene, accuracy: AccuracySettings, factor: float = 1.0) -> tuple[float, float]:
@@ -142,9 +153,7 @@ def assess(
     # Error bounds depend on these properties only.
     kinds = {(scene.wavelength_long, scene.area_fraction, scene.layer_height): scene for scene in scenes}
     bounds = [error_bounds(scene, accuracy, one_surface) for scene in kinds.values()]
-    errors = {
-        name: {source: max(each[name][source] for each in bounds) for source in SOURCES} for name in OUTPUTS
-    }
+    errors = {source: np.max([each[source] for each in bounds], axis=0) for source in SOURCES}
     seconds = accuracy.seeds * sum(seconds for seconds, _ in costs)
     return Proposal(accuracy, seconds, max(memory for _, memory in costs), errors)
 
@@ -152,15 +161,12 @@ def assess(
 def candidates() -> list[AccuracySettings]:
     """Every combination of settings that were measured, for one seed."""
     errors = next(iter(load().errors.values()))
-    half_space = PRESETS["paper"].half_space_tolerance
-    numbers = [
-        [float(setting) for setting in errors[parameter]]
-        for parameter in ("points_per_wavelength", "contact_tolerance", "depth_tolerance", "depth_spacing")
-    ]
+    names = ("points_per_wavelength", "contact_tolerance", "depth_tolerance", "depth_spacing")
+    settings: list[list[Any]] = [[float(setting) for setting in errors[name]] for name in names]
+    settings.append(["float64", "float32"])
     return [
-        AccuracySettings(points, contact, precision, depth, spacing, half_space, 1)
-        for points, contact, depth, spacing in itertools.product(*numbers)
-        for precision in ("float64", "float32")
+        replace(PRESETS["paper"], **dict(zip((*names, "precision"), chosen, strict=True)))
+        for chosen in itertools.product(*settings)
     ]
 
 
@@ -181,14 +187,11 @@ def propose(scenes: Sequence[Scene], target: Target, factor: float | None = None
         If no measured settings reach the target.
     """
     factor = time_factor() if factor is None else factor
-    affordable: list[Proposal] = []
-    for accuracy in candidates():
-        single = assess(scenes, accuracy, target.one_surface, factor)
-        proposal = single if target.one_surface else _with_seeds(single, _seeds_needed(single, target))
-        if proposal.seconds <= (target.seconds or math.inf) and proposal.memory <= (
-            target.memory or math.inf
-        ):
-            affordable.append(proposal)
+    seconds, memory = target.seconds or math.inf, target.memory or math.inf
+    found = [assess(scenes, accuracy, target.one_surface, factor) for accuracy in candidates()]
+    if not target.one_surface:
+        found = [_with_seeds(single, _seeds_needed(single, target)) for single in found]
+    affordable = [each for each in found if each.seconds <= seconds and each.memory <= memory]
     if not affordable:
         raise PlanError("not within this time and memory, even with the coarsest settings that were measured")
     best = min(affordable, key=lambda proposal: proposal.error(target.outputs))
@@ -205,10 +208,7 @@ def propose(scenes: Sequence[Scene], target: Target, factor: float | None = None
 
 def _with_seeds(single: Proposal, seeds: int) -> Proposal:
     """A proposal for one seed, extended to several."""
-    errors = {
-        name: {**sources, "seeds": sources["seeds"] / math.sqrt(seeds)}
-        for name, sources in single.errors.items()
-    }
+    errors = {**single.errors, "seeds": single.errors["seeds"] / math.sqrt(seeds)}
     return Proposal(replace(single.accuracy, seeds=seeds), seeds * single.seconds, single.memory, errors)
 
 
@@ -216,14 +216,12 @@ def _seeds_needed(single: Proposal, target: Target) -> int:
     """Number of seeds that the error requires, or that the time allows."""
     if target.error is None:
         return 1 if target.seconds is None else max(1, min(MAX_SEEDS, int(target.seconds / single.seconds)))
-    needed = 1
-    for name in target.outputs:
-        sources = single.errors[name]
-        left = target.error - sum(bound for source, bound in sources.items() if source != "seeds")
-        if left <= 0:
-            return MAX_SEEDS
-        needed = max(needed, math.ceil((sources["seeds"] / left) ** 2))
-    return min(needed, MAX_SEEDS)
+    chosen = _places(target.outputs)
+    seeds = single.errors["seeds"][chosen]
+    left = target.error - (np.sum([*single.errors.values()], axis=0)[chosen] - seeds)
+    if np.any(left <= 0):
+        return MAX_SEEDS
+    return int(np.clip(np.ceil(np.max(seeds / left) ** 2), 1, MAX_SEEDS))
 
 
 def report(
@@ -267,11 +265,11 @@ def report(
 
 def _error_table(proposal: Proposal, outputs: Sequence[str], one_surface: bool) -> list[str]:
     """Lines of a table of the error bounds, one output a line and one source a column."""
-    sources = [source for source in SOURCES if not (one_surface and source == "seeds")]
-    rows = [["error at most", *(source.replace("_", "-") for source in sources), "together"]]
-    for name in outputs:
-        bounds = [proposal.errors[name][source] for source in sources]
-        rows.append([name, *(percent(bound) for bound in [*bounds, sum(bounds)])])
+    bounds = pd.DataFrame(proposal.errors, index=OUTPUTS).loc[[*outputs]]
+    bounds["together"] = bounds.sum(axis=1)
+    shown = bounds.drop(columns="seeds") if one_surface else bounds
+    rows = [["error at most", *(str(name).replace("_", "-") for name in shown)]]
+    rows += [[name, *map(percent, row)] for name, row in zip(shown.index, shown.to_numpy(), strict=True)]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
 
@@ -308,8 +306,8 @@ def error_bounds(
     accuracy: AccuracySettings,
     one_surface: bool = False,
     measured: MeasuredTradeoff | None = None,
-) -> dict[str, dict[str, float]]:
-    """Bounds of the relative errors: output → source → bound, infinite where nothing was measured.
+) -> dict[str, Array]:
+    """Bounds of the relative errors: source → bound of every output, infinite where nothing was measured.
 
     Parameters
     ----------
@@ -324,28 +322,26 @@ def error_bounds(
     errors = at_area(measured.errors, scene.area_fraction)
     deviation = at_area(measured.deviation, scene.area_fraction)
     if errors is None or deviation is None:
-        return {name: dict.fromkeys(SOURCES, math.inf) for name in OUTPUTS}
+        return dict.fromkeys(SOURCES, np.full(len(OUTPUTS), math.inf))
     largest_wavelength = measured.ranges["wavelength_long"][1]
     interval = STUDENT_95 * scene.wavelength_long / largest_wavelength / math.sqrt(accuracy.seeds)
     finest = measured.ranges["points_per_wavelength"][1]
-    parts = {
-        "discretisation": [_discretisation(accuracy.points_per_wavelength, finest, errors)],
-        "depths": [
-            _depth_spacing(accuracy, errors),
-            _next_coarser("depth_tolerance", accuracy.depth_tolerance, errors),
-        ],
-        "contact": [_next_coarser("contact_tolerance", accuracy.contact_tolerance, errors)],
-        "half_space": [_half_space(scene, accuracy, errors)],
-    }
+    contact = _next_coarser("contact_tolerance", accuracy.contact_tolerance, errors)
     if accuracy.precision == "float32":
-        parts["contact"].append(errors["precision"]["float32"])
-    bounds = {}
-    for name in OUTPUTS:
-        bounds[name] = {
-            source: SAFETY_FACTOR * sum(part[name] for part in several) for source, several in parts.items()
-        }
-        bounds[name]["seeds"] = 0.0 if one_surface else interval * deviation[name]
-    return bounds
+        contact = contact + _of_outputs(errors["precision"]["float32"])
+    planes = _depth_spacing(accuracy, errors)
+    return {
+        "discretisation": SAFETY_FACTOR * _discretisation(accuracy.points_per_wavelength, finest, errors),
+        "depths": SAFETY_FACTOR
+        * (planes + _next_coarser("depth_tolerance", accuracy.depth_tolerance, errors)),
+        "contact": SAFETY_FACTOR * contact,
+        "half_space": SAFETY_FACTOR * _half_space(scene, accuracy, errors),
+        "seeds": (0.0 if one_surface else interval) * _of_outputs(deviation),
+    }
+
+
+def _of_outputs(errors: Mapping[str, float]) -> Array:
+    return np.array([errors[name] for name in OUTPUTS])
 
 
 def measured_errors(
@@ -382,42 +378,36 @@ def measured_errors(
     }
 
 
-def _scaled(errors: Mapping[str, float], factor: float) -> dict[str, float]:
-    return {name: factor * value for name, value in errors.items()}
-
-
-def _next_coarser(parameter: str, value: float, errors: ErrorsBySetting) -> Mapping[str, float]:
+def _next_coarser(parameter: str, value: float, errors: ErrorsBySetting) -> Array:
     """Errors at the next coarser setting that was measured; infinite if there is none."""
     if value == 0:
-        return dict.fromkeys(OUTPUTS, 0.0)
+        return np.zeros(len(OUTPUTS))
     coarser = [setting for setting in errors[parameter] if float(setting) >= value * (1 - 1e-9)]
-    return errors[parameter][min(coarser, key=float)] if coarser else dict.fromkeys(OUTPUTS, math.inf)
+    if not coarser:
+        return np.full(len(OUTPUTS), math.inf)
+    return _of_outputs(errors[parameter][min(coarser, key=float)])
 
 
-def _discretisation(points: float, finest: float, errors: ErrorsBySetting) -> Mapping[str, float]:
+def _discretisation(points: float, finest: float, errors: ErrorsBySetting) -> Array:
     """Errors on the next coarser grid that was measured, raised by the error of the finest grid."""
     grids = errors["points_per_wavelength"]
     coarser = [setting for setting in grids if float(setting) <= points * (1 + 1e-9)]
     if not coarser:
-        return dict.fromkeys(OUTPUTS, math.inf)
+        return np.full(len(OUTPUTS), math.inf)
     chosen = max(coarser, key=float)
-    return _scaled(grids[chosen], 1 / (1 - (float(chosen) / finest) ** GRID_ORDER))
+    return _of_outputs(grids[chosen]) / (1 - (float(chosen) / finest) ** GRID_ORDER)
 
 
-def _depth_spacing(accuracy: AccuracySettings, errors: ErrorsBySetting) -> Mapping[str, float]:
+def _depth_spacing(accuracy: AccuracySettings, errors: ErrorsBySetting) -> Array:
     """Errors of the distance between planes over the shortest wavelength, raised by that of the reference."""
     spacing = accuracy.depth_spacing * CONVERGED.points_per_wavelength / accuracy.points_per_wavelength
-    finest = min(errors["depth_spacing"], key=float)
-    within = max(spacing, float(finest))
-    return _scaled(
-        _next_coarser("depth_spacing", within, errors),
-        spacing / within / (1 - CONVERGED.depth_spacing / within),
-    )
+    within = max(spacing, min(map(float, errors["depth_spacing"])))
+    raised = spacing / within / (1 - CONVERGED.depth_spacing / within)
+    return raised * _next_coarser("depth_spacing", within, errors)
 
 
-def _half_space(scene: Scene, accuracy: AccuracySettings, errors: ErrorsBySetting) -> Mapping[str, float]:
+def _half_space(scene: Scene, accuracy: AccuracySettings, errors: ErrorsBySetting) -> Array:
     """Errors of the half-space where it replaces the layer; zero where the layer is kept."""
     record = solid_record(scene, accuracy)
-    if record["solid"] != "half-space":
-        return dict.fromkeys(OUTPUTS, 0.0)
-    return _next_coarser("half_space_tolerance", float(record["solid_bound"]), errors)
+    bound = float(record["solid_bound"]) if record["solid"] == "half-space" else 0.0
+    return _next_coarser("half_space_tolerance", bound, errors)

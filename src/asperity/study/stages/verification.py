@@ -1,14 +1,13 @@
 """Verification of the study's results: the laws that they must obey, computed anew from the fields.
 
 `verify_seed` checks the results of one surface and one seed, `verify_statistics` those made from all seeds.
-Residuals that a solver or a stage stored beside its numbers are not used. Each check is a number and the
-bound that it must not exceed.
+Residuals that a solver or a stage stored beside its numbers are not used. A check is a law by its name, the
+amount by which a result breaks it, and the bound that this amount must not exceed; NaN exceeds every bound.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -44,32 +43,19 @@ EQUILIBRIUM = 1e-4
 """Bound for the divergence of the stress: the error of the central difference along depth."""
 
 
-class Check(NamedTuple):
-    """A law, the amount by which a result breaks it, and the amount that is allowed.
-
-    Parameters
-    ----------
-    name : str
-    value, bound : float
-    """
-
-    name: str
-    value: float
-    bound: float
-
-    @property
-    def holds(self) -> bool:
-        """True if the value is within its bound; NaN is not."""
-        return bool(self.value <= self.bound)
+Checks = dict[str, tuple[float, float]]
+"""Name of a law → amount by which a result breaks it, and the amount that is allowed."""
 
 
 class VerificationError(RuntimeError):
     """Results that break a law; the message names the laws and the amounts."""
 
 
-def require(checks: Sequence[Check], where: str) -> None:
+def require(checks: Checks, where: str) -> None:
     """Raise `VerificationError` if a check does not hold."""
-    broken = [f"{c.name} {c.value:.3g} > {c.bound:.3g}" for c in checks if not c.holds]
+    broken = [
+        f"{name} {value:.3g} > {bound:.3g}" for name, (value, bound) in checks.items() if not value <= bound
+    ]
     if broken:
         raise VerificationError(f"{where}: {'; '.join(broken)}")
 
@@ -101,33 +87,35 @@ def verify(
     VerificationError
         If a check does not hold.
     """
-    found: list[tuple[str, Check]] = []
+    found: dict[str, Checks] = {}
     stresses = []
     for seed, *stages in results:
-        found += [(f"seed {seed}", check) for check in verify_seed(*stages)]
+        found[f"seed {seed}"] = verify_seed(*stages)
         stresses.append(stages[-1])
         if progress is not None:
             progress(len(stresses), statistics.sizes["seed"])
-    found += [("all seeds", check) for check in verify_statistics(statistics, stresses)]
-    require([check for _, check in found], surface_name)
+    found["all seeds"] = verify_statistics(statistics, stresses)
+    for part, checks in found.items():
+        require(checks, f"{surface_name}, {part}")
     return pd.DataFrame(
-        {"surface": surface_name, "of": part, "check": check.name, "value": check.value, "bound": check.bound}
-        for part, check in found
+        {"surface": surface_name, "of": part, "check": name, "value": value, "bound": bound}
+        for part, checks in found.items()
+        for name, (value, bound) in checks.items()
     )
 
 
-def verify_seed(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset) -> list[Check]:
+def verify_seed(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset) -> Checks:
     """Checks of the results of the stages surface, contact and stress for one surface and one seed."""
     layer, _ = solid(settings_of(contact)["layer"])
-    return [
-        *_of_contact(surface, contact, layer),
-        *_of_path(contact),
-        *_of_fields(contact, stress, layer),
-        *_of_peaks(stress, grid_of(contact)),
-    ]
+    return {
+        **_of_contact(surface, contact, layer),
+        **_of_path(contact),
+        **_of_fields(contact, stress, layer),
+        **_of_peaks(stress, grid_of(contact)),
+    }
 
 
-def _of_contact(surface: xr.Dataset, contact: xr.Dataset, layer: Layer) -> list[Check]:
+def _of_contact(surface: xr.Dataset, contact: xr.Dataset, layer: Layer) -> Checks:
     """Check the conditions of contact, the load balance and Parseval's theorem."""
     tolerance = WORST_NODE * settings_of(contact)["contact"]["tolerance"]
     grid = grid_of(contact)
@@ -142,29 +130,27 @@ def _of_contact(surface: xr.Dataset, contact: xr.Dataset, layer: Layer) -> list[
     )
     square = mean_square(Fourier(grid).forward(pressure), grid)
     touching = float(np.mean(pressure > 0))
-    return [
-        Check("penetration over its length scale", found.penetration, tolerance),
-        Check("gap under contact over its length scale", found.contact_gap, tolerance),
-        Check("tension over the largest pressure", found.tension, tolerance),
-        Check("complementarity", found.complementarity, tolerance),
-        Check("load balance", found.load_imbalance, ROUNDING),
-        Check(
-            "area fraction against the nodes in contact", abs(touching - float(contact["area_fraction"])), 0
-        ),
-        Check("Parseval's theorem, pressure", _relative(square, float(np.mean(pressure**2))), ROUNDING),
-    ]
+    return {
+        "penetration over its length scale": (found.penetration, tolerance),
+        "gap under contact over its length scale": (found.contact_gap, tolerance),
+        "tension over the largest pressure": (found.tension, tolerance),
+        "complementarity": (found.complementarity, tolerance),
+        "load balance": (found.load_imbalance, ROUNDING),
+        "area fraction against the nodes in contact": (abs(touching - float(contact["area_fraction"])), 0),
+        "Parseval's theorem, pressure": (_relative(square, float(np.mean(pressure**2))), ROUNDING),
+    }
 
 
-def _of_path(contact: xr.Dataset) -> list[Check]:
+def _of_path(contact: xr.Dataset) -> Checks:
     """Check that area and load rise along the load path."""
-    steps = (np.diff(contact[f"path_{name}"].values) for name in ("area_fraction", "mean_pressure"))
-    return [
-        Check(f"falls of the {name} along the load path", float(np.sum(step <= 0)), 0)
-        for name, step in zip(("area", "load"), steps, strict=True)
-    ]
+    names = {"area": "path_area_fraction", "load": "path_mean_pressure"}
+    return {
+        f"falls of the {name} along the load path": (float(np.sum(np.diff(contact[variable]) <= 0)), 0)
+        for name, variable in names.items()
+    }
 
 
-def _of_fields(contact: xr.Dataset, stress: xr.Dataset, layer: Layer) -> list[Check]:
+def _of_fields(contact: xr.Dataset, stress: xr.Dataset, layer: Layer) -> Checks:
     """Check equilibrium in one plane, and that plane of the analysis against one without truncation."""
     grid = grid_of(contact)
     loaded = LoadedSolid(contact["pressure"].values.astype(float), grid, layer)
@@ -182,27 +168,15 @@ def _of_fields(contact: xr.Dataset, stress: xr.Dataset, layer: Layer) -> list[Ch
     largest = float(stress["largest_von_mises"].sel(poisson=nu).isel(plane=number))
     von_mises = middle.fields["von_mises"][0]
     load = float(np.mean(middle.fields["zz"])) + float(contact["mean_pressure"])
-    return [
-        Check("load carried by a plane against that of the contact", abs(load), ROUNDING),
-        *(
-            Check(
-                f"equilibrium along {axis}",
-                _imbalance(axis, above.fields, middle.fields, below.fields, step, grid),
-                EQUILIBRIUM,
-            )
-            for axis in ("x", "z")
-        ),
-        Check(
-            "mean von Mises stress of a plane, computed again",
-            _relative(mean, von_mises.mean()),
-            max(tolerance, ROUNDING),
-        ),
-        Check(
-            "largest von Mises stress of a plane, computed again",
-            _relative(largest, von_mises.max()),
-            tolerance + BETWEEN_NODES,
-        ),
-    ]
+    planes = above.fields, middle.fields, below.fields
+    imbalance = {axis: _imbalance(axis, *planes, step, grid) for axis in ("x", "z")}
+    of_mean, of_largest = _relative(mean, von_mises.mean()), _relative(largest, von_mises.max())
+    return {
+        "load carried by a plane against that of the contact": (abs(load), ROUNDING),
+        **{f"equilibrium along {axis}": (value, EQUILIBRIUM) for axis, value in imbalance.items()},
+        "mean von Mises stress of a plane, computed again": (of_mean, max(tolerance, ROUNDING)),
+        "largest von Mises stress of a plane, computed again": (of_largest, tolerance + BETWEEN_NODES),
+    }
 
 
 def _imbalance(
@@ -237,7 +211,7 @@ def _without_nyquist(field: Array, fourier: Fourier) -> Array:
     return fourier.inverse(modes, overwrite=True)
 
 
-def _of_peaks(stress: xr.Dataset, grid: Grid) -> list[Check]:
+def _of_peaks(stress: xr.Dataset, grid: Grid) -> Checks:
     """Check that peaks are finite, lie in the solid, and exceed the largest node only by their refinement."""
     outside = 0
     reach = {"depth": float(stress["plane_depth"].max()), "y": grid.length[0], "x": grid.length[1]}
@@ -249,41 +223,35 @@ def _of_peaks(stress: xr.Dataset, grid: Grid) -> list[Check]:
         found = peaks(stress, "von_mises", nu)
         largest = float(stress["largest_von_mises"].sel(poisson=nu).max())
         excess = max(excess, float(found["peak_value"].max()) / largest - 1)
-    return [
-        Check("peaks outside the solid", outside, 0),
-        Check("largest von Mises peak over the largest node", excess, REFINEMENT),
-        Check("peaks that are not finite", float(np.sum(~np.isfinite(stress["peak_value"].values))), 0),
-    ]
+    infinite = float(np.sum(~np.isfinite(stress["peak_value"].values)))
+    return {
+        "peaks outside the solid": (outside, 0),
+        "largest von Mises peak over the largest node": (excess, REFINEMENT),
+        "peaks that are not finite": (infinite, 0),
+    }
 
 
-def verify_statistics(statistics: xr.Dataset, stresses: Sequence[xr.Dataset]) -> list[Check]:
+def verify_statistics(statistics: xr.Dataset, stresses: Sequence[xr.Dataset]) -> Checks:
     """Checks of the statistics of one surface against the analyses of its seeds."""
     width = np.diff(statistics["bin_edge"].values, axis=1)[None, :, None, :]
     counted = statistics["peak_counts"].values.sum(axis=-1) > 0
     integral = np.sum(statistics["peak_density"].values * width, axis=-1)
     integral = np.where(counted.any(axis=0), integral, 1.0)
     heights = np.sum(statistics["height_density"].values * np.diff(statistics["height_edge"].values))
-    found = statistics["peak_counts"].sel(selection="all", poisson=statistics["poisson"][0]).sum("bin").values
-    expected = [
-        [
-            peaks(stress, str(name), float(statistics["poisson"][0])).sizes["peak"]
-            for name in statistics["quantity"].values
-        ]
-        for stress in stresses
-    ]
+    ratio = float(statistics["poisson"][0])
+    found = statistics["peak_counts"].sel(selection="all", poisson=ratio).sum("bin").values
+    names = map(str, statistics["quantity"].values)
+    expected = [[peaks(stress, name, ratio).sizes["peak"] for stress in stresses] for name in names]
+    lost = float(np.abs(found - np.transpose(expected)).sum())
     joint = statistics["joint_counts"].sum(("bin", "depth_bin")).values
-    return [
-        Check(
-            "densities of the peaks against an integral of one", float(np.abs(integral - 1).max()), ROUNDING
-        ),
-        Check("density of the heights against an integral of one", abs(float(heights) - 1), ROUNDING),
-        Check("peaks not counted", float(np.abs(found - np.array(expected)).sum()), 0),
-        Check(
-            "peaks by value and depth against peaks by value",
-            float(np.abs(joint - statistics["peak_counts"].sum(("seed", "bin")).values).sum()),
-            0,
-        ),
-    ]
+    unlike = float(np.abs(joint - statistics["peak_counts"].sum(("seed", "bin")).values).sum())
+    off = float(np.abs(integral - 1).max())
+    return {
+        "densities of the peaks against an integral of one": (off, ROUNDING),
+        "density of the heights against an integral of one": (abs(float(heights) - 1), ROUNDING),
+        "peaks not counted": (lost, 0),
+        "peaks by value and depth against peaks by value": (unlike, 0),
+    }
 
 
 def _relative(value: float, expected: float) -> float:

@@ -34,14 +34,8 @@ TOLERANCES = {"float64": 1e-6, "float32": 1e-4}
 """Tolerance of the solver in each precision."""
 
 OUTCOMES = (
-    "no cell",
-    "certified and checked",
-    "certified",
-    "not converged",
-    "refused",
-    "wrong",
-    "warned",
-    "failed",
+    *("no cell", "certified and checked", "certified", "not converged"),
+    *("refused", "wrong", "warned", "failed"),
 )
 """Outcomes of a case, by number; "no cell" stands for two levels of the same setting."""
 
@@ -98,20 +92,9 @@ LEVELS: dict[str, tuple[Any, ...]] = {
     "scaled_height": (1e-6, 1e-3, 0.1, 1.0, 10.0, 1e5, math.inf),
     "bottom": ("bonded", "frictionless", "free"),
     "imposed": (
-        ("load", 0.0),
-        ("load", 1e-100),
-        ("load", 1e-9),
-        ("load", 1e-3),
-        ("load", 0.03),
-        ("load", 0.5),
-        ("load", 1.0),
-        ("load", 1e3),
-        ("area", 1e-9),
-        ("area", 0.1),
-        ("area", 1.0),
-        ("approach", -0.5),
-        ("approach", 0.5),
-        ("approach", 0.999),
+        *(("load", part) for part in (0.0, 1e-100, 1e-9, 1e-3, 0.03, 0.5, 1.0, 1e3)),
+        *(("area", fraction) for fraction in (1e-9, 0.1, 1.0)),
+        *(("approach", part) for part in (-0.5, 0.5, 0.999)),
     ),
     "rms_gradient": (1e-6, 1e-3, 0.1, 10.0),
     "hurst": (0.0, 0.8, 1.0),

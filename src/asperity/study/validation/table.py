@@ -6,14 +6,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
-from asperity.core import markup
 from asperity.study.validation.closed_forms import (
     edge_tension,
     elliptic_contacts,
@@ -72,22 +71,6 @@ class Check(NamedTuple):
     bound: float
     error: Callable[[xr.Dataset], Any]
     grid: str
-
-
-class Row(NamedTuple):
-    """One line of the validation table."""
-
-    quantity: str
-    against: str
-    grid: str
-    source: str
-    error: float
-    bound: float
-
-    @property
-    def holds(self) -> bool:
-        """True if the error is at most its bound, or a convergence order at least its bound."""
-        return self.error >= self.bound if self.source == "rate" else self.error <= self.bound
 
 
 def relative_error(found: xr.Dataset, name: str) -> xr.DataArray:
@@ -223,34 +206,37 @@ def title(name: str) -> str:
     return f"Validation: {(COMPARISONS[name].__doc__ or name).splitlines()[0].removesuffix('.')}"
 
 
-def row_of(check: Check, found: xr.Dataset) -> Row:
-    """Row of the table for a check of the dataset of its comparison."""
-    grid, error = check.grid.format(**found.attrs), float(np.abs(check.error(found)))
-    return Row(check.quantity, check.against, grid, check.source, error, check.bound)
+def row_of(check: Check, found: xr.Dataset) -> dict[str, Any]:
+    """Row of the table for a check of the dataset of its comparison.
+
+    An order of convergence, of the source ``rate``, holds from its bound on, an error up to its bound.
+    """
+    error = float(np.abs(check.error(found)))
+    return {
+        "quantity": check.quantity,
+        "against": check.against,
+        "grid": check.grid.format(**found.attrs),
+        "source": check.source,
+        "error": error,
+        "bound": check.bound,
+        "holds": error >= check.bound if check.source == "rate" else error <= check.bound,
+    }
 
 
-def table_rows(datasets: Mapping[str, xr.Dataset]) -> list[Row]:
-    """Rows of the validation table from the results of some comparisons, by name."""
-    return [row_of(check, datasets[check.comparison]) for check in CHECKS if check.comparison in datasets]
-
-
-def frame(rows: Sequence[Row]) -> pd.DataFrame:
-    """The table ``validation`` of `asperity.results.tables.TABLES`, with all digits."""
+def frame(datasets: Mapping[str, xr.Dataset]) -> pd.DataFrame:
+    """The table ``validation`` of `asperity.results.tables.TABLES`, of some comparisons by name."""
     columns = ["quantity", "against", "grid", "source", "error", "bound", "holds"]
-    return pd.DataFrame([[getattr(row, name) for name in columns] for row in rows], columns=columns)
+    made = [check for check in CHECKS if check.comparison in datasets]
+    return pd.DataFrame([row_of(check, datasets[check.comparison]) for check in made], columns=columns)
 
 
-def for_reader(rows: Sequence[Row]) -> pd.DataFrame:
+def for_reader(table: pd.DataFrame) -> pd.DataFrame:
     """The table as text: errors in percent; an error beyond its bound is marked."""
-    table = []
-    for row in rows:
+    rows = []
+    for row in table.itertuples():
         value = f"order {row.error:.2f}" if row.source == "rate" else f"{100 * row.error:.2g} %"
         limit = f"≥ {row.bound:g}" if row.source == "rate" else f"{100 * row.bound:g} %"
-        table.append([*row[:4], value, limit if row.holds else f"{limit}, **exceeded**"])
+        limit = limit if row.holds else f"{limit}, **exceeded**"
+        rows.append([row.quantity, row.against, row.grid, row.source, value, limit])
     head = ["quantity", "against", "grid; mesh", "error is of", "error", "bound"]
-    return pd.DataFrame(table, columns=head)
-
-
-def markdown(rows: Sequence[Row]) -> str:
-    """The table in Markdown, for `docs/validation.md`."""
-    return markup.markdown(for_reader(rows)) + "\n"
+    return pd.DataFrame(rows, columns=head)
