@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from project import OWN, QUICK, TINY, copy_project, snakemake
+from project import OWN, QUICK, copy_project, snakemake
 
-STUDIES = ("quick_study", "tiny_study", "own_study")
+STUDIES = ("quick_study", "own_study")
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -39,13 +39,7 @@ def quick_study(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def tiny_study(tmp_path_factory):
-    """The stages of one small surface, on two cores."""
-    return studied(tmp_path_factory.mktemp("tiny") / "project", *TINY)
-
-
-@pytest.fixture(scope="session")
 def own_study(tmp_path_factory):
-    """A user's own study of two surfaces and a map, its results outside the project."""
+    """A user's own study of a surface and a map, its results outside the project."""
     folder = tmp_path_factory.mktemp("own")
     return studied(folder / "project", *OWN, "--config", f"results={folder / 'own results'}")

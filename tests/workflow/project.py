@@ -1,10 +1,14 @@
 """A copy of the project to run the workflow in."""
 
+import contextlib
+import io
 import os
+import runpy
 import shutil
 import subprocess
 import sys
 from pathlib import Path
+from unittest import mock
 
 from asperity.results import dataset
 
@@ -51,6 +55,22 @@ def environment(folder):
 def run(folder, *command):
     """Run a command in a folder, with the library of the project there."""
     return subprocess.run(command, cwd=folder, env=environment(folder), capture_output=True, text=True)
+
+
+def script(folder, name, *arguments):
+    """Run a script of the workflow in this process and in a folder: what it prints, and its last message."""
+    said = io.StringIO()
+    with (
+        contextlib.chdir(folder),
+        contextlib.redirect_stdout(said),
+        contextlib.redirect_stderr(said),
+        mock.patch.object(sys, "argv", [name, *arguments]),
+    ):
+        try:
+            runpy.run_path(str(ROOT / "workflow" / name), run_name="__main__")
+        except SystemExit as ended:
+            return said.getvalue(), str(ended)
+    return said.getvalue(), ""
 
 
 def snakemake(folder, *arguments, cores=2):
