@@ -11,13 +11,13 @@ import yaml
 from project import hide
 
 from asperity.core.errors import ConfigError
-from asperity.study.config.__main__ import with_settings
+from asperity.study.config.__main__ import main, with_settings
 from asperity.study.config.check import check, needed_instead
 from asperity.study.config.defaults import LOADS, complete, default, imposed_load
 from asperity.study.config.presets import KEYS
-from asperity.study.config.reader import load, merged
+from asperity.study.config.reader import load, merged, parse
 from asperity.study.config.schema import accepted, schema, setting, settings
-from asperity.study.cost.scene import NEEDED
+from asperity.study.cost.scene import read
 
 ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
@@ -37,12 +37,11 @@ def paths_of(tree, path=()):
             yield from paths_of(value, (*path, key))
 
 
-@pytest.mark.parametrize("needed", [None, NEEDED], ids=["study", "plan"])
-def test_whatever_is_left_out_or_emptied_is_accepted_or_named(needed):
+def test_whatever_is_left_out_or_emptied_is_accepted_or_named():
     """One key at a time: no other error than the line that names a setting."""
     named = 0
     for path in paths_of(PAPER):
-        for value in (None, {}, [], 0, "text"):
+        for value in (None, {}, "text"):
             config = copy.deepcopy(PAPER)
             tree = config
             for key in path[:-1]:
@@ -52,10 +51,17 @@ def test_whatever_is_left_out_or_emptied_is_accepted_or_named(needed):
             else:
                 tree[path[-1]] = value
             try:
-                check(config, needed)
+                check(config)
             except ConfigError:
                 named += 1
     assert named > 100
+
+
+def test_a_plan_needs_fewer_settings_than_a_study():
+    text = "surfaces: {a: {hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.03125}}"
+    assert read([text])["surfaces"]["a"]["points"] == 256
+    with pytest.raises(ConfigError, match=r"surfaces.a.label: missing; text of 1 to 60 characters is needed"):
+        check(parse(text, "text"))
 
 
 def test_every_setting_is_described_in_words():
@@ -70,13 +76,6 @@ def test_every_default_is_accepted_by_its_own_setting():
     assert {
         key: needed for key, value in defaults.items() if (needed := needed_instead(value, setting(key)))
     } == {}
-
-
-def test_every_setting_has_a_default_or_is_required():
-    for group in (schema(), *(entry for entry in SETTINGS.values() if "properties" in entry)):
-        for name, entry in group["properties"].items():
-            free = {"default", "left_out"} & entry.keys() or any(setting(key) is entry for key in KEYS)
-            assert bool(free) != (name in group.get("required", [])), name
 
 
 def test_the_paper_names_every_setting_that_decides_about_the_study_itself():
@@ -138,24 +137,29 @@ def test_the_readme_has_the_settings_of_the_schema():
     assert with_settings(text) == text
 
 
-def test_the_command_describes_and_checks(tmp_path):
+def test_the_command_describes_and_checks(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(ROOT)
     overlay = tmp_path / "overlay.yaml"
     overlay.write_text("contact: {area_fraction: 0.05}")
-    command = [sys.executable, "-m", "asperity.study.config"]
-    described = subprocess.run([*command, "describe"], capture_output=True, text=True, check=True).stdout
-    assert "| `contact.area_fraction` | a number > 0 and ≤ 1 |" in described
-    checked = subprocess.run(
-        [*command, "check", "config/config.yaml", overlay], cwd=ROOT, capture_output=True
-    )
-    assert (checked.returncode, checked.stderr) == (0, b"")
+    assert main(["describe"]) == 0
+    assert "| `contact.area_fraction` | a number > 0 and ≤ 1 |" in capsys.readouterr().out
+    assert main(["check", "config/config.yaml", str(overlay)]) == 0
+    assert main(["results", "config/quick.yaml"]) == 0
+    assert main(["results", "config/quick.yaml", "--results", "~//x/"]) == 0
+    assert capsys.readouterr() == (f"results/quick\n{Path.home()}/x\n", "")
 
 
-@pytest.mark.parametrize(("name", "package"), [("jsonschema", "jsonschema"), ("yaml", "pyyaml")])
-def test_a_missing_package_is_one_line(tmp_path, name, package):
-    path = os.pathsep.join([str(hide(name, tmp_path / "dark")), str(ROOT / "src")])
+def test_plain_scalars_are_those_of_yaml_1_2():
+    found = parse("a: [010, 1:20, 1e-6, no, 1_000, 2026-11-21, +3, -.5, true, ~]", "text")["a"]
+    assert found == [10, "1:20", 1e-6, "no", "1_000", "2026-11-21", 3, -0.5, True, None]
+    assert [type(value) for value in found[:3]] == [int, str, float]
+
+
+def test_a_missing_package_is_one_line(tmp_path):
+    path = os.pathsep.join([str(hide("yaml", tmp_path / "dark")), str(ROOT / "src")])
     command = [sys.executable, "-m", "asperity.study.config", "check", "config/config.yaml"]
     environment = os.environ | {"PYTHONPATH": path}
     found = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
     assert found.returncode == 1
-    assert found.stderr.startswith(f"config: not installed: {package}; install with: pip install")
+    assert found.stderr.startswith("config: not installed: pyyaml; install with: pip install")
     assert found.stderr.count("\n") == 1

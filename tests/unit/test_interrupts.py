@@ -39,8 +39,10 @@ def files(tmp_path_factory):
     return {**make_chain(folder), "map": folder / "map.txt"}
 
 
-@pytest.mark.parametrize("command", COMMANDS)
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    ("command", "number"),
+    [*((command, signal.SIGINT) for command in COMMANDS), ("stress", signal.SIGTERM)],
+)
 def test_a_signal_ends_a_command(command, number, files, tmp_path, capfd, monkeypatch):
     """When everything is computed, before a file gets its name or the answer is printed."""
     if command == "plan":

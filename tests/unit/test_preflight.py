@@ -1,8 +1,6 @@
 """Checks before a study: each passes where it should, and otherwise names what is wrong."""
 
-import ast
 import re
-import sys
 import tomllib
 from pathlib import Path
 
@@ -14,23 +12,6 @@ from asperity.study.runtime import preflight
 from asperity.study.runtime.preflight import require_memory, require_space
 
 ROOT = Path(__file__).parents[2]
-
-
-def imported(path):
-    """Packages that a module imports, anywhere in it."""
-    for node in ast.walk(ast.parse(path.read_text())):
-        if isinstance(node, ast.Import):
-            yield from (alias.name.split(".")[0] for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            yield node.module.split(".")[0]
-
-
-def test_packages_are_those_that_the_library_and_the_scripts_import():
-    paths = [*(ROOT / "src/asperity").rglob("*.py"), *(ROOT / "workflow/scripts").glob("*.py")]
-    found = {name for path in paths for name in imported(path)} - sys.stdlib_module_names - {"asperity"}
-    by_others = {"netCDF4", "pygments", "snakemake", "h5py", "olefile", "tifffile"}  # readers of maps
-    # The first is of matplotlib; the second of the extra crate, which no study needs.
-    assert found - {"mpl_toolkits", "rocrate"} == packages.NAMES.keys() - by_others
 
 
 @pytest.mark.parametrize(

@@ -15,18 +15,12 @@ STAGES = ["surface", "contact", "stress", "statistics", "verification"]
 
 
 @pytest.mark.parametrize("stage", STAGES)
-def test_memory_and_files_are_linear_in_the_nodes(stage):
-    small, large, none = (job_cost(stage, nodes) for nodes in (2048**2, 4096**2, 0))
+def test_memory_and_files_are_linear_in_the_nodes_and_time_nearly(stage):
+    none, small, large = (job_cost(stage, nodes) for nodes in (0, 1024**2, 2048**2))
     assert large.memory - none.memory == pytest.approx(4 * (small.memory - none.memory))
     assert large.disk - none.disk == pytest.approx(4 * (small.disk - none.disk))
     assert large.memory > small.memory > none.memory > 0
-
-
-@pytest.mark.parametrize("stage", STAGES)
-def test_time_grows_with_the_nodes_by_little_more_than_in_proportion(stage):
-    times = [job_cost(stage, nodes).calculation_seconds for nodes in (1024**2, 2048**2, 4096**2)]
-    assert 3 < times[1] / times[0] < 4.5
-    assert 3 < times[2] / times[1] < 4.5
+    assert 3 < large.calculation_seconds / small.calculation_seconds < 4.5
 
 
 @pytest.mark.parametrize("stage", ["contact", "stress", "statistics", "verification"])
@@ -48,11 +42,6 @@ def test_coarser_settings_take_less_time(stage, coarser):
     nodes = 1024**2
     fast = job_cost(stage, nodes, accuracy=replace(PAPER, **coarser))
     assert fast.calculation_seconds < 0.95 * job_cost(stage, nodes).calculation_seconds
-
-
-def test_an_unknown_job_is_an_error():
-    with pytest.raises(KeyError):
-        job_cost("body", 10**6)
 
 
 def test_the_paper_s_largest_jobs_are_those_on_4096_squared():

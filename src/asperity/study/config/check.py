@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from functools import cache
 from typing import Any
 
 import jsonschema
@@ -24,19 +23,32 @@ _ROUNDING = 1e-9
 _FEWEST_PLANES = 4
 """Planes of the stress that a layer must hold: verification needs one away from both faces."""
 
-_STANDARD = jsonschema.Draft202012Validator
 _FORMATS = jsonschema.FormatChecker(formats=())
 
 
-def check(config: Mapping[str, Any], needed: tuple[str, ...] | None = None) -> None:
+def _is_whole(_: Any, value: object) -> bool:
+    """True for a whole number that is written as one: 2048.0 is none."""
+    return isinstance(value, int) and not isinstance(value, bool)
+
+
+def _is_finite(_: Any, value: object) -> bool:
+    return _is_whole(_, value) or (isinstance(value, float) and math.isfinite(value))
+
+
+_STANDARD = jsonschema.Draft202012Validator
+_Validator = jsonschema.validators.extend(
+    _STANDARD,
+    type_checker=_STANDARD.TYPE_CHECKER.redefine_many({"integer": _is_whole, "number": _is_finite}),
+)
+
+
+def check(config: Mapping[str, Any]) -> None:
     """Raise `ConfigError` for the first setting that is not accepted.
 
     Parameters
     ----------
     config : mapping
         A configuration, with its overlays merged.
-    needed : tuple of names, optional
-        Keys that have to be given, of those without a default; by default all of them.
 
     Raises
     ------
@@ -44,11 +56,11 @@ def check(config: Mapping[str, Any], needed: tuple[str, ...] | None = None) -> N
         For an unknown key, a value outside its range, a missing key, or settings that contradict each other.
         The message names the key, its value and what is accepted.
     """
-    _check_schema(config, needed)
+    _check_schema(config)
     whole = complete(config)
     for line in _contradictions(whole):
         raise ConfigError(line)
-    _check_schema(whole, needed)
+    _check_schema(whole)
 
 
 def check_files(config: Mapping[str, Any]) -> None:
@@ -60,7 +72,7 @@ def check_files(config: Mapping[str, Any]) -> None:
 
 def needed_instead(value: Any, entry: Entry) -> str:
     """Values that a setting needs in place of this one, in words; empty if the schema accepts the value."""
-    error = next(_validator(None)(entry, format_checker=_FORMATS).iter_errors(value), None)
+    error = next(_Validator(entry, format_checker=_FORMATS).iter_errors(value), None)
     return "" if error is None else _needed(error)
 
 
@@ -75,7 +87,7 @@ def check_section(name: str, values: Mapping[str, Any], option: Callable[[str], 
     option : callable
         Gives the name of a setting in the interface of the user, for the message.
     """
-    errors = _validator(())(setting(name), format_checker=_FORMATS).iter_errors(values)
+    errors = _Validator(setting(name), format_checker=_FORMATS).iter_errors(values)
     error = next((error for error in errors if error.absolute_path), None)
     if error is not None:
         raise ConfigError(
@@ -116,34 +128,12 @@ for _dimension in ("pressure", "force", "length"):
     _FORMATS.checks(_dimension, raises=ValueError)(_is_quantity(_dimension))
 
 
-def _check_schema(config: Mapping[str, Any], needed: tuple[str, ...] | None) -> None:
+def _check_schema(config: Mapping[str, Any]) -> None:
     """Raise `ConfigError` for the error nearest to the top of the configuration."""
-    errors = _validator(needed)(schema(), format_checker=_FORMATS).iter_errors(config)
+    errors = _Validator(schema(), format_checker=_FORMATS).iter_errors(config)
     error = min(errors, key=lambda error: (len(error.path), str(error.path)), default=None)
     if error is not None:
         raise ConfigError(_one_line(error))
-
-
-@cache
-def _validator(needed: tuple[str, ...] | None) -> Any:
-    """Class of validators that demand all required keys, or only those in `needed`.
-
-    Numbers are finite, and a whole number is one that is written as one: 2048.0 is not accepted.
-    """
-
-    def require(_: Any, keys: list[str], instance: Any, entry: Entry) -> Iterator[ValidationError]:
-        for key in keys:
-            if isinstance(instance, Mapping) and key not in instance and (needed is None or key in needed):
-                yield ValidationError(key)
-
-    def is_whole(_: Any, value: object) -> bool:
-        return isinstance(value, int) and not isinstance(value, bool)
-
-    def is_finite(_: Any, value: object) -> bool:
-        return is_whole(_, value) or (isinstance(value, float) and math.isfinite(value))
-
-    types = _STANDARD.TYPE_CHECKER.redefine_many({"integer": is_whole, "number": is_finite})
-    return jsonschema.validators.extend(_STANDARD, {"required": require}, type_checker=types)
 
 
 def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
@@ -225,7 +215,7 @@ def _one_line(error: ValidationError) -> str:
     """Message of an error: key, value and what is accepted."""
     path = [_part(part) for part in error.absolute_path]
     if error.validator == "required":
-        missing = error.message
+        missing = next(key for key in error.schema["required"] if key not in error.instance)
         needed = accepted(error.schema["properties"][missing])
         return f"{'.'.join([*path, missing])}: missing; {needed} is needed"
     if error.validator == "additionalProperties":

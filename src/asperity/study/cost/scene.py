@@ -95,8 +95,8 @@ def solid_record(scene: Scene, accuracy: AccuracySettings) -> dict[str, Any]:
     return solid(stage_settings(scene, accuracy)["layer"])[1]
 
 
-NEEDED = ("surfaces", "hurst", "wavelength_long", "wavelength_short", "skewness", "kurtosis")
-"""Keys without a default that a plan needs; a study needs others too, such as labels."""
+OF_NO_PLAN = {"label": "surface", "rms_height": 1e-3}
+"""Settings of a random surface that a study needs and on which no plan depends."""
 
 
 def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, Any]:
@@ -120,7 +120,11 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
     if not config.keys() & {*schema()["properties"], *schema()["renamed"]}:
         config = {"surfaces": {"surface": config}}
     config = with_base(config)
-    check(config, NEEDED)
+    surfaces = config.get("surfaces")
+    if isinstance(surfaces, dict):
+        both = {name: OF_NO_PLAN | given for name, given in surfaces.items() if isinstance(given, dict)}
+        config["surfaces"] = surfaces | both
+    check(config)
     if not config.get("surfaces"):
         raise ConfigError("surfaces: missing; a plan needs at least one random surface")
     if area_fraction is not None:

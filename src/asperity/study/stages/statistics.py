@@ -15,6 +15,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from asperity.core.types import Array
@@ -137,9 +138,11 @@ def seed_statistics(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset
     numbers |= _of_contact(contact, float(surface["rms_gradient"]))
     numbers["seed_patches"] = radii.size
     numbers["seed_patch_radius"] = float(np.sqrt(np.prod(grid.spacing)) * np.average(radii, weights=radii**2))
-    under = _UnderPatches(grid, patches, radii)
-    numbers |= _of_peaks(stress, gradient, under)
-    numbers["seed_patch_correlation"] = (("patches", "poisson"), _patch_correlations(stress, under))
+    numbers |= _of_peaks(stress, gradient)
+    ratios = stress["poisson"].values.tolist()
+    correlations = np.array([_patch_correlations(stress, ratio, grid, patches, radii) for ratio in ratios])
+    numbers["seed_depth_patch_correlation"] = ("poisson", correlations[:, 0])
+    numbers["seed_patch_correlation"] = (("patches", "poisson"), correlations[:, 1:].T)
     numbers |= _of_planes(stress, gradient)
     coordinates = {
         "quantity": stress["quantity"].values,
@@ -184,52 +187,13 @@ def _load_area_curve(contact: xr.Dataset, area: float) -> tuple[float, float]:
     return float(exponent), float(ratio[-1] / ratio[0])
 
 
-class _UnderPatches(NamedTuple):
-    """The patches of contact on their grid, under which peaks lie."""
-
-    grid: Grid
-    patches: Array
-    radii: Array
-
-    def nodes(self, peaks: xr.Dataset) -> tuple[Array, Array]:
-        """Row and column of the node above each peak."""
-        row, column = (
-            np.rint(peaks[f"peak_{axis}"].values / step).astype(int)
-            for axis, step in zip("yx", self.grid.spacing, strict=True)
-        )
-        return row, column
-
-    def correlation(self, peaks: xr.Dataset) -> float:
-        """Rank correlation between the depth of peaks and the radius of the patch above them."""
-        row, column = self.nodes(peaks)
-        return depth_patch_correlation(peaks["peak_depth"].values, row, column, self.patches, self.radii)
-
-    def number(self, peaks: xr.Dataset) -> Array:
-        """Number of the patch above each peak, from 1; 0 outside contact."""
-        row, column = self.nodes(peaks)
-        return self.patches[row % self.patches.shape[0], column % self.patches.shape[1]]
-
-    def highest(self, peaks: xr.Dataset) -> Array:
-        """Indices of the highest peak below each patch."""
-        number = self.number(peaks)
-        order = np.lexsort((np.abs(peaks["peak_value"].values), number))
-        last = np.flatnonzero(np.diff(number[order], append=number.size + self.radii.size + 1))
-        return np.sort(order[last][number[order[last]] > 0])
-
-    def larger(self, peaks: xr.Dataset, radius: float) -> Array:
-        """Indices of the peaks below patches whose radius exceeds one, in grid spacings."""
-        number = self.number(peaks)
-        return np.flatnonzero((number > 0) & (np.append(0.0, self.radii)[number] > radius * (1 + 1e-12)))
-
-
-def _of_peaks(stress: xr.Dataset, gradient: float, under: _UnderPatches) -> dict[str, tuple]:
+def _of_peaks(stress: xr.Dataset, gradient: float) -> dict[str, tuple]:
     """Number, size, spread and depth of the peaks of every quantity and Poisson's ratio."""
     quantities, ratios = [str(name) for name in stress["quantity"].values], stress["poisson"].values
     shape = len(quantities), len(ratios)
     count = np.zeros(shape, np.int64)
     mean, deviation, depth, depth_highest = np.full((4, *shape), np.nan)
     quantile = np.full((*shape, LEVELS.size), np.nan)
-    correlation = np.full(len(ratios), np.nan)
     for q, p in np.ndindex(shape):
         found = peaks(stress, quantities[q], float(ratios[p]), selection_for(quantities[q]))
         count[q, p] = found.sizes["peak"]
@@ -239,8 +203,6 @@ def _of_peaks(stress: xr.Dataset, gradient: float, under: _UnderPatches) -> dict
         mean[q, p], deviation[q, p], depth[q, p] = magnitude.mean(), magnitude.std(), depths.mean()
         quantile[q, p] = np.quantile(magnitude, LEVELS)
         depth_highest[q, p] = depths[magnitude >= np.quantile(magnitude, 1 - HIGHEST_SHARE)].mean()
-        if quantities[q] == "von_mises":
-            correlation[p] = under.correlation(found)
     kinds = ("quantity", "poisson")
     return {
         "seed_peak_count": (kinds, count),
@@ -249,22 +211,30 @@ def _of_peaks(stress: xr.Dataset, gradient: float, under: _UnderPatches) -> dict
         "seed_peak_quantile": ((*kinds, "level"), quantile),
         "seed_mean_depth": (kinds, depth),
         "seed_mean_depth_highest": (kinds, depth_highest),
-        "seed_depth_patch_correlation": ("poisson", correlation),
     }
 
 
-def _patch_correlations(stress: xr.Dataset, under: _UnderPatches) -> Array:
-    """Rank correlation of depth and patch, of the highest von Mises peak below each patch and large patch."""
-    ratios = stress["poisson"].values
-    found = np.full((2, len(ratios)), np.nan)
-    for p, ratio in enumerate(ratios):
-        highest = peaks(stress, "von_mises", float(ratio), selection_for("von_mises"))
-        highest = highest.isel(peak=under.highest(highest))
-        large = highest.isel(peak=under.larger(highest, np.sqrt(LARGE_PATCH / np.pi)))
-        for number, some in enumerate((highest, large)):
-            if some.sizes["peak"]:
-                found[number, p] = under.correlation(some)
-    return found
+def _patch_correlations(
+    stress: xr.Dataset, ratio: float, grid: Grid, patches: Array, radii: Array
+) -> list[float]:
+    """Rank correlations of the depth of von Mises peaks with the radius of the patch of contact above.
+
+    They are those of all peaks, of the highest below each patch, and of the latter below large patches.
+    """
+    found = peaks(stress, "von_mises", ratio, selection_for("von_mises"))
+    row, column = (
+        np.rint(found[f"peak_{axis}"].values / step).astype(int)
+        for axis, step in zip("yx", grid.spacing, strict=True)
+    )
+    patch = patches[row % grid.shape[0], column % grid.shape[1]]  # from 1; 0 outside contact
+    by_patch = pd.Series(np.abs(found["peak_value"].values)).groupby(patch)
+    highest = np.sort(by_patch.idxmax().drop(0, errors="ignore").to_numpy(int))
+    large = highest[radii[patch[highest] - 1] > np.sqrt(LARGE_PATCH / np.pi) * (1 + 1e-12)]
+    depth = found["peak_depth"].values
+    return [
+        depth_patch_correlation(depth[some], row[some], column[some], patches, radii) if some.size else np.nan
+        for some in (np.arange(depth.size), highest, large)
+    ]
 
 
 def _of_planes(stress: xr.Dataset, gradient: float) -> dict[str, tuple]:
