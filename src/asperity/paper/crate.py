@@ -70,17 +70,34 @@ def write_crate(results: Path, snakefile: Path, configfiles: Sequence[Path] = ()
         raise FileNotFoundError(f"{results}: no results; run the study first")
     made = datetime.fromtimestamp(max(path.stat().st_mtime for path in found), UTC)
     crate = ROCrate(version="1.1")
+
+    def entity(identifier: str, kind: str, /, **properties: Any) -> ContextEntity:
+        return crate.add(ContextEntity(crate, identifier, {"@type": kind, **properties}))
+
     crate.name = f"Results of {results.name}: stress inside elastic solids pressed against rough surfaces"
     crate.description = f"Made by asperity {__version__}. The method follows {PAPER}."
     crate.datePublished = made
-    crate.license = _entity(crate, LICENCE, "CreativeWork", name="MIT License")
+    crate.license = entity(LICENCE, "CreativeWork", name="MIT License")
     developers = crate.add(Person(crate, "#developers", properties={"name": "The asperity developers"}))
     crate.root_dataset["author"] = developers
     crate.root_dataset["conformsTo"] = [
-        _entity(crate, profile, "CreativeWork", name=name, version=profile.rpartition("/")[2])
+        entity(profile, "CreativeWork", name=name, version=profile.rpartition("/")[2])
         for profile, name in PROFILES.items()
     ]
-    workflow = _workflow(crate, results, snakefile)
+    workflow = crate.add_workflow(
+        _copied(snakefile, results),
+        f"{WORKFLOW}/{snakefile.name}",
+        main=True,
+        lang="snakemake",
+        properties={
+            "name": "From rough surfaces to the figures of the paper",
+            "version": __version__,
+            "license": LICENCE,
+        },
+    )
+    workflow["softwareRequirements"] = entity(
+        "#asperity", "SoftwareApplication", name="asperity", version=__version__
+    )
     workflow["author"] = developers
     settings = [
         crate.add_file(
@@ -92,15 +109,10 @@ def write_crate(results: Path, snakefile: Path, configfiles: Sequence[Path] = ()
         crate.add_file(path, path.relative_to(results).as_posix(), properties=_described(path))
         for path in found
     ]
-    run = _entity(
-        crate,
-        "#run",
-        "CreateAction",
-        name=f"Run of the study into {results.name}",
-        endTime=made.isoformat(timespec="seconds"),
-    )
-    run["instrument"], run["object"], run["result"], run["agent"] = workflow, settings, files, developers
+    run = entity("#run", "CreateAction", name=f"Run of the study into {results.name}")
+    run["endTime"] = made.isoformat(timespec="seconds")
     run["actionStatus"] = "http://schema.org/CompletedActionStatus"
+    run["instrument"], run["object"], run["result"], run["agent"] = workflow, settings, files, developers
     crate.root_dataset["mentions"] = [run]
     crate.metadata.write(results)
     return len(files)
@@ -135,22 +147,3 @@ def _copied(path: Path, results: Path) -> Path:
     folder = results / WORKFLOW
     folder.mkdir(exist_ok=True)
     return Path(shutil.copyfile(path, folder / path.name))
-
-
-def _workflow(crate: ROCrate, results: Path, snakefile: Path) -> Any:
-    """The Snakefile as the main workflow of the crate."""
-    properties = {
-        "name": "From rough surfaces to the figures of the paper",
-        "version": __version__,
-        "license": LICENCE,
-    }
-    copy, name = _copied(snakefile, results), f"{WORKFLOW}/{snakefile.name}"
-    workflow = crate.add_workflow(copy, name, main=True, lang="snakemake", properties=properties)
-    workflow["softwareRequirements"] = _entity(
-        crate, "#asperity", "SoftwareApplication", name="asperity", version=__version__
-    )
-    return workflow
-
-
-def _entity(crate: ROCrate, name_or_url: str, kind: str, /, **properties: str) -> ContextEntity:
-    return crate.add(ContextEntity(crate, name_or_url, properties={"@type": kind, **properties}))

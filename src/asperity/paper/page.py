@@ -13,7 +13,7 @@ import pandas as pd
 from asperity.core.markup import html_table, inline, with_error
 from asperity.core.version import __version__
 from asperity.paper.figures import Description
-from asperity.results.atomic import atomic_write
+from asperity.results.atomic import write_text
 from asperity.results.dataset import PAPER
 from asperity.study.cost.benchmark import cost_table, job_costs
 from asperity.study.cost.tables import errors_for_reader, presets_for_reader
@@ -44,10 +44,7 @@ def write_page(
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters |= {
-        "inline": inline,
-        "error": lambda row: with_error(row["value"], row["standard error"]),
-    }
+    environment.filters |= {"inline": inline, "with_error": with_error}
     jobs = job_costs(results)
     page = environment.from_string(text).render(
         title="Does the paper hold?" if config["claims"] else f"Study: {results.name}",
@@ -64,8 +61,7 @@ def write_page(
         paper=PAPER,
         version=__version__,
     )
-    with atomic_write(path) as unfinished:
-        unfinished.write_text(page, encoding="utf-8", newline="\n")
+    write_text(path, page)
 
 
 def order(figures: Mapping[str, Description]) -> list[Description]:
@@ -93,13 +89,9 @@ def _html(text: str) -> str:
     """ReStructuredText as HTML, mathematics as MathML."""
     from docutils.core import publish_parts
 
-    settings = {
-        "math_output": "MathML",
-        "file_insertion_enabled": False,
-        "raw_enabled": False,
-        "report_level": 5,
-    }
-    return publish_parts(text, writer="html5", settings_overrides=settings)["fragment"].strip()
+    settings = {"math_output": "MathML", "report_level": 5}
+    unsafe = {"file_insertion_enabled": False, "raw_enabled": False}
+    return publish_parts(text, writer="html5", settings_overrides=settings | unsafe)["fragment"].strip()
 
 
 def _embedded(file: Path) -> str:
@@ -164,13 +156,8 @@ def _costs(jobs: pd.DataFrame) -> str:
     """Table of the costs by rule, as HTML."""
     if jobs.empty:
         return ""
-    table = cost_table(jobs, "rule")
-    shown = pd.DataFrame(
-        {
-            "rule": table["job"].str.replace("_", " "),
-            "jobs": table["jobs"],
-            "processor time": table["processor_minutes"].map(_minutes),
-            "largest memory": table["largest_memory_MB"].map("{:.0f} MB".format),
-        }
-    )
-    return html_table(shown)
+    table = cost_table(jobs, "rule")[["job", "jobs", "processor_minutes", "largest_memory_MB"]]
+    table["job"] = table["job"].str.replace("_", " ")
+    table["processor_minutes"] = table["processor_minutes"].map(_minutes)
+    table["largest_memory_MB"] = table["largest_memory_MB"].map("{:.0f} MB".format)
+    return html_table(table.set_axis(["rule", "jobs", "processor time", "largest memory"], axis=1))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -18,13 +16,8 @@ from asperity.views.style import MILLIMETRE, PAGE
 
 _HEIGHT = 178 * MILLIMETRE
 
-_COLOURS = dict(
-    zip(
-        OUTCOMES,
-        ("#FFFFFF", "#0072B2", "#8CC5E8", "#E69F00", "#BBBBBB", "#000000", "#CC79A7", "#D55E00"),
-        strict=True,
-    )
-)
+_SHADES = ("#FFFFFF", "#0072B2", "#8CC5E8", "#E69F00", "#BBBBBB", "#000000", "#CC79A7", "#D55E00")
+_COLOURS = dict(zip(OUTCOMES, _SHADES, strict=True))
 _MEANINGS = {
     "certified and checked": "certified, as the direct solution",
     "certified": "certified, by a bound",
@@ -64,7 +57,7 @@ def draw(validation: Datasets) -> Figure:
     lower = _lower(outcome)
     axis.pcolormesh(
         np.ma.masked_array(outcome, ~lower),
-        cmap=ListedColormap(list(_COLOURS.values())),
+        cmap=ListedColormap(_SHADES),
         vmin=-0.5,
         vmax=len(OUTCOMES) - 0.5,
         rasterized=True,
@@ -82,7 +75,7 @@ def draw(validation: Datasets) -> Figure:
         image, ax=axis, orientation="horizontal", shrink=0.5, aspect=40, pad=0.01, extend="both"
     )
     bar.set_label("above the diagonal: error of the pressure over the tolerance")
-    counts = {name: int(np.sum(outcome[lower] == number)) for number, name in enumerate(OUTCOMES)}
+    counts = _counts(outcome)
     handles = [
         Patch(color=_COLOURS[name], label=f"{text}: {counts[name]}") for name, text in _MEANINGS.items()
     ]
@@ -93,8 +86,6 @@ def draw(validation: Datasets) -> Figure:
 def caption(validation: Datasets) -> str:
     """Number of contacts with each outcome, and of values out of range that were refused."""
     data = validation["extremes"]
-    outcome = data["outcome"].values
-    found = outcome[_lower(outcome)]
     refused, beyond = data["beyond_outcome"].values == REFUSED, data.sizes["beyond"]
     double, single = (data.attrs[f"tolerance_{precision}"] for precision in ("float64", "float32"))
     text = (
@@ -103,11 +94,15 @@ def caption(validation: Datasets) -> str:
         "approaches to the distance between the lowest and the mean height. Solved to tolerances of "
         f"{double:g} (double precision) and {single:g} (single)."
     )
-    counts = [
-        f"{name}: {int(np.sum(found == number))}" for number, name in enumerate(OUTCOMES) if number != NO_CELL
-    ]
+    counts = [f"{name}: {count}" for name, count in _counts(data["outcome"].values).items()]
     refusals = f"values out of range refused by name: {int(refused.sum())} of {beyond}"
     return f"{text}\n\n{bullets([*counts, refusals])}"
+
+
+def _counts(outcome: Array) -> dict[str, int]:
+    """Number of contacts with each outcome."""
+    found = outcome[_lower(outcome)]
+    return {name: int(np.sum(found == number)) for number, name in enumerate(OUTCOMES) if number != NO_CELL}
 
 
 def _lower(outcome: Array) -> Array:
@@ -128,17 +123,12 @@ def _name_levels(axis: Axes, data: xr.Dataset) -> None:
         for text, default in zip(texts, data["level_default"].values, strict=True):
             text.set_fontweight("bold" if default else "normal")
     axis.spines[["top", "right"]].set_visible(True)
-    for name, first, last in _groups(data):
+    settings = [str(name) for name in data["level_axis"].values]
+    for name in dict.fromkeys(settings):
+        first = settings.index(name)
+        last = first + settings.count(name)
         for line in (axis.axvline, axis.axhline):
             line(last, color="0.3", linewidth=0.4)
         middle = (first + last) / 2
         axis.text(middle, -0.4, _AXES[name], rotation=90, ha="center", va="bottom", fontsize=7)
         axis.text(count + 0.4, middle, _AXES[name], ha="left", va="center", fontsize=7)
-
-
-def _groups(data: xr.Dataset) -> Iterator[tuple[str, int, int]]:
-    """Each setting, with the number of its first level and of the first one beyond it."""
-    axes = [str(name) for name in data["level_axis"].values]
-    for name in dict.fromkeys(axes):
-        first = axes.index(name)
-        yield name, first, first + axes.count(name)

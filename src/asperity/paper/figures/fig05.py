@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from asperity.core.types import Array
 from asperity.paper.figures import cell
 from asperity.paper.figures.cases import Datasets, bullets, contact_area, name
+from asperity.views.maps import blocks
 from asperity.views.style import label
 
 NODES = 192
@@ -39,7 +40,7 @@ def draw(surface: Datasets, contact: Datasets) -> Figure:
     cell.ground(axis)
     top = 1 - magnify * down
     cell.walls(axis, (x, -0.5, top[0]), (np.full(len(x), x[-1]), x, top[:, -1]))
-    cell.surface(axis, x, x, top, _painted(_drawn_contacts(pressed.pressure.values, step)))
+    cell.surface(axis, x, x, top, _painted(blocks(pressed.pressure.values, (step, step), np.max) > 0))
     norm = Normalize(*np.percentile(height / float(rough.rms_height), [0.1, 99.9]))
     colours = mpl.colormaps["viridis"](norm(height / float(rough.rms_height)))
     cell.surface(axis, x, x, 1 + LIFT + magnify * height, colours)
@@ -54,13 +55,6 @@ def caption(surface: Datasets, contact: Datasets) -> str:
     """The drawn surface, its area of contact and its load."""
     drawn = list(surface)[-1]
     return f"Drawn: {name(label(surface[drawn]))}.\n\n{bullets([contact_area(contact[drawn])])}"
-
-
-def _drawn_contacts(pressure: Array, step: int) -> Array:
-    """True where a drawn node is in contact: if any of the nodes that it stands for is."""
-    padded = np.pad(pressure, ((0, -len(pressure) % step), (0, -len(pressure) % step)))
-    drawn = len(padded) // step
-    return padded.reshape(drawn, step, drawn, step).max(axis=(1, 3)) > 0
 
 
 def _painted(contacts: Array) -> Array:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from asperity.core.types import Array
 from asperity.paper.figures.cases import Datasets, bullets, contact_area
 from asperity.results.dataset import grid_of
+from asperity.views.maps import blocks
 from asperity.views.style import COLUMN, PAGE, label, panels
 
 PIXELS = 512
@@ -25,10 +25,11 @@ def draw(contact: Datasets) -> Figure:
     -----
     A pixel shows the largest pressure of the nodes under it, so that the smallest contacts are seen.
     """
-    maps = {
-        name: _coarse(data["pressure"].values) / float(data["gradient_rms_contact"])
-        for name, data in contact.items()
-    }
+    maps = {}
+    for name, data in contact.items():
+        size = max(1, data.sizes["y"] // PIXELS)
+        pixels = blocks(data["pressure"].values, (size, size), np.max)
+        maps[name] = pixels / float(data["gradient_rms_contact"])
     figure, axes = panels(columns=len(maps), height=76, width=PAGE if len(maps) > 1 else COLUMN)
     ends = [np.percentile(values[values > 0], 99.5) for values in maps.values()]
     largest = min(max(ends), WIDEST * min(ends))
@@ -52,11 +53,3 @@ def draw(contact: Datasets) -> Figure:
 def caption(contact: Datasets) -> str:
     """Area in contact and load of each surface."""
     return bullets(map(contact_area, contact.values()))
-
-
-def _coarse(pressure: Array) -> Array:
-    """Largest value in each block of nodes that shares a pixel."""
-    block = max(1, pressure.shape[0] // PIXELS)
-    rows, columns = (n // block * block for n in pressure.shape)
-    blocks = pressure[:rows, :columns].reshape(rows // block, block, columns // block, block)
-    return blocks.max(axis=(1, 3))

@@ -8,16 +8,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib import colormaps
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from asperity.core.types import Array
 from asperity.study.config.presets import PRESETS
 from asperity.study.cost.measured import MeasuredTradeoff
 from asperity.study.cost.measurement import runs_at, seconds_of, settings_of
-from asperity.study.cost.plan import SOURCES, measured_errors
+from asperity.study.cost.plan import measured_errors
 from asperity.views.style import MILLIMETRE, PAGE, panels
 
 FRONT_OUTPUTS = {
@@ -45,19 +43,18 @@ OUTPUT_LABELS = {
     "decay_length_plane": "decay in the plane (Eq. 22)",
 }
 
-SOURCE_LABELS = {
-    "discretisation": "discretisation",
-    "depths": "planes in depth",
-    "contact": "contact solve",
-    "half_space": "half-space",
-    "seeds": "one surface for its kind",
+SOURCE_LOOKS = {
+    "discretisation": ("discretisation", "C0", "o"),
+    "depths": ("planes in depth", "C1", "s"),
+    "contact": ("contact solve", "C2", "^"),
+    "half_space": ("half-space", "C4", "v"),
+    "seeds": ("one surface for its kind", "k", "D"),
 }
+"""Source of error → its name, colour and marker."""
 
 SMALLEST_ERROR = 1e-8
 """Left end of the axis of errors; smaller ones are drawn there."""
 
-_COLOURS = dict(zip(SOURCES, ("C0", "C1", "C2", "C4", "k"), strict=True))
-_MARKERS = dict(zip(SOURCES, ("o", "s", "^", "v", "D"), strict=True))
 _MIXTURE_MARKERS = {"coarse": "v", "even": "o", "fine": "^"}
 _PRESET_STYLE: dict[str, Any] = {"marker": "*", "ms": 9, "color": "k", "ls": "none"}
 
@@ -150,20 +147,18 @@ def draw_budget(errors: Mapping[str, Mapping[str, float]]) -> Figure:
     figure = Figure(figsize=(PAGE, 76 * MILLIMETRE))
     axis = figure.add_subplot()
     outputs = [name for name in OUTPUT_LABELS if name in errors]
-    for row, name in enumerate(outputs):
-        for source, shift in zip(SOURCES, np.linspace(-0.24, 0.24, len(SOURCES)), strict=True):
-            error = errors[name][source]
-            if error > 0:
-                place = max(error, SMALLEST_ERROR), row + shift
-                axis.plot(*place, _MARKERS[source], color=_COLOURS[source], ms=4)
+    shifts = np.linspace(-0.24, 0.24, len(SOURCE_LOOKS))
+    for shift, (source, (label, colour, marker)) in zip(shifts, SOURCE_LOOKS.items(), strict=True):
+        axis.plot([], [], marker, color=colour, ms=4, label=label)
+        for row, name in enumerate(outputs):
+            if (error := errors[name][source]) > 0:
+                axis.plot(max(error, SMALLEST_ERROR), row + shift, marker, color=colour, ms=4)
     axis.set(
         xscale="log", xlim=(SMALLEST_ERROR, 1.0), xlabel="relative error", ylim=(len(outputs) - 0.5, -0.5)
     )
     axis.set_yticks(range(len(outputs)), [OUTPUT_LABELS[name] for name in outputs])
     axis.grid(axis="y", color="0.9", lw=0.6)
     axis.set_axisbelow(True)
-    for source in SOURCES:
-        axis.plot([], [], _MARKERS[source], color=_COLOURS[source], ms=4, label=SOURCE_LABELS[source])
     figure.legend(loc="outside lower center", ncols=5)
     return figure
 
@@ -177,39 +172,25 @@ def draw_growth(runs: xr.Dataset) -> Figure:
         Of `asperity.study.cost.measurement.measure`.
     """
     figure, (time, memory) = panels(height=60)
-    growing = runs.isel(run=runs["run_parameter"].values == "size")
+    growing = runs.isel(run=runs["run_parameter"].values == "size").set_coords("run_points")
     for several, line in ((False, "-"), (True, "--")):
         part = growing.isel(run=(growing["run_ratios"].values > 1) == several)
         ratios, loads = int(part["run_ratios"].max()), int(part["run_loads"].max())
         label = f"{ratios} ν, {loads} loads" if several else "1 ν, 1 load"
+        means = part.groupby("run_points").mean()
         for stage, colour in (("contact", "C0"), ("stress", "C1")):
-            means = _mean_by_points(part, f"{stage}_seconds")
-            time.plot(*means, "o", ls=line, color=colour, label=f"{stage}, {label}")
-        points, used = _mean_by_points(part, "peak_memory")
-        memory.plot(points, used / 2**30, "o", ls=line, color="C2", label=label)
-    _plot_square_law(time, growing)
+            seconds = means[f"{stage}_seconds"]
+            time.plot(means["run_points"], seconds, "o", ls=line, color=colour, label=f"{stage}, {label}")
+        memory.plot(means["run_points"], means["peak_memory"] / 2**30, "o", ls=line, color="C2", label=label)
+    points = np.unique(growing["run_points"].values)
+    fastest = growing["contact_seconds"].values[growing["run_points"].values == points[-1]].min()
+    law = points**2.0 * np.log(points)
+    time.plot(points, 0.6 * fastest * law / law[-1], color="0.6", lw=0.8, label=r"$N^2 \log N$")
     for axis in (time, memory):
-        ticks = np.unique(growing["run_points"].values).tolist()
         axis.set(xscale="log", xlabel="nodes on an edge")
-        axis.set_xticks(ticks, [str(tick) for tick in ticks])
+        axis.set_xticks(points, [str(tick) for tick in points])
         axis.set_xticks([], minor=True)
         axis.legend(handlelength=3, loc="upper left")
     time.set(yscale="log", ylabel="processor time (s)")
     memory.set(ylim=(0, None), ylabel="peak memory of the process (GiB)")
     return figure
-
-
-def _plot_square_law(axis: Axes, growing: xr.Dataset) -> None:
-    """A line N² log N below the times of the contact."""
-    points = np.unique(growing["run_points"].values)
-    largest = growing.isel(run=growing["run_points"].values == points[-1])
-    law = points**2.0 * np.log(points)
-    line = 0.6 * float(largest["contact_seconds"].min()) * law / law[-1]
-    axis.plot(points, line, color="0.6", lw=0.8, label=r"$N^2 \log N$")
-
-
-def _mean_by_points(runs: xr.Dataset, name: str) -> tuple[Array, Array]:
-    """Nodes on an edge, and the mean of a variable over the runs on each grid."""
-    points = runs["run_points"].values
-    sizes = np.unique(points)
-    return sizes, np.array([runs[name].values[points == size].mean() for size in sizes])
