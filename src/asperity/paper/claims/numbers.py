@@ -169,7 +169,10 @@ Raises `MissingEvidenceError` if the evidence lacks a surface or a dataset."""
 
 
 def _kolmogorov(one: xr.DataArray, other: xr.DataArray) -> xr.DataArray:
-    """Largest difference between the shares of peaks below a value, for each seed, from their quantiles."""
+    """Largest difference between the shares of peaks below a value, for each seed, from their quantiles.
+
+    It is smaller than that of all peaks, by at most 0.0025 for ten thousand of them (`docs/claims.md`).
+    """
     one, other = (found.transpose("seed", "level") for found in xr.align(one, other, join="inner"))
     levels = one["level"].values
     distances = []

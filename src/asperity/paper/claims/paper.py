@@ -33,6 +33,7 @@ REGIONS = {
     "larger": Region(1.0, np.inf),
     "smaller": Region(0.0, 1.0),
     # The paper gives no numbers for these: docs/claims.md lists the verdicts that other edges would change.
+    # A distance of distributions from quantiles is low by up to 0.0025 for ten thousand peaks.
     "clearly larger": Region(1.05, np.inf),
     "clearly smaller": Region(0.0, 0.95),
     "overlapping": Region(0.0, 0.05),
