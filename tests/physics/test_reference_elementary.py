@@ -15,53 +15,65 @@ from asperity.reference.westergaard import Westergaard
 YOUNG = 1.7
 
 
-def derivative(field, point, axis, step=1e-4):
-    shift = step * np.eye(3)[axis]
-    return (np.asarray(field(point + shift)) - field(point - shift)) / (2 * step)
-
-
-@pytest.mark.parametrize("poisson", [-0.3, 0.0, 0.33, 0.5])
-def test_stresses_are_in_equilibrium(poisson):
-    point = np.array([0.4, -0.3, -0.6])
-    for stress in (
-        lambda r: single_mode_stress(r[0], -r[2], 2.0, poisson),
-        lambda r: point_force_stress(r[1], r[0], -r[2], poisson),
-        lambda r: tangential_point_force_stress(r[1], r[0], -r[2], poisson),
-    ):
-        along = [derivative(stress, point, axis) for axis in range(3)]
-        for row in ((0, 5, 4), (5, 1, 3), (4, 3, 2)):
-            assert sum(along[axis][part] for axis, part in enumerate(row)) == pytest.approx(0, abs=1e-6)
-
-
-@pytest.mark.parametrize("poisson", [-0.3, 0.33])
-def test_displacement_of_a_harmonic_obeys_hooke(poisson):
-    point = np.array([0.4, 0.0, -0.6])
-
-    def moved(r):
-        return single_mode_displacement(r[0], -r[2], 2.0, YOUNG, poisson)
-
-    gradient = np.stack([derivative(moved, point, axis) for axis in range(3)], axis=1)
+def hooke(displacement, point, poisson, step=1e-4):
+    """Stress of a displacement field of (x, y, z), z up, by central differences."""
+    gradient = np.empty((3, 3))
+    for axis in range(3):
+        shift = np.zeros(3)
+        shift[axis] = step
+        gradient[:, axis] = (displacement(point + shift) - displacement(point - shift)) / (2 * step)
+    strain = 0.5 * (gradient + gradient.T)
     mu = YOUNG / (2 * (1 + poisson))
-    tensor = 2 * mu * poisson / (1 - 2 * poisson) * np.trace(gradient) * np.eye(3) + mu * (
-        gradient + gradient.T
-    )
-    expected = single_mode_stress(0.4, 0.6, 2.0, poisson)
-    np.testing.assert_allclose(tensor[[0, 1, 2, 0], [0, 1, 2, 2]], expected[[0, 1, 2, 4]], atol=1e-7)
+    lame = 2 * mu * poisson / (1 - 2 * poisson)
+    stress = lame * np.trace(strain) * np.eye(3) + 2 * mu * strain
+    return np.array([stress[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))])
+
+
+def test_stress_and_displacement_of_a_mode_obey_hooke():
+    point, poisson = np.array([0.4, -0.3, -0.6]), 0.33
+    found = hooke(lambda r: single_mode_displacement(r[0], -r[2], 2.0, YOUNG, poisson), point, poisson)
+    # Differences.
+    np.testing.assert_allclose(found, single_mode_stress(0.4, 0.6, 2.0, poisson), atol=1e-7)
+
+
+def slope(field, axis, step=1e-3):
+    """Derivative of a field of (x, y, z) along an axis, by a central difference."""
+    shift = step * np.eye(3)[axis]
+    return lambda point: (field(point + shift) - field(point - shift)) / (2 * step)
+
+
+@pytest.mark.parametrize("stress", [point_force_stress, tangential_point_force_stress])
+@pytest.mark.parametrize("poisson", [-0.3, 0.33, 0.5])
+def test_point_force_is_in_equilibrium_and_compatible(stress, poisson):
+    """∂_j σ_ij = 0, and ∇²σ_ij + ∂_i ∂_j σ_kk/(1 + ν) = 0 (Beltrami, Michell); no traction on the surface."""
+
+    def tensor(point):
+        xx, yy, zz, yz, xz, xy = stress(point[1], point[0], -point[2], poisson)
+        return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+
+    point, axes = np.array([0.4, -0.3, -0.6]), range(3)
+    second = np.array([[slope(slope(tensor, i), j)(point) for j in axes] for i in axes])
+    compatible = np.einsum("kkij->ij", second) + np.einsum("ijkk->ij", second) / (1 + poisson)
+    # Truncation of the differences; each derivative is of the order of one.
+    np.testing.assert_allclose(compatible, 0, atol=5e-4)
+    np.testing.assert_allclose(sum(slope(tensor, i)(point)[i] for i in axes), 0, atol=1e-5)
+    assert np.all(stress(-0.3, 0.4, 0.0, poisson)[2:5] == 0)
 
 
 @pytest.mark.parametrize(
-    ("force", "carried"), [(point_force_stress, [-1, 0, 0]), (tangential_point_force_stress, [0, 0, 1])]
+    ("stress", "force"), [(point_force_stress, [0, 0, -1]), (tangential_point_force_stress, [1, 0, 0])]
 )
-def test_a_point_force_is_carried_by_every_plane(force, carried):
-    """The means of σ_zz, σ_yz and σ_xz over a circle, times 2πr, in all rings of a plane."""
+def test_point_force_is_carried_by_every_plane(stress, force):
+    """The mean of σ_xz, σ_yz and σ_zz over a circle, times 2πr, in all rings of a plane."""
     angle = 2 * np.pi * np.arange(8) / 8
 
     def ring(r):
-        stress = force(r * np.sin(angle), r * np.cos(angle), 0.2, 0.3)
-        return 2 * np.pi * r * stress[:, [2, 3, 4]].mean(axis=0)
+        on_circle = stress(r * np.sin(angle), r * np.cos(angle), 0.2, 0.3)
+        return 2 * np.pi * r * on_circle[:, [4, 3, 2]].mean(axis=0)
 
     total = [scipy.integrate.quad(lambda r, n=n: ring(r)[n], 0, np.inf)[0] for n in range(3)]
-    np.testing.assert_allclose(total, carried, atol=1e-8)  # quadrature
+    # Quadrature.
+    np.testing.assert_allclose(total, force, atol=1e-8)
 
 
 WAVE = Westergaard(mean_pressure=0.1, amplitude=0.05, wavelength=1.3, effective_modulus=YOUNG)

@@ -97,21 +97,47 @@ class BondedLayer:
     def flat_punch(self, radius: float, approach: float) -> LayerContact:
         """Contact with a flat-ended cylindrical punch of a given radius at an approach."""
         require_positive(radius=radius, approach=approach)
-        equation = _Fredholm(self, radius)
-        return equation.contact(approach, 0.0, approach * equation.flat)
+        return self._contact(radius, 0.0, approach)
 
     def paraboloid(self, contact_radius: float, curvature_radius: float) -> LayerContact:
         """Contact with a paraboloid ``r²/(2R)`` at a given contact radius."""
         require_positive(contact_radius=contact_radius, curvature_radius=curvature_radius)
-        equation = _Fredholm(self, contact_radius)
-        # The solution is δ times that for 1 less that for s², over R; its value at the edge is zero.
-        curvature = 1 / curvature_radius
-        edge_flat, edge_curved = (
-            equation.edge(equation.flat, 1.0, 0.0),
-            equation.edge(equation.curved, 0.0, 1.0),
+        return self._contact(contact_radius, 1 / curvature_radius, None)
+
+    def _contact(self, radius: float, curvature: float, approach: float | None) -> LayerContact:
+        """Contact from the discrete Fredholm equation; without an approach at that with φ(a) = 0.
+
+        The kernel is separable, ``M(s, t) = Σ w_ξ cos ξs cos ξt``, with the nodes and weights of the integral
+        over ξ.
+        """
+        node, weight = np.polynomial.legendre.leggauss(self.order)
+        s, weights = 0.5 * radius * (node + 1), 0.5 * radius * weight
+        count = WAVENUMBERS + int(WAVENUMBERS_PER_RATIO * radius / self.height)
+        node, weight = np.polynomial.legendre.leggauss(count)
+        scaled = 0.5 * LARGEST_WAVENUMBER * (node + 1)
+        wavenumbers, step = scaled / self.height, 0.5 * LARGEST_WAVENUMBER * weight / self.height
+        correction = 2 / np.pi * (1 - self.compliance_ratio(scaled)) * step
+        cosines = np.cos(np.multiply.outer(s, wavenumbers))
+        system = np.eye(self.order) - ((cosines * correction) @ cosines.T) * weights
+        # φ is δ times the solution for the right-hand side E*/π, less that for E*/π s² times 1/R.
+        scale = self.effective_modulus / np.pi
+        sides = scale * np.stack([np.ones(self.order), s**2], axis=1)
+        flat, curved = np.linalg.solve(system, sides).T
+        if approach is None:
+            edge = correction * np.cos(wavenumbers * radius)
+            edge_flat = scale + edge @ (cosines.T @ (weights * flat))
+            edge_curved = scale * radius**2 + edge @ (cosines.T @ (weights * curved))
+            approach = float(curvature * edge_curved / edge_flat)
+        density = approach * flat - curvature * curved
+        return LayerContact(
+            contact_radius=radius,
+            approach=approach,
+            load=2 * np.pi * float(weights @ density),
+            curvature=curvature,
+            effective_modulus=self.effective_modulus,
+            wavenumbers=wavenumbers,
+            excess=correction * (cosines.T @ (weights * density)),
         )
-        approach = curvature * edge_curved / edge_flat
-        return equation.contact(approach, curvature, approach * equation.flat - curvature * equation.curved)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,10 +150,9 @@ class LayerContact:
     curvature : float
         1/R of the paraboloid, zero for the flat punch.
     effective_modulus : float
-    wavenumbers, transform : (n,) arrays
-        Wavenumbers ξ, and the transform P(ξ) of the pressure.
-    excess : (n,) array
-        ``2/π (1 − K(ξh)) P(ξ) dξ``: amplitudes of the cosines by which φ differs from that of a half-space.
+    wavenumbers, excess : (n,) arrays
+        Wavenumbers ξ, and ``2/π (1 − K(ξh)) P(ξ) dξ`` there: the amplitudes of the cosines by which φ differs
+        from that of a half-space.
     """
 
     contact_radius: float
@@ -136,7 +161,6 @@ class LayerContact:
     curvature: float
     effective_modulus: float
     wavenumbers: Array
-    transform: Array
     excess: Array
 
     def density(self, s: ArrayLike) -> Array:
@@ -163,57 +187,3 @@ class LayerContact:
             return smooth
         with np.errstate(divide="ignore"):
             return smooth + np.where(square > 0, self.density(self.contact_radius) / np.sqrt(square), 0.0)
-
-
-class _Fredholm:
-    """Discrete Fredholm equation of one layer and contact radius.
-
-    The kernel is separable, ``M(s, t) = Σ w_ξ cos ξs cos ξt``, with the nodes and weights of the integral
-    over ξ.
-
-    Attributes
-    ----------
-    flat, curved : (order,) arrays
-        φ at the nodes for the right-hand sides E*/π and E*/π s².
-    """
-
-    def __init__(self, layer: BondedLayer, radius: float) -> None:
-        self._layer, self._radius = layer, radius
-        node, weight = np.polynomial.legendre.leggauss(layer.order)
-        self._nodes, self._weights = 0.5 * radius * (node + 1), 0.5 * radius * weight
-        count = WAVENUMBERS + int(WAVENUMBERS_PER_RATIO * radius / layer.height)
-        node, weight = np.polynomial.legendre.leggauss(count)
-        scaled = 0.5 * LARGEST_WAVENUMBER * (node + 1)
-        self._wavenumbers = scaled / layer.height
-        step = 0.5 * LARGEST_WAVENUMBER * weight / layer.height
-        self._correction = 2 / np.pi * (1 - layer.compliance_ratio(scaled)) * step
-        self._cosines = np.cos(np.multiply.outer(self._nodes, self._wavenumbers))
-        kernel = (self._cosines * self._correction) @ self._cosines.T
-        system = np.eye(layer.order) - kernel * self._weights
-        scale = layer.effective_modulus / np.pi
-        sides = scale * np.stack([np.ones(layer.order), self._nodes**2], axis=1)
-        self.flat, self.curved = np.linalg.solve(system, sides).T
-
-    def transform(self, density: Array) -> Array:
-        """P(ξ) of a solution at the nodes."""
-        return self._cosines.T @ (self._weights * density)
-
-    def edge(self, density: Array, constant: float, square: float) -> float:
-        """φ(a) of the solution at the nodes for the right-hand side E*/π (constant + square · s²)."""
-        side = self._layer.effective_modulus / np.pi * (constant + square * self._radius**2)
-        cosines = np.cos(self._wavenumbers * self._radius)
-        return float(side + cosines @ (self._correction * self.transform(density)))
-
-    def contact(self, approach: float, curvature: float, density: Array) -> LayerContact:
-        """Contact with the solution at the nodes."""
-        transform = self.transform(density)
-        return LayerContact(
-            contact_radius=self._radius,
-            approach=approach,
-            load=2 * np.pi * float(self._weights @ density),
-            curvature=curvature,
-            effective_modulus=self._layer.effective_modulus,
-            wavenumbers=self._wavenumbers,
-            transform=transform,
-            excess=self._correction * transform,
-        )

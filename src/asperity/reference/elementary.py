@@ -68,11 +68,8 @@ def point_force_stress(y: ArrayLike, x: ArrayLike, depth: ArrayLike, poisson: fl
     -------
     (..., 6) array
     """
-    y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
-    distance = np.sqrt(x**2 + y**2 + depth**2)
-    n_x, n_y, n_z = x / distance, y / distance, depth / distance
-    weight = (1 - 2 * poisson) / (2 * np.pi * distance**2)
-    cubic = 3 / (2 * np.pi * distance**2)
+    n_x, n_y, n_z, spread = _direction(y, x, depth)
+    weight, cubic = (1 - 2 * poisson) / spread, 3 / spread
     # (1 − n_z)/(n_x² + n_y²) = 1/(1 + n_z)
     blunt = (2 + n_z) / (1 + n_z) ** 2
     xx = -cubic * n_x**2 * n_z + weight * (n_z - 1 / (1 + n_z) + n_x**2 * blunt)
@@ -88,11 +85,8 @@ def tangential_point_force_stress(y: ArrayLike, x: ArrayLike, depth: ArrayLike, 
     Source: K. L. Johnson, Contact Mechanics, Cambridge University Press, 1985, eq. 3.76. Arguments as for
     `point_force_stress`.
     """
-    y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
-    distance = np.sqrt(x**2 + y**2 + depth**2)
-    n_x, n_y, n_z = x / distance, y / distance, depth / distance
-    weight = (1 - 2 * poisson) / (2 * np.pi * distance**2)
-    cubic = 3 / (2 * np.pi * distance**2)
+    n_x, n_y, n_z, spread = _direction(y, x, depth)
+    weight, cubic = (1 - 2 * poisson) / spread, 3 / spread
     single = 1 / (1 + n_z) ** 2
     double = (3 + n_z) / (1 + n_z) ** 3
     xx = -cubic * n_x**3 + weight * n_x * (1 - 3 * single + n_x**2 * double)
@@ -100,6 +94,13 @@ def tangential_point_force_stress(y: ArrayLike, x: ArrayLike, depth: ArrayLike, 
     xy = -cubic * n_x**2 * n_y + weight * n_y * (-single + n_x**2 * double)
     zz = -cubic * n_x * n_z**2
     return np.stack([xx, yy, zz, cubic * n_x * n_y * n_z, cubic * n_x**2 * n_z, xy], axis=-1)
+
+
+def _direction(y: ArrayLike, x: ArrayLike, depth: ArrayLike) -> tuple[Array, Array, Array, Array]:
+    """Direction (x, y, depth) of positions from the origin, and the area of the half sphere through them."""
+    y, x, depth = np.broadcast_arrays(*(np.asarray(part, float) for part in (y, x, depth)))
+    distance = np.sqrt(x**2 + y**2 + depth**2)
+    return x / distance, y / distance, depth / distance, 2 * np.pi * distance**2
 
 
 def von_mises(stress: ArrayLike) -> Array:

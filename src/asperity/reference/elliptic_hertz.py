@@ -150,10 +150,7 @@ class EllipticHertz:
         """
         along_x, along_y = _curvature_integrals(self._ratio)
         scale = 2 * self.largest_pressure * self.semi_minor / self.effective_modulus
-        return (
-            self.semi_major**2 / (scale * along_x),
-            self.semi_major**2 / (scale * along_y),
-        )
+        return self.semi_major**2 / (scale * along_x), self.semi_major**2 / (scale * along_y)
 
     def pressure(self, y: ArrayLike, x: ArrayLike) -> Array:
         """Contact pressure at positions relative to the axis, zero outside the contact; y and x broadcast."""
@@ -227,25 +224,20 @@ class EllipticHertz:
     def _peak(self, measure: Callable[[ArrayLike], Array]) -> AxisPeak:
         """Largest value of a function of the depth: the largest sample, refined between its neighbours."""
         depths = np.linspace(0.0, 2 * self.semi_minor, DEPTH_SAMPLES + 1)
-        values = measure(depths)
-        at = int(values.argmax())
-        low, high = depths[max(at - 1, 0)], depths[min(at + 1, DEPTH_SAMPLES)]
+        at = int(measure(depths).argmax())
         found = minimize_scalar(
             lambda depth: -float(measure(depth)),
-            bounds=(low, high),
+            bounds=(depths[max(at - 1, 0)], depths[min(at + 1, DEPTH_SAMPLES)]),
             method="bounded",
             options={"xatol": 1e-10 * self.semi_minor},
         )
-        if -found.fun < values[at]:
-            return AxisPeak(float(values[at]), float(depths[at]))
-        return AxisPeak(float(-found.fun), float(found.x))
+        depth = max(float(found.x), float(depths[at]), key=measure)
+        return AxisPeak(float(measure(depth)), depth)
 
 
 def _curvature_integrals(ratio: float) -> tuple[float, float]:
     """Integrals D and D' (a/b)² of `EllipticHertz.curvature_radii` for an axis ratio b/a."""
-    along_x = float(elliprd(0.0, ratio**2, 1.0)) / 3
-    along_y = float(elliprd(0.0, 1.0, ratio**2)) / 3
-    return along_x, along_y
+    return float(elliprd(0.0, ratio**2, 1.0)) / 3, float(elliprd(0.0, 1.0, ratio**2)) / 3
 
 
 def _axis_ratio(curvature_radius_x: float, curvature_radius_y: float) -> float:
@@ -256,8 +248,6 @@ def _axis_ratio(curvature_radius_x: float, curvature_radius_y: float) -> float:
             f"curvature_radius_y = {curvature_radius_y!r}: "
             f"at most curvature_radius_x = {curvature_radius_x!r} is needed"
         )
-    if wanted == 1:
-        return 1.0
 
     def excess(logarithm: float) -> float:
         along_x, along_y = _curvature_integrals(np.exp(logarithm))

@@ -30,17 +30,13 @@ import scipy.linalg
 from skfem import Basis, BilinearForm, ElementLineP2, MeshLine
 
 from asperity.core.arguments import require_positive
-from asperity.core.types import Array, Progress
+from asperity.core.types import Array
 
 MAX_ITERATIONS = 500
 """Limit on the conjugate-gradient iterations of one solve, which takes about 16 on graded meshes."""
 
 MAX_ACTIVE_SETS = 40
 """Limit on the active sets of one contact, which takes two to four."""
-
-# Local coordinates of the two Gauss points of an element, where stresses of quadratic elements are most
-# accurate.
-_GAUSS = np.array([-1.0, 1.0]) / np.sqrt(3.0)
 
 
 def graded(length: float, elements: int, ratio: float) -> Array:
@@ -72,42 +68,41 @@ class Line:
         basis = Basis(MeshLine(self.edges), ElementLineP2(), intorder=4)
         order = np.argsort(basis.doflocs[0])
         mass, stiffness, convection = (
-            form.assemble(basis).toarray()[np.ix_(order, order)]
+            BilinearForm(form).assemble(basis).toarray()[np.ix_(order, order)]
             for form in (
-                BilinearForm(lambda u, v, _: u * v),
-                BilinearForm(lambda u, v, _: u.grad[0] * v.grad[0]),
-                BilinearForm(lambda u, v, _: u.grad[0] * v),
+                lambda u, v, _: u * v,
+                lambda u, v, _: u.grad[0] * v.grad[0],
+                lambda u, v, _: u.grad[0] * v,
             )
         )
-        return {
-            (False, False): mass,
-            (False, True): convection,
-            (True, False): convection.T,
-            (True, True): stiffness,
-        }
+        slopes = [(False, False), (False, True), (True, False), (True, True)]
+        return dict(zip(slopes, (mass, convection, convection.T, stiffness), strict=True))
 
     def modes(self, fixed: Sequence[int]) -> tuple[Array, Array]:
         """Eigenvalues of stiffness against mass and eigenvectors as columns, zero at fixed nodes."""
         free = np.delete(np.arange(len(self.nodes)), fixed)
-        inside = np.ix_(free, free)
-        values, vectors = scipy.linalg.eigh(
-            self.matrices[True, True][inside], self.matrices[False, False][inside]
-        )
+        mass, stiffness = (self.matrices[slope, slope][np.ix_(free, free)] for slope in (False, True))
+        values, vectors = scipy.linalg.eigh(stiffness, mass)
         modes = np.zeros((len(self.nodes), len(free)))
         modes[free] = vectors
         return values, modes
 
     def at_gauss_points(self) -> tuple[Array, Array, Array]:
-        """Positions of two Gauss points an element, and what gives a field and its slope there."""
-        xi = _GAUSS[:, None]
-        shape = np.hstack([xi * (xi - 1) / 2, 1 - xi**2, xi * (xi + 1) / 2])
-        slope = np.hstack([xi - 0.5, -2 * xi, xi + 0.5])
-        half, middle = 0.5 * np.diff(self.edges), 0.5 * (self.edges[1:] + self.edges[:-1])
-        value, derivative = np.zeros((2, 2 * len(half), len(self.nodes)))
-        for element, size in enumerate(half):
-            here = slice(2 * element, 2 * element + 2), slice(2 * element, 2 * element + 3)
-            value[here], derivative[here] = shape, slope / size
-        return (middle[:, None] + half[:, None] * _GAUSS).ravel(), value, derivative
+        """Positions of the Gauss points, and the matrices that give a field and its slope there.
+
+        Each element has two, where stresses of quadratic elements are most accurate.
+
+        Returns
+        -------
+        points : (2 elements,) array
+        value, slope : (2 elements, 2 elements + 1) arrays
+        """
+        points = 0.5 + np.array([[-0.5, 0.5]]) / np.sqrt(3.0)
+        basis = Basis(MeshLine(self.edges), ElementLineP2(), quadrature=(points, np.full(2, 0.5)))
+        fields = [basis.interpolate(unit) for unit in np.eye(basis.N)[np.argsort(basis.doflocs[0])]]
+        value = np.stack([np.asarray(field).ravel() for field in fields], axis=-1)
+        slope = np.stack([field.grad[0].ravel() for field in fields], axis=-1)
+        return value @ self.nodes, value, slope
 
 
 class Slab:
@@ -136,18 +131,18 @@ class Slab:
         self.plane, self.column = Line(plane), Line(column)
         side = len(self.plane.nodes)
         self.shape = (len(self.column.nodes), side, side)
-        free, walled, column_modes = self.plane.modes(()), self.plane.modes((0, -1)), self.column.modes((0,))
-        # The modes along z, y and x of each displacement component, which carry its boundary conditions.
-        self._modes = [(column_modes, free, walled), (column_modes, walled, free), (column_modes, free, free)]
-        stiff, soft = self.lame + 2 * self.shear_modulus, self.shear_modulus
-        self._inverse = []
-        for component, modes in enumerate(self._modes):
-            z, y, x = ((stiff if axis == component else soft) * modes[2 - axis][0] for axis in (2, 1, 0))
-            self._inverse.append(1 / (z[:, None, None] + y[:, None] + x))
-        self._held = np.zeros((3, *self.shape), bool)
-        self._held[:, 0] = True
-        self._held[0, :, :, [0, -1]] = True
-        self._held[1, :, [0, -1], :] = True
+        along_z, free, walled = self.column.modes([0]), self.plane.modes([]), self.plane.modes([0, -1])
+        # Of each displacement component the modes along z, y and x, which carry its boundary conditions, and
+        # the inverse of its diagonal block.
+        self._blocks = []
+        for component, modes in enumerate(
+            [(along_z, free, walled), (along_z, walled, free), (along_z, free, free)]
+        ):
+            stiff = self.lame + 2 * self.shear_modulus
+            moduli = [stiff if axis == component else self.shear_modulus for axis in (2, 1, 0)]
+            z, y, x = (modulus * values for modulus, (values, _) in zip(moduli, modes, strict=True))
+            vectors = [vector for _, vector in modes]
+            self._blocks.append((vectors, 1 / (z[:, None, None] + y[:, None] + x)))
 
     def force(self, displacement: Array) -> Array:
         """Nodal forces of a displacement, both (3, nz, ny, nx), reactions of supports included.
@@ -170,35 +165,10 @@ class Slab:
     def precondition(self, force: Array) -> Array:
         """Displacement under nodal forces by the diagonal blocks of the stiffness alone, zero at supports."""
         out = np.empty_like(force)
-        for component, modes in enumerate(self._modes):
-            z, y, x = (vectors for _, vectors in modes)
-            spectrum = self._inverse[component] * _transform(force[component], z.T, y.T, x.T)
+        for component, ((z, y, x), inverse) in enumerate(self._blocks):
+            spectrum = inverse * _transform(force[component], z.T, y.T, x.T)
             out[component] = _transform(spectrum, z, y, x)
         return out
-
-    @cached_property
-    def _surface(self) -> tuple[Array, Array]:
-        """Eigenvectors of u_z in the plane, and the surface displacement under a unit force of each mode."""
-        (_, z), (_, y), _ = self._modes[2]
-        return y, np.einsum("k,kyx->yx", z[-1] ** 2, self._inverse[2])
-
-    def surface_compliance(self, nodes: Array) -> Array:
-        """Displacement u_z of surface nodes under forces at them by the preconditioner, (nodes, nodes)."""
-        modes, response = self._surface
-        y, x = np.divmod(nodes, self.shape[2])
-        shape = (modes[y][:, :, None] * modes[x][:, None, :]).reshape(len(nodes), -1)
-        return (shape * response.ravel()) @ shape.T
-
-    def precondition_surface_force(self, nodes: Array, force: Array) -> Array:
-        """Displacement under forces along z at surface nodes by the preconditioner, (3, nz, ny, nx)."""
-        load = np.zeros((3, *self.shape))
-        load[2, -1].reshape(-1)[nodes] = force
-        return self.precondition(load)
-
-    def nodal_area(self) -> Array:
-        """Integral of the shape function of each surface node, (ny, nx)."""
-        weight = self.plane.matrices[False, False].sum(axis=1)
-        return np.outer(weight, weight)
 
     def on_diagonal(self, displacement: Array) -> tuple[Array, Array, Array, Array]:
         """Displacement and stress on the vertical plane x = y, at the Gauss points of the elements.
@@ -219,29 +189,23 @@ class Slab:
         x, value, slope = self.plane.at_gauss_points()
         z, value_z, slope_z = self.column.at_gauss_points()
 
-        def sample(field: Array, along_z: Array, along_y: Array, along_x: Array) -> Array:
-            return np.einsum("zpp->zp", _transform(field, along_z, along_y, along_x))
+        def sample(along_z: Array, along_y: Array, along_x: Array) -> Array:
+            """The three components at the points of the plane, (nz, nx, 3)."""
+            operands = along_z, along_y, along_x, displacement
+            return np.einsum("az,by,bx,czyx->abc", *operands, optimize=True)
 
-        moved = np.stack([sample(part, value_z, value, value) for part in displacement], axis=-1)
-        strain = np.empty((3, 3, len(z), len(x)))
-        for component, part in enumerate(displacement):
-            strain[component, 0] = sample(part, value_z, value, slope)
-            strain[component, 1] = sample(part, value_z, slope, value)
-            strain[component, 2] = sample(part, slope_z, value, value)
-        pressure = self.lame * np.trace(strain)
-        mu = self.shear_modulus
-        normal = [pressure + 2 * mu * strain[i, i] for i in range(3)]
-        shear = [mu * (strain[i, j] + strain[j, i]) for i, j in ((1, 2), (0, 2), (0, 1))]
-        return x, z, moved, np.stack([*normal, *shear], axis=-1)
+        gradient = np.stack(
+            [sample(value_z, value, slope), sample(value_z, slope, value), sample(slope_z, value, value)]
+        )
+        trace = self.lame * np.einsum("iabi->ab", gradient)
+        stress = self.shear_modulus * (gradient + np.moveaxis(gradient, (0, -1), (-1, 0)))
+        normal = [trace + stress[i, ..., i] for i in range(3)]
+        shear = [stress[i, ..., j] for i, j in ((1, 2), (0, 2), (0, 1))]
+        return x, z, sample(value_z, value, value), np.stack([*normal, *shear], axis=-1)
 
     def equilibrium(
-        self,
-        start: Array,
-        nodes: Array,
-        value: Array,
-        tolerance: float,
-        max_iterations: int = MAX_ITERATIONS,
-    ) -> tuple[Array, Array, int]:
+        self, start: Array, nodes: Array, value: Array, tolerance: float, max_iterations: int = MAX_ITERATIONS
+    ) -> tuple[Array, Array]:
         """Equilibrium with u_z prescribed at some surface nodes, by preconditioned conjugate gradients.
 
         Parameters
@@ -258,30 +222,36 @@ class Slab:
         -------
         displacement, force : (3, nz, ny, nx) arrays
             The force is zero except at supports and at the nodes with prescribed u_z.
-        iterations : int
 
         Raises
         ------
         RuntimeError
             If the tolerance is not reached within `max_iterations`.
         """
-        factor = scipy.linalg.cho_factor(self.surface_compliance(nodes))
+        # Displacement u_z of the nodes under forces at them, by the preconditioner.
+        (z, y, x), inverse = self._blocks[2]
+        row, column = np.divmod(nodes, self.shape[2])
+        modes = (y[row][:, :, None] * x[column][:, None, :]).reshape(len(nodes), -1)
+        response = np.einsum("k,kyx->yx", z[-1] ** 2, inverse)
+        factor = scipy.linalg.cho_factor((modes * response.ravel()) @ modes.T)
 
-        def project(step: Array) -> Array:
-            there = step[2, -1].reshape(-1)[nodes]
-            return step - self.precondition_surface_force(nodes, scipy.linalg.cho_solve(factor, there))
+        def pushed(wanted: Array) -> Array:
+            """Displacement by the preconditioner under the forces that move the nodes as wanted."""
+            load = np.zeros((3, *self.shape))
+            load[2, -1].reshape(-1)[nodes] = scipy.linalg.cho_solve(factor, wanted)
+            return self.precondition(load)
 
-        miss = value - start[2, -1].reshape(-1)[nodes]
-        displacement = start + self.precondition_surface_force(nodes, scipy.linalg.cho_solve(factor, miss))
+        displacement = start + pushed(value - start[2, -1].reshape(-1)[nodes])
         force = self.force(displacement)
         direction, product = np.zeros_like(force), 1.0
         for iteration in range(max_iterations):
-            residual = -np.where(self._held, 0.0, force)
+            residual = -force  # at supports the preconditioner ignores it
             residual[2, -1].reshape(-1)[nodes] = 0.0
-            step = project(self.precondition(residual))
+            step = self.precondition(residual)
+            step -= pushed(step[2, -1].reshape(-1)[nodes])
             previous, product = product, float(np.vdot(residual, step))
             if product <= tolerance**2 * float(np.vdot(displacement, force)):
-                return displacement, force, iteration
+                return displacement, force
             direction = step + (product / previous if iteration else 0.0) * direction
             response = self.force(direction)
             length = product / float(np.vdot(direction, response))
@@ -296,39 +266,21 @@ class SlabContact:
 
     Attributes
     ----------
-    slab : Slab
     displacement : (3, nz, ny, nx) array
-    pressure : (ny, nx) array
-        Nodal force over nodal area, on the surface.
-    load : float
-        Force on the whole indenter, four quarters.
-    contact : (ny, nx) bool array
-        Nodes in contact.
-    iterations, active_sets : int
-        Number of conjugate-gradient iterations in total, and of active sets.
+    push : (ny, nx) array
+        Forces of the indenter on the surface nodes of the quarter cell, downward.
     """
 
-    slab: Slab
     displacement: Array
-    pressure: Array
-    load: float
-    contact: Array
-    iterations: int
-    active_sets: int
+    push: Array
 
     @property
-    def contact_radius(self) -> float:
-        """Radius of the circle with the contact area, the sum of the nodal areas in contact."""
-        return float(np.sqrt(4 * self.slab.nodal_area()[self.contact].sum() / np.pi))
+    def load(self) -> float:
+        """Force on the whole indenter, four quarters."""
+        return 4 * float(self.push.sum())
 
 
-def press(
-    slab: Slab,
-    curvature_radius: float,
-    approach: float,
-    tolerance: float = 1e-8,
-    progress: Progress | None = None,
-) -> SlabContact:
+def press(slab: Slab, curvature_radius: float, approach: float, tolerance: float = 1e-8) -> SlabContact:
     """Contact of a paraboloid ``r²/(2R)`` with the slab at an approach.
 
     Parameters
@@ -340,8 +292,6 @@ def press(
         Downward displacement of the indenter from first touch.
     tolerance : float
         Tolerance of each linear solve, in the energy norm.
-    progress : callable, optional
-        Called as progress(done, total) after each active set.
 
     Raises
     ------
@@ -354,33 +304,19 @@ def press(
     # First guess: the edge of contact is displaced by half of the approach, as in Hertz contact.
     contact = depth > 0.5 * approach
     displacement = np.zeros((3, *slab.shape))
-    iterations = 0
-    for active_set in range(1, MAX_ACTIVE_SETS + 1):
+    for _ in range(MAX_ACTIVE_SETS):
         held = np.flatnonzero(contact)
-        displacement, force, done = slab.equilibrium(displacement, held, -depth[held], tolerance)
-        iterations += done
+        displacement, force = slab.equilibrium(displacement, held, -depth[held], tolerance)
         push = -force[2, -1].ravel()
         penetration = depth + displacement[2, -1].ravel()
         settled = np.where(contact, push > 0, penetration > 0)
-        if progress:
-            progress(active_set, MAX_ACTIVE_SETS)
         if np.array_equal(settled, contact):
-            push = np.where(contact, push, 0.0).reshape(slab.shape[1:])
-            return SlabContact(
-                slab=slab,
-                displacement=displacement,
-                pressure=push / slab.nodal_area(),
-                load=4 * float(push.sum()),
-                contact=contact.reshape(slab.shape[1:]),
-                iterations=iterations,
-                active_sets=active_set,
-            )
+            return SlabContact(displacement, np.where(contact, push, 0.0).reshape(slab.shape[1:]))
         contact = settled
     raise RuntimeError(f"finite elements: contact not settled after {MAX_ACTIVE_SETS} active sets")
 
 
 def _transform(values: Array, z: Array, y: Array, x: Array) -> Array:
     """Product of a (z, y, x) array with one matrix along each axis."""
-    values = values @ x.T
-    values = y @ values
+    values = y @ (values @ x.T)
     return (z @ values.reshape(len(values), -1)).reshape(len(z), *values.shape[1:])

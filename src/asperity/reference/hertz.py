@@ -17,6 +17,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.special import hyp2f1
 
 from asperity.core.arguments import require_positive
 from asperity.core.types import Array
@@ -68,11 +69,7 @@ class Hertz:
     effective_modulus: float = 1.0
 
     def __post_init__(self) -> None:
-        require_positive(
-            contact_radius=self.contact_radius,
-            curvature_radius=self.curvature_radius,
-            effective_modulus=self.effective_modulus,
-        )
+        require_positive(**self.__dict__)
 
     @classmethod
     def from_load(cls, load: float, curvature_radius: float, effective_modulus: float = 1.0) -> Self:
@@ -186,28 +183,10 @@ def unit_displacement(rho: ArrayLike) -> Array:
     """Dimensionless displacement of the surface at ρ = r/a, in the shape of `rho`.
 
     π/2 (2 − ρ²) inside the contact, ``(2 − ρ²) asin(1/ρ) + √(ρ² − 1)`` outside: the bracket of Eqs. 11 and
-    12 over a². Far away it behaves as 4/(3ρ), of which the printed form loses ρ² ε to rounding; from ρ = 4
-    on a series is used.
+    12 over a². The printed form loses ρ² ε to rounding far away; this one is the hypergeometric function that
+    equals it.
     """
     rho = np.asarray(rho, float)
     inverse = 1 / np.maximum(rho, 1.0)
-    square = inverse**2
-    near = (2 - rho**2) * np.arcsin(inverse) + np.sqrt(np.maximum(rho**2 - 1, 0.0))
-    far = np.zeros_like(rho)
-    for coefficient in _FAR[::-1]:
-        far = far * square + coefficient
-    return np.where(rho <= 1, 0.5 * np.pi * (2 - rho**2), np.where(rho < 4, near, far * inverse))
-
-
-def _far_coefficients(terms: int) -> list[float]:
-    """Coefficients of 1/ρ^(2n+1) in the displacement outside the contact."""
-    # asin(e) = Σ A_n e^(2n+1) and √(1 − e²) = Σ B_n e^(2n).
-    arcsine, root = [1.0], [1.0]
-    for n in range(terms + 1):
-        arcsine.append(arcsine[-1] * (2 * n + 1) ** 2 / ((2 * n + 2) * (2 * n + 3)))
-        root.append(root[-1] * (2 * n - 1) / (2 * n + 2))
-    return [2 * arcsine[n] - arcsine[n + 1] + root[n + 1] for n in range(terms)]
-
-
-# The first term left out is 4⁻²⁸ of the sum at ρ = 4, below rounding.
-_FAR = _far_coefficients(14)
+    outside = 4 / 3 * inverse * hyp2f1(0.5, 0.5, 2.5, inverse**2)
+    return np.where(rho <= 1, 0.5 * np.pi * (2 - rho**2), outside)

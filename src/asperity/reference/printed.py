@@ -2,8 +2,8 @@
 
 They serve to show which printed equations do not hold (`docs/method.md`) and how rounding affects the
 corrected ones (`asperity.study.validation.rounding`); the library itself computes with
-`asperity.elasticity.layer`. Most functions take ``corrected``: False gives the printed text literally, True
-the nearest form that holds.
+`asperity.elasticity.layer`. ``corrected``: False gives the printed text literally, True the nearest form that
+holds.
 
 ``lib`` is the arithmetic: ``mpmath.mp`` for any number of digits, ``numpy`` for floating point in the
 precision of the arguments. Equation numbers are those of the paper. z is measured upward from the bottom.
@@ -22,7 +22,7 @@ def elastic_constants(young: Any, poisson: Any) -> tuple[Any, Any, Any]:
 
 
 def basis(lib: Any, qx: Any, qy: Any, z: Any, s: Any, corrected: bool = True) -> tuple[Any, Any]:
-    """Matrix f of Eqs. 5 and 6, and its derivative along z, each as 3 rows of 6.
+    """Matrix f of Eqs. 5 and 6, and its derivative along z, each as 3 rows of 6; s = C44/C11.
 
     The element f34 is not printed and counts as 0; it must equal f26.
     """
@@ -32,33 +32,26 @@ def basis(lib: Any, qx: Any, qy: Any, z: Any, s: Any, corrected: bool = True) ->
     sinh_z, cosh_z = z * sinh, z * q * cosh
     sinh_slope, cosh_slope = sinh + cosh_z, q * cosh + z * q * q * sinh
 
-    def diagonal(along: Any, across: Any) -> tuple[Any, Any, Any, Any]:
-        """f11, f12 and their derivatives, or with x and y exchanged f23, f24 and theirs."""
+    def of_component(along: Any, across: Any) -> list[tuple[Any, Any]]:
+        """f11, f12, f15 and f16 with their derivatives; with x and y exchanged f23, f24, f25 and f26."""
         even = 2 * s / (s + 1) * cosh - r * along**2 * sinh_z / q
         even_slope = 2 * s / (s + 1) * q * sinh - r * along**2 * sinh_slope / q
-        odd = (along**2 * ((s + 1) * sinh - (s - 1) * cosh_z) + 2 * across**2 * sinh) / ((s + 1) * q**3)
-        odd_slope = (along**2 * ((s + 1) * q * cosh - (s - 1) * cosh_slope) + 2 * across**2 * q * cosh) / (
-            (s + 1) * q**3
-        )
-        return even, odd, even_slope, odd_slope
+        scale = (s + 1) * q**3
+        odd = along**2 * ((s + 1) * sinh - (s - 1) * cosh_z) + 2 * across**2 * sinh
+        odd_slope = along**2 * ((s + 1) * q * cosh - (s - 1) * cosh_slope) + 2 * across**2 * q * cosh
+        lift = 1j * r * along
+        upward = [(lift * (cosh_z - sinh) / q, lift * q * sinh_z), (lift * sinh_z / q, lift * sinh_slope / q)]
+        return [(even, even_slope), (odd / scale, odd_slope / scale), *upward]
 
-    f11, f12, f11_slope, f12_slope = diagonal(qx, qy)
-    f23, f24, f23_slope, f24_slope = diagonal(qy, qx)
-    f13, f13_slope = -r * qx * qy * sinh_z / q, -r * qx * qy * sinh_slope / q
-    f14, f14_slope = r * qx * qy * (sinh - cosh_z) / q**3, -r * qx * qy * sinh_z / q
-    f15, f15_slope = 1j * r * qx * (cosh_z - sinh) / q, 1j * r * qx * q * sinh_z
-    f16, f16_slope = 1j * r * qx * sinh_z / q, 1j * r * qx * sinh_slope / q
-    f25, f25_slope = 1j * r * qy * (cosh_z - sinh) / q, 1j * r * qy * q * sinh_z
-    f26, f26_slope = 1j * r * qy * sinh_z / q, 1j * r * qy * sinh_slope / q
-    f34, f34_slope = (f26, f26_slope) if corrected else (0 * f26, 0 * f26)
-    f35, f35_slope = r * q * sinh_z + 2 * cosh / (s + 1), r * q * sinh_slope + 2 * q * sinh / (s + 1)
-    f36, f36_slope = r * z * cosh + sinh / q, r * (cosh + z * q * sinh) + cosh
-    values = [[f11, f12, f13, f14, f15, f16], [f13, f14, f23, f24, f25, f26], [f15, f16, f25, f34, f35, f36]]
-    slopes = [
-        [f11_slope, f12_slope, f13_slope, f14_slope, f15_slope, f16_slope],
-        [f13_slope, f14_slope, f23_slope, f24_slope, f25_slope, f26_slope],
-        [f15_slope, f16_slope, f25_slope, f34_slope, f35_slope, f36_slope],
-    ]
+    f11, f12, f15, f16 = of_component(qx, qy)
+    f23, f24, f25, f26 = of_component(qy, qx)
+    f13 = -r * qx * qy * sinh_z / q, -r * qx * qy * sinh_slope / q
+    f14 = r * qx * qy * (sinh - cosh_z) / q**3, -r * qx * qy * sinh_z / q
+    f34 = f26 if corrected else (0 * f26[0], 0 * f26[1])
+    f35 = r * q * sinh_z + 2 * cosh / (s + 1), r * q * sinh_slope + 2 * q * sinh / (s + 1)
+    f36 = r * z * cosh + sinh / q, r * (cosh + z * q * sinh) + cosh
+    rows = [[f11, f12, f13, f14, f15, f16], [f13, f14, f23, f24, f25, f26], [f15, f16, f25, f34, f35, f36]]
+    values, slopes = ([[element[order] for element in row] for row in rows] for order in (0, 1))
     return values, slopes
 
 
@@ -71,36 +64,31 @@ def stress_rows(
     """
     c11, c12, c44 = elastic_constants(young, poisson)
     x, y = 1j * qx, 1j * qy
-    rows: list[list[Any]] = [[], [], []]
-    for (ux, uy, uz), (ux1, uy1, uz1) in zip(
-        zip(*values, strict=True), zip(*slopes, strict=True), strict=True
-    ):
-        second, third = c44 * (ux1 + x * uz), c44 * (uy1 + y * uz)
-        if corrected:
-            second, third = third, second
-        for row, entry in zip(rows, (c12 * (x * ux + y * uy) + c11 * uz1, second, third), strict=True):
-            row.append(entry)
-    return rows
+    zz, zx, yz = [], [], []
+    for ux, uy, uz, ux1, uy1, uz1 in zip(*values, *slopes, strict=True):
+        zz.append(c12 * (x * ux + y * uy) + c11 * uz1)
+        zx.append(c44 * (ux1 + x * uz))
+        yz.append(c44 * (uy1 + y * uz))
+    return [zz, yz, zx] if corrected else [zz, zx, yz]
 
 
 def compliance_elements(
     lib: Any, qx: Any, qy: Any, height: Any, young: Any, poisson: Any, corrected: bool = True
 ) -> dict[str, Any]:
-    """The twelve elements of Eq. A.3, by their indices.
+    """The twelve elements of Eq. A.3 by their indices, ``"11"`` for G11.
 
     In print G11, G12 and G22 have (1 + e^2h)³ instead of (−1 + e^2h)³, the first bracket of G11 has q_r³
     instead of q_y² q_r, and the brackets of G33, G36, G16 and G26 stand under the root.
     """
     q = lib.sqrt(qx * qx + qy * qy)
-    h = q * height
+    nu, zm, h = poisson, height, q * height
     sinh, cosh, double_sinh = lib.sinh(h), lib.cosh(h), lib.sinh(2 * h)
     coth, cosech = 1 / lib.tanh(h), 1 / sinh
-    nu, zm = poisson, height
     depth = zm * zm * q * q - sinh * sinh
+    below = young * q**4 * depth
     cube = (lib.exp(2 * h) - 1) ** 3 if corrected else (lib.exp(2 * h) + 1) ** 3
     exponential = 8 * lib.exp(3 * h) * (1 + nu) / cube
     first = qy * qy if corrected else q * q
-    divisor = young * q**4 * depth
 
     def rooted(bracket: Any) -> Any:
         """Denominator q [bracket]; in print the bracket stands under the root."""
@@ -118,21 +106,20 @@ def compliance_elements(
     g15 = -zm * (nu - 1) * double_sinh * q * q - 2 * (zm * zm * q * q - nu * sinh * sinh) * q
     g25 = -zm * (nu - 1) * coth * qy * qy * q + (zm * zm * cosech * cosech * q * q - 1) * qx * qx
     g25 = g25 + (nu - 1) * qy * qy
-    far = 2 * (nu * nu - 1) * (sinh + zm * cosh * q)
     elements = {
         "11": -exponential * sinh * g11 / (young * q**4 * (-1 + q * q * zm * zm * cosech * cosech)),
-        "12": exponential * sinh**3 * qx * qy * g12 / divisor,
-        "22": exponential * sinh**3 * g22 / divisor,
+        "12": exponential * sinh**3 * qx * qy * g12 / below,
+        "22": exponential * sinh**3 * g22 / below,
         "33": (nu * nu - 1) * (double_sinh + 2 * h) / (young * rooted(depth)),
-        "14": lib.exp(h) * (nu + 1) * (coth - 1) * g14 / divisor,
-        "15": lib.exp(-h) * (nu + 1) * (coth + 1) * qx * qy * g15 / divisor,
+        "14": lib.exp(h) * (nu + 1) * (coth - 1) * g14 / below,
+        "15": lib.exp(-h) * (nu + 1) * (coth + 1) * qx * qy * g15 / below,
         "25": 2 * (nu + 1) * sinh * g25 / (young * q**3 * depth),
-        "36": far / (young * rooted(depth)),
+        "36": 2 * (nu * nu - 1) * (sinh + zm * cosh * q) / (young * rooted(depth)),
     }
+    even = (2 * nu - 1) * sinh * sinh - zm * zm * q * q
+    bracket = -2 * zm * zm * q * q + lib.cosh(2 * h) - 1
     for name, component in (("1", qx), ("2", qy)):
-        mixed = (2 * nu - 1) * sinh * sinh - zm * zm * q * q
-        elements[name + "3"] = -(nu + 1) * component * mixed / (young * q * q * depth)
-        bracket = -2 * zm * zm * q * q + lib.cosh(2 * h) - 1
+        elements[name + "3"] = -(nu + 1) * component * even / (young * q * q * depth)
         elements[name + "6"] = 4 * zm * (nu * nu - 1) * sinh * component / (young * rooted(bracket))
     return elements
 

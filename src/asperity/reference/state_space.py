@@ -15,17 +15,22 @@ which a thin layer loses about four times the decimal logarithm of 1/(q · heigh
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
 
 import mpmath as mp
+import numpy as np
 
-_TRACTIONS = (3, 4, 5)
+from asperity.core.types import Array
+
+_DISPLACEMENTS, _TRACTIONS = [0, 1, 2], [3, 4, 5]
+_HELD = {"bonded": _DISPLACEMENTS, "frictionless": [3, 4, 2], "free": _TRACTIONS}
+"""Components that each bottom prescribes."""
 
 
-@dataclass
 class StateSpace:
-    """One Fourier mode of a layer or half-space under a unit pressure mode.
+    """One Fourier mode of a layer or half-space; unless said otherwise under a unit pressure mode.
+
+    All results are arrays of `mpmath` numbers.
 
     Parameters
     ----------
@@ -41,84 +46,71 @@ class StateSpace:
         Decimal digits of the arithmetic.
     """
 
-    qx: Any
-    qy: Any
-    young: Any
-    poisson: Any
-    height: Any = None
-    bottom: str = "bonded"
-    digits: int = 80
-    _amplitudes: Any = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        with mp.workdps(self.digits):
-            self.qx, self.qy = mp.mpf(self.qx), mp.mpf(self.qy)
-            self.young, self.poisson = mp.mpf(self.young), mp.mpf(self.poisson)
+    def __init__(
+        self,
+        qx: Any,
+        qy: Any,
+        young: Any,
+        poisson: Any,
+        height: Any = None,
+        bottom: str = "bonded",
+        digits: int = 80,
+    ) -> None:
+        self.bottom, self.digits = bottom, digits
+        with mp.workdps(digits):
+            self.qx, self.qy, self.young, self.poisson = map(mp.mpf, (qx, qy, young, poisson))
+            self.height = None if height is None else mp.mpf(height)
             self.q = mp.sqrt(self.qx**2 + self.qy**2)
             self.system = self._system()
             self._bases = {sign: self._basis(sign) for sign in (1, -1)}
-            if self.height is not None:
-                self.height = mp.mpf(self.height)
-            self._amplitudes = self.solve([0, 0, -1])
+        self._amplitudes = self.solve([0, 0, -1])
 
-    def _system(self) -> Any:
+    def _system(self) -> Array:
         """Matrix A of y' = A y."""
         nu = self.poisson
         shear = self.young / (2 * (1 + nu))
         ratio = nu / (1 - nu)
         plane = self.young / (1 - nu**2)
         x, y = 1j * self.qx, 1j * self.qy
-        matrix = mp.zeros(6)
-        # Hooke's law gives the derivatives of the displacements.
-        matrix[0, 2], matrix[0, 3] = -x, 1 / shear
-        matrix[1, 2], matrix[1, 4] = -y, 1 / shear
-        matrix[2, 0], matrix[2, 1] = -ratio * x, -ratio * y
-        matrix[2, 5] = (1 + nu) * (1 - 2 * nu) / (self.young * (1 - nu))
-        # Equilibrium, σ_xz' = −∂x σ_xx − ∂y σ_xy and so on, with σ_xx, σ_yy and σ_xy by Hooke's law.
-        matrix[3, 0] = -(x * x * plane + y * y * shear)
-        matrix[3, 1] = -(x * y * (plane * nu + shear))
-        matrix[3, 5] = -ratio * x
-        matrix[4, 0] = matrix[3, 1]
-        matrix[4, 1] = -(y * y * plane + x * x * shear)
-        matrix[4, 5] = -ratio * y
-        matrix[5, 3], matrix[5, 4] = -x, -y
-        return matrix
+        squeezed = (1 + nu) * (1 - 2 * nu) / (self.young * (1 - nu))
+        mixed = -(x * y * (plane * nu + shear))
+        along_x, along_y = -(x * x * plane + y * y * shear), -(y * y * plane + x * x * shear)
+        # Hooke's law gives the derivatives of the displacements, equilibrium those of the tractions: σ_xz' =
+        # −∂x σ_xx − ∂y σ_xy and so on, with σ_xx, σ_yy and σ_xy by Hooke's law.
+        rows = [
+            [0, 0, -x, 1 / shear, 0, 0],
+            [0, 0, -y, 0, 1 / shear, 0],
+            [-ratio * x, -ratio * y, 0, 0, 0, squeezed],
+            [along_x, mixed, 0, 0, 0, -ratio * x],
+            [mixed, along_y, 0, 0, 0, -ratio * y],
+            [0, 0, 0, -x, -y, 0],
+        ]
+        return np.array(rows, object)
 
-    def _basis(self, sign: int) -> Any:
+    def _basis(self, sign: int) -> Array:
         """Three independent states (6, 3) that vary as e^(sign q z) times a linear function of z."""
         eigenvalue = sign * self.q
-        one = mp.eye(6)
-        up = self.system + eigenvalue * one
-        down = self.system - eigenvalue * one
-        projector = up * up * (one / (4 * eigenvalue**2) - down / (4 * eigenvalue**3))
+        one = np.eye(6, dtype=object)
+        up, down = self.system + eigenvalue * one, self.system - eigenvalue * one
+        projector = up @ up @ (one / (4 * eigenvalue**2) - down / (4 * eigenvalue**3))
         # The projection has rank three. The projections of these three states are independent for every q.
-        along = mp.matrix([self.qx, self.qy]) / self.q
-        states = mp.zeros(6, 3)
-        states[0, 0], states[1, 0] = along[0], along[1]
-        states[0, 1], states[1, 1] = -along[1], along[0]
-        states[2, 2] = 1
-        return projector * states
+        cosine, sine = self.qx / self.q, self.qy / self.q
+        return projector[:, :3] @ np.array([[cosine, -sine, 0], [sine, cosine, 0], [0, 0, 1]], object)
 
-    def _propagate(self, sign: int, distance: Any) -> Any:
-        """States of the basis, (6, 3), at a distance along z from the face where they equal the basis."""
-        eigenvalue = sign * self.q
-        basis = self._bases[sign]
-        linear = basis + distance * (self.system * basis - eigenvalue * basis)
-        return mp.exp(eigenvalue * distance) * linear
-
-    def _states(self, depth: Any) -> Any:
+    def _states(self, depth: Any) -> Array:
         """General solution at a depth as columns: three that decay downward, three that decay upward."""
-        depth = mp.mpf(depth)
-        downward = self._propagate(1, -depth)
-        if self.height is None:
-            return downward
-        upward = self._propagate(-1, self.height - depth)
-        states = mp.zeros(6)
-        states[:, 0:3], states[:, 3:6] = downward, upward
-        return states
+        distances = {1: -mp.mpf(depth)}
+        if self.height is not None:
+            distances[-1] = self.height - mp.mpf(depth)
+        columns = []
+        for sign, distance in distances.items():
+            eigenvalue, basis = sign * self.q, self._bases[sign]
+            linear = basis + distance * (self.system @ basis - eigenvalue * basis)
+            columns.append(mp.exp(eigenvalue * distance) * linear)
+        return np.hstack(columns)
 
-    def solve(self, top: Any, lower: Any = (0, 0, 0)) -> Any:
-        """Amplitudes of the general solution under boundary conditions.
+    def solve(self, top: Any, lower: Any = (0, 0, 0)) -> Array:
+        """Amplitudes of the general solution under boundary conditions, (6,) or, for the half-space, (3,).
 
         Parameters
         ----------
@@ -127,61 +119,40 @@ class StateSpace:
         lower : three numbers
             Values of what the bottom prescribes: u_x, u_y, u_z if bonded; σ_xz, σ_yz, u_z if frictionless;
             σ_xz, σ_yz, σ_zz if free.
-
-        Returns
-        -------
-        (6,) or, for the half-space, (3,) matrix
         """
         with mp.workdps(self.digits):
-            rows, values = self._rows(self._states(0), _TRACTIONS), list(top)
+            rows, values = self._states(0)[_TRACTIONS], list(top)
             if self.height is not None:
-                prescribed = {"bonded": (0, 1, 2), "frictionless": (3, 4, 2), "free": _TRACTIONS}[self.bottom]
-                bottom = self._rows(self._states(self.height), prescribed)
-                whole = mp.zeros(6)
-                whole[0:3, :], whole[3:6, :] = rows, bottom
-                rows, values = whole, values + list(lower)
-            return mp.lu_solve(rows, mp.matrix(values))
+                rows = np.vstack([rows, self._states(self.height)[_HELD[self.bottom]]])
+                values += list(lower)
+            return np.array(list(mp.lu_solve(mp.matrix(rows.tolist()), mp.matrix(values))), object)
 
-    @staticmethod
-    def _rows(states: Any, numbers: tuple[int, ...]) -> Any:
-        """Components `numbers` of states in columns."""
-        chosen = mp.zeros(len(numbers), states.cols)
-        for row, number in enumerate(numbers):
-            chosen[row, :] = states[number, :]
-        return chosen
-
-    def state(self, depth: Any, amplitudes: Any = None) -> Any:
-        """State y = (u_x, u_y, u_z, σ_xz, σ_yz, σ_zz) at a depth; by default under a unit pressure mode."""
+    def state(self, depth: Any, amplitudes: Array | None = None) -> Array:
+        """State y = (u_x, u_y, u_z, σ_xz, σ_yz, σ_zz) at a depth, for the amplitudes of `solve`."""
         with mp.workdps(self.digits):
-            return self._states(depth) * (self._amplitudes if amplitudes is None else amplitudes)
+            return self._states(depth) @ (self._amplitudes if amplitudes is None else amplitudes)
 
-    def displacement(self, depth: Any) -> list[Any]:
-        """u_x, u_y, u_z at a depth under a unit pressure mode."""
-        return list(self.state(depth)[0:3])
+    def displacement(self, depth: Any) -> Array:
+        """u_x, u_y, u_z at a depth."""
+        return self.state(depth)[_DISPLACEMENTS]
 
-    def stress(self, depth: Any) -> list[Any]:
-        """σ_xx, σ_yy, σ_zz, σ_yz, σ_xz, σ_xy at a depth under a unit pressure mode."""
+    def stress(self, depth: Any) -> Array:
+        """σ_xx, σ_yy, σ_zz, σ_yz, σ_xz, σ_xy at a depth."""
         with mp.workdps(self.digits):
             return self.stress_of(self.state(depth))
 
-    def stress_of(self, state: Any) -> list[Any]:
+    def stress_of(self, state: Any) -> Array:
         """σ_xx, σ_yy, σ_zz, σ_yz, σ_xz, σ_xy of a state, by Hooke's law."""
         nu = self.poisson
         plane = self.young / (1 - nu**2)
         ux, uy, _, xz, yz, zz = state
         strain_x, strain_y = 1j * self.qx * ux, 1j * self.qy * uy
         confined = nu / (1 - nu) * zz
-        shear = self.young / (2 * (1 + nu)) * 1j * (self.qx * uy + self.qy * ux)
-        return [
-            plane * (strain_x + nu * strain_y) + confined,
-            plane * (strain_y + nu * strain_x) + confined,
-            zz,
-            yz,
-            xz,
-            shear,
-        ]
+        xx, yy = plane * (strain_x + nu * strain_y) + confined, plane * (strain_y + nu * strain_x) + confined
+        xy = self.young / (2 * (1 + nu)) * 1j * (self.qx * uy + self.qy * ux)
+        return np.array([xx, yy, zz, yz, xz, xy], object)
 
-    def compliance(self) -> Any:
+    def compliance(self) -> Array:
         """Compliance of a free layer, (6, 6): displacements of both faces per traction on both faces.
 
         Order: top x, y, z, bottom x, y, z. Tractions are t = σ·n with the outward normal n.
@@ -195,9 +166,7 @@ class StateSpace:
             raise ValueError(f"bottom = {self.bottom!r}: the compliance of two faces needs a free layer")
         with mp.workdps(self.digits):
             top, bottom = self._states(0), self._states(self.height)
-            tractions, displacements = mp.zeros(6), mp.zeros(6)
-            tractions[0:3, :] = self._rows(top, _TRACTIONS)
-            tractions[3:6, :] = -self._rows(bottom, _TRACTIONS)
-            displacements[0:3, :] = self._rows(top, (0, 1, 2))
-            displacements[3:6, :] = self._rows(bottom, (0, 1, 2))
-            return displacements * tractions**-1
+            tractions = np.vstack([top[_TRACTIONS], -bottom[_TRACTIONS]])
+            inverse = mp.matrix(tractions.tolist()) ** -1
+            displacements = np.vstack([top[_DISPLACEMENTS], bottom[_DISPLACEMENTS]])
+            return displacements @ np.array(inverse.tolist(), object)
