@@ -11,8 +11,8 @@ from asperity.study.validation.rounding import FORMULAS, PRECISIONS, compliance_
 # Bounds of rounding errors, relative to the largest component at the same depth and to 1 + q depth.
 ROUNDING = {"float64": 4e-15, "float32": 2e-6}
 
-HEIGHTS = [1e-8, 1e-4, 0.02, 0.5, 0.999, 1.001, 3.0, 39.0, 300.0, 1e5]
-RATIOS = [-0.99, -0.3, 0.0, 0.33, 0.4999999, 0.5]
+HEIGHTS = [1e-8, 0.02, 0.5, 0.999, 1.001, 3.0, 39.0, 1e5]
+RATIOS = [-0.99, 0.33, 0.4999999, 0.5]
 
 
 _DEEPEST = {"float32": 70.0, "float64": 600.0}
@@ -56,8 +56,7 @@ def layer_errors(height, bottom, poisson, dtype, fractions=(0.0, 1e-7, 1e-3, 0.1
     return errors
 
 
-@pytest.mark.parametrize("dtype", PRECISIONS)
-@pytest.mark.parametrize("poisson", RATIOS)
+@pytest.mark.parametrize(("poisson", "dtype"), [*((nu, "float64") for nu in RATIOS), (0.33, "float32")])
 @pytest.mark.parametrize("bottom", ["bonded", "frictionless", "free"])
 def test_layer_is_exact_to_rounding(bottom, poisson, dtype):
     for height in HEIGHTS:

@@ -11,7 +11,7 @@ from asperity.reference.elementary import largest_shear, point_force_stress, von
 from asperity.reference.elliptic_hertz import EllipticHertz
 from asperity.reference.hertz import Hertz
 
-RATIOS = [0.2, 0.5, 0.9, 1.0]
+RATIOS = [0.2, 0.9]
 
 
 def ellipse(ratio: float) -> EllipticHertz:
@@ -32,7 +32,7 @@ def integrated_stress(contact: EllipticHertz, depth: float, poisson: float) -> n
     return np.sum(force[..., None] * stress, axis=(0, 1))
 
 
-@pytest.mark.parametrize("poisson", [-0.3, 0.0, 0.3, 0.5])
+@pytest.mark.parametrize("poisson", [-0.3, 0.3, 0.5])
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_stress_on_the_axis_is_the_sum_of_point_loads(ratio: float, poisson: float) -> None:
     contact = ellipse(ratio)
@@ -123,11 +123,11 @@ def test_load_and_curvatures_give_the_contact_back() -> None:
         assert found.largest_pressure == pytest.approx(0.7, rel=1e-12)
 
 
-@pytest.mark.parametrize("poisson", [0.0, 0.3, 0.5])
+@pytest.mark.parametrize("poisson", [0.0, 0.5])
 @pytest.mark.parametrize("ratio", [1e-3, *RATIOS])
 def test_peaks_on_the_axis_are_the_largest(ratio: float, poisson: float) -> None:
     contact = ellipse(ratio)
-    depth = np.linspace(0, 3 * contact.semi_minor, 30001)
+    depth = np.linspace(0, 3 * contact.semi_minor, 10001)
     stress = contact.stress_on_axis(depth, poisson)
     for values, peak in (
         (von_mises(stress), contact.largest_von_mises_on_axis(poisson)),
@@ -135,7 +135,7 @@ def test_peaks_on_the_axis_are_the_largest(ratio: float, poisson: float) -> None
     ):
         assert peak.value == pytest.approx(values.max(), rel=1e-7)
         assert peak.value >= values.max() * (1 - 1e-12)
-        assert peak.depth == pytest.approx(depth[values.argmax()], abs=2e-4 * contact.semi_minor)
+        assert peak.depth == pytest.approx(depth[values.argmax()], abs=6e-4 * contact.semi_minor)
 
 
 def test_largest_shear_is_half_the_principal_spread() -> None:

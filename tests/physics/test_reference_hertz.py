@@ -84,7 +84,7 @@ def test_largest_von_mises_stress(poisson, peak, depth):
 def test_replicas_against_the_fourier_sum():
     """The same displacement by modes: Hertz's pressure transformed, divided by q."""
     contact = PeriodicHertz(0.2, 10.0)
-    n = 1500
+    n = 700
     k = 2 * np.pi * np.arange(-n, n + 1)
     kx, ky = k[None, :], k[n:, None]
     q = np.hypot(kx, ky)
@@ -96,7 +96,7 @@ def test_replicas_against_the_fourier_sum():
     for y, x in ((0.0, 0.2), (0.5, 0.5), (0.1, 0.3)):
         summed = float(np.sum(mode * (np.cos(kx * x + ky * y) - 1)))
         # Truncation of the sum over modes.
-        assert contact.displacement(y, x) == pytest.approx(summed, rel=2e-5)
+        assert contact.displacement(y, x) == pytest.approx(summed, rel=1e-4)
 
 
 def test_enhancement_of_small_contacts():

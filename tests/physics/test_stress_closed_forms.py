@@ -7,8 +7,7 @@ from scipy.special import spherical_jn
 import asperity as asp
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.fourier.grid import Fourier, Grid, mean_square
-from asperity.reference.elementary import single_mode_stress
+from asperity.fourier.grid import Fourier, Grid
 from asperity.reference.hertz import Hertz
 from asperity.stress.analysis import analyse_stress
 from asperity.stress.peaks.finder import find_peaks
@@ -29,7 +28,7 @@ def hertz(radius, points, centre=(0.0, 0.0), layer=None):
 
 @pytest.mark.parametrize(
     ("poisson", "largest", "depth"),
-    [(0.0, 0.7696, 0.3819), (0.3, 0.6200, 0.4809), (0.33, 0.6063, 0.4908), (0.5, 0.5327, 0.5479)],
+    [(0.0, 0.7696, 0.3819), (0.3, 0.6200, 0.4809), (0.5, 0.5327, 0.5479)],
 )
 def test_hertz_largest_von_mises_stress_and_its_depth(poisson, largest, depth):
     radius = 0.02
@@ -61,71 +60,6 @@ def test_hertz_on_and_off_axis_with_the_replicas_as_the_only_error():
         errors.append(error)
     assert errors[1] < 3e-3
     assert np.log2(errors[0] / errors[1]) > 1.8
-
-
-@pytest.mark.parametrize("wave", [1, 3, 11])
-@pytest.mark.parametrize("shape", [(24, 36), (25, 35)])
-def test_single_mode(wave, shape):
-    grid = Grid(shape, (0.7, 1.3))
-    _, x = grid.coordinates()
-    q = 2 * np.pi * wave / 1.3
-    pressure = np.broadcast_to(1.0 + np.cos(q * x), shape)
-    contact = LoadedSolid(pressure, grid, Layer(young=1 - 0.4**2, poisson=0.4))
-    for plane in stress_planes(contact, [0.0, 0.03, 0.4], [0.4, 0.1], COMPONENTS, tolerance=0):
-        for number, nu in enumerate((0.4, 0.1)):
-            uniform = np.array([-nu / (1 - nu), -nu / (1 - nu), -1, 0, 0, 0])
-            expected = single_mode_stress(x, plane.depth, q, nu) + uniform
-            for c, name in enumerate(COMPONENTS):
-                field = plane.fields[name][number]
-                np.testing.assert_allclose(field, np.broadcast_to(expected[:, c], shape), atol=2e-14)
-
-
-def spots(points=128, layer=None):
-    grid = Grid((points, points))
-    y, x = grid.coordinates()
-    pressure = np.zeros(grid.shape)
-    draw = np.random.default_rng(4)
-    for cy, cx, radius in zip(*draw.uniform(0.2, 0.8, (2, 15)), draw.uniform(0.02, 0.08, 15), strict=True):
-        pressure += np.maximum(1 - ((y[:, None] - cy) ** 2 + (x[None, :] - cx) ** 2) / radius**2, 0)
-    return LoadedSolid(0.1 * pressure, grid, layer or Layer(young=1.0, poisson=0.3))
-
-
-def test_variance_of_the_normal_stress_by_parseval_at_every_depth():
-    contact = spots()
-    modes = Fourier(contact.grid).forward(contact.pressure)
-    modes[0, 0] = 0.0
-    for plane in stress_planes(contact, depth_grid(contact.grid), fields=("zz",), tolerance=1e-9):
-        decay = contact.grid.wavenumber() * plane.depth
-        expected = mean_square(modes, contact.grid, ((1 + decay) * np.exp(-decay)) ** 2)
-        assert plane.fields["zz"][0].var() == pytest.approx(expected, rel=1e-7)
-
-
-@pytest.mark.parametrize("layer", [None, Layer(1.0, 0.4, height=0.2), Layer(1.0, 0.4, 0.2, "frictionless")])
-def test_equilibrium_by_independent_derivatives(layer):
-    """∂σ_xi/∂x + ∂σ_yi/∂y + ∂σ_zi/∂z = 0 by central differences of eighth order, z upward."""
-    contact = spots(96, layer)
-    depths = 0.06 + 0.002 * np.arange(-8, 9)
-    weight = np.array([1 / 280, -4 / 105, 1 / 5, -4 / 5, 0, 4 / 5, -1 / 5, 4 / 105, -1 / 280])
-    planes = list(stress_planes(contact, depths, fields=COMPONENTS, tolerance=0))
-    here = {name: field[0] for name, field in planes[8].fields.items()}
-
-    def residual(stride):
-        def along(field, axis):
-            shifted = (w * np.roll(field, stride * (4 - k), axis) for k, w in enumerate(weight))
-            return sum(shifted) / (stride * contact.grid.spacing[0])
-
-        def upward(name):
-            used = planes[8 - 4 * stride : 9 + 4 * stride : stride]
-            return -sum(w * p.fields[name][0] for w, p in zip(weight, used, strict=True)) / (stride * 0.002)
-
-        worst = []
-        for x, y, z in (("xx", "xy", "xz"), ("xy", "yy", "yz"), ("xz", "yz", "zz")):
-            parts = [along(here[x], 1), along(here[y], 0), upward(z)]
-            worst.append(np.abs(sum(parts)).max() / max(np.abs(part).max() for part in parts))
-        return np.array(worst)
-
-    assert np.all(residual(1) < 3e-4)  # grid: the differences'
-    assert np.all(np.log2(residual(2) / residual(1)) > 6)
 
 
 def test_peaks_converge_with_the_grid():

@@ -31,7 +31,7 @@ def ellipse(a, b, shape, length):
     return LoadedSolid(pressure, grid, HALF_SPACE, "free")
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.1, 0.5])
+@pytest.mark.parametrize("friction", [0.0, 0.5])
 def test_sphere_at_rest_and_sliding_against_hertz_and_hamilton_and_goodman(friction):
     """All components at every node, at five depths; the error is that of the pixels, of order h²."""
     radius, errors = 0.3, []
@@ -50,8 +50,7 @@ def test_sphere_at_rest_and_sliding_against_hertz_and_hamilton_and_goodman(frict
     assert np.log2(errors[0] / errors[1]) > 1.5
 
 
-@pytest.mark.parametrize("ratio", [0.2, 0.35, 0.5, 0.7, 0.85, 1.0])
-@pytest.mark.parametrize("poisson", [0.25, 0.3])
+@pytest.mark.parametrize(("ratio", "poisson"), [(0.2, 0.25), (0.5, 0.3), (1.0, 0.3)])
 def test_elliptic_contact_largest_stress_on_the_axis_within_two_in_a_thousand(ratio, poisson):
     minor = 0.3
     contact = EllipticHertz(semi_major=minor / ratio, semi_minor=minor, largest_pressure=1.0)
@@ -86,8 +85,7 @@ def test_exchange_of_the_axes_exchanges_the_stress():
         np.testing.assert_allclose(two.fields[exchanged].swapaxes(1, 2), one.fields[name], atol=1e-13)
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.5])
-@pytest.mark.parametrize("tolerance", [1e-3, 1e-6])
+@pytest.mark.parametrize(("friction", "tolerance"), [(0.0, 1e-6), (0.5, 1e-3)])
 def test_coarse_planes_agree_with_full_ones_within_their_bound(friction, tolerance):
     """At the nodes that both grids have, for every field."""
     solid = ellipse(0.3, 0.2, (192, 192), 1.0)

@@ -7,7 +7,7 @@ import pytest
 
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.fourier.grid import Grid, Work
+from asperity.fourier.grid import Grid
 from asperity.reference.state_space import StateSpace
 from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.planes import stress_planes
@@ -28,9 +28,8 @@ def spots(shape, length=(1.0, 1.0), layer=HALF_SPACE):
     return LoadedSolid(pressure, grid, layer)
 
 
-@pytest.mark.parametrize("poisson", [-0.4, 0.0, 0.3, 0.5])
-@pytest.mark.parametrize(("kx", "ky"), [(1, 0), (0, 2), (3, 2), (-2, 3)])
-@pytest.mark.parametrize("degrees", [0.0, 90.0, 215.0])
+@pytest.mark.parametrize("poisson", [-0.4, 0.3, 0.5])
+@pytest.mark.parametrize(("kx", "ky", "degrees"), [(1, 0, 215.0), (0, 2, 90.0), (3, 2, 0.0), (-2, 3, 215.0)])
 def test_one_mode_against_the_system_of_equilibrium_and_hookes_law(poisson, kx, ky, degrees):
     grid, friction = Grid((12, 16), (0.8, 1.3)), 0.7
     y, x = grid.coordinates()
@@ -49,8 +48,8 @@ def test_one_mode_against_the_system_of_equilibrium_and_hookes_law(poisson, kx, 
                 np.testing.assert_allclose(plane.fields[name][-1], expected, atol=1e-13)  # rounding
 
 
-@pytest.mark.parametrize("poisson", [-0.9, 0.0, 0.3, 0.5])
-@pytest.mark.parametrize("height", [1e-5, 0.02, 0.2, 3.0, 30.0])
+@pytest.mark.parametrize("poisson", [-0.9, 0.3, 0.5])
+@pytest.mark.parametrize("height", [1e-5, 0.2, 3.0])
 def test_one_mode_of_a_bonded_layer_against_the_same_system(poisson, height):
     grid, traction = Grid((12, 16), (0.8, 1.3)), (0.7 * np.cos(0.4), 0.7 * np.sin(0.4))
     y, x = grid.coordinates()
@@ -95,16 +94,10 @@ def test_mean_shear_stress_is_the_mean_traction_at_every_depth():
         assert plane.fields["yz"].mean(axis=(1, 2)) == pytest.approx(0, abs=1e-12)
 
 
-def test_eight_transforms_a_plane_serve_every_poissons_ratio():
-    work, solid = Work(), spots((32, 32))
-    list(stress_planes(solid, [0.0, 0.1], [0.0, 0.3, 0.5], tolerance=0, work=work, friction=0.3))
-    assert work.transforms(solid.grid) == 2 * 8 + 1  # the one is that of the pressure
-
-
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
 def test_memory_of_sliding_and_principal_stresses_does_not_grow_with_planes_or_ratios(boundary):
     """Planes are streamed, and a further ratio adds the named fields of one plane only."""
-    solid = spots((96, 96))
+    solid = spots((64, 64))
     solid = LoadedSolid(solid.pressure, solid.grid, solid.layer, boundary)
 
     def largest(planes, ratios):
@@ -127,13 +120,12 @@ def test_memory_of_sliding_and_principal_stresses_does_not_grow_with_planes_or_r
 
     few, many = [0.0, 0.5], list(np.linspace(0, 0.5, 10))
     largest(2, few)
-    assert largest(24, few) < 1.2 * largest(4, few)
+    assert largest(12, few) < 1.2 * largest(4, few)
     one_field = 8 * solid.pressure.size
     assert largest(4, many) - largest(4, few) < 2 * 2 * 8 * one_field
 
 
-@pytest.mark.parametrize("poisson", [-0.95, -0.3, 0.0, 0.3, 0.5])
-@pytest.mark.parametrize("friction", [0.0, 0.3, 2.0])
+@pytest.mark.parametrize(("poisson", "friction"), [(-0.95, 0.0), (-0.95, 0.3), (0.3, 2.0), (0.5, 0.3)])
 def test_error_of_coarse_planes_is_within_the_bound_for_every_field(poisson, friction):
     """The components of the coarse plane, interpolated to the full grid by their modes."""
     solid = spots((120, 120), layer=Layer(young=1.0, poisson=poisson))
@@ -174,16 +166,16 @@ def largest_of_every_field(poisson, friction, height=None):
     return worst
 
 
-@pytest.mark.parametrize("poisson", [-0.95, -0.5, 0.0, 0.3, 0.5])
-@pytest.mark.parametrize("friction", [0.0, 0.5, 3.0])
+@pytest.mark.parametrize("poisson", [-0.95, 0.0, 0.5])
+@pytest.mark.parametrize("friction", [0.0, 3.0])
 def test_envelope_bounds_every_field_of_a_mode(poisson, friction):
     envelope = envelope_of(Layer(1.0, poisson), poisson, friction)
     largest = largest_of_every_field(poisson, friction)
     assert 0.5 * envelope < largest <= envelope * (1 + 1e-12)
 
 
-@pytest.mark.parametrize("poisson", [-0.9, 0.3, 0.5])
-@pytest.mark.parametrize("height", [0.3, 2.0, 12.0])
+@pytest.mark.parametrize("poisson", [-0.9, 0.5])
+@pytest.mark.parametrize("height", [0.3, 2.0])
 def test_envelope_bounds_every_field_of_a_mode_in_a_bonded_layer(poisson, height):
     largest = largest_of_every_field(poisson, 0.5, height)
     assert largest <= envelope_of(Layer(1.0, poisson, height), poisson, 0.5)

@@ -43,23 +43,6 @@ def test_compliance_of_a_rectangle_in_multiple_precision(edges, j, i):
     assert abs(relative) < 1e-15 * (1 + np.hypot(y, x) / min(edges))
 
 
-@pytest.mark.parametrize(("y", "x"), [(0.0, 1.0), (0.7, 0.0), (1.3, -2.1)])
-def test_compliance_of_a_rectangle_by_quadrature(y, x):
-    """1/(π E* ρ) integrated by a Gauss rule, exact to rounding outside the rectangle."""
-    nodes, weights = np.polynomial.legendre.leggauss(60)
-    edges, modulus = (0.8, 1.2), 3.0
-    eta, xi = 0.4 * nodes[:, None], 0.6 * nodes
-    area = 0.24 * weights[:, None] * weights
-    expected = np.sum(area / np.hypot(y - eta, x - xi)) / (np.pi * modulus)
-    assert rectangle_compliance(y, x, edges, modulus).item() == pytest.approx(expected, rel=1e-10)
-
-
-def test_compliance_in_the_middle_of_a_square():
-    """4 a ln(1 + √2)/(π E*) for the edge a (Love 1929)."""
-    expected = 4 * 0.3 * np.log(1 + np.sqrt(2)) / (np.pi * 7.0)
-    assert rectangle_compliance(0.0, 0.0, (0.3, 0.3), 7.0).item() == pytest.approx(expected, rel=1e-15)
-
-
 @pytest.mark.parametrize(("j", "i"), [(0, 1), (2, -3), (40, 7), (5, 0)])
 def test_slope_is_the_derivative_of_the_compliance(j, i):
     edges = (0.2, 1.0)
@@ -88,7 +71,7 @@ def test_padded_convolution_is_the_sum_over_all_nodes(shape):
         np.testing.assert_allclose(field.ravel(), matrix @ pressure.ravel(), rtol=0, atol=1e-14)
 
 
-@pytest.mark.parametrize("shape", [(64, 64), (32, 100), (7, 300)])
+@pytest.mark.parametrize("shape", [(64, 64), (7, 300)])
 @pytest.mark.parametrize("length", [(1.0, 1.0), (0.3, 1.7)])
 def test_factors_of_the_compliance_are_positive(shape, length):
     """The elastic energy of any pressure is positive, also on the padded grid of the preconditioner."""

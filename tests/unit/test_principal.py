@@ -6,9 +6,8 @@ import pytest
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.fourier.grid import Grid
-from asperity.reference.elementary import largest_shear
-from asperity.stress.peaks.finder import find_peaks
-from asperity.stress.planes.fields import principal_stresses
+from asperity.reference.elementary import largest_shear, von_mises
+from asperity.stress.planes.fields import FIELDS, principal_stresses
 from asperity.stress.planes.planes import stress_planes
 
 ROUNDING = 4e-15
@@ -50,7 +49,7 @@ def assert_eigenvalues(tensor):
 )
 def test_principal_stresses_of_rotated_tensors_of_any_size(principal):
     draw = np.random.default_rng(3)
-    for _ in range(2000):
+    for _ in range(500):
         rotation = np.linalg.qr(draw.normal(size=(3, 3)))[0]
         tensor = rotation @ np.diag(principal(draw)) @ rotation.T * 10 ** draw.uniform(-60, 60)
         assert_eigenvalues((tensor + tensor.T) / 2)
@@ -58,7 +57,7 @@ def test_principal_stresses_of_rotated_tensors_of_any_size(principal):
 
 def test_principal_stresses_where_rounding_is_all_of_the_deviator():
     draw = np.random.default_rng(4)
-    for _ in range(2000):
+    for _ in range(500):
         noise = draw.integers(-3, 4, (3, 3)) * np.finfo(float).eps
         assert_eigenvalues(np.eye(3) + np.tril(noise) + np.tril(noise, -1).T)
 
@@ -70,25 +69,17 @@ def test_principal_stresses_of_all_tensors_with_elements_of_minus_one_to_one():
 
 
 def test_fields_of_the_planes_are_those_of_their_components():
-    names = ("principal_1", "principal_2", "principal_3", "largest_shear", "hydrostatic", *COMPONENTS)
     for ratios in ([0.1, 0.45], [0.3]):
-        for plane in stress_planes(pressed(), [0.0, 0.03], ratios, names):
+        for plane in stress_planes(pressed(), [0.0, 0.03], ratios, FIELDS):
             xx, yy, zz, yz, xz, xy = (plane.fields[name] for name in COMPONENTS)
             tensor = np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=-1).reshape(*xx.shape, 3, 3)
             principal = np.linalg.eigvalsh(tensor)
             for number, name in enumerate(("principal_3", "principal_2", "principal_1")):
                 np.testing.assert_allclose(plane.fields[name], principal[..., number], atol=1e-14)
-            shear = largest_shear(np.stack([xx, yy, zz, yz, xz, xy], axis=-1))
-            np.testing.assert_allclose(plane.fields["largest_shear"], shear, atol=1e-14)
+            stress = np.stack([xx, yy, zz, yz, xz, xy], axis=-1)
+            np.testing.assert_allclose(plane.fields["largest_shear"], largest_shear(stress), atol=1e-14)
+            np.testing.assert_allclose(plane.fields["von_mises"], von_mises(stress), atol=1e-14)
             mean = (xx + yy + zz) / 3
             np.testing.assert_allclose(plane.fields["hydrostatic"], mean, atol=1e-14)
             alone = next(stress_planes(pressed(), [plane.depth], ratios, ("hydrostatic",)))
             np.testing.assert_allclose(alone.fields["hydrostatic"], mean, atol=1e-14)
-
-
-def test_peaks_of_the_largest_shear_are_found_by_name():
-    depths = np.linspace(0, 0.1, 30)
-    planes = stress_planes(pressed(spots=3), depths, 0.3, ("largest_shear", "von_mises"))
-    peaks = find_peaks(planes, "largest_shear", floor=0.01)
-    assert 1 <= peaks.size < 40
-    assert peaks.value.max() > 0.25 * 0.1

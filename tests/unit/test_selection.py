@@ -118,12 +118,3 @@ def test_a_dataset_without_peaks_is_refused(stress):
     numbers = stress.assign_coords(peak_quantity=("peak", np.zeros(stress.sizes["peak"], np.int16)))
     with pytest.raises(ValueError, match=r"^stress: made by another version"):
         asp.peaks(numbers, "xx")
-
-
-def test_names_cost_a_file_next_to_nothing(stress, tmp_path):
-    dataset.write(stress, tmp_path / "names.nc", "Stress", {})
-    dataset.write(stress.drop_vars("peak_quantity"), tmp_path / "none.nc", "Stress", {})
-    sizes = [(tmp_path / name).stat().st_size for name in ("names.nc", "none.nc")]
-    assert sizes[0] - sizes[1] < 6000
-    dataset.write(stress, tmp_path / "again.nc", "Stress", {})
-    assert (tmp_path / "again.nc").read_bytes() == (tmp_path / "names.nc").read_bytes()

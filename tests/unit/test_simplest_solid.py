@@ -8,7 +8,7 @@ from asperity.elasticity.simplest_solid import simplest_solid
 
 
 @pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
-@pytest.mark.parametrize("poisson", [-0.95, -0.5, 0.0, 0.33, 0.5])
+@pytest.mark.parametrize("poisson", [-0.95, 0.33, 0.5])
 def test_bound_of_the_half_space_holds_and_is_tight(bottom, poisson):
     q = np.geomspace(1.0, 30.0, 25)
     half_space = Layer(1.0, poisson)
@@ -36,9 +36,9 @@ def test_bound_of_the_half_space_holds_and_is_tight(bottom, poisson):
 @pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
 def test_bounds_fall_with_the_height(bottom):
     """The bound for the smallest wavenumber therefore holds for all larger ones."""
-    for poisson in np.linspace(-0.99, 0.5, 12):
+    for poisson in (-0.99, 0.0, 0.5):
         layer = Layer(1.0, poisson, 1.0, bottom)
-        choices = [simplest_solid(layer, q, 0.0) for q in np.geomspace(0.05, 60, 200)]
+        choices = [simplest_solid(layer, q, 0.0) for q in np.geomspace(0.05, 60, 50)]
         assert np.all(np.diff([c.stress_bound for c in choices]) <= 0)
         assert np.all(np.diff([c.compliance_bound for c in choices]) <= 0)
 
@@ -63,8 +63,6 @@ def test_half_space_is_chosen_within_the_tolerance():
     ("q_min", "tolerance", "words"),
     [
         (0.0, 0.1, "q_min = 0.0: a number > 0"),
-        (1e300, 0.1, "q_min = "),
-        (10**400, 0.1, "q_min = 1000"),
         (1.0, -0.1, "tolerance = -0.1: a finite number ≥ 0"),
         (1.0, np.nan, "tolerance = nan"),
     ],
