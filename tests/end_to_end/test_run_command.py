@@ -149,14 +149,18 @@ def test_results_are_written_before_pictures_can_fail(two_answers, tmp_path, mon
     assert {path.name for path in tmp_path.iterdir()} == {*RESULTS, ".asperity-run.json"}
 
 
-def test_a_link_is_followed_and_modes_are_kept(two_answers, tmp_path, without_pictures):
+def test_links_modes_and_other_files_are_kept(two_answers, tmp_path, without_pictures):
     (tmp_path / "link").symlink_to(tmp_path / "target", target_is_directory=True)
     written = write_answer(two_answers[0], tmp_path / "link")
     assert (tmp_path / "link").is_symlink()
     assert {path.resolve().parent for path in written} == {tmp_path / "target"}
     (tmp_path / "target/contact.nc").chmod(0o640)
+    (tmp_path / "target/thesis.tex").write_text("precious")
+    (tmp_path / "target/.unfinished-killed").mkdir()
     write_answer(two_answers[1], tmp_path / "link")
     assert (tmp_path / "target/contact.nc").stat().st_mode & 0o777 == 0o640
+    assert (tmp_path / "target/thesis.tex").read_text() == "precious"
+    assert not list(tmp_path.glob("target/.unfinished*"))
     (tmp_path / "target/contact.nc").chmod(0o440)
     with pytest.raises(ValueError, match=r"holds contact\.nc, which is read-only"):
         write_answer(two_answers[0], tmp_path / "link")
@@ -191,20 +195,9 @@ def test_files_that_run_has_not_written_are_kept(path, tmp_path, capsys):
 
 
 def test_everything_wrong_is_named_at_once(tmp_path, capsys):
-    wrong = [
-        "--young",
-        "210",
-        "--poisson",
-        "0.7",
-        "--pressure",
-        "50 m",
-        "--force",
-        "3 N",
-        "--bottom",
-        "bonded",
-    ]
+    wrong = "--young 210 --poisson 0.7 --pressure 50m --force 3N --bottom bonded --rigid".split()
     with pytest.raises(SystemExit) as ended:
-        main(["run", str(tmp_path / "none.x3p"), *wrong, "--rigid", "--counter-young", "70 GPa"])
+        main(["run", str(tmp_path / "none.x3p"), *wrong, "--counter-young", "70GPa"])
     assert ended.value.code == 2
     lines = capsys.readouterr().err.splitlines()
     starts = [line.removeprefix("asperity: ").split(" ")[0].rstrip(":,") for line in lines]

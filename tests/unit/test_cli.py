@@ -101,7 +101,6 @@ def test_a_figure_of_a_ratio_that_was_not_analysed_needs_another_ratio(files, tm
     error = capsys.readouterr().err
     assert "ratio 0.33 is not in the statistics of small; set --poisson to one of 0.2, 0.3" in error
     assert main([*plot, "--poisson", "0.3"]) == 0
-    assert main(["plot", "14", statistics, "--out", figure]) == 0
 
 
 def test_arguments_have_the_defaults_of_the_schema():
