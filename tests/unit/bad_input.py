@@ -43,42 +43,24 @@ CONFIGS = [
     ("tradeoff: {reduced: {seeds: [2, 2]}}", "tradeoff.reduced.seeds = [2, 2]: a list of ≥ 1 distinct items"),
     ("seeds: [-1]", "seeds.0 = -1: a whole number"),
     ("surfaces: {hurst_02: {points: 256}}", "surfaces.hurst_02.points = 256: at least 512 are needed"),
-    (
-        "surfaces: {hurst_02: {wavelength_short: 0.5}}",
-        "wavelength_short = 0.5: at most wavelength_long = 0.125",
-    ),
+    ("surfaces: {hurst_02: {wavelength_short: 0.5}}", "wavelength_short = 0.5: at most wavelength_long = 0."),
     ("surfaces: {gaussian: {wavelength_short: 0.0001}}", "surfaces.gaussian.points: 80000 are too many"),
     ("surfaces: {'H=0.2': {hurst: 0.2}}", "surfaces.'H=0.2': a name of at most 40 lower-case"),
     ("surfaces: {1: {hurst: 0.2}}", "surfaces.1: a name of at most 40 lower-case letters"),
     ("surfaces: {hurst_02: {johnson: {gamma: 1}}}", "surfaces.hurst_02.johnson.delta: missing; a number > 0"),
     ("studies: {hurst: [unknown]}", "studies.hurst = 'unknown': the name of a surface is needed (hurst_02"),
-    (
-        "surfaces: {skew_positive: {moments: {skewness: 0, kurtosis: 3}}}",
-        "surfaces.skew_positive.moments: only one of moments and johnson is accepted",
-    ),
-    (
-        "surfaces: {kurtosis_low: {moments: {skewness: 2}}}",
-        "surfaces.kurtosis_low.moments.kurtosis = 2.4: a number > 5, 1 + skewness², is needed",
-    ),
+    ("surfaces: {skew_positive: {moments: {skewness: 0, kurtosis: 3}}}", "surfaces.skew_positive.moments: o"),
+    ("surfaces: {kurtosis_low: {moments: {skewness: 2}}}", "surfaces.kurtosis_low.moments.kurtosis = 2.4: a"),
     ("measured: {mine: {label: mine, detrend: tilt}}", "measured.mine.file: missing; a file name"),
-    (
-        "studies: {compressibility: [hurst_02, hurst_08]}",
-        "studies.compressibility = ['hurst_02', 'hurst_08']: a",
-    ),
-    (
-        "stress: {poisson: [0.33, 0.33]}",
-        "stress.poisson = [0.33, 0.33]: a list of 1 to 16 distinct items",
-    ),
+    ("studies: {compressibility: [hurst_02, hurst_08]}", "studies.compressibility = ['hurst_02', 'hurst_08'"),
+    ("stress: {poisson: [0.33, 0.33]}", "stress.poisson = [0.33, 0.33]: a list of 1 to 16 distinct items"),
     # numbers that are none, or none of their kind
     ("contact: {area_fraction: 0,1}", "contact.1: unknown key"),
     ("contact: {area_fraction: 2026-11-21}", "contact.area_fraction = '2026-11-21': a number"),
     (f"seeds: [1{'0' * 400}]", "a whole number ≥ 0 and ≤ 4294967295 is needed"),
     # text that is none
     (f"surfaces: {{hurst_02: {{label: {'ü' * 61}}}}}", "text of 1 to 60 characters is needed"),
-    (
-        'surfaces: {hurst_02: {label: "\\e[31mred"}}',
-        "label = '\\x1b[31mred': text that can be printed is needed",
-    ),
+    ('surfaces: {hurst_02: {label: "\\e[31mred"}}', "label = '\\x1b[31mred': text that can be printed is ne"),
     ('"con\\ntact": 1', "'con\\ntact': unknown key"),
     # names and paths
     (f"surfaces: {{{'a' * 41}: {{hurst: 0.2}}}}", "aaa': a name of at most 40 lower-case letters"),
@@ -86,35 +68,23 @@ CONFIGS = [
     ('measured: {fault: {file: "a\\0b"}}', "measured.fault.file = 'a\\x00b': no such file"),
     # what contradicts itself
     ("layer: {poisson: 0.2}\nstress: {poisson: [0.3]}", "layer.poisson = 0.2 must be one of them"),
-    (
-        "contact: {precision: float32, tolerance: 1.0e-9}",
-        "contact.tolerance = 1e-09: a number ≥ 1e-6 with precision float32",
-    ),
+    ("contact: {precision: float32, tolerance: 1.0e-9}", "contact.tolerance = 1e-09: a number ≥ 1e-6 with p"),
     # what is no configuration
     ("", "overlay.yaml: keys with values are needed"),
     ("contact: 1\n---\ncontact: 2", "overlay.yaml: YAML is needed; but found another document in line 2"),
     (b"\xff\xfe\x00", "overlay.yaml: YAML in UTF-8 is needed"),
     (b"#" * (2**17 + 1), "overlay.yaml: a configuration of at most 131072 bytes is needed"),
-    (
-        "contact: {method: gfmd}\ncontact: {method: active_set}",
-        "overlay.yaml: YAML is needed; 'contact' is given twice",
-    ),
+    ("contact: {method: gfmd}\ncontact: {method: active_set}", "overlay.yaml: YAML is needed; 'contact' is"),
     # renamed keys
     ("body: {poisson: [0.33]}", "body: is called stress now"),
     # names that are too long, and characters that formats give a meaning
     ("measured: {fault: {file: 'a{b}.asc'}}", "measured.fault.file = 'a{b}.asc': a file name without braces"),
     ("surfaces: {hurst_02: {label: 'a $ sign'}}", "mathematics between two dollar signs is needed"),
     # tags and anchors
-    (
-        "seeds: !!python/object/apply:os.system ['touch pwned']",
-        "overlay.yaml: YAML is needed; could not determine",
-    ),
+    ("seeds: !!python/object/apply:os.system ['touch pwned']", "overlay.yaml: YAML is needed; could not det"),
     ("__use_yte__: true\n?open('pwned', 'w'): {}", "__use_yte__: unknown key"),
     (MERGES, "overlay.yaml: at most 100000 values are accepted, line 6 has more"),
-    (
-        f"contact: {{area_fraction: {':'.join(['59'] * 10_000)}}}",
-        "overlay.yaml: at most 2000 characters are accepted in a value, line 1 has 29999",
-    ),
+    (f"contact: {{area_fraction: {':'.join(['59'] * 10_000)}}}", "overlay.yaml: at most 2000 characters are"),
     ("contact: " + "[" * 40 + "]" * 40, "overlay.yaml: at most 32 levels are accepted, line 1 has more"),
     (MANY_ALIASES, "overlay.yaml: at most 100000 values are accepted, line 6 has more"),
 ]
@@ -163,11 +133,7 @@ COMMANDS = [
     (f"solve s.nc --out x.nc --area-fraction {HUGE}", 2, "999...: a number > 0 and ≤ 1 is needed"),
     ("solve s.nc --out x.nc --area-fraction 0.1 0.2", 2, "unrecognized arguments: 0.2"),
     ("solve s.nc --out x.nc --physical-size 1 0", 2, "--physical-size: '0': a length > 0 with its unit"),
-    (
-        "solve s.nc --out x.nc --detrend \u00fc\x1b[31m",
-        2,
-        "--detrend: 'ü\\x1b[31m': none or tilt or curvature",
-    ),
+    ("solve s.nc --out x.nc --detrend \u00fc\x1b[31m", 2, "--detrend: 'ü\\x1b[31m': none or tilt or curvatu"),
     ("stress c.nc --out x.nc --poisson 0.2 0.2", 2, "[0.2, 0.2]: a list of 1 to 16 distinct items"),
     ("plot ../../etc/passwd s.nc --out x.png", 2, "'../../etc/passwd': one of 1, 2"),
     ("solve {folder}/none.nc --out {folder}/x.nc", 1, "none.nc: no such file"),
@@ -184,22 +150,10 @@ COMMANDS = [
     ("solve {surface} --out /proc/x.nc", 1, "/proc/x.nc: cannot be written (No such file or directory"),
     ("stress /dev/null --out {folder}/x.nc", 1, "/dev/null: not a regular file"),
     ("peaks {stress} {stress} --contact {contact} --out {folder}/x.nc", 1, "one for each stress is needed"),
-    (
-        "peaks {stress} --contact {contact} --out {contact}",
-        1,
-        "contact.nc: is read too, another name is needed",
-    ),
+    ("peaks {stress} --contact {contact} --out {contact}", 1, "contact.nc: is read too, another name is nee"),
     ("plot 7 {statistics} --out {folder}/x.png", 1, "figure 7: a contact file (of asperity solve) is needed"),
-    (
-        "plot 12 {statistics} --out {folder}/x.png",
-        1,
-        "figure 12 is drawn from the validation of the study only",
-    ),
-    (
-        "plot 9 {statistics} --out {folder}/x.docx",
-        1,
-        "x.docx: the name of a picture is needed, ending in .png",
-    ),
+    ("plot 12 {statistics} --out {folder}/x.png", 1, "figure 12 is drawn from the validation of the study o"),
+    ("plot 9 {statistics} --out {folder}/x.docx", 1, "x.docx: the name of a picture is needed, ending in .p"),
     ("plan", 2, "the following arguments are required: CONFIG_OR_SPECTRUM"),
     # characters that formats give a meaning
     ("{0}%s%(prog)s", 2, "invalid choice: '{0}%s%(prog)s'"),
@@ -211,16 +165,8 @@ COMMANDS = [
     ("plan {surface}", 1, "surface.nc: YAML in UTF-8 is needed"),
     (f"plan {SPECTRUM} --error 1e-9", 1, "error = 1e-09: 0."),
     (f"plan {SPECTRUM} --output depth", 1, "output = 'depth': one of area_fraction, proportionality"),
-    (
-        f'plan {SPECTRUM} {{"wavelength_short":0.5}}',
-        1,
-        "wavelength_short = 0.5: at most wavelength_long = 0.125",
-    ),
-    (
-        'plan {"hurst":!!python/name:os.system\n0}',
-        1,
-        "YAML is needed; could not determine a constructor",
-    ),
+    (f'plan {SPECTRUM} {{"wavelength_short":0.5}}', 1, "wavelength_short = 0.5: at most wavelength_long = 0"),
+    ('plan {"hurst":!!python/name:os.system\n0}', 1, "YAML is needed; could not determine a constructor"),
 ]
 
 HEADER = "# Channel: Height\n# Width: 8 m\n# Height: 8 m\n# Value units: m\n"
@@ -258,26 +204,11 @@ MAPS = [
     ("map.asc", matrix(ROWS), "", "set it to declared, mirrored or windowed"),
     ("empty.asc", b"", MIRRORED, "empty.asc: not a height map that can be read (no known format"),
     ("ragged.asc", matrix([*ROWS[:5], ROWS[5][:3], *ROWS[6:]]), MIRRORED, "ragged.asc: not a height map"),
-    (
-        "nan.asc",
-        replaced("nan"),
-        MIRRORED,
-        "--undefined: 1 points of the map have no data; set it to harmonic",
-    ),
-    (
-        "bare.asc",
-        matrix(ROWS, ""),
-        MIRRORED,
-        "--physical-size: the file does not say",
-    ),
+    ("nan.asc", replaced("nan"), MIRRORED, "--undefined: 1 points of the map have no data; set it to harmon"),
+    ("bare.asc", matrix(ROWS, ""), MIRRORED, "--physical-size: the file does not say"),
     ("units.asc", matrix(ROWS, HEADER.replace("8 m", "8 furlong")), MIRRORED, "units.asc"),
     ("pickle.npy", saved(np.array([[Intruder()] * 4] * 4)), MIRRORED, "pickle.npy: not a height map"),
-    (
-        "short.asc",
-        matrix(ROWS),
-        MIRRORED + " --wavelength-short 1e-4",
-        "--wavelength-short = 0.0001: a number ≥",
-    ),
+    ("short.asc", matrix(ROWS), MIRRORED + " --wavelength-short 1e-4", "--wavelength-short = 0.0001: a numb"),
     ("gwyddion.x3p", (DATA / "steel.gwy").read_bytes(), MIRRORED, "its name is that of format x3p, its"),
     ("bomb.nc", b"CDF\x05" + b"\x7f" * 64, MIRRORED, "bomb.nc: not a height map that can be read"),
 ]

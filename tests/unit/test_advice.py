@@ -83,10 +83,7 @@ def test_nothing_is_warned_of_in_a_sound_answer():
         ({"numbers": {"area_fraction": 0.4}, "imposed_area": 0.4}, "large real contact"),
         ({"numbers": {"area_fraction": 0.25}}, "another real contact"),
         ({"record": {"edge_step": 8.0}}, "edges do not match"),
-        (
-            {"numbers": {"load_on_edges": 0.2}, "face": {"boundary": "free"}},
-            "contact at the edge of the map",
-        ),
+        ({"numbers": {"load_on_edges": 0.2}, "face": {"boundary": "free"}}, "contact at the edge of the map"),
         ({"numbers": {"load_on_small_patches": 0.7, "typical_patch_nodes": 1.0}}, "spikes carry the load"),
         ({"numbers": {"typical_patch_nodes": 6.0}}, "patches of few pixels"),
         ({"numbers": {"contact_nodes": 0}}, "no contact"),

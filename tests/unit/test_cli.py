@@ -193,15 +193,9 @@ def test_solve_imposes_pressure_force_and_approach_alike(tmp_path, capsys):
 @pytest.mark.parametrize(
     ("load", "said"),
     [
-        (
-            ["--mean-pressure", "50 MPa"],
-            "--mean-pressure = '50 MPa': needs --young and a surface with a unit",
-        ),
+        (["--mean-pressure", "50 MPa"], "--mean-pressure = '50 MPa': needs --young and a surface with a uni"),
         (["--mean-pressure", "-1"], "--mean-pressure = -1.0: a number > 0 and ≤ 1000 is needed"),
-        (
-            ["--force", "3"],
-            "--force = '3': a number with a unit of force (mN, N, kN) is needed, such as '3 N'",
-        ),
+        (["--force", "3"], "--force = '3': a number with a unit of force (mN, N, kN) is needed, such as '3"),
         (["--approach", "0.9"], "approach = 0.9: less than 0.0"),
         (["--approach", "0.001", "--area-fraction", "0.2"], "--approach: not accepted together with --area-"),
     ],

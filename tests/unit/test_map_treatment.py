@@ -16,6 +16,7 @@ from asperity.surface.treatment.levelling import (
     fill_harmonic,
     find_spikes,
     low_pass_bounded,
+    subtract_trend,
 )
 from asperity.surface.treatment.treatment import DESPIKE, make_periodic, treat_map
 
@@ -50,6 +51,14 @@ def test_spikes_are_found_and_scratches_stay():
     assert {(int(i), int(j)) for i, j in np.argwhere(found)} == set(spots)
 
 
+def test_the_threshold_counts_standard_deviations():
+    """White noise of unit variance, whose median of 25 points scatters by a quarter."""
+    noise = np.random.default_rng(1).normal(size=(64, 64))
+    for size, count in ((7.0, 0), (9.0, 1)):
+        noise[30, 30] = size
+        assert np.count_nonzero(find_spikes(noise, 8.0)) == count
+
+
 def test_a_spike_beside_a_gap_is_found():
     height = steel()
     height[20:30, 20:30] = np.nan
@@ -61,6 +70,15 @@ def test_quantised_heights_are_no_spikes():
     height = np.round(steel() / 2e-7)  # half of the points equal their neighbours
     assert not find_spikes(height, DESPIKE).any()
     assert not find_spikes(np.zeros((16, 16)), DESPIKE).any()
+
+
+def test_a_plane_has_its_slope_and_edge_step():
+    y, x = np.mgrid[:20, :30].astype(float)
+    left, slope, bow = subtract_trend(3e-3 * x - 1e-3 * y, "tilt", (20.0, 30.0))
+    assert slope == pytest.approx((-1e-3, 3e-3), rel=1e-12)
+    assert (np.abs(left).max(), bow) == pytest.approx((0, 0), abs=1e-15)
+    # The step is 29 at 20 of the 50 points on the edges, and 1 between 20 · 29 of 20 · 29 + 19 · 30 pairs.
+    assert edge_step(x) == pytest.approx(29 * np.sqrt(20 / 50) / np.sqrt(580 / 1150))
 
 
 def test_a_gap_is_filled_by_a_harmonic_function():
@@ -237,6 +255,16 @@ def test_a_mirrored_map_is_symmetric_and_continuous():
     smooth = HeightMap(waves((24, 32)), (24.0, 32.0))
     inside = make_periodic(smooth, detrend="none", periodic="mirrored").height[:24, :32]
     np.testing.assert_allclose(inside, (waves((24, 32)).mean() - waves((24, 32))) / 64, atol=1e-14)
+
+
+def test_places_in_mirror_images_are_places_on_the_map():
+    treated = treat_map(HeightMap(rough(), (24.0, 32.0)), periodic="mirrored")
+    y, x = np.meshgrid(*treated.grid.coordinates(), indexing="ij")
+    rows, columns = (np.rint(place).astype(int) for place in treated.on_map(y, x))
+    assert (rows.max(), columns.max()) == (23, 31)
+    np.testing.assert_allclose(treated.height[rows, columns], treated.height, atol=1e-14)
+    assert treated.is_on_map(y[:24, :32], x[:24, :32]).all()
+    assert not treated.is_on_map(y[25:-1, 33:-1], x[25:-1, 33:-1]).any()
 
 
 def test_a_windowed_map_is_level_at_its_edges_and_itself_inside():

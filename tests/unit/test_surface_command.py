@@ -73,15 +73,9 @@ def test_stages_in_si_are_those_of_the_study(tmp_path, monkeypatch):
         (BAND.replace("0.05", "2um"), "--wavelength-short = '2um': a number in cell lengths is needed, or"),
         (BAND.replace("0.05", "0"), "--wavelength-short = '0': a number ≥ 6.103515625e-05 and ≤ 1, in cell"),
         (BAND.replace("0.05", "nan"), "--wavelength-short = 'nan': a number ≥"),
-        (
-            BAND.replace("0.05", "0.5"),
-            "wavelength_short = 0.5: at most 0.25, the longest, is needed",
-        ),
+        (BAND.replace("0.05", "0.5"), "wavelength_short = 0.5: at most 0.25, the longest, is needed"),
         (SI_BAND.replace("4000nm", "1nm"), "--wavelength-short = '1nm', 1.25e-05 of --length: a number ≥"),
-        (
-            f"{SI_BAND} --points 16",
-            "--points = 16: at least 40 are needed, two on --wavelength-short = 4000nm",
-        ),
+        (f"{SI_BAND} --points 16", "--points = 16: at least 40 are needed, two on --wavelength-short = 4000"),
         (f"{BAND} --skewness 1", "--skewness, --kurtosis: both are needed, or none of them"),
         (f"{BAND} --skewness 1 --kurtosis 2", "skewness = 1.0, kurtosis = 2.0: no Johnson curve"),
         (BAND.replace("0.05", "1e-4"), "--points = 80000, the default: a whole number"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Any
 
 from asperity.core.arguments import choice, magnitude, number
@@ -13,10 +14,9 @@ from asperity.elasticity.layer import Layer
 from asperity.elasticity.loaded_solid import traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.stress.planes.stream import shear_traction
-from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapError, MapOptions
-from asperity.surface.reading.map_file import MapFile, open_map
+from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapOptions
 from asperity.surface.treatment.face_to_face import face_to_face
-from asperity.surface.treatment.treatment import TreatedMap, missing_options, treat_map
+from asperity.surface.treatment.treatment import TreatedMap, treat_map, usable_map
 
 CONTROL_UNITS = {"mean_pressure": "Pa", "force": "N", "approach": "m", "area_fraction": "1"}
 """Quantity of which one is imposed → its unit."""
@@ -207,24 +207,20 @@ def read_face(
     return replace(treated, name=f"{name} on {counter_name}", treatment=record, done=tuple(lines))
 
 
-def _completed(options: MapOptions, surface: HeightMap) -> MapOptions:
+def _completed(options: MapOptions, surface: HeightMap | None = None) -> MapOptions:
     """The options, by default with points filled and a map mirrored that does not call itself periodic."""
-    periodic = options.periodic or (None if surface.periodic else "mirrored")
+    periodic = options.periodic or (None if surface and surface.periodic else "mirrored")
     return replace(options, periodic=periodic, undefined="harmonic")
 
 
 def _read(source: str | os.PathLike[str] | HeightMap, options: MapOptions) -> tuple[str, HeightMap]:
     """Name and heights of a map that has all that its treatment needs."""
     if isinstance(source, HeightMap):
-        found = MapFile(replace(source, unit=source.unit or "m"), (), [])
-        name, path = source.name or "map", source.name
+        name, surface = source.name or "map", replace(source, unit=source.unit or "m")
     else:
-        found = open_map(source, options)
-        name, path = os.path.splitext(os.path.basename(os.fspath(source)))[0], os.fspath(source)
-    if problems := missing_options(found, _completed(options, found.map)):
-        raise MapError(path, problems)
+        name, surface = Path(source).stem, usable_map(source, _completed(options))
     name = one_line(name)
-    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 3]}...", found.map
+    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 3]}...", surface
 
 
 def _levelled(surface: HeightMap, options: MapOptions) -> tuple[HeightMap, float, list[str]]:

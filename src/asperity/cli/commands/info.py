@@ -7,7 +7,7 @@ import argparse
 from asperity.cli.parser import flag, section
 from asperity.core.errors import one_line
 from asperity.surface.description import describe_map
-from asperity.surface.reading.height_map import MapError, MapOptions, renamed
+from asperity.surface.reading.height_map import MapError, MapOptions
 
 
 def run(options: argparse.Namespace) -> None:
@@ -23,6 +23,6 @@ def run(options: argparse.Namespace) -> None:
     chosen += "asperity solve and a study need"
     for heading, problems in (("every calculation needs", found.needed), (chosen, found.choices)):
         if problems:
-            print(heading, *(f"  {renamed(problem, flag)}" for problem in problems), sep="\n")
+            print(heading, *(f"  {text}" for text in MapError("", problems).renamed(flag).problems), sep="\n")
     if not found.needed and not found.choices:
         print("A calculation needs nothing else.")

@@ -13,10 +13,9 @@ from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid
 from asperity.surface.johnson import johnson, with_moments
 from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
-from asperity.surface.reading.map_file import open_map
 from asperity.surface.roughness import spectrum, surface_dataset
 from asperity.surface.self_affine import self_affine, target_spectrum
-from asperity.surface.treatment.treatment import cell_edge, make_periodic, missing_options
+from asperity.surface.treatment.treatment import cell_edge, make_periodic, usable_map
 
 _BAND = ("hurst", "wavelength_long", "wavelength_short", "rms_height")
 _MAP_OPTIONS = {field.name for field in fields(MapOptions)}
@@ -109,12 +108,9 @@ def map_problems(name: str, parameters: Mapping[str, Any]) -> tuple[str, ...]:
 
 def _checked(parameters: Mapping[str, Any]) -> tuple[HeightMap, MapOptions]:
     """The map of an entry of the configuration, and its options."""
-    path = parameters["file"]
     options = MapOptions(**{name: parameters[name] for name in _MAP_OPTIONS & parameters.keys()})
-    found = open_map(path, options)
-    if problems := missing_options(found, options, needs_unit=isinstance(options.wavelength_short, str)):
-        raise MapError(path, problems)
-    return found.map, options
+    needs_unit = isinstance(options.wavelength_short, str)
+    return usable_map(parameters["file"], options, needs_unit), options
 
 
 def moment_errors(

@@ -51,8 +51,6 @@ UNIT_NEEDED = "unit: the file does not say the unit of its heights; set it, for 
 # Names of length units in files that pint reads as something else, or not at all.
 _UNIT_NAMES = {"A": "angstrom", "Å": "angstrom", "\u212b": "angstrom", "~m": "um"}
 
-_ARGUMENT = re.compile(r"^\w+(?=: | = )")
-
 
 class MapError(InputError):
     """Raised for a height map that cannot be read or used as asked; the message has a line a problem.
@@ -75,14 +73,9 @@ class MapError(InputError):
 
     def renamed(self, name_of: Callable[[str], str]) -> MapError:
         """The error with the names that the fields of `MapOptions` have in another interface."""
-        return MapError(self.source, [renamed(problem, name_of) for problem in self.problems])
-
-
-def renamed(problem: str, name_of: Callable[[str], str]) -> str:
-    """A message that begins with a field of `MapOptions`, with its name in another interface."""
-    found = _ARGUMENT.match(problem)
-    known = found is not None and found[0] in {field.name for field in fields(MapOptions)}
-    return name_of(found[0]) + problem[found.end() :] if found and known else problem
+        options = "|".join(field.name for field in fields(MapOptions))
+        name = re.compile(rf"^({options})(?=: | = )")
+        return MapError(self.source, [name.sub(lambda found: name_of(found[0]), p) for p in self.problems])
 
 
 @dataclass(frozen=True)

@@ -195,10 +195,15 @@ def prepare_map(path: str | os.PathLike[str], options: MapOptions | None = None,
     ((40, 40), [8e-05, 8e-05])
     """
     options = MapOptions.chosen(options, given)
+    return treat_map(usable_map(path, options), options)
+
+
+def usable_map(path: str | os.PathLike[str], options: MapOptions, needs_unit: bool = True) -> HeightMap:
+    """The map in a file, if file and options say all that its treatment needs."""
     found = open_map(path, options)
-    if problems := missing_options(found, options):
+    if problems := missing_options(found, options, needs_unit):
         raise MapError(os.fspath(path), problems)
-    return treat_map(found.map, options)
+    return found.map
 
 
 def missing_options(found: MapFile, options: MapOptions, needs_unit: bool = True) -> list[str]:
