@@ -23,7 +23,7 @@ from asperity.study.cost.tables import describe_presets
 
 ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
-UNSEEN = Scene(hurst=0.5, wavelength_long=1 / 6, wavelength_short=1 / 24, area_fraction=0.06, seed=7)
+UNSEEN = Scene(hurst=0.5, wavelength_long=1 / 4, wavelength_short=1 / 16, area_fraction=0.06, seed=7)
 SPECTRUM = "{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.03125}"
 
 
@@ -89,10 +89,20 @@ def test_four_times_the_seeds_halve_their_error_and_take_four_times_as_long():
     assert four.seconds == pytest.approx(4 * one.seconds)
 
 
+def test_a_proposal_of_several_seeds_has_their_cost_and_error():
+    found = propose([UNSEEN], Target(["peak_depth"], error=0.15), factor=1.0)
+    assert found.accuracy.seeds > 1
+    expected = assess([UNSEEN], found.accuracy, factor=1.0)
+    assert found.seconds == pytest.approx(expected.seconds)
+    assert found.errors["seeds"] == pytest.approx(expected.errors["seeds"])
+
+
 def test_bounds_are_above_every_measured_error_by_the_safety_factor():
-    known = load().errors["0.02"]["points_per_wavelength"]["8"]
+    known = load().errors["0.02"]
     bounds = error_bounds(UNSEEN, PRESETS["paper"])
-    assert (bounds["discretisation"] >= [SAFETY_FACTOR * known[name] for name in OUTPUTS]).all()
+    grid, contact = known["points_per_wavelength"]["8"], known["contact_tolerance"]["1e-06"]
+    assert (bounds["discretisation"] >= [SAFETY_FACTOR * grid[name] for name in OUTPUTS]).all()
+    assert bounds["contact"] == pytest.approx([SAFETY_FACTOR * contact[name] for name in OUTPUTS])
 
 
 def test_what_was_not_measured_has_no_bound():

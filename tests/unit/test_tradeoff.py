@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from asperity.paper.figures import tradeoff as figures
 from asperity.results import dataset
 from asperity.results.tables import check_columns
 from asperity.study.config.presets import PRESETS
-from asperity.study.cost.measured import DISTRIBUTIONS, OUTPUTS, as_json, from_json
+from asperity.study.cost.measured import DISTRIBUTIONS, NUMBERS, OUTPUTS, as_json, from_json
 from asperity.study.cost.measurement import (
     CONVERGED,
     difference,
@@ -50,10 +51,24 @@ def test_a_run_has_no_error_against_itself():
     assert set(output_errors(evaluation, evaluation).values()) == {0.0}
 
 
-def test_the_distance_of_distributions_is_their_shift_over_the_mean():
+def test_a_difference_is_relative_to_the_second():
     quantiles = np.linspace(1.0, 3.0, 110)
     assert difference(1.1 * quantiles, quantiles) == pytest.approx(0.1)
-    assert difference(quantiles, quantiles) == 0.0
+    assert difference(1.1, 1.0) == pytest.approx(0.1)
+    assert difference(0.8, 1.0) == pytest.approx(-0.2)
+
+
+def test_surfaces_of_one_kind_scatter_about_their_mean(runs):
+    errors = runs_at(runs, "seeds", "1")["output_error"]
+    mean = errors.mean("run")
+    assert float(abs(mean.sel(output=list(NUMBERS))).max()) < 1e-12
+    assert abs(float(mean.sel(output="area_fraction"))) < 0.05  # of an inverse, not of the load itself
+
+
+def test_the_largest_error_of_all_scenes_is_kept(runs):
+    worse = xr.concat([runs, runs.assign(output_error=2 * runs["output_error"])], "run")
+    one, two = (reduce_runs(each).errors["0.1"]["precision"]["float32"] for each in (runs, worse))
+    assert two["peak_depth"] == pytest.approx(2 * one["peak_depth"], rel=1e-2)
 
 
 def test_the_area_is_that_at_the_load_of_the_reference():
