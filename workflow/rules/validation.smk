@@ -23,7 +23,8 @@ rule validation:
 
 rule validation_table:
     input:
-        expand(rules.validation.output, validation=VALIDATIONS),
+        results=expand(rules.validation.output, validation=VALIDATIONS),
+        checks=(LIBRARY / "study/validation/checks.yaml").as_posix(),
     output:
         table=f"{RESULTS}/validation/table.md",
         numbers=f"{RESULTS}/validation/table.csv",
@@ -41,6 +42,6 @@ rule validation_table:
         **needs("validation_table"),
     params:
         code=code("validation_table"),
-        results=lambda wildcards, input: {Path(path).stem: path for path in input},
+        results=lambda wildcards, input: {Path(path).stem: path for path in input.results},
     script:
         "../scripts/validation_table.py"

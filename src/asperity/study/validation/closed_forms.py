@@ -7,6 +7,7 @@ units of the edge of the cell, stresses in units of E* unless said otherwise.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -76,22 +77,24 @@ def load_area(
     radii = np.asarray(contact_radii)
     curve = np.linspace(0.0, max(contact_radii) + 0.02, 61)[1:]
     layers = [Layer(1.0, nu) for nu in poisson]
-    imposed = np.array([_periodic_pressures(radii, layer.effective_modulus) for layer in layers])
-    curve_pressure = np.array([_periodic_pressures(curve, layer.effective_modulus) for layer in layers])
-    area, radius = np.empty_like(imposed), np.empty_like(imposed)
+    imposed, along_curve = (
+        np.array([_periodic_pressures(some, layer.effective_modulus) for layer in layers])
+        for some in (radii, curve)
+    )
+    area, radius = np.empty((2, *imposed.shape))
     for at in np.ndindex(imposed.shape):
         contact = solve(height, layers[at[0]], mean_pressure=float(imposed[at]), method=method, rtol=1e-6)
-        area[at] = contact.area_fraction
-        radius[at] = fitted_contact_radius(contact.pressure, grid)
+        area[at], radius[at] = contact.area_fraction, fitted_contact_radius(contact.pressure, grid)
+    both = ("poisson", "path")
     return xr.Dataset(
         {
             "hertz_contact_radius": ("path", radii),
             "hertz_area_fraction": ("path", np.pi * radii**2),
-            "imposed_mean_pressure_young": (("poisson", "path"), imposed),
-            "solved_area_fraction": (("poisson", "path"), area),
-            "solved_contact_radius": (("poisson", "path"), radius),
+            "imposed_mean_pressure_young": (both, imposed),
+            "solved_area_fraction": (both, area),
+            "solved_contact_radius": (both, radius),
             "curve_area_fraction": ("curve", np.pi * curve**2),
-            "curve_mean_pressure_young": (("poisson", "curve"), curve_pressure),
+            "curve_mean_pressure_young": (("poisson", "curve"), along_curve),
         },
         coords={"poisson": np.asarray(poisson, float)},
         attrs={"grid_points": points, "method": method, "curvature_radius": CURVATURE_RADIUS},
@@ -131,7 +134,7 @@ def slab_load_area(
     height = paraboloid(grid, CURVATURE_RADIUS)
     part = np.linspace(0.5, 1.0, steps) ** 2
     approach = INDENTATION / CURVATURE_RADIUS * np.outer(heights, part)
-    area, radius, pressure, hertz_load = (np.empty_like(approach) for _ in range(4))
+    area, radius, pressure, hertz_load = np.empty((4, *approach.shape))
     for at in np.ndindex(approach.shape):
         layer, depth = bonded_slab(0.33, heights[at[0]]), float(approach[at])
         contact = solve(height, layer, approach=depth, method=method, rtol=1e-6)
@@ -179,22 +182,16 @@ def grid_convergence(points: Sequence[int] = (32, 64, 128, 256)) -> xr.Dataset:
         Relative errors of pressure, approach and contact area of the wave and of the load of the slab
         (grid_points).
     """
-    loads, indentations = (0.15, 0.27, 0.4, 0.52, 0.66), (0.012, 0.015, 0.018, 0.021, 0.024)
+    loads, indentations = (0.15, 0.27, 0.4, 0.52, 0.66), np.array([0.012, 0.015, 0.018, 0.021, 0.024])
     wave = np.array([[_wave_errors(n, load) for load in loads] for n in points])
-    slab = np.array(
-        [
-            [slab_contact(n, depth / CURVATURE_RADIUS).mean_pressure for depth in indentations]
-            for n in (*points, 2 * points[-1])
-        ]
-    )
-    errors = {
-        **dict(zip(("wave_pressure", "wave_approach", "wave_area"), np.moveaxis(wave, 2, 0), strict=True)),
-        "slab_load": slab[:-1] / slab[-1] - 1,
-    }
+    approaches, grids = indentations / CURVATURE_RADIUS, (*points, 2 * points[-1])
+    slab = np.array([[slab_contact(n, float(depth)).mean_pressure for depth in approaches] for n in grids])
+    names = ("wave_pressure_error", "wave_approach_error", "wave_area_error", "slab_load_error")
+    errors = [*np.moveaxis(wave, 2, 0), slab[:-1] / slab[-1] - 1]
     return xr.Dataset(
         {
-            f"{name}_error": ("grid_points", np.sqrt(np.mean(np.square(error), axis=1)))
-            for name, error in errors.items()
+            name: ("grid_points", np.sqrt(np.mean(np.square(error), axis=1)))
+            for name, error in zip(names, errors, strict=True)
         },
         coords={"grid_points": np.asarray(points)},
         attrs={"grid_points": points[-1], "curvature_radius": CURVATURE_RADIUS},
@@ -258,31 +255,24 @@ def punch(points: int = 512, samples: int = 81) -> xr.Dataset:
         for name, lateral in (("free", 0.0), ("confined", nu / (1 - nu)), ("array", 0.5 + nu)):
             uniform = -lateral * array.mean_pressure * np.array([1, 1, 0, 0, 0, 0])
             on_axis[name] = von_mises(stress[:, 0] + uniform)
-        layer = Layer(1 - nu**2, nu)
-        middle = np.full(len(x), 0.5)
+        peaks = {name: largest_sample(values, axis_depth) for name, values in on_axis.items()}
+        layer, middle = Layer(1 - nu**2, nu), np.full(len(x), 0.5)
         _, stress = displacement_and_stress(contact.pressure, grid, layer, middle, x + 0.5, depth)
+        exact = single.stress(np.abs(x), depth[:, None], nu)
         variables: dict[str, object] = {
             "von_mises_spectral": (("depth", "x"), von_mises(stress)),
-            "von_mises_closed_form": (
-                ("depth", "x"),
-                single.stress(np.abs(x), depth[:, None], nu).von_mises,
-            ),
+            "von_mises_closed_form": (("depth", "x"), exact.von_mises),
+            **{f"peak_von_mises_{name}": peak for name, (peak, _) in peaks.items()},
+            **{f"peak_depth_{name}": where for name, (_, where) in peaks.items()},
         }
-        for name, values in on_axis.items():
-            variables[f"peak_von_mises_{name}"], variables[f"peak_depth_{name}"] = largest_sample(
-                values, axis_depth
-            )
         planes.append(xr.Dataset(variables, coords={"depth": depth, "x": x}))
-    return (
-        xr.concat(planes, xr.Variable("poisson", np.asarray(poisson)))
-        .assign(
-            contact_radius=single.contact_radius,
-            largest_pressure=single.largest_pressure,
-            largest_pressure_spectral=float(contact.pressure.max()),
-            gradient_rms_contact=single.contact_radius / (np.sqrt(2) * CURVATURE_RADIUS),
-        )
-        .assign_attrs(grid_points=points, curvature_radius=CURVATURE_RADIUS)
+    found = xr.concat(planes, xr.Variable("poisson", np.asarray(poisson))).assign(
+        contact_radius=single.contact_radius,
+        largest_pressure=single.largest_pressure,
+        largest_pressure_spectral=float(contact.pressure.max()),
+        gradient_rms_contact=single.contact_radius / (np.sqrt(2) * CURVATURE_RADIUS),
     )
+    return found.assign_attrs(grid_points=points, curvature_radius=CURVATURE_RADIUS)
 
 
 def elliptic_contacts(points: int = 128) -> xr.Dataset:
@@ -315,21 +305,17 @@ def elliptic_contacts(points: int = 128) -> xr.Dataset:
         planes = stress_planes(contact, depth, poisson, names, tolerance=0)
         axis = np.array([[plane.fields[name][0, middle, middle] for name in names] for plane in planes])
         peaks = exact.largest_von_mises_on_axis(poisson), exact.largest_shear_on_axis(poisson)
+        area = np.pi * exact.semi_major * exact.semi_minor / grid.area
         row = {
-            "solved_largest_pressure": float(contact.pressure.max()),
-            "exact_largest_pressure": exact.largest_pressure,
-            "solved_area": contact.area_fraction,
-            "exact_area": np.pi * exact.semi_major * exact.semi_minor / grid.area,
+            "largest_pressure": (float(contact.pressure.max()), exact.largest_pressure),
+            "area": (contact.area_fraction, area),
         }
         for name, samples, peak in zip(names, axis.T, peaks, strict=True):
-            row[f"solved_{name}"], row[f"solved_{name}_depth"] = largest_sample(samples, depth)
-            row[f"exact_{name}"], row[f"exact_{name}_depth"] = peak
+            solved, solved_depth = largest_sample(samples, depth)
+            row |= {name: (solved, peak.value), f"{name}_depth": (solved_depth, peak.depth)}
         rows.append(row)
-    return xr.Dataset(
-        {name: ("axis_ratio", [row[name] for row in rows]) for name in rows[0]},
-        coords={"axis_ratio": np.asarray(axis_ratios)},
-        attrs={"grid_points": points, "poisson": poisson},
-    )
+    pairs = {name: ("axis_ratio", *np.transpose([row[name] for row in rows])) for name in rows[0]}
+    return _dataset(pairs, points, {"axis_ratio": np.asarray(axis_ratios)}).assign_attrs(poisson=poisson)
 
 
 def edge_tension(points: int = 512) -> xr.Dataset:
@@ -356,12 +342,8 @@ def edge_tension(points: int = 512) -> xr.Dataset:
     plane = next(stress_planes(contact, [0.0], list(poisson), ["xx"], tolerance=0))
     solved = plane.fields["xx"][:, points // 2, outside] / exact.largest_pressure
     tension = (1 - 2 * poisson[:, None]) / 3 / distance[outside] ** 2
-    along = ("poisson", "radial_distance")
-    return xr.Dataset(
-        {"solved_tension": (along, solved), "exact_tension": (along, tension)},
-        coords={"poisson": poisson, "radial_distance": distance[outside]},
-        attrs={"grid_points": points},
-    )
+    pairs = {"tension": (("poisson", "radial_distance"), solved, tension)}
+    return _dataset(pairs, points, {"poisson": poisson, "radial_distance": distance[outside]})
 
 
 def layer_indentation(points: int = 512) -> xr.Dataset:
@@ -399,19 +381,17 @@ def layer_indentation(points: int = 512) -> xr.Dataset:
             solved[indenter, i, j], exact[indenter, i, j] = contact.mean_pressure, expected.load
         radius[i, j] = np.sqrt(contact.area_fraction / np.pi)
     along = ("contact_ratio", "poisson")
-    return xr.Dataset(
+    return _dataset(
         {
-            "solved_load": (("indenter", *along), solved),
-            "exact_load": (("indenter", *along), exact),
-            "solved_contact_radius": (along, radius),
-            "exact_contact_radius": (along, np.full(radius.shape, contact_radius)),
+            "load": (("indenter", *along), solved, exact),
+            "contact_radius": (along, radius, np.full(radius.shape, contact_radius)),
         },
-        coords={
+        points,
+        {
             "indenter": ["flat punch", "paraboloid"],
             "contact_ratio": np.asarray(contact_ratios),
             "poisson": np.asarray(poisson),
         },
-        attrs={"grid_points": points},
     )
 
 
@@ -444,13 +424,19 @@ def wave_asymptotes(points: int = 512) -> xr.Dataset:
     for n, pressure in enumerate(wave.complete_pressure * nearly_complete):
         gap[n] = solve(height, Layer(1.0, 0.0), mean_pressure=pressure, rtol=RTOL).gap.mean()
         exact_gap[n] = wave.nearly_complete_mean_gap(pressure)
-    return xr.Dataset(
+    return _dataset(
         {
-            "solved_contact_radius": ("small_load", radius),
-            "exact_contact_radius": ("small_load", exact_radius),
-            "solved_mean_gap": ("nearly_complete_load", gap),
-            "exact_mean_gap": ("nearly_complete_load", exact_gap),
+            "contact_radius": ("small_load", radius, exact_radius),
+            "mean_gap": ("nearly_complete_load", gap, exact_gap),
         },
-        coords={"small_load": small, "nearly_complete_load": nearly_complete},
-        attrs={"grid_points": points},
+        points,
+        {"small_load": small, "nearly_complete_load": nearly_complete},
     )
+
+
+def _dataset(pairs: dict[str, Any], points: int, coordinates: dict[str, Any]) -> xr.Dataset:
+    """Dataset of ``solved_`` and ``exact_`` values from the dimensions and both arrays of each quantity."""
+    variables: dict[str, Any] = {}
+    for name, (along, solved, exact) in pairs.items():
+        variables |= {f"solved_{name}": (along, solved), f"exact_{name}": (along, exact)}
+    return xr.Dataset(variables, coordinates, {"grid_points": points})

@@ -125,35 +125,25 @@ def _reference(qx: Array, qy: Array, nu: float, depths: Array) -> tuple[list[Any
 
 
 def compliance_error(values: Array, true: Sequence[Any]) -> Array:
-    """Largest error of the entries of every mode, each relative to √(G_ii G_jj), (modes,)."""
+    """Largest error of the entries of every mode, (modes,), relative to √(G_ii G_jj); NaN if not finite."""
     out = np.full(len(true), np.nan)
     for n, (matrix, exact) in enumerate(zip(values, true, strict=True)):
-        if not np.all(np.isfinite(matrix)):
-            continue
-        size = [mp.sqrt(abs(exact[i, i])) for i in range(6)]
-        out[n] = max(
-            float(abs(complex(matrix[i, j]) - exact[i, j]) / (size[i] * size[j]))
-            for i in range(6)
-            for j in range(6)
-        )
+        size = [mp.sqrt(abs(entry)) for entry in np.diag(exact)]
+        if np.all(np.isfinite(matrix)):
+            out[n] = np.max(abs(matrix.astype(complex) - exact) / np.outer(size, size))
     return out
 
 
 def _stress_error(values: Array, true: Sequence[Sequence[Any]], decay: Array) -> Array:
-    """Largest error over all depths of every mode, (modes,).
+    """Largest error over all depths of every mode, (modes,); NaN if not finite.
 
     The error at a depth is relative to the largest component there and divided by 1 + q · depth, `decay`.
     """
     out = np.full(len(true), np.nan)
-    for n, (levels, exact_levels, d) in enumerate(zip(values, true, decay, strict=True)):
-        if not np.all(np.isfinite(levels)):
-            continue
-        errors = []
-        for level, exact, deep in zip(levels, exact_levels, d, strict=True):
-            size = max(abs(e) for e in exact)
-            largest = max(abs(complex(v) - e) for v, e in zip(level, exact, strict=True))
-            errors.append(float(largest / size) / (1 + deep))
-        out[n] = max(errors)
+    for n, (levels, exact) in enumerate(zip(values, true, strict=True)):
+        if np.all(np.isfinite(levels)):
+            error, size = abs(levels.astype(complex) - np.array(exact)), np.max(np.abs(exact), axis=1)
+            out[n] = np.max((np.max(error, axis=1) / size).astype(float) / (1 + decay[n]))
     return out
 
 
