@@ -20,8 +20,6 @@ SETTINGS = {
     "elements": {"elements": (20, 16), "points": 256},
     "punch": {"points": 256, "samples": 5},
     "elliptic_contacts": {"points": 88},
-    "edge_tension": {"points": 256},
-    "layer_indentation": {"points": 400},
     "wave_asymptotes": {"points": 256},
 }
 """Settings other than the defaults; those of the paper take longer."""
