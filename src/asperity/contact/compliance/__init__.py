@@ -5,12 +5,12 @@ from __future__ import annotations
 from numpy.typing import DTypeLike
 
 from asperity.contact.compliance.free_response import FreeResponse
-from asperity.contact.compliance.response import PeriodicResponse, Response
+from asperity.contact.compliance.response import Response
 from asperity.core.arguments import choice
 from asperity.elasticity.two_bodies import Solid
 from asperity.fourier.grid import Grid
 
-RESPONSES: dict[str, type[Response]] = {"periodic": PeriodicResponse, "free": FreeResponse}
+RESPONSES: dict[str, type[Response]] = {"periodic": Response, "free": FreeResponse}
 
 
 def response_on(

@@ -6,7 +6,7 @@ middle; see `asperity.elasticity.loaded_rectangle`. Far from the map the displac
 
 from __future__ import annotations
 
-from typing import cast
+from functools import cached_property
 
 import numpy as np
 
@@ -19,7 +19,7 @@ from asperity.elasticity.loaded_rectangle import (
     rectangle_compliance,
     slope_modes,
 )
-from asperity.fourier.grid import Fourier, Grid
+from asperity.fourier.grid import Grid
 
 
 class FreeResponse(Response):
@@ -29,9 +29,13 @@ class FreeResponse(Response):
     repeats = False
     transforms = PaddedFourier
 
-    def _half_modes(self) -> Array:
-        rows = self.mode_grid.shape[0] // 2 + 1
-        return compliance_modes(self.grid, self.solid.effective_modulus)[:rows].astype(self.fourier.real)
+    @cached_property
+    def half_compliance(self) -> Array:
+        return self.compliance[: self.mode_grid.shape[0] // 2 + 1].astype(self.fourier.real)
+
+    @property
+    def compliance(self) -> Array:
+        return compliance_modes(self.grid, self.solid.effective_modulus)
 
     @property
     def mode_grid(self) -> Grid:
@@ -43,9 +47,9 @@ class FreeResponse(Response):
         """The displacement in the middle of the map."""
         return rectangle_compliance(0.0, 0.0, self.grid.length, self.solid.effective_modulus).item()
 
-    def on_cells(self, cells: Grid) -> tuple[Fourier, Array]:
-        fourier = Fourier(padded_grid(cells), np.float32, 1, self.fourier.work)
-        return fourier, compliance_modes(cells, self.solid.effective_modulus)
+    @property
+    def omitted_compliance(self) -> float:
+        return 0.0
 
     def coarsened(self, height: Array, shape: tuple[int, int]) -> tuple[Response, Array]:
         """The surface is averaged over pairs of nodes; a last node without a partner counts twice."""
@@ -54,9 +58,7 @@ class FreeResponse(Response):
             if shape[axis] < height.shape[axis]:
                 length[axis] = 2 * shape[axis] * spacing[axis]
                 height = _averaged(height, axis)
-        outer = self.fourier
-        grid = Grid(shape, cast(tuple[float, float], tuple(length)))
-        return FreeResponse(self.solid, PaddedFourier(grid, outer.real, outer.threads, outer.work)), height
+        return self.on_grid(Grid(shape, (length[0], length[1]))), height
 
     def interpolated(self, field: Array, finer: Response) -> Array:
         """Linear interpolation."""

@@ -1,6 +1,6 @@
 """Displacement of the surface of a solid under any pressure, with a periodic boundary.
 
-The solvers know the solid only as a `Response`. `PeriodicResponse` repeats the map in both directions, in
+The solvers know the solid only as a `Response`, which repeats the map in both directions; in
 `asperity.contact.compliance.free_response` nothing surrounds it. In both, displacement is the product of the
 Fourier coefficients of the pressure with real factors, so that the solvers are the same; what differs is
 gathered in these classes.
@@ -8,7 +8,6 @@ gathered in these classes.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from functools import cached_property
 from typing import Any, ClassVar, Self
 
@@ -23,8 +22,11 @@ from asperity.elasticity.two_bodies import Solid
 from asperity.fourier.grid import Fourier, Grid, gradient, resample
 
 
-class Response(ABC):
-    """Downward displacement of the surface under any pressure, on one grid.
+class Response:
+    """Downward displacement of the surface under any pressure that repeats with the cell.
+
+    The convolution with the periodic Green's function is a product in Fourier space (Stanley & Kato 1997,
+    10.1115/1.2833523; Campañá & Müser 2006, 10.1103/PhysRevB.74.075420).
 
     Parameters
     ----------
@@ -47,8 +49,8 @@ class Response(ABC):
         Transforms of the fields.
     """
 
-    boundary: ClassVar[str]
-    repeats: ClassVar[bool]
+    boundary: ClassVar[str] = "periodic"
+    repeats: ClassVar[bool] = True
     transforms: ClassVar[type[Fourier]] = Fourier
 
     def __init__(
@@ -60,6 +62,30 @@ class Response(ABC):
         self.grid = fourier.grid
         if half_compliance is not None:
             self.half_compliance = half_compliance
+
+    @classmethod
+    def on(
+        cls,
+        solid: Solid,
+        grid: Grid,
+        dtype: DTypeLike = "float64",
+        threads: int = 1,
+        omits_mean: bool = False,
+    ) -> Self:
+        """Response of a solid on a grid, with a precision and a number of threads."""
+        return cls(solid, cls.transforms(grid, dtype, threads), omits_mean)
+
+    def on_grid(self, grid: Grid) -> Self:
+        """Response of the same solid on another grid; transforms are counted together."""
+        outer = self.fourier
+        fourier = self.transforms(grid, outer.real, outer.threads, outer.work)
+        return type(self)(self.solid, fourier, self.omits_mean)
+
+    def in_precision(self, dtype: DTypeLike) -> Self:
+        """The same response for fields in another precision."""
+        outer = self.fourier
+        fourier = self.transforms(outer.grid, dtype, outer.threads, outer.work)
+        return type(self)(self.solid, fourier, self.omits_mean, self.half_compliance.astype(fourier.real))
 
     @property
     def nodal_compliance(self) -> float:
@@ -77,12 +103,30 @@ class Response(ABC):
     @cached_property
     def half_compliance(self) -> Array:
         """Real factors that turn coefficients of a pressure, ky ≥ 0, into those of its displacement."""
-        return self._half_modes()
+        modes = np.empty((self.grid.shape[0] // 2 + 1, self.grid.shape[1] // 2 + 1), self.fourier.real)
+
+        def fill(strip: slice) -> None:
+            modes[strip] = self.solid.half_grid_surface_compliance(self.grid, modes.dtype, strip)
+
+        in_strips(fill, modes.shape, self.fourier.threads)
+        if self.omits_mean:
+            modes[0, 0] = 0
+        return modes
 
     @property
     def compliance(self) -> Array:
         """Factors of all coefficients."""
         return mirror_rows(self.half_compliance, self.mode_grid)
+
+    @property
+    def uniform_compliance(self) -> float:
+        """Largest displacement per unit of a pressure on the whole map; 0 where it is not defined."""
+        return 0.0 if self.omits_mean else self.solid.uniform_compliance()
+
+    @property
+    def omitted_compliance(self) -> float:
+        """Mean displacement per unit of the mean pressure that is left out."""
+        return self.solid.uniform_compliance() if self.omits_mean else 0.0
 
     @cached_property
     def _coefficients(self) -> Array:
@@ -94,107 +138,27 @@ class Response(ABC):
         multiply(self._coefficients, self.half_compliance, self.fourier.threads)
         return self.fourier.inverse(self._coefficients, out, overwrite=True)
 
-    def in_precision(self, dtype: DTypeLike) -> Self:
-        """The same response for fields in another precision."""
-        outer = self.fourier
-        fourier = type(outer)(outer.grid, dtype, outer.threads, outer.work)
-        return type(self)(self.solid, fourier, self.omits_mean, self.half_compliance.astype(fourier.real))
-
-    @classmethod
-    def on(
-        cls,
-        solid: Solid,
-        grid: Grid,
-        dtype: DTypeLike = "float64",
-        threads: int = 1,
-        omits_mean: bool = False,
-    ) -> Self:
-        """Response of a solid on a grid, with a precision and a number of threads."""
-        return cls(solid, cls.transforms(grid, dtype, threads), omits_mean)
-
-    @abstractmethod
-    def _half_modes(self) -> Array:
-        """Factors of the coefficients with ky ≥ 0."""
-
-    @property
-    @abstractmethod
-    def uniform_compliance(self) -> float:
-        """Largest displacement per unit of a pressure on the whole map; 0 where it is not defined."""
-
-    @property
-    def omitted_compliance(self) -> float:
-        """Mean displacement per unit of the mean pressure that is left out."""
-        return 0.0
-
-    @abstractmethod
     def on_cells(self, cells: Grid) -> tuple[Fourier, Array]:
         """Transforms on one thread, and factors in double precision, for fields on coarse cells of the map.
 
         The grid of the transforms may be larger than that of the cells; fields are zero there.
         """
-
-    @abstractmethod
-    def coarsened(self, height: Array, shape: tuple[int, int]) -> tuple[Response, Array]:
-        """The response and the surface on a grid of half the nodes, along one or both axes."""
-
-    @abstractmethod
-    def interpolated(self, field: Array, finer: Response) -> Array:
-        """A field interpolated on a finer grid, of which this one was made by `coarsened`."""
-
-    @abstractmethod
-    def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
-        """∂u/∂y and ∂u/∂x of the surface under a pressure, of which the displacement is known."""
-
-
-class PeriodicResponse(Response):
-    """Response to a pressure that repeats with the cell.
-
-    The convolution with the periodic Green's function is a product in Fourier space (Stanley & Kato 1997,
-    10.1115/1.2833523; Campañá & Müser 2006, 10.1103/PhysRevB.74.075420).
-    """
-
-    boundary = "periodic"
-    repeats = True
-
-    def _half_modes(self) -> Array:
-        rows, columns = self.grid.shape[0] // 2 + 1, self.grid.shape[1] // 2 + 1
-        modes = np.empty((rows, columns), self.fourier.real)
-
-        def fill(strip: slice) -> None:
-            modes[strip] = self.solid.half_grid_surface_compliance(self.grid, modes.dtype, strip)
-
-        in_strips(fill, modes.shape, self.fourier.threads)
-        if self.omits_mean:
-            modes[0, 0] = 0
-        return modes
-
-    @property
-    def uniform_compliance(self) -> float:
-        return 0.0 if self.omits_mean else self.solid.uniform_compliance()
-
-    @property
-    def omitted_compliance(self) -> float:
-        return self.solid.uniform_compliance() if self.omits_mean else 0.0
-
-    def on_cells(self, cells: Grid) -> tuple[Fourier, Array]:
-        response = PeriodicResponse.on(self.solid, cells, omits_mean=self.omits_mean)
-        return Fourier(cells, np.float32, 1, self.fourier.work), response.compliance
+        response = type(self).on(self.solid, cells, omits_mean=self.omits_mean)
+        return Fourier(response.mode_grid, np.float32, 1, self.fourier.work), response.compliance
 
     def coarsened(self, height: Array, shape: tuple[int, int]) -> tuple[Response, Array]:
-        """The surface is truncated in Fourier space."""
-        outer, grid = self.fourier, Grid(shape, self.grid.length)
-        fourier = Fourier(grid, outer.real, outer.threads, outer.work)
-        coefficients = resample(outer.forward(height), self.grid, grid)
-        coarser = PeriodicResponse(self.solid, fourier, self.omits_mean)
-        return coarser, fourier.inverse(coefficients, overwrite=True)
+        """The response and the surface, truncated in Fourier space, on a grid of half the nodes."""
+        coarser = self.on_grid(Grid(shape, self.grid.length))
+        coefficients = resample(self.fourier.forward(height), self.grid, coarser.grid)
+        return coarser, coarser.fourier.inverse(coefficients, overwrite=True)
 
     def interpolated(self, field: Array, finer: Response) -> Array:
-        """The Fourier interpolant."""
+        """The Fourier interpolant of a field on a finer grid, of which this one was made by `coarsened`."""
         coefficients = resample(self.fourier.forward(field), self.grid, finer.grid)
         return finer.fourier.inverse(coefficients, overwrite=True)
 
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
-        """By spectral differentiation of the displacement."""
+        """∂u/∂y and ∂u/∂x of the surface by spectral differentiation of the displacement."""
         return gradient(self.fourier.forward(displacement), self.fourier)
 
 
