@@ -152,7 +152,7 @@ def extended(
     up = MAX_LOAD_CHANGE * load / slope
     down = 0.999 * load / slope if converged else up
     near_nodes = Entering.after(iterate, system, correction, unit * up)
-    rate = 1 - system.operators.displacement_at(near_nodes.nodes, tangent.pressure)
+    rate = 1 - system.operators.displacement(tangent.pressure, near_nodes.nodes)
     edges = np.concatenate(
         (
             _divided(-near_nodes.overlap, rate, np.inf),

@@ -26,12 +26,11 @@ import numpy as np
 from asperity.contact.compliance.inner_response import InnerResponse
 from asperity.contact.compliance.preconditioner import NodePreconditioner, Preconditioner
 from asperity.contact.compliance.response import Response
-from asperity.contact.compliance.stencil import RowNodes, StencilProduct
+from asperity.contact.compliance.stencil import StencilProduct
 from asperity.contact.compliance.vectors import add_multiple, added, dot
 from asperity.core.compiled import compiled, sums
 from asperity.core.parallel import apply, total
 from asperity.core.types import Array
-from asperity.fourier.grid import Grid
 
 # An inner solve ends when the preconditioned norm of its residual has dropped by this factor, or after so
 # many iterations. It is short, because the set of contact nodes still changes.
@@ -102,23 +101,17 @@ class Operators:
         Their sum.
     """
 
-    def __init__(self, nodes: Array, grid: Grid, response: InnerResponse, whole: Preconditioner) -> None:
+    def __init__(self, nodes: Array, response: InnerResponse, whole: Preconditioner) -> None:
         self.nodes = nodes
-        self._grid, self._response = grid, response
-        self._rows = RowNodes.of(nodes, grid)
-        self._indices = response.indices(self._rows)
-        self.precondition = NodePreconditioner(whole, self._rows)
+        self._response = response
+        self._indices = response.indices(nodes)
+        self.precondition = NodePreconditioner(whole, nodes)
         self.uniform = self.precondition.uniform
         self.uniform_sum = total(added, whole.threads, self.uniform)
 
-    def displacement(self, pressure: Array) -> Array:
-        """Displacement of the contact nodes under pressures on them."""
-        return self._response.displacement(pressure, self._rows, self._indices)
-
-    def displacement_at(self, nodes: Array, pressure: Array) -> Array:
-        """Displacement of other nodes, given by their sorted indices."""
-        at = RowNodes.of(nodes, self._grid)
-        return self._response.displacement(pressure, self._rows, self._indices, at)
+    def displacement(self, pressure: Array, at: Array | None = None) -> Array:
+        """Displacement under pressures on the contact nodes, of these or of others given by their indices."""
+        return self._response.displacement(pressure, self.nodes, self._indices, at)
 
 
 class InnerSolver:
@@ -131,11 +124,7 @@ class InnerSolver:
     """
 
     def __init__(self, response: Response) -> None:
-        self._grid, self._unit, self._threads = (
-            response.grid,
-            response.nodal_compliance,
-            response.fourier.threads,
-        )
+        self._unit, self._threads = response.nodal_compliance, response.fourier.threads
         products = StencilProduct(response.grid, response.repeats, self._threads)
         self._response = InnerResponse(response, products)
         self._preconditioner = Preconditioner(response, products)
@@ -145,7 +134,7 @@ class InnerSolver:
         """Operators on contact nodes; those before if the nodes are the same."""
         if before is not None and np.array_equal(nodes, before.nodes):
             return before
-        return Operators(nodes, self._grid, self._response, self._preconditioner)
+        return Operators(nodes, self._response, self._preconditioner)
 
     def solve_uniform(self, operators: Operators, drop: float = RESIDUAL_DROP) -> Correction:
         """Correction that answers a uniform overlap of the contact nodes at a given approach."""

@@ -24,7 +24,7 @@ import numpy as np
 
 from asperity.contact.compliance import coarse_nodes, stencil
 from asperity.contact.compliance.response import Response, multiply
-from asperity.contact.compliance.stencil import RowNodes, StencilProduct, whole_stencil
+from asperity.contact.compliance.stencil import StencilProduct, whole_stencil
 from asperity.contact.compliance.vectors import scatter
 from asperity.core.parallel import in_parts, in_strips
 from asperity.core.types import Array
@@ -68,42 +68,43 @@ class InnerResponse:
             single = response.fourier.real == np.float32
             self._response = response if single else response.in_precision("float32")
 
-    def indices(self, nodes: RowNodes) -> Array | None:
+    def indices(self, nodes: Array) -> Array | None:
         """Indices of nodes among the coarse-grid nodes, which `displacement` needs."""
-        return None if self._far is None else self._far.indices(nodes.nodes)
+        return None if self._far is None else self._far.indices(nodes)
 
     def displacement(
         self,
         pressure: Array,
-        nodes: RowNodes,
+        nodes: Array,
         indices: Array | None,
-        at: RowNodes | None = None,
+        at: Array | None = None,
     ) -> Array:
         """Displacements under pressures on nodes, at these nodes or at others.
 
         Parameters
         ----------
         pressure : (count,) array
-        nodes : RowNodes
+        nodes : (count,) array of unsigned integers
+            Sorted indices in the flattened map.
         indices : array or None
             From `indices`.
-        at : RowNodes, optional
+        at : array, optional
         """
         if self._far is None:
-            return self._of_all_nodes(pressure, nodes).reshape(-1)[(at or nodes).nodes]
+            return self._of_all_nodes(pressure, nodes).reshape(-1)[nodes if at is None else at]
         far = self._far
         out = self._products(
             self._stencil, nodes, pressure, at, meanwhile=lambda: far.restrict(pressure, indices)
         )
         far.convolve()
-        far.add(out, indices if at is None else far.indices(at.nodes))
+        far.add(out, indices if at is None else far.indices(at))
         return out
 
-    def _of_all_nodes(self, pressure: Array, nodes: RowNodes) -> Array:
+    def _of_all_nodes(self, pressure: Array, nodes: Array) -> Array:
         """Displacement [y, x] of all nodes, to single precision."""
         assert self._response is not None
         field = np.empty(self._grid.shape, np.float32)
-        scatter(field.reshape(-1), nodes.nodes, pressure, 0)
+        scatter(field.reshape(-1), nodes, pressure, 0)
         self._response.displacement(field, field)
         field *= np.float32(1 / self._unit)
         return field

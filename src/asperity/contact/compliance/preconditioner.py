@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from asperity.contact.compliance.response import Response, multiply_rows
-from asperity.contact.compliance.stencil import RADIUS, RowNodes, StencilProduct, whole_stencil
+from asperity.contact.compliance.stencil import RADIUS, StencilProduct, whole_stencil
 from asperity.contact.compliance.vectors import add_multiple, dot, row_plus_column
 from asperity.core.compiled import compiled, sums
 from asperity.core.parallel import in_parts
@@ -86,7 +86,8 @@ class NodePreconditioner:
     Parameters
     ----------
     whole : Preconditioner
-    nodes : RowNodes
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened map.
 
     Attributes
     ----------
@@ -94,13 +95,13 @@ class NodePreconditioner:
         Pressures M 1 that approximately remove a residual of one on every contact node.
     """
 
-    def __init__(self, whole: Preconditioner, nodes: RowNodes) -> None:
+    def __init__(self, whole: Preconditioner, nodes: Array) -> None:
         self._whole, self._nodes = whole, nodes
         grid, cells = whole.grid, whole.cells
         row, column = (np.arange(n) * m // n for n, m in zip(grid.shape, cells.shape, strict=True))
         of_row, of_column = (row * cells.shape[1]).astype(np.uint32), column.astype(np.uint32)
-        self._cell = row_plus_column(nodes.nodes, of_row, of_column, whole.threads)
-        ones = np.ones(nodes.nodes.size, np.float32)
+        self._cell = row_plus_column(nodes, of_row, of_column, whole.threads)
+        ones = np.ones(nodes.size, np.float32)
         self._weight = whole.products(whole.stencil, nodes, ones)
         cell_weight = self._sums_in_cells(ones)
         sigma = cell_weight * (cells.size / grid.size)

@@ -8,7 +8,6 @@ The weights of a stencil are symmetric, and may differ between even and odd rows
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -33,28 +32,6 @@ _STRIP = 2**17
 _LEAST_ROWS = 16
 
 
-@dataclass(frozen=True)
-class RowNodes:
-    """Some nodes of a map, row by row.
-
-    Attributes
-    ----------
-    nodes : (count,) array of unsigned integers
-        Sorted indices in the flattened map.
-    first : (ny + 1,) array
-        Index in `nodes` of the first node of each row, and their number at the end.
-    """
-
-    nodes: Array
-    first: Array
-
-    @classmethod
-    def of(cls, nodes: Array, grid: Grid) -> RowNodes:
-        """Sorted indices of nodes, sorted into the rows of a grid."""
-        ny, nx = grid.shape
-        return cls(nodes, np.searchsorted(nodes, (np.arange(ny + 1) * nx).astype(nodes.dtype)))
-
-
 class StencilProduct:
     """Products of stencils with values on some nodes of a map.
 
@@ -72,13 +49,14 @@ class StencilProduct:
         width = nx + 2 * RADIUS
         self._strip_shape = min(ny, max(_LEAST_ROWS, _STRIP // width)) + 2 * RADIUS, width
         self._strips: list[Array] = []
+        self._rows = (np.arange(ny + 1) * nx).astype(np.uint32)
 
     def __call__(
         self,
         stencil: Array,
-        nodes: RowNodes,
+        nodes: Array,
         values: Array,
-        at: RowNodes | None = None,
+        at: Array | None = None,
         meanwhile: Callable[[], object] | None = None,
     ) -> Array:
         """Product of a stencil with values on nodes, at these nodes or at others.
@@ -87,23 +65,27 @@ class StencilProduct:
         ----------
         stencil : array
             From `whole_stencil`.
-        nodes : RowNodes
+        nodes : (count,) array of unsigned integers
+            Sorted indices in the flattened map.
         values : (count,) array
-        at : RowNodes, optional
+        at : array, optional
+            Sorted indices of the other nodes.
         meanwhile : callable, optional
             Called without arguments by one of the threads, at the same time.
         """
-        at = at or nodes
-        out = np.empty(at.nodes.size, np.float32)
+        others = nodes if at is None else at
+        out = np.empty(others.size, np.float32)
+        # The first node of each row, and the number of nodes at the end.
+        first, first_other = (np.searchsorted(some, self._rows) for some in (nodes, others))
 
         def apply(part: slice) -> None:
-            begin, end = np.searchsorted(at.first[:-1], (part.start, part.stop))
+            begin, end = np.searchsorted(first_other[:-1], (part.start, part.stop))
             try:
                 strip = self._strips.pop()
             except IndexError:
                 strip = self._new_strip()
-            known = strip, nodes.nodes, nodes.first, values, self._shape, self._repeats, stencil
-            _apply_in_strips(*known, begin, end, at.nodes, at.first, out)
+            known = strip, nodes, first, values, self._shape, self._repeats, stencil
+            _apply_in_strips(*known, begin, end, others, first_other, out)
             self._strips.append(strip)
 
         in_parts(apply, out.size, self._threads, meanwhile=meanwhile)
