@@ -36,6 +36,7 @@ from asperity.contact.problem import Control, ConvergenceProgress, Problem, Stat
 from asperity.core.compiled import compiled
 from asperity.core.errors import ConvergenceError
 from asperity.core.types import Array, Progress
+from asperity.fourier.grid import mean_square
 
 # Time step, as a fraction of the stability limit.
 TIME_STEP_FRACTION = 0.9
@@ -275,14 +276,9 @@ def _first_load(problem: Problem, control: Control, initial: Array | None) -> fl
         return 0.0
     # The area fraction of small loads is about two times load / (E* × rms gradient).
     # A flat surface has no gradient, and is in full contact under any load.
-    return 0.5 * control.value * problem.response.solid.effective_modulus * (_rms_gradient(problem) or 1e-3)
-
-
-def _rms_gradient(problem: Problem) -> float:
-    """Root-mean-square gradient of the surface."""
-    coefficients = problem.fourier.forward(problem.height)
-    power = np.abs(coefficients) ** 2 * problem.grid.wavenumber() ** 2
-    return float(np.sqrt(np.sum(power @ problem.grid.multiplicity)))
+    coefficients, grid = problem.fourier.forward(problem.height), problem.grid
+    rms_gradient = math.sqrt(mean_square(coefficients, grid, grid.wavenumber() ** 2))
+    return 0.5 * control.value * problem.response.solid.effective_modulus * (rms_gradient or 1e-3)
 
 
 @compiled

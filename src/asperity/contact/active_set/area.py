@@ -152,7 +152,7 @@ def extended(
     up = MAX_LOAD_CHANGE * load / slope
     down = 0.999 * load / slope if converged else up
     near_nodes = Entering.after(iterate, system, correction, unit * up)
-    rate = 1 - system.operators.displacement(tangent.pressure, near_nodes.nodes)
+    rate = 1 - system.linear.operators.displacement(tangent.pressure, near_nodes.nodes)
     edges = np.concatenate(
         (
             _divided(-near_nodes.overlap, rate, np.inf),
@@ -186,7 +186,7 @@ def _tangent(iterate: Iterate, system: ContactSystem, inner: InnerSolver) -> Cor
     nodes = iterate.nodes
     if nodes.size == iterate.problem.grid.size and iterate.problem.response.uniform_compliance == 0:
         return Correction(np.ones(nodes.size, np.float32), np.zeros(nodes.size, np.float32), 0.0, 0)
-    found = inner.solve_uniform(system.operators, TANGENT_DROP)
+    found = inner.solve_uniform(system.linear.operators, TANGENT_DROP)
     return Correction(found.pressure, found.displacement, 1.0, found.iterations)
 
 

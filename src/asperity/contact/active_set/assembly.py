@@ -14,7 +14,7 @@ counts with penetration / nodal compliance. Two lower bounds hold it up:
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -38,11 +38,13 @@ ROUNDING_FRACTION = 0.1
 
 
 @dataclass(frozen=True)
-class ContactSystem(System):
+class ContactSystem:
     """The system of an iterate, and the error of its pressure.
 
     Attributes
     ----------
+    linear : System
+        For the correction of the pressure.
     approach : float
         Imposed, or the one for which the first correction leaves the load as it is.
     error, rounding : float
@@ -53,12 +55,13 @@ class ContactSystem(System):
         These nodes, and their gaps h + u.
     """
 
+    linear: System
     approach: float
     error: float
     rounding: float
     level: float
-    free_nodes: Array = field(repr=False)
-    free_gap: Array = field(repr=False)
+    free_nodes: Array
+    free_gap: Array
 
 
 class Assembler:
@@ -93,15 +96,7 @@ class Assembler:
         level = approach + 1.25 * unit * max(0.0, -float(residual.min(initial=0)))
         nodes, free_gap = iterate.free_nodes_below(level)
         error, rounding = self._error(iterate, system, free_gap, approach)
-        return ContactSystem(
-            **vars(system),
-            approach=approach,
-            error=error,
-            rounding=rounding,
-            level=level,
-            free_nodes=nodes,
-            free_gap=free_gap,
-        )
+        return ContactSystem(system, approach, error, rounding, level, nodes, free_gap)
 
     def _error(
         self, iterate: Iterate, system: System, free_gap: Array, approach: float

@@ -35,9 +35,9 @@ def balanced(
     nodes, unit = iterate.nodes, iterate.problem.unit
     uniform = _displacement(iterate, np.ones(nodes.size))
     compliance = float(uniform[nodes].sum(dtype=float))
-    if MAX_STIFFNESS_RATIO * compliance * system.operators.uniform_sum > nodes.size**2:
+    if MAX_STIFFNESS_RATIO * compliance * system.linear.operators.uniform_sum > nodes.size**2:
         return None, 1
-    correction = inner.solve_uniform(system.operators, drop=2e-3)
+    correction = inner.solve_uniform(system.linear.operators, drop=2e-3)
     direction = correction.pressure.astype(iterate.pressure.dtype)
     response = _displacement(iterate, direction)
     work = 2 + correction.iterations

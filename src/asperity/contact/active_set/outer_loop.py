@@ -123,7 +123,7 @@ def iterate_on(
     for steps in range(1, rule.max_steps + 1):
         iterate = iterate.without_free_nodes()
         system = assembler.assemble(iterate, control, operators)
-        operators = system.operators
+        operators = system.linear.operators
         report(system.error)
         rounded = rule.rounding_suffices and system.error <= system.rounding
         converged = problem is last and (rounded or system.error <= rule.tolerance)
@@ -147,7 +147,7 @@ def iterate_on(
             without_progress += 1
         if without_progress > MAX_STEPS_WITHOUT_PROGRESS or steps == rule.max_steps:
             break
-        correction = inner.solve(system, _residual_drop(system.error, rule.tolerance))
+        correction = inner.solve(system.linear, _residual_drop(system.error, rule.tolerance))
         entering, load = Entering.after(iterate, system, correction), iterate.load
         extension = None
         if area is not None:

@@ -66,7 +66,7 @@ class Entering:
             nodes, gap = iterate.free_nodes_below(level)
         overlap = np.empty(gap.size, np.float32)
         write_overlap(gap, approach, unit, overlap)
-        overlap -= system.operators.displacement(correction.pressure, nodes)
+        overlap -= system.linear.operators.displacement(correction.pressure, nodes)
         return cls(nodes, gap, overlap)
 
 
