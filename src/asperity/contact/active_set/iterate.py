@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,7 +11,7 @@ import numpy as np
 from asperity.contact.compliance.vectors import added, scatter
 from asperity.contact.problem import Control, Problem
 from asperity.core.compiled import compiled, makes_arrays
-from asperity.core.parallel import apply, in_parts, total
+from asperity.core.parallel import STRIP, apply, in_parts, results_of, total
 from asperity.core.types import Array
 
 
@@ -75,12 +76,13 @@ class Iterate:
         height, displacement = self.problem.height.reshape(-1), self.displacement.reshape(-1)
         bound = height.dtype.type(level)
 
-        def found_in(part: slice) -> tuple[Array, Array]:
+        def found_in(start: int) -> tuple[Array, Array]:
+            part = slice(start, start + STRIP)
             contact_nodes = self.nodes[_within(self.nodes, part)]
-            return _free_below(height[part], displacement[part], contact_nodes, part.start, bound)
+            return _free_below(height[part], displacement[part], contact_nodes, start, bound)
 
-        found = in_parts(found_in, height.size, self.problem.fourier.threads)
-        nodes, gaps = zip(*found, strict=True)
+        tasks = [partial(found_in, start) for start in range(0, height.size, STRIP)]
+        nodes, gaps = zip(*results_of(tasks, self.problem.fourier.threads), strict=True)
         return np.concatenate(nodes), np.concatenate(gaps)
 
     def pressure_field(self) -> Array:
@@ -168,19 +170,14 @@ def _subtract_gap(height: Any, approach: Any, stiffness: Any, pressure: Any) -> 
 @makes_arrays
 def _free_below(height: Any, displacement: Any, contact_nodes: Any, start: int, level: Any) -> Any:
     """Nodes of a part of a field that are out of contact and below a level, and their gaps h + u."""
-    count = 0
-    for i in range(height.size):
-        count += height[i] + displacement[i] < level
-    for k in range(contact_nodes.size):
-        i = contact_nodes[k] - start
-        count -= height[i] + displacement[i] < level
-    nodes, gap = np.empty(count, np.uint32), np.empty(count, height.dtype)
+    nodes, gaps = np.empty(height.size, np.uint32), np.empty(height.size, height.dtype)
     found, k = 0, 0
     for i in range(height.size):
-        if height[i] + displacement[i] < level:
+        gap = height[i] + displacement[i]
+        if gap < level:
             while k < contact_nodes.size and contact_nodes[k] < start + i:
                 k += 1
             if k == contact_nodes.size or contact_nodes[k] != start + i:
-                nodes[found], gap[found] = start + i, height[i] + displacement[i]
+                nodes[found], gaps[found] = start + i, gap
                 found += 1
-    return nodes, gap
+    return nodes[:found].copy(), gaps[:found].copy()
