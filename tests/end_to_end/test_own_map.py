@@ -6,7 +6,6 @@ The examples of the pages for users run as they stand.
 import re
 import shlex
 import shutil
-from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 
 import numpy as np
@@ -24,28 +23,6 @@ DATA = ROOT / "tests/data"
 OWN_MAP = (ROOT / "docs/own_map.md").read_text(encoding="utf-8")
 OWN_STUDY = (ROOT / "docs/own_study.md").read_text(encoding="utf-8")
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-
-
-def loaded(path):
-    spec = spec_from_file_location(path.stem, path)
-    module = module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-benchmark = loaded(ROOT / "benchmarks/own_map.py")
-
-
-@pytest.fixture(scope="module")
-def reference():
-    return benchmark.answer_in_python("steel.x3p")
-
-
-@pytest.mark.parametrize("name", benchmark.FILES[1:])
-def test_every_family_of_files_gives_the_same_answer(name, reference):
-    # steel.npy holds heights in single precision.
-    tolerance = 1e-6 if name == "steel.npy" else 1e-9
-    assert benchmark.answer_in_python(name) == pytest.approx(reference, rel=tolerance)
 
 
 @pytest.fixture

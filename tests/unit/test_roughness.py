@@ -46,15 +46,6 @@ def test_the_spectrum_follows_its_power_law_over_an_ensemble():
     assert slope == pytest.approx(-2 * 0.3 - 2, abs=0.05)
 
 
-def test_an_ensemble_is_gaussian():
-    """40 samples of about 800 independent waves each."""
-    measures = [
-        roughness_parameters(self_affine((128, 128), 0.2, 1 / 4, 1 / 32, 0.01, seed)) for seed in range(40)
-    ]
-    assert np.mean([m.kurtosis for m in measures]) == pytest.approx(3, abs=0.05)
-    assert np.mean([m.skewness for m in measures]) == pytest.approx(0, abs=0.05)
-
-
 def test_roughness_parameters_of_a_wave():
     grid = Grid((32, 48), (2.0, 3.0))
     _, x = grid.coordinates()
