@@ -475,14 +475,16 @@ def try_config(config):
 
 @st.composite
 def map_files(draw):
-    """A map file with some of its bytes or words replaced, and its suffix."""
-    content = bytearray(MAP)
+    """A map file of one of the families with some of its bytes or words replaced, and its suffix."""
+    path = draw(st.none() | st.sampled_from(sorted(bad_input.DATA.glob("steel*.*"))))
+    content = bytearray(MAP if path is None else path.read_bytes())
     for _ in range(draw(st.integers(0, 3))):
         start = draw(st.integers(0, len(content)))
         end = start + draw(st.sampled_from([0, 1, 8, 100, 10_000]))
         words = st.sampled_from([b"nan", b"inf", b"1e300", b"\n", b" ", b"#", b"0 m", b"%", b"{", b"\x00"])
         content[start:end] = draw(words | st.binary(max_size=8))
-    return bytes(content), draw(st.sampled_from(["asc", "asc", "asc", "txt", "npy", "x3p", "nc", ""]))
+    suffix = path.suffix[1:] if path else "asc"
+    return bytes(content), draw(st.sampled_from([suffix, suffix, suffix, "txt", "npy", "x3p", "gz", ""]))
 
 
 def try_map(case):

@@ -85,6 +85,7 @@ def test_a_ball_with_nothing_around_it_is_as_hertz_says():
     assert answer.numbers.largest_pressure == pytest.approx(largest, rel=0.01)
     assert answer.numbers.approach == pytest.approx(radius**2 / RADIUS, rel=0.01)
     assert answer.numbers.load_on_edges == pytest.approx(0, abs=1e-6)
+    assert answer.coarse.largest_pressure == pytest.approx(largest, rel=0.05)
 
 
 def test_a_sliding_sphere_is_as_hamilton_and_goodman_say():
@@ -115,6 +116,14 @@ def test_a_sliding_sphere_is_as_hamilton_and_goodman_say():
     # Behind the contact: the traction on the lower body points along y.
     assert found["principal_1"].y - EDGE / 2 == pytest.approx(-radius, rel=0.15)
     assert found["principal_1"].x == pytest.approx(EDGE / 2, abs=1.5 * EDGE / POINTS)
+
+
+def test_each_body_is_stretched_behind_its_contact():
+    """The traction on the upper body is opposite to that on the lower one."""
+    pair = run(a_sphere(), STEEL, STEEL, force=FORCE, friction=0.3, map_options=AS_IT_IS)
+    lower, upper = (pair.bodies[name].largest["principal_1"] for name in ("lower", "upper"))
+    assert lower.x - EDGE / 2 == pytest.approx(-hertz(STEEL, STEEL)[0], rel=0.15)
+    assert upper.x == pytest.approx(EDGE - lower.x, abs=EDGE / POINTS)
 
 
 @pytest.mark.parametrize("axis", ["y", "x"])

@@ -313,6 +313,7 @@ def test_a_file_that_unpacks_to_much_is_refused(tmp_path, name, write, limit, li
     [
         ("array.gwy", b"GWYPGwyContainer\0" + struct.pack("<I", 2**31) + b"/0/data\0D\0\0\0\x40"),
         ("empty.gz", b"\x1f\x8b"),
+        ("broken.x3p", (DATA / "steel.x3p").read_bytes().replace(b"PK\x01\x02", b"PK\x01\x03", 1)),
         ("short.npy", b"\x93NUMPY\x01\x00"),
         ("short.h5", b"\x89HDF\r\n\x1a\n"),
     ],

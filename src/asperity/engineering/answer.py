@@ -15,16 +15,11 @@ from asperity.contact import Contact
 from asperity.core.markup import picture, table
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer_numbers import BodyAnswer, ContactNumbers, Neighbours, Numbers
+from asperity.engineering.body_stress import DIRECTION
 from asperity.engineering.case import CONTROL_UNITS, Body, Case, CounterMap
 from asperity.surface.reading.height_map import MapOptions
 from asperity.surface.treatment.treatment import TreatedMap
 
-LOAD_WORDS = {
-    "mean_pressure": "mean pressure imposed",
-    "force": "force imposed",
-    "approach": "approach imposed",
-    "area_fraction": "real contact area imposed",
-}
 EXTREME_WORDS = {
     "largest_shear": "largest shear stress (Tresca)",
     "principal_1": "largest tensile stress",
@@ -35,9 +30,6 @@ EXTREME_WORDS = {
 
 PEAK_COLUMNS = {"value": "value_Pa", "depth": "depth_m", "y": "y_m", "x": "x_m", "interior": "in_solid"}
 """Name of a property of peaks → its column in the table of peaks."""
-
-COMPRESSIVE = ("principal_3", "hydrostatic")
-"""Fields whose extreme value is shown as a compression."""
 
 
 class Advice(NamedTuple):
@@ -174,17 +166,15 @@ class Answer:
 
 def case_in_words(case: Case) -> str:
     """Bodies and load in one line."""
-    load = case.load
-    value = (
-        f"{100 * load.value:.4g} %"
-        if load.kind == "area_fraction"
-        else shown_si(load.value, CONTROL_UNITS[load.kind])
-    )
+    load, kind = case.load, case.load.kind.replace("_", " ")
+    value = shown_si(load.value, CONTROL_UNITS[load.kind])
+    if load.kind == "area_fraction":
+        kind, value = "real contact area", f"{100 * load.value:.4g} %"
     upper = "a rigid body" if case.upper is None else _material(case.upper)
     direction = case.sliding_direction
     along = direction if isinstance(direction, str) else f"{direction:g}° from x"
     sliding = f", sliding along {along} with friction {case.friction:g}" if case.friction else ""
-    return f"{_material(case.lower)} against {upper}, {LOAD_WORDS[load.kind]}: {value}{sliding}"
+    return f"{_material(case.lower)} against {upper}, {kind} imposed: {value}{sliding}"
 
 
 def body_title(case: Case, name: str) -> str:
@@ -233,7 +223,7 @@ def _body_rows(group: str, body: BodyAnswer) -> list[Row]:
         rows.append(Row(group, f"at {axis}", position, "m", f"{position / factor:.4g} {symbol}"))
     for field, name in EXTREME_WORDS.items():
         found = body.largest[field]
-        value = -found.value if field in COMPRESSIVE else found.value
+        value = DIRECTION[field] * found.value
         depth = f"at depth {shown_si(found.depth, 'm', 4)}" if found.depth else "in the surface"
         shown = f"{shown_si(value, 'Pa', 4)} {depth}" if value > 0 else "none"
         rows.append(Row(group, name, max(value, 0.0), "Pa", shown))

@@ -150,18 +150,18 @@ def _opened(path: str | os.PathLike[str], limit: float) -> Iterator[BinaryIO]:
     with open(path, "rb") as plain:
         file: BinaryIO = plain
         start, size = plain.read(8), os.path.getsize(path)
-        if start.startswith(b"\x1f\x8b"):
-            try:
+        try:
+            if start.startswith(b"\x1f\x8b"):
                 with gzip.open(path) as packed:
                     content = packed.read(int(limit * GIB) + 1)
-            except (OSError, EOFError, zlib.error) as error:
-                raise ValueError(f"a gzip file without damage is needed ({error})") from error
-            file, size = io.BytesIO(content), len(content)
-        elif start in _OLDER_SDF:
-            file = io.BytesIO(_OLDER_SDF[start] + plain.read())
-        if zipfile.is_zipfile(file):
-            with zipfile.ZipFile(file) as archive:
-                size = sum(member.file_size for member in archive.infolist())
+                file, size = io.BytesIO(content), len(content)
+            elif start in _OLDER_SDF:
+                file = io.BytesIO(_OLDER_SDF[start] + plain.read())
+            if zipfile.is_zipfile(file):
+                with zipfile.ZipFile(file) as archive:
+                    size = sum(member.file_size for member in archive.infolist())
+        except (OSError, EOFError, zlib.error, zipfile.BadZipFile) as error:
+            raise ValueError(f"an archive without damage is needed ({error})") from error
         _require_size(size, limit)
         file.seek(0)
         yield file
