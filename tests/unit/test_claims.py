@@ -89,14 +89,6 @@ def test_the_interval_is_that_of_student():
     assert finding.seeds == 3
 
 
-def test_intervals_hold_the_mean_in_95_percent_of_ensembles():
-    draws = np.random.default_rng(0).normal(1.5, 0.2, (2000, 8))
-    inside = [
-        f.interval_low < 1.5 < f.interval_high for f in (judge(claim(values), EMPTY) for values in draws)
-    ]
-    assert np.mean(inside) == pytest.approx(0.95, abs=0.015)  # three standard errors of 2000 draws
-
-
 @pytest.mark.parametrize(("value", "verdict"), [(0.008, HOLDS), (0.0095, UNDECIDED), (0.02, FAILS)])
 def test_a_fixed_number_is_decided_by_its_uncertainty(value, verdict):
     one = Claim("n", "4.2", "s", "q", "one percent", lambda evidence: Fixed(value, 0.001))
@@ -262,6 +254,7 @@ def test_the_nearest_interpretations_tell_verdicts_apart():
     finding = conclude(ANY, [judged(v, lateral=a, peaks=b) for (a, b), v in table.items()])
     assert (finding.verdict, finding.choices) == (DEPENDS, ("peaks",))
     assert [one.verdict for one in finding.shown] == [FAILS, HOLDS]
+    assert frame([finding], 8.0)["verdict"].item() == DEPENDS
     below, surface = "peaks below: 0.5 (0.3 to 0.7) does not hold", "peaks with: 1.5 (1.3 to 1.7) holds"
     assert verdict_in_words(finding) == f"**depends on peaks**: {below}; {surface}"
 
@@ -295,7 +288,7 @@ def test_untestable_claims_can_hold_but_not_fail():
     assert frame_of_interpretations([refuted])["verdict"].item() == UNTESTABLE
 
 
-SEEDS = (1, 2, 3)
+SEEDS = (1, 2)
 INTERPRETATIONS = {
     "lateral": ["confined", "free"],
     "patches": ["every_peak", "highest_of_patch"],
@@ -346,11 +339,6 @@ def test_an_interpretation_is_a_study_with_its_mean_mode(study):
     assert compared > 10
     with pytest.raises(MissingEvidenceError, match="laterally confined"):
         Evidence(by_role(small, large)).under({"lateral": "confined"}).statistics("small_hurst")
-
-
-def test_tractions_do_not_depend_on_the_mean_mode(study):
-    for name in ("same_traction_peaks", "same_area_load", "shear_of_hurst", "finer_contacts"):
-        assert "lateral" not in study[name].claim.choices
 
 
 def test_only_shear_in_the_plane_depends_on_poisson(study):

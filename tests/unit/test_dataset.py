@@ -169,11 +169,6 @@ def flip_a_byte(path):
     path.write_bytes(content)
 
 
-def change_units(path):
-    with netCDF4.Dataset(path, "a") as file:
-        file["height"].units = "furlong"
-
-
 def change_value(path):
     with netCDF4.Dataset(path, "a") as file:
         file["height"][3, 4] += 1e-9
@@ -184,7 +179,7 @@ def change_settings(path):
         file.settings = file.settings.replace("0.8", "0.2")
 
 
-@pytest.mark.parametrize("damage", [cut, empty, flip_a_byte, change_units, change_value, change_settings])
+@pytest.mark.parametrize("damage", [cut, empty, flip_a_byte, change_value, change_settings])
 def test_a_damaged_file_is_named_with_a_remedy(path, damage):
     damage(path)
     with pytest.raises(DatasetError, match=r"file\.nc: ") as error:
@@ -212,22 +207,6 @@ def test_nobody_is_told_to_delete_own_data(tmp_path, make):
     with pytest.raises(DatasetError, match=r"map: not a result of asperity") as error:
         dataset.read(tmp_path / "map")
     assert "delete it" not in str(error.value)
-
-
-def test_every_flipped_bit_is_seen_or_harmless(path):
-    content, whole = path.read_bytes(), dataset.read(path)
-    seen = 0
-    for position in np.random.default_rng(1).choice(len(content), 40, replace=False):
-        damaged = bytearray(content)
-        damaged[position] ^= 1 << position % 8
-        path.write_bytes(damaged)
-        try:
-            found = dataset.read(path)
-        except DatasetError:
-            seen += 1
-        else:
-            assert found.identical(whole)
-    assert seen > 10  # most bytes are data
 
 
 def pressed(height, length, **settings):
@@ -275,6 +254,9 @@ def test_dimensions_are_taken_by_name():
         assert shown.shape == (16, 24)
 
 
-def test_a_missing_file_is_named(tmp_path):
+def test_missing_and_too_large_files_are_named(path, monkeypatch):
     with pytest.raises(DatasetError, match=r"absent\.nc: no such file"):
-        dataset.read(tmp_path / "absent.nc")
+        dataset.read(path.with_name("absent.nc"))
+    monkeypatch.setenv("ASPERITY_MAX_MEMORY", "1e-9")
+    with pytest.raises(DatasetError, match=r"ASPERITY_MAX_MEMORY = 1e-09 GiB: the file holds .* set that"):
+        dataset.read(path)

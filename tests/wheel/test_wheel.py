@@ -84,13 +84,11 @@ def test_both_distributions_hold_every_file(built):
 
 
 def test_commands_work_outside_the_project(shared):
-    version = shared.run("asperity", "--version")
-    assert version.stdout == f"asperity {asperity.__version__}\n"
-    for _, command in COMMANDS[:2]:
-        found = shared.run("asperity", *command)
-        assert found.returncode == 0, found.stderr
-    where = shared.run("python", "-c", "import asperity; print(asperity.__file__)")
+    found = shared.run("asperity", *COMMANDS[1][1])
+    assert found.returncode == 0, found.stderr
+    where = shared.run("python", "-c", "import asperity; print(asperity.__file__, asperity.__version__)")
     assert str(shared.packages) in where.stdout
+    assert where.stdout.endswith(f" {asperity.__version__}\n")
 
 
 def test_the_study_of_the_wheel_can_be_planned(shared):
@@ -102,9 +100,6 @@ def test_the_study_of_the_wheel_can_be_planned(shared):
         names = [path.relative_to(ROOT) for path in files if "__pycache__" not in path.parts]
         assert names
         assert all(filecmp.cmp(ROOT / name, folder / name, shallow=False) for name in names)
-    again = shared.run("asperity", "study", "init", "paper")
-    assert again.returncode == 1
-    assert again.stderr == "asperity: paper: holds Snakefile; the name of an empty or new folder is needed\n"
     planned = shared.run("python", "-m", "snakemake", "--dry-run", "--quiet", "rules", folder=folder)
     assert planned.returncode == 0, planned.stdout + planned.stderr
 
