@@ -97,12 +97,14 @@ def test_decay_lengths_count_from_the_reference_plane():
 
 
 def test_patches_are_joined_across_the_edges_of_the_cell_and_across_corners():
-    contact = np.zeros((8, 8), bool)
-    contact[0, 0] = contact[7, 7] = contact[7, 0] = True  # one patch through three corners of the cell
+    contact = np.zeros((8, 16), bool)
+    contact[0, 0] = contact[7, 15] = contact[7, 0] = True  # one patch through three corners of the cell
+    contact[0, 6] = contact[7, 7] = contact[0, 11] = contact[7, 10] = True  # two over edges and corners
     contact[3, 3] = contact[4, 4] = True  # one over a corner of a square
     number, radii = contact_patches(contact)
-    assert sorted(np.pi * radii**2) == pytest.approx([2, 3])
-    assert number[0, 0] == number[7, 7] == number[7, 0] > 0
+    assert sorted(np.pi * radii**2) == pytest.approx([2, 2, 2, 3])
+    assert number[0, 0] == number[7, 15] == number[7, 0] > 0
+    assert number[0, 6] == number[7, 7] != number[0, 11] == number[7, 10]
     assert number[3, 3] == number[4, 4] != number[0, 0]
     assert contact_patches(np.zeros((4, 4), bool))[1].size == 0
 
@@ -176,10 +178,9 @@ def test_ensemble_pools_the_seeds_and_normalises_each_by_its_gradient():
             np.testing.assert_allclose(
                 result["peak_percentile"].sel(here), np.percentile(np.abs(values), PERCENTS)
             )
-    np.testing.assert_allclose(
-        result["scaled_covariance_depth"],
-        np.mean([b["covariance_depth"] / g**2 for b, g in zip(stresses, (0.5, 1, 2), strict=True)], axis=0),
-    )
+    for name, power in (("covariance_depth", 2), ("mean_von_mises", 1)):
+        each = [b[name] / g**power for b, g in zip(stresses, (0.5, 1, 2), strict=True)]
+        np.testing.assert_allclose(result[f"scaled_{name}"], np.mean(each, axis=0))
 
 
 def test_median_depths_are_those_of_all_and_of_the_highest_peaks():
