@@ -22,19 +22,14 @@ from asperity.study.config.reader import load
 CONFIG = "config/quick.yaml"
 REFERENCE = Path("tests/reference/quick.json")
 
+_OF_SURFACE = ("rms_gradient", "skewness", "kurtosis")
+_OF_CONTACT = (
+    *("area_fraction", "mean_pressure", "gradient_rms_contact", "approach", "proportionality"),
+    *("load_exponent", "proportionality_change", "patches", "patch_radius"),
+)
 OF_SEED = {
-    "surface.rms_gradient": "seed_rms_gradient",
-    "surface.skewness": "seed_skewness",
-    "surface.kurtosis": "seed_kurtosis",
-    "contact.area_fraction": "seed_area_fraction",
-    "contact.mean_pressure": "seed_mean_pressure",
-    "contact.gradient_rms_contact": "seed_gradient_rms_contact",
-    "contact.approach": "seed_approach",
-    "contact.proportionality": "seed_proportionality",
-    "contact.load_exponent": "seed_load_exponent",
-    "contact.proportionality_change": "seed_proportionality_change",
-    "contact.patches": "seed_patches",
-    "contact.patch_radius": "seed_patch_radius",
+    **{f"surface.{name}": f"seed_{name}" for name in _OF_SURFACE},
+    **{f"contact.{name}": f"seed_{name}" for name in _OF_CONTACT},
 }
 """Name of a number in the reference → variable of stage statistics."""
 

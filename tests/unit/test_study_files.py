@@ -110,5 +110,5 @@ def test_a_result_that_lacks_something_is_one_line(tmp_path, capsys):
     ):
         assert main([*words, "--out", paths["out"]]) == 1
         said = capsys.readouterr().err
-        assert said.startswith(f"asperity: a file that is read lacks what a result holds: {line}")
+        assert said.startswith(f"asperity: not a whole result of asperity, or an error of its own: {line}")
         assert said.count("\n") == 1

@@ -56,7 +56,7 @@ def test_killed_study_continues_without_loss(tmp_path, monkeypatch):
     assert refused.returncode != 0
     assert "--unlock" in refused.stdout + refused.stderr
     assert snakemake(folder, *TINY, "--unlock").returncode == 0
-    found = snakemake(folder, *TINY, "--rerun-incomplete", "--", STATISTICS)
+    found = snakemake(folder, *ARGUMENTS)
     assert found.returncode == 0, found.stdout + found.stderr
     assert [(folder / name).stat().st_mtime_ns for name in (SURFACE, CONTACT)] == before
     for name, expected in computed(folder, monkeypatch).items():

@@ -57,8 +57,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         *(DatasetError, ConvergenceError, PreflightError),
     ) as error:
         return fail(str(error) or type(error).__name__)
-    except (LookupError, ZeroDivisionError) as error:  # a file with a valid fingerprint, but not of a result
-        return fail(f"a file that is read lacks what a result holds: {type(error).__name__}: {error}")
+    except (LookupError, ZeroDivisionError) as error:  # a crafted file has a valid fingerprint too
+        return fail(
+            f"not a whole result of asperity, or an error of its own: {type(error).__name__}: {error}"
+        )
     finally:
         for number, handler in earlier.items():
             signal.signal(number, handler)

@@ -24,11 +24,6 @@ def without_load(contact: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in contact.items() if name not in LOADS}
 
 
-def beneath(contact: Mapping[str, Any], overlay: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Section ``contact`` beneath an overlay: without its load, if the overlay has one."""
-    return without_load(contact) if set(LOADS) & set(overlay) else contact
-
-
 def default(key: str) -> Any:
     """Default of a setting by its dotted key, None if it has none.
 

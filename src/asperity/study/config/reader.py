@@ -17,7 +17,7 @@ from typing import Any
 import yaml
 
 from asperity.core.errors import ConfigError, shown
-from asperity.study.config.defaults import beneath
+from asperity.study.config.defaults import LOADS, without_load
 
 _MAX_FILE_SIZE = 2**17
 """Bytes of a file, which are read in three seconds; the configuration of the paper has four thousand."""
@@ -157,10 +157,10 @@ def merged(config: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, A
     both = dict(config)
     for key, value in overlay.items():
         below = both.get(key)
-        if key == "contact" and isinstance(value, Mapping) and isinstance(below, Mapping):
-            below = beneath(below, value)
-        if isinstance(value, Mapping) and isinstance(below, Mapping):
-            both[key] = merged(below, value)
-        else:
+        if not isinstance(value, Mapping) or not isinstance(below, Mapping):
             both[key] = value
+        elif key == "contact" and value.keys() & LOADS:
+            both[key] = merged(without_load(below), value)
+        else:
+            both[key] = merged(below, value)
     return both
