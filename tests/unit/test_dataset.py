@@ -218,6 +218,7 @@ def test_a_row_of_nodes_keeps_the_edges_of_its_cell(tmp_path):
     contact.to_netcdf(tmp_path / "row.nc")
     found = dataset.read(tmp_path / "row.nc")
     assert dataset.grid_of(found) == contact.grid
+    assert asp.plot_pressure(found).axes[0].images[0].get_array().shape == (1, 33)
     assert dataset.grid_of(in_si(found, {}, 2e-3, 1e9)[0]).length == (2e-5, 2e-3)
     del found["y"].attrs["cell_edge"]  # as files of earlier versions
     with pytest.raises(ValueError, match="y: the nodes of a whole cell are needed"):

@@ -1,7 +1,6 @@
 """Exports: the table of peaks, and images read back by a parser of their own."""
 
 import _pyio
-import csv
 import io
 import os
 import struct
@@ -130,7 +129,6 @@ def test_memory_does_not_grow_with_the_planes(tmp_path):
         largest.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     assert largest[1] < 1.2 * largest[0]
-    assert (tmp_path / "box.vti").stat().st_size > 64 * 64 * 64 * 4
 
 
 def contact_in_si():
@@ -198,9 +196,7 @@ def test_texts_and_tables_have_the_same_bytes_on_windows(tmp_path, monkeypatch):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"depth": (0.5, 0.5)}, "depth = 0.5 to 0.5: rising depths ≥ 0 are needed"),
         ({"depth": (-0.5, 0.5)}, "depth = -0.5 to 0.5: rising depths ≥ 0"),
-        ({"depth": (0, 0.5), "spacing": 0.0}, "spacing = 0: a distance > 0 is needed"),
         ({"depth": (0, 0.5), "spacing": 1e-5}, "spacing = 1e-05: a spacing of at least 0.0001221 is"),
     ],
 )
@@ -212,32 +208,21 @@ def test_boxes_out_of_range_are_refused(arguments, message):
 def test_the_table_holds_every_peak_with_its_unit(files, tmp_path):
     stress = dataset.read(files["stress"])
     assert main(["export", files["stress"], "--peaks", str(tmp_path / "peaks.csv")]) == 0
-    with open(tmp_path / "peaks.csv", newline="") as file:
-        rows = list(csv.DictReader(file))
-    assert len(rows) == stress.sizes["peak"]
-    assert list(rows[0]) == [
-        "quantity",
-        "poisson",
-        "kind",
-        "under_contact",
-        "value_effective_modulus",
-        "depth_cell_length",
-        "y_cell_length",
-        "x_cell_length",
-    ]
+    table = pd.read_csv(tmp_path / "peaks.csv")
+    assert len(table) == stress.sizes["peak"]
+    assert table.loc[table["quantity"] == "pressure", "poisson"].isna().all()
     found = asp.peaks(stress, "von_mises", 0.33)
-    mine = [row for row in rows if row["quantity"] == "von_mises" and row["poisson"] == "0.33"]
-    values = [float(row["value_effective_modulus"]) for row in mine]
-    assert values == sorted(values, reverse=True)
-    assert np.allclose(values, np.sort(found["peak_value"].values)[::-1], rtol=1e-6)
-    first = int(found["peak_value"].values.argmax())
-    assert float(mine[0]["depth_cell_length"]) == pytest.approx(float(found["peak_depth"][first]), rel=1e-6)
-    assert mine[0]["kind"] == ("interior" if found["peak_interior"][first] else "surface")
-    assert mine[0]["under_contact"] == str(bool(found["peak_under_contact"][first]))
-    assert {row["poisson"] for row in rows if row["quantity"] == "pressure"} == {""}
+    first = found.isel(peak=int(found["peak_value"].values.argmax()))
+    mine = table[(table["quantity"] == "von_mises") & (table["poisson"] == 0.33)]
+    largest_first = np.sort(found["peak_value"].values)[::-1]
+    np.testing.assert_allclose(mine["value_effective_modulus"], largest_first, rtol=1e-6)
+    assert mine["depth_cell_length"].iloc[0] == pytest.approx(float(first["peak_depth"]), rel=1e-6)
+    assert mine["kind"].iloc[0] == ("interior" if first["peak_interior"] else "surface")
+    assert mine["under_contact"].iloc[0] == bool(first["peak_under_contact"])
     si, plain = peak_table(stress.assign_attrs(unit_system="SI")), peak_table(stress)
-    assert np.allclose(si["value_MPa"] * 1e6, plain["value_effective_modulus"])
-    assert np.allclose(si["depth_um"] * 1e-6, plain["depth_cell_length"])
+    assert list(plain) == list(table)
+    np.testing.assert_allclose(si["value_MPa"] * 1e6, plain["value_effective_modulus"])
+    np.testing.assert_allclose(si["depth_um"] * 1e-6, plain["depth_cell_length"])
 
 
 def test_the_command_writes_table_and_images(files, tmp_path, capsys):

@@ -31,14 +31,15 @@ def answer():
 
 @pytest.fixture
 def costs(tmp_path):
-    header = "max_rss\tcpu_time\trule_name\twildcards\tresources"
-    for number, (rule, surface, seconds, memory) in enumerate(
-        (("stress", "a", 60, 100), ("stress", "a", 30, 300), ("claims", None, 6, 50))
-    ):
-        path = tmp_path / "benchmark" / rule / f"{number}.tsv"
-        path.parent.mkdir(parents=True, exist_ok=True)
-        wildcards = {"surface": surface} if surface else {}
-        path.write_text(f"{header}\n{memory}\t{seconds}\t{rule}\t{wildcards}\t{{'mem_mb': 200}}\n")
+    jobs = (
+        ("stress", {"surface": "a"}, 60, 100),
+        ("stress", {"surface": "a"}, 30, 300),
+        ("claims", {}, 6, 50),
+    )
+    (tmp_path / "benchmark").mkdir()
+    for number, (rule, wildcards, seconds, memory) in enumerate(jobs):
+        text = f"max_rss\tcpu_time\trule_name\twildcards\tresources\n{memory}\t{seconds}\t{rule}\t{wildcards}"
+        (tmp_path / f"benchmark/{number}.tsv").write_text(text + "\t{'mem_mb': 200}\n")
     return cost_table(job_costs(tmp_path))
 
 

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from numbers import Real
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity.core.types import Array, Progress
+from asperity.core.types import Progress
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.section import stress_section
-from asperity.views.maps import Look
+from asperity.views.maps import Look, blocks
 from asperity.views.panels import add_colour_bar, canvas, finish_title
 from asperity.views.scales import Limits, Measure, measure
 from asperity.views.source import Span
@@ -34,29 +35,6 @@ MAX_POINTS = 2048
 
 SECTION_TOLERANCE = 1e-5
 """Largest relative error of the planes of a section."""
-
-
-class Section(NamedTuple):
-    """Stress in one vertical section.
-
-    Parameters
-    ----------
-    title : str
-        With the position of the section.
-    along : "x" | "y"
-        Axis along the section.
-    position, depth : arrays
-    values : array [depth, position]
-    contact : bool array
-        True at positions in contact.
-    """
-
-    title: str
-    along: str
-    position: Array
-    depth: Array
-    values: Array
-    contact: Array
 
 
 def plot_section(
@@ -120,11 +98,17 @@ def plot_section(
     limits = look.limits(section.values for section in sections)
     if depth is None:
         bottom = max(_faded_below(section, FADED * max(abs(limits.low), limits.high)) for section in sections)
-        sections = [_down_to(section, bottom) for section in sections]
+        sections = [
+            section.isel(depth=slice(np.searchsorted(section["depth"], bottom) + 1)) for section in sections
+        ]
     system = found[0].source.system
     unit = measure([limits.low, limits.high], "stress", system)
-    length = measure([section.position[-1] for section in sections], "length", system)
-    shape = max(float(np.ptp(section.depth) / np.ptp(section.position)) for section in sections)
+    positions = [section[section.dims[1]].values for section in sections]
+    length = measure([nodes[-1] for nodes in positions], "length", system)
+    shape = max(
+        float(np.ptp(section["depth"].values) / np.ptp(nodes))
+        for section, nodes in zip(sections, positions, strict=True)
+    )
     with canvas(len(sections), axes, shape, columns=1) as (figure, panels):
         for axis, section in zip(panels, sections, strict=True):
             _draw(axis, section, look, limits, unit, length)
@@ -138,7 +122,8 @@ def _section(
     x: float | Span | None,
     depth: float | None,
     progress: Progress | None,
-) -> Section:
+) -> xr.DataArray:
+    """Stress (depth, along), with the nodes in contact as coordinate ``contact``, and its title as name."""
     source, solid = stress.source, stress.solid
     given = {"y": y, "x": x}
     numbers = [name for name, value in given.items() if isinstance(value, Real)]
@@ -147,16 +132,15 @@ def _section(
         raise ValueError("y, x: a number for one of them and at most a pair for the other are needed")
     across = numbers[0] if numbers else "x" if pairs == ["y"] else "y"
     along = "x" if across == "y" else "y"
-    part = source.part(**{along: given[along]})  # type: ignore[arg-type]
     axis, other = "yx".index(across), "yx".index(along)
-    kept, position = part[other], source.positions(part)[other]
+    kept = source.part(**{along: given[along]})[other]  # type: ignore[arg-type]
     if numbers:
         node = source.node(across, given[across])  # type: ignore[arg-type]
     else:
         node = int(np.unravel_index(source.field("pressure").argmax(), source.grid.shape)[axis])
     height = solid.layer.height or np.inf
     if depth is None:
-        depth = min(MAX_SHAPE * float(np.ptp(position)), height)
+        depth = min(MAX_SHAPE * solid.grid.spacing[other] * (kept.stop - kept.start - 1), height)
     elif not 0 < depth <= height:
         most = f" and at most {source.shown(height)}" if solid.layer.height else ""
         raise ValueError(f"depth = {source.shown(depth)}: a depth > 0{most} is needed")
@@ -171,40 +155,31 @@ def _section(
         progress=progress,
         **stress.settings,
     )
-    largest = max(source.grid.length)
-    text = f"{across} = {measure(largest, 'length', source.system).text(at)}"
-    return Section(
-        ", ".join(line for line in (source.title, text) if line),
-        along,
-        position,
-        found["depth"].values,
-        found[stress.field].values[0][:, kept],
-        solid.pressure.take(node, axis)[kept] > 0,
-    )
+    text = f"{across} = {measure(max(source.grid.length), 'length', source.system).text(at)}"
+    section = found[stress.field].isel({"poisson": 0, along: kept})
+    contact = solid.pressure.take(node, axis)[kept] > 0
+    title = ", ".join(line for line in (source.title, text) if line)
+    return section.assign_coords(contact=(along, contact)).rename(title)
 
 
-def _faded_below(section: Section, faded: float) -> float:
+def _faded_below(section: xr.DataArray, faded: float) -> float:
     """Depth of the plane below the deepest one with a stress above a magnitude, at least `MIN_SHAPE`."""
     above = np.flatnonzero(np.abs(section.values).max(axis=1) > faded)
-    below = min(int(above.max(initial=0)) + 1, section.depth.size - 1)
-    return max(float(section.depth[below]), MIN_SHAPE * float(np.ptp(section.position)))
+    below = min(int(above.max(initial=0)) + 1, section.sizes["depth"] - 1)
+    return max(float(section["depth"][below]), MIN_SHAPE * float(np.ptp(section[section.dims[1]].values)))
 
 
-def _down_to(section: Section, bottom: float) -> Section:
-    kept = slice(0, int(np.searchsorted(section.depth, bottom)) + 1)
-    return section._replace(depth=section.depth[kept], values=section.values[kept])
-
-
-def _draw(axis: Axes, section: Section, look: Look, limits: Limits, unit: Measure, length: Measure) -> None:
-    size = section.position.size
-    starts = np.arange(0, size, -(-size // MAX_POINTS))
-    values = section.values
-    if starts.size < size:
-        values = np.stack([look.reduce(block, axis=(1,)) for block in np.split(values, starts[1:], 1)], 1)
-    position = section.position[starts] / length.factor
+def _draw(
+    axis: Axes, section: xr.DataArray, look: Look, limits: Limits, unit: Measure, length: Measure
+) -> None:
+    along = str(section.dims[1])
+    starts = np.arange(0, section.sizes[along], -(-section.sizes[along] // MAX_POINTS))
+    block = int(starts[1]) if starts.size > 1 else 1
+    values = blocks(section.values, (1, block), look.reduce)
+    position, depth = section[along].values[starts] / length.factor, section["depth"].values / length.factor
     axis.pcolormesh(
         position,
-        section.depth / length.factor,
+        depth,
         values / unit.factor,
         norm=limits.normalise(unit),
         cmap=look.colours,
@@ -212,13 +187,13 @@ def _draw(axis: Axes, section: Section, look: Look, limits: Limits, unit: Measur
         rasterized=True,
     )
     # The contacts are bars on the upper edge, as thick as two spines.
-    bars = np.where(np.maximum.reduceat(section.contact, starts), 0.0, np.nan)
+    bars = np.where(np.maximum.reduceat(section["contact"].values, starts), 0.0, np.nan)
     axis.plot(position, bars, color="k", lw=3, solid_capstyle="butt", clip_on=False, zorder=5)
     axis.set(
         xlim=(position[0], position[-1]),
-        ylim=(section.depth[-1] / length.factor, 0),
-        xlabel=length.label(section.along),
+        ylim=(depth[-1], 0),
+        xlabel=length.label(along),
         ylabel=length.label("depth"),
         aspect="equal",
     )
-    finish_title(axis, section.title, limits.beyond(section.values, unit))
+    finish_title(axis, str(section.name), limits.beyond(section.values, unit))
