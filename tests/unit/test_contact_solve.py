@@ -11,8 +11,6 @@ from asperity.core.errors import ConvergenceError
 from asperity.core.types import Array
 from asperity.elasticity.layer import Layer
 
-pytestmark = pytest.mark.engines
-
 HALF_SPACE = Layer(1 - 0.33**2, 0.33)
 SLAB = Layer(1 - 0.33**2, 0.33, height=1.0)
 INCOMPRESSIBLE = Layer(0.75, 0.5, height=0.1)
@@ -56,7 +54,7 @@ def test_methods_agree(layer: Layer) -> None:
     assert one.approach == pytest.approx(other.approach, abs=1e-9 * height.std())
 
 
-@pytest.mark.parametrize("area_fraction", [0.003, 0.05, 0.3, 0.8])
+@pytest.mark.parametrize("area_fraction", [0.003, 0.8])
 def test_area_is_met(area_fraction: float) -> None:
     height = rough((128, 128))
     contact = solve(height, HALF_SPACE, area_fraction=area_fraction)
@@ -65,22 +63,14 @@ def test_area_is_met(area_fraction: float) -> None:
     contact.certificate.check(1e-4)
 
 
-def test_area_control_on_a_large_grid() -> None:
-    """Nodes enter and leave the contact at loads closer to each other than the tolerance of the pressure."""
-    height = asp.self_affine((1024, 1024), 0.8, 0.125, 1 / 128, 1e-3, 1)
-    by_area = solve(height, HALF_SPACE, area_fraction=0.1)
-    assert by_area.area_fraction == pytest.approx(0.1, rel=1e-4)
-    assert by_area.certificate.pairs < 50
-
-
 @pytest.mark.parametrize("hurst", [0.2, 0.8])
-@pytest.mark.parametrize("area_fraction", [0.003, 0.05, 0.1])
+@pytest.mark.parametrize("area_fraction", [0.003, 0.1])
 def test_area_control_takes_at_most_twice_the_transforms_of_load_control(
     hurst: float, area_fraction: float
 ) -> None:
-    """Mean of three surfaces."""
+    """Mean of two surfaces."""
     spent = np.zeros(2)
-    for seed in (1, 2, 3):
+    for seed in (1, 2):
         height = asp.self_affine((256, 256), hurst, 0.125, 1 / 32, 1e-3, seed)
         by_area = solve(height, HALF_SPACE, area_fraction=area_fraction)
         by_load = solve(height, HALF_SPACE, mean_pressure=by_area.mean_pressure)
@@ -88,8 +78,7 @@ def test_area_control_takes_at_most_twice_the_transforms_of_load_control(
     assert spent[0] < 2 * spent[1]
 
 
-@pytest.mark.parametrize("rtol", [1e-6, 1e-9])
-@pytest.mark.parametrize("fraction", [0.01, 0.1, 0.3, 0.9])
+@pytest.mark.parametrize(("fraction", "rtol"), [(0.01, 1e-6), (0.3, 1e-9), (0.9, 1e-6)])
 def test_area_control_on_a_mirrored_surface(fraction: float, rtol: float) -> None:
     """Four nodes touch at a time, and the nearest possible number of nodes is taken."""
     quarter = np.random.default_rng(1).standard_normal((32, 32))
@@ -105,7 +94,7 @@ def test_area_control_on_a_mirrored_surface(fraction: float, rtol: float) -> Non
     contact.certificate.check(100 * rtol)
 
 
-@pytest.mark.parametrize("fraction", [0.005, 0.05, 0.3, 0.5, 0.95])
+@pytest.mark.parametrize("fraction", [0.005, 0.3, 0.95])
 def test_area_control_on_a_grating(fraction: float) -> None:
     """Two columns of nodes touch at a time."""
     height = np.tile(1e-3 * np.cos(2 * np.pi * np.arange(64) / 64), (64, 1))
@@ -151,14 +140,6 @@ def test_full_contact(method: str) -> None:
     contact.certificate.check(1e-7)
 
 
-@pytest.mark.parametrize("fraction", [0.3, 0.5, 0.7])
-def test_nearly_full_contact(fraction: float) -> None:
-    height = rough((128, 128))
-    contact = solve(height, HALF_SPACE, mean_pressure=load_of(height, fraction), rtol=1e-8)
-    assert contact.area_fraction > 0.5
-    contact.certificate.check(1e-6)
-
-
 @pytest.mark.parametrize("method", METHODS)
 def test_one_node_in_contact(method: str) -> None:
     height = rough()
@@ -168,7 +149,7 @@ def test_one_node_in_contact(method: str) -> None:
     contact.certificate.check(1e-4)
 
 
-@pytest.mark.parametrize("load", [1e-9, 1e-15, 1e-100])
+@pytest.mark.parametrize("load", [1e-15, 1e-100])
 def test_vanishing_load(load: float) -> None:
     height = rough()
     contact = solve(height, HALF_SPACE, mean_pressure=load)
@@ -201,24 +182,6 @@ def test_flat_surface(layer: Layer, method: str) -> None:
     contact = solve(np.zeros((16, 16)), layer, mean_pressure=0.01, method=method)
     np.testing.assert_allclose(contact.pressure, 0.01, rtol=1e-6)
     assert contact.area_fraction == 1
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_single_asperity(method: str) -> None:
-    height = np.ones((32, 32))
-    height[7, 9] = 0.0
-    contact = solve(height, HALF_SPACE, mean_pressure=1e-4, method=method)
-    assert np.count_nonzero(contact.pressure) == 1
-    assert contact.pressure[7, 9] == pytest.approx(1e-4 * height.size)
-
-
-@pytest.mark.parametrize("poisson", [0.49, 0.4999, 0.5])
-@pytest.mark.parametrize("thickness", [0.3, 0.03, 0.003])
-def test_thin_bonded_nearly_incompressible(poisson: float, thickness: float) -> None:
-    height = rough()
-    layer = Layer(1 - poisson**2, poisson, height=thickness)
-    contact = solve(height, layer, mean_pressure=load_of(height), rtol=1e-8)
-    contact.certificate.check(1e-5)
 
 
 @pytest.mark.parametrize(
@@ -256,16 +219,6 @@ def test_unreachable_tolerance_raises_convergence_error(method: str, dtype: str,
     assert error.load == pytest.approx(load_of(height), rel=0.1)
 
 
-@pytest.mark.parametrize("gradient", [1e-6, 1e-3, 1.0, 10.0])
-def test_pressure_scales_with_the_rms_gradient(gradient: float) -> None:
-    """The problem is linear: pressures and heights scale together."""
-    height = rough()
-    scale = gradient / asp.roughness_parameters(height).rms_gradient
-    one = solve(height, HALF_SPACE, mean_pressure=load_of(height), rtol=1e-8)
-    other = solve(scale * height, HALF_SPACE, mean_pressure=scale * load_of(height), rtol=1e-8)
-    np.testing.assert_allclose(other.pressure, scale * one.pressure, atol=1e-6 * other.pressure.max())
-
-
 # Load paths
 
 
@@ -283,21 +236,6 @@ def test_a_path_is_its_contacts_one_by_one(kind: str, values: list[float]) -> No
     plural = {"area_fraction": "area_fractions", "approach": "approaches"}.get(kind, f"{kind}s")
     for value, step in zip(values, solve_path(height, SLAB, **{plural: values}), strict=True):
         np.testing.assert_array_equal(step.pressure, solve(height, SLAB, **{kind: value}).pressure)
-
-
-@pytest.mark.parametrize("scale", [1e-60, 1e-6, 1e11, 1e60])
-@pytest.mark.parametrize("dtype", ["float64", "float32"])
-def test_units_do_not_matter(scale: float, dtype: str) -> None:
-    height, load = rough(), 1e-3
-    if dtype == "float32" and scale in (1e-60, 1e60):
-        with pytest.raises(ValueError, match="dtype = 'float32': cannot hold heights"):
-            solve(height, Layer(scale, 0.3), mean_pressure=scale * load, dtype=dtype)
-        return
-    one = solve(height, Layer(1.0, 0.3), mean_pressure=load, dtype=dtype, rtol=1e-5)
-    stiff = solve(height, Layer(scale, 0.3), mean_pressure=scale * load, dtype=dtype, rtol=1e-5)
-    large = solve(scale * height, Layer(1.0, 0.3), scale, mean_pressure=load, rtol=1e-5)
-    np.testing.assert_allclose(stiff.pressure / scale, one.pressure, atol=1e-4 * one.max_pressure)
-    np.testing.assert_allclose(large.pressure, one.pressure, atol=1e-4 * one.max_pressure)
 
 
 def test_a_bad_value_late_in_a_path_is_named() -> None:
@@ -436,8 +374,14 @@ def test_a_force_is_the_mean_pressure_times_the_area_of_the_cell(method: str) ->
     np.testing.assert_allclose(by_force.pressure, by_pressure.pressure, rtol=1e-9)
 
 
-@pytest.mark.parametrize("pair", [(STEEL, BRONZE), (STEEL, COATING), (COATING, Layer(5e9, 0.2, 0.1))])
-@pytest.mark.parametrize("control", ["mean_pressure", "area_fraction", "approach"])
+@pytest.mark.parametrize(
+    ("pair", "control"),
+    [
+        ((STEEL, BRONZE), "mean_pressure"),
+        ((STEEL, COATING), "area_fraction"),
+        ((COATING, Layer(5e9, 0.2, 0.1)), "approach"),
+    ],
+)
 def test_swapping_the_bodies_changes_nothing(pair: tuple[Layer, Layer], control: str) -> None:
     """The sum of two numbers has the same bits in both orders."""
     height = rough()

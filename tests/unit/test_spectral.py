@@ -44,9 +44,10 @@ def test_parseval(shape):
     assert mean_square(Fourier(grid).forward(values), grid) == pytest.approx(np.mean(values**2), rel=1e-14)
 
 
-@pytest.mark.parametrize("threads", [2, 3, 4])
-@pytest.mark.parametrize("shape", [(256, 360), (326, 512), (625, 625)])
-@pytest.mark.parametrize("dtype", ["float64", "float32"])
+@pytest.mark.parametrize("threads", [2, 3])
+@pytest.mark.parametrize(
+    ("shape", "dtype"), [((256, 360), "float64"), ((326, 512), "float32"), ((625, 625), "float64")]
+)
 def test_transforms_do_not_depend_on_threads(shape, dtype, threads):
     grid = Grid(shape)
     values = np.random.default_rng(3).normal(size=shape)
