@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.contact.compliance.vectors import added, scatter
+from asperity.contact.compliance.vectors import added, field_of, within
 from asperity.contact.problem import Control, Problem
 from asperity.core.compiled import compiled, makes_arrays
 from asperity.core.parallel import STRIP, apply, in_parts, results_of, total
@@ -78,7 +78,7 @@ class Iterate:
 
         def found_in(start: int) -> tuple[Array, Array]:
             part = slice(start, start + STRIP)
-            contact_nodes = self.nodes[_within(self.nodes, part)]
+            contact_nodes = self.nodes[within(self.nodes, part)]
             return _free_below(height[part], displacement[part], contact_nodes, start, bound)
 
         tasks = [partial(found_in, start) for start in range(0, height.size, STRIP)]
@@ -87,7 +87,8 @@ class Iterate:
 
     def pressure_field(self) -> Array:
         """Pressure [y, x] of all nodes."""
-        return _field_of(self.problem, self.nodes, self.pressure)
+        threads = self.problem.fourier.threads
+        return field_of(self.problem.grid.shape, self.nodes, self.pressure, threads)
 
     def refined(self, approach: float, finer: Problem, load: float) -> Pressure:
         """Start for a finer grid: the interpolated pressure less the interpolated gap / nodal compliance.
@@ -119,7 +120,7 @@ def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
             nodes = np.array([np.argmin(problem.height)], np.uint32)
             values, mean = np.ones(1, values.dtype), 1 / problem.grid.size
         values = values * (start.load / mean)
-    field = _field_of(problem, nodes, values)
+    field = field_of(problem.grid.shape, nodes, values, problem.fourier.threads)
     displacement = problem.response.displacement(field, field)
     if not control.fixes_load:
         pressure = values.astype(float, copy=False)
@@ -133,24 +134,6 @@ def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
     fields = problem.height.reshape(-1), displacement.reshape(-1)
     in_parts(lambda part: _write_gaps(*fields, nodes[part], gap[part]), nodes.size, problem.fourier.threads)
     return Iterate(problem, nodes, values, start.load, gap, displacement)
-
-
-def _field_of(problem: Problem, nodes: Array, values: Array) -> Array:
-    """Field [y, x] of values on nodes."""
-    field = np.empty(problem.grid.shape, values.dtype)
-    flat = field.reshape(-1)
-
-    def write(part: slice) -> None:
-        within = _within(nodes, part)
-        scatter(flat[part], nodes[within], values[within], part.start)
-
-    in_parts(write, flat.size, problem.fourier.threads)
-    return field
-
-
-def _within(nodes: Array, part: slice) -> slice:
-    """Slice of the sorted nodes that lie within a part of the flattened field."""
-    return slice(*np.searchsorted(nodes, np.array((part.start, part.stop), np.uint32)))
 
 
 @compiled

@@ -15,7 +15,7 @@ import numpy as np
 from asperity.contact.active_set.assembly import ContactSystem
 from asperity.contact.active_set.inner_solve import InnerSolver
 from asperity.contact.active_set.iterate import Iterate, Pressure
-from asperity.contact.compliance.vectors import scatter
+from asperity.contact.compliance.vectors import field_of
 from asperity.core.types import Array
 
 # The preconditioner accounts for the mean displacement if it makes the contact at most so many times stiffer
@@ -61,6 +61,5 @@ def balanced(
 def _displacement(iterate: Iterate, pressure: Array) -> Array:
     """Displacement of all nodes under a pressure on the contact nodes, in units of the nodal compliance."""
     problem = iterate.problem
-    field = np.empty(problem.grid.shape, problem.fourier.real)
-    scatter(field.reshape(-1), iterate.nodes, pressure, 0)
+    field = field_of(problem.grid.shape, iterate.nodes, pressure.astype(problem.fourier.real, copy=False))
     return problem.response.displacement(field, field).reshape(-1) / problem.unit

@@ -34,4 +34,5 @@ def response_on(
             f"boundary = 'free': half-spaces are needed, because the displacement of a layer, here of height "
             f"{solid.height:g}, under an isolated load has no closed form"
         )
-    return RESPONSES[boundary].on(solid, grid, dtype, threads, omits_mean)
+    kind = RESPONSES[boundary]
+    return kind(solid, kind.transforms(grid, dtype, threads), omits_mean)

@@ -25,7 +25,7 @@ import numpy as np
 from asperity.contact.compliance import coarse_nodes, stencil
 from asperity.contact.compliance.response import Response, multiply
 from asperity.contact.compliance.stencil import StencilProduct, whole_stencil
-from asperity.contact.compliance.vectors import scatter
+from asperity.contact.compliance.vectors import field_of
 from asperity.core.parallel import in_parts, in_strips
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid
@@ -91,7 +91,10 @@ class InnerResponse:
         at : array, optional
         """
         if self._far is None:
-            return self._of_all_nodes(pressure, nodes).reshape(-1)[nodes if at is None else at]
+            assert self._response is not None
+            field = field_of(self._grid.shape, nodes, pressure)
+            self._response.displacement(field, field)
+            return field.reshape(-1)[nodes if at is None else at] * np.float32(1 / self._unit)
         far = self._far
         out = self._products(
             self._stencil, nodes, pressure, at, meanwhile=lambda: far.restrict(pressure, indices)
@@ -99,15 +102,6 @@ class InnerResponse:
         far.convolve()
         far.add(out, indices if at is None else far.indices(at))
         return out
-
-    def _of_all_nodes(self, pressure: Array, nodes: Array) -> Array:
-        """Displacement [y, x] of all nodes, to single precision."""
-        assert self._response is not None
-        field = np.empty(self._grid.shape, np.float32)
-        scatter(field.reshape(-1), nodes, pressure, 0)
-        self._response.displacement(field, field)
-        field *= np.float32(1 / self._unit)
-        return field
 
 
 class FarField:
@@ -191,7 +185,7 @@ def near_stencil(response: Response) -> Array:
     radius = stencil.RADIUS
     spacing = response.grid.spacing
     tile = Grid((_TILE, _TILE), (_TILE * spacing[0], _TILE * spacing[1]))
-    of_tile = type(response).on(response.solid, tile)
+    of_tile = type(response)(response.solid, response.transforms(tile))
     far = FarField(of_tile, 1.0, "float64")
     everywhere = far.indices(np.arange(tile.size, dtype=np.uint32))
     offsets = np.arange(-radius, radius + 1)

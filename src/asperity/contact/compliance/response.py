@@ -63,18 +63,6 @@ class Response:
         if half_compliance is not None:
             self.half_compliance = half_compliance
 
-    @classmethod
-    def on(
-        cls,
-        solid: Solid,
-        grid: Grid,
-        dtype: DTypeLike = "float64",
-        threads: int = 1,
-        omits_mean: bool = False,
-    ) -> Self:
-        """Response of a solid on a grid, with a precision and a number of threads."""
-        return cls(solid, cls.transforms(grid, dtype, threads), omits_mean)
-
     def on_grid(self, grid: Grid) -> Self:
         """Response of the same solid on another grid; transforms are counted together."""
         outer = self.fourier
@@ -143,7 +131,7 @@ class Response:
 
         The grid of the transforms may be larger than that of the cells; fields are zero there.
         """
-        response = type(self).on(self.solid, cells, omits_mean=self.omits_mean)
+        response = type(self)(self.solid, self.transforms(cells), self.omits_mean)
         return Fourier(response.mode_grid, np.float32, 1, self.fourier.work), response.compliance
 
     def coarsened(self, height: Array, shape: tuple[int, int]) -> tuple[Response, Array]:

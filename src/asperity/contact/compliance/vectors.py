@@ -15,8 +15,26 @@ from asperity.core.parallel import in_parts
 from asperity.core.types import Array
 
 
+def field_of(shape: tuple[int, int], nodes: Array, values: Array, threads: int = 1) -> Array:
+    """Field [y, x] of values on nodes, zero on all others."""
+    field = np.empty(shape, values.dtype)
+    flat = field.reshape(-1)
+
+    def write(part: slice) -> None:
+        some = within(nodes, part)
+        _scatter(flat[part], nodes[some], values[some], part.start)
+
+    in_parts(write, flat.size, threads)
+    return field
+
+
+def within(nodes: Array, part: slice) -> slice:
+    """Slice of the sorted nodes that lie within a part of the flattened field."""
+    return slice(*np.searchsorted(nodes, np.array((part.start, part.stop), np.uint32)))
+
+
 @compiled
-def scatter(field: Any, nodes: Any, values: Any, start: int) -> None:
+def _scatter(field: Any, nodes: Any, values: Any, start: int) -> None:
     """Write values on nodes of a part of a field, whose first node is `start`, and zero on all others."""
     field[:] = 0
     for k in range(nodes.size):
