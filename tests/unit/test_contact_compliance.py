@@ -10,8 +10,7 @@ import pytest
 import asperity as asp
 from asperity.contact.active_set.inner_solve import InnerSolver, System
 from asperity.contact.compliance import preconditioner, response_on
-from asperity.contact.compliance.coarse_nodes import add_prolongated, coarse_indices, restrict
-from asperity.contact.compliance.inner_response import MIN_POINTS, InnerResponse
+from asperity.contact.compliance.inner_response import InnerResponse
 from asperity.contact.compliance.response import Response
 from asperity.contact.compliance.stencil import RADIUS, StencilProduct, whole_stencil
 from asperity.core import parallel
@@ -67,17 +66,6 @@ def test_inner_displacement_is_right_to_a_few_per_cent(
     np.testing.assert_array_equal(everywhere[nodes], found)
 
 
-@pytest.mark.parametrize("shape", [(MIN_POINTS - 2, 256), (255, 256)])
-def test_small_and_odd_grids_are_exact(shape: tuple[int, int]) -> None:
-    grid = Grid(shape)
-    response = response_on("periodic", SOLIDS["thin"], grid)
-    inner = InnerResponse(response, StencilProduct(grid, repeats=True))
-    nodes = lowest_nodes(shape)
-    pressure = np.ones(nodes.size, np.float32)
-    found = inner.displacement(pressure, nodes, inner.indices(nodes))
-    np.testing.assert_allclose(found, displacement(response, nodes, pressure)[nodes], rtol=1e-4)
-
-
 @pytest.mark.parametrize("repeats", [True, False])
 @pytest.mark.parametrize("shape", [(9, 12), (7, 5), (3, 40)])
 def test_stencil_agrees_with_the_sum_of_its_definition(shape: tuple[int, int], repeats: bool) -> None:
@@ -128,26 +116,6 @@ def test_threads_and_strips_change_no_bit(solid: Any, monkeypatch: Any) -> None:
     for threads in (1, 3):
         for one, other in zip(found(threads), expected, strict=True):
             np.testing.assert_array_equal(one, other)
-
-
-def test_restriction_is_the_transpose_of_prolongation() -> None:
-    ny, nx = 8, 10
-    width = nx // 2 + 1
-    generator = np.random.default_rng(2)
-    for nodes in (np.arange(ny * nx, dtype=np.uint32), np.array([3, 17, 28, 29, 71], np.uint32)):
-        indices = coarse_indices(nodes, (ny, nx), width)
-        coarse = generator.random((ny // 2 + 1, width))
-        values = generator.random(nodes.size)
-        interpolated = np.zeros(nodes.size)
-        add_prolongated(coarse.reshape(-1), indices, width, interpolated)
-        summed = np.zeros_like(coarse)
-        restrict(indices, values, width, summed.reshape(-1))
-        assert np.vdot(interpolated, values) == pytest.approx(np.vdot(coarse, summed), rel=1e-12)
-        plane = np.add.outer(2.0 * np.arange(ny // 2 + 1), 6.0 * np.arange(width))
-        linear = np.zeros(nodes.size)
-        add_prolongated(plane.reshape(-1), indices, width, linear)
-        row, column = np.divmod(nodes.astype(int), nx)
-        np.testing.assert_allclose(linear, row + 3.0 * column)
 
 
 @pytest.mark.parametrize(("layer", "shape"), [("half-space", (64, 64)), ("thin", (40, 72))])
