@@ -275,6 +275,20 @@ def test_neighbouring_balls_are_compared_with_one_alone():
     assert not [advice for advice in alone.advice if advice.subject == "neighbouring forms"]
 
 
+def test_patches_and_edges_carry_their_load():
+    """A large ball, and a small one at the edge of the map."""
+    x = np.arange(48) * 1e-6
+    large = -((x[:, None] - 16e-6) ** 2 + (x - 16e-6) ** 2) / (2 * 200e-6)
+    small = -((x[:, None] - 30e-6) ** 2 + (x - 47e-6) ** 2) / (2 * 20e-6)
+    surface = HeightMap(np.maximum(large, small), (48e-6, 48e-6))
+    answer = run(surface, STEEL, force=0.05, map_options=MapOptions(detrend="none", periodic="none"))
+    numbers, pressure = answer.numbers, answer.contact.pressure
+    assert numbers.patches == 2
+    assert numbers.typical_patch_nodes == np.count_nonzero(pressure[:, :32])
+    assert 0 < numbers.load_on_edges < 0.5
+    assert numbers.load_on_edges == pytest.approx(pressure[:, -1].sum() / pressure.sum())
+
+
 def test_peaks_of_mirror_images_are_left_out(rough):
     """Away from the edges every peak is found once in each of the four images."""
     peaks, cell = rough.peaks(), rough.stresses["lower"]

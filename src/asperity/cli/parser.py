@@ -60,9 +60,10 @@ def make_parser() -> Parser:
             description=description,
             usage=entry.get("usage"),
         )
-        _add_arguments(command, entry)
+        _add_arguments(command, entry, False)
         for group in entry.get("groups", ()):
-            _add_arguments(command.add_argument_group(group["title"], group.get("description")), group)
+            titled = command.add_argument_group(group["title"], group.get("description"))
+            _add_arguments(titled, group, entry.get("checks", False))
     return parser
 
 
@@ -74,7 +75,7 @@ def arguments(entry: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     return found
 
 
-def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any]) -> None:
+def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any], checks: bool) -> None:
     for flag, given in arguments(entry).items():
         options = dict(given)
         if isinstance(options.get("metavar"), list):
@@ -83,7 +84,7 @@ def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any])
         if "type" in options:
             options["type"] = TYPES[options["type"]]
         if key is not None:
-            options = _of_setting(key, without, words, "type" in options) | options
+            options = _of_setting(key, without, words, checks or "type" in options) | options
         elif "help" in options:
             options["help"] = options["help"].replace("%", "%%")
         parser.add_argument(flag, **options)
