@@ -104,19 +104,16 @@ def largest_differences(dataset: xr.Dataset) -> xr.Dataset:
     Dataset
         ``difference_away`` and ``difference_edge`` along ``field``, and ``difference_load``.
     """
-    distance = np.hypot(dataset.distance - dataset.contact_radius, dataset.depth)
-    rows = []
+    near = np.hypot(dataset.distance - dataset.contact_radius, dataset.depth) <= EDGE_DISTANCE
+    found: dict[str, list[float]] = {"away": [], "edge": []}
     for name in FIELDS:
         spectral, elements = dataset[f"{name}_spectral"], dataset[f"{name}_elements"]
         relative = np.abs(spectral - elements) / np.abs(spectral).max()
-        away = float(relative.where(distance > EDGE_DISTANCE).max())
-        near = float(relative.where(distance <= EDGE_DISTANCE).max())
-        rows.append((away, near))
-    away, near = np.array(rows).T
+        found["away"].append(float(relative.where(~near).max()))
+        found["edge"].append(float(relative.where(near).max()))
     return xr.Dataset(
         {
-            "difference_away": ("field", away),
-            "difference_edge": ("field", near),
+            **{f"difference_{where}": ("field", differences) for where, differences in found.items()},
             "difference_load": float(dataset.load_elements / dataset.load_spectral - 1),
         },
         coords={"field": list(FIELDS)},

@@ -79,28 +79,27 @@ def rounding_errors(
     ratios = np.asarray(poisson, np.float32).astype(float)
     depths = _HEIGHT * np.minimum(1.0, _DEEPEST / scaled)[:, None] * _DEPTH_FRACTIONS
     depths = np.minimum(np.float32(depths).astype(float), _HEIGHT)
-    shape = (len(QUANTITIES), len(FORMULAS), len(PRECISIONS), len(ratios), steps)
-    error = np.full(shape, np.nan)
+    error = np.full((len(QUANTITIES), len(FORMULAS), len(PRECISIONS), len(ratios), steps), np.nan)
     for n, nu in enumerate(ratios):
-        compliance, stress = _reference(qx, qy, nu, depths)
+        modes = [(x, y, _YOUNG, nu, _HEIGHT) for x, y in zip(qx, qy, strict=True)]
+        true = [StateSpace(*mode, bottom="free", digits=_DIGITS).compliance() for mode in modes]
+        bonded = [StateSpace(*mode, bottom="bonded", digits=_DIGITS) for mode in modes]
+        stress = [[m.stress(level) for level in levels] for m, levels in zip(bonded, depths, strict=True)]
+        layer = Layer(_YOUNG, nu, _HEIGHT)
         for p, precision in enumerate(PRECISIONS):
-            kind = np.dtype(precision)
-            x, y, d = qx.astype(kind), qy.astype(kind), depths.astype(kind)
-            number = kind.type(nu)
+            x, y, d = (part.astype(precision) for part in (qx, qy, depths))
+            number = np.dtype(precision).type(nu)
             with np.errstate(all="ignore"):
-                tensors = {
-                    "printed": _printed_compliance(x, y, number),
-                    "direct": _direct_compliance(x, y, number),
-                    "layer": Layer(_YOUNG, nu, _HEIGHT).compliance(x, y),
-                }
-                fields = {
-                    "direct": _direct_stress(x, y, number, d),
-                    "layer": Layer(_YOUNG, nu, _HEIGHT).stress(x[:, None], y[:, None], d),
-                }
-            for f, formula in enumerate(FORMULAS):
-                error[0, f, p, n] = compliance_error(tensors[formula], compliance)
-                if formula in fields:
-                    error[1, f, p, n] = _stress_error(fields[formula], stress, scaled[:, None] * depths)
+                tensors = (
+                    _printed_compliance(x, y, number),
+                    _direct_compliance(x, y, number),
+                    layer.compliance(x, y),
+                )
+                fields = _direct_stress(x, y, number, d), layer.stress(x[:, None], y[:, None], d)
+            error[0, :, p, n] = [compliance_error(values, true) for values in tensors]
+            error[1, 1:, p, n] = [
+                _stress_error(values, stress, scaled[:, None] * depths) for values in fields
+            ]
     return xr.Dataset(
         {"error": (("quantity", "formula", "precision", "poisson", "scaled_wavenumber"), error)},
         coords={
@@ -111,17 +110,6 @@ def rounding_errors(
             "scaled_wavenumber": nominal,
         },
     )
-
-
-def _reference(qx: Array, qy: Array, nu: float, depths: Array) -> tuple[list[Any], list[list[Any]]]:
-    """Compliances and stresses of every mode in high precision."""
-    compliance, stress = [], []
-    for x, y, levels in zip(qx, qy, depths, strict=True):
-        mode = (x, y, _YOUNG, nu, _HEIGHT)
-        compliance.append(StateSpace(*mode, bottom="free", digits=_DIGITS).compliance())
-        bonded = StateSpace(*mode, bottom="bonded", digits=_DIGITS)
-        stress.append([bonded.stress(level) for level in levels])
-    return compliance, stress
 
 
 def compliance_error(values: Array, true: Sequence[Any]) -> Array:
@@ -160,8 +148,7 @@ def _direct(qx: Array, qy: Array, nu: Any, z: Array) -> tuple[Array, Array, Arra
     values, slopes = printed.basis(np, qx, qy, z, (1 - 2 * nu) / (2 * (1 - nu)))
     rows = printed.stress_rows(values, slopes, qx, qy, kind(_YOUNG), nu)
     # Tractions in the order x, y, z.
-    ordered = [rows[2], rows[1], rows[0]]
-    return _stack(values, qx), _stack(slopes, qx), _stack(ordered, qx)
+    return _stack(values, qx), _stack(slopes, qx), _stack(rows[::-1], qx)
 
 
 def _direct_compliance(qx: Array, qy: Array, nu: Any) -> Array:
@@ -182,16 +169,14 @@ def _direct_stress(qx: Array, qy: Array, nu: Any, depths: Array) -> Array:
     load = np.zeros((len(qx), 6, 1), system.dtype)
     load[:, 2] = -1
     amplitudes = _solve(system, load)
-    out = np.empty((*depths.shape, 6), system.dtype)
-    for level in range(depths.shape[1]):
-        values, slopes, rows = _direct(qx, qy, nu, qx.dtype.type(_HEIGHT) - depths[:, level])
-        u, slope, t = ((part @ amplitudes)[..., 0] for part in (values, slopes, rows))
-        x, y = 1j * qx * u[:, 0], 1j * qy * u[:, 1]
-        out[:, level, 0] = c11 * x + c12 * (y + slope[:, 2])
-        out[:, level, 1] = c11 * y + c12 * (x + slope[:, 2])
-        out[:, level, 2], out[:, level, 3], out[:, level, 4] = t[:, 2], t[:, 1], t[:, 0]
-        out[:, level, 5] = c44 * 1j * (qx * u[:, 1] + qy * u[:, 0])
-    return out
+    levels = []
+    for depth in depths.T:
+        parts = _direct(qx, qy, nu, qx.dtype.type(_HEIGHT) - depth)
+        u, slope, traction = (np.moveaxis(part @ amplitudes, 0, -1)[:, 0] for part in parts)
+        x, y, z = 1j * qx * u[0], 1j * qy * u[1], slope[2]
+        normal = c11 * x + c12 * (y + z), c11 * y + c12 * (x + z), traction[2]
+        levels.append([*normal, traction[1], traction[0], c44 * 1j * (qx * u[1] + qy * u[0])])
+    return np.moveaxis(np.array(levels), -1, 0)
 
 
 def _stack(rows: Sequence[Sequence[Any]], like: Array) -> Array:

@@ -80,21 +80,19 @@ def check_solution(contact: Contact, imposed: dict[str, Any], tolerance: float) 
     violation = certificate.worst / tolerance / max(1.0, gap_change_per_tolerance(contact))
     if not violation <= ALLOWED:
         return SolutionCheck(violation, reason=str(certificate))
-    error, direct, reason = energy_error(contact, **given) / tolerance, False, ""
+    error, direct, reason = energy_error(contact, **given), False, ""
     touching = contact.pressure > 0
     if np.count_nonzero(touching) <= DIRECT_NODES:
         known = given or {"mean_pressure": contact.mean_pressure}
+        compliance = mode_compliance(contact.layer, contact.grid)
         try:
-            exact = pivot(
-                contact.height, mode_compliance(contact.layer, contact.grid), guess=touching, **known
-            )
+            exact = pivot(contact.height, compliance, guess=touching, **known)
+            error, direct = _relative_difference(contact.pressure, exact), True
         except PivotingError as failure:
             reason = str(failure)
-        else:
-            error, direct = _relative_difference(contact.pressure, exact) / tolerance, True
+    error /= tolerance
     holds = error <= ALLOWED
-    if not holds:
-        reason = f"pressure off by {error:.3g} times the tolerance"
+    reason = reason if holds else f"pressure off by {error:.3g} times the tolerance"
     return SolutionCheck(violation, error, direct, holds, reason)
 
 
