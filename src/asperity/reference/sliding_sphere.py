@@ -112,8 +112,7 @@ class SlidingSphere:
 def _unit_traction_stress(y: Array, x: Array, z: Array, nu: float) -> Array:
     """Stress by the traction √(1 − r²) along x on the unit circle, z downward, (..., 6) with z up."""
     s = x**2 + y**2
-    # A depth of −0 would select the other branch of the root.
-    below = z + 0.0 + 1j
+    below = z + 1j
     root = np.sqrt(s + below**2)
     w = root + below
     log = np.log(w)
