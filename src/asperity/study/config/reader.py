@@ -126,15 +126,12 @@ def parse(content: str | bytes, name: str) -> dict[str, Any]:
 
 def _size(node: yaml.Node, sizes: dict[int, int], depth: int) -> int:
     """Number of values in a node, each alias counted as all that it stands for."""
+    line = node.start_mark.line + 1
     if depth > _MAX_DEPTH:
-        raise ValueError(
-            f"at most {_MAX_DEPTH} levels are accepted, line {node.start_mark.line + 1} has more"
-        )
+        raise ValueError(f"at most {_MAX_DEPTH} levels are accepted, line {line} has more")
     if isinstance(node, yaml.ScalarNode) and len(node.value) > _MAX_SCALAR:
-        raise ValueError(
-            f"at most {_MAX_SCALAR} characters are accepted in a value, line {node.start_mark.line + 1} has "
-            f"{len(node.value)}"
-        )
+        most = f"at most {_MAX_SCALAR} characters are accepted in a value"
+        raise ValueError(f"{most}, line {line} has {len(node.value)}")
     if id(node) not in sizes:
         children: list[yaml.Node] = []
         if isinstance(node, yaml.MappingNode):
@@ -143,9 +140,7 @@ def _size(node: yaml.Node, sizes: dict[int, int], depth: int) -> int:
             children = node.value
         sizes[id(node)] = 1 + sum(_size(child, sizes, depth + 1) for child in children)
     if sizes[id(node)] > _MAX_VALUES:
-        raise ValueError(
-            f"at most {_MAX_VALUES} values are accepted, line {node.start_mark.line + 1} has more"
-        )
+        raise ValueError(f"at most {_MAX_VALUES} values are accepted, line {line} has more")
     return sizes[id(node)]
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any, NamedTuple
 
@@ -36,6 +36,19 @@ TIME_LAWS: dict[str, tuple[str, ...]] = {
     "stress": ("depth_digits", "spacing", "ratios"),
 }
 """Stages whose time follows a measured law → the factors whose powers are in it, besides the grid."""
+
+_FACTORS: dict[str, Callable[[Mapping[str, Any]], Any]] = {
+    "contact_digits": lambda of: np.log10(of["contact_tolerance"]) / math.log10(PAPER.contact_tolerance),
+    "single_precision": lambda of: np.where(of["precision"] == "float32", math.e, 1.0),
+    "area": lambda of: of["area_fraction"] / 0.1,
+    "loads": lambda of: of["loads"],
+    "depth_digits": lambda of: (
+        np.log10(np.maximum(of["depth_tolerance"], 1e-12) / 10) / math.log10(PAPER.depth_tolerance / 10)
+    ),
+    "spacing": lambda of: of["depth_spacing"] / PAPER.depth_spacing,
+    "ratios": lambda of: of["ratios"],
+}
+"""Factors of the time laws, from settings relative to the paper's."""
 
 CALCULATION_STAGES = tuple(TIME_LAWS)
 """Stages from the spectrum of a surface to the stress and its peaks."""
@@ -172,28 +185,10 @@ def law_seconds(law: Mapping[str, float], nodes: Any, settings: Mapping[str, Any
     """
     nodes = np.maximum(nodes, 1)
     seconds = np.exp(law["log_constant"]) + np.exp(law["log_per_node"]) * nodes * np.log2(nodes) / 2
-    for name, power in law.items():
-        if name not in ("log_constant", "log_per_node"):
-            seconds = seconds * _factor(name, settings) ** power
+    for name, factor in _FACTORS.items():
+        if name in law:
+            seconds = seconds * factor(settings) ** law[name]
     return seconds
-
-
-def _factor(name: str, settings: Mapping[str, Any]) -> Any:
-    """Setting that a time is a power of, relative to the paper's."""
-    match name:
-        case "contact_digits":
-            return np.log10(settings["contact_tolerance"]) / math.log10(PAPER.contact_tolerance)
-        case "single_precision":
-            return np.where(settings["precision"] == "float32", math.e, 1.0)
-        case "area":
-            return settings["area_fraction"] / 0.1
-        case "depth_digits":
-            tolerance = np.maximum(settings["depth_tolerance"], 1e-12)
-            return np.log10(tolerance / 10) / math.log10(PAPER.depth_tolerance / 10)
-        case "spacing":
-            return settings["depth_spacing"] / PAPER.depth_spacing
-        case _:  # loads, ratios
-            return settings[name]
 
 
 def transform_seconds(points: int, repetitions: int = 3) -> float:
