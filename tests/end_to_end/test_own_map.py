@@ -108,6 +108,17 @@ def test_the_stages_in_si_units_run_one_after_the_other(answers, capsys):
     assert "GPa at depth" in printed
 
 
+EFFECTS = {
+    "--boundary free": lambda answer: answer.face.boundary == "free",
+    "--form cylinder": lambda answer: "form of a cylinder along x" in answer.face.done[-1],
+    "--counter-shift": lambda answer: answer.counter_map.shift == pytest.approx((10e-6, -4e-6)),
+    "--friction": lambda answer: answer.case.friction == 0.3,
+    "--sliding-direction": lambda answer: answer.case.sliding_direction == 30.0,
+    "--despike": lambda answer: answer.face.treatment.spikes == 4,
+}
+"""Option of the table → its effect on an answer."""
+
+
 @pytest.mark.parametrize("added", ADDED)
 def test_every_option_of_the_table_can_be_added(added, answers):
     base = ["run", "steel.x3p", "--young", "210 GPa", "--poisson", "0.3", "--out", "steel/"]
@@ -124,6 +135,8 @@ def test_every_option_of_the_table_can_be_added(added, answers):
         more = shlex.split(examples[0]) if words[0] == "--form" else []  # "with it"
         more += shlex.split(examples[0]) if words[0] == "--counter-turned-about" else []
         assert main([*base, *more, *words, *load]) == 0
+        for option, holds in EFFECTS.items():
+            assert option not in " ".join([*more, *words]) or holds(answers[-1])
     assert answers
 
 
