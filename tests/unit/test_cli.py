@@ -81,6 +81,10 @@ def test_a_height_map_is_pressed_face_down(tmp_path, capsys):
     pressure = dataset.read(out)["pressure"].values
     assert np.unravel_index(pressure.argmax(), pressure.shape) == (0, 0)
     assert dataset.settings_of(dataset.read(out))["surface"]["label"] == "waves"
+    # The force acts on the map, of 16 m x 16 m, and not on its mirror images.
+    force = ["--periodic", "mirrored", "--young", "1 GPa", "--force", "256 kN", "--out", str(out)]
+    assert main(["solve", str(path), *force]) == 0
+    assert float(dataset.read(out)["mean_pressure"]) == pytest.approx(1e3, rel=1e-4)
 
 
 def test_a_layer_has_only_the_ratio_of_its_contact(files, tmp_path, capsys):
