@@ -24,6 +24,7 @@ import numpy as np
 from asperity.core.errors import one_line, shown
 from asperity.core.packages import require
 from asperity.core.types import Array
+from asperity.fourier.grid import grid_of
 from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATIONS,
@@ -208,19 +209,15 @@ def _own_surface(path: str | os.PathLike[str]) -> FileContent | None:
             is_surface = height.dims == ("y", "x") and {"y", "x"} <= set(height.coords)
             if orientation not in ORIENTATIONS or not is_surface or min(height.shape) < 2:
                 return None
-            height.load()
+            surface = opened[["height"]].load()
     except (OSError, RuntimeError, ValueError, KeyError, AttributeError):
         return None
-    length_y, length_x = (
-        nodes * float(height[axis][1] - height[axis][0])
-        for nodes, axis in zip(height.shape, ("y", "x"), strict=True)
-    )
     units = height.attrs.get("units", "")
     return FileContent(
-        height=np.asarray(height.values, dtype=float),
+        height=np.asarray(surface["height"].values, dtype=float),
         channels=(Channel("height", (height.shape[0], height.shape[1])),),
         channel="height",
-        length=(length_y, length_x),
+        length=grid_of(surface).length,
         unit=None if units.startswith("cell") or not units else units,
         periodic=True,
         orientation=orientation,
