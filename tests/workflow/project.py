@@ -7,6 +7,7 @@ import runpy
 import shutil
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 from unittest import mock
 
@@ -78,8 +79,17 @@ def snakemake(folder, *arguments, cores=2):
     return run(folder, "snakemake", "--cores", str(cores), *arguments)
 
 
+@cache
+def compile_functions():
+    """Compile the functions of the project once, for all copies of it."""
+    from asperity.study.runtime.warm_up import warm_up
+
+    warm_up()
+
+
 def copy_project(folder):
     """Copy everything that a run needs, with compiled code: it stays valid as copies keep their times."""
+    compile_functions()
     for part in PARTS:
         if (ROOT / part).is_dir():
             shutil.copytree(ROOT / part, folder / part)
