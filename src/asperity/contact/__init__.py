@@ -7,7 +7,7 @@ incompressible) u has mean zero, and δ is measured from the mean plane of the s
 
 The fast method in twelve lines, each with the module that holds it:
 
-    units of edge, modulus and heights                                   solve
+    units of edge, modulus and heights                                   units
     p = start from the coarser grids                                     active_set/nested_grids
     repeat on each grid, first in single precision:                      active_set/outer_loop
         u = G p, gap of the contact nodes                                active_set/iterate

@@ -76,7 +76,8 @@ class StencilProduct:
         others = nodes if at is None else at
         out = np.empty(others.size, np.float32)
         # The first node of each row, and the number of nodes at the end.
-        first, first_other = (np.searchsorted(some, self._rows) for some in (nodes, others))
+        first = np.searchsorted(nodes, self._rows)
+        first_other = first if at is None else np.searchsorted(at, self._rows)
 
         def apply(part: slice) -> None:
             begin, end = np.searchsorted(first_other[:-1], (part.start, part.stop))
