@@ -106,17 +106,12 @@ class EllipticHertz:
             If an argument is not positive and finite, if R_y > R_x, or if the ratio of the radii is so large
             that b/a is below `SMALLEST_AXIS_RATIO`.
         """
-        require_positive(
-            load=load,
-            curvature_radius_x=curvature_radius_x,
-            curvature_radius_y=curvature_radius_y,
-            effective_modulus=effective_modulus,
-        )
+        require_positive(load=load, effective_modulus=effective_modulus)
+        require_positive(curvature_radius_x=curvature_radius_x, curvature_radius_y=curvature_radius_y)
         ratio = _axis_ratio(curvature_radius_x, curvature_radius_y)
         # p0 of `curvature_radii` inserted into F = 2/3 π a b p0.
         integral, _ = _curvature_integrals(ratio)
-        cube = 3 * load * curvature_radius_x * integral / (np.pi * effective_modulus)
-        semi_major = float(np.cbrt(cube))
+        semi_major = float(np.cbrt(3 * load * curvature_radius_x * integral / (np.pi * effective_modulus)))
         semi_minor = ratio * semi_major
         pressure = 1.5 * load / (np.pi * semi_major * semi_minor)
         return cls(semi_major, semi_minor, pressure, effective_modulus)
@@ -137,9 +132,8 @@ class EllipticHertz:
 
         K is the complete elliptic integral of the first kind of the eccentricity √(1 − b²/a²).
         """
-        modulus = (1 - self._ratio) * (1 + self._ratio)
         scale = self.largest_pressure * self.semi_minor / self.effective_modulus
-        return scale * float(ellipk(modulus))
+        return scale * float(ellipk((1 - self._ratio) * (1 + self._ratio)))
 
     @property
     def curvature_radii(self) -> tuple[float, float]:

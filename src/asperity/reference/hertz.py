@@ -81,9 +81,7 @@ class Hertz:
     @classmethod
     def from_approach(cls, approach: float, curvature_radius: float, effective_modulus: float = 1.0) -> Self:
         """Contact at an approach δ, ``a² = R δ``."""
-        require_positive(
-            approach=approach, curvature_radius=curvature_radius, effective_modulus=effective_modulus
-        )
+        require_positive(approach=approach, curvature_radius=curvature_radius)
         return cls(float(np.sqrt(approach * curvature_radius)), curvature_radius, effective_modulus)
 
     @property
@@ -166,17 +164,9 @@ class Hertz:
         radial, hoop, axial, shear = self.stress(r, depth, poisson)
         cosine = np.divide(x, r, out=np.ones_like(r), where=r > 0)
         sine = np.divide(y, r, out=np.zeros_like(r), where=r > 0)
-        return np.stack(
-            [
-                radial * cosine**2 + hoop * sine**2,
-                radial * sine**2 + hoop * cosine**2,
-                axial,
-                shear * sine,
-                shear * cosine,
-                (radial - hoop) * sine * cosine,
-            ],
-            axis=-1,
-        )
+        xx, yy = radial * cosine**2 + hoop * sine**2, radial * sine**2 + hoop * cosine**2
+        xy = (radial - hoop) * sine * cosine
+        return np.stack([xx, yy, axial, shear * sine, shear * cosine, xy], axis=-1)
 
 
 def unit_displacement(rho: ArrayLike) -> Array:
