@@ -123,7 +123,8 @@ class PeriodicPlanes:
         real, q = self.dtype.type, self._wavenumber[:, columns]
         kernels = self._layer.kernels(q, depth)[:3]
         shear_kernels = self._layer.shear_kernels(q, depth) if any(self._traction) else None
-        directions = self._along_x[:, columns], self._along_y, self._over_q[:, columns]
+        along_x, over_q = (np.ascontiguousarray(part[:, columns]) for part in (self._along_x, self._over_q))
+        directions = along_x, self._along_y, over_q
         modes = np.ascontiguousarray(self._modes[:, columns])
         factor = np.empty(modes.shape[1], self.dtype)
         spectra = np.empty((len(fields), *modes.shape), modes.dtype)

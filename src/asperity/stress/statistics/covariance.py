@@ -210,9 +210,11 @@ def _sum_rows(values: Any, columns: int, first: int, references: Any, sums: Any)
 def _pack(fields: Any, per_step: Any, out: Any) -> None:
     """Fill `out` with fields ≥ 0 as whole numbers of steps."""
     for m in range(fields.shape[0]):
+        factor = per_step[m]
         for j in range(fields.shape[1]):
-            for i in range(fields.shape[2]):
-                out[m, j, i] = np.int32(fields[m, j, i] * per_step[m] + np.float32(0.5))
+            line, steps = fields[m, j], out[m, j]
+            for i in range(line.size):
+                steps[i] = np.int32(line[i] * factor + np.float32(0.5))
 
 
 def _covariance(one: Array, two: Array) -> float:
