@@ -4,6 +4,9 @@ There are two: ducc0, the default, and pyFFTW. `fft_engine` chooses one for a ``
 that enters it. Outside such blocks the environment variable ``ASPERITY_FFT_ENGINE`` names the engine, else
 it is `DEFAULT`.
 
+Both have the same methods, with the normalisation of `asperity.fourier.grid`. Arrays may be views, with rows
+at any distance, and an engine may be used by several threads at once.
+
 The results of the two differ by rounding errors. The results of one have the same bits for any number of
 threads and in every run; those of pyFFTW as long as the wisdom of FFTW is kept.
 """
@@ -13,7 +16,6 @@ from __future__ import annotations
 import json
 import os
 import threading
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
@@ -44,36 +46,6 @@ if "," in os.environ.get("OMP_NUM_THREADS", ""):
     os.environ.setdefault("DUCC0_NUM_THREADS", os.environ["OMP_NUM_THREADS"].split(",")[0])
 
 _chosen: ContextVar[Engine | None] = ContextVar("asperity_fft_engine", default=None)
-
-
-class Engine(ABC):
-    """Transforms of real fields, with the normalisation of `asperity.fourier.grid`.
-
-    Arrays may be views, with rows at any distance, and an engine may be used by several threads at once.
-    """
-
-    @property
-    @abstractmethod
-    def description(self) -> str:
-        """Library and version, as recorded in results."""
-
-    @abstractmethod
-    def forward(self, values: Array, out: Array, threads: int = 1) -> None:
-        """Write the coefficients of a field into `out`, (ny, nx // 2 + 1).
-
-        `values`, (rows, nx), are the first rows of the field; the other ny - rows are taken to be zero.
-        """
-
-    @abstractmethod
-    def inverse_along_y(self, coefficients: Array, out: Array, threads: int = 1) -> None:
-        """Transform columns back, (..., ny, columns); `out` may be `coefficients`."""
-
-    @abstractmethod
-    def inverse_along_x(self, coefficients: Array, out: Array, threads: int = 1) -> None:
-        """Transform rows back, from (..., rows, nx // 2 + 1) to `out`, (..., rows, nx).
-
-        `coefficients` may be overwritten. The rows of `out` may begin where theirs do, in the same memory.
-        """
 
 
 @contextmanager
@@ -128,7 +100,7 @@ def _engine(argument: str, name: str) -> Engine:
     return _ENGINES[name]
 
 
-class Ducc0Engine(Engine):
+class Ducc0Engine:
     """Transforms by ducc0, which needs no plans.
 
     ducc0 transforms as many lines at once as a vector register holds numbers, and left-over lines one by one,
@@ -138,9 +110,14 @@ class Ducc0Engine(Engine):
 
     @property
     def description(self) -> str:
+        """Library and version, as recorded in results."""
         return f"ducc0 {ducc0.__version__}"
 
     def forward(self, values: Array, out: Array, threads: int = 1) -> None:
+        """Write the coefficients of a field into `out`, (ny, nx // 2 + 1).
+
+        `values`, (rows, nx), are the first rows of the field; the other ny - rows are taken to be zero.
+        """
         rows = len(values)
         for part, workers in self._shares(rows, threads):
             ducc0.fft.r2c(values[part], axes=(1,), forward=True, inorm=2, out=out[part], nthreads=workers)
@@ -150,12 +127,17 @@ class Ducc0Engine(Engine):
             ducc0.fft.c2c(columns, axes=(0,), forward=True, inorm=2, out=columns, nthreads=workers)
 
     def inverse_along_y(self, coefficients: Array, out: Array, threads: int = 1) -> None:
+        """Transform columns back, (..., ny, columns); `out` may be `coefficients`."""
         axis = out.ndim - 2
         for part, workers in self._shares(out.shape[-1], threads):
             columns, target = coefficients[..., part], out[..., part]
             ducc0.fft.c2c(columns, axes=(axis,), forward=False, out=target, nthreads=workers)
 
     def inverse_along_x(self, coefficients: Array, out: Array, threads: int = 1) -> None:
+        """Transform rows back, from (..., rows, nx // 2 + 1) to `out`, (..., rows, nx).
+
+        `coefficients` may be overwritten. The rows of `out` may begin where theirs do, in the same memory.
+        """
         for part, workers in self._shares(out.shape[-2], threads):
             ducc0.fft.c2r(
                 coefficients[..., part, :],
@@ -174,7 +156,7 @@ class Ducc0Engine(Engine):
         return [(slice(shared), threads)] * (shared > 0) + [(slice(shared, lines), 1)] * (shared < lines)
 
 
-class PyfftwEngine(Engine):
+class PyfftwEngine:
     """Transforms by FFTW, through pyFFTW.
 
     A plan of FFTW holds for arrays of one shape, distance of rows and alignment in memory; its own threads
@@ -274,4 +256,6 @@ def _kept_wisdom() -> Iterator[None]:
             os.replace(file.name, path)
 
 
-_ENGINES = {"ducc0": Ducc0Engine(), "pyfftw": PyfftwEngine()}
+Engine = Ducc0Engine | PyfftwEngine
+
+_ENGINES: dict[str, Engine] = {"ducc0": Ducc0Engine(), "pyfftw": PyfftwEngine()}
