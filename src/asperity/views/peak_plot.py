@@ -88,21 +88,24 @@ def plot_peaks(
     depths = [data["peak_depth"].values for data, _ in found]
     limits = robust_limits(sizes, 0.0)
     # Small peaks lie at the surface around the contacts, and far below them: large ones set the depth shown.
-    large = [size >= LARGE_PEAK * size.max(initial=0.0) for size in sizes]
-    shown = [depth[kept] for depth, kept in zip(depths, large, strict=True)]
-    deepest = robust_limits(shown if any(depth.any() for depth in shown) else depths, 0.0)
+    large = [
+        depth[size >= LARGE_PEAK * size.max(initial=0.0)] for depth, size in zip(depths, sizes, strict=True)
+    ]
+    deepest = robust_limits(large if any(depth.any() for depth in large) else depths, 0.0)
     unit = measure(limits.high, "stress", system)
     length = measure(deepest.high, "length", system)
     in_surface = not any(depth.any() for depth in depths)
     with canvas(len(given), axes, SHAPE) as (figure, panels):
         for axis, (title, result), (data, profile) in zip(panels, given, found, strict=True):
+            values = np.abs(data["peak_value"].values)
             if in_surface:
-                _draw_histogram(axis, data, limits, unit)
+                shown, high = values[values <= limits.high] / unit.factor, limits.high / unit.factor
+                axis.hist(shown, bins=BINS, range=(0, high), color="C0")
+                axis.set(xlim=(0, high), ylabel="number of peaks")
             else:
                 _draw_points(axis, data, profile, limits, deepest, unit, length)
             axis.locator_params(axis="x", nbins=TICKS)
             axis.set_xlabel(unit.label(f"magnitude of peaks of {field_name(quantity)}"))
-            values = np.abs(data["peak_value"].values)
             finish_title(axis, title_of(result) if title is None else title, limits.beyond(values, unit))
     return figure
 
@@ -157,10 +160,3 @@ def _draw_points(
         ylabel=length.label("depth"),
     )
     axis.legend(loc="lower right")
-
-
-def _draw_histogram(axis: Axes, data: xr.Dataset, limits: Limits, unit: Measure) -> None:
-    values = np.abs(data["peak_value"].values) / unit.factor
-    high = limits.high / unit.factor
-    axis.hist(values[values <= high], bins=BINS, range=(0, high), color="C0")
-    axis.set(xlim=(0, high), ylabel="number of peaks")

@@ -147,7 +147,8 @@ class Source:
         if body not in self.layers:
             raise ValueError(f"body = {shown(body)}: {' or '.join(self.layers)} is needed")
         direction = self.sliding.sliding_direction if direction is None else direction
-        return LoadedSolid(self.fields["pressure"], self.grid, self.layers[body], self.boundary), {
+        pressure = self.fields["pressure"].astype(float)
+        return LoadedSolid(pressure, self.grid, self.layers[body], self.boundary), {
             "friction": self.sliding.friction if friction is None else friction,
             "sliding_direction": traction_direction(direction, body),
         }

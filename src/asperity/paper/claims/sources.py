@@ -34,15 +34,21 @@ def roles(studies: Mapping[str, Sequence[str]], surfaces: Mapping[str, Mapping[s
         found = sorted((n for n in studies.get(study, ()) if n in surfaces), key=lambda n: key(surfaces[n]))
         return dict(zip(names, found, strict=True)) if len(found) == len(names) else {}
 
+    def gamma(surface: Mapping[str, Any]) -> float:
+        return surface.get("johnson", {}).get("gamma", 0.0)
+
+    def kurtosis(surface: Mapping[str, Any]) -> float:
+        return surface.get("moments", {}).get("kurtosis", 3.0)
+
     cutoffs: tuple[str, ...] = ("long_cutoff", "middle_cutoff", "short_cutoff")
     if len(studies.get("kurtosis", ())) == 2:
         cutoffs = cutoffs[::2]
     return {
         **ranked("hurst", ("small_hurst", "large_hurst"), lambda s: s["hurst"]),
         **ranked("compressibility", ("compressibility",), lambda s: 0.0),
-        **ranked("skewness", ("skew_negative", "gaussian", "skew_positive"), _gamma),
+        **ranked("skewness", ("skew_negative", "gaussian", "skew_positive"), gamma),
         **ranked("kurtosis", cutoffs, lambda s: -s["wavelength_short"]),
-        **ranked("moments", ("kurtosis_low", "kurtosis_normal", "kurtosis_high"), _kurtosis),
+        **ranked("moments", ("kurtosis_low", "kurtosis_normal", "kurtosis_high"), kurtosis),
     }
 
 
@@ -94,14 +100,6 @@ def _but_for_delta(surface: Mapping[str, Any]) -> dict[str, Any]:
     """Entry of a surface without its label and its δ."""
     johnson = {key: value for key, value in surface.get("johnson", {}).items() if key != "delta"}
     return {**surface, "label": "", "johnson": johnson}
-
-
-def _gamma(surface: Mapping[str, Any]) -> float:
-    return surface.get("johnson", {}).get("gamma", 0.0)
-
-
-def _kurtosis(surface: Mapping[str, Any]) -> float:
-    return surface.get("moments", {}).get("kurtosis", 3.0)
 
 
 def resolutions(surfaces: Mapping[str, Mapping[str, Any]]) -> dict[float, dict[str, str]]:

@@ -8,7 +8,6 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from asperity.core.types import Array
 from asperity.paper.figures import cell
 from asperity.paper.figures.cases import Datasets, bullets, contact_area, name
 from asperity.views.maps import blocks
@@ -40,7 +39,9 @@ def draw(surface: Datasets, contact: Datasets) -> Figure:
     cell.ground(axis)
     top = 1 - magnify * down
     cell.walls(axis, (x, -0.5, top[0]), (np.full(len(x), x[-1]), x, top[:, -1]))
-    cell.surface(axis, x, x, top, _painted(blocks(pressed.pressure.values, (step, step), np.max) > 0))
+    contacts = blocks(pressed.pressure.values, (step, step), np.max) > 0
+    painted = np.where(contacts[..., None], mpl.colors.to_rgba("#D55E00"), mpl.colors.to_rgba(cell.SOLID))
+    cell.surface(axis, x, x, top, painted)
     norm = Normalize(*np.percentile(height / float(rough.rms_height), [0.1, 99.9]))
     colours = mpl.colormaps["viridis"](norm(height / float(rough.rms_height)))
     cell.surface(axis, x, x, 1 + LIFT + magnify * height, colours)
@@ -55,11 +56,3 @@ def caption(surface: Datasets, contact: Datasets) -> str:
     """The drawn surface, its area of contact and its load."""
     drawn = list(surface)[-1]
     return f"Drawn: {name(label(surface[drawn]))}.\n\n{bullets([contact_area(contact[drawn])])}"
-
-
-def _painted(contacts: Array) -> Array:
-    """Colours of the solid's surface, contacts in red."""
-    colours = np.empty((*contacts.shape, 4))
-    colours[:] = mpl.colors.to_rgba(cell.SOLID)
-    colours[contacts] = mpl.colors.to_rgba("#D55E00")
-    return colours
