@@ -72,6 +72,18 @@ def test_every_value_out_of_range_is_refused_by_name(matrix: xr.Dataset) -> None
         assert any(mark in reason for mark in (" = ", "height:")), reason
 
 
+@pytest.mark.parametrize(
+    ("error", "outcome"),
+    [(UserWarning(), "warned"), (FloatingPointError(), "warned"), (KeyError(), "failed")],
+)
+def test_warnings_and_other_exceptions_are_defects(error: Exception, outcome: str, monkeypatch) -> None:
+    def fails(*_, **__):
+        raise error
+
+    monkeypatch.setattr(extremes, "solve", fails)
+    assert OUTCOMES[extremes.attempt.__wrapped__(ExtremeCase()).outcome] == outcome
+
+
 @pytest.mark.parametrize(("points", "direct"), [(24, True), (128, False)])
 def test_check_refuses_a_tampered_solution(points: int, direct: bool) -> None:
     case = ExtremeCase(points=points)
@@ -82,6 +94,10 @@ def test_check_refuses_a_tampered_solution(points: int, direct: bool) -> None:
     check = check_solution(contact, {"mean_pressure": load}, tolerance)
     assert check.holds
     assert check.direct == direct
+    if direct:
+        exact = pressure_by_pivoting(height, mean_pressure=load)
+        error = np.linalg.norm(contact.pressure - exact) / np.linalg.norm(exact)
+        assert check.error == pytest.approx(error / tolerance, rel=1e-6)
     generator = np.random.default_rng(1)
     error = contact.pressure * generator.standard_normal(height.shape)
     error -= contact.pressure * error.sum() / contact.pressure.sum()

@@ -103,8 +103,12 @@ def test_stability_dataset_and_figure_tell_the_formulas_apart():
     for precision in PRECISIONS:
         ours = error.sel(formula="layer", precision=precision)
         assert float(ours.max(skipna=False)) < ROUNDING[precision]
-    for formula in ("printed", "direct"):
-        theirs = error.sel(formula=formula, quantity="compliance", precision="float64", poisson=0.33)
+    for formula, quantity in (
+        ("printed", "compliance"),
+        ("direct", "compliance"),
+        ("direct", "bonded_stress"),
+    ):
+        theirs = error.sel(formula=formula, quantity=quantity, precision="float64", poisson=0.33)
         assert float(theirs.min()) < 1e-12
         assert float(theirs.max()) > 1e-6 or bool(np.isnan(theirs).any())
     # Eqs. 5–7 have no solution at ν = 1/2, where C11 and C12 are infinite.
