@@ -58,17 +58,10 @@ def test_the_proposed_settings_are_the_cheapest_within_the_error():
         assert other.error(target.outputs) > target.error or other.seconds >= found.seconds
 
 
-def test_more_time_never_means_a_larger_error():
-    limits = (1.0, 10.0, 100.0)
-    found = [propose([UNSEEN], Target(["von_mises_p99"], seconds=limit), factor=1.0) for limit in limits]
-    errors = [proposal.error(["von_mises_p99"]) for proposal in found]
-    assert errors == sorted(errors, reverse=True)
-    assert all(proposal.seconds <= limit for proposal, limit in zip(found, limits, strict=True))
-
-
 def test_a_slower_machine_takes_longer_and_a_time_then_buys_less():
     target = Target(seconds=10.0)
     fast, slow = (propose([UNSEEN], target, factor=factor) for factor in (1.0, 10.0))
+    assert max(fast.seconds, slow.seconds) <= target.seconds
     assert slow.error(target.outputs) > fast.error(target.outputs)
     assert assess([UNSEEN], slow.accuracy, factor=1.0).seconds == pytest.approx(slow.seconds / 10)
 

@@ -44,12 +44,6 @@ def test_coarser_settings_take_less_time(stage, coarser):
     assert fast.calculation_seconds < 0.95 * job_cost(stage, nodes).calculation_seconds
 
 
-def test_the_paper_s_largest_jobs_are_those_on_4096_squared():
-    """Measured: 3426 MB and 4676 MB (`python workflow/cost.py`)."""
-    assert job_cost("stress", 4096**2, 4).memory == pytest.approx(3426e6, rel=0.25)
-    assert job_cost("verification", 4096**2).memory == pytest.approx(4676e6, rel=0.25)
-
-
 def test_memory_agrees_with_that_of_the_stored_measurement():
     """The peak of all stages in one process, several loads and ratios: that of the stress."""
     base, per_node = load().memory

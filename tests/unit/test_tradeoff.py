@@ -10,7 +10,6 @@ from asperity.results.tables import check_columns
 from asperity.study.config.presets import PRESETS
 from asperity.study.cost.measured import DISTRIBUTIONS, NUMBERS, OUTPUTS, as_json, from_json
 from asperity.study.cost.measurement import (
-    CONVERGED,
     difference,
     evaluate,
     measure,
@@ -142,10 +141,3 @@ def test_the_figures_are_drawn(runs):
         drawn = figures.draw(runs, reduce_runs(runs))
     assert set(drawn) == {"front", "budget", "growth"}
     assert all(figure.axes for figure in drawn.values())
-
-
-def test_the_reference_is_finer_than_any_preset_but_in_its_grid():
-    for preset in PRESETS.values():
-        assert CONVERGED.contact_tolerance < preset.contact_tolerance
-        assert CONVERGED.depth_tolerance < preset.depth_tolerance
-        assert CONVERGED.depth_spacing < preset.depth_spacing
