@@ -15,8 +15,8 @@ Percentiles of peaks
     A coarse grid misses the lowest peaks and hardly changes the high ones. The number of peaks is
     extrapolated, and the percentile of all of them is the peak of the same rank among those found.
 
-The error that remains is a share of the correction, or grows with the boundary per contact node, which measures
-how well patches are resolved: `SHARE_OF_CORRECTION` and `OF_BOUNDARY` hold the measured factors.
+The error that remains is a share of the correction, or grows with the boundary per contact node, which
+measures how well patches are resolved: `SHARE_OF_CORRECTION` and `OF_BOUNDARY` hold the measured factors.
 """
 
 from __future__ import annotations
@@ -40,16 +40,16 @@ BOUNDARY_SHARE = 0.102
 SECOND_ORDER = "gradient_rms_contact", "number", "mean_depth", "mean_depth_highest"
 """Numbers whose error falls with the square of the spacing."""
 
-SHARE_OF_CORRECTION = {"area_fraction": 0.1, "gradient_rms_contact": 0.27, "mean_depth": 0.66}
+SHARE_OF_CORRECTION = {"area_fraction": 0.12, "gradient_rms_contact": 0.27, "mean_depth": 0.66}
 """Output → error that remains over the correction."""
 
 OF_BOUNDARY = {
-    "p90": (0.13, 3),
-    "p99": (0.07, 3),
-    "largest": (0.03, 3),
-    "mean_depth_highest": (0.22, 2),
-    "decay_length_depth": (0.065, 1),
-    "decay_length_plane": (0.11, 1),
+    "p90": (0.07, 3),
+    "p99": (0.058, 5),
+    "largest": (0.075, 6),
+    "mean_depth_highest": (0.2, 3),
+    "decay_length_depth": (0.057, 2),
+    "decay_length_plane": (0.14, 1),
 }
 """Output → factor and power of the boundary per contact node that give the relative error that remains."""
 
@@ -211,7 +211,7 @@ def extrapolate(fine: OnGrid, coarse: OnGrid) -> xr.Dataset:
         for name, share in SHARE_OF_CORRECTION.items()
         if name in found
     }
-    errors["proportionality"] = errors["area_fraction"] + errors["gradient_rms_contact"]
+    errors["proportionality"] = np.hypot(errors["area_fraction"], errors["gradient_rms_contact"])
     for name, (factor, power) in OF_BOUNDARY.items():
         if name in found:
             errors[name] = xr.full_like(found[name], factor * unresolved**power)
@@ -221,7 +221,7 @@ def extrapolate(fine: OnGrid, coarse: OnGrid) -> xr.Dataset:
 def _joined(found: xr.Dataset, best: xr.Dataset, error: xr.Dataset) -> xr.Dataset:
     """Values on the grid, estimates and errors of all outputs along `kind`."""
     outputs = [name for name in found if name not in ("boundary", "number")]
-    joined = xr.concat([kind[outputs] for kind in (found, best, error)], "kind")
+    joined = xr.concat([kind[outputs] for kind in (found, best, error)], "kind", coords="minimal")
     return joined.assign_coords(kind=list(KINDS))
 
 

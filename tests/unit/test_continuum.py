@@ -1,0 +1,95 @@
+"""Estimates at vanishing grid spacing, against finer grids and the closed form of Hertz."""
+
+import numpy as np
+import pytest
+
+import asperity as asp
+from asperity.stress.continuum import BOUNDARY_SHARE
+
+LAYER = asp.Layer(young=1.0, poisson=0.33)
+
+
+def contact_on(nodes, hurst=0.8, **load):
+    """A contact with a number of nodes on the shortest wavelength."""
+    height = asp.self_affine((16 * nodes,) * 2, hurst, 1 / 4, 1 / 16, rms_height=1e-3, seed=5)
+    return asp.solve(height, LAYER, **load)
+
+
+def stress_of(contact):
+    return asp.analyse_stress(contact, poisson=[0.0, 0.33], quantities=("pressure", "von_mises"))
+
+
+@pytest.fixture(scope="module")
+def on_two_grids():
+    """Estimates on 8 and on 32 nodes."""
+    coarse = contact_on(8, area_fraction=0.08)
+    fine = contact_on(32, mean_pressure=coarse.mean_pressure)
+    return asp.continuum(coarse, stress_of(coarse)), asp.continuum(fine, stress_of(fine))
+
+
+@pytest.mark.parametrize(
+    (
+        "output",
+        "tolerance",
+    ),  # bounds the grid error of one small surface, some times the medians of docs/continuum.md
+    [
+        ("area_fraction", 0.01),
+        ("gradient_rms_contact", 0.009),
+        ("proportionality", 0.015),
+        ("p90", 0.03),
+        ("p99", 0.02),
+        ("mean_depth", 0.05),
+    ],
+)
+def test_estimate_is_that_of_a_finer_grid(on_two_grids, output, tolerance):
+    coarse, fine = (grid[output] for grid in on_two_grids)
+    truth = fine.sel(kind="estimate")
+    error = abs(coarse.sel(kind="estimate") / truth - 1).fillna(0)  # pressure has no depth
+    assert float(error.max()) < tolerance
+    before = abs(coarse.sel(kind="on_grid") / truth - 1).fillna(0)
+    assert float(before.mean()) > float(error.mean())
+
+
+def test_stated_errors_cover_the_true_ones(on_two_grids):
+    coarse, fine = on_two_grids
+    truth = fine.sel(kind="estimate")
+    error = abs(coarse.sel(kind="estimate") / truth - 1)
+    covered = [(error <= coarse.sel(kind="error"))[name].values.ravel() for name in error]
+    assert np.concatenate(covered).mean() > 0.8  # most of 25 numbers of one surface
+
+
+def test_boundary_share_gives_the_area_of_hertz():
+    excess, edges = [], []
+    for seed in range(4):
+        place = np.random.default_rng(seed).random(2)
+        y, x = ((np.arange(96) + shift) / 96 - 0.5 for shift in place)
+        height = (x[None, :] ** 2 + y[:, None] ** 2) / 2
+        radius = 0.09
+        load = 4 / 3 * LAYER.effective_modulus * radius**3  # Hertz, on a cell of unit area
+        touching = asp.solve(height, LAYER, boundary="free", mean_pressure=load).pressure > 0
+        excess.append(touching.mean() - np.pi * radius**2)
+        edges.append(
+            sum(np.count_nonzero(touching != np.roll(touching, 1, k)) for k in (0, 1)) / touching.size
+        )
+    share = np.sum(excess) / np.sum(edges)
+    assert share == pytest.approx(BOUNDARY_SHARE, rel=0.35)  # discs have 0.08 to 0.09
+
+
+@pytest.mark.parametrize(
+    ("contact", "reason"),
+    [
+        (lambda: contact_on(2, area_fraction=0.3), "shorter than four nodes"),
+        (lambda: contact_on(8, area_fraction=0.005), "nodes are in contact, and 200"),
+        (lambda: contact_on(4, area_fraction=0.3, boundary="free"), "boundary is free"),
+    ],
+)
+def test_no_estimate_where_the_grid_allows_none(contact, reason):
+    found = asp.continuum(contact())
+    assert reason in found.attrs["reason"]
+    assert np.isfinite(found["area_fraction"].sel(kind="on_grid"))
+    assert found.sel(kind=["estimate", "error"]).to_array().isnull().all()
+
+
+def test_something_else_than_a_contact_is_refused():
+    with pytest.raises(TypeError, match="contact = ndarray: a Contact is needed"):
+        asp.continuum(np.zeros((4, 4)))
