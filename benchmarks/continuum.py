@@ -4,8 +4,8 @@
 
 The Hurst exponent, the wavelengths and the contact area of every surface are random, and one in four is
 skewed. It is pressed with 4, 8 and 32 nodes on its shortest wavelength under the same load, and the estimates
-on 4 and 8 nodes are compared with that on 32. The factors in `asperity.stress.continuum` were chosen on the
-19 first surfaces of ``--seed 1``.
+on 4 and 8 nodes are compared with that on 32. The factors that the estimates use were chosen on the 19 first
+surfaces of ``--seed 1``.
 """
 
 from __future__ import annotations

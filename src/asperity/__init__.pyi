@@ -6,12 +6,12 @@ from .contact import verify_contact as verify_contact
 from .elasticity.layer import Layer as Layer
 from .elasticity.loaded_solid import LoadedSolid as LoadedSolid
 from .elasticity.two_bodies import TwoBodies as TwoBodies
+from .engineering.continuum import continuum as continuum
 from .fourier import fft_engine as fft_engine
 from .fourier.grid import Grid as Grid
 from .results import read_result as read_result
 from .results import write_result as write_result
 from .stress.analysis import analyse_stress as analyse_stress
-from .stress.continuum import continuum as continuum
 from .stress.peaks.finder import find_peaks as find_peaks
 from .stress.peaks.finder import plane_peaks as plane_peaks
 from .stress.peaks.selection import peaks as peaks

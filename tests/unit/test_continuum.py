@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import asperity as asp
-from asperity.stress.continuum import BOUNDARY_SHARE
+from asperity.stress.statistics.continuum import BOUNDARY_SHARE
 
 LAYER = asp.Layer(young=1.0, poisson=0.33)
 
