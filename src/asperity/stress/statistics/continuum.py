@@ -38,15 +38,15 @@ BOUNDARY_SHARE = 0.102
 SECOND_ORDER = "gradient_rms_contact", "number", "mean_depth", "mean_depth_highest"
 """Numbers whose error falls with the square of the spacing."""
 
-SHARE_OF_CORRECTION = {"area_fraction": 0.12, "gradient_rms_contact": 0.27, "mean_depth": 0.66}
+SHARE_OF_CORRECTION = {"area_fraction": 0.14, "gradient_rms_contact": 0.4, "mean_depth": 0.66}
 """Output → error that remains over the correction."""
 
 OF_BOUNDARY = {
-    "p90": (0.07, 3),
-    "p99": (0.058, 5),
-    "largest": (0.075, 6),
-    "mean_depth_highest": (0.2, 3),
-    "decay_length_depth": (0.057, 2),
+    "p90": (0.095, 3),
+    "p99": (0.1, 3),
+    "largest": (0.085, 4),
+    "mean_depth_highest": (0.235, 3),
+    "decay_length_depth": (0.07, 1.5),
     "decay_length_plane": (0.14, 1),
 }
 """Output → factor and power of the boundary per contact node that give the relative error that remains."""
