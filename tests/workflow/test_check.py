@@ -9,7 +9,7 @@ from asperity.results import dataset
 
 REFERENCE = "tests/reference/quick.json"
 ONE = ("check.py", "--results", "results/quick", "--no-run")
-KERNEL = "elasticity/kernels.py", "(one + d) * a, (one - d) * a", "(one + d) * a, (one - d) * 1.01 * a"
+KERNEL = "elasticity/kernels.py", "(1.0 + d) * a, (1.0 - d) * a", "(1.0 + d) * a, (1.0 - d) * 1.01 * a"
 """The kernel of the lateral stress below the surface of a half-space."""
 
 

@@ -97,18 +97,12 @@ def _sinhc_difference(square_a: float, square_b: float) -> float:
     return total
 
 
-@fused_inlined
-def half_space_stresses(one: Any, d: Any, a: Any) -> tuple[Any, Any, Any]:
-    """Z, L and T of the half-space, given a = e^(−d); `one` is 1 in their precision."""
-    return (one + d) * a, (one - d) * a, d * a
-
-
 @fused
 def half_space_kernels(d: float, poisson: float) -> Values:
-    """Z, L, T, V and W of the half-space."""
+    """Z, L (the normal stress along the wavevector), T, V and W of the half-space."""
     a = np.exp(-d)
     m = 1.0 - 2.0 * poisson
-    return *half_space_stresses(1.0, d, a), (m - d) * a, (1.0 + m + d) * a
+    return (1.0 + d) * a, (1.0 - d) * a, d * a, (m - d) * a, (1.0 + m + d) * a
 
 
 @fused

@@ -20,7 +20,7 @@ import numpy as np
 from asperity.contact.active_set.assembly import ContactSystem
 from asperity.contact.active_set.inner_solve import Correction, InnerSolver
 from asperity.contact.active_set.iterate import Iterate
-from asperity.contact.active_set.step import Entering
+from asperity.contact.active_set.step import EntryCandidates
 from asperity.core.types import Array
 
 # Contact nodes may differ from the number asked for by one half, or by this fraction of it.
@@ -127,15 +127,15 @@ def extended(
     iterate: Iterate,
     system: ContactSystem,
     correction: Correction,
-    entering: Entering,
+    entering: EntryCandidates,
     inner: InnerSolver,
     converged: bool,
-) -> tuple[Correction, Entering, float] | None:
+) -> tuple[Correction, EntryCandidates, float] | None:
     """Extend a correction to the load at which the number of contact nodes is that asked for.
 
     Returns
     -------
-    (Correction, Entering, load) or None
+    (Correction, EntryCandidates, load) or None
         None if the load stays.
     """
     unit, load = iterate.problem.unit, iterate.load
@@ -151,7 +151,7 @@ def extended(
         return None
     up = MAX_LOAD_CHANGE * load / slope
     down = 0.999 * load / slope if converged else up
-    near_nodes = Entering.after(iterate, system, correction, unit * up)
+    near_nodes = EntryCandidates.after(iterate, system, correction, unit * up)
     rate = 1 - system.linear.operators.displacement(tangent.pressure, near_nodes.nodes)
     edges = np.concatenate(
         (

@@ -37,7 +37,7 @@ from asperity.contact.active_set.assembly import Assembler, ContactSystem
 from asperity.contact.active_set.inner_solve import RESIDUAL_DROP, InnerSolver
 from asperity.contact.active_set.iterate import Iterate, Pressure, evaluate
 from asperity.contact.active_set.near_null import balanced
-from asperity.contact.active_set.step import Entering, Step, taken
+from asperity.contact.active_set.step import EntryCandidates, Step, taken
 from asperity.contact.problem import Control, ConvergenceProgress, Problem
 from asperity.core.types import Progress
 
@@ -148,7 +148,7 @@ def iterate_on(
         if without_progress > MAX_STEPS_WITHOUT_PROGRESS or steps == rule.max_steps:
             break
         correction = inner.solve(system.linear, _residual_drop(system.error, rule.tolerance))
-        entering, load = Entering.after(iterate, system, correction), iterate.load
+        entering, load = EntryCandidates.after(iterate, system, correction), iterate.load
         extension = None
         if area is not None:
             extension = extended(area, iterate, system, correction, entering, inner, converged)

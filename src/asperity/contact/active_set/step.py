@@ -36,7 +36,7 @@ MAX_TRIALS = 10
 
 
 @dataclass(frozen=True)
-class Entering:
+class EntryCandidates:
     """Nodes out of contact whose gap a correction may close.
 
     Attributes
@@ -56,7 +56,7 @@ class Entering:
     @classmethod
     def after(
         cls, iterate: Iterate, system: ContactSystem, correction: Correction, further: float = 0.0
-    ) -> Entering:
+    ) -> EntryCandidates:
         """Nodes whose gap closes under a correction, or if the approach then grows further by some amount."""
         unit, approach = iterate.problem.unit, system.approach + correction.approach
         # No node moves upward by more than the contact nodes do, which the pressure displaces.
@@ -93,7 +93,9 @@ class Step:
     approach: float
 
     @classmethod
-    def of(cls, iterate: Iterate, system: ContactSystem, correction: Correction, entering: Entering) -> Step:
+    def of(
+        cls, iterate: Iterate, system: ContactSystem, correction: Correction, entering: EntryCandidates
+    ) -> Step:
         """The step that a correction leads to."""
         enter, real = entering.overlap > 0, iterate.pressure.dtype
         new = entering.nodes[enter]

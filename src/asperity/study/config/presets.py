@@ -21,7 +21,7 @@ class AccuracySettings:
     points_per_wavelength : float
         Grid spacings per shortest wavelength of a surface: the discretisation.
     contact_tolerance : float
-        Largest relative residual of a converged contact.
+        Estimated error of the pressure, relative to its norm.
     precision : "float64" or "float32"
         Floating-point precision of the contact problem.
     depth_tolerance : float

@@ -136,7 +136,8 @@ def job_cost(
     nodes : int
         Nodes of the grid; of a figure, those of all fields that it holds, or finite elements.
     repetitions : int
-        Loads of a contact, Poisson's ratios of a stress, seeds of statistics and of a verification.
+        Loads of a contact, Poisson's ratios times lateral conditions of a stress, seeds of statistics and of
+        a verification.
     accuracy : AccuracySettings
         Tolerances, precision and depth spacing of contact and stress; the grid is that of `nodes`.
     area_fraction : float
