@@ -27,7 +27,7 @@ study: $(VENV)/ready ## Make every figure of the paper, in results/figures; CONF
 	$(if $(CONFIG),python -m asperity.study.config check $(FILES))
 	snakemake --cores $(CORES) $(STUDY)
 
-quick: $(VENV)/ready ## Run every rule of the study on small cells, into results/quick (half a minute)
+quick: $(VENV)/ready ## Run every rule of the study on small cells, into results/quick (a minute and a quarter)
 	snakemake --cores $(CORES) --configfile config/quick.yaml
 
 claims: $(VENV)/ready ## Test the paper's statements on the ensemble (a quarter of an hour on two cores) and write what README and docs say of them
@@ -44,7 +44,7 @@ pages: $(VENV)/ready ## Write the generated pages again from the tables that are
 verify: $(VENV)/ready ## Compare every result of a study with the manifest of its run; CONFIG=, RESULTS= as for study
 	python workflow/verify.py "$(FOLDER)"
 
-test: lint ## Run lint and all tests, among them the quick study from nothing (six minutes on two cores)
+test: lint ## Run lint and all tests, among them the quick study from nothing (five minutes on two cores)
 	pytest --numprocesses logical
 
 lint: $(VENV)/ready ## Check style, types, the workflow, and that imports go downwards only
