@@ -44,7 +44,7 @@ pages: $(VENV)/ready ## Write the generated pages again from the tables that are
 verify: $(VENV)/ready ## Compare every result of a study with the manifest of its run; CONFIG=, RESULTS= as for study
 	python workflow/verify.py "$(FOLDER)"
 
-test: lint ## Run lint and all tests, among them the quick study from nothing (five minutes on two cores)
+test: lint ## Run lint and all tests, among them the quick study from nothing (four minutes on two cores)
 	pytest --numprocesses logical
 
 lint: $(VENV)/ready ## Check style, types, the workflow, and that imports go downwards only
