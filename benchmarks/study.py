@@ -47,11 +47,7 @@ def measure(name: str, cores: int) -> dict[str, object]:
         sys.exit(run.stdout[-2000:] + run.stderr[-2000:])
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     spent = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    memory = after.ru_maxrss / 1e6
-    if sys.platform == "linux" and len(jobs):
-        # Jobs are copies of a process that does not wait for them: their logs say what they took.
-        spent += 60 * jobs["processor_minutes"].sum()
-        memory = max(memory, jobs["memory_MB"].max() / 1e3)
+    memory = jobs["memory_MB"].max() / 1e3 if len(jobs) else after.ru_maxrss / 1e6
     return {
         "study": name,
         "cores": cores,
