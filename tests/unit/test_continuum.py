@@ -79,6 +79,7 @@ def test_boundary_share_gives_the_area_of_hertz():
     ("contact", "reason"),
     [
         (lambda: contact_on(2, area_fraction=0.3), "shorter than four nodes"),
+        (lambda: asp.solve(np.zeros((16, 16)), LAYER, mean_pressure=1e-3), "heights are flat"),
         (lambda: contact_on(8, area_fraction=0.005), "nodes are in contact, and 200"),
         (lambda: contact_on(4, area_fraction=0.3, boundary="free"), "boundary is free"),
     ],
@@ -88,6 +89,12 @@ def test_no_estimate_where_the_grid_allows_none(contact, reason):
     assert reason in found.attrs["reason"]
     assert np.isfinite(found["area_fraction"].sel(kind="on_grid"))
     assert found.sel(kind=["estimate", "error"]).to_array().isnull().all()
+
+
+def test_a_dataset_without_peaks_is_refused():
+    contact = contact_on(8, area_fraction=0.08)
+    with pytest.raises(ValueError, match="stress: a result of analyse_stress is needed"):
+        asp.continuum(contact, contact.to_dataset())
 
 
 def test_something_else_than_a_contact_is_refused():

@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.contact import Contact, solve
-from asperity.core.types import Progress
+from asperity.core.types import Array, Progress
 from asperity.fourier.grid import Fourier, Grid, mean_square, resample
 from asperity.stress.analysis import analyse_stress
 from asperity.stress.statistics.continuum import OnGrid, extrapolate, joined, numbers_on
@@ -51,8 +51,8 @@ def continuum(
 
     Raises
     ------
-    ValueError, TypeError
-        If an argument is none of these.
+    TypeError, ValueError
+        If `contact` is no `Contact`, or `stress` no result of `analyse_stress`.
 
     Examples
     --------
@@ -66,13 +66,16 @@ def continuum(
     """
     if not isinstance(contact, Contact):
         raise TypeError(f"contact = {type(contact).__name__}: a Contact is needed")
+    if stress is not None and "peak_quantity" not in stress:
+        raise ValueError("stress: a result of analyse_stress is needed, it has no peaks")
     fine = _on_grid(contact, stress)
     reason = reason_against(contact)
     if reason:
         found = numbers_on(fine)
         unknown = found * np.nan
         return joined(found, unknown, unknown).assign_attrs(reason=reason)
-    half = on_half_the_nodes(contact)
+    height, grid = on_half_the_nodes(contact.height, contact.grid)
+    half = solve(height, contact.solid, grid.length, mean_pressure=contact.mean_pressure, rtol=TOLERANCE)
     if progress is not None:
         progress(0.2, 1.0)
     coarse = None
@@ -97,11 +100,16 @@ def reason_against(contact: Contact) -> str:
         return "the boundary is free, and the estimate is made for periodic cells"
     if nodes < LEAST_NODES:
         return f"{nodes} nodes are in contact, and {LEAST_NODES} are needed"
-    grid, coarse = contact.grid, _half(contact.grid)
+    grid = contact.grid
     modes = Fourier(grid).forward(contact.height)
-    weight = grid.wavenumber() ** 2
-    kept = mean_square(resample(resample(modes, grid, coarse), coarse, grid), grid, weight)
-    lost = 1 - kept / mean_square(modes, grid, weight)
+    half = half_of(grid)
+    squares = [
+        mean_square(some, own, own.wavenumber() ** 2)
+        for some, own in ((modes, grid), (resample(modes, grid, half), half))
+    ]
+    if squares[0] == 0:
+        return "the heights are flat, and the contact has no size of its own"
+    lost = 1 - squares[1] / squares[0]
     if lost > LOST_GRADIENT:
         return (
             f"waves shorter than four nodes have {100 * lost:.0f} % of the squared gradient, at most "
@@ -110,17 +118,15 @@ def reason_against(contact: Contact) -> str:
     return ""
 
 
-def _half(grid: Grid) -> Grid:
+def half_of(grid: Grid) -> Grid:
     """The grid with half as many nodes along both edges."""
     return Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
 
 
-def on_half_the_nodes(contact: Contact) -> Contact:
-    """The same contact under the same load on half as many nodes along both edges."""
-    grid = contact.grid
-    half = _half(grid)
-    height = Fourier(half).inverse(resample(Fourier(grid).forward(contact.height), grid, half))
-    return solve(height, contact.solid, half.length, mean_pressure=contact.mean_pressure, rtol=TOLERANCE)
+def on_half_the_nodes(height: Array, grid: Grid) -> tuple[Array, Grid]:
+    """The long waves of periodic heights on half as many nodes along both edges, and their grid."""
+    half = half_of(grid)
+    return Fourier(half).inverse(resample(Fourier(grid).forward(height), grid, half)), half
 
 
 def _on_grid(contact: Contact, stress: xr.Dataset | None) -> OnGrid:

@@ -27,7 +27,8 @@ from asperity.engineering.answer_numbers import (
 )
 from asperity.engineering.body_stress import stress_in
 from asperity.engineering.case import Body, Case, CounterMap, Load, read_face
-from asperity.fourier.grid import Fourier, Grid, resample
+from asperity.engineering.continuum import on_half_the_nodes
+from asperity.fourier.grid import Grid
 from asperity.stress.planes.fields import FIELDS
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 from asperity.surface.treatment.treatment import TreatedMap
@@ -184,8 +185,7 @@ def coarse_numbers(face: TreatedMap, case: Case, progress: Progress | None = Non
         length = tuple(2 * step * nodes for step, nodes in zip(grid.spacing, height.shape, strict=True))
         coarse = Grid((height.shape[0], height.shape[1]), length)
     else:
-        coarse = Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
-        height = Fourier(coarse).inverse(resample(Fourier(grid).forward(face.height), grid, coarse))
+        height, coarse = on_half_the_nodes(face.height, grid)
     contact = press(replace(face, height=height, grid=coarse), case, progress)
     stress = stress_in(contact, replace(case, lower=replace(case.lower, yield_stress=None)), "lower")
     return main_numbers(contact, stress.dataset)

@@ -30,7 +30,8 @@ import xarray as xr
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
 from asperity.stress.peaks.selection import peaks, selection_for
-from asperity.stress.statistics.covariance import decay_lengths
+from asperity.stress.statistics.covariance import decay_lengths_of
+from asperity.stress.statistics.pooling import HIGHEST_SHARE
 
 BOUNDARY_SHARE = 0.102
 """Area over spacing and boundary that nodes in contact count too much."""
@@ -50,9 +51,6 @@ OF_BOUNDARY = {
     "decay_length_plane": (0.14, 1),
 }
 """Output → factor and power of the boundary per contact node that give the relative error that remains."""
-
-HIGHEST = 0.1
-"""Share of the peaks that are the highest."""
 
 KINDS = ("on_grid", "estimate", "error")
 
@@ -126,21 +124,10 @@ def numbers_on(results: OnGrid) -> xr.Dataset:
     if results.stress is None:
         return numbers
     stress = results.stress
-    lengths = np.array([_decay(stress.sel(poisson=ratio)) for ratio in stress["poisson"].values])
-    numbers["decay_length_depth"] = "poisson", lengths[:, 0]
-    numbers["decay_length_plane"] = "poisson", lengths[:, 1]
+    along_depth, in_plane = decay_lengths_of(stress)
+    numbers["decay_length_depth"] = "poisson", along_depth
+    numbers["decay_length_plane"] = "poisson", in_plane
     return numbers.merge(_depths(stress)).merge(_percentiles(stress))
-
-
-def _decay(stress: xr.Dataset) -> tuple[float, float]:
-    """Decay lengths along the depth and in the plane for one Poisson's ratio."""
-    return decay_lengths(
-        stress["plane_depth"].values,
-        stress["covariance_depth"].values,
-        stress["lag"].values,
-        stress["covariance_plane"].values,
-        float(stress["reference_depth"]),
-    )
 
 
 def _of_peaks(
@@ -165,7 +152,7 @@ def _depths(stress: xr.Dataset) -> xr.Dataset:
     """Number of peaks, mean depth of all and of the highest ones."""
 
     def measure(size: Array, depth: Array, q: int, p: int) -> dict[str, float]:
-        high = size >= np.quantile(size, 1 - HIGHEST) if size.size else []
+        high = size >= np.quantile(size, 1 - HIGHEST_SHARE) if size.size else []
         return {
             "number": float(size.size),
             "mean_depth": float(depth.mean()) if size.size else np.nan,

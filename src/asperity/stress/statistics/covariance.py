@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from asperity.core.arguments import require_finite
 from asperity.core.compiled import compiled, sums_without_nan
@@ -345,3 +346,19 @@ def decay_lengths(
         half_length(depth[below] - reference, along_depth[below] / variance, share),
         half_length(lag, in_plane / variance, share),
     )
+
+
+def decay_lengths_of(stress: xr.Dataset) -> tuple[Array, Array]:
+    """Decay lengths along depth and in the plane, (ratios,) each, for the Poisson's ratios of an analysis."""
+    lengths = [
+        decay_lengths(
+            one["plane_depth"].values,
+            one["covariance_depth"].values,
+            one["lag"].values,
+            one["covariance_plane"].values,
+            float(one["reference_depth"]),
+        )
+        for one in (stress.sel(poisson=ratio) for ratio in stress["poisson"].values)
+    ]
+    along_depth, in_plane = np.array(lengths).T
+    return along_depth, in_plane

@@ -22,7 +22,7 @@ from asperity.core.types import Array
 from asperity.fourier.grid import Grid
 from asperity.results import dataset
 from asperity.stress.peaks.selection import peaks, selection_for
-from asperity.stress.statistics.covariance import decay_lengths
+from asperity.stress.statistics.covariance import decay_lengths_of
 from asperity.stress.statistics.density import bin_edges, normalised
 from asperity.stress.statistics.patches import contact_patches, depth_patch_correlation
 from asperity.stress.statistics.pooling import HIGHEST_SHARE, pool_peaks
@@ -239,17 +239,7 @@ def _patch_correlations(
 
 def _of_planes(stress: xr.Dataset, gradient: float) -> dict[str, tuple]:
     """Largest von Mises stress, its depth, and the lengths over which the stress decays (Eq. 22)."""
-    lengths = [
-        decay_lengths(
-            one["plane_depth"].values,
-            one["covariance_depth"].values,
-            one["lag"].values,
-            one["covariance_plane"].values,
-            float(one["reference_depth"]),
-        )
-        for one in (stress.sel(poisson=ratio) for ratio in stress["poisson"].values)
-    ]
-    along_depth, in_plane = np.array(lengths).T
+    along_depth, in_plane = decay_lengths_of(stress)
     return {
         "seed_largest_von_mises": ("poisson", stress["largest_von_mises"].max("plane").values / gradient),
         "seed_reference_depth": ("poisson", stress["reference_depth"].values),
