@@ -15,7 +15,7 @@ import pytest
 import xarray as xr
 
 from asperity.cli.main import main
-from asperity.surface.description import describe_map, spectrum_summary
+from asperity.surface.description import describe_map, map_warnings, spectrum_summary
 from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
 from asperity.surface.reading.map_file import read_map
 from asperity.surface.self_affine import self_affine
@@ -244,6 +244,21 @@ def test_the_description_says_what_a_map_is():
     assert found.properties["without data"] == "7 points (0.36 %)"
     assert found.properties["spikes"].startswith("4 points (0.21 %)")
     assert [text.split(":")[0] for text in found.choices] == ["periodic", "undefined"]
+
+
+def test_doubts_about_a_map_name_their_option():
+    rough = self_affine((64, 64), 0.8, 5e-5, 1e-5, rms_height=1e-7, seed=1, length=1e-4)
+    x = np.linspace(-5e-5, 5e-5, 64)
+    curved = rough - x**2 / (2 * 1e-3)  # a bow of 1.25 µm
+    curved[20:22, 30] += 5e-6
+    found = map_warnings(HeightMap(curved, (1e-4, 1e-4), unit="m"), MapOptions())
+    assert [text.split(":")[0] for text in found] == ["despike", "detrend"]
+    assert "1 spikes of up to 5" in found[0]
+    assert "a bow of 1.2" in found[1]
+    answered = MapOptions(despike=8, detrend="curvature")
+    assert map_warnings(HeightMap(curved, (1e-4, 1e-4), unit="m"), answered) == []
+    (doubt,) = map_warnings(HeightMap(1e-3 * curved, (1e-7, 1e-7), unit="mm"), answered)
+    assert doubt.startswith("unit: an rms height of")
 
 
 def test_the_command_info_prints_the_description_or_one_line(capsys):

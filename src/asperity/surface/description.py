@@ -22,6 +22,14 @@ wave depend on the grid."""
 PERIODIC_STEP = 3.0
 """Largest edge step, in units of that between neighbouring points, of a map that is called periodic."""
 
+SMALLEST_RMS, LARGEST_RMS = 1e-9, 1e-3
+"""Rms heights in m beyond which the unit of a map is doubtful: a polished wafer has 0.2 nm, a cast surface
+50 µm."""
+
+LARGE_BOW = 0.5
+"""Rms height without bow, relative to that with it, below which the bow is called a form of its own: below
+that of self-affine surfaces."""
+
 CHOSEN = MapOptions(periodic="mirrored", undefined="harmonic")
 """What asperity run does to a map that is not periodic and lacks points."""
 
@@ -68,6 +76,80 @@ def describe_map(path: str | os.PathLike[str], options: MapOptions) -> MapDescri
     needed = missing_options(found, CHOSEN)
     choices = [text for text in missing_options(found, MapOptions()) if text not in needed]
     return MapDescription(_properties(found), needed, choices)
+
+
+class MapMeasures(NamedTuple):
+    """Spikes, tilt and bow of a height map, and its rms height without them; lengths in the unit of the map.
+
+    Parameters
+    ----------
+    spikes : (ny, nx) array of bool
+        Points beyond `DESPIKE` robust standard deviations from the local median.
+    spike_count : int
+        Connected groups of these points.
+    highest_spike : float
+        Largest distance of a spike from the heights that fill its place.
+    level : (ny, nx) array
+        Heights without spikes and tilt, filled where there are no data.
+    tilt : float
+        Angle of the mean plane, in radians.
+    bow : float
+        Height of the terms of degree two, from lowest to highest point.
+    rms_height, rms_height_without_bow : float
+        Without tilt and spikes.
+    """
+
+    spikes: Array
+    spike_count: int
+    highest_spike: float
+    level: Array
+    tilt: float
+    bow: float
+    rms_height: float
+    rms_height_without_bow: float
+
+
+def measure_map(surface: HeightMap) -> MapMeasures:
+    """Spikes, tilt, bow and rms height of a height map with at least one point that has data."""
+    from scipy.ndimage import label
+
+    height = surface.height
+    spikes = find_spikes(height, DESPIKE)
+    filled = fill_harmonic(height, spikes | ~np.isfinite(height))
+    level, slope, _ = subtract_trend(filled, "tilt", surface.length)
+    flat, _, bow = subtract_trend(level, "curvature", surface.length)
+    return MapMeasures(
+        spikes=spikes,
+        spike_count=int(label(spikes, np.ones((3, 3)))[1]),
+        highest_spike=float(np.abs(height - filled).max(initial=0.0, where=spikes)),
+        level=level,
+        tilt=math.atan(math.hypot(*slope)),
+        bow=bow,
+        rms_height=float(np.std(level)),
+        rms_height_without_bow=float(np.std(flat)),
+    )
+
+
+def map_warnings(surface: HeightMap, options: MapOptions, measures: MapMeasures | None = None) -> list[str]:
+    """Doubts about a map that the options do not answer: its unit, spikes and bow.
+
+    Each begins with the field of `MapOptions` that answers it.
+    """
+    found = measures or measure_map(surface)
+    rms, length, warnings = found.rms_height_without_bow, surface.shown_length, []
+    if surface.unit is not None and rms and not SMALLEST_RMS <= rms <= LARGEST_RMS:
+        warnings.append(f"unit: an rms height of {length(rms)}; is {surface.unit} the unit of the heights?")
+    if found.spike_count and options.despike is None:
+        warnings.append(
+            f"despike: {found.spike_count} spikes of up to {length(found.highest_spike)}; set it to "
+            f"{DESPIKE:g} to replace them"
+        )
+    if rms < LARGE_BOW * found.rms_height and options.detrend != "curvature":
+        warnings.append(
+            f"detrend: a bow of {length(found.bow)}, with it an rms height of {length(found.rms_height)}, "
+            f"without it {length(rms)}; set it to curvature"
+        )
+    return warnings
 
 
 def _properties(found: MapFile) -> dict[str, str]:

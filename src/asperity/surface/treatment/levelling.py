@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 
-from asperity.core.packages import require
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, resample
 from asperity.surface.reading.height_map import DETRENDS
@@ -125,17 +122,31 @@ def _nearest(height: Array, missing: Array) -> Array:
 
 
 def fill_harmonic(height: Array, missing: Array) -> Array:
-    """The heights with a harmonic function at the missing points: their Laplacian is zero there."""
+    """The heights with a harmonic function at the missing points: each is the mean of its neighbours."""
     if not missing.any():
         return height
-    require(("SurfaceTopography",))
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of packages that are not installed and not needed here
-        from SurfaceTopography import Topography
+    from scipy.sparse import coo_array, diags_array
+    from scipy.sparse.linalg import spsolve
 
-    masked = np.ma.masked_array(height.T, missing.T)
-    topography = Topography(masked, tuple(map(float, masked.shape)))
-    return np.asarray(topography.interpolate_undefined_data_with_harmonic_function().heights()).T
+    points = np.argwhere(missing)
+    number = np.zeros(missing.shape, dtype=int)
+    number[missing] = np.arange(len(points))
+    neighbours, right = np.zeros(len(points)), np.zeros(len(points))
+    rows, columns = [], []
+    for step in ((0, 1), (0, -1), (1, 0), (-1, 0)):
+        beside = points + step
+        inside = np.flatnonzero(np.all((beside >= 0) & (beside < missing.shape), axis=1))
+        place = tuple(beside[inside].T)
+        unknown = missing[place]
+        neighbours[inside] += 1
+        right[inside] += np.where(unknown, 0.0, height[place])
+        rows.append(inside[unknown])
+        columns.append(number[place][unknown])
+    pairs = np.concatenate(rows), np.concatenate(columns)
+    coupling = coo_array((np.ones(pairs[0].size), pairs), shape=(len(points),) * 2)
+    filled = np.array(height, dtype=float)
+    filled[missing] = spsolve((diags_array(neighbours) - coupling).tocsr(), right)
+    return filled
 
 
 def subtract_trend(
