@@ -11,11 +11,10 @@ from asperity.study.validation.rounding import FORMULAS, PRECISIONS, compliance_
 # Bounds of rounding errors, relative to the largest component at the same depth and to 1 + q depth.
 ROUNDING = {"float64": 4e-15, "float32": 2e-6}
 
-HEIGHTS = [1e-8, 0.02, 0.5, 0.999, 1.001, 3.0, 39.0, 1e5]
+HEIGHTS = [1e-8, 0.02, 0.999, 1.001, 39.0, 1e5]
 RATIOS = [-0.99, 0.33, 0.4999999, 0.5]
 
-
-_DEEPEST = {"float32": 70.0, "float64": 600.0}
+DEEPEST = {"float32": 70.0, "float64": 600.0}
 """Limits on q · depth: deeper, e^(−q depth) leaves the normal range of the precision."""
 
 
@@ -44,7 +43,7 @@ def layer_errors(height, bottom, poisson, dtype, fractions=(0.0, 1e-7, 1e-3, 0.1
     for fraction in fractions:
         depth = np.array([fraction * (height or 20.0)], kind)
         decay = float(mode.q) * float(depth[0])
-        if decay > _DEEPEST[kind.name]:
+        if decay > DEEPEST[kind.name]:
             continue
         for values, true, least in (
             (layer.stress(qx, qy, depth)[0], mode.stress(float(depth[0])), 0),
@@ -70,33 +69,7 @@ def test_half_space_is_exact_to_rounding(poisson, dtype):
     assert max(errors) < ROUNDING[dtype], errors
 
 
-@pytest.mark.parametrize("dtype", PRECISIONS)
-@pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
-@pytest.mark.parametrize("poisson", [-0.9, 0.3, 0.5])
-def test_every_wavenumber_and_depth_is_finite(bottom, poisson, dtype):
-    q = np.concatenate([[0.0], np.geomspace(1e-12, 1e9, 300)]).astype(dtype)[:, None]
-    depth = np.concatenate([[0.0], np.geomspace(1e-9, 1.0, 60), 1 - np.geomspace(1e-15, 0.5, 30)]).astype(
-        dtype
-    )
-    layer = Layer(1.0, poisson, 1.0, bottom)
-    with np.errstate(all="raise", under="ignore"):
-        for kernel in layer.kernels(q, depth):
-            assert np.all(np.isfinite(kernel))
-        assert np.all(np.isfinite(layer.surface_compliance(q)))
-        assert np.all(np.isfinite(layer.stress(q, 0 * q, depth)))
-        assert np.all(np.isfinite(layer.displacement(q, 0 * q, depth)))
-        assert np.all(np.isfinite(layer.compliance(q[1:].astype(float), 0 * q[1:])[20:]))
-
-
-def test_supported_bottoms_do_not_move():
-    q = np.geomspace(1e-8, 1e3, 40)
-    np.testing.assert_array_equal(Layer(1.0, 0.3, 0.7).displacement(q, q, 0.7), 0)
-    slides = Layer(1.0, 0.3, 0.7, "frictionless")
-    np.testing.assert_array_equal(slides.displacement(q, q, 0.7)[:, 2], 0)
-    np.testing.assert_array_equal(slides.stress(q, q, 0.7)[:, 3:5], 0)
-
-
-def test_stability_dataset_and_figure_tell_the_formulas_apart():
+def test_rounding_errors_tell_the_formulas_apart():
     data = rounding_errors(poisson=(0.33, 0.5), smallest=1e-4, largest=1e3, per_decade=1)
     error = data["error"]
     assert error.shape == (2, len(FORMULAS), len(PRECISIONS), 2, 8)
@@ -113,7 +86,3 @@ def test_stability_dataset_and_figure_tell_the_formulas_apart():
         assert float(theirs.max()) > 1e-6 or bool(np.isnan(theirs).any())
     # Eqs. 5–7 have no solution at ν = 1/2, where C11 and C12 are infinite.
     assert bool(np.isnan(error.sel(formula="direct", poisson=0.5)).all())
-    # The printed formulas have no stress.
-    axes = pytest.importorskip("asperity.paper.figures.stability").draw({"stability": data}).axes
-    shown = [{line.get_color() for line in axis.get_lines()} for axis in axes]
-    assert [len(colours & {"#D55E00", "#56B4E9", "#000000"}) for colours in shown] == [3, 3, 2, 2]

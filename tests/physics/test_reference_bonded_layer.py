@@ -1,27 +1,25 @@
 """Contact with a bonded layer against its boundary conditions, its limits and finer quadrature."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np
 import pytest
 import scipy.special
 
-from asperity.reference.bonded_layer import BondedLayer, LayerContact
+from asperity.reference.bonded_layer import BondedLayer
 from asperity.reference.hertz import Hertz
 from asperity.reference.state_space import StateSpace
 
 
 @cache
-def compliance_ratio(poisson: float, scaled: float) -> float:
+def compliance_ratio(poisson, scaled):
     """Surface compliance over that of the half-space, by the state-space solution of a mode."""
     mode = StateSpace(scaled, 0, 1 - poisson**2, poisson, 1, digits=30)
     return float(-mode.displacement(0)[2].real * scaled / 2)
 
 
 @pytest.mark.parametrize("poisson", [-0.5, 0.3, 0.5])
-def test_compliance_is_that_of_the_state_space_solution(poisson: float) -> None:
+def test_compliance_is_that_of_state_space(poisson):
     layer = BondedLayer(0.7, poisson)
     for scaled in (1e-3, 0.2, 1.0, 3.0, 20.0):
         # Rounding, relative to the half-space.
@@ -29,42 +27,36 @@ def test_compliance_is_that_of_the_state_space_solution(poisson: float) -> None:
     assert np.all(np.isfinite(layer.compliance_ratio([1e-8, 1e3])))
 
 
-def half_space_displacement(contact: LayerContact, r: float) -> float:
-    """Displacement of a half-space, ``4/(π E*) ∫ p(s) s K(m)/(r + s) ds`` with m = 4rs/(r + s)²."""
-    total = 0.0
-    # The logarithmic singularity at s = r and the square root at the edge are at ends of the intervals.
-    for low, high in ((0.0, r), (r, contact.contact_radius)):
-        node, weight = np.polynomial.legendre.leggauss(40)
-        # s = low + (high − low) v³ (10 − 15 v + 6 v²), flat at both ends.
-        v, step = 0.5 * (node + 1), 0.5 * weight
-        s = low + (high - low) * v**3 * (10 - 15 * v + 6 * v**2)
-        step = step * (high - low) * 30 * v**2 * (1 - v) ** 2
-        remainder = ((r - s) / (r + s)) ** 2
-        total += np.sum(step * contact.pressure(s) * s * scipy.special.ellipkm1(remainder) / (r + s))
-    return 4 / (np.pi * contact.effective_modulus) * total
-
-
 @pytest.mark.parametrize(("ratio", "poisson"), [(0.5, 0.3), (2.0, 0.5)])
-def test_surface_inside_the_contact_follows_the_paraboloid(ratio: float, poisson: float) -> None:
-    """The layer is displaced less than the half-space, by ``2/E* ∫ (1 − K) P J0 dξ``."""
+def test_surface_inside_the_contact_follows_the_paraboloid(ratio, poisson):
+    """A half-space is displaced by ``4/(π E*) ∫ p(s) s K(m)/(r + s) ds``, m = 4rs/(r + s)².
+
+    The layer is displaced less, by ``2/E* ∫ (1 − K) P J0 dξ``.
+    """
     height = 0.8
     contact = BondedLayer(height, poisson, effective_modulus=1.7).paraboloid(ratio * height, 50.0)
     radius = contact.contact_radius
     node, weight = np.polynomial.legendre.leggauss(60)
-    scaled, weight = 10 * (node + 1), 10 * weight
+    scaled, s = 10 * (node + 1), 0.5 * radius * (node + 1)
     missing = np.array([1 - compliance_ratio(poisson, u) for u in scaled]) / height
-    s = 0.5 * radius * (np.polynomial.legendre.leggauss(48)[0] + 1)
-    s_weight = 0.5 * radius * np.polynomial.legendre.leggauss(48)[1]
+    transform = np.cos(np.outer(scaled / height, s)) @ (0.5 * radius * weight * contact.density(s))
+
     for r in (0.2 * radius, 0.7 * radius):
-        wavenumber = scaled / height
-        transform = np.cos(np.outer(wavenumber, s)) @ (s_weight * contact.density(s))
-        correction = 2 / 1.7 * np.sum(weight * missing * transform * scipy.special.j0(wavenumber * r))
-        found = half_space_displacement(contact, r) - correction
+        half_space = 0.0
+        # s = low + (high − low) v³ (10 − 15 v + 6 v²) is flat at the ends, where the integrand is singular.
+        for low, high in ((0.0, r), (r, radius)):
+            v = 0.5 * (node + 1)
+            s = low + (high - low) * v**3 * (10 - 15 * v + 6 * v**2)
+            step = 0.5 * weight * (high - low) * 30 * v**2 * (1 - v) ** 2
+            kernel = scipy.special.ellipkm1(((r - s) / (r + s)) ** 2) / (r + s)
+            half_space += 4 / (np.pi * 1.7) * np.sum(step * contact.pressure(s) * s * kernel)
+        bessel = scipy.special.j0(scaled / height * r)
+        found = half_space - 2 / 1.7 * np.sum(10 * weight * missing * transform * bessel)
         # Quadrature over the pressure.
         assert found == pytest.approx(contact.approach - r**2 / 100, rel=1e-7)
 
 
-def test_a_thick_layer_is_a_half_space() -> None:
+def test_thick_layer_is_a_half_space():
     layer = BondedLayer(1e4, 0.3, effective_modulus=1.7)
     contact, hertz = layer.paraboloid(0.3, 2.0), Hertz(0.3, 2.0, 1.7)
     assert contact.load == pytest.approx(hertz.load, rel=1e-10)
@@ -78,7 +70,7 @@ def test_a_thick_layer_is_a_half_space() -> None:
     assert punch.pressure(0.4) == 0
 
 
-def test_a_thin_incompressible_layer_is_squeezed_sideways() -> None:
+def test_thin_incompressible_layer_is_squeezed_sideways():
     """−h³/(3G) Δp = δ − r²/2R with p = p' = 0 at the edge: δ = a²/(4R), load π G a⁶/(32 R h³).
 
     The layer bulges at the edge as if the contact were a little wider: the sixth root of the load is linear
@@ -96,13 +88,13 @@ def test_a_thin_incompressible_layer_is_squeezed_sideways() -> None:
 
 
 @pytest.mark.parametrize(("ratio", "order"), [(0.5, 16), (5.0, 32), (10.0, 64)])
-def test_load_and_approach_converge_with_the_order(ratio: float, order: int) -> None:
+def test_load_and_approach_converge_with_the_order(ratio, order):
     coarse, fine = (BondedLayer(1.0, 0.5, order=n).paraboloid(ratio, 10.0) for n in (order, order + 32))
     assert coarse.load == pytest.approx(fine.load, rel=1e-12)
     assert coarse.approach == pytest.approx(fine.approach, rel=1e-12)
 
 
-def test_pressure_carries_the_load_and_ends_at_the_edge() -> None:
+def test_pressure_carries_the_load_to_the_edge():
     contact = BondedLayer(0.6, 0.5).paraboloid(1.5, 50.0)
     node, weight = np.polynomial.legendre.leggauss(60)
     # r = a sin t, where a square root at the edge is smooth.
@@ -115,11 +107,3 @@ def test_pressure_carries_the_load_and_ends_at_the_edge() -> None:
     assert np.all(contact.pressure([1.5, 1.6]) == 0)
     # Of the size of φ on the axis.
     assert abs(float(contact.density(1.5))) < 1e-13 * float(contact.density(0.0))
-
-
-@pytest.mark.parametrize("changes", [{"height": 0.0}, {"poisson": 0.51}, {"poisson": -1.0}, {"order": 0}])
-def test_bad_values_are_named(changes: dict) -> None:
-    with pytest.raises(ValueError, match=next(iter(changes))):
-        BondedLayer(**{"height": 1.0, "poisson": 0.3, **changes})
-    with pytest.raises(ValueError, match="contact_radius"):
-        BondedLayer(1.0, 0.3).paraboloid(-1.0, 1.0)

@@ -31,8 +31,8 @@ def test_stiffness_is_that_of_27_node_hexahedra(slab):
     for number, name in enumerate(("u^1", "u^2", "u^3")):
         component[basis.get_dofs(elements=True).all(name)] = number
     displacement = np.random.default_rng(0).standard_normal((3, *slab.shape))
-    ours = slab.force(displacement)[component, node[0], node[1], node[2]]
-    theirs = stiffness @ displacement[component, node[0], node[1], node[2]]
+    ours = slab.force(displacement)[component, *node]
+    theirs = stiffness @ displacement[component, *node]
     # Rounding.
     np.testing.assert_allclose(ours, theirs, atol=1e-12 * np.abs(theirs).max())
 
@@ -45,24 +45,22 @@ def test_uniform_compression_is_exact(slab):
     # Solver.
     assert -4 * force[2, -1].sum() == pytest.approx(0.01 * modulus, rel=1e-9)
     _, z, displacement, stress = slab.on_diagonal(moved)
-    np.testing.assert_allclose(
-        displacement[:, :, 2], -0.01 * z[:, None] + 0 * displacement[:, :, 2], atol=1e-10
-    )
+    np.testing.assert_allclose(displacement[:, :, 2] + 0.01 * z[:, None], 0, atol=1e-10)
     ratio = POISSON / (1 - POISSON)
     expected = -0.01 * modulus * np.array([ratio, ratio, 1, 0, 0, 0])
-    np.testing.assert_allclose(stress, np.broadcast_to(expected, stress.shape), atol=1e-10)
+    np.testing.assert_allclose(stress - expected, 0, atol=1e-10)
 
 
-def test_stress_of_a_quadratic_displacement_is_exact(slab):
-    """Gauss-point strains of a field inside the elements' space."""
+def test_stress_is_exact_at_gauss_points(slab):
+    """Of a field of the elements, and of x³ and z³: their quadratic interpolants have their slopes there."""
     z, y, x = np.meshgrid(slab.column.nodes, slab.plane.nodes, slab.plane.nodes, indexing="ij")
-    moved = np.stack([x * y + z**2, 2 * x * z, x**2 - 3 * y * z])
+    moved = np.stack([x * y + z**2 + x**3, 2 * x * z, x**2 - 3 * y * z + z**3])
     along, up, displacement, stress = slab.on_diagonal(moved)
     z, x = np.meshgrid(up, along, indexing="ij")
-    y, mu, lame = x, slab.shear_modulus, slab.lame
-    trace = y - 3 * y
-    expected = [lame * trace + 2 * mu * y, lame * trace, lame * trace - 6 * mu * y]
-    expected += [mu * (2 * x - 3 * z), mu * (2 * z + 2 * x), mu * (x + 2 * z)]
+    mu, lame = slab.shear_modulus, slab.lame
+    extension = np.stack([x + 3 * x**2, 0 * x, -3 * x + 3 * z**2])
+    normal = lame * extension.sum(axis=0) + 2 * mu * extension
+    expected = [*normal, mu * (2 * x - 3 * z), mu * (2 * z + 2 * x), mu * (x + 2 * z)]
     # Rounding.
     np.testing.assert_allclose(stress, np.stack(expected, axis=-1), atol=1e-13)
     np.testing.assert_allclose(displacement[..., 1], 2 * x * z, atol=1e-14)
@@ -83,12 +81,6 @@ def test_contact_is_complementary():
     assert hertz < pressed.load < 1.2 * hertz
 
 
-def test_a_solve_that_does_not_converge_says_so(slab):
+def test_solve_that_does_not_converge_says_so(slab):
     with pytest.raises(RuntimeError, match="after 2 iterations"):
         slab.equilibrium(np.zeros((3, *slab.shape)), np.array([0]), np.array([-1.0]), 1e-12, max_iterations=2)
-
-
-@pytest.mark.parametrize("poisson", [0.5, -1.0, np.nan])
-def test_poisson_out_of_range_is_named(poisson):
-    with pytest.raises(ValueError, match="poisson"):
-        Slab(graded(0.5, 2, 1.0), graded(1.0, 2, 1.0), YOUNG, poisson)

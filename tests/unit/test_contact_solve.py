@@ -1,215 +1,123 @@
-"""Tests of `solve`, `solve_path` and the certificate: controls, extremes of the input, bad input."""
-
-from __future__ import annotations
+"""`solve` and `solve_path`: controls, methods, boundaries, starts, extremes, refused arguments."""
 
 import numpy as np
 import pytest
+from samples import centred, difference, load_of, rough
 
 import asperity as asp
-from asperity.contact import Contact, solve, solve_path
+from asperity.contact import solve, solve_path
 from asperity.core.errors import ConvergenceError
-from asperity.core.types import Array
-from asperity.elasticity.layer import Layer
 
-HALF_SPACE = Layer(1 - 0.33**2, 0.33)
-SLAB = Layer(1 - 0.33**2, 0.33, height=1.0)
-INCOMPRESSIBLE = Layer(0.75, 0.5, height=0.1)
+HALF_SPACE = asp.Layer(1 - 0.33**2, 0.33)
+SLAB = asp.Layer(1 - 0.33**2, 0.33, height=1.0)
+INCOMPRESSIBLE = asp.Layer(0.75, 0.5, height=0.1)
+SLIPPING = asp.Layer(0.8, 0.2, 0.3, "frictionless")
+STEEL, COATING = asp.Layer(210e9, 0.3), asp.Layer(3e9, 0.4, height=0.05)
 METHODS = ("active_set", "gfmd")
-
-
-def rough(shape: tuple[int, int] = (64, 64), seed: int = 1) -> Array:
-    return asp.self_affine(shape, 0.8, 0.5, 0.125, 1e-3, seed)
-
-
-def load_of(height: Array, fraction: float = 0.05) -> float:
-    return fraction * asp.roughness_parameters(height).rms_gradient
-
-
-def largest_difference(one: Contact, other: Contact) -> float:
-    return float(np.abs(one.pressure - other.pressure).max() / other.pressure.max())
-
-
-@pytest.mark.parametrize("layer", [HALF_SPACE, SLAB, INCOMPRESSIBLE, Layer(0.8, 0.2, 0.3, "frictionless")])
-@pytest.mark.parametrize("method", METHODS)
-def test_load_approach_and_area_control_agree(layer: Layer, method: str) -> None:
-    """The tolerances are solver errors."""
-    height = rough()
-    by_load = solve(height, layer, mean_pressure=load_of(height), method=method, rtol=1e-9)
-    by_load.certificate.check(1e-7)
-    by_approach = solve(height, layer, approach=by_load.approach, method=method, rtol=1e-9)
-    assert largest_difference(by_approach, by_load) < 1e-6
-    by_area = solve(height, layer, area_fraction=by_load.area_fraction, method=method, rtol=1e-9)
-    assert np.count_nonzero(by_area.pressure) == np.count_nonzero(by_load.pressure)
-    # On this grid the area changes by one node per few thousandths of the load.
-    assert by_area.mean_pressure == pytest.approx(by_load.mean_pressure, rel=0.02)
-
-
-@pytest.mark.parametrize("layer", [HALF_SPACE, SLAB, INCOMPRESSIBLE])
-def test_methods_agree(layer: Layer) -> None:
-    height = rough()
-    one, other = (
-        solve(height, layer, mean_pressure=load_of(height), method=method, rtol=1e-11) for method in METHODS
-    )
-    assert largest_difference(one, other) < 1e-9
-    assert one.approach == pytest.approx(other.approach, abs=1e-9 * height.std())
-
-
-@pytest.mark.parametrize("area_fraction", [0.003, 0.8])
-def test_area_is_met(area_fraction: float) -> None:
-    height = rough((128, 128))
-    contact = solve(height, HALF_SPACE, area_fraction=area_fraction)
-    wanted = round(area_fraction * height.size)
-    assert abs(np.count_nonzero(contact.pressure) - wanted) <= max(0.5, 1e-4 * wanted)
-    contact.certificate.check(1e-4)
-
-
-@pytest.mark.parametrize("hurst", [0.2, 0.8])
-@pytest.mark.parametrize("area_fraction", [0.003, 0.1])
-def test_area_control_takes_at_most_twice_the_transforms_of_load_control(
-    hurst: float, area_fraction: float
-) -> None:
-    """Mean of two surfaces."""
-    spent = np.zeros(2)
-    for seed in (1, 2):
-        height = asp.self_affine((256, 256), hurst, 0.125, 1 / 32, 1e-3, seed)
-        by_area = solve(height, HALF_SPACE, area_fraction=area_fraction)
-        by_load = solve(height, HALF_SPACE, mean_pressure=by_area.mean_pressure)
-        spent += by_area.certificate.pairs, by_load.certificate.pairs
-    assert spent[0] < 2 * spent[1]
-
-
-@pytest.mark.parametrize(("fraction", "rtol"), [(0.01, 1e-6), (0.3, 1e-9), (0.9, 1e-6)])
-def test_area_control_on_a_mirrored_surface(fraction: float, rtol: float) -> None:
-    """Four nodes touch at a time, and the nearest possible number of nodes is taken."""
-    quarter = np.random.default_rng(1).standard_normal((32, 32))
-    half = np.concatenate([quarter, quarter[::-1]])
-    spectrum = np.fft.rfft2(np.concatenate([half, half[:, ::-1]], axis=1))
-    q = np.hypot(np.fft.fftfreq(64)[:, None], np.fft.rfftfreq(64)) * 64
-    height = np.fft.irfft2(np.where((q >= 2) & (q <= 8), np.maximum(q, 1) ** -1.8, 0) * spectrum)
-    height *= 1e-3 / height.std()
-    contact = solve(height, HALF_SPACE, area_fraction=fraction, rtol=rtol)
-    count, wanted = np.count_nonzero(contact.pressure), round(fraction * height.size)
-    assert count % 4 == 0
-    assert abs(count - wanted) <= 2
-    contact.certificate.check(100 * rtol)
-
-
-@pytest.mark.parametrize("fraction", [0.005, 0.3, 0.95])
-def test_area_control_on_a_grating(fraction: float) -> None:
-    """Two columns of nodes touch at a time."""
-    height = np.tile(1e-3 * np.cos(2 * np.pi * np.arange(64) / 64), (64, 1))
-    contact = solve(height, HALF_SPACE, area_fraction=fraction)
-    assert np.all(np.ptp(contact.pressure, axis=0) < 1e-4 * contact.pressure.max())
-    assert abs(np.count_nonzero(contact.pressure) / 64 - 64 * fraction) <= 1
-    contact.certificate.check(1e-4)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_fields_of_the_solution_are_consistent(method: str) -> None:
-    """The tolerances are rounding errors."""
-    height = rough()
-    contact = solve(height, SLAB, mean_pressure=load_of(height), method=method)
-    np.testing.assert_allclose(
-        contact.gap, contact.height + contact.displacement - contact.approach, atol=1e-15, rtol=0
-    )
-    assert contact.area_fraction == np.count_nonzero(contact.pressure) / height.size
-    assert contact.mean_pressure == pytest.approx(load_of(height), rel=1e-6)
-    assert 0 < contact.gradient_rms_contact < 2 * asp.roughness_parameters(height).rms_gradient
-    assert contact.certificate.pairs > 0
-    assert contact.certificate.iterations > 0
-
-
-def test_result_repeats_and_does_not_depend_on_threads() -> None:
-    height = rough((256, 130))
-    first = solve(height, SLAB, mean_pressure=load_of(height))
-    for threads in (1, 2):
-        again = solve(height, SLAB, mean_pressure=load_of(height), threads=threads)
-        np.testing.assert_array_equal(again.pressure, first.pressure)
-
-
-# Extremes
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_full_contact(method: str) -> None:
-    """Exact solution: û = −ĥ for every mode but the uniform one."""
-    height = rough()
-    contact = solve(height, HALF_SPACE, mean_pressure=2.0, method=method, rtol=1e-12)
-    assert contact.area_fraction == 1
-    assert np.abs(contact.displacement + height - contact.approach).max() < 1e-8 * height.std()
-    contact.certificate.check(1e-7)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_one_node_in_contact(method: str) -> None:
-    height = rough()
-    contact = solve(height, HALF_SPACE, area_fraction=1 / height.size, method=method)
-    assert np.count_nonzero(contact.pressure) == 1
-    assert np.argmax(contact.pressure) == np.argmin(height)
-    contact.certificate.check(1e-4)
-
-
-@pytest.mark.parametrize("load", [1e-15, 1e-100])
-def test_vanishing_load(load: float) -> None:
-    height = rough()
-    contact = solve(height, HALF_SPACE, mean_pressure=load)
-    assert contact.mean_pressure == pytest.approx(load, rel=1e-12)
-    assert contact.pressure.reshape(-1)[np.argmin(height)] == contact.pressure.max()
-    contact.certificate.check(1e-5)
-
-
-def test_zero_load_gives_first_contact() -> None:
-    height = rough()
-    contact = solve(height, HALF_SPACE, mean_pressure=0.0)
-    assert not contact.pressure.any()
-    assert contact.approach == height.min()
-    assert contact.area_fraction == 0
-    assert np.isnan(contact.gradient_rms_contact)
-
-
-@pytest.mark.parametrize("layer", [HALF_SPACE, SLAB])
-def test_lift_off(layer: Layer) -> None:
-    height = rough()
-    contact = solve(height, layer, approach=height.min() - 1e-3)
-    assert not contact.pressure.any()
-    np.testing.assert_allclose(contact.gap.min(), 1e-3, rtol=1e-12)
-    contact.certificate.check(0.0)
-
-
-@pytest.mark.parametrize("layer", [HALF_SPACE, SLAB, INCOMPRESSIBLE])
-@pytest.mark.parametrize("method", METHODS)
-def test_flat_surface(layer: Layer, method: str) -> None:
-    contact = solve(np.zeros((16, 16)), layer, mean_pressure=0.01, method=method)
-    np.testing.assert_allclose(contact.pressure, 0.01, rtol=1e-6)
-    assert contact.area_fraction == 1
+WAYS = [("active_set", "periodic"), ("active_set", "free"), ("gfmd", "periodic")]
 
 
 @pytest.mark.parametrize(
-    ("shape", "length"),
-    [((31, 47), 1.0), ((45, 64), (0.5, 1.5)), ((16, 128), (0.25, 2.0)), ((1, 64), (0.1, 1.0))],
+    ("solid", "boundary"),
+    [(HALF_SPACE, "free"), *((s, "periodic") for s in (HALF_SPACE, SLAB, INCOMPRESSIBLE, SLIPPING))],
 )
-def test_odd_and_oblong_grids(shape: tuple[int, int], length: float | tuple[float, float]) -> None:
-    generator = np.random.default_rng(4)
-    height = 1e-3 * generator.standard_normal(shape)
-    height += 1e-2 * np.cos(2 * np.pi * np.arange(shape[1]) / shape[1])
-    contact = solve(height, HALF_SPACE, length, mean_pressure=0.01, rtol=1e-9)
-    assert 0 < contact.area_fraction < 1
-    contact.certificate.check(1e-6)
+def test_controls_and_methods_agree(solid, boundary):
+    """The tolerances are solver errors."""
+    height, truth = rough(), None
+    for method in METHODS if boundary == "periodic" else METHODS[:1]:
+        settings = {"method": method, "boundary": boundary, "rtol": 1e-9}
+        by_load = solve(height, solid, mean_pressure=load_of(height), **settings)
+        truth = truth or by_load
+        by_approach = solve(height, solid, approach=truth.approach, **settings)
+        by_area = solve(height, solid, area_fraction=truth.area_fraction, **settings)
+        assert by_load.approach == pytest.approx(truth.approach, abs=1e-7 * height.std())
+        for contact in (by_load, by_approach):
+            contact.certificate.check(1e-7)
+            assert np.abs(contact.pressure - truth.pressure).max() < 1e-6 * truth.max_pressure
+        assert np.count_nonzero(by_area.pressure) == np.count_nonzero(truth.pressure)
+        # On this grid the area changes by one node per few thousandths of the load.
+        assert by_area.mean_pressure == pytest.approx(truth.mean_pressure, rel=0.02)
+
+
+def mirrored():
+    half = rough() + rough()[::-1]
+    return half + half[:, ::-1]
+
+
+@pytest.mark.parametrize(
+    ("height", "together", "fraction", "rtol"),
+    [
+        (rough((128, 128)), 1, 0.003, 1e-6),
+        (rough((128, 128)), 1, 0.8, 1e-6),
+        (mirrored(), 4, 0.01, 1e-6),
+        (mirrored(), 4, 0.3, 1e-9),
+        (mirrored(), 4, 0.9, 1e-6),
+        (np.tile(1e-3 * np.cos(2 * np.pi * np.arange(64) / 64), (64, 1)), 64, 0.3, 1e-6),
+    ],
+)
+def test_nearest_possible_area_is_met(height, together, fraction, rtol):
+    """On symmetric surfaces several nodes touch together."""
+    contact = solve(height, HALF_SPACE, area_fraction=fraction, rtol=rtol)
+    count, wanted = np.count_nonzero(contact.pressure), round(fraction * height.size)
+    assert count % together == 0
+    assert abs(count - wanted) <= max(together / 2, 1e-4 * wanted)
+    contact.certificate.check(100 * rtol)
+
+
+@pytest.mark.parametrize("area_fraction", [0.003, 0.1])
+def test_area_and_free_boundary_cost_little_more(area_fraction):
+    """Pairs of transforms of two surfaces; one of a free map costs three of a periodic one."""
+    spent = np.zeros(3)
+    for hurst in (0.2, 0.8):
+        height = asp.self_affine((256, 256), hurst, 0.125, 1 / 32, 1e-3, 1)
+        by_area = solve(height, HALF_SPACE, area_fraction=area_fraction)
+        load = by_area.mean_pressure
+        by_load = solve(height, HALF_SPACE, mean_pressure=load)
+        free = solve(height, HALF_SPACE, mean_pressure=load, boundary="free")
+        spent += [contact.certificate.pairs for contact in (by_load, by_area, free)]
+    assert spent[1] < 2 * spent[0]
+    assert spent[2] / 3 < 1.4 * spent[0]
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_single_precision_throughout(method: str) -> None:
+def test_fields_of_the_solution_are_consistent(method):
+    """The tolerances are rounding errors."""
+    height = rough()
+    contact = solve(height, SLAB, mean_pressure=load_of(height), method=method)
+    np.testing.assert_allclose(contact.gap, height + contact.displacement - contact.approach, atol=1e-15)
+    assert contact.area_fraction == np.count_nonzero(contact.pressure) / height.size
+    assert contact.mean_pressure == pytest.approx(load_of(height), rel=1e-6)
+    assert contact.mean_contact_pressure == pytest.approx(contact.pressure[contact.pressure > 0].mean())
+    assert 0 < contact.gradient_rms_contact < 2 * asp.roughness_parameters(height).rms_gradient
+    assert min(contact.certificate.pairs, contact.certificate.iterations) > 0
+    assert repr(contact).startswith("<Contact of 64 × 64 nodes: area fraction 0.")
+
+
+@pytest.mark.parametrize(("solid", "boundary"), [(SLAB, "periodic"), (HALF_SPACE, "free")])
+def test_threads_change_no_bit(solid, boundary):
+    height = rough((256, 130))
+    first, *others = (
+        solve(height, solid, mean_pressure=load_of(height), boundary=boundary, threads=threads)
+        for threads in (1, 1, 2)
+    )
+    for again in others:
+        np.testing.assert_array_equal(again.pressure, first.pressure)
+
+
+@pytest.mark.parametrize(("method", "boundary"), WAYS)
+def test_single_precision_throughout(method, boundary):
     """Rounding of single precision, 6e-8, times the conditioning of the problem."""
     height = rough()
-    reference = solve(height, SLAB, mean_pressure=load_of(height), rtol=1e-9)
-    contact = solve(height, SLAB, mean_pressure=load_of(height), dtype="float32", rtol=1e-4, method=method)
+    settings = {"mean_pressure": load_of(height), "boundary": boundary}
+    reference = solve(height, HALF_SPACE, rtol=1e-9, **settings)
+    contact = solve(height, HALF_SPACE, dtype="float32", rtol=1e-4, method=method, **settings)
     assert contact.pressure.dtype == contact.gap.dtype == np.float32
-    assert np.linalg.norm(contact.pressure - reference.pressure) < 1e-3 * np.linalg.norm(reference.pressure)
+    assert difference(contact.pressure, reference.pressure) < 1e-3
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize(("dtype", "rtol"), [("float32", 1e-8), ("float32", 1e-14), ("float64", 1e-17)])
-def test_unreachable_tolerance_raises_convergence_error(method: str, dtype: str, rtol: float) -> None:
+@pytest.mark.parametrize(("dtype", "rtol"), [("float32", 1e-8), ("float64", 1e-17)])
+def test_unreachable_tolerance_raises_convergence_error(method, dtype, rtol):
     height = rough((32, 32))
     with pytest.raises(ConvergenceError, match="residual") as caught:
         solve(height, SLAB, mean_pressure=load_of(height), dtype=dtype, rtol=rtol, method=method)
@@ -219,91 +127,203 @@ def test_unreachable_tolerance_raises_convergence_error(method: str, dtype: str,
     assert error.load == pytest.approx(load_of(height), rel=0.1)
 
 
-# Load paths
+def test_thin_free_sheet_raises_convergence_error():
+    height = asp.self_affine((128, 128), 0.8, 1 / 8, 1 / 16, 1e-3, 1)
+    thick, thin = (asp.Layer(1.0, 0.33, height=part, bottom="free") for part in (0.3, 0.03))
+    assert solve(height, thick, mean_pressure=load_of(height)).certificate.pairs < 30
+    with pytest.raises(ConvergenceError, match="stopped"):
+        solve(height, thin, mean_pressure=load_of(height))
+
+
+# Extremes
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_full_contact_is_flat(method):
+    """Exact solution: û = −ĥ for every mode but the uniform one."""
+    height = rough()
+    contact = solve(height, HALF_SPACE, mean_pressure=2.0, method=method, rtol=1e-12)
+    assert contact.area_fraction == 1
+    assert np.abs(contact.displacement + height - contact.approach).max() < 1e-8 * height.std()
+    contact.certificate.check(1e-7)
+    for solid in (HALF_SPACE, SLAB, INCOMPRESSIBLE):
+        flat = solve(np.zeros((16, 16)), solid, mean_pressure=0.01, method=method)
+        np.testing.assert_allclose(flat.pressure, 0.01, rtol=1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize(("dtype", "fraction"), [("float64", 1.0), ("float64", 0.9996), ("float32", 1.0)])
+def test_full_area_is_least_load_of_full_contact(method, dtype, fraction):
+    """That load is −min of the pressure of zero mean under which the surface is flat, p̂ = −ĥ E* q / 2."""
+    height = 1e-3 * np.random.default_rng(0).normal(size=(32, 32))
+    wavenumber = 2 * np.pi * np.fft.fftfreq(32, 1 / 32)
+    q = np.hypot(wavenumber[:, None], wavenumber)
+    zero_mean = np.fft.ifft2(-np.fft.fft2(height) * HALF_SPACE.effective_modulus * q / 2).real
+    contact = solve(height, HALF_SPACE, area_fraction=fraction, method=method, dtype=dtype)
+    assert contact.area_fraction == 1
+    assert contact.mean_pressure == pytest.approx(-zero_mean.min(), rel=1e-5)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_one_node_in_contact_is_the_lowest(method):
+    height = rough()
+    contact = solve(height, HALF_SPACE, area_fraction=1 / height.size, method=method)
+    assert np.flatnonzero(contact.pressure) == [np.argmin(height)]
+    contact.certificate.check(1e-4)
+
+
+@pytest.mark.parametrize("load", [1e-15, 1e-100])
+def test_vanishing_load_is_carried_by_the_lowest_node(load):
+    height = rough()
+    contact = solve(height, HALF_SPACE, mean_pressure=load)
+    assert contact.mean_pressure == pytest.approx(load, rel=1e-12)
+    assert contact.pressure.reshape(-1)[np.argmin(height)] == contact.pressure.max()
+    contact.certificate.check(1e-5)
 
 
 @pytest.mark.parametrize(
-    ("kind", "values"),
+    ("solid", "boundary"), [(HALF_SPACE, "periodic"), (SLAB, "periodic"), (HALF_SPACE, "free")]
+)
+def test_first_contact_and_lift_off(solid, boundary):
+    height = rough()
+    touching = solve(height, solid, mean_pressure=0.0, boundary=boundary)
+    apart = solve(height, solid, approach=height.min() - 1e-3, boundary=boundary)
+    assert touching.approach == height.min()
+    assert apart.gap.min() == pytest.approx(1e-3, rel=1e-12)
+    apart.certificate.check(0.0)
+    for contact in (touching, apart):
+        assert not contact.pressure.any()
+        assert contact.area_fraction == 0
+        assert np.isnan(contact.gradient_rms_contact)
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize(
+    ("shape", "length"),
+    [((31, 47), 1.0), ((16, 128), (0.25, 2.0)), ((1, 64), (0.1, 1.0)), ((1, 1), (0.7, 1.0))],
+)
+def test_odd_and_oblong_grids_are_solved(shape, length, boundary):
+    height = 1e-3 * np.random.default_rng(4).standard_normal(shape)
+    height += 1e-2 * np.cos(2 * np.pi * np.arange(shape[1]) / shape[1])
+    for imposed in ({"mean_pressure": 0.01}, {"approach": height.mean() - 1e-3}, {"area_fraction": 1.0}):
+        contact = solve(height, HALF_SPACE, length, boundary=boundary, rtol=1e-9, **imposed)
+        contact.certificate.check(1e-6)
+    assert contact.area_fraction == 1
+
+
+# Load paths and starts
+
+
+@pytest.mark.parametrize(
+    ("kind", "values", "settings"),
     [
-        ("area_fraction", [0.05, 0.07]),
-        ("mean_pressure", [2e-4, 0.0, 4e-4]),
-        ("force", [3e-4, 1e-4]),
-        ("approach", [-4e-3, -1e-3, -5e-4]),
+        ("area_fractions", [0.05, 0.07], {}),
+        ("mean_pressures", [2e-4, 0.0, 4e-4], {}),
+        ("forces", [3e-4, 1e-4], {"boundary": "free"}),
+        ("approaches", [-4e-3, -1e-3, -5e-4], {}),
     ],
 )
-def test_a_path_is_its_contacts_one_by_one(kind: str, values: list[float]) -> None:
-    height = rough()
-    plural = {"area_fraction": "area_fractions", "approach": "approaches"}.get(kind, f"{kind}s")
-    for value, step in zip(values, solve_path(height, SLAB, **{plural: values}), strict=True):
-        np.testing.assert_array_equal(step.pressure, solve(height, SLAB, **{kind: value}).pressure)
+def test_path_is_its_contacts_one_by_one(kind, values, settings):
+    height, seen = rough(), []
+    steps = solve_path(
+        height, HALF_SPACE, **{kind: values}, **settings, progress=lambda *now: seen.append(now)
+    )
+    kind = "approach" if kind == "approaches" else kind[:-1]
+    for value, step in zip(values, steps, strict=True):
+        alone = solve(height, HALF_SPACE, **{kind: value}, **settings)
+        np.testing.assert_array_equal(step.pressure, alone.pressure)
+    shares = [done / total for done, total in seen]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1
+    assert len(shares) > 2 * len(values)
 
 
-def test_a_path_of_nothing_or_of_bad_values_is_refused() -> None:
+def test_path_refuses_no_and_bad_values():
     with pytest.raises(ValueError, match="exactly one of area_fractions"):
         solve_path(rough(), HALF_SPACE)
-    path = solve_path(rough(), HALF_SPACE, mean_pressures=[1e-3, "many"])  # type: ignore[list-item]
+    path = solve_path(rough(), HALF_SPACE, mean_pressures=[1e-3, "many"])
     assert next(path).area_fraction > 0
     with pytest.raises(TypeError, match=r"mean_pressure = 'many'"):
         next(path)
 
 
-def test_progress_rises_to_its_end() -> None:
-    height = rough()
-    seen: list[float] = []
-    list(
-        solve_path(
-            height, SLAB, mean_pressures=[1e-4, 2e-4], progress=lambda done, total: seen.append(done / total)
-        )
-    )
-    assert seen == sorted(seen)
-    assert seen[-1] == 1
-    assert len(seen) > 4
-
-
-def test_start_from_the_solution_saves_transforms() -> None:
+def test_start_from_the_solution_saves_transforms():
     height = rough((128, 128))
     cold = solve(height, HALF_SPACE, mean_pressure=load_of(height))
     warm = solve(height, HALF_SPACE, mean_pressure=load_of(height), initial=cold)
     assert warm.certificate.pairs < 0.5 * cold.certificate.pairs
 
 
-@pytest.mark.parametrize("method", ["active_set", "gfmd"])
-def test_tension_in_a_given_start_counts_as_no_pressure(method):
-    height = rough((32, 32))
-    settings = {"area_fraction": 0.1, "rtol": 1e-4, "method": method}
-    cold = solve(height, HALF_SPACE, **settings)
-    warm = solve(height, HALF_SPACE, **settings, initial=np.full((32, 32), -1e-3))
-    np.testing.assert_allclose(warm.pressure, cold.pressure, atol=1e-3 * cold.max_pressure)
-
-
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("kind", ["approach", "mean_pressure", "area_fraction"])
-def test_a_huge_start_changes_nothing(kind: str, method: str) -> None:
+@pytest.mark.parametrize("scale", [1e6, -1.0])
+def test_huge_start_and_tension_change_nothing(scale, kind, method):
     height = rough()
     cold = solve(height, HALF_SPACE, mean_pressure=load_of(height))
-    start = np.random.default_rng(1).random(height.shape) * 1e6 * cold.max_pressure
+    start = np.random.default_rng(1).random(height.shape) * scale * cold.max_pressure
     contact = solve(height, HALF_SPACE, **{kind: getattr(cold, kind)}, initial=start, method=method)
     assert contact.mean_pressure == pytest.approx(cold.mean_pressure, rel=1e-2)
 
 
+def test_balanced_start_on_one_of_two_spheres_is_no_solution():
+    """Nothing is wrong with its contact nodes: only the other sphere penetrates."""
+    y, x = centred(asp.Grid((64, 64)))
+    one, other = ((x - place) ** 2 + y**2 for place in (-0.25, 0.25))
+    start = solve(one, HALF_SPACE, mean_pressure=1e-3)
+    both = [solve(np.minimum(one, other), HALF_SPACE, mean_pressure=1e-3, initial=s) for s in (start, None)]
+    assert difference(both[0].pressure, both[1].pressure) < 2e-6
+
+
+# Two bodies
+
+
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize(("dtype", "fraction"), [("float64", 1.0), ("float64", 0.9996), ("float32", 1.0)])
-def test_full_area_is_the_least_load_of_full_contact(method: str, dtype: str, fraction: float) -> None:
-    """That load is −min of the pressure of zero mean under which the surface is flat, p̂ = −ĥ E* q / 2."""
-    height = 1e-3 * np.random.default_rng(0).normal(size=(32, 32))
-    solid, wavenumber = Layer(0.91, 0.3), 2 * np.pi * np.fft.fftfreq(32, 1 / 32)
-    q = np.hypot(wavenumber[:, None], wavenumber)
-    zero_mean = np.fft.ifft2(-np.fft.fft2(height) * solid.effective_modulus * q / 2).real
-    for surface in (height, np.roll(height, 3, axis=1)):
-        contact = solve(surface, solid, area_fraction=fraction, method=method, dtype=dtype)
-        assert contact.area_fraction == 1
-        assert contact.mean_pressure == pytest.approx(-zero_mean.min(), rel=1e-5)
+def test_force_is_mean_pressure_times_area(method):
+    height, length = 1e-3 * rough((48, 64)), (1.5e-3, 2e-3)
+    by_force = solve(height, STEEL, length, force=40.0, method=method)
+    by_pressure = solve(height, STEEL, length, mean_pressure=40.0 / 3e-6, method=method)
+    assert by_force.force == pytest.approx(40.0, rel=1e-6)
+    np.testing.assert_allclose(by_force.pressure, by_pressure.pressure, rtol=1e-9)
 
 
-# Bad input
+def test_swapped_bodies_have_the_same_contact():
+    """The sum of two numbers has the same bits in both orders."""
+    height = rough()
+    one, other = (
+        solve(height, asp.TwoBodies(*bodies), approach=0.5 * height.min())
+        for bodies in ((STEEL, COATING), (COATING, STEEL))
+    )
+    np.testing.assert_array_equal(one.pressure, other.pressure)
+
+
+def test_body_that_hardly_yields_acts_like_rigid():
+    """The compliance of the pair exceeds that of the layer by at most 1e-9 of it."""
+    height, settings = rough(), {"mean_pressure": load_of(rough()), "rtol": 1e-9}
+    pair = solve(height, asp.TwoBodies(SLAB, asp.Layer(1e10, 0.3)), **settings)
+    alone = solve(height, SLAB, **settings)
+    assert np.abs(pair.pressure - alone.pressure).max() < 1e-6 * alone.max_pressure
+
+
+def test_each_body_carries_the_common_pressure():
+    contact = solve(rough(), asp.TwoBodies(STEEL, COATING), mean_pressure=1e7)
+    for name, layer in (("lower", STEEL), ("upper", COATING)):
+        body = contact.in_body(name)
+        assert body.layer is layer
+        assert body.grid is contact.grid
+        assert body.pressure is contact.pressure
+    with pytest.raises(AttributeError, match=r"^layer: this contact has two bodies"):
+        _ = contact.layer
+    with pytest.raises(ValueError, match=r"^body = 'left': 'lower' or 'upper' is needed"):
+        contact.in_body("left")
+    alone = solve(rough(), SLAB, mean_pressure=1e-3)
+    assert alone.in_body("lower").layer is alone.layer is SLAB
+    with pytest.raises(ValueError, match=r"^body = 'upper': 'lower', because the indenter is rigid, is need"):
+        alone.in_body("upper")
+
 
 SHAPE = (16, 16)
 LOAD = {"mean_pressure": 0.1}
+FREE = {**LOAD, "boundary": "free"}
 
 
 @pytest.mark.parametrize(
@@ -313,14 +333,12 @@ LOAD = {"mean_pressure": 0.1}
         ({**LOAD, "area_fraction": 0.1}, "exactly one of"),
         ({"area_fraction": 0.0}, "area_fraction = 0.0"),
         ({"mean_pressure": np.nan}, "mean_pressure = nan"),
-        ({"mean_pressure": "1"}, "mean_pressure = '1'"),
         ({"force": -1.0}, r"^force = -1.0: 0 or a number from 1e-150 to 1e\+150 is needed"),
         ({"approach": 1.0}, "approach = 1.0: less than the mean height"),
         ({**LOAD, "method": "magic"}, "method = 'magic'"),
         ({**LOAD, "rtol": 0.0}, "rtol = 0.0"),
         ({**LOAD, "threads": 0}, "threads = 0"),
         ({**LOAD, "dtype": "int32"}, "dtype = 'int32'"),
-        ({**LOAD, "dtype": None}, "dtype = None"),
         ({**LOAD, "initial": np.zeros((3, 3))}, "initial has the shape"),
         ({**LOAD, "initial": np.full(SHAPE, np.inf)}, "initial: 256 of 256 nodes"),
         ({**LOAD, "length": -1.0}, "length = -1.0"),
@@ -328,85 +346,13 @@ LOAD = {"mean_pressure": 0.1}
         ({**LOAD, "height": np.zeros(16)}, "two-dimensional"),
         ({**LOAD, "height": np.zeros(SHAPE, complex)}, "height = array.*real numbers are needed"),
         ({**LOAD, "height": np.diag([np.nan] + 15 * [0.0])}, "1 of 256 nodes are not finite"),
+        ({**LOAD, "boundary": "open"}, r"^boundary = 'open': one of periodic, free is needed"),
+        ({**FREE, "solid": SLAB}, r"^boundary = 'free': half-spaces are needed, because .* of height 1"),
+        ({**FREE, "solid": asp.TwoBodies(HALF_SPACE, SLAB)}, "half-spaces are needed"),
+        ({**FREE, "method": "gfmd"}, r"^method = 'gfmd': active_set is needed for boundary = 'free'"),
     ],
 )
-def test_wrong_arguments_are_refused(arguments: dict, message: str) -> None:
-    with pytest.raises((ValueError, TypeError), match=message):
+def test_wrong_arguments_are_refused_in_one_line(arguments, message):
+    with pytest.raises((ValueError, TypeError), match=message) as caught:
         solve(**{"height": np.zeros(SHAPE), "solid": HALF_SPACE, **arguments})
-
-
-def test_thin_free_sheet_raises_convergence_error() -> None:
-    height = asp.self_affine((128, 128), 0.8, 1 / 8, 1 / 16, 1e-3, 1)
-    load = 0.05 * asp.roughness_parameters(height).rms_gradient
-    thick, thin = (Layer(1.0, 0.33, height=part, bottom="free") for part in (0.3, 0.03))
-    assert solve(height, thick, mean_pressure=load).certificate.pairs < 30
-    with pytest.raises(ConvergenceError, match="stopped"):
-        solve(height, thin, mean_pressure=load)
-
-
-# Force and two bodies
-
-STEEL, BRONZE = Layer(210e9, 0.3), Layer(110e9, 0.34)
-COATING = Layer(3e9, 0.4, height=0.02)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_force_is_the_mean_pressure_times_the_area_of_the_cell(method: str) -> None:
-    height, length = 1e-3 * rough((48, 64)), (1.5e-3, 2e-3)
-    by_force = solve(height, STEEL, length, force=40.0, method=method)
-    by_pressure = solve(height, STEEL, length, mean_pressure=40.0 / 3e-6, method=method)
-    assert by_force.force == pytest.approx(40.0, rel=1e-6)
-    np.testing.assert_allclose(by_force.pressure, by_pressure.pressure, rtol=1e-9)
-
-
-@pytest.mark.parametrize(
-    ("pair", "control"),
-    [
-        ((STEEL, BRONZE), "mean_pressure"),
-        ((STEEL, COATING), "area_fraction"),
-        ((COATING, Layer(5e9, 0.2, 0.1)), "approach"),
-    ],
-)
-def test_swapping_the_bodies_changes_nothing(pair: tuple[Layer, Layer], control: str) -> None:
-    """The sum of two numbers has the same bits in both orders."""
-    height = rough()
-    value = {"mean_pressure": 1e7, "area_fraction": 0.1, "approach": 0.5 * float(height.min())}[control]
-    one, other = (solve(height, asp.TwoBodies(*bodies), **{control: value}) for bodies in (pair, pair[::-1]))
-    np.testing.assert_array_equal(one.pressure, other.pressure)
-    assert one.approach == other.approach
-
-
-def test_a_body_that_hardly_yields_acts_like_a_rigid_indenter() -> None:
-    """The compliance of the pair exceeds that of the layer by at most 1e-9 of it."""
-    height = rough()
-    pair = solve(height, asp.TwoBodies(SLAB, Layer(1e10, 0.3)), mean_pressure=load_of(height), rtol=1e-9)
-    alone = solve(height, SLAB, mean_pressure=load_of(height), rtol=1e-9)
-    assert largest_difference(pair, alone) < 1e-6
-
-
-def test_each_body_carries_the_common_pressure() -> None:
-    height = rough()
-    contact = solve(height, asp.TwoBodies(STEEL, COATING), mean_pressure=1e7)
-    for name, layer in (("lower", STEEL), ("upper", COATING)):
-        body = contact.in_body(name)
-        assert body.layer is layer
-        assert body.grid is contact.grid
-        assert body.pressure is contact.pressure
-        plane = next(iter(asp.stress_planes(body, [0.0])))
-        assert plane.fields["von_mises"].max() > 0
-    with pytest.raises(AttributeError, match=r"^layer: this contact has two bodies"):
-        _ = contact.layer
-    with pytest.raises(ValueError, match=r"^body = 'left': 'lower' or 'upper' is needed"):
-        contact.in_body("left")
-    alone = solve(height, SLAB, mean_pressure=load_of(height))
-    assert alone.in_body("lower").layer is alone.layer is SLAB
-    with pytest.raises(
-        ValueError, match=r"^body = 'upper': 'lower', because the indenter is rigid, is needed"
-    ):
-        alone.in_body("upper")
-
-
-def test_summary_of_a_contact_is_one_line() -> None:
-    contact = solve(rough(), SLAB, mean_pressure=1e-4)
-    assert repr(contact).startswith("<Contact of 64 × 64 nodes: area fraction 0.")
-    assert contact.mean_contact_pressure == pytest.approx(contact.pressure[contact.pressure > 0].mean())
+    assert "\n" not in str(caught.value)

@@ -1,12 +1,14 @@
 """The engines of the Fourier transforms: accuracy, bits, the choice, and what results say of it."""
 
 import hashlib
+import os
 import re
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+from samples import HALF_SPACE, rough
 from scipy import fft
 
 import asperity as asp
@@ -22,8 +24,6 @@ from asperity.study.config.study import read_study
 
 pyfftw = pytest.importorskip("pyfftw")
 
-SOLID = asp.Layer(young=1.0, poisson=0.3)
-BAND = {"hurst": 0.8, "wavelength_long": 0.5, "wavelength_short": 0.125, "rms_height": 1e-3}
 SURFACE = "surface --points 64 --hurst 0.8 --wavelength-long 0.5 --wavelength-short 0.125 --rms-height 0.001"
 
 
@@ -53,7 +53,7 @@ def test_errors_are_those_of_rounding(engine, shape, dtype):
 @pytest.mark.parametrize("engine", ENGINES)
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
 @pytest.mark.parametrize("nodes", [(5, 120), (40, 129)])
-def test_rows_transformed_in_place_have_the_same_bits(engine, dtype, nodes):
+def test_rows_in_place_have_the_same_bits(engine, dtype, nodes):
     rows, columns = nodes
     fourier = fourier_of(engine, nodes, dtype)
     memory = np.zeros((1, rows, 16 * (columns // 16 + 2)), dtype)
@@ -65,43 +65,8 @@ def test_rows_transformed_in_place_have_the_same_bits(engine, dtype, nodes):
     np.testing.assert_array_equal(memory[:, :, :columns], expected)
 
 
-BITS = """
-import hashlib
-import numpy as np
-import asperity as asp
-from asperity.fourier.grid import Fourier, Grid
-values = np.random.default_rng(5).normal(size=(96, 96))
-with asp.fft_engine("pyfftw"):
-    print(hashlib.sha256(Fourier(Grid(values.shape)).forward(values)).hexdigest())
-"""
-
-
-def test_another_process_has_the_same_bits():
-    """With the plans that the first one has measured and kept."""
-    here = fourier_of("pyfftw", (96, 96)).forward(field((96, 96)))
-    found = subprocess.run([sys.executable, "-c", BITS], capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == hashlib.sha256(here).hexdigest()
-
-
-@pytest.mark.parametrize("cache", ["damaged", None])
-def test_a_cache_without_use_is_ignored(cache, tmp_path):
-    """A damaged file is replaced; a folder that cannot be made is left out."""
-    if cache is None:
-        (tmp_path / "asperity").write_text("in the way")
-    else:
-        (tmp_path / "asperity").mkdir()
-        (tmp_path / f"asperity/fftw_wisdom_{pyfftw.__version__}.json").write_text(cache)
-    found = subprocess.run(
-        [sys.executable, "-c", BITS],
-        env={"PATH": "", "XDG_CACHE_HOME": str(tmp_path)},
-        capture_output=True,
-        text=True,
-    )
-    assert found.returncode == 0, found.stderr
-
-
 @pytest.mark.parametrize("offset", [0, 1, 3])
-def test_alignment_of_an_array_changes_no_bit(offset):
+def test_alignment_changes_no_bit(offset):
     """FFTW itself takes other instructions for arrays that are not aligned."""
     values = field((96, 96), "float32")
     memory = np.zeros((96, 104), "float32")
@@ -114,40 +79,64 @@ def test_alignment_of_an_array_changes_no_bit(offset):
     assert np.array_equal(fourier.inverse(found), fourier.inverse(coefficients))
 
 
-def test_engines_agree_on_contact_and_stress():
-    height = asp.self_affine((64, 64), **BAND, seed=1)
-    found = []
-    for engine in ENGINES:
-        with asp.fft_engine(engine):
-            contact = asp.solve(height, SOLID, mean_pressure=1e-3, rtol=1e-10)
-            stress = asp.analyse_stress(contact)
+BITS = """
+import hashlib
+import numpy as np
+from asperity.fourier import fft_engine
+from asperity.fourier.grid import Fourier, Grid
+values = np.random.default_rng(5).normal(size=(96, 96))
+with fft_engine("pyfftw"):
+    print(hashlib.sha256(Fourier(Grid(values.shape)).forward(values)).hexdigest())
+"""
+
+
+@pytest.mark.parametrize("cache", ["kept", "damaged", "none"])
+def test_plans_of_another_process_give_the_same_bits(cache, tmp_path):
+    """A damaged file of plans is replaced; a folder that cannot be made is left out."""
+    here = fourier_of("pyfftw", (96, 96)).forward(field((96, 96)))
+    kept = {"XDG_CACHE_HOME": str(tmp_path)} if cache != "kept" else {}
+    if cache == "none":
+        (tmp_path / "asperity").write_text("in the way")
+    elif cache == "damaged":
+        (tmp_path / "asperity").mkdir()
+        (tmp_path / f"asperity/fftw_wisdom_{pyfftw.__version__}.json").write_text("{")
+    environment = os.environ | kept
+    found = subprocess.run([sys.executable, "-c", BITS], env=environment, capture_output=True, text=True)
+    assert found.returncode == 0, found.stderr
+    if cache == "kept":
+        assert found.stdout.strip() == hashlib.sha256(here).hexdigest()
+
+
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+def test_engines_agree_on_contact_and_stress(boundary, monkeypatch):
+    """In a block of pyFFTW, on two threads, ducc0 computes no transform."""
+
+    def run():
+        height = rough((32, 32))
+        contact = asp.solve(height, HALF_SPACE, mean_pressure=1e-3, boundary=boundary, rtol=1e-10, threads=2)
+        contact.section("x", depths=[0.0, 0.1])
+        return contact, asp.analyse_stress(contact, threads=2)
+
+    def refuse(*arguments):
+        raise AssertionError("a transform by ducc0")
+
+    with asp.fft_engine("ducc0"):
+        found = [run()]
+    for name in ("forward", "inverse_along_y", "inverse_along_x"):
+        monkeypatch.setattr(Ducc0Engine, name, refuse)
+    with asp.fft_engine("pyfftw"):
+        found.append(run())
+    for engine, (contact, stress) in zip(ENGINES, found, strict=True):
         assert contact.fft_engine.startswith(engine)
         assert contact.to_dataset().attrs["fft_engine"] == stress.attrs["fft_engine"] == contact.fft_engine
-        found.append((contact, stress))
     (first, under_first), (second, under_second) = found
     assert np.abs(first.pressure - second.pressure).max() < 1e-8 * first.pressure.max()
     largest = [float(stress["largest_von_mises"].max()) for stress in (under_first, under_second)]
     assert largest[0] == pytest.approx(largest[1], rel=1e-6)
 
 
-@pytest.mark.parametrize("boundary", ["periodic", "free"])
-def test_a_block_computes_no_transform_by_another_engine(boundary, monkeypatch):
-    """Surface, contact, stress and its pictures on two threads."""
-
-    def refuse(*arguments):
-        raise AssertionError("a transform by ducc0")
-
-    for name in ("forward", "inverse_along_y", "inverse_along_x"):
-        monkeypatch.setattr(Ducc0Engine, name, refuse)
-    with asp.fft_engine("pyfftw"):
-        height = asp.self_affine((32, 32), **BAND, seed=1)
-        asp.roughness_parameters(height)
-        contact = asp.solve(height, SOLID, area_fraction=0.1, boundary=boundary, threads=2)
-        asp.analyse_stress(contact, threads=2)
-        contact.section("x", depths=[0.0, 0.1])
-
-
-def test_the_choice_ends_with_its_block(monkeypatch):
+def test_choice_ends_with_its_block(monkeypatch):
+    """An inner block is stronger than an outer one, and both than the environment variable."""
     monkeypatch.delenv("ASPERITY_FFT_ENGINE", raising=False)
     assert current_engine().description.startswith("ducc0")
     with asp.fft_engine("pyfftw"):
@@ -157,20 +146,15 @@ def test_the_choice_ends_with_its_block(monkeypatch):
         assert current_engine().description.startswith("pyfftw")
     monkeypatch.setenv("ASPERITY_FFT_ENGINE", "pyfftw")
     assert current_engine().description.startswith("pyfftw")
-
-
-def test_unknown_engines_are_refused(monkeypatch):
-    with (
-        pytest.raises(ValueError, match=r"^fft_engine = 'fftw': ducc0 or pyfftw is needed$"),
-        asp.fft_engine("fftw"),
-    ):
-        pass
     monkeypatch.setenv("ASPERITY_FFT_ENGINE", "fast")
     with pytest.raises(ValueError, match=r"^ASPERITY_FFT_ENGINE = 'fast': ducc0 or pyfftw is needed$"):
         Fourier(Grid((4, 4)))
+    message = r"^fft_engine = 'fftw': ducc0 or pyfftw is needed$"
+    with pytest.raises(ValueError, match=message), asp.fft_engine("fftw"):
+        pass
 
 
-def test_without_pyfftw_its_choice_names_the_extra(monkeypatch, tmp_path):
+def test_missing_pyfftw_names_the_extra(monkeypatch, tmp_path):
     missing = 'not installed: pyfftw; install with: pip install "asperity[fftw]"'
     monkeypatch.setattr(packages, "find_spec", lambda name: None if name == "pyfftw" else name)
     with pytest.raises(MissingPackageError, match=f"^{re.escape(missing)}$"), asp.fft_engine("pyfftw"):
@@ -185,7 +169,6 @@ def test_commands_transform_by_the_chosen_engine(tmp_path, monkeypatch):
     """The option is stronger than the environment variable."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("ASPERITY_FFT_ENGINE", "pyfftw")
-    assert main([*SURFACE.split(), "--out", "s.nc"]) == 0
-    assert dataset.read("s.nc").attrs["fft_engine"].startswith("pyfftw")
-    assert main([*SURFACE.split(), "--out", "s.nc", "--fft-engine", "ducc0"]) == 0
-    assert dataset.read("s.nc").attrs["fft_engine"].startswith("ducc0")
+    for option, engine in (([], "pyfftw"), (["--fft-engine", "ducc0"], "ducc0")):
+        assert main([*SURFACE.split(), "--out", "s.nc", *option]) == 0
+        assert dataset.read("s.nc").attrs["fft_engine"].startswith(engine)

@@ -2,30 +2,28 @@
 
 import numpy as np
 import pytest
+from samples import HALF_SPACE
 
 import asperity as asp
 
-SOLIDS = {
-    "half-space": asp.Layer(210e9, 0.3),
-    "slab": asp.Layer(1.0, 0.3, height=0.1),
-    "pair": asp.TwoBodies(asp.Layer(1.0, 0.3), asp.Layer(0.1, 0.4, height=0.02)),
-}
+SLAB = asp.Layer(1.0, 0.3, height=0.1)
+PAIR = asp.TwoBodies(HALF_SPACE, asp.Layer(0.1, 0.4, height=0.02))
 HEIGHT = 1e-3 * np.random.default_rng(0).normal(size=(32, 32))
 
 
 @pytest.mark.parametrize("nodes", [1, 102, 1020, 1024])
 @pytest.mark.parametrize(
     ("solid", "boundary"),
-    [("half-space", "periodic"), ("half-space", "free"), ("slab", "periodic"), ("pair", "periodic")],
+    [(HALF_SPACE, "periodic"), (HALF_SPACE, "free"), (SLAB, "periodic"), (PAIR, "periodic")],
 )
 def test_other_nodes_touch_beyond_the_interval(solid, boundary, nodes):
     """One node fewer below it, one more above it, or two that touch at nearly the same load."""
 
     def touching(load):
-        contact = asp.solve(HEIGHT, SOLIDS[solid], mean_pressure=load, boundary=boundary, rtol=1e-10)
+        contact = asp.solve(HEIGHT, solid, mean_pressure=load, boundary=boundary, rtol=1e-10)
         return np.count_nonzero(contact.pressure)
 
-    contact = asp.solve(HEIGHT, SOLIDS[solid], area_fraction=nodes / HEIGHT.size, boundary=boundary)
+    contact = asp.solve(HEIGHT, solid, area_fraction=nodes / HEIGHT.size, boundary=boundary)
     low, high = contact.load_interval
     assert low <= contact.mean_pressure <= high
     assert touching((1 + 1e-4) * low) == nodes or low == 0
@@ -37,11 +35,10 @@ def test_other_nodes_touch_beyond_the_interval(solid, boundary, nodes):
         assert high == np.inf
 
 
-@pytest.mark.parametrize("nodes", [3, 1021])
-def test_loads_of_both_methods_are_within_one_interval(nodes):
+def test_loads_of_both_methods_are_within_one_interval():
     """They may differ by as much as the interval is wide, here 15 %."""
     one, other = (
-        asp.solve(HEIGHT, SOLIDS["half-space"], area_fraction=nodes / HEIGHT.size, method=method)
+        asp.solve(HEIGHT, HALF_SPACE, area_fraction=3 / HEIGHT.size, method=method)
         for method in ("active_set", "gfmd")
     )
     assert one.load_interval == pytest.approx(other.load_interval, rel=1e-4)
@@ -50,4 +47,4 @@ def test_loads_of_both_methods_are_within_one_interval(nodes):
 
 
 def test_nothing_in_contact_has_no_load():
-    assert asp.solve(HEIGHT, SOLIDS["slab"], mean_pressure=0.0).load_interval == (0.0, 0.0)
+    assert asp.solve(HEIGHT, SLAB, mean_pressure=0.0).load_interval == (0.0, 0.0)

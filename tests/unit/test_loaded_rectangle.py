@@ -1,6 +1,4 @@
-"""The free-space kernel against quadrature and multiple precision; padded transforms against sums."""
-
-from __future__ import annotations
+"""The free-space kernel against multiple precision; padded transforms against sums."""
 
 import mpmath
 import numpy as np
@@ -18,43 +16,34 @@ from asperity.fourier.grid import Grid
 
 pytestmark = pytest.mark.engines
 
-EDGES = [(1.0, 1.0), (0.2, 1.0), (1e-6, 3e-6)]
 
-
-def love(y: mpmath.mpf, x: mpmath.mpf, edges: tuple[float, float]) -> mpmath.mpf:
+def love(y, x, edges):
     """Love's formula in multiple precision, in which nothing cancels noticeably; E* = 1."""
     b, a = (mpmath.mpf(edge) / 2 for edge in edges)
 
-    def corner(x: mpmath.mpf, y: mpmath.mpf) -> mpmath.mpf:
+    def corner(x, y):
         return x * mpmath.asinh(y / abs(x)) + y * mpmath.asinh(x / abs(y))
 
     sides = corner(x + a, y + b) - corner(x - a, y + b) - corner(x + a, y - b) + corner(x - a, y - b)
     return sides / mpmath.pi
 
 
-@pytest.mark.parametrize("edges", EDGES)
-@pytest.mark.parametrize(("j", "i"), [(0, 0), (0, 1), (2, -3), (40, 7), (4096, 4096), (0, 16384), (-9e4, 1)])
-def test_compliance_of_a_rectangle_in_multiple_precision(edges, j, i):
+@pytest.mark.parametrize("edges", [(1.0, 1.0), (0.2, 1.0), (1e-6, 3e-6)])
+@pytest.mark.parametrize(("j", "i"), [(0, 0), (0, 1), (2, -3), (4096, 4096), (-9e4, 1)])
+def test_compliance_and_slope_in_multiple_precision(edges, j, i):
     """Rounding: about 1e-16 times the distance over the shorter edge."""
     y, x = j * edges[0], i * edges[1]
     with mpmath.workdps(40):
         exact = love(mpmath.mpf(y), mpmath.mpf(x), edges)
         relative = float(rectangle_compliance(y, x, edges, 1.0).item() / exact - 1)
-    assert abs(relative) < 1e-15 * (1 + np.hypot(y, x) / min(edges))
-
-
-@pytest.mark.parametrize(("j", "i"), [(0, 1), (2, -3), (40, 7), (5, 0)])
-def test_slope_is_the_derivative_of_the_compliance(j, i):
-    edges = (0.2, 1.0)
-    with mpmath.workdps(40):
-        y = mpmath.mpf(j) * edges[0]
-        expected = float(mpmath.diff(lambda x: love(y, x, edges), mpmath.mpf(i) * edges[1]))
-    found = rectangle_slope_x(j * edges[0], i * edges[1], edges, 1.0).item()
-    assert found == pytest.approx(expected, rel=1e-12, abs=1e-15)
+        slope = float(mpmath.diff(lambda x: love(mpmath.mpf(y), x, edges), mpmath.mpf(x)))
+    rounding = 1e-15 * (1 + np.hypot(y, x) / min(edges))
+    assert abs(relative) < rounding
+    assert rectangle_slope_x(y, x, edges, 1.0).item() == pytest.approx(slope, rel=1e-11, abs=rounding)
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 9), (16, 16), (13, 22)])
-def test_padded_convolution_is_the_sum_over_all_nodes(shape):
+def test_padded_convolution_is_the_sum_over_nodes(shape):
     grid = Grid(shape, (0.3, 2.0))
     pressure = np.random.default_rng(1).random(shape)
     fourier = PaddedFourier(grid)
@@ -79,14 +68,12 @@ def test_factors_of_the_compliance_are_positive(shape, length):
 
 
 def test_padded_transforms_do_not_depend_on_threads():
-    grid = Grid((200, 130))
+    grid, fields = Grid((200, 130)), []
     pressure = np.random.default_rng(2).random(grid.shape)
-    fields = []
     for threads in (1, 2, 3):
         fourier = PaddedFourier(grid, threads=threads)
         fields.append(fourier.inverse(fourier.forward(pressure), overwrite=True))
         rows, columns = padded_grid(grid).shape
         assert fourier.work.nodes == 2 * (200 + rows) * columns // 2
+        np.testing.assert_array_equal(fields[-1], fields[0])
     np.testing.assert_allclose(fields[0], pressure, rtol=0, atol=1e-14)
-    np.testing.assert_array_equal(fields[1], fields[0])
-    np.testing.assert_array_equal(fields[2], fields[0])

@@ -22,9 +22,13 @@ from asperity.core.parallel import (
 
 @pytest.mark.parametrize("threads", [1, 2, 5])
 def test_parts_cover_all_elements_in_order(threads):
-    parts = in_parts(lambda part: part, 1000, threads, multiple=32, smallest=100)
+    """Another task runs beside them."""
+    done = []
+    beside = partial(done.append, "it")
+    parts = in_parts(lambda part: part, 1000, threads, multiple=32, smallest=100, meanwhile=beside)
     assert [index for part in parts for index in range(part.start, part.stop)] == list(range(1000))
     assert all(part.start % 32 == 0 for part in parts)
+    assert done == ["it"]
 
 
 @pytest.mark.parametrize("threads", [1, 3])
@@ -39,41 +43,34 @@ def test_strips_cover_all_rows_once(threads):
     assert (seen == 1).all()
 
 
-@pytest.mark.parametrize("threads", [1, 2])
-def test_another_task_runs_beside_the_parts(threads):
-    done = []
-    parts = in_parts(lambda part: part, 40, threads, smallest=1, meanwhile=partial(done.append, "it"))
-    assert done == ["it"]
-    assert sum(part.stop - part.start for part in parts) == 40
-
-
 def test_sums_do_not_depend_on_threads():
     values = np.random.default_rng(0).random(300_000)
     sums = [total(dot, threads, values, values) for threads in (1, 2, 3)]
     assert sums[0] == sums[1] == sums[2] == pytest.approx(values @ values, rel=1e-13)
 
 
-def test_parts_of_sums_hold_every_element_once():
-    values = np.arange(7 * SUMMED_PART + 1)
+def test_parts_of_arrays_hold_every_element_once():
+    values, out = np.arange(7.0 * SUMMED_PART + 1), np.empty(7 * SUMMED_PART + 1)
     np.testing.assert_array_equal(np.concatenate(results(lambda part: part, 2, values)), values)
-
-
-def test_arrays_are_changed_in_parts():
-    values, out = np.arange(100_000.0), np.empty(100_000)
     apply(lambda source, factor, target: np.multiply(source, factor, out=target), 3, values, 2.0, out)
     np.testing.assert_array_equal(out, 2 * values)
 
 
 @pytest.mark.parametrize("threads", [1, 2, 4])
 def test_results_are_in_the_order_of_tasks(threads):
-    def task(number):
-        time.sleep(0.001 * (number % 3))
-        return number
+    """Tasks may have tasks of their own."""
 
-    assert results_of([partial(task, number) for number in range(20)], threads) == list(range(20))
+    def task(number, depth=3):
+        time.sleep(0.0005 * (number % 3))
+        inner = results_of([partial(task, n, depth - 1) for n in range(2)], threads) if depth else []
+        return [number, inner]
+
+    found = results_of([partial(task, number) for number in range(10)], threads)
+    assert [number for number, _ in found] == list(range(10))
+    assert all([number for number, _ in inner] == [0, 1] for _, inner in found)
 
 
-def test_tasks_run_together_with_the_callers_context():
+def test_tasks_run_together_in_the_callers_context():
     """Each of three tasks waits for the others; a warning that the caller ignores is none in a helper."""
     barrier = threading.Barrier(3)
 
@@ -85,18 +82,8 @@ def test_tasks_run_together_with_the_callers_context():
         assert results_of([task] * 3, 3) == [np.inf] * 3
 
 
-def test_tasks_may_have_tasks_of_their_own():
-    def task(depth):
-        if depth == 0:
-            time.sleep(0.001)
-            return 1
-        return sum(results_of([partial(task, depth - 1)] * 3, 3))
-
-    assert task(4) == 81
-
-
 @pytest.mark.parametrize("failing", [0, 1, 5])
-def test_errors_are_raised_after_all_threads_stop(failing):
+def test_error_is_raised_after_all_threads_stop(failing):
     """No task is begun after the error."""
     begun, ended = [], []
 

@@ -3,15 +3,7 @@
 import numpy as np
 import pytest
 
-from asperity.fourier.grid import (
-    Fourier,
-    Grid,
-    Work,
-    gradient,
-    mean_square,
-    radial_average,
-    resample,
-)
+from asperity.fourier.grid import Fourier, Grid, Work, gradient, mean_square, radial_average, resample
 
 pytestmark = pytest.mark.engines
 
@@ -35,13 +27,7 @@ def test_forward_is_the_explicit_sum(shape, dtype, bound):
     assert coefficients.dtype == fourier.complex
     np.testing.assert_allclose(coefficients, explicit_coefficients(values, grid), atol=bound)
     np.testing.assert_allclose(fourier.inverse(coefficients), values, atol=10 * bound)
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-def test_parseval(shape):
-    grid = Grid(shape)
-    values = np.random.default_rng(2).normal(size=shape)
-    assert mean_square(Fourier(grid).forward(values), grid) == pytest.approx(np.mean(values**2), rel=1e-14)
+    assert mean_square(coefficients, grid) == pytest.approx(np.mean(values**2), rel=bound)  # Parseval
 
 
 @pytest.mark.parametrize("threads", [2, 3])
@@ -115,40 +101,38 @@ def test_work_is_counted_in_nodes_and_shared():
         (((4, 4, 4),), "shape"),
         (((4.5, 4),), "shape"),
         (((np.nan, 4),), "shape = .*nan"),
-        (((np.inf, 4),), "shape = .*inf"),
         (((10**400, 4),), "shape"),
+        ((4,), "shape = .* needed$"),
+        (("44",), "shape = .* needed$"),
+        (((True, 4),), "shape = .* needed$"),
         (((4, 4), -1.0), "length = -1.0"),
-        (((4, 4), np.nan), "length = nan"),
         (((4, 4), 5e-324), "length = 5e-324: a number > 0, from 1e-75"),
         (((4, 4), (1.0, 1e308)), r"length = 1e\+308"),
         (((4, 4), (1.0, 2.0, 3.0)), "length = .*: one number or a pair"),
+        (((4, 4), "1"), "length = .* needed$"),
+        (((4, 4), 10**400), "length = .* needed$"),
     ],
 )
-def test_a_wrong_grid_is_named(arguments, words):
-    with pytest.raises(ValueError, match=words):
+def test_wrong_grid_is_refused(arguments, words):
+    with pytest.raises((ValueError, TypeError), match=words):
         Grid(*arguments)
+
+
+FOURIER = Fourier(Grid((4, 6)))
 
 
 @pytest.mark.parametrize(
-    "arguments",
-    [(4,), (None,), ("44",), ((True, 4),), ((4, 4), "1"), ((4, 4), None), ((4, 4), True), ((4, 4), 10**400)],
+    ("call", "words"),
+    [
+        (lambda: Fourier(FOURIER.grid, "float16"), "dtype = 'float16': float64 or float32 is needed"),
+        (lambda: FOURIER.forward(np.ones((6, 4))), r"values of shape \(6, 4\)"),
+        (lambda: FOURIER.inverse(np.ones((4, 6), complex)), r"coefficients of shape \(4, 6\)"),
+        (
+            lambda: resample(np.ones((4, 4), complex), FOURIER.grid, Grid((4, 6), 2.0)),
+            "target of length",
+        ),
+    ],
 )
-def test_a_grid_of_what_is_not_a_number_is_refused(arguments):
-    with pytest.raises(TypeError, match=r"(shape|length) = .* needed$"):
-        Grid(*arguments)
-
-
-@pytest.mark.parametrize("dtype", ["int32", "float16", "quadruple"])
-def test_a_wrong_precision_is_named(dtype):
-    with pytest.raises(ValueError, match=f"dtype = '{dtype}': float64 or float32 is needed"):
-        Fourier(Grid((4, 4)), dtype)
-
-
-def test_an_array_of_another_grid_is_refused():
-    fourier = Fourier(Grid((4, 6)))
-    with pytest.raises(ValueError, match=r"values of shape \(6, 4\)"):
-        fourier.forward(np.ones((6, 4)))
-    with pytest.raises(ValueError, match=r"coefficients of shape \(4, 6\)"):
-        fourier.inverse(np.ones((4, 6), complex))
-    with pytest.raises(ValueError, match="target of length"):
-        resample(np.ones((4, 4), complex), fourier.grid, Grid((4, 6), 2.0))
+def test_array_of_another_grid_or_type_is_refused(call, words):
+    with pytest.raises(ValueError, match=words):
+        call()

@@ -17,37 +17,23 @@ from asperity.core.units import scaled_unit, shown_si, to_si
         ("12 kN", "force", 12e3),
     ],
 )
-def test_a_number_with_a_unit_becomes_si(text, dimension, expected):
+def test_number_with_a_unit_becomes_si(text, dimension, expected):
     assert to_si(text, dimension) == pytest.approx(expected, rel=1e-14)
 
 
-@pytest.mark.parametrize(
-    ("value", "dimension"),
-    [
-        ("50", "pressure"),
-        (50.0, "pressure"),
-        (True, "pressure"),
-        (None, "pressure"),
-        ("50 m", "pressure"),
-        ("inf m", "length"),
-        ("1e999 m", "length"),
-        ("5 %s {", "length"),
-        ("9**9**9 m", "length"),
-        ("__import__('os')", "length"),
-        ("", "force"),
-        ("x" * 1000, "length"),
-    ],
-)
-def test_anything_else_is_refused_with_a_list_of_units(value, dimension):
-    with pytest.raises(ValueError, match=rf"^--name = .*: a number with a unit of {dimension} \(") as error:
-        to_si(value, dimension, name="--name")
-    assert len(str(error.value)) < 220
-    assert "\n" not in str(error.value)
-
-
-def test_a_quantity_of_pint_is_accepted():
+def test_quantity_of_pint_becomes_si():
     pint = pytest.importorskip("pint")
     assert to_si(pint.UnitRegistry().Quantity(2, "um"), "length") == pytest.approx(2e-6)
+
+
+@pytest.mark.parametrize(
+    "value", ["50", 50.0, True, None, "50 Pa", "inf m", "1e999 m", "5 %s {", "9**9**9 m", "", "x" * 1000]
+)
+def test_anything_else_is_refused_with_the_units(value):
+    with pytest.raises(ValueError, match=r"^--name = .*: a number with a unit of length \(") as error:
+        to_si(value, "length", name="--name")
+    assert len(str(error.value)) < 220
+    assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize(

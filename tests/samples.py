@@ -1,0 +1,45 @@
+"""Surfaces, loaded solids and measures that several tests share."""
+
+import numpy as np
+
+import asperity as asp
+
+HALF_SPACE = asp.Layer(1.0, 0.3)
+
+
+def rough(shape=(64, 64), seed=1):
+    """A surface with eight nodes or more in its shortest wave."""
+    return asp.self_affine(shape, 0.8, 0.5, 8 / min(shape), 1e-3, seed)
+
+
+def load_of(height, fraction=0.05):
+    """Mean pressure that is a fraction of the rms gradient, on a solid with E* near 1."""
+    return fraction * asp.roughness_parameters(height).rms_gradient
+
+
+def centred(grid):
+    """Positions y, (ny, 1), and x, (nx,), from the middle of the nodes."""
+    y, x = (axis - axis.mean() for axis in grid.coordinates())
+    return y[:, None], x
+
+
+def spots(shape=(64, 64), length=1.0, layer=HALF_SPACE, boundary="periodic", seed=1):
+    """A solid under sharp random spots: any pressure that is not negative is a possible one."""
+    grid = asp.Grid(shape, length)
+    y, x = (axis / edge for axis, edge in zip(grid.coordinates(), grid.length, strict=True))
+    draw = np.random.default_rng(seed)
+    pressure = np.zeros(shape)
+    for cy, cx, radius in zip(*draw.random((2, 12)), draw.uniform(0.02, 0.1, 12), strict=True):
+        dy, dx = ((place - centre + 0.5) % 1 - 0.5 for place, centre in ((y, cy), (x, cx)))
+        pressure += np.sqrt(np.maximum(1 - (dy[:, None] ** 2 + dx**2) / radius**2, 0))
+    return asp.LoadedSolid(0.1 * pressure, grid, layer, boundary)
+
+
+def order(points, errors):
+    """Order of convergence: minus the exponent of the number of points in the error."""
+    return -np.polyfit(np.log(points), np.log(errors), 1)[0]
+
+
+def difference(found, exact):
+    """Norm of the difference of two fields over that of the second."""
+    return np.linalg.norm(found - exact) / np.linalg.norm(exact)
