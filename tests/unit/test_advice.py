@@ -3,11 +3,28 @@
 from types import SimpleNamespace
 
 import pytest
+import xarray as xr
 
 import asperity as asp
 from asperity.engineering import Body, advice
-from asperity.engineering.answer_numbers import Neighbours, Numbers
+from asperity.engineering.answer_numbers import Neighbours
 from asperity.fourier.grid import Grid
+
+
+def limits(reason="", **on_grid):
+    """Estimates that equal the values on both grids, but for some values on the finer one."""
+    kinds = ["on_grid", "on_half", "estimate", "error"]
+    same = {"area_fraction": 0.05, "gradient_rms_contact": 0.1}
+    of_peaks = {"largest": 1e9, "p90": 8e8, "p99": 9e8}
+    found = xr.Dataset(
+        {name: ("kind", [on_grid.get(name, size), size, size, 0.0]) for name, size in same.items()}
+        | {
+            name: (("kind", "quantity"), [[on_grid.get(name, size)] * 2, *[[size] * 2] * 2, [0.0] * 2])
+            for name, size in of_peaks.items()
+        },
+        coords={"kind": kinds, "quantity": ["pressure", "von_mises"]},
+    )
+    return found.assign_attrs(reason=reason)
 
 
 def an_answer(
@@ -16,7 +33,7 @@ def an_answer(
     record=(),
     body=(),
     bodies=1,
-    fine=None,
+    estimates=None,
     imposed_area=0.05,
     neighbours=None,
     friction=0.0,
@@ -47,7 +64,6 @@ def an_answer(
         "depths_above_yield": (0.0, 2e-6),
         "fraction_above_yield": 0.1,
     }
-    coarse = Numbers(0.05, 3e9, 1e9, 8e8, 9e8)
     stress = SimpleNamespace(**(part | dict(body)))
     return SimpleNamespace(
         numbers=SimpleNamespace(**(plain | dict(numbers))),
@@ -58,8 +74,7 @@ def an_answer(
             solid=asp.Layer(1e6, 0.5, height=20.37e-6),
         ),
         bodies=dict.fromkeys(("lower", "upper")[:bodies], stress),
-        fine=fine or coarse,
-        coarse=coarse,
+        limits={"lower": limits() if estimates is None else estimates},
         neighbours=neighbours,
     )
 
@@ -78,7 +93,7 @@ def test_nothing_is_warned_of_in_a_sound_answer():
     [
         ({"body": {"largest_von_mises": 2.1e9}}, "stress beyond yield"),
         ({"body": {"largest_von_mises": 5e9}, "yield_stress": None}, "stress beyond any yield stress"),
-        ({"fine": Numbers(0.05, 3e9, 1.2e9, 8e8, 9e8)}, "limited by the resolution of the map"),
+        ({"estimates": limits(largest=1.2e9)}, "limited by the resolution of the map"),
         ({"numbers": {"rms_gradient": 1.5}}, "steep slopes"),
         ({"numbers": {"area_fraction": 0.4}, "imposed_area": 0.4}, "large real contact"),
         ({"numbers": {"area_fraction": 0.25}}, "another real contact"),
@@ -106,6 +121,7 @@ def test_a_warning_is_given(changed, subject):
         ({"numbers": {"rms_gradient": 0.5}}, "steep slopes"),
         ({"record": {"altered_fraction": 0.36}}, "altered heights"),
         ({"record": {"filled_fraction": 0.05}}, "altered heights"),
+        ({"estimates": limits("8 nodes are in contact")}, "no estimate for vanishing pixels"),
         ({"young": 210e6, "yield_stress": None}, "Young's modulus"),
         ({"poisson": -0.2}, "Poisson's ratio"),
     ],
@@ -117,11 +133,11 @@ def test_a_note_is_given(changed, subject):
 def test_the_size_of_the_error_from_the_resolution_is_named():
     (found,) = [
         a
-        for a in advice.advise(an_answer(fine=Numbers(0.04, 3e9, 1e9, 8e8, 9e8 * 1.25)))
+        for a in advice.advise(an_answer(estimates=limits(area_fraction=0.04, p99=9e8 * 1.25)))
         if "limited" in a.subject
     ]
     assert "real contact by -20 %" in found.text
-    assert "99th percentile of the von Mises peaks by +25 %" in found.text
+    assert "99th percentile of the peaks by +25 %" in found.text
     assert "second solution with pixels twice as large" in found.text
 
 

@@ -85,7 +85,8 @@ def test_a_ball_with_nothing_around_it_is_as_hertz_says():
     assert answer.numbers.largest_pressure == pytest.approx(largest, rel=0.01)
     assert answer.numbers.approach == pytest.approx(radius**2 / RADIUS, rel=0.01)
     assert answer.numbers.load_on_edges == pytest.approx(0, abs=1e-6)
-    assert answer.coarse.largest_pressure == pytest.approx(largest, rel=0.05)
+    half = answer.limits["lower"]["largest"].sel(kind="on_half", quantity="pressure")
+    assert float(half.squeeze()) == pytest.approx(largest, rel=0.05)
 
 
 def test_a_sliding_sphere_is_as_hamilton_and_goodman_say():
@@ -224,8 +225,21 @@ def test_load_and_area_are_those_of_the_map(rough):
 
 def test_resolved_waves_change_little_with_the_resolution(rough):
     resolved = run(a_rough_map(128, 16e-6), STEEL, mean_pressure=200e6)
-    changes = [abs(a.fine.changes_from(a.coarse)["area_fraction"]) for a in (resolved, rough)]
+    areas = [answer.limits["lower"]["area_fraction"].values for answer in (resolved, rough)]
+    changes = [abs(on_grid / on_half - 1) for on_grid, on_half, *_ in areas]
     assert changes[0] < 0.05 < changes[1]
+
+
+def test_both_bodies_have_estimates(both_rough):
+    """Under the same pressure in half-spaces only Poisson's ratio tells the bodies apart."""
+    *_, answer = both_rough
+    lower, upper = (answer.limits[name] for name in ("lower", "upper"))
+    assert float(lower["area_fraction"].sel(kind="estimate")) == float(
+        upper["area_fraction"].sel(kind="estimate")
+    )
+    estimates = [each["p99"].sel(kind="estimate", quantity="von_mises").values for each in (lower, upper)]
+    assert float((estimates[0] / estimates[1]).squeeze()) == pytest.approx(1, abs=0.1)
+    assert "for vanishing pixels" in str(answer)
 
 
 @pytest.mark.parametrize(

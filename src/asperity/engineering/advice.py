@@ -13,7 +13,7 @@ from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.data import packaged_yaml
 from asperity.core.units import shown_si
 from asperity.elasticity.two_bodies import sliding_coupling
-from asperity.engineering.answer import Advice, Answer
+from asperity.engineering.answer import LIMITS, Advice, Answer, limit_of
 from asperity.engineering.answer_numbers import BodyAnswer
 
 WARNING, NOTE = "warning", "note"
@@ -73,15 +73,6 @@ NEGLECTED_COUPLING = 0.1
 
 Found = tuple[str, str, dict[str, Any]]
 """Level of an advice, its name in `advice.yaml`, and the values in its text."""
-
-CHANGING_NUMBERS = {
-    "area_fraction": "real contact",
-    "largest_pressure": "largest pressure",
-    "largest_von_mises": "largest von Mises stress",
-    "peaks_90": "90th percentile of the von Mises peaks",
-    "peaks_99": "99th percentile of the von Mises peaks",
-}
-"""Numbers whose change with the pixels is reported, in words."""
 
 
 def advise(answer: Answer) -> tuple[Advice, ...]:
@@ -175,12 +166,17 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
         yield WARNING, "spikes", {"share": 100 * share, "one": 100 * numbers.load_of_largest_node}
     if 0 < nodes < FEW_NODES_IN_PATCH:
         yield WARNING, "few_pixels", {"nodes": nodes, "enough": FEW_NODES_IN_PATCH}
-    changes = answer.fine.changes_from(answer.coarse)
-    known = {name: change for name, change in changes.items() if math.isfinite(change)}
+    if reason := answer.limits["lower"].attrs.get("reason"):
+        yield NOTE, "no_estimate", {"reason": reason}
+    known = {}
+    for name in LIMITS:
+        values = limit_of(answer.limits["lower"], name)
+        if values["on_half"] and math.isfinite(values["on_grid"] / values["on_half"]):
+            known[name] = values["on_grid"] / values["on_half"] - 1
     if not known:
         return
     pixel, wave = max(answer.face.grid.spacing), answer.face.wavelength_short
-    changed = ", ".join(f"{CHANGING_NUMBERS[name]} by {100 * known[name]:+.0f} %" for name in known)
+    changed = ", ".join(f"{name} by {100 * change:+.0f} %" for name, change in known.items())
     if len(answer.bodies) > 1:
         changed += "; stresses are those of the lower body"
     settled = all(abs(change) <= RESOLUTION_CHANGE for change in known.values())
@@ -188,8 +184,8 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
     if wave / pixel < FEW_PIXELS_PER_WAVE:
         waves = f" The shortest wave, {shown_si(wave, 'm', 3)}, has {wave / pixel:.2g} pixels; "
         waves += f"{FEW_PIXELS_PER_WAVE} resolve it."
-    values = {"pixel": pixel, "changes": changed, "waves": waves}
-    yield (NOTE, "resolved", values) if settled else (WARNING, "unresolved", values)
+    shown = {"pixel": pixel, "changes": changed, "waves": waves}
+    yield (NOTE, "resolved", shown) if settled else (WARNING, "unresolved", shown)
 
 
 def _on_map(answer: Answer) -> Iterator[Found]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
@@ -14,7 +15,7 @@ import xarray as xr
 from asperity.contact import Contact
 from asperity.core.markup import picture, table
 from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.answer_numbers import BodyAnswer, ContactNumbers, Neighbours, Numbers
+from asperity.engineering.answer_numbers import BodyAnswer, ContactNumbers, Neighbours
 from asperity.engineering.body_stress import DIRECTION
 from asperity.engineering.case import CONTROL_UNITS, Body, Case, CounterMap
 from asperity.surface.reading.height_map import MapOptions
@@ -27,6 +28,16 @@ EXTREME_WORDS = {
     "hydrostatic": "largest hydrostatic pressure",
 }
 """Field → name of its extreme value among the numbers, beside the von Mises stress."""
+
+LIMITS = {
+    "real contact": ("area_fraction", None),
+    "rms gradient in contact": ("gradient_rms_contact", None),
+    "largest pressure": ("largest", "pressure"),
+    "largest von Mises stress": ("largest", "von_mises"),
+    "90th percentile of the peaks": ("p90", "von_mises"),
+    "99th percentile of the peaks": ("p99", "von_mises"),
+}
+"""Number that is estimated for vanishing pixels → its variable and quantity in `asperity.continuum`."""
 
 PEAK_COLUMNS = {"value": "value_Pa", "depth": "depth_m", "y": "y_m", "x": "x_m", "interior": "in_solid"}
 """Name of a property of peaks → its column in the table of peaks."""
@@ -52,13 +63,18 @@ class Advice(NamedTuple):
 
 
 class Row(NamedTuple):
-    """One line of the answer: group, name, value in SI, its unit, and both for a reader."""
+    """One line of the answer: group, name, value in SI, its unit, and all numbers for a reader.
+
+    The estimate for vanishing pixels and its error are NaN where there is none.
+    """
 
     group: str
     name: str
     value: float
     unit: str
     shown: str
+    estimate: float = float("nan")
+    error: float = float("nan")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -78,8 +94,8 @@ class Answer:
         ``lower`` and, if it is elastic, ``upper`` → `BodyAnswer`.
     stresses : dict
         The same names → dataset of the stress in SI units.
-    fine, coarse : Numbers
-        Main numbers, and those with pixels twice as large.
+    limits : dict
+        The same names → `asperity.continuum` of contact pressure and von Mises stress.
     neighbours : Neighbours or None
         None without the form of a ball or cylinder, and with a free boundary.
     fields : tuple of str
@@ -97,8 +113,7 @@ class Answer:
     numbers: ContactNumbers
     bodies: dict[str, BodyAnswer]
     stresses: dict[str, xr.Dataset]
-    fine: Numbers
-    coarse: Numbers
+    limits: dict[str, xr.Dataset]
     neighbours: Neighbours | None = None
     fields: tuple[str, ...] = ("von_mises",)
     counter_map: CounterMap | None = None
@@ -112,14 +127,15 @@ class Answer:
     @cached_property
     def rows(self) -> list[Row]:
         """All numbers, line by line."""
-        rows = _contact_rows(self.numbers)
+        rows = [_with_estimate(row, self.limits["lower"]) for row in _contact_rows(self.numbers)]
         for name, body in self.bodies.items():
-            rows += _body_rows(body_title(self.case, name), body)
+            found = _body_rows(body_title(self.case, name), body)
+            rows += [_with_estimate(row, self.limits[name]) for row in found]
         return rows
 
     def frame(self) -> pd.DataFrame:
-        """All numbers as a table: group, name, value in SI, unit."""
-        return pd.DataFrame([row[:4] for row in self.rows], columns=["group", "name", "value", "unit"])
+        """All numbers as a table; the columns are described in ``docs/tables.md``."""
+        return pd.DataFrame(self.rows, columns=Row._fields).drop(columns="shown")
 
     def peaks(self) -> pd.DataFrame:
         """Peaks of the contact pressure and of the fields of the answer, those of largest magnitude first.
@@ -229,11 +245,34 @@ def _body_rows(group: str, body: BodyAnswer) -> list[Row]:
         rows.append(Row(group, name, max(value, 0.0), "Pa", shown))
     for percent, value in body.peak_percentiles.items():
         if np.isfinite(value):
-            rows.append(_row(group, f"{percent} % of the peaks below", value, "Pa", 3))
+            rows.append(_row(group, f"{percent}th percentile of the peaks", value, "Pa", 3))
     if body.body.yield_stress is not None:
         rows.append(_row(group, "yield stress", body.body.yield_stress, "Pa"))
         rows += _yield_rows(group, body)
     return rows
+
+
+def _with_estimate(row: Row, limits: xr.Dataset) -> Row:
+    """A line with the estimate for vanishing pixels, if there is one."""
+    if row.name not in LIMITS:
+        return row
+    values = limit_of(limits, row.name)
+    estimate, error = values["estimate"], values["estimate"] * values["error"]
+    if not np.isfinite(estimate) or not error > 0:
+        return row
+    factor, symbol = (1.0, "") if row.unit == "1" else scaled_unit(estimate, row.unit)
+    if row.name == "real contact":
+        factor, symbol = 0.01, "%"
+    decimals = max(0, 1 - math.floor(math.log10(error / factor)))
+    shown = f"{estimate / factor:.{decimals}f} ± {error / factor:.{decimals}f} {symbol}".strip()
+    return row._replace(shown=f"{row.shown}; {shown} for vanishing pixels", estimate=estimate, error=error)
+
+
+def limit_of(limits: xr.Dataset, name: str) -> dict[str, float]:
+    """Kind → value of a number of `LIMITS` in a result of `asperity.continuum`."""
+    output, quantity = LIMITS[name]
+    values = limits[output] if quantity is None else limits[output].sel(quantity=quantity)
+    return dict(zip(limits["kind"].values.tolist(), values.values.ravel().tolist(), strict=True))
 
 
 def _yield_rows(group: str, body: BodyAnswer) -> list[Row]:

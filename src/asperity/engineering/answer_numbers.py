@@ -1,8 +1,8 @@
-"""Numbers of an answer in SI units: contact, stress in each body, and their change with the pixels."""
+"""Numbers of an answer in SI units: of the contact, and of the stress in each body."""
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
@@ -119,29 +119,6 @@ class BodyAnswer:
 
 
 @dataclass(frozen=True)
-class Numbers:
-    """The numbers whose change with the resolution is reported; stresses in Pa, of the lower body.
-
-    Parameters
-    ----------
-    area_fraction, largest_pressure, largest_von_mises : float
-    peaks_90, peaks_99 : float
-        Percentiles of the von Mises peaks below the contacts.
-    """
-
-    area_fraction: float
-    largest_pressure: float
-    largest_von_mises: float
-    peaks_90: float
-    peaks_99: float
-
-    def changes_from(self, other: Numbers) -> dict[str, float]:
-        """Relative difference of every number to that of another; NaN where that is zero or unknown."""
-        mine, its = asdict(self), asdict(other)
-        return {name: mine[name] / its[name] - 1 if its[name] else float("nan") for name in mine}
-
-
-@dataclass(frozen=True)
 class Neighbours:
     """Effect of the periodic images of a ball or cylinder.
 
@@ -157,18 +134,6 @@ class Neighbours:
     span: float
     area_fraction: float
     largest_pressure: float
-
-
-def main_numbers(contact: Contact, stress: xr.Dataset) -> Numbers:
-    """The numbers whose change with the resolution is reported."""
-    of_peaks = _percentiles(stress)
-    return Numbers(
-        area_fraction=contact.area_fraction,
-        largest_pressure=float(contact.pressure.max()),
-        largest_von_mises=float(stress["largest_von_mises"].max()),
-        peaks_90=of_peaks[90],
-        peaks_99=of_peaks[99],
-    )
 
 
 def contact_span(face: TreatedMap, contact: Contact) -> float:

@@ -9,7 +9,7 @@ from asperity.contact import Contact, solve
 from asperity.core.types import Array, Progress
 from asperity.fourier.grid import Fourier, Grid, mean_square, resample
 from asperity.stress.analysis import analyse_stress
-from asperity.stress.statistics.continuum import OnGrid, extrapolate, joined, numbers_on
+from asperity.stress.statistics.continuum import OnGrid, extrapolate
 
 TOLERANCE = 1e-4
 """Of the second solution and of the planes of its stress: far below the error of the grid."""
@@ -17,12 +17,17 @@ TOLERANCE = 1e-4
 LEAST_NODES = 200
 """Contact nodes below which there is no estimate."""
 
-LOST_GRADIENT = 0.02
-"""Share of the squared gradient in waves shorter than four nodes above which there is no estimate."""
+FLAT = 1e-3
+"""Median curvature at the contact nodes, over the root mean square of all, below which heights are flat or
+stepped; it is 0.7 on a Gaussian surface."""
 
 
 def continuum(
-    contact: Contact, stress: xr.Dataset | None = None, *, progress: Progress | None = None
+    contact: Contact,
+    stress: xr.Dataset | None = None,
+    *,
+    body: str = "lower",
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Area, slope, peaks and decay lengths at vanishing grid spacing, each with the error that remains.
 
@@ -32,22 +37,28 @@ def continuum(
     Parameters
     ----------
     contact : Contact
-        With a periodic boundary. The limit is that of the band-limited surface through its nodes.
+        The limit is that of the smooth, band-limited surface through its nodes.
     stress : dataset, optional
-        Result of `analyse_stress` for this contact. Without it, only numbers of the contact are estimated.
+        Result of `analyse_stress` for this contact, or for one of its bodies. Without it, only numbers of the
+        contact are estimated.
+    body : "lower" | "upper"
+        Body of the stress, if the contact has two.
     progress : callable, optional
         Called as progress(done, total).
 
     Returns
     -------
     dataset
-        Along `kind`, the value ``on_grid``, the ``estimate`` at vanishing spacing, and the relative ``error``
-        of the estimate: ``area_fraction``, ``gradient_rms_contact``, and ``proportionality`` κ, their product
-        times the effective modulus over the mean pressure. With a stress, also along `quantity` and `poisson`
-        the percentiles ``p90`` and ``p99`` of the peaks, the ``largest`` one, and ``mean_depth`` and
-        ``mean_depth_highest``, of all peaks and of the highest tenth; along `poisson` the
-        ``decay_length_depth`` and ``decay_length_plane``. Stresses are in the unit of the contact pressure.
-        Where the grid allows no estimate, it is NaN, and the attribute ``reason`` says why.
+        Along `kind`, the value ``on_grid``, that ``on_half`` of the nodes, the ``estimate`` at vanishing
+        spacing, and the relative ``error`` of the estimate: ``area_fraction``, ``gradient_rms_contact``, and
+        ``proportionality`` κ, their product times the effective modulus over the mean pressure. With a
+        stress, also along `quantity` and `poisson` the percentiles ``p90`` and ``p99`` of the peaks, the
+        ``largest`` one, and ``mean_depth`` and ``mean_depth_highest``, of all peaks and of the highest tenth;
+        along `poisson` the ``decay_length_depth`` and ``decay_length_plane``. Stresses are in the unit of the
+        contact pressure.
+        Where the grid allows no estimate, it is NaN, and the attribute ``reason`` says why. The attribute
+        ``lost_gradient`` is the share of the squared gradient of the surface that half of the nodes do not
+        hold; a surface whose roughness goes on below its nodes loses a third and more.
 
     Raises
     ------
@@ -68,20 +79,17 @@ def continuum(
         raise TypeError(f"contact = {type(contact).__name__}: a Contact is needed")
     if stress is not None and "peak_quantity" not in stress:
         raise ValueError("stress: a result of analyse_stress is needed, it has no peaks")
-    fine = _on_grid(contact, stress)
-    reason = reason_against(contact)
-    if reason:
-        found = numbers_on(fine)
-        unknown = found * np.nan
-        return joined(found, unknown, unknown).assign_attrs(reason=reason)
-    height, grid = on_half_the_nodes(contact.height, contact.grid)
-    half = solve(height, contact.solid, grid.length, mean_pressure=contact.mean_pressure, rtol=TOLERANCE)
+    height, grid = _on_half_the_nodes(contact)
+    pressure = contact.force / grid.area
+    half = solve(
+        height, contact.solid, grid.length, boundary=contact.boundary, mean_pressure=pressure, rtol=TOLERANCE
+    )
     if progress is not None:
         progress(0.2, 1.0)
     coarse = None
     if stress is not None:
         coarse = analyse_stress(
-            half,
+            half.in_body(body),
             poisson=stress["poisson"].values.tolist(),
             quantities=[str(name) for name in stress["quantity"].values],
             tolerance=TOLERANCE,
@@ -90,46 +98,49 @@ def continuum(
         )
     if progress is not None:
         progress(1.0, 1.0)
-    return extrapolate(fine, _on_grid(half, coarse))
+    lost = _lost_gradient(contact, grid)
+    found = extrapolate(_on_grid(contact, stress), _on_grid(half, coarse), lost, _reason_against(contact))
+    return found.assign_attrs(lost_gradient=lost)
 
 
-def reason_against(contact: Contact) -> str:
+def _reason_against(contact: Contact) -> str:
     """Why a contact allows no estimate; empty if it does."""
-    nodes = np.count_nonzero(contact.pressure)
+    touching = contact.pressure > 0
     if contact.boundary != "periodic":
         return "the boundary is free, and the estimate is made for periodic cells"
+    nodes = np.count_nonzero(touching)
     if nodes < LEAST_NODES:
         return f"{nodes} nodes are in contact, and {LEAST_NODES} are needed"
-    grid = contact.grid
-    modes = Fourier(grid).forward(contact.height)
-    half = half_of(grid)
-    squares = [
-        mean_square(some, own, own.wavenumber() ** 2)
-        for some, own in ((modes, grid), (resample(modes, grid, half), half))
-    ]
-    if squares[0] == 0:
-        return "the heights are flat, and the contact has no size of its own"
-    lost = 1 - squares[1] / squares[0]
-    if lost > LOST_GRADIENT:
-        return (
-            f"waves shorter than four nodes have {100 * lost:.0f} % of the squared gradient, at most "
-            f"{100 * LOST_GRADIENT:g} % is accepted: the surface goes on below its nodes, or has steps"
-        )
+    height = contact.height
+    bend = sum(np.roll(height, 1, axis) + np.roll(height, -1, axis) - 2 * height for axis in (0, 1))
+    if np.median(np.abs(bend[touching])) <= FLAT * np.sqrt(np.mean(np.square(bend))):
+        return "the heights in contact are flat or stepped, and no grid resolves their edges"
     return ""
 
 
-def half_of(grid: Grid) -> Grid:
-    """The grid with half as many nodes along both edges."""
-    return Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
+def _lost_gradient(contact: Contact, half: Grid) -> float:
+    """Share of the squared gradient in waves that half of the nodes of a periodic cell do not hold."""
+    if contact.boundary == "free":
+        return 0.0
+    grid = contact.grid
+    modes = Fourier(grid).forward(contact.height)
+    whole = mean_square(modes, grid, grid.wavenumber() ** 2)
+    kept = mean_square(resample(modes, grid, half), half, half.wavenumber() ** 2)
+    return 1 - kept / whole if whole else 0.0
 
 
-def on_half_the_nodes(height: Array, grid: Grid) -> tuple[Array, Grid]:
-    """The long waves of periodic heights on half as many nodes along both edges, and their grid."""
-    half = half_of(grid)
+def _on_half_the_nodes(contact: Contact) -> tuple[Array, Grid]:
+    """Heights on half as many nodes along both edges: their long waves, or every second of a free map."""
+    height, grid = contact.height, contact.grid
+    if contact.boundary == "free":
+        height = height[::2, ::2]
+        edges = [2 * step * nodes for step, nodes in zip(grid.spacing, height.shape, strict=True)]
+        return height, Grid((height.shape[0], height.shape[1]), (edges[0], edges[1]))
+    half = Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
     return Fourier(half).inverse(resample(Fourier(grid).forward(height), grid, half)), half
 
 
 def _on_grid(contact: Contact, stress: xr.Dataset | None) -> OnGrid:
     """Results of a contact and of the analysis of its stress."""
-    load = contact.mean_pressure / contact.layer.effective_modulus
+    load = contact.mean_pressure / contact.solid.effective_modulus
     return OnGrid(contact.pressure, load, contact.gradient_rms_contact, contact.grid, stress)

@@ -1,8 +1,4 @@
-"""All stages from a map to an answer: read, press, stress, yield, resolution.
-
-The largest error of the numbers is usually that of the map, whose roughness goes on below its pixels;
-`coarse_numbers` measures its size with a second solution at half the resolution.
-"""
+"""All stages from a map to an answer: read, press, stress, yield, limits of vanishing pixels."""
 
 from __future__ import annotations
 
@@ -19,19 +15,19 @@ from asperity.engineering.advice import advise
 from asperity.engineering.answer import Answer
 from asperity.engineering.answer_numbers import (
     Neighbours,
-    Numbers,
     body_answer,
     contact_numbers,
     contact_span,
-    main_numbers,
 )
 from asperity.engineering.body_stress import stress_in
 from asperity.engineering.case import Body, Case, CounterMap, Load, read_face
-from asperity.engineering.continuum import on_half_the_nodes
-from asperity.fourier.grid import Grid
+from asperity.engineering.continuum import continuum
 from asperity.stress.planes.fields import FIELDS
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 from asperity.surface.treatment.treatment import TreatedMap
+
+LIMITED = ("pressure", "von_mises")
+"""Quantities whose peaks are estimated for vanishing pixels."""
 
 
 def run(
@@ -121,11 +117,13 @@ def run(
     counter = counter_map if isinstance(counter_map, CounterMap | None) else CounterMap(counter_map)
     face = source if isinstance(source, TreatedMap) else read_face(source, options, counter)
     contact = press(face, case, _part(progress, 0.1, 0.5))
-    share = 0.35 / len(case.bodies)
-    stresses = {
-        name: stress_in(contact, case, name, names, _part(progress, begin, begin + share))
-        for name, begin in zip(case.bodies, (0.5, 0.5 + share), strict=False)
-    }
+    share = 0.5 / len(case.bodies)
+    stresses, limits = {}, {}
+    for number, name in enumerate(case.bodies):
+        begin, middle, end = (0.5 + share * (number + part) for part in (0, 0.7, 1))
+        stresses[name] = stress_in(contact, case, name, names, _part(progress, begin, middle))
+        main = stresses[name].dataset.sel(quantity=list(LIMITED))
+        limits[name] = continuum(contact, main, body=name, progress=_part(progress, middle, end))
     neighbours = None
     if options.radius is not None and face.boundary == "periodic":
         neighbours = neighbours_of(face, case, contact)
@@ -137,8 +135,7 @@ def run(
         numbers=contact_numbers(face, contact),
         bodies={name: body_answer(case.bodies[name], stress, face) for name, stress in stresses.items()},
         stresses={name: stress.dataset for name, stress in stresses.items()},
-        fine=main_numbers(contact, stresses["lower"].dataset),
-        coarse=coarse_numbers(face, case, _part(progress, 0.85, 1.0)),
+        limits=limits,
         neighbours=neighbours,
         fields=names,
         counter_map=counter,
@@ -174,23 +171,6 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
     )
 
 
-def coarse_numbers(face: TreatedMap, case: Case, progress: Progress | None = None) -> Numbers:
-    """The main numbers of the case with pixels twice as large, under the same load.
-
-    The coarse surface has the long waves of the fine one, or every second node with a free boundary.
-    """
-    grid = face.grid
-    if face.boundary == "free":
-        height = face.height[::2, ::2]
-        length = tuple(2 * step * nodes for step, nodes in zip(grid.spacing, height.shape, strict=True))
-        coarse = Grid((height.shape[0], height.shape[1]), length)
-    else:
-        height, coarse = on_half_the_nodes(face.height, grid)
-    contact = press(replace(face, height=height, grid=coarse), case, progress)
-    stress = stress_in(contact, replace(case, lower=replace(case.lower, yield_stress=None)), "lower")
-    return main_numbers(contact, stress.dataset)
-
-
 def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> Neighbours:
     """Effect of the periodic images on the contact of a ball or cylinder, from a solution without them."""
     span, unknown = contact_span(face, contact), float("nan")
@@ -203,8 +183,6 @@ def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> Neighbours:
 def _require_finite(answer: Answer) -> None:
     """Raise `ValueError` unless all numbers are finite; NaN stands for those of peaks that are not there."""
     results: dict[str, Any] = dict(vars(answer.numbers))
-    for pixels, numbers in (("all", answer.fine), ("half the", answer.coarse)):
-        results |= {f"{name} with {pixels} pixels": value for name, value in vars(numbers).items()}
     for body in answer.bodies.values():
         given = {name: value for name, value in vars(body).items() if isinstance(value, (float, tuple))}
         results |= given | {name: tuple(extreme) for name, extreme in body.largest.items()}

@@ -17,6 +17,7 @@ Percentiles of peaks
 
 The error that remains is a share of the correction, or grows with the boundary per contact node, which
 measures how well patches are resolved: `SHARE_OF_CORRECTION` and `OF_BOUNDARY` hold the measured factors.
+A surface with waves shorter than four nodes loses them on half of the nodes, and its corrections err more.
 """
 
 from __future__ import annotations
@@ -39,20 +40,26 @@ BOUNDARY_SHARE = 0.102
 SECOND_ORDER = "gradient_rms_contact", "number", "mean_depth", "mean_depth_highest"
 """Numbers whose error falls with the square of the spacing."""
 
-SHARE_OF_CORRECTION = {"area_fraction": 0.14, "gradient_rms_contact": 0.4, "mean_depth": 0.66}
-"""Output → error that remains over the correction."""
+SHARE_OF_CORRECTION = {
+    "area_fraction": (0.14, 1.3),
+    "gradient_rms_contact": (0.4, 5.5),
+    "mean_depth": (0.66, 6.5),
+}
+"""Output → error that remains over the correction, and what the squared gradient that is lost on half of the
+nodes, as a share of all, adds to this."""
 
 OF_BOUNDARY = {
-    "p90": (0.095, 3),
-    "p99": (0.1, 3),
-    "largest": (0.085, 4),
-    "mean_depth_highest": (0.235, 3),
-    "decay_length_depth": (0.07, 1.5),
-    "decay_length_plane": (0.14, 1),
+    "p90": (0.095, 3, 0.12),
+    "p99": (0.1, 3, 0.12),
+    "largest": (0.085, 4, 0.12),
+    "mean_depth_highest": (0.235, 3, 0.2),
+    "decay_length_depth": (0.07, 1.5, 0.14),
+    "decay_length_plane": (0.14, 1, 0.14),
 }
-"""Output → factor and power of the boundary per contact node that give the relative error that remains."""
+"""Output → factor and power of the boundary per contact node that give the relative error that remains, and
+the factor of the boundary that is its most."""
 
-KINDS = ("on_grid", "estimate", "error")
+KINDS = ("on_grid", "on_half", "estimate", "error")
 
 
 class OnGrid(NamedTuple):
@@ -76,9 +83,21 @@ class OnGrid(NamedTuple):
     stress: xr.Dataset | None = None
 
 
-def extrapolate(fine: OnGrid, coarse: OnGrid) -> xr.Dataset:
-    """The dataset of `asperity.continuum` from the results on two grids under the same load."""
+def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "") -> xr.Dataset:
+    """The dataset of `asperity.continuum` from the results on two grids under the same load.
+
+    Parameters
+    ----------
+    fine, coarse : OnGrid
+        On all nodes, and on half as many along both edges.
+    lost : float
+        Share of the squared gradient of the surface in waves that the coarse grid does not hold.
+    reason : str
+        Why there is no estimate; empty if there is one.
+    """
     found, other = numbers_on(fine), numbers_on(coarse)
+    if reason:
+        return _joined(found, other, found * np.nan, found * np.nan).assign_attrs(reason=reason)
     to_come = (found - other) / ((coarse.grid.spacing[0] / fine.grid.spacing[0]) ** 2 - 1)
     best = found.copy()
     for name in SECOND_ORDER:
@@ -90,21 +109,21 @@ def extrapolate(fine: OnGrid, coarse: OnGrid) -> xr.Dataset:
         best.update(_percentiles(fine.stress, best["number"]))
     unresolved = float(found["boundary"] / found["area_fraction"])
     errors: dict[str, Any] = {
-        name: abs(share * (best[name] / found[name] - 1))
-        for name, share in SHARE_OF_CORRECTION.items()
+        name: abs((share + more * lost) * (best[name] / found[name] - 1))
+        for name, (share, more) in SHARE_OF_CORRECTION.items()
         if name in found
     }
     errors["proportionality"] = np.hypot(errors["area_fraction"], errors["gradient_rms_contact"])
-    for name, (factor, power) in OF_BOUNDARY.items():
+    for name, (factor, power, most) in OF_BOUNDARY.items():
         if name in found:
-            errors[name] = xr.full_like(found[name], factor * unresolved**power)
-    return joined(found, best, xr.Dataset(errors))
+            errors[name] = xr.full_like(found[name], min(factor * unresolved**power, most * unresolved))
+    return _joined(found, other, best, xr.Dataset(errors))
 
 
-def joined(found: xr.Dataset, best: xr.Dataset, error: xr.Dataset) -> xr.Dataset:
-    """Values on the grid, estimates and errors of all outputs along `kind`."""
-    outputs = [name for name in found if name not in ("boundary", "number")]
-    joined = xr.concat([kind[outputs] for kind in (found, best, error)], "kind", coords="minimal")
+def _joined(*kinds: xr.Dataset) -> xr.Dataset:
+    """Values on the grid and on half of the nodes, estimates and errors of all outputs along `kind`."""
+    outputs = [name for name in kinds[0] if name not in ("boundary", "number")]
+    joined = xr.concat([kind[outputs] for kind in kinds], "kind", coords="minimal")
     return joined.assign_coords(kind=list(KINDS))
 
 
