@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from hypothesis import strategies as st
 from inputs import (
+    PromiseError,
     among,
     bodies,
     boundaries,
@@ -496,6 +497,127 @@ def try_map(case):
     return "answered"
 
 
+SUFFIXES = ["", ".bin", ".dat", ".txt", ".nms", ".hgt", ".npy", ".h5", ".x3p"]
+contents = st.fixed_dictionaries(
+    {
+        "kind": st.sampled_from(["random", "program", "numbers", "hdf5"]),
+        "size": st.integers(1, 60).map(lambda n: 2 * n * n) | st.integers(0, 10_000),
+        "seed": st.integers(0, 2**32),
+        "suffix": st.sampled_from(SUFFIXES),
+    }
+)
+
+
+def try_bytes(case):
+    """Bytes that are no map are refused, whatever their number and the name of the file."""
+    generator = np.random.default_rng(case["seed"])
+    content = {
+        "random": generator.bytes(case["size"]),
+        "program": Path(sys.executable).read_bytes()[: case["size"]],
+        "numbers": generator.standard_normal(case["size"] // 8 + 1).tobytes(),
+        "hdf5": b"\x89HDF\r\n\x1a\n" + generator.bytes(case["size"]),
+    }[case["kind"]]
+    path = FOLDER / f"bytes{case['suffix']}"
+    path.write_bytes(content)
+    try:
+        asp.read_map(path, physical_size=(1.0, 1.0), unit="m", orientation="peaks up")
+    except asp.MapError:
+        return "refused"
+    raise PromiseError("bytes are read as a map")
+
+
+TOKENS = [
+    "---",
+    "***",
+    "1.#QNAN",
+    "1,5e-9",
+    "x",
+    "1.2.3",
+    "",
+    "BAD",
+    "nan",
+    "#N/A",
+    "--",
+    "1e",
+    "0x1f",
+    "inf",
+]
+GWYDDION = "# Channel: z\n# Width: 1 m\n# Height: 1 m\n# Value units: m\n"
+tables = st.fixed_dictionaries(
+    {
+        "shape": st.tuples(st.integers(4, 9), st.integers(4, 9)),
+        "seed": st.integers(0, 2**32),
+        "dialect": st.sampled_from([" .", "\t.", ",.", ";.", " ,", "\t,", ";,"]),
+        "header": st.sampled_from(["", GWYDDION, "# made by hand\n", "heights of a sample\n"]),
+        "token": st.none() | st.sampled_from(TOKENS),
+        "place": st.tuples(st.integers(0, 8), st.integers(0, 8)),
+        "whole_row": st.booleans(),
+    }
+)
+
+
+def try_table(case):
+    """A table of heights is read number by number, or refused; a token that is none is a missing point."""
+    height = np.random.default_rng(case["seed"]).standard_normal(case["shape"]).round(6)
+    separator, decimal = case["dialect"]
+    rows = [[f"{value:.6f}".replace(".", decimal) for value in row] for row in height]
+    y, x = (place % (n - 2) + 1 for place, n in zip(case["place"], height.shape, strict=True))
+    if case["token"] is not None:
+        rows[y] = [case["token"]] if case["whole_row"] else [*rows[y][:x], case["token"], *rows[y][x + 1 :]]
+    path = FOLDER / "table.txt"
+    path.write_text(case["header"] + "\n".join(map(separator.join, rows)) + "\n")
+    said = {} if case["header"] == GWYDDION else {"physical_size": (1.0, 1.0), "unit": "m"}
+    try:
+        found = asp.read_map(path, **said, orientation="peaks up").height
+    except asp.MapError:
+        require(case["token"] is not None or case["header"] == GWYDDION, "a table of numbers is refused")
+        return "refused"
+    require(found.shape == height.shape, "the map has another shape")
+    kept = np.ones(height.shape, bool)
+    if case["token"] is not None:
+        kept[y, slice(None) if case["whole_row"] else x] = False
+    require(np.array_equal(found[kept], height[kept]), "a height is another")
+    require(not np.isfinite(found[~kept]).any(), "a word is read as a number")
+    return "read"
+
+
+slices = st.just(slice(None)) | st.builds(
+    slice, st.integers(-9, 9), st.integers(-9, 9) | st.none(), st.sampled_from([1, 1, 2, -1])
+)
+parts = st.fixed_dictionaries(
+    {
+        "shape": st.tuples(st.integers(1, 12), st.integers(2, 12)),
+        "length": st.tuples(st.sampled_from([1.0, 0.01, 7.0]), st.floats(0.1, 10)),
+        "seed": st.integers(0, 2**32),
+        "boundary": st.sampled_from(["periodic", "free"]),
+        "y": slices,
+        "x": slices,
+    }
+)
+
+
+def try_part(case):
+    """The section of a part of a contact is that of the whole, or refused."""
+    height = 1e-3 * np.random.default_rng(case["seed"]).standard_normal(case["shape"])
+    settings = {"length": case["length"], "boundary": case["boundary"]}
+    whole = asp.solve(height, asp.Layer(1.0, 0.3), area_fraction=0.3, **settings)
+    data = whole.to_dataset()
+    part = data.isel(y=case["y"], x=case["x"])
+    if not part.sizes["y"] * part.sizes["x"]:
+        return "empty"
+    where = ("x", float(part["y"][0]), [0.0, 0.1])
+    expected = asp.stress_section(whole, *where)["von_mises"].sel(x=part["x"])
+    try:
+        found = part.asperity.section(*where)["von_mises"]
+    except ValueError as error:
+        require(not part.equals(data), "a whole contact is refused")
+        raise error
+    size = 1e-5 * float(np.abs(expected).max())  # single precision
+    same = found.shape == expected.shape and np.allclose(found, expected, rtol=0, atol=size)
+    require(same, "the stress of a part is another")
+    return "same"
+
+
 PROPERTIES = {
     "contact": (contacts, try_contact),
     "same contact": (same_contacts, try_same_contact),
@@ -510,4 +632,7 @@ PROPERTIES = {
     "command": (random_input.command_lines(), try_command),
     "config": (random_input.configurations() | random_input.unknown_keys(), try_config),
     "map": (map_files(), try_map),
+    "bytes": (contents, try_bytes),
+    "table": (tables, try_table),
+    "part": (parts, try_part),
 }

@@ -234,6 +234,8 @@ HEIGHT = np.random.default_rng(1).normal(size=(16, 24))
         ({"y": slice(4, 12)}, "y"),
         ({"x": slice(0, 12)}, "x"),
         ({"x": slice(None, None, -1)}, "x"),
+        ({"x": slice(0, 1)}, "x"),  # a cell of one node
+        ({"y": slice(None, None, 2)}, "y"),  # a coarser cell
         ({"y": [0, 1, 2, 3, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]}, "y"),
     ],
 )

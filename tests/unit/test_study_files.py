@@ -52,6 +52,8 @@ def test_init_writes_the_study_or_nothing(tmp_path, monkeypatch, capsys, is_new)
     assert {path.name for path in folder.iterdir()} == {part.split("/")[0] for part in PARTS}
     assert main(["study", "init", str(folder)]) == 1
     assert "holds Snakefile; the name of an empty or new folder is needed" in capsys.readouterr().err
+    assert main(["study", "init", str(tmp_path / "\x1b[31m")]) == 0
+    assert "\x1b" not in capsys.readouterr().out
 
 
 def test_a_sound_folder_is_as_written(results):

@@ -49,8 +49,8 @@ if TYPE_CHECKING:
 MOST_NODES = 2**31 - 1
 """Largest number of nodes on an axis."""
 
-CELL_EDGE = "cell_edge"
-"""Attribute of a coordinate of a dataset: length of the cell along it."""
+CELL_EDGE, CELL_NODES = "cell_edge", "cell_nodes"
+"""Attributes of a coordinate of a dataset: length of the cell along it, and number of its nodes."""
 
 OFF_NODE = 1e-3
 """Largest distance of a coordinate from its node, in spacings: coordinates may be in single precision."""
@@ -165,9 +165,9 @@ class Grid:
         return spacing_y * np.arange(self.shape[0]), spacing_x * np.arange(self.shape[1])
 
     def dataset_coordinates(self) -> dict[str, tuple[str, Array, dict[str, float]]]:
-        """Coordinates y and x of a dataset, with the edges of the cell as attributes, for `grid_of`."""
+        """Coordinates y and x of a dataset, with edge and nodes of the cell as attributes, for `grid_of`."""
         found = zip("yx", self.coordinates(), self.length, strict=True)
-        return {axis: (axis, nodes, {CELL_EDGE: edge}) for axis, nodes, edge in found}
+        return {axis: (axis, at, {CELL_EDGE: edge, CELL_NODES: at.size}) for axis, at, edge in found}
 
     def field(self, name: str, values: Any) -> Array:
         """Values of a field at the nodes as an array of finite real numbers; `name` stands in the message.
@@ -389,8 +389,8 @@ def grid_of(dataset: xr.Dataset) -> Grid:
     Raises
     ------
     ValueError
-        If the coordinates are not those of a whole cell: equidistant, rising from zero to one spacing before
-        the edge. Without the attribute `CELL_EDGE` the edge follows from two or more nodes.
+        If the coordinates are not those of a whole cell: all its nodes, equidistant, rising from zero to one
+        spacing before the edge. Without the attribute `CELL_EDGE` the edge follows from two or more nodes.
     """
     edges = []
     for axis in ("y", "x"):
@@ -398,7 +398,8 @@ def grid_of(dataset: xr.Dataset) -> Grid:
         spacing = float(nodes[1]) if nodes.size > 1 else math.nan
         edge = float(dataset[axis].attrs.get(CELL_EDGE, nodes.size * spacing))
         off = np.abs(nodes * nodes.size / edge - np.arange(nodes.size)).max(initial=0.0)
-        if not (edge > 0 and off < OFF_NODE):
+        is_whole = nodes.size == dataset[axis].attrs.get(CELL_NODES, nodes.size)
+        if not (is_whole and edge > 0 and off < OFF_NODE):
             raise ValueError(
                 f"{axis}: the nodes of a whole cell are needed, equidistant and rising from 0; a part of a "
                 "result cannot be analysed alone, but drawn and exported by its positions y and x"

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 import xarray as xr
 
 from asperity.core.data import packaged_yaml
-from asperity.fourier.grid import CELL_EDGE, grid_of
+from asperity.fourier.grid import CELL_EDGE, CELL_NODES, grid_of
 
 
 class Variable(NamedTuple):
@@ -121,8 +121,10 @@ def _scaled(data: xr.Dataset, length: float, stress: float, system: str) -> xr.D
         if dimension.length or dimension.stress:
             values = data[name]
             factor = length**dimension.length * stress**dimension.stress
-            edge = {CELL_EDGE: values.attrs[CELL_EDGE] * factor} if CELL_EDGE in values.attrs else {}
-            scaled[name] = (values.dims, values.values * factor, edge)
+            cell = {key: values.attrs[key] for key in (CELL_EDGE, CELL_NODES) if key in values.attrs}
+            if CELL_EDGE in cell:
+                cell[CELL_EDGE] *= factor
+            scaled[name] = (values.dims, values.values * factor, cell)
     if "wavelength_short" in data.attrs:
         scaled.attrs["wavelength_short"] = data.attrs["wavelength_short"] * length
     return scaled.assign_attrs(unit_system=system)

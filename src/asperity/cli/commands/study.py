@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from asperity.core.errors import one_line
 from asperity.core.packages import absent, install_command
 from asperity.study.runtime.study_folder import make_study_folder
 
@@ -17,7 +18,7 @@ config/README.md describes every setting"""
 
 def run(options: argparse.Namespace) -> None:
     """Write the folder, and print the commands that run the study."""
-    folder = make_study_folder(options.folder)
+    folder = one_line(str(make_study_folder(options.folder)))
     print(f"{folder}: Snakefile, config, profiles and workflow of the study")
     if missing := absent():
         print(f"first:\n    {install_command(missing)}")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from asperity.cli.files import check_out
 from asperity.cli.parser import flag, section
-from asperity.core.errors import shown
+from asperity.core.errors import one_line, shown
 from asperity.core.units import shown_si, to_si
 from asperity.results import write_result
 from asperity.results.variables import in_si
@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> None:
     write_result(surface, options.out, f"Rough surface {name}", settings)
     height, gradient = float(surface["rms_height"]), float(surface["rms_gradient"])
     print(
-        f"{options.out}: {surface.sizes['x']} × {surface.sizes['y']} nodes, "
+        f"{one_line(options.out)}: {surface.sizes['x']} × {surface.sizes['y']} nodes, "
         f"rms height {f'{height:.4g} cell lengths' if edge is None else shown_si(height, 'm')}, "
         f"rms gradient {gradient:.4g}, skewness {float(surface['skewness']):.3g}, "
         f"kurtosis {float(surface['kurtosis']):.3g}"
