@@ -36,7 +36,7 @@ def path(surface, tmp_path):
     return path
 
 
-def test_a_file_explains_itself_and_comes_back_equal(surface, path):
+def test_file_explains_itself_and_comes_back_equal(surface, path):
     found = dataset.read(path)
     xr.testing.assert_equal(found, surface)
     assert dataset.settings_of(found) == SETTINGS
@@ -50,7 +50,7 @@ def test_a_file_explains_itself_and_comes_back_equal(surface, path):
         assert variable.attrs["long_name"] == VARIABLES[name].long_name
 
 
-def test_a_newer_format_is_not_called_damaged(surface, path, monkeypatch):
+def test_newer_format_is_not_called_damaged(surface, path, monkeypatch):
     with monkeypatch.context() as newer:
         newer.setattr(dataset, "FORMAT_VERSION", dataset.FORMAT_VERSION + 1)
         dataset.write(surface, path, "Title", SETTINGS)
@@ -89,9 +89,8 @@ def test_wrong_units_are_refused(surface, path):
 
 
 @pytest.mark.parametrize("stage", STAGES)
-def test_a_file_says_what_its_stage_makes(path, stage):
-    data = xr.Dataset({STAGES[stage].variable: 1.0})
-    dataset.write(data, path, "Title", SETTINGS)
+def test_file_says_what_its_stage_makes(path, stage):
+    dataset.write(xr.Dataset({STAGES[stage].variable: 1.0}), path, "Title", SETTINGS)
     found = dataset.read(path)
     assert dataset.stage_of(found) == stage
     assert found.attrs["summary"] == STAGES[stage].summary
@@ -108,18 +107,22 @@ def test_texts_and_truth_values_come_back(path):
     assert all("units" not in variable.attrs for variable in found.variables.values())
 
 
-def test_a_failed_write_leaves_the_earlier_file(surface, path, monkeypatch):
+def test_failed_write_leaves_the_earlier_file(surface, path, monkeypatch):
+    """Of processes that were killed nothing is left; what a living one writes stays."""
     before = path.read_bytes()
+    dead, alive = (path.with_name(f".file.nc.{process}.ab.unfinished") for process in (2**22 + 1, 1))
 
     def fail(self, target, **_):
         target.write_bytes(b"half")
         raise OSError(errno.ENOSPC, "No space left on device")
 
+    dead.write_bytes(b"half")
+    alive.write_bytes(b"half")
     monkeypatch.setattr(xr.Dataset, "to_netcdf", fail)
     with pytest.raises(DatasetError, match=r"file\.nc: cannot be written \(the disk is full\); free"):
         dataset.write(surface, path, "After", SETTINGS)
     assert path.read_bytes() == before
-    assert list(path.parent.iterdir()) == [path]
+    assert set(path.parent.iterdir()) == {path, alive}
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has neither pipes in folders nor permissions of a group")
@@ -142,25 +145,13 @@ def test_only_writable_regular_files_are_replaced(tmp_path):
         dataset.read(pipe)
 
 
-def test_leftovers_of_killed_processes_are_deleted(surface, path):
-    dead, alive = (path.with_name(f".file.nc.{process}.ab.unfinished") for process in (2**22 + 1, 1))
-    dead.write_bytes(b"half")
-    alive.write_bytes(b"half")
-    dataset.write(surface, path, "A surface", SETTINGS)
-    assert set(path.parent.iterdir()) == {path, alive}
-
-
-def test_an_undescribed_variable_is_refused(surface, tmp_path):
+def test_undescribed_variable_is_refused(surface, tmp_path):
     with pytest.raises(KeyError, match="heigth"):
         dataset.write(surface.rename(height="heigth"), tmp_path / "file.nc", "Typing error", SETTINGS)
 
 
 def cut(path):
     path.write_bytes(path.read_bytes()[:-500])
-
-
-def empty(path):
-    path.write_bytes(b"")
 
 
 def flip_a_byte(path):
@@ -179,29 +170,25 @@ def change_settings(path):
         file.settings = file.settings.replace("0.8", "0.2")
 
 
-@pytest.mark.parametrize("damage", [cut, empty, flip_a_byte, change_value, change_settings])
-def test_a_damaged_file_is_named_with_a_remedy(path, damage):
+@pytest.mark.parametrize("damage", [cut, flip_a_byte, change_value, change_settings])
+def test_damaged_file_is_named_with_a_remedy(path, damage):
     damage(path)
     with pytest.raises(DatasetError, match=r"file\.nc: ") as error:
         dataset.read(path)
     # A file that cannot be opened may be anything.
-    assert ("delete it" in str(error.value)) == (damage not in (cut, empty))
+    assert ("delete it" in str(error.value)) == (damage is not cut)
 
 
-def raw_text(path):
-    path.write_text("1.0 2.0\n3.0 4.0\n")
-
-
-def raw_archive(path):
+def foreign_archive(path):
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr("main.xml", "<p:ISO5436_2/>")
 
 
-def raw_netcdf(path):
+def foreign_netcdf(path):
     xr.Dataset({"topography": (("y", "x"), np.eye(3))}, attrs={"instrument": "profiler"}).to_netcdf(path)
 
 
-@pytest.mark.parametrize("make", [raw_text, raw_archive, raw_netcdf])
+@pytest.mark.parametrize("make", [lambda path: path.write_text("1.0 2.0\n"), foreign_archive, foreign_netcdf])
 def test_nobody_is_told_to_delete_own_data(tmp_path, make):
     make(tmp_path / "map")
     with pytest.raises(DatasetError, match=r"map: not a result of asperity") as error:
@@ -213,7 +200,7 @@ def pressed(height, length, **settings):
     return asp.solve(height, asp.Layer(1.0, 0.3), length, **settings)
 
 
-def test_a_row_of_nodes_keeps_the_edges_of_its_cell(tmp_path):
+def test_row_of_nodes_keeps_its_edges(tmp_path):
     contact = pressed(np.linspace(-1, 1, 33)[None] ** 2, (0.01, 1.0), mean_pressure=0.1, boundary="free")
     contact.to_netcdf(tmp_path / "row.nc")
     found = dataset.read(tmp_path / "row.nc")
@@ -232,14 +219,13 @@ HEIGHT = np.random.default_rng(1).normal(size=(16, 24))
     ("part", "axis"),
     [
         ({"y": slice(4, 12)}, "y"),
-        ({"x": slice(0, 12)}, "x"),
         ({"x": slice(None, None, -1)}, "x"),
         ({"x": slice(0, 1)}, "x"),  # a cell of one node
         ({"y": slice(None, None, 2)}, "y"),  # a coarser cell
         ({"y": [0, 1, 2, 3, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15]}, "y"),
     ],
 )
-def test_a_part_of_a_contact_has_no_stress(part, axis):
+def test_part_of_a_contact_has_no_stress(part, axis):
     data = pressed(HEIGHT, (2.0, 3.0), mean_pressure=0.01).to_dataset().isel(part)
     for function in (asp.plot_pressure, lambda data: data.asperity.section()):
         with pytest.raises(ValueError, match=f"^{axis}: the nodes of a whole cell are needed, equidistant"):
@@ -250,11 +236,9 @@ def test_dimensions_are_taken_by_name():
     contact = pressed(HEIGHT, (2.0, 3.0), mean_pressure=0.01)
     turned = pressed(xr.DataArray(HEIGHT.T, dims=("x", "y")), (2.0, 3.0), mean_pressure=0.01)
     np.testing.assert_array_equal(turned.pressure, contact.pressure)
-    data = contact.to_dataset()
-    for found in (data.transpose("x", "y"), data):
-        np.testing.assert_array_equal(asp.LoadedSolid.from_dataset(found).pressure, contact.pressure)
-        shown = asp.plot_pressure(found).axes[0].images[0].get_array()
-        assert shown.shape == (16, 24)
+    found = contact.to_dataset().transpose("x", "y")
+    np.testing.assert_array_equal(asp.LoadedSolid.from_dataset(found).pressure, contact.pressure)
+    assert asp.plot_pressure(found).axes[0].images[0].get_array().shape == (16, 24)
 
 
 def test_missing_and_too_large_files_are_named(path, monkeypatch):

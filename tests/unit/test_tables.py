@@ -1,7 +1,5 @@
 """Tables as files: their columns are described, and come back from CSV as they were."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 
@@ -22,20 +20,10 @@ from asperity.views.export import peak_table
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-@pytest.fixture(scope="module")
-def answer():
-    height = asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
-    surface = asp.HeightMap(height, (2e-4, 2e-4), periodic=True, unit="m", name="ground")
-    return run(surface, Body(young=210e9, poisson=0.3, yield_stress=1e9), mean_pressure=50e6)
-
-
 @pytest.fixture
 def costs(tmp_path):
-    jobs = (
-        ("stress", {"surface": "a"}, 60, 100),
-        ("stress", {"surface": "a"}, 30, 300),
-        ("claims", {}, 6, 50),
-    )
+    surface = {"surface": "a"}
+    jobs = (("stress", surface, 60, 100), ("stress", surface, 30, 300), ("claims", {}, 6, 50))
     (tmp_path / "benchmark").mkdir()
     for number, (rule, wildcards, seconds, memory) in enumerate(jobs):
         text = f"max_rss\tcpu_time\trule_name\twildcards\tresources\n{memory}\t{seconds}\t{rule}\t{wildcards}"
@@ -43,57 +31,56 @@ def costs(tmp_path):
     return cost_table(job_costs(tmp_path))
 
 
-def test_the_page_of_tables_is_current():
+def test_page_of_tables_is_current():
     page = (DOCS / "tables.md").read_text(encoding="utf-8")
     assert page.endswith("<!-- python -m asperity.results.tables -->\n\n" + describe_tables())
 
 
-def test_an_answer_comes_back_from_its_files(answer, tmp_path):
+def test_tables_of_an_answer_are_described(tmp_path):
+    """They come back from CSV; those of peaks have their units in both unit systems."""
+    height = asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
+    surface = asp.HeightMap(height, (2e-4, 2e-4), periodic=True, unit="m", name="ground")
+    answer = run(surface, Body(young=210e9, poisson=0.3, yield_stress=1e9), mean_pressure=50e6)
     for table, frame in (("answer", answer.frame()), ("answer_peaks", answer.peaks())):
         path = tmp_path / f"{table}.csv"
         write_table(frame, table, path)
         pd.testing.assert_frame_equal(pd.read_csv(path), frame, check_dtype=False)
-
-
-def test_peaks_of_both_unit_systems_are_described(answer):
-    si = peak_table(answer.stresses["lower"].assign_attrs(unit_system="SI"))
-    dimensionless = peak_table(answer.stresses["lower"].assign_attrs(unit_system="study"))
-    for frame in (si, dimensionless):
+    for system, unit in (("SI", "depth_um"), ("study", "depth_cell_length")):
+        frame = peak_table(answer.stresses["lower"].assign_attrs(unit_system=system))
         check_columns(frame, "peaks")
-    assert units("peaks", si)["depth_um"] == "um"
+        assert units("peaks", frame)[unit] == unit.removeprefix("depth_")
 
 
 def test_costs_add_up_and_keep_the_largest_memory(costs):
     check_columns(costs, "costs")
-    assert costs.set_index("job")["processor_minutes"].to_dict() == pytest.approx(
-        {"claims": 0.1, "stress a": 1.5, "all": 1.6}
-    )
+    minutes = costs.set_index("job")["processor_minutes"].to_dict()
+    assert minutes == pytest.approx({"claims": 0.1, "stress a": 1.5, "all": 1.6})
     assert costs["largest_memory_MB"].tolist() == [50, 300, 300]
 
 
+def test_verdicts_have_their_columns():
+    found = findings_of(pd.read_csv(DOCS / "ensemble.csv"), CLAIMS)
+    check_columns(frame_of_verdicts(found, 8.0), "claims")
+    check_columns(frame_of_interpretations(found), "claims_interpretations")
+
+
 @pytest.mark.parametrize(
-    ("frame", "message"),
+    ("columns", "name", "message"),
     [
+        (["of"], "t.csv", "table verification: column 'surface' is missing; columns surface, of,"),
+        (["of", "speed"], "t.csv", "table verification: column 'speed' is not among its columns"),
+        (["of", "surface", "check", "value", "bound"], "t.csv", "out of order"),
         (
-            pd.DataFrame({"of": ["a"]}),
-            "table verification: column 'surface' is missing; columns surface, of,",
+            ["surface", "of", "check", "value", "bound"],
+            "t.xlsx",
+            r"t\.xlsx: a name that ends in \.csv or \.p",
         ),
-        (
-            pd.DataFrame({"of": ["a"], "speed": [1]}),
-            "table verification: column 'speed' is not among its columns",
-        ),
-        (pd.DataFrame({name: [1] for name in ("of", "surface", "check", "value", "bound")}), "out of order"),
     ],
 )
-def test_a_table_with_other_columns_is_refused(frame, message, tmp_path):
+def test_other_columns_and_suffixes_are_refused(columns, name, message, tmp_path):
     with pytest.raises(ValueError, match=message):
-        write_table(frame, "verification", tmp_path / "table.csv")
+        write_table(pd.DataFrame([[1] * len(columns)], columns=columns), "verification", tmp_path / name)
     assert not list(tmp_path.iterdir())
-
-
-def test_an_unknown_suffix_is_refused(costs, tmp_path):
-    with pytest.raises(ValueError, match=r"costs\.xlsx: a name that ends in \.csv or \.parquet is needed"):
-        write_table(costs, "costs", tmp_path / "costs.xlsx")
 
 
 def test_parquet_needs_pyarrow_and_says_so(costs, tmp_path, monkeypatch):
@@ -111,19 +98,10 @@ def test_parquet_keeps_numbers_and_units(costs, tmp_path):
     assert found.attrs["units"]["processor_minutes"] == "min"
 
 
-def test_a_frame_becomes_markdown_and_html():
+def test_frame_becomes_markdown_and_html():
     frame = pd.DataFrame({"what": ["**a** | `b`", "<c>"], "value": [1 / 3, np.nan]})
-    assert markup.markdown(frame).splitlines() == [
-        "| what | value |",
-        "|---|---|",
-        "| **a** \\| `b` | 0.3333 |",
-        "| <c> |  |",
-    ]
-    assert "<td><strong>a</strong> | <code>b</code></td><td>0.3333</td>" in markup.html_table(frame)
-    assert "<td>&lt;c&gt;</td>" in markup.html_table(frame)
-
-
-def test_verdicts_have_their_columns():
-    found = findings_of(pd.read_csv(DOCS / "ensemble.csv"), CLAIMS)
-    check_columns(frame_of_verdicts(found, 8.0), "claims")
-    check_columns(frame_of_interpretations(found), "claims_interpretations")
+    rows = ["| what | value |", "|---|---|", "| **a** \\| `b` | 0.3333 |", "| <c> |  |"]
+    assert markup.markdown(frame).splitlines() == rows
+    html = markup.html_table(frame)
+    assert "<td><strong>a</strong> | <code>b</code></td><td>0.3333</td>" in html
+    assert "<td>&lt;c&gt;</td>" in html
