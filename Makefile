@@ -80,7 +80,7 @@ fuzz-study: $(VENV)/ready ## Run random configurations that the check accepts to
 test-slurm: $(VENV)/ready ## Run the quick study on a SLURM started for it (apt install slurmctld slurmd slurm-client munge)
 	pytest -m slurm tests/slurm
 
-bad-input: $(VENV)/ready ## Print some two hundred wrong configurations, commands and maps, each with its error message
+bad-input: $(VENV)/ready ## Print wrong configurations, commands and maps, each with its error message
 	python tests/unit/bad_input.py
 
 report: study ## Write the study as one page, report.html, and how each file was made, provenance.html; CONFIG=, RESULTS= as for study

@@ -40,30 +40,25 @@ CONFIGS = [
     ("contact: {area: 0.1}", "contact.area: unknown key; known here are method, area_fraction"),
     ("contact: {method: magic}", "contact.method = 'magic': gfmd or active_set"),
     ("contact: {path_area_fractions: [0.1, 0.05]}", "contact.path_area_fractions = [0.1, 0.05]: rising"),
-    ("tradeoff: {reduced: {seeds: [2, 2]}}", "tradeoff.reduced.seeds = [2, 2]: a list of ≥ 1 distinct items"),
     ("seeds: [-1]", "seeds.0 = -1: a whole number"),
     ("surfaces: {hurst_02: {points: 256}}", "surfaces.hurst_02.points = 256: at least 512 are needed"),
     ("surfaces: {hurst_02: {wavelength_short: 0.5}}", "wavelength_short = 0.5: at most wavelength_long = 0."),
     ("surfaces: {gaussian: {wavelength_short: 0.0001}}", "surfaces.gaussian.points: 80000 are too many"),
     ("surfaces: {'H=0.2': {hurst: 0.2}}", "surfaces.'H=0.2': a name of at most 40 lower-case"),
-    ("surfaces: {1: {hurst: 0.2}}", "surfaces.1: a name of at most 40 lower-case letters"),
     ("surfaces: {hurst_02: {johnson: {gamma: 1}}}", "surfaces.hurst_02.johnson.delta: missing; a number > 0"),
     ("studies: {hurst: [unknown]}", "studies.hurst = 'unknown': the name of a surface is needed (hurst_02"),
     ("surfaces: {skew_positive: {moments: {skewness: 0, kurtosis: 3}}}", "surfaces.skew_positive.moments: o"),
-    ("surfaces: {kurtosis_low: {moments: {skewness: 2}}}", "surfaces.kurtosis_low.moments.kurtosis = 2.4: a"),
     ("measured: {mine: {label: mine, detrend: tilt}}", "measured.mine.file: missing; a file name"),
     ("studies: {compressibility: [hurst_02, hurst_08]}", "studies.compressibility = ['hurst_02', 'hurst_08'"),
     ("stress: {poisson: [0.33, 0.33]}", "stress.poisson = [0.33, 0.33]: a list of 1 to 16 distinct items"),
     # numbers that are none, or none of their kind
     ("contact: {area_fraction: 0,1}", "contact.1: unknown key"),
-    ("contact: {area_fraction: 2026-11-21}", "contact.area_fraction = '2026-11-21': a number"),
     (f"seeds: [1{'0' * 400}]", "a whole number ≥ 0 and ≤ 4294967295 is needed"),
     # text that is none
     (f"surfaces: {{hurst_02: {{label: {'ü' * 61}}}}}", "text of 1 to 60 characters is needed"),
     ('surfaces: {hurst_02: {label: "\\e[31mred"}}', "label = '\\x1b[31mred': text that can be printed is ne"),
     ('"con\\ntact": 1', "'con\\ntact': unknown key"),
     # names and paths
-    (f"surfaces: {{{'a' * 41}: {{hurst: 0.2}}}}", "aaa': a name of at most 40 lower-case letters"),
     ("measured: {fault: {file: /dev/zero}}", "measured.fault.file = '/dev/zero': no such file"),
     ('measured: {fault: {file: "a\\0b"}}', "measured.fault.file = 'a\\x00b': no such file"),
     # what contradicts itself
@@ -72,7 +67,6 @@ CONFIGS = [
     # what is no configuration
     ("", "overlay.yaml: keys with values are needed"),
     ("contact: 1\n---\ncontact: 2", "overlay.yaml: YAML is needed; but found another document in line 2"),
-    (b"\xff\xfe\x00", "overlay.yaml: YAML in UTF-8 is needed"),
     (b"#" * (2**17 + 1), "overlay.yaml: a configuration of at most 131072 bytes is needed"),
     ("contact: {method: gfmd}\ncontact: {method: active_set}", "overlay.yaml: YAML is needed; 'contact' is"),
     # renamed keys
@@ -131,13 +125,10 @@ COMMANDS = [
     ("solve s.nc --out x.nc --area 0.1", 2, "unrecognized arguments: --area 0.1"),
     ("solve s.nc --out x.nc --poisson 0.6", 2, "--poisson: '0.6': a number > -1 and ≤ 0.5 is needed"),
     (f"solve s.nc --out x.nc --area-fraction {HUGE}", 2, "999...: a number > 0 and ≤ 1 is needed"),
-    ("solve s.nc --out x.nc --area-fraction 0.1 0.2", 2, "unrecognized arguments: 0.2"),
     ("solve s.nc --out x.nc --physical-size 1 0", 2, "--physical-size: '0': a length > 0 with its unit"),
     ("solve s.nc --out x.nc --detrend \u00fc\x1b[31m", 2, "--detrend: 'ü\\x1b[31m': none or tilt or curvatu"),
     ("stress c.nc --out x.nc --poisson 0.2 0.2", 2, "[0.2, 0.2]: a list of 1 to 16 distinct items"),
-    ("plot ../../etc/passwd s.nc --out x.png", 2, "'../../etc/passwd': one of 1, 2"),
     ("solve {folder}/none.nc --out {folder}/x.nc", 1, "none.nc: no such file"),
-    ("solve {folder} --out {folder}/x.nc", 1, "a folder, a file is needed"),
     ("solve {surface} --detrend tilt --out {folder}/x.nc", 1, "--detrend: for height maps"),
     (
         "solve {surface} --precision float32 --tolerance 1e-14 --out {folder}/x.nc",
@@ -147,24 +138,18 @@ COMMANDS = [
     ("solve {surface} --out {folder}", 1, "a folder, the name of a file is needed"),
     ("solve {surface} --out {surface}", 1, "surface.nc: is read too, another name is needed"),
     ("solve {surface} --out {surface}/x.nc", 1, "surface.nc/x.nc: cannot be written ("),
-    ("solve {surface} --out /proc/x.nc", 1, "/proc/x.nc: cannot be written (No such file or directory"),
-    ("stress /dev/null --out {folder}/x.nc", 1, "/dev/null: not a regular file"),
     ("peaks {stress} {stress} --contact {contact} --out {folder}/x.nc", 1, "one for each stress is needed"),
     ("peaks {stress} --contact {contact} --out {contact}", 1, "contact.nc: is read too, another name is nee"),
     ("plot 7 {statistics} --out {folder}/x.png", 1, "figure 7: a contact file (of asperity solve) is needed"),
     ("plot 12 {statistics} --out {folder}/x.png", 1, "figure 12 is drawn from the validation of the study o"),
     ("plot 9 {statistics} --out {folder}/x.docx", 1, "x.docx: the name of a picture is needed, ending in .p"),
-    ("plan", 2, "the following arguments are required: CONFIG_OR_SPECTRUM"),
     # characters that formats give a meaning
     ("{0}%s%(prog)s", 2, "invalid choice: '{0}%s%(prog)s'"),
     # names that are too long for a file
-    (f"solve {LONG} --out {{folder}}/x.nc", 1, "no such file"),
     (f"solve {{surface}} --out {{folder}}/{LONG}", 1, "File name too long"),
     # Poisson's ratios that were not analysed
     ("plot 9 {statistics} --poisson 0.2 --out {folder}/x.png", 1, "set --poisson to one of 0, 0.33"),
-    ("plan {surface}", 1, "surface.nc: YAML in UTF-8 is needed"),
     (f"plan {SPECTRUM} --error 1e-9", 1, "error = 1e-09: 0."),
-    (f"plan {SPECTRUM} --output depth", 1, "output = 'depth': one of area_fraction, proportionality"),
     (f'plan {SPECTRUM} {{"wavelength_short":0.5}}', 1, "wavelength_short = 0.5: at most wavelength_long = 0"),
     ('plan {"hurst":!!python/name:os.system\n0}', 1, "YAML is needed; could not determine a constructor"),
 ]

@@ -10,64 +10,57 @@ from asperity.surface.treatment.face_to_face import face_to_face
 EDGE = (32e-6, 48e-6)
 
 
-def wave(shape=(32, 48), ky=1, kx=2, size=1e-7, length=EDGE, phase=0.4, **more):
+def wave(shape=(32, 48), ky=1, kx=2, phase=0.4, length=EDGE, **more):
     """A wave at the middles of pixels, which repeats with the edges."""
     y, x = ((np.arange(n) + 0.5) / n for n in shape)
-    height = size * np.cos(2 * np.pi * (ky * y[:, None] + kx * x) + phase)
+    height = 1e-7 * np.cos(2 * np.pi * (ky * y[:, None] + kx * x) + phase)
     return HeightMap(height, length, unit="m", **more)
 
 
-def draw(shape, seed, length=EDGE):
-    return HeightMap(1e-7 * np.random.default_rng(seed).normal(size=shape), length, unit="m")
+def noise(seed):
+    return HeightMap(1e-7 * np.random.default_rng(seed).normal(size=(32, 48)), EDGE, unit="m")
+
+
+LOWER, UPPER = noise(1), noise(2)
 
 
 @pytest.mark.parametrize(("axis", "turn"), [("y", np.s_[:, ::-1]), ("x", np.s_[::-1])])
-def test_the_upper_map_is_turned_over_about_the_axis(axis, turn):
-    """What lies at the right of the upper map touches the left of the lower one, turned about y."""
-    lower, upper = draw((32, 48), 1), draw((32, 48), 2)
-    pair = face_to_face(lower, upper, axis)
-    expected = -lower.height - upper.height[turn]
+def test_upper_map_is_turned_over_about_the_axis(axis, turn):
+    """What lies at the right of the upper map touches the left of the lower one, turned about y.
+
+    From below left and right are exchanged; a lower face is not turned.
+    """
+    pair = face_to_face(LOWER, UPPER, axis)
+    expected = -LOWER.height - UPPER.height[turn]
     np.testing.assert_array_equal(pair.map.height, expected - expected.mean())
     assert (pair.map.orientation, pair.map.length, pair.whole) == (LOWER_FACE, EDGE, True)
     assert pair.done == (f"counter map turned over about the axis {axis}, and laid on the map",)
-
-
-def test_a_lower_face_is_not_turned():
-    lower, upper = draw((8, 9), 1), draw((8, 9), 2)
-    down = HeightMap(-upper.height[:, ::-1], EDGE, orientation=LOWER_FACE, unit="m")
-    one, other = face_to_face(lower, upper), face_to_face(lower, down)
-    np.testing.assert_array_equal(one.map.height, other.map.height)
+    exchanged = face_to_face(UPPER, LOWER, axis).map.height
+    np.testing.assert_allclose(exchanged[turn], pair.map.height, atol=1e-22)
+    down = HeightMap(-UPPER.height[turn], EDGE, orientation=LOWER_FACE, unit="m")
+    other = face_to_face(LOWER, down, axis)
+    np.testing.assert_array_equal(other.map.height, pair.map.height)
     assert "not turned" in other.done[0]
-
-
-def test_exchanged_maps_give_the_mirrored_face():
-    """From below left and right are exchanged, if the map is turned about y."""
-    lower, upper = draw((32, 48), 1), draw((32, 48), 2)
-    one, other = face_to_face(lower, upper).map, face_to_face(upper, lower).map
-    np.testing.assert_allclose(other.height[:, ::-1], one.height, atol=1e-22)
 
 
 @pytest.mark.parametrize("shape", [(32, 48), (40, 60), (50, 75)])
 def test_unlike_pixels_are_interpolated(shape):
     """Waves with no slope at the edges are exact."""
     lower = wave(ky=0, kx=1, phase=0.0)
-    upper = wave(shape, ky=2, kx=0, phase=0.0)
-    found = face_to_face(lower, upper)
+    found = face_to_face(lower, wave(shape, ky=2, kx=0, phase=0.0))
     assert ("interpolated" in found.done[-1]) == (shape != (32, 48))
     expected = -lower.height - wave((32, 48), ky=2, kx=0, phase=0.0).height
     np.testing.assert_allclose(found.map.height, expected - expected.mean(), atol=1e-19)
 
 
-def test_waves_that_the_lower_map_cannot_hold_vanish():
+def test_waves_beyond_the_lower_map_vanish():
     lower, upper = wave(ky=0, kx=1, phase=0.0), wave((96, 144), ky=0, kx=60, phase=0.0)
-    found = face_to_face(lower, upper).map
-    np.testing.assert_allclose(found.height, -lower.height, atol=1e-19)
+    np.testing.assert_allclose(face_to_face(lower, upper).map.height, -lower.height, atol=1e-19)
 
 
-def test_a_shift_leaves_the_common_area():
-    lower, upper = draw((32, 48), 1), draw((32, 48), 2)
-    found = face_to_face(lower, upper, shift=(3e-6, -5e-6))
-    expected = -lower.height[3:, :43] - upper.height[:, ::-1][:29, 5:]
+def test_shift_leaves_the_common_area():
+    found = face_to_face(LOWER, UPPER, shift=(3e-6, -5e-6))
+    expected = -LOWER.height[3:, :43] - UPPER.height[:, ::-1][:29, 5:]
     np.testing.assert_allclose(found.map.height, expected - expected.mean(), atol=1e-22)
     assert found.origin == pytest.approx((3e-6, 0.0))
     assert found.map.length == pytest.approx((29e-6, 43e-6))
@@ -91,21 +84,16 @@ def test_two_crossed_waves_are_a_bisinusoid():
 
     K. L. Johnson, Contact Mechanics, 1985, Eq. 13.7 for one wave; in full contact the waves superpose.
     """
-    size, edge = 1e-7, (32e-6, 32e-6)
-    lower = wave((32, 32), 0, 1, size, edge, 0.0, periodic=True)
-    upper = wave((32, 32), 1, 0, size, edge, 0.0, periodic=True)
+    edge = (32e-6, 32e-6)
+    lower, upper = (wave((32, 32), ky, 1 - ky, 0.0, edge, periodic=True) for ky in (0, 1))
     face = face_to_face(lower, upper).map
     solid = asp.TwoBodies(asp.Layer(210e9, 0.3), asp.Layer(70e9, 0.2))
-    largest = solid.effective_modulus * 2 * np.pi / edge[0] * size
-    full = asp.solve(face.height, solid, edge, mean_pressure=1.02 * largest)
-    np.testing.assert_allclose(
-        full.pressure,
-        1.02 * largest - solid.effective_modulus * np.pi / edge[0] * face.height,
-        rtol=1e-4,
-        atol=1,
-    )
+    stiffness = solid.effective_modulus * np.pi / edge[0]
+    load = 1.02 * 2 * stiffness * 1e-7
+    full = asp.solve(face.height, solid, edge, mean_pressure=load)
+    np.testing.assert_allclose(full.pressure, load - stiffness * face.height, rtol=1e-4, atol=1)
     assert full.area_fraction == 1.0
-    assert asp.solve(face.height, solid, edge, mean_pressure=0.9 * largest).area_fraction < 1.0
+    assert asp.solve(face.height, solid, edge, mean_pressure=0.9 * load).area_fraction < 1.0
 
 
 @pytest.mark.parametrize(

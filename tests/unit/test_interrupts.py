@@ -7,7 +7,6 @@ from importlib import import_module
 
 import numpy as np
 import pytest
-from bad_input import make_chain
 
 from asperity.cli.main import INTERRUPTED, main
 
@@ -30,29 +29,23 @@ def signalling(number, genuine):
     return function
 
 
-@pytest.fixture(scope="module")
-def files(tmp_path_factory):
-    """Results of one small surface, and a height map."""
-    folder = tmp_path_factory.mktemp("chain")
-    height = np.random.default_rng(1).normal(size=(16, 16))
-    np.savetxt(folder / "map.txt", height)
-    return {**make_chain(folder), "map": folder / "map.txt"}
-
-
 @pytest.mark.parametrize(
     ("command", "number"),
     [*((command, signal.SIGINT) for command in COMMANDS), ("stress", signal.SIGTERM)],
 )
-def test_a_signal_ends_a_command(command, number, files, tmp_path, capfd, monkeypatch):
+def test_signal_ends_a_command(command, number, chain, tmp_path, capfd, monkeypatch):
     """When everything is computed, before a file gets its name or the answer is printed."""
+    np.savetxt(tmp_path / "map.txt", np.random.default_rng(1).normal(size=(16, 16)))
+    files, out = {**chain, "map": tmp_path / "map.txt"}, tmp_path / "out"
+    out.mkdir()
     if command == "plan":
         module = import_module("asperity.cli.commands.plan")
         monkeypatch.setattr(module, "print", signalling(number, print), raising=False)
     for name in ("rename", "replace"):
         monkeypatch.setattr(os, name, signalling(number, getattr(os, name)))
-    words = [word.format(**files, out=tmp_path) for word in shlex.split(COMMANDS[command])]
+    words = [word.format(**files, out=out) for word in shlex.split(COMMANDS[command])]
     handlers = [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)]
     assert main([command, *words]) == 128 + number
     assert capfd.readouterr().err.splitlines()[-1] == f"asperity: {INTERRUPTED}"
-    assert not [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert not [path for path in out.rglob("*") if path.is_file()]
     assert [signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)] == handlers
