@@ -23,7 +23,7 @@ print(f"{surface.name}: {size} µm, {surface.missing} points without data, perio
 # filtered, and the cell is refined so that the contacts are resolved.
 steel = Body(young=210e9, poisson=0.3, yield_stress=1.5e9)
 aluminium = Body(young=70e9, poisson=0.33, yield_stress=300e6)
-treatment = asp.MapOptions(despike=8, wavelength_short="16 um", points=192)
+treatment = asp.MapOptions(despike=8, wavelength_short="16 um", points=96)
 answer = run(surface, steel, aluminium, mean_pressure=20e6, map_options=treatment)
 print(answer)
 
@@ -34,8 +34,8 @@ asp.plot_pressure(answer.contact, axes=axes[1], unit_system="SI")
 plt.show()
 
 # %%
-# **Check**: the load is the one asked for, both bodies carry the pressure of one contact, and the estimate for
-# vanishing pixels is near the number on the pixels.
+# **Check**: the load is the one asked for, both bodies carry the pressure of one contact, and the estimate
+# for vanishing pixels is near the number on the pixels.
 assert abs(answer.numbers.nominal_pressure / 20e6 - 1) < 1e-6
 assert answer.numbers.violation < 1e-4
 largest = {name: body.largest_von_mises for name, body in answer.bodies.items()}

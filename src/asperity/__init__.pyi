@@ -1,3 +1,4 @@
+from . import reference as reference
 from .contact import Contact as Contact
 from .contact import ConvergenceError as ConvergenceError
 from .contact import solve as solve
@@ -6,7 +7,10 @@ from .contact import verify_contact as verify_contact
 from .elasticity.layer import Layer as Layer
 from .elasticity.loaded_solid import LoadedSolid as LoadedSolid
 from .elasticity.two_bodies import TwoBodies as TwoBodies
+from .engineering.case import Body as Body
 from .engineering.continuum import continuum as continuum
+from .engineering.output import write_answer as write_answer
+from .engineering.run import run as run
 from .fourier import fft_engine as fft_engine
 from .fourier.grid import Grid as Grid
 from .results import read_result as read_result

@@ -3,7 +3,7 @@
 import os
 import re
 import shutil
-from contextlib import suppress
+from contextlib import chdir, suppress
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +12,7 @@ import pytest
 
 from asperity.cli.main import main
 from asperity.core.errors import DatasetError
+from asperity.core.units import to_si
 from asperity.engineering import Body, run, write_answer
 from asperity.results import dataset
 from asperity.surface.reading.height_map import HeightMap
@@ -54,7 +55,7 @@ def folder(path, tmp_path_factory):
 
 def test_the_folder_holds_all_files(folder):
     assert {file.name for file in folder.iterdir()} == {
-        *("surface.nc", "contact.nc", "stress.nc", "peaks.csv", "answer.csv", "report.html"),
+        *("case.yaml", "surface.nc", "contact.nc", "stress.nc", "peaks.csv", "answer.csv", "report.html"),
         ".asperity-run.json",
         *("height.png", "pressure.png", "section.png", "plane.png", "peaks.png"),
     }
@@ -94,7 +95,8 @@ RESULTS = {"surface.nc", "contact.nc", "stress.nc", "peaks.csv", "answer.csv"}
 
 def loads_in(folder):
     """Loads of all results in a folder that say theirs."""
-    found = {dataset.settings_of(dataset.read(path))["load"]["mean_pressure"] for path in folder.glob("*.nc")}
+    settings = [dataset.settings_of(dataset.read(path)) for path in folder.glob("*.nc")]
+    found = {to_si(each["pressure"], "pressure") for each in settings}
     tables = [pd.read_csv(path).set_index("name")["value"] for path in folder.glob("answer.csv")]
     return found | {round(table["mean pressure, nominal"], -3) for table in tables}
 
@@ -206,7 +208,7 @@ def test_everything_wrong_is_named_at_once(tmp_path, capsys):
     starts = [line.removeprefix("asperity: ").split(" ")[0].rstrip(":,") for line in lines]
     assert starts == [
         *("--young", "--poisson", "--pressure"),
-        *("--pressure", "--rigid", "--bottom", "--counter-young", "--out", str(tmp_path / "none.x3p")),
+        *("--pressure", "--rigid", "--bottom", "--counter-young", str(tmp_path / "none.x3p")),
     ]
     assert "(kPa, MPa, GPa, N/mm^2) is needed" in lines[0]
 
@@ -231,8 +233,31 @@ def test_a_configuration_can_say_the_materials(path, tmp_path, capsys):
     with pytest.raises(SystemExit):
         main([*given, "--poisson", "0.3", "--out", str(out)])
     errors = capsys.readouterr().err
-    assert "engineering.young = 210" in errors
-    assert "engineering.colour: unknown key" in errors
+    assert "steel.yaml: young = 210: a pressure > 0" in errors
+    assert "steel.yaml: colour: unknown key" in errors
+
+
+def test_a_saved_case_is_repeated(path, tmp_path, capsys):
+    """With every kind of option: texts, numbers, lists, files; from another folder than it was saved in."""
+    shutil.copy(path, tmp_path / "lapped.asc")
+    given = (
+        "--despike 8 --wavelength-short 8um --points 64 --boundary free --friction 0.2 "
+        "--sliding-direction 30 --counter-young 70GPa --counter-poisson 0.33 --counter-map lapped.asc "
+        "--counter-turned-about x --fields xx --counter-shift"
+    )
+    command = ["run", str(path), *COMMAND, *given.split(), "2 um", "-4 um"]
+    (tmp_path / "cases").mkdir()
+    with chdir(tmp_path):
+        assert main([*command, "--out", "first", "--save", "cases/case.yaml"]) == 0
+    case = tmp_path / "cases/case.yaml"
+    assert main(["run", str(case), "--out", str(tmp_path / "second")]) == 0
+    assert main(["run", str(tmp_path / "first/case.yaml"), "--out", str(tmp_path / "third")]) == 0
+    answers = [(tmp_path / name / "answer.csv").read_text() for name in ("first", "second", "third")]
+    assert answers[0] == answers[1] == answers[2]
+    case.write_text(case.read_text().replace("despike", "despik"))
+    with pytest.raises(SystemExit):
+        main(["run", str(case), "--out", str(tmp_path / "second")])
+    assert "case.yaml: despik: unknown key; did you mean despike?" in capsys.readouterr().err
 
 
 def test_single_stages_refuse_results_of_a_run(folder, tmp_path, capsys):

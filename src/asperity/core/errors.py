@@ -5,8 +5,9 @@ The message of a refused argument or key names it, shows its value and says what
 
 from __future__ import annotations
 
+import difflib
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 # Characters of a value that a message shows at most.
@@ -113,6 +114,12 @@ def shown(value: Any) -> str:
     except ValueError:  # an integer of more digits than Python prints
         text = f"<{type(value).__name__}>"
     return text if len(text) <= _LONGEST_VALUE else text[: _LONGEST_VALUE - 3] + "..."
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """End of a message on an unknown word: the known one that is most alike, empty if none is."""
+    found = difflib.get_close_matches(word, list(known), 1)
+    return f"; did you mean {found[0]}?" if found else ""
 
 
 def fail(message: str, code: int = 1) -> int:

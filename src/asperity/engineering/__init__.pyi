@@ -4,5 +4,7 @@ from .case import Body as Body
 from .case import Case as Case
 from .case import CounterMap as CounterMap
 from .case import Load as Load
+from .output import save_case as save_case
 from .output import write_answer as write_answer
+from .run import answer_of as answer_of
 from .run import run as run

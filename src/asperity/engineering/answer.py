@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
@@ -13,12 +12,12 @@ import pandas as pd
 import xarray as xr
 
 from asperity.contact import Contact
-from asperity.core.markup import picture, table
+from asperity.core.markup import picture, table, with_error
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer_numbers import BodyAnswer, ContactNumbers, Neighbours
 from asperity.engineering.body_stress import DIRECTION
-from asperity.engineering.case import CONTROL_UNITS, Body, Case, CounterMap
-from asperity.surface.reading.height_map import MapOptions
+from asperity.engineering.case import CONTROL_UNITS, Body, Case
+from asperity.engineering.face import RoughFace
 from asperity.surface.treatment.treatment import TreatedMap
 
 EXTREME_WORDS = {
@@ -83,10 +82,9 @@ class Answer:
 
     Attributes
     ----------
-    face : TreatedMap
-        The rough surface that was pressed, in m, and what was done to the map.
     case : Case
-    map_options : MapOptions
+    rough : RoughFace
+        The rough surface that was pressed, in m, what was done to the map, and what is doubtful about it.
     contact : Contact
         In SI units.
     numbers : ContactNumbers
@@ -98,26 +96,24 @@ class Answer:
         The same names → `asperity.continuum` of contact pressure and von Mises stress.
     neighbours : Neighbours or None
         None without the form of a ball or cylinder, and with a free boundary.
-    fields : tuple of str
-        Fields of the stress whose peaks are listed and that are drawn.
-    counter_map : CounterMap or None
-        Map of the upper body, if that is rough too.
     advice : tuple of Advice
         Warnings and notes, warnings first.
     """
 
-    face: TreatedMap
     case: Case
-    map_options: MapOptions
+    rough: RoughFace
     contact: Contact
     numbers: ContactNumbers
     bodies: dict[str, BodyAnswer]
     stresses: dict[str, xr.Dataset]
     limits: dict[str, xr.Dataset]
     neighbours: Neighbours | None = None
-    fields: tuple[str, ...] = ("von_mises",)
-    counter_map: CounterMap | None = None
     advice: tuple[Advice, ...] = ()
+
+    @property
+    def face(self) -> TreatedMap:
+        """The rough surface that was pressed."""
+        return self.rough.face
 
     @property
     def title(self) -> str:
@@ -150,7 +146,7 @@ class Answer:
             table = pd.DataFrame({name.removeprefix("peak_"): stress[name].values for name in names})
             table = table.rename(columns=PEAK_COLUMNS)
             own = self.face.is_on_map(table["y_m"].to_numpy(), table["x_m"].to_numpy())
-            table = table[own & table["quantity"].isin(("pressure", *self.fields))].copy()
+            table = table[own & table["quantity"].isin(("pressure", *self.case.fields))].copy()
             table["y_m"], table["x_m"] = self.face.on_map(table["y_m"], table["x_m"])
             tables.append(table.assign(body=body, size=table["value_Pa"].abs()))
         found = pd.concat(tables, ignore_index=True)
@@ -263,8 +259,7 @@ def _with_estimate(row: Row, limits: xr.Dataset) -> Row:
     factor, symbol = (1.0, "") if row.unit == "1" else scaled_unit(estimate, row.unit)
     if row.name == "real contact":
         factor, symbol = 0.01, "%"
-    decimals = max(0, 1 - math.floor(math.log10(error / factor)))
-    shown = f"{estimate / factor:.{decimals}f} ± {error / factor:.{decimals}f} {symbol}".strip()
+    shown = f"{with_error(estimate / factor, error / factor)} {symbol}".strip()
     return row._replace(shown=f"{row.shown}; {shown} for vanishing pixels", estimate=estimate, error=error)
 
 

@@ -1,28 +1,47 @@
-"""The question that `asperity.engineering.run` answers: map, bodies and load, in SI units."""
+"""The question that `asperity.engineering.run` answers: map, bodies, load and outputs, in SI units."""
 
 from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
-from pathlib import Path
+from dataclasses import dataclass, fields
 from typing import Any
 
-from asperity.core.arguments import choice, magnitude, number
-from asperity.core.errors import one_line, shown
+from asperity.core.arguments import choice, choices, magnitude, number
+from asperity.core.errors import shown
+from asperity.core.units import DIMENSIONS, shown_si, to_si
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.loaded_solid import traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
+from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.stream import shear_traction
-from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapOptions
-from asperity.surface.treatment.face_to_face import face_to_face
-from asperity.surface.treatment.treatment import TreatedMap, treat_map, usable_map
+from asperity.surface.reading.height_map import HeightMap, MapOptions
 
 CONTROL_UNITS = {"mean_pressure": "Pa", "force": "N", "approach": "m", "area_fraction": "1"}
 """Quantity of which one is imposed → its unit."""
 
-LONGEST_NAME = 60
-"""Characters of the name of a map that titles show at most."""
+LOADS = {
+    "pressure": ("mean_pressure", "pressure"),
+    "force": ("force", "force"),
+    "approach": ("approach", "length"),
+    "area_fraction": ("area_fraction", ""),
+}
+"""Setting → quantity that it imposes, and its dimension."""
+
+BODY = {
+    "young": ("young", "pressure"),
+    "poisson": ("poisson", ""),
+    "yield": ("yield_stress", "pressure"),
+    "layer_height": ("height", "length"),
+    "bottom": ("bottom", ""),
+}
+"""Setting → field of `Body`, and its dimension; settings of the upper body begin with ``counter_``."""
+
+LENGTHS = dict.fromkeys(("physical_size", "wavelength_short", "radius"), "length")
+"""Fields of `MapOptions` that are lengths."""
+
+Source = str | os.PathLike[str] | HeightMap
+"""File of a map, or a map in metres."""
 
 
 @dataclass(frozen=True)
@@ -44,8 +63,8 @@ class Body:
 
     Examples
     --------
-    >>> steel = Body(young=210e9, poisson=0.3, yield_stress=1.5e9)  # Pa
-    >>> coating = Body(young=2e9, poisson=0.4, height=5e-6)  # 5 µm on a rigid base
+    >>> steel = asp.Body(young=210e9, poisson=0.3, yield_stress=1.5e9)  # Pa
+    >>> coating = asp.Body(young=2e9, poisson=0.4, height=5e-6)  # 5 µm on a rigid base
     >>> coating.layer.height
     5e-06
     """
@@ -100,11 +119,36 @@ class Load:
 
 
 @dataclass(frozen=True)
-class Case:
-    """Bodies and load.
+class CounterMap:
+    """A map of the upper body, and how it is laid on that of the lower one.
 
     Parameters
     ----------
+    source : path or HeightMap
+        File of a map, or a map in metres, with its peaks upward as measured.
+    options : MapOptions, optional
+        What is known of the file, and how trend, spikes and points without data are treated; by default as
+        for the other map.
+    turned_about : "y" or "x"
+        Axis about which the map is turned over, to face down.
+    shift : (y, x)
+        Position in m of the middle of this map over that of the other one.
+    """
+
+    source: Source
+    options: MapOptions | None = None
+    turned_about: str = "y"
+    shift: tuple[float, float] = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Case:
+    """Map, bodies, load and outputs: all that an answer depends on.
+
+    Parameters
+    ----------
+    source : path or HeightMap
+        File of the map of the lower body, or a map in metres.
     lower : Body
     upper : Body or None
         None: rigid. Which of the bodies is rough does not matter as long as the slopes are small.
@@ -115,19 +159,94 @@ class Case:
     sliding_direction : "x", "y" or float
         Direction in which the upper body moves over the lower one, that of the traction on the lower body; a
         number is an angle in degrees from x towards y.
+    options : MapOptions
+        By default points without data are filled, and a map that does not call itself periodic is mirrored.
+        With ``periodic="none"`` nothing surrounds the map.
+    counter_map : CounterMap or None
+    fields : names
+        Fields of `asperity.stress_planes` whose peaks are listed and that are drawn.
+
+    Examples
+    --------
+    >>> settings = {"map": "steel.x3p", "young": "210 GPa", "poisson": 0.3, "pressure": "50 MPa"}
+    >>> case = asp.engineering.Case.of(settings)
+    >>> case.load.value, case.settings() == settings
+    (50000000.0, True)
     """
 
+    source: Source
     lower: Body
     upper: Body | None
     load: Load
     friction: float = 0.0
     sliding_direction: str | float = "x"
+    options: MapOptions = MapOptions()  # noqa: RUF009  is immutable
+    counter_map: CounterMap | None = None
+    fields: tuple[str, ...] = ("von_mises",)
 
     def __post_init__(self) -> None:
         for name, body in (("lower", self.lower), ("upper", self.upper or self.lower)):
             if not isinstance(body, Body):
                 raise TypeError(f"{name} = {shown(body)}: a Body is needed")
             shear_traction(self.friction, self.sliding_direction, body.layer)
+        object.__setattr__(self, "fields", choices("fields", self.fields, FIELDS))
+
+    @classmethod
+    def of(cls, settings: Mapping[str, Any]) -> Case:
+        """The case from the settings of ``asperity run``, quantities as texts with their units."""
+
+        def si(name: str, dimension: str) -> Any:
+            value = settings[name]
+            return to_si(value, dimension, name) if dimension else value
+
+        def body(prefix: str) -> Body:
+            known = {prefix + name: entry for name, entry in BODY.items() if prefix + name in settings}
+            return Body(**{field: si(name, dimension) for name, (field, dimension) in known.items()})
+
+        loads = {LOADS[name][0]: si(name, LOADS[name][1]) for name in LOADS if name in settings}
+        direction = settings.get("sliding_direction", "x")
+        return cls(
+            settings["map"],
+            body(""),
+            body("counter_") if "counter_young" in settings else None,
+            Load.chosen(loads),
+            settings.get("friction", 0.0),
+            direction if direction in ("x", "y") else float(direction),
+            options_of(settings),
+            counter_map_of(settings),
+            tuple(settings.get("fields", ("von_mises",))),
+        )
+
+    def settings(self) -> dict[str, Any]:
+        """The settings from which `of` makes the case, those left out that have their default."""
+        found: dict[str, Any] = {"map": _name_of(self.source)}
+
+        def add(name: str, value: Any, default: Any = None, dimension: str = "") -> None:
+            if value != default:
+                found[name] = _plain(value, dimension)
+
+        for prefix, body in (("", self.lower), ("counter_", self.upper)):
+            for name, (field, dimension) in BODY.items() if body else ():
+                add(prefix + name, getattr(body, field), "bonded" if name == "bottom" else None, dimension)
+        for name, (kind, dimension) in LOADS.items():
+            add(name, self.load.value if kind == self.load.kind else None, dimension=dimension)
+        add("friction", self.friction, 0.0)
+        direction = self.sliding_direction
+        add("sliding_direction", direction if isinstance(direction, str) else f"{direction:.15g}", "x")
+        for entry in fields(MapOptions):
+            value, dimension = getattr(self.options, entry.name), LENGTHS.get(entry.name, "")
+            if (entry.name, value) == ("periodic", "none"):
+                add("boundary", "free")
+            elif entry.name == "channel" and value is not None:
+                add("channel", str(value))
+            elif entry.name != "undefined":
+                add(entry.name, value, entry.default, dimension)
+        if counter := self.counter_map:
+            add("counter_map", _name_of(counter.source))
+            add("counter_turned_about", counter.turned_about, "y")
+            add("counter_shift", tuple(counter.shift), (0.0, 0.0), "length")
+        add("fields", self.fields, ("von_mises",))
+        return found
 
     def sliding_of(self, body: str) -> dict[str, Any]:
         """Friction and direction of the traction on a body, as arguments of `asperity.stress_planes`."""
@@ -147,88 +266,29 @@ class Case:
         return self.lower.layer if self.upper is None else TwoBodies(self.lower.layer, self.upper.layer)
 
 
-@dataclass(frozen=True)
-class CounterMap:
-    """A map of the upper body, and how it is laid on that of the lower one.
-
-    Parameters
-    ----------
-    source : path or HeightMap
-        File of a map, or a map in metres, with its peaks upward as measured.
-    options : MapOptions, optional
-        What is known of the file, and how trend, spikes and points without data are treated; by default as
-        for the other map.
-    turned_about : "y" or "x"
-        Axis about which the map is turned over, to face down.
-    shift : (y, x)
-        Position in m of the middle of this map over that of the other one.
-    """
-
-    source: str | os.PathLike[str] | HeightMap
-    options: MapOptions | None = None
-    turned_about: str = "y"
-    shift: tuple[float, float] = (0.0, 0.0)
+def options_of(settings: Mapping[str, Any]) -> MapOptions:
+    """What settings of ``asperity run`` say of the map."""
+    given = {field.name: settings[field.name] for field in fields(MapOptions) if field.name in settings}
+    return MapOptions(**given | ({"periodic": "none"} if settings.get("boundary") == "free" else {}))
 
 
-def read_face(
-    source: str | os.PathLike[str] | HeightMap, options: MapOptions, counter: CounterMap | None = None
-) -> TreatedMap:
-    """Read a map and prepare it, with the map of the counter body if that is rough too.
-
-    Parameters
-    ----------
-    source : path or HeightMap
-        A height map is in metres.
-    options : MapOptions
-    counter : CounterMap, optional
-
-    Raises
-    ------
-    MapError, TypeError, ValueError
-        If a map cannot be read, has no unit, or needs an option that is not given, or if the two do not go
-        together.
-    """
-    name, surface = _read(source, options)
-    if counter is None:
-        return replace(treat_map(surface, _completed(options, surface)), name=name)
-    own = counter.options or options
-    counter_name, counter_surface = _read(counter.source, own)
-    face, filled, done = _levelled(surface, options)
-    counter_face, counter_filled, counter_done = _levelled(counter_surface, own)
-    pair = face_to_face(face, counter_face, counter.turned_about, counter.shift)
-    treated = treat_map(pair.map, replace(_completed(options, pair.map), despike=None))
-    record = replace(treated.treatment, filled_fraction=filled + counter_filled)
-    lines = [
-        *(f"map: {line}" for line in done),
-        *(f"counter map: {line}" for line in counter_done),
-        *pair.done,
-        *(line for line in treated.done[1:] if not (pair.whole and line.startswith("levelled"))),
-    ]
-    return replace(treated, name=f"{name} on {counter_name}", treatment=record, done=tuple(lines))
+def counter_map_of(settings: Mapping[str, Any]) -> CounterMap | None:
+    """The map of the upper body in settings of ``asperity run``."""
+    if "counter_map" not in settings:
+        return None
+    y, x = (to_si(text, "length", "counter_shift") for text in settings.get("counter_shift", ("0 m", "0 m")))
+    about = settings.get("counter_turned_about", "y")
+    return CounterMap(settings["counter_map"], turned_about=about, shift=(y, x))
 
 
-def _completed(options: MapOptions, surface: HeightMap | None = None) -> MapOptions:
-    """The options, by default with points filled and a map mirrored that does not call itself periodic."""
-    periodic = options.periodic or (None if surface and surface.periodic else "mirrored")
-    return replace(options, periodic=periodic, undefined="harmonic")
+def _name_of(source: Source) -> str:
+    return source.name or "map" if isinstance(source, HeightMap) else os.fspath(source)
 
 
-def _read(source: str | os.PathLike[str] | HeightMap, options: MapOptions) -> tuple[str, HeightMap]:
-    """Name and heights of a map that has all that its treatment needs."""
-    if isinstance(source, HeightMap):
-        name, surface = source.name or "map", replace(source, unit=source.unit or "m")
-    else:
-        name, surface = Path(source).stem, usable_map(source, _completed(options))
-    name = one_line(name)
-    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 3]}...", surface
-
-
-def _levelled(surface: HeightMap, options: MapOptions) -> tuple[HeightMap, float, list[str]]:
-    """A map without spikes, missing points and trend; the share that was filled, and what was done."""
-    bounded = replace(
-        _completed(options, surface), periodic="none", wavelength_short=None, points=None, radius=None
-    )
-    treated = treat_map(surface, bounded)
-    height = -treated.height if surface.orientation == PEAKS_UP else treated.height
-    done = [line for line in treated.done[1:] if not line.startswith("not made periodic")]
-    return replace(surface, height=height), treated.treatment.filled_fraction, done
+def _plain(value: Any, dimension: str) -> Any:
+    """A value for a YAML file: a quantity as text with its unit, a tuple as a list."""
+    if isinstance(value, (tuple, list)):
+        return [_plain(item, dimension) for item in value]
+    if not dimension or isinstance(value, str):
+        return value
+    return shown_si(value, DIMENSIONS[dimension].unit, 15)

@@ -14,16 +14,18 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 import xarray as xr
+import yaml
 
 from asperity.core.errors import DatasetError
 from asperity.core.units import shown_si
 from asperity.engineering.answer import Answer, body_title
+from asperity.engineering.case import Case
 from asperity.engineering.report import Picture, report_page
 from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.results.variables import SI_UNITS
-from asperity.surface.reading.height_map import HeightMap, MapOptions
+from asperity.surface.reading.height_map import HeightMap
 from asperity.surface.roughness import surface_dataset
 from asperity.views.maps import plot_height, plot_pressure
 from asperity.views.peak_plot import plot_peaks
@@ -41,7 +43,15 @@ UNFINISHED = ".unfinished-"
 COMPLETE = ".complete"
 """Name of that folder once all its files are written, which then replace those of an earlier answer."""
 
-ALWAYS_WRITTEN = ("surface.nc", "contact.nc", "peaks.csv", "answer.csv", "height.png", "report.html")
+ALWAYS_WRITTEN = (
+    "case.yaml",
+    "surface.nc",
+    "contact.nc",
+    "peaks.csv",
+    "answer.csv",
+    "height.png",
+    "report.html",
+)
 
 
 def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
@@ -75,9 +85,9 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
     >>> import tempfile
     >>> height = asp.self_affine((32, 32), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
     >>> surface = asp.HeightMap(height, (2e-4, 2e-4), periodic=True, unit="m", name="ground")
-    >>> answer = run(surface, Body(young=210e9, poisson=0.3), mean_pressure=50e6)
+    >>> answer = asp.run(surface, asp.Body(young=210e9, poisson=0.3), mean_pressure=50e6)
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     names = {path.name for path in write_answer(answer, f"{folder}/ground")}
+    ...     names = {path.name for path in asp.write_answer(answer, f"{folder}/ground")}
     >>> names >= {"report.html", "answer.csv", "peaks.csv", "contact.nc"}
     True
     """
@@ -89,6 +99,8 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
         _move_complete(folder)
         with _replacing(folder, kept=set()) as unfinished:
             _write_results(answer, unfinished)
+            if not isinstance(answer.case.source, HeightMap):
+                write_text(unfinished / "case.yaml", case_text(answer.case, folder))
         results = _names(folder)
         try:
             with _replacing(folder, kept=results) as unfinished:
@@ -196,35 +208,41 @@ def _of(answer: Answer, body: str) -> str:
 
 
 def settings_of(answer: Answer) -> dict[str, Any]:
-    """Settings from which the answer can be made again, in SI units."""
-    case, counter = answer.case, answer.counter_map
-    settings = {
+    """Settings from which the answer can be made again, and the solids as results describe them."""
+    case = answer.case
+    solids = {
         "name": answer.face.name,
-        "map": _given(answer.map_options),
-        "counter_map": None,
         "layer": {"height": case.lower.height, "poisson": case.lower.poisson},
-        "lower": asdict(case.lower),
         "upper": None if case.upper is None else asdict(case.upper),
-        "load": {case.load.kind: case.load.value},
         "friction": case.friction,
         "sliding_direction": case.sliding_direction,
-        "fields": list(answer.fields),
     }
-    if counter is not None:
-        source = counter.source
-        settings["counter_map"] = {
-            "source": source.name if isinstance(source, HeightMap) else os.fspath(source),
-            "options": None if counter.options is None else _given(counter.options),
-            "turned_about": counter.turned_about,
-            "shift": list(counter.shift),
-        }
-    return settings
+    return case.settings() | solids
 
 
-def _given(options: MapOptions) -> dict[str, Any]:
-    """Options of a map that are given, as plain values."""
-    given = {name: value for name, value in vars(options).items() if value is not None}
-    return {name: list(value) if isinstance(value, tuple) else value for name, value in given.items()}
+def save_case(case: Case, path: Path, out: Path | None = None) -> None:
+    """Write a case as the YAML file that ``asperity run`` takes in place of a map.
+
+    Names of files in it are relative to its folder, or absolute as they were given.
+
+    Parameters
+    ----------
+    case : Case
+        With a map from a file.
+    path : Path
+    out : Path, optional
+        Folder of the answer.
+    """
+    write_text(path, case_text(case, path.parent, out))
+
+
+def case_text(case: Case, folder: Path, out: Path | None = None) -> str:
+    """The content of a case file in a folder; see `save_case`."""
+    settings = case.settings() | ({} if out is None else {"out": os.fspath(out)})
+    for name in {"map", "counter_map", "out"} & settings.keys():
+        if not os.path.isabs(settings[name]):
+            settings[name] = Path(os.path.relpath(settings[name], folder)).as_posix()
+    return yaml.safe_dump(settings, sort_keys=False, allow_unicode=True)
 
 
 def surface_of(answer: Answer) -> xr.Dataset:
@@ -292,7 +310,7 @@ def pictures(answer: Answer) -> Iterator[Picture]:
     )
     yield Picture("pressure", "Contact pressure.", plot_pressure(contact, y=y, x=x))
     images = ", with those of the mirror images of the map" if face.is_mirrored else ""
-    for body, field in ((body, field) for body in answer.bodies for field in answer.fields):
+    for body, field in ((body, field) for body in answer.bodies for field in answer.case.fields):
         found, title = answer.bodies[body].largest[field], body_title(answer.case, body)
         suffix = ("" if field == "von_mises" else f"_{field}") + _of(answer, body)
         word = field_words(field)

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from asperity.contact import Contact, solve
-from asperity.core.arguments import choices, require_finite
+from asperity.core.arguments import require_finite
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.engineering.advice import advise
@@ -20,9 +20,9 @@ from asperity.engineering.answer_numbers import (
     contact_span,
 )
 from asperity.engineering.body_stress import stress_in
-from asperity.engineering.case import Body, Case, CounterMap, Load, read_face
+from asperity.engineering.case import Body, Case, CounterMap, Load
 from asperity.engineering.continuum import continuum
-from asperity.stress.planes.fields import FIELDS
+from asperity.engineering.face import RoughFace, read_face
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -31,7 +31,7 @@ LIMITED = ("pressure", "von_mises")
 
 
 def run(
-    source: str | os.PathLike[str] | HeightMap | TreatedMap,
+    source: str | os.PathLike[str] | HeightMap,
     lower: Body,
     upper: Body | None = None,
     *,
@@ -53,8 +53,8 @@ def run(
 
     Parameters
     ----------
-    source : path, HeightMap or TreatedMap
-        File of a map, a map in metres, or what `asperity.engineering.case.read_face` has made of one.
+    source : path or HeightMap
+        File of a map, or a map in metres.
     lower : Body
     upper : Body, optional
         By default the other body is rigid. The map is that of the lower body, but if the other one is flat
@@ -74,7 +74,8 @@ def run(
         see `CounterMap`.
     map_options : MapOptions, optional
         By default points without data are filled, and a map that does not call itself periodic is mirrored.
-        With ``periodic="none"`` nothing surrounds the map.
+        With ``periodic="none"`` nothing surrounds the map. `points` are those of the map, also if it is
+        mirrored.
     fields : names
         Fields of `asperity.stress_planes` whose peaks are listed and that are drawn.
     progress : callable, optional
@@ -97,8 +98,8 @@ def run(
 
     >>> height = asp.self_affine((64, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=2e-4)
     >>> surface = asp.HeightMap(height, (2e-4, 2e-4), periodic=True, unit="m", name="ground")
-    >>> steel = Body(young=210e9, poisson=0.3, yield_stress=1.5e9)
-    >>> answer = run(surface, steel, mean_pressure=50e6)
+    >>> steel = asp.Body(young=210e9, poisson=0.3, yield_stress=1.5e9)
+    >>> answer = asp.run(surface, steel, mean_pressure=50e6)
     >>> print(f"real contact {100 * answer.numbers.area_fraction:.1f} % of the area")
     real contact 5.4 % of the area
     >>> lower = answer.bodies["lower"]
@@ -111,34 +112,59 @@ def run(
         "approach": approach,
         "area_fraction": area_fraction,
     }
-    case = Case(lower, upper, Load.chosen(load), friction, sliding_direction)
-    names = choices("fields", fields, FIELDS)
-    options = map_options or MapOptions()
     counter = counter_map if isinstance(counter_map, CounterMap | None) else CounterMap(counter_map)
-    face = source if isinstance(source, TreatedMap) else read_face(source, options, counter)
+    case = Case(
+        source,
+        lower,
+        upper,
+        Load.chosen(load),
+        friction,
+        sliding_direction,
+        map_options or MapOptions(),
+        counter,
+        tuple(fields),
+    )
+    return answer_of(case, progress=progress)
+
+
+def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | None = None) -> Answer:
+    """The answer of a case.
+
+    Parameters
+    ----------
+    case : Case
+    rough : RoughFace, optional
+        What `read_face` has read for it; by default that is done here.
+    progress : callable, optional
+        Called as progress(done, total).
+
+    Raises
+    ------
+    ValueError, TypeError, ConvergenceError
+        As for `run`.
+    """
+    rough = rough or read_face(case.source, case.options, case.counter_map)
+    face = rough.face
     contact = press(face, case, _part(progress, 0.1, 0.5))
     share = 0.5 / len(case.bodies)
     stresses, limits = {}, {}
     for number, name in enumerate(case.bodies):
         begin, middle, end = (0.5 + share * (number + part) for part in (0, 0.7, 1))
-        stresses[name] = stress_in(contact, case, name, names, _part(progress, begin, middle))
+        stresses[name] = stress_in(contact, case, name, case.fields, _part(progress, begin, middle))
         main = stresses[name].dataset.sel(quantity=list(LIMITED))
         limits[name] = continuum(contact, main, body=name, progress=_part(progress, middle, end))
     neighbours = None
-    if options.radius is not None and face.boundary == "periodic":
+    if case.options.radius is not None and face.boundary == "periodic":
         neighbours = neighbours_of(face, case, contact)
     answer = Answer(
-        face=face,
         case=case,
-        map_options=options,
+        rough=rough,
         contact=contact,
         numbers=contact_numbers(face, contact),
         bodies={name: body_answer(case.bodies[name], stress, face) for name, stress in stresses.items()},
         stresses={name: stress.dataset for name, stress in stresses.items()},
         limits=limits,
         neighbours=neighbours,
-        fields=names,
-        counter_map=counter,
     )
     _require_finite(answer)
     if progress is not None:

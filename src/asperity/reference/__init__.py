@@ -22,3 +22,10 @@ positive. Displacement vectors are (x, y, z) with z up; the displacement of a su
 scalar, is positive downward. Stress components are in the order xx, yy, zz, yz, xz, xy along the last axis.
 Lengths and stresses are in any consistent units: stresses come in the unit of the modulus that is given.
 """
+
+from pkgutil import iter_modules
+
+import lazy_loader
+
+_names = {module.name for module in iter_modules(__path__)}
+__getattr__, __dir__, __all__ = lazy_loader.attach(__name__, _names)

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Mapping, Set
-from dataclasses import fields
+from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from asperity.cli.parser import COMMANDS, arguments, converted, direction, flag
-from asperity.core.errors import ConfigError, InputError, fail, one_line, shown
+from asperity.cli.parser import COMMANDS, arguments, converted, flag
+from asperity.core.errors import ConfigError, InputError, did_you_mean, fail, one_line, shown
 from asperity.core.packages import require
-from asperity.core.units import to_si
 from asperity.study.config.check import needed_instead
 from asperity.study.config.reader import load
 from asperity.study.config.schema import accepted, setting
@@ -28,6 +26,9 @@ KEYS: dict[str, str] = {
 }
 """Name of a setting that is an option → its dotted key."""
 
+PATHS = ("map", "counter_map", "out")
+"""Settings that are names of files, relative to the folder of the case file that gives them."""
+
 _NEEDS = {
     "bottom": "layer_height",
     "counter_young": "counter_poisson",
@@ -42,81 +43,86 @@ _NEEDS = {
 }
 """Setting → the one without which it has no meaning."""
 
-_LOADS = {
-    "pressure": ("mean_pressure", "pressure"),
-    "force": ("force", "force"),
-    "approach": ("approach", "length"),
-    "area_fraction": ("area_fraction", None),
-}
-"""Setting → argument of `asperity.engineering.run` and dimension."""
+_LOADS = ("pressure", "force", "approach", "area_fraction")
+
+
+class Job(NamedTuple):
+    """A case that is accepted: its settings, the face that is pressed, and the folder of the answer."""
+
+    settings: dict[str, Any]
+    rough: Any
+    out: Path
 
 
 def run(options: argparse.Namespace) -> None:
     """Compute the answer, print it, and write results, pictures and report."""
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
-    values, refused = _values(options)
-    problems = [*refused.values(), *_contradictions(options, values, {*values, *refused})]
-    face, of_map = _face(options.map, values, refused.keys())
-    if problems or of_map:
-        sys.exit(max(fail(problem, WRONG_USAGE) for problem in [*problems, *of_map]))
-
+    job = _job(options)
     from asperity.cli.notice import progress_bar
-    from asperity.engineering import run as answer_of
-    from asperity.engineering import write_answer
+    from asperity.engineering import Case, answer_of, save_case, write_answer
 
-    load = next(name for name in _LOADS if name in values)
-    argument, dimension = _LOADS[load]
-    imposed = {argument: values[load] if dimension is None else to_si(values[load], dimension)}
-    with progress_bar(f"run {options.map}") as progress:
-        answer = answer_of(
-            face,
-            _body(values, ""),
-            _body(values, "counter_") if "counter_young" in values else None,
-            friction=values.get("friction", 0.0),
-            sliding_direction=direction(values.get("sliding_direction", "x")),
-            counter_map=_counter_map(values),
-            map_options=_map_options(values),
-            fields=values.get("fields", ("von_mises",)),
-            progress=progress,
-            **imposed,
-        )
+    case = Case.of(job.settings)
+    if options.save:
+        save_case(case, Path(options.save), job.out)
+    with progress_bar(f"run {case.source}") as progress:
+        answer = answer_of(case, job.rough, progress)
     print(answer.text(), end="\n\n", flush=True)
-    files = write_answer(answer, options.out)
-    for kind, suffixes in (("pictures", [".png"]), ("results", [".nc", ".csv"]), ("report", [".html"])):
+    files = write_answer(answer, job.out)
+    kinds = {"pictures": [".png"], "results": [".nc", ".csv", ".yaml"], "report": [".html"]}
+    for kind, suffixes in kinds.items():
         names = " ".join(str(path) for path in files if path.suffix in suffixes)
         print(f"{kind:<10}{one_line(names)}")
 
 
-def _face(path: str, values: Mapping[str, Any], refused: Set[str]) -> tuple[Any, list[str]]:
+def _job(options: argparse.Namespace) -> Job:
+    """The case that options and files describe; ends the process with a line for each problem."""
+    values, refused = _values(options)
+    out = Path(values.pop("out", None) or f"{Path(values.get('map', 'map')).stem}_run")
+    known = {**values, **refused}
+    problems = [*refused.values(), *_contradictions(options, values, known), *_problems_of(out, values)]
+    rough = None
+    if "map" in values:
+        rough, of_map = _face(values, known)
+        problems += of_map
+    if problems:
+        sys.exit(max(fail(problem, WRONG_USAGE) for problem in problems))
+    return Job(values, rough, out)
+
+
+def _face(values: Mapping[str, Any], known: Mapping[str, Any]) -> tuple[Any, list[str]]:
     """The map as it is pressed, or both maps, and what is wrong with it.
 
-    A map that needs an option whose value is `refused` already is not blamed for it again.
+    A map that needs an option whose value is refused already is not blamed for it again.
     """
-    from asperity.engineering.case import read_face
+    from asperity.engineering.case import counter_map_of, options_of
+    from asperity.engineering.face import read_face
     from asperity.surface.reading.height_map import MapError
 
     try:
-        return read_face(path, _map_options(values), _counter_map(values)), []
+        return read_face(values["map"], options_of(values), counter_map_of(values)), []
     except InputError as error:
-        problems = [text for text in error.problems if not text.startswith(tuple(refused))]
+        refused = tuple(known.keys() - values.keys())
+        problems = [text for text in error.problems if not text.startswith(refused)]
         return None, list(MapError(error.source, problems).renamed(flag).lines)
     except ValueError as error:
         return None, [str(error)]
 
 
 def _values(options: argparse.Namespace) -> tuple[dict[str, Any], dict[str, str]]:
-    """Accepted values of all settings by name, and messages on refused ones; an option overrides the file."""
+    """Accepted values of all settings by name, and messages on refused ones.
+
+    An option overrides the file of ``--config``, and that the case file in place of a map.
+    """
     values: dict[str, Any] = {}
-    refused = {}
-    known = setting("engineering")["properties"]
-    for name, value in _configured(options.config).items():
-        key = f"--config {options.config}: engineering.{name}"
-        if name not in known:
-            refused[key] = f"{key}: unknown key; known here are {', '.join(known)}"
-        elif needed := needed_instead(value, known[name]):
-            refused[key] = f"{key} = {shown(value)}: {needed} is needed"
-        else:
-            values[name] = value
+    refused: dict[str, str] = {}
+    is_case = Path(options.map).suffix in (".yaml", ".yml")
+    for path, name in ((options.map if is_case else None, ""), (options.config, "--config ")):
+        if path:
+            _add_file(Path(path), name, values, refused)
+    values |= {} if is_case else {"map": options.map}
+    values |= {} if options.out is None else {"out": options.out}
+    if is_case and "map" not in values:
+        refused["map"] = f"{options.map}: map: missing; the name of a height map is needed"
     for name, key in KEYS.items():
         given, entry = getattr(options, key), setting(key)
         if given is None:
@@ -135,21 +141,32 @@ def _values(options: argparse.Namespace) -> tuple[dict[str, Any], dict[str, str]
     return values, refused
 
 
-def _configured(path: str | None) -> Mapping[str, Any]:
-    """Section ``engineering`` of a configuration."""
+def _add_file(path: Path, option: str, values: dict[str, Any], refused: dict[str, str]) -> None:
+    """Add the settings of a case file, or of section ``engineering`` of a configuration."""
     try:
-        section = load(path).get("engineering", {}) if path else {}
+        content = load(path)
     except ConfigError as error:
-        raise ConfigError(f"--config {error}") from error
+        raise ConfigError(f"{option}{error}") from error
+    section = content.get("engineering", content)
     if not isinstance(section, Mapping):
-        raise ConfigError(f"--config {path}: engineering = {shown(section)}: a group of keys is needed")
-    return section
+        raise ConfigError(f"{option}{path}: engineering = {shown(section)}: a group of keys is needed")
+    for name, value in section.items():
+        key, text = f"{option}{path}: {name}", {"type": "string", "minLength": 1, "accepts": "a file name"}
+        if name not in (*KEYS, *PATHS):
+            near = did_you_mean(str(name), (*KEYS, *PATHS))
+            refused[key] = (
+                f"{key}: unknown key{near or '; those of a case file are the options of asperity run'}"
+            )
+        elif needed := needed_instead(value, text if name in PATHS else setting(KEYS[name])):
+            refused[name] = f"{key} = {shown(value)}: {needed} is needed"
+        else:
+            values[name] = str(path.parent / value) if name in PATHS else value
 
 
-def _contradictions(options: argparse.Namespace, values: Mapping[str, Any], known: Set[str]) -> Iterator[str]:
+def _contradictions(
+    options: argparse.Namespace, values: Mapping[str, Any], known: Mapping[str, Any]
+) -> Iterator[str]:
     """What is missing, or does not go together; `known` are all settings given, also refused ones."""
-    from asperity.engineering.output import folder_problem
-
     for name in ("young", "poisson"):
         if name not in known:
             yield f"{flag(name)}: missing; {accepted(setting(f'engineering.{name}'))} is needed"
@@ -167,50 +184,13 @@ def _contradictions(options: argparse.Namespace, values: Mapping[str, Any], know
     if values.get("boundary") == "free":
         excluded = [name for name in ("periodic", "layer_height", "counter_layer_height") if name in known]
         yield from (f"--boundary free: not accepted together with {flag(name)}" for name in excluded)
-    if options.out is None:
-        yield "--out: missing; the name of a folder is needed"
-    elif problem := folder_problem(options.out):
-        yield f"--out {options.out}: {problem}"
-    else:
-        maps = [Path(path).resolve() for path in (options.map, values.get("counter_map")) if path]
-        if any(path.parent == Path(options.out).resolve() for path in maps):
-            yield f"--out {options.out}: holds the map; another folder is needed"
 
 
-def _body(values: Mapping[str, Any], prefix: str) -> Any:
-    """The body whose settings have names with this prefix."""
-    from asperity.engineering import Body
+def _problems_of(out: Path, values: Mapping[str, Any]) -> Iterator[str]:
+    """Why the answer cannot be written into a folder."""
+    from asperity.engineering.output import folder_problem
 
-    def si(name: str, dimension: str) -> float | None:
-        text = values.get(f"{prefix}{name}")
-        return None if text is None else to_si(text, dimension)
-
-    return Body(
-        to_si(values[f"{prefix}young"], "pressure"),
-        values[f"{prefix}poisson"],
-        si("yield", "pressure"),
-        si("layer_height", "length"),
-        values.get(f"{prefix}bottom", "bonded"),
-    )
-
-
-def _counter_map(values: Mapping[str, Any]) -> Any:
-    from asperity.engineering import CounterMap
-
-    if "counter_map" not in values:
-        return None
-    shift_y, shift_x = (to_si(text, "length") for text in values.get("counter_shift", ("0 m", "0 m")))
-    return CounterMap(
-        values["counter_map"],
-        turned_about=values.get("counter_turned_about", "y"),
-        shift=(shift_y, shift_x),
-    )
-
-
-def _map_options(values: Mapping[str, Any]) -> Any:
-    from asperity.surface.reading.height_map import MapOptions
-
-    given = {field.name: values[field.name] for field in fields(MapOptions) if field.name in values}
-    if values.get("boundary") == "free":
-        given["periodic"] = "none"
-    return MapOptions(**given)
+    if problem := folder_problem(out):
+        yield f"--out {out}: {problem}"
+    elif out.resolve() in [Path(values[name]).resolve().parent for name in PATHS[:2] if name in values]:
+        yield f"--out {out}: holds the map; another folder is needed"

@@ -1,0 +1,116 @@
+"""The rough face that is pressed: a map, or two maps face to face, read, treated and measured."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from asperity.core.errors import one_line
+from asperity.core.types import Array
+from asperity.engineering.case import CounterMap, Source
+from asperity.surface.description import map_warnings, measure_map
+from asperity.surface.reading.height_map import ORIENTATION_NEEDED, PEAKS_UP, HeightMap, MapError, MapOptions
+from asperity.surface.reading.map_file import open_map
+from asperity.surface.treatment.face_to_face import face_to_face
+from asperity.surface.treatment.treatment import TreatedMap, missing_options, treat_map
+
+LONGEST_NAME = 60
+"""Characters of the name of a map that titles show at most."""
+
+ASSUMED = f"orientation: the file does not say which way is up; taken as {PEAKS_UP}, as instruments show them"
+
+
+class RoughFace(NamedTuple):
+    """The rough face that is pressed, and what is doubtful about its map.
+
+    Parameters
+    ----------
+    face : TreatedMap
+    doubts : tuple of str
+        As of `asperity.surface.description.map_warnings`.
+    spikes : (spikes, 2) array
+        Places (y, x) on the map of the spikes that were not removed.
+    """
+
+    face: TreatedMap
+    doubts: tuple[str, ...]
+    spikes: Array
+
+
+def read_face(source: Source, options: MapOptions, counter: CounterMap | None = None) -> RoughFace:
+    """Read a map and prepare it, with the map of the counter body if that is rough too.
+
+    Raises
+    ------
+    MapError, TypeError, ValueError
+        If a map cannot be read, has no unit, or needs an option that is not given, or if the two do not go
+        together.
+    """
+    name, surface, doubts, spikes = _read(source, options)
+    if counter is None:
+        treated = treat_map(surface, _completed(options, surface))
+        return RoughFace(replace(treated, name=name), doubts, spikes)
+    own = counter.options or options
+    counter_name, counter_surface, counter_doubts, _ = _read(counter.source, own)
+    level, filled, done = _levelled(surface, options)
+    counter_level, counter_filled, counter_done = _levelled(counter_surface, own)
+    pair = face_to_face(level, counter_level, counter.turned_about, counter.shift)
+    treated = treat_map(pair.map, replace(_completed(options, pair.map), despike=None))
+    record = replace(treated.treatment, filled_fraction=filled + counter_filled)
+    lines = [
+        *(f"map: {line}" for line in done),
+        *(f"counter map: {line}" for line in counter_done),
+        *pair.done,
+        *(line for line in treated.done[1:] if not (pair.whole and line.startswith("levelled"))),
+    ]
+    face = replace(treated, name=f"{name} on {counter_name}", treatment=record, done=tuple(lines))
+    of_both = *doubts, *(f"{doubt} (counter map)" for doubt in counter_doubts)
+    return RoughFace(face, of_both, spikes[:0])
+
+
+def _read(source: Source, options: MapOptions) -> tuple[str, HeightMap, tuple[str, ...], Array]:
+    """Name and heights of a map that has all that its treatment needs, doubts about it, places of spikes."""
+    if isinstance(source, HeightMap):
+        name, surface = source.name or "map", replace(source, unit=source.unit or "m")
+    else:
+        found = open_map(source, options)
+        problems = missing_options(found, _completed(options))
+        if problems := [text for text in problems if text != ORIENTATION_NEEDED]:
+            raise MapError(os.fspath(source), problems)
+        name, surface = Path(source).stem, found.map
+    measured = measure_map(surface)
+    doubts = map_warnings(surface, options, measured)
+    if surface.orientation is None:
+        surface = replace(surface, orientation=PEAKS_UP)
+        doubts.append(ASSUMED)
+    spikes = np.argwhere(measured.spikes if options.despike is None else np.zeros((0, 0)))
+    name = one_line(name)
+    name = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 3]}..."
+    return name, surface, tuple(doubts), spikes * surface.spacing
+
+
+def _completed(options: MapOptions, surface: HeightMap | None = None) -> MapOptions:
+    """The options, by default with points filled and a map mirrored that does not call itself periodic.
+
+    The points asked for are those of the map, also if it is mirrored.
+    """
+    periodic = options.periodic or (None if surface and surface.periodic else "mirrored")
+    points = options.points
+    if points is not None and periodic == "mirrored":
+        points *= 2
+    return replace(options, periodic=periodic, undefined="harmonic", points=points)
+
+
+def _levelled(surface: HeightMap, options: MapOptions) -> tuple[HeightMap, float, list[str]]:
+    """A map without spikes, missing points and trend; the share that was filled, and what was done."""
+    bounded = replace(
+        _completed(options, surface), periodic="none", wavelength_short=None, points=None, radius=None
+    )
+    treated = treat_map(surface, bounded)
+    height = -treated.height if surface.orientation == PEAKS_UP else treated.height
+    done = [line for line in treated.done[1:] if not line.startswith("not made periodic")]
+    return replace(surface, height=height), treated.treatment.filled_fraction, done
