@@ -67,13 +67,6 @@ def test_sphere_between_steel_and_aluminium():
         assert depths[values.argmax()] == pytest.approx(expected.depth, abs=0.005 * radius)
 
 
-def test_surface_carries_the_pressure_and_the_traction():
-    solid = ellipse(0.2, 0.1, (30, 41), (0.5, 1.0))
-    plane = next(asp.stress_planes(solid, [0.0], None, COMPONENTS, friction=0.3, sliding_direction="y"))
-    for name, share in (("zz", -1), ("yz", 0.3), ("xz", 0)):
-        np.testing.assert_allclose(plane.fields[name][0], share * solid.pressure, atol=1e-12)
-
-
 def test_exchanged_axes_exchange_the_stress():
     solid = ellipse(0.3, 0.1, (32, 40), (0.5, 1.0))
     solid.pressure[:20] *= 0.3

@@ -9,7 +9,6 @@ from samples import HALF_SPACE, spots
 import asperity as asp
 from asperity.elasticity.layer import COMPONENTS
 from asperity.reference.state_space import StateSpace
-from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.truncation import envelope_of
 
 HALVES = [(nu, None) for nu in (-0.4, 0.3, 0.5)]
@@ -46,15 +45,15 @@ def test_mean_shear_stress_is_the_mean_traction(layer):
         assert plane.fields["yz"].mean() == pytest.approx(0, abs=1e-12)
 
 
-@pytest.mark.parametrize("shape", [(20, 24), (21, 27)])
-@pytest.mark.parametrize("degrees", [0.0, 33.0])
-def test_surface_carries_the_pressure_and_the_traction(shape, degrees):
-    solid = spots(shape, (1.0, 1.4))
+@pytest.mark.parametrize("boundary", ["periodic", "free"])
+@pytest.mark.parametrize(("shape", "degrees"), [((20, 24), 0.0), ((21, 27), 33.0), ((30, 41), 90.0)])
+def test_surface_carries_the_pressure_and_the_traction(shape, degrees, boundary):
+    solid = spots(shape, (1.0, 1.4), boundary=boundary)
     settings = {"tolerance": 0, "friction": 0.4, "sliding_direction": degrees}
     plane = next(asp.stress_planes(solid, [0.0], None, ("zz", "xz", "yz"), **settings))
     shares = {"zz": -1, "xz": 0.4 * np.cos(np.radians(degrees)), "yz": 0.4 * np.sin(np.radians(degrees))}
     for name, share in shares.items():
-        np.testing.assert_allclose(plane.fields[name][0], share * solid.pressure, atol=1e-13)
+        np.testing.assert_allclose(plane.fields[name][0], share * solid.pressure, atol=1e-12)
 
 
 @pytest.mark.parametrize("boundary", ["periodic", "free"])
@@ -77,24 +76,6 @@ def test_memory_grows_with_neither_planes_nor_ratios(boundary):
     one = largest(4, few)
     assert largest(12, few) < 1.2 * one
     assert largest(4, many) - one < 2 * 2 * 8 * 8 * solid.pressure.size
-
-
-@pytest.mark.parametrize(("poisson", "friction"), [(-0.95, 0.0), (-0.95, 0.3), (0.3, 2.0), (0.5, 0.3)])
-def test_coarse_planes_are_within_their_bound(poisson, friction):
-    """At the nodes that both grids have, for every field; rounding in single precision."""
-    solid = spots((120, 120), layer=asp.Layer(1.0, poisson))
-    settings = {"fields": FIELDS, "friction": friction, "sliding_direction": 20.0}
-    share, depths = [], [0.01, 0.04, 0.15, 0.4]
-    coarse, fine = (asp.stress_planes(solid, depths, tolerance=t, **settings) for t in (1e-3, 0))
-    for plane, full in zip(coarse, fine, strict=True):
-        step = solid.grid.shape[0] // plane.grid.shape[0]
-        share.append(plane.grid.size / solid.grid.size)
-        if step * plane.grid.shape[0] != solid.grid.shape[0]:
-            continue  # the nodes of this plane are not all nodes of the full grid
-        for name in FIELDS:
-            error = np.abs(plane.fields[name] - full.fields[name][:, ::step, ::step]).max()
-            assert error <= plane.bound + 1e-6 * np.abs(full.fields["zz"]).max()
-    assert share[-1] < 0.1
 
 
 def largest_of_every_field(poisson, friction, height=None):

@@ -203,12 +203,3 @@ def _stop(running: Cluster, daemons: list[subprocess.Popen[bytes]]) -> None:
             daemon.wait()
     for directory, _, _ in os.walk(CGROUPS / "slurm_asperity", topdown=False):
         Path(directory).rmdir()
-
-
-if __name__ == "__main__":
-    with cluster(*map(int, sys.argv[1:])) as shown:
-        print(f"export PATH={shown.environment['PATH']}\nexport SLURM_CONF={shown.environment['SLURM_CONF']}")
-        print("A shell with these has the cluster, until this ends (Ctrl-C).", flush=True)
-        with contextlib.suppress(KeyboardInterrupt):
-            while True:
-                time.sleep(3600)
