@@ -26,7 +26,7 @@ def test_bound_of_the_half_space_is_tight(bottom, poisson):
         assert chosen.bound == max(chosen.stress_bound, chosen.compliance_bound)
         if reach > 3:
             assert chosen.stress_bound < 2 * stress
-            assert chosen.compliance_bound < 1.5 * compliance
+            assert chosen.compliance_bound < (1.01 if bottom == "frictionless" else 1.25) * compliance
 
 
 @pytest.mark.parametrize("bottom", ["bonded", "frictionless"])
