@@ -61,7 +61,7 @@ def test_memory_is_that_of_the_largest_job_against_the_limit_or_the_machine(monk
 def test_a_control_group_limits_the_memory(monkeypatch, tmp_path):
     machine = system.available_memory()
     path = tmp_path / "memory.max"
-    monkeypatch.setattr(system, "_GROUP_LIMITS", (str(path),))
+    monkeypatch.setattr(system, "GROUP_LIMITS", (str(path),))
     path.write_text("max\n")
     assert system.available_memory() >= machine
     path.write_text(f"{2**20}\n")

@@ -11,23 +11,12 @@ import pytest
 from asperity.core import system
 
 
-@pytest.fixture
-def without_proc(monkeypatch, tmp_path):
-    """A system without the files of Linux."""
-    for name in ("_STATUS", "_RESET"):
-        monkeypatch.setattr(system, name, tmp_path / "none")
-    monkeypatch.setattr(system, "_GROUP_LIMITS", (str(tmp_path / "none"),))
-
-
-def usage(own, programs):
-    """Module `resource` of a system that tells these peaks of this process and of its programs."""
-    told = {"own": SimpleNamespace(ru_maxrss=own), "programs": SimpleNamespace(ru_maxrss=programs)}
-    return SimpleNamespace(RUSAGE_SELF="own", RUSAGE_CHILDREN="programs", getrusage=told.get)
-
-
 @pytest.mark.parametrize(("platform", "unit"), [("linux", 1024), ("darwin", 1)])
-def test_peak_memory_has_the_unit_of_the_system(monkeypatch, without_proc, platform, unit):
-    monkeypatch.setattr(system, "resource", usage(5_000_000, 6_000_000))
+def test_peak_memory_has_the_unit_of_the_system(monkeypatch, tmp_path, platform, unit):
+    """Without the files of Linux, as module `resource` says it."""
+    told = SimpleNamespace(RUSAGE_SELF="own", getrusage={"own": SimpleNamespace(ru_maxrss=5_000_000)}.get)
+    monkeypatch.setattr(system, "STATUS", tmp_path / "none")
+    monkeypatch.setattr(system, "resource", told)
     monkeypatch.setattr(sys, "platform", platform)
     assert system.peak_memory() == 5 * unit
 

@@ -15,13 +15,13 @@ try:
 except ImportError:  # Windows
     resource = None  # type: ignore[assignment]
 
-_GROUP_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
+GROUP_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 """Files with the memory limit of a control group (versions 2 and 1), also that of a container."""
 
-_STATUS = Path("/proc/self/status")
+STATUS = Path("/proc/self/status")
 """File in which Linux tells, as VmHWM, the peak of the resident memory of this process."""
 
-_RESET = Path("/proc/self/clear_refs")
+RESET = Path("/proc/self/clear_refs")
 """File to which "5" is written to reset that peak."""
 
 
@@ -36,7 +36,7 @@ def available_memory() -> float:
     """Memory that this process may use, in MB: that of the machine or of its control group, if less."""
     import psutil
 
-    limits = [path.read_text(encoding="ascii").strip() for path in map(Path, _GROUP_LIMITS) if path.is_file()]
+    limits = [path.read_text(encoding="ascii").strip() for path in map(Path, GROUP_LIMITS) if path.is_file()]
     machine = psutil.virtual_memory().total
     return min([machine, *(float(limit) for limit in limits if limit.isdigit())]) / 1e6
 
@@ -47,8 +47,8 @@ def peak_memory() -> float:
     `getrusage` also counts the process from which this one was forked, before it started its own program:
     the file of Linux is better.
     """
-    if _STATUS.is_file():
-        lines = dict(line.split(":", 1) for line in _STATUS.read_text(encoding="utf-8").splitlines())
+    if STATUS.is_file():
+        lines = dict(line.split(":", 1) for line in STATUS.read_text(encoding="utf-8").splitlines())
         return 1024 * int(lines["VmHWM"].split()[0]) / 1e6
     if resource is not None:
         unit = 1 if sys.platform == "darwin" else 1024
@@ -60,5 +60,5 @@ def peak_memory() -> float:
 
 def reset_peak_memory() -> None:
     """Forget the peak of the resident memory so far; only Linux can, elsewhere it is that since the start."""
-    if _RESET.exists():
-        _RESET.write_text("5", encoding="ascii")
+    if RESET.exists():
+        RESET.write_text("5", encoding="ascii")
