@@ -91,6 +91,9 @@ def test_fields_of_the_solution_are_consistent(method):
     assert 0 < contact.gradient_rms_contact < 2 * asp.roughness_parameters(height).rms_gradient
     assert min(contact.certificate.pairs, contact.certificate.iterations) > 0
     assert repr(contact).startswith("<Contact of 64 × 64 nodes: area fraction 0.")
+    written = contact.to_dataset().attrs
+    assert written["certificate_pairs"] == contact.certificate.pairs
+    assert "certificate_seconds" not in written  # files are the same in every run
 
 
 @pytest.mark.parametrize(("solid", "boundary"), [(SLAB, "periodic"), (HALF_SPACE, "free")])
@@ -269,9 +272,10 @@ def test_balanced_start_on_one_of_two_spheres_is_no_solution():
     """Nothing is wrong with its contact nodes: only the other sphere penetrates."""
     y, x = centred(asp.Grid((64, 64)))
     one, other = ((x - place) ** 2 + y**2 for place in (-0.25, 0.25))
-    start = solve(one, HALF_SPACE, mean_pressure=1e-3)
-    both = [solve(np.minimum(one, other), HALF_SPACE, mean_pressure=1e-3, initial=s) for s in (start, None)]
-    assert difference(both[0].pressure, both[1].pressure) < 2e-6
+    start = solve(one, HALF_SPACE, mean_pressure=1e-3, rtol=1e-10)
+    settings = {"mean_pressure": 1e-3, "dtype": "float32", "rtol": 1e-4}
+    cold, warm = (solve(np.minimum(one, other), HALF_SPACE, **settings, initial=s) for s in (None, start))
+    assert difference(warm.pressure, cold.pressure) < 2e-4
 
 
 # Two bodies

@@ -91,7 +91,6 @@ def test_file_of_a_contact_gives_the_same_section(solid, tmp_path):
     found = asp.read_result(tmp_path / "contact.nc")
     np.testing.assert_array_equal(found["pressure"], contact.pressure)
     assert found["pressure"].attrs["units"] == "Pa"
-    assert found.attrs["certificate_penetration"] == contact.certificate.penetration
     body, layer = contact.in_body("lower"), asp.LoadedSolid.from_dataset(found).layer
     for name in ("poisson", "height", "bottom", "lateral"):
         assert getattr(layer, name) == getattr(body.layer, name)
