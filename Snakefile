@@ -51,8 +51,7 @@ rule all:
         # Results that are lost are made again, also those that only others are made from.
         STAGE_RESULTS,
         rules.figures.input,
-        rules.validation_table.output if VALIDATIONS else [],
-        rules.verified.input,
+        rules.validation.output if config["validation"] else [],
         rules.claims.output if config["claims"] else [],
         expand(rules.tradeoff.output, extent=["reduced"] if "reduced" in config["tradeoff"] else []),
 

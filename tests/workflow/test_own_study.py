@@ -57,7 +57,6 @@ def test_two_surfaces_and_four_seeds_make_their_own_jobs_alone(project):
         "contact": 8,
         "stress": 8,
         "statistics": 2,
-        "verification": 2,
         "figure": len(expected),
         "all": 1,
     }
@@ -88,7 +87,7 @@ def test_validation_and_tradeoff_are_made_as_far_as_they_are_asked_for(project):
     }
     found = jobs(project, *config_in(project, "some.yaml", config))
     made = {output.removeprefix("results/some/") for _, output, _ in found}
-    assert {"validation/punch.nc", "validation/table.md", "figures/fig12.png"} <= made
+    assert {"validation/punch.nc", "figures/fig12.png"} <= made
     assert {output for output in made if output.startswith("tradeoff")} == {"tradeoff/reduced/runs.nc"}
     assert not [output for output in made if output.startswith("claims") or "fig01" in output]
 

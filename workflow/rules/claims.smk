@@ -23,7 +23,6 @@ rule claims:
         statistics=[f"{RESULTS}/statistics/{surface}.nc" for surface in CLAIMED],
         validation=[f"{RESULTS}/validation/{name}.nc" for name in DATASETS if name in config["validation"]],
         others=[file for files in OTHERS.values() for file in files],
-        style=STYLE,
     output:
         table=f"{RESULTS}/claims.csv",
         interpretations=f"{RESULTS}/interpretations.csv",
@@ -44,7 +43,7 @@ rule claims:
     resources:
         **needs("claims"),
     params:
-        code=code("claims"),
+        code=DRAWING,
         roles=ROLES_OF_DELTA,
         resolutions=RESOLUTIONS,
         others=OTHERS,

@@ -4,7 +4,6 @@ from dataclasses import asdict
 rule figure:
     input:
         results=lambda wildcards: leaves(figure_results(wildcards.figure)),
-        style=STYLE,
     output:
         png=report(
             f"{RESULTS}/figures/{{figure}}.png",
@@ -23,7 +22,7 @@ rule figure:
     resources:
         **needs("figure"),
     params:
-        code=lambda wildcards: code("figure", f"asperity.paper.figures.{FIGURES[wildcards.figure].module}"),
+        code=DRAWING,
         figure=lambda wildcards: asdict(FIGURES[wildcards.figure]),
         labels=surface_labels,
         results=lambda wildcards: figure_results(wildcards.figure),

@@ -44,21 +44,25 @@ def other_stresses_of_seeds(wildcards):
     ]
 
 
-STAGE_RESULTS = [
-    f"{RESULTS}/{stage}/{surface}/seed{seed}.nc"
-    for surface in sorted(STUDIED | CONTINUUM)
-    for seed in seeds_of(surface)
-    for stage in (
-        "surface",
-        "contact",
-        "stress",
-        *(f"interpretations/{name}/stress" for name in OTHER_LATERALS),
-    )
-] + [
-    f"{RESULTS}/{stage}/{surface}.nc"
-    for surface in sorted(STUDIED | CONTINUUM)
-    for stage in ("statistics", *(f"interpretations/{name}/statistics" for name in OTHER_LATERALS))
-]
+STAGE_RESULTS = (
+    [
+        f"{RESULTS}/{stage}/{surface}/seed{seed}.nc"
+        for surface in sorted(STUDIED | CONTINUUM)
+        for seed in seeds_of(surface)
+        for stage in (
+            "surface",
+            "contact",
+            "stress",
+            *(f"interpretations/{name}/stress" for name in OTHER_LATERALS),
+        )
+    ]
+    + [
+        f"{RESULTS}/{stage}/{surface}.nc"
+        for surface in sorted(STUDIED | CONTINUUM)
+        for stage in ("statistics", *(f"interpretations/{name}/statistics" for name in OTHER_LATERALS))
+    ]
+    + [f"{RESULTS}/verification/{surface}.csv" for surface in sorted(STUDIED | CONTINUUM)]
+)
 
 
 def figure_results(figure):

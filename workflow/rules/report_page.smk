@@ -4,7 +4,6 @@
 rule report_page:
     input:
         rules.all.input,
-        template=(LIBRARY / "paper/page.html.j2").as_posix(),
     output:
         f"{RESULTS}/report.html",
     log:
@@ -12,7 +11,7 @@ rule report_page:
     resources:
         **needs("report_page"),
     params:
-        code=code("report_page"),
+        code=DRAWING,
         figures={name: asdict(figure) for name, figure in FIGURES.items()},
         study={name: config[name] for name in ("figures", "claims", "studies", "seeds")},
     script:

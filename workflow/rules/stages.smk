@@ -13,7 +13,7 @@ rule surface:
     resources:
         **needs("surface"),
     params:
-        code=code("surface"),
+        code=COMPUTING,
         surface=surface_settings,
         fft_engine=FFT_ENGINE,
     script:
@@ -33,7 +33,7 @@ rule contact:
     resources:
         **needs("contact"),
     params:
-        code=code("contact"),
+        code=COMPUTING,
         layer=config["layer"],
         contact=contact_settings,
         fft_engine=FFT_ENGINE,
@@ -55,7 +55,7 @@ rule stress:
     resources:
         **needs("stress"),
     params:
-        code=code("stress"),
+        code=COMPUTING,
         stress=config["stress"],
         laterals=OTHER_LATERALS,
         quantities=OTHER_COMPONENTS,
@@ -71,31 +71,9 @@ rule statistics:
         stress=results_of_seeds("stress"),
         others=other_stresses_of_seeds,
     output:
-        f"{RESULTS}/statistics/{{surface}}.nc",
-        [f"{RESULTS}/interpretations/{name}/statistics/{{surface}}.nc" for name in OTHER_LATERALS],
-    log:
-        f"{RESULTS}/log/statistics/{{surface}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/statistics/{{surface}}.tsv"
-    resources:
-        **needs("statistics"),
-    params:
-        code=code("statistics"),
-        statistics=config["statistics"],
-        laterals=OTHER_LATERALS,
-        fft_engine=FFT_ENGINE,
-    script:
-        "../scripts/statistics.py"
-
-
-rule verification:
-    input:
-        surface=results_of_seeds("surface"),
-        contact=results_of_seeds("contact"),
-        stress=results_of_seeds("stress"),
         statistics=f"{RESULTS}/statistics/{{surface}}.nc",
-    output:
-        table=f"{RESULTS}/verification/{{surface}}.csv",
+        others=[f"{RESULTS}/interpretations/{name}/statistics/{{surface}}.nc" for name in OTHER_LATERALS],
+        checks=f"{RESULTS}/verification/{{surface}}.csv",
         page=report(
             f"{RESULTS}/verification/{{surface}}.html",
             caption="../report/verification.rst",
@@ -103,18 +81,15 @@ rule verification:
             labels=lambda wildcards: {"surface": wildcards.surface},
         ),
     log:
-        f"{RESULTS}/log/verification/{{surface}}.log",
+        f"{RESULTS}/log/statistics/{{surface}}.log",
     benchmark:
-        f"{RESULTS}/benchmark/verification/{{surface}}.tsv"
+        f"{RESULTS}/benchmark/statistics/{{surface}}.tsv"
     resources:
-        **needs("verification"),
+        **needs("statistics"),
     params:
-        code=code("verification"),
+        code=COMPUTING,
+        statistics=config["statistics"],
+        laterals=OTHER_LATERALS,
         fft_engine=FFT_ENGINE,
     script:
-        "../scripts/verification.py"
-
-
-rule verified:
-    input:
-        expand(rules.verification.output, surface=sorted(STUDIED)),
+        "../scripts/statistics.py"

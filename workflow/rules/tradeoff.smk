@@ -22,7 +22,7 @@ rule tradeoff:
     resources:
         **needs("tradeoff"),
     params:
-        code=code("tradeoff"),
+        code=COMPUTING,
         settings=lambda wildcards: config["tradeoff"][wildcards.extent],
         fft_engine=FFT_ENGINE,
     script:
@@ -32,7 +32,6 @@ rule tradeoff:
 rule tradeoff_figures:
     input:
         runs=rules.tradeoff.output.runs,
-        style=STYLE,
     output:
         report(
             expand(
@@ -52,6 +51,6 @@ rule tradeoff_figures:
     resources:
         **needs("tradeoff_figures"),
     params:
-        code=code("tradeoff_figures"),
+        code=DRAWING,
     script:
         "../scripts/tradeoff_figures.py"

@@ -1,31 +1,6 @@
-VALIDATIONS = list(config["validation"])
-
-
 rule validation:
     output:
-        f"{RESULTS}/validation/{{validation}}.nc",
-    log:
-        f"{RESULTS}/log/validation/{{validation}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/validation/{{validation}}.tsv"
-    wildcard_constraints:
-        validation=any_of(VALIDATIONS),
-    priority: 1
-    resources:
-        **needs("validation"),
-    params:
-        code=code("validation"),
-        settings=lambda wildcards: config["validation"][wildcards.validation],
-        fft_engine=FFT_ENGINE,
-    script:
-        "../scripts/validation.py"
-
-
-rule validation_table:
-    input:
-        results=expand(rules.validation.output, validation=VALIDATIONS),
-        checks=(LIBRARY / "study/validation/checks.yaml").as_posix(),
-    output:
+        results=[f"{RESULTS}/validation/{name}.nc" for name in config["validation"]],
         table=f"{RESULTS}/validation/table.md",
         numbers=f"{RESULTS}/validation/table.csv",
         page=report(
@@ -35,13 +10,15 @@ rule validation_table:
             labels={"table": "comparisons, errors and bounds"},
         ),
     log:
-        f"{RESULTS}/log/validation/table.log",
+        f"{RESULTS}/log/validation.log",
     benchmark:
-        f"{RESULTS}/benchmark/validation/table.tsv"
+        f"{RESULTS}/benchmark/validation.tsv"
+    priority: 1
     resources:
-        **needs("validation_table"),
+        **needs("validation"),
     params:
-        code=code("validation_table"),
-        results=lambda wildcards, input: {Path(path).stem: path for path in input.results},
+        code=COMPUTING,
+        validation=config["validation"],
+        fft_engine=FFT_ENGINE,
     script:
-        "../scripts/validation_table.py"
+        "../scripts/validation.py"

@@ -13,7 +13,7 @@ from asperity.study.runtime.job import job
 from asperity.views.style import save, style
 
 params, output = snakemake.params, snakemake.output
-with job(snakemake), style(snakemake.input.style):
+with job(snakemake), style():
     statistics, validation = (
         {Path(file).stem: dataset.read(file) for file in files}
         for files in (snakemake.input.statistics, snakemake.input.validation)

@@ -15,7 +15,7 @@ def read(tree, name=""):
     return dataset.read(tree).assign_attrs({"label": labels[name]} if name in labels else {})
 
 
-with job(snakemake), style(snakemake.input.style):
+with job(snakemake), style():
     figure, results = Description(**snakemake.params.figure), read(snakemake.params.results)
     save(draw(figure, results), snakemake.output.png, snakemake.output.pdf)
     write_text(snakemake.output.caption, caption(figure, results))

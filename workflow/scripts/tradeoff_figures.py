@@ -6,7 +6,7 @@ from asperity.study.cost.measurement import reduce_runs
 from asperity.study.runtime.job import job
 from asperity.views.style import save, style
 
-with job(snakemake), style(snakemake.input.style):
+with job(snakemake), style():
     runs = dataset.read(snakemake.input.runs)
     for name, figure in tradeoff.draw(runs, reduce_runs(runs)).items():
         save(figure, *(path for path in snakemake.output if name in path))

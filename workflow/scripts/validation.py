@@ -1,14 +1,21 @@
-"""Rule validation: one comparison with a closed form, finite elements or high precision."""
+"""Rule validation: comparisons with closed forms, finite elements and high precision, and their table."""
 
+from asperity.core import markup
 from asperity.results import dataset
+from asperity.results.atomic import write_text
+from asperity.results.tables import write_table
 from asperity.study.runtime.job import job
-from asperity.study.validation.table import COMPARISONS, title
+from asperity.study.validation.table import COMPARISONS, for_reader, frame, title
 
-name, settings = snakemake.wildcards.validation, snakemake.params.settings
-with job(snakemake):
-    dataset.write(
-        COMPARISONS[name](**settings),
-        snakemake.output[0],
-        title=title(name),
-        settings={"validation": {name: settings}},
-    )
+chosen, output = snakemake.params.validation, snakemake.output
+with job(snakemake) as progress:
+    found = {}
+    for (name, settings), path in zip(chosen.items(), output.results, strict=True):
+        found[name] = COMPARISONS[name](**settings)
+        dataset.write(found[name], path, title(name), settings={"validation": {name: settings}})
+        progress(len(found), len(chosen))
+    table = frame(found)
+    shown = for_reader(table)
+    write_text(output.table, f"{markup.markdown(shown)}\n")
+    write_table(table, "validation", output.numbers)
+    write_text(output.page, markup.page("Validation", {"": shown}))

@@ -30,14 +30,13 @@ _FORMATS = (".png", ".pdf", ".svg")
 
 
 @contextlib.contextmanager
-def style(path: str | os.PathLike[str] | None = None) -> Iterator[None]:
-    """Draw with a style file of matplotlib, by default that of the package."""
+def style() -> Iterator[None]:
+    """Draw with the style file of the package."""
     import matplotlib as mpl
 
-    chosen = os.fspath(path) if path else str(files("asperity.views") / "style.mplstyle")
     with mpl.rc_context():
         mpl.rcdefaults()
-        mpl.style.use(chosen)
+        mpl.style.use(str(files("asperity.views") / "style.mplstyle"))
         yield
 
 
@@ -76,11 +75,14 @@ def wavelength_short(data: xr.Dataset) -> float:
 def save(figure: Figure, *paths: str | os.PathLike[str]) -> None:
     """Write the figure to each path, in the format of its suffix, without dates or versions.
 
+    It is laid out for the first path, and the others have the same layout.
+
     Raises
     ------
     ValueError
         If a suffix is not that of a picture format.
     """
+    engine = figure.get_layout_engine()
     for path in map(Path, paths):
         if path.suffix not in _FORMATS:
             raise ValueError(f"{path}: the name of a picture is needed, ending in {', '.join(_FORMATS)}")
@@ -91,3 +93,5 @@ def save(figure: Figure, *paths: str | os.PathLike[str]) -> None:
                 format=path.suffix.removeprefix("."),
                 metadata=metadata.get(path.suffix, {"Software": None}),
             )
+        figure.set_layout_engine("none")
+    figure.set_layout_engine(engine)

@@ -99,24 +99,21 @@ _LINES = {
     "contact": _Line(270, 78, seconds=2, disk_per_node=17.5),
     "load-area curve": _Line(270, 133, seconds=2, disk_per_node=17.5),
     "stress": _Line(280, 102, seconds=2, disk_per_node=2),
-    "statistics": _Line(205, 53, seconds=3, time_per_node=0.5),
-    "verification": _Line(300, 262, seconds=4, time_per_node=2),
+    "statistics": _Line(250, 105, seconds=3, time_per_node=0.7),
     "figure": _Line(240, 8, seconds=3, time_per_node=0.1),
     "figure of elements": _Line(265, 80e3, seconds=6),
     "figure of extremes": _Line(320, seconds=6),
     "tradeoff": _Line(330, 300, seconds=8, time_per_node=95),
     "tradeoff figures": _Line(300, seconds=8),
     "claims": _Line(380, seconds=10),
-    "validation": _Line(300, seconds=10),
-    "validation table": _Line(240, seconds=5),
+    "validation": _Line(400, seconds=60),
     "report page": _Line(260, seconds=5, disk=20),
 }
 
 # Memory and time added for every further Poisson's ratio of a stress, and every further seed of the others.
 _FURTHER = {
     "stress": _Line(0, 22),
-    "statistics": _Line(0, 20, seconds=2, time_per_node=0.3),
-    "verification": _Line(0, 8, seconds=0.1, time_per_node=0.3),
+    "statistics": _Line(0, 20, seconds=2, time_per_node=0.6),
 }
 
 
@@ -136,8 +133,7 @@ def job_cost(
     nodes : int
         Nodes of the grid; of a figure, those of all fields that it holds, or finite elements.
     repetitions : int
-        Loads of a contact, Poisson's ratios times lateral conditions of a stress, seeds of statistics and of
-        a verification.
+        Loads of a contact, Poisson's ratios times lateral conditions of a stress, seeds of statistics.
     accuracy : AccuracySettings
         Tolerances, precision and depth spacing of contact and stress; the grid is that of `nodes`.
     area_fraction : float

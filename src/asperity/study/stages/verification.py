@@ -1,23 +1,25 @@
 """Verification of the study's results: the laws that they must obey, computed anew from the fields.
 
-`verify_seed` checks the results of one surface and one seed, `verify_statistics` those made from all seeds.
+`verify_seed` checks the results of one surface and one seed, `verify_statistics` those made from all seeds,
+and `Verification` both, in stage statistics.
 Residuals that a solver or a stage stored beside its numbers are not used. A check is a law by its name, the
 amount by which a result breaks it, and the bound that this amount must not exceed; NaN exceeds every bound.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 import pandas as pd
 import xarray as xr
 
 from asperity.contact import verify_contact
-from asperity.core.types import Array, Progress
+from asperity.core.types import Array
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.fourier.grid import Fourier, Grid, gradient, mean_square
+from asperity.fourier.grid import Fourier, Grid, gradient, mean_square, resample
 from asperity.results.dataset import grid_of, settings_of
 from asperity.stress.peaks.selection import peaks
 from asperity.stress.planes.planes import stress_planes
@@ -33,15 +35,15 @@ WORST_NODE = 100
 REFINEMENT = 0.25
 """Part by which a peak refined between nodes may exceed the largest node, with eight nodes per wavelength."""
 
-BETWEEN_NODES = 0.01
-"""Part by which the largest stress of a plane may differ on a coarser grid, which has other nodes."""
-
 DEPTH_STEP = 1e-3
 """Step of the derivative along depth, over the shortest wavelength or the height of a thinner layer."""
 
 EQUILIBRIUM = 1e-4
 """Bound for the divergence of the stress: the error of the central difference along depth."""
 
+
+DECAY = 28.0
+"""Modes with q · depth above this have decayed below rounding, e⁻²⁸ = 7 · 10⁻¹³."""
 
 Checks = dict[str, tuple[float, float]]
 """Name of a law → amount by which a result breaks it, and the amount that is allowed."""
@@ -60,48 +62,44 @@ def require(checks: Checks, where: str) -> None:
         raise VerificationError(f"{where}: {'; '.join(broken)}")
 
 
-def verify(
-    surface_name: str,
-    results: Iterable[SeedResults],
-    statistics: xr.Dataset,
-    progress: Progress | None = None,
-) -> pd.DataFrame:
-    """Check all results of one surface.
+class Verification:
+    """Checks of all results of one surface, made while its statistics read them.
 
     Parameters
     ----------
     surface_name : str
-    results : iterable of SeedResults
-        One seed after the other; the fields of a seed are not kept.
-    statistics : dataset
-        Result of stage statistics.
-    progress : callable, optional
-
-    Returns
-    -------
-    data frame
-        A row for each check: surface, part of the results, check, value and bound.
-
-    Raises
-    ------
-    VerificationError
-        If a check does not hold.
     """
-    found: dict[str, Checks] = {}
-    stresses = []
-    for seed, *stages in results:
-        found[f"seed {seed}"] = verify_seed(*stages)
-        stresses.append(stages[-1])
-        if progress is not None:
-            progress(len(stresses), statistics.sizes["seed"])
-    found["all seeds"] = verify_statistics(statistics, stresses)
-    for part, checks in found.items():
-        require(checks, f"{surface_name}, {part}")
-    return pd.DataFrame(
-        {"surface": surface_name, "of": part, "check": name, "value": value, "bound": bound}
-        for part, checks in found.items()
-        for name, (value, bound) in checks.items()
-    )
+
+    def __init__(self, surface_name: str) -> None:
+        self._surface = surface_name
+        self._stresses: list[xr.Dataset] = []
+        self._checks: dict[str, Checks] = {}
+
+    def checked(self, results: Iterable[SeedResults]) -> Iterator[SeedResults]:
+        """The same results, one seed after the other; raises `VerificationError` if a check does not hold."""
+        for seed, *stages in results:
+            self._add(f"seed {seed}", verify_seed(*stages))
+            self._stresses.append(stages[-1])
+            yield SeedResults(seed, *stages)
+
+    def table(self, statistics: xr.Dataset) -> pd.DataFrame:
+        """The table ``verification`` of `asperity.results.tables.TABLES`, with the checks of the statistics.
+
+        Raises
+        ------
+        VerificationError
+            If a check of the statistics does not hold.
+        """
+        self._add("all seeds", verify_statistics(statistics, self._stresses))
+        return pd.DataFrame(
+            {"surface": self._surface, "of": part, "check": name, "value": value, "bound": bound}
+            for part, checks in self._checks.items()
+            for name, (value, bound) in checks.items()
+        )
+
+    def _add(self, part: str, checks: Checks) -> None:
+        require(checks, f"{self._surface}, {part}")
+        self._checks[part] = checks
 
 
 def verify_seed(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset) -> Checks:
@@ -151,32 +149,55 @@ def _of_path(contact: xr.Dataset) -> Checks:
 
 
 def _of_fields(contact: xr.Dataset, stress: xr.Dataset, layer: Layer) -> Checks:
-    """Check equilibrium in one plane, and that plane of the analysis against one without truncation."""
-    grid = grid_of(contact)
-    loaded = LoadedSolid(contact["pressure"].values.astype(float), grid, layer)
+    """Check equilibrium in one plane, and that plane of the analysis at the same nodes without truncation."""
     nu = float(contact.attrs["poisson_contact"])
     tolerance = settings_of(stress)["stress"]["tolerance"]
     short = settings_of(contact)["surface"]["wavelength_short"]
     depths = stress["plane_depth"].values
     scale = min(short, depths[-1])  # a layer may be thinner than the shortest wavelength
-    number = int(np.argmin(np.abs(depths - scale / 2)))
+    number = int(np.argmin(np.abs(depths - min(3 * short, depths[-1] / 2))))
     step = DEPTH_STEP * scale
     triple = depths[number] + step * np.array([-1.0, 0.0, 1.0])
+    solid_below = LoadedSolid(contact["pressure"].values.astype(float), grid_of(contact), layer)
+    (plane,) = stress_planes(solid_below, depths[[number]], [nu], ("zz",), tolerance)
+    loaded, every = _without_decayed(solid_below, plane.grid, triple[0])
     names = ("xx", "zz", "xz", "yz", "xy", "von_mises")
     above, middle, below = stress_planes(loaded, triple, [nu], names, tolerance=0)
     mean = float(stress["mean_von_mises"].sel(poisson=nu).isel(plane=number))
     largest = float(stress["largest_von_mises"].sel(poisson=nu).isel(plane=number))
-    von_mises = middle.fields["von_mises"][0]
-    load = float(np.mean(middle.fields["zz"])) + float(contact["mean_pressure"])
+    von_mises, zz = middle.fields["von_mises"][0, ::every, ::every], middle.fields["zz"][0]
+    scale_of_stress, bound = float(np.sqrt(np.mean(zz**2))), max(tolerance, ROUNDING)
+    load = float(np.mean(zz)) + float(contact["mean_pressure"])
     planes = above.fields, middle.fields, below.fields
-    imbalance = {axis: _imbalance(axis, *planes, step, grid) for axis in ("x", "z")}
-    of_mean, of_largest = _relative(mean, von_mises.mean()), _relative(largest, von_mises.max())
+    imbalance = {axis: _imbalance(axis, *planes, step, loaded.grid) for axis in ("x", "z")}
+    of_mean, of_largest = (
+        abs(found - expected) / scale_of_stress
+        for found, expected in ((mean, von_mises.mean()), (largest, von_mises.max()))
+    )
     return {
         "load carried by a plane against that of the contact": (abs(load), ROUNDING),
         **{f"equilibrium along {axis}": (value, EQUILIBRIUM) for axis, value in imbalance.items()},
-        "mean von Mises stress of a plane, computed again": (of_mean, max(tolerance, ROUNDING)),
-        "largest von Mises stress of a plane, computed again": (of_largest, tolerance + BETWEEN_NODES),
+        "mean von Mises stress of a plane, computed again": (of_mean, bound),
+        "largest von Mises stress of a plane, computed again": (of_largest, bound),
     }
+
+
+def _without_decayed(loaded: LoadedSolid, plane: Grid, depth: float) -> tuple[LoadedSolid, int]:
+    """The solid under its pressure without the modes that have decayed at a depth.
+
+    Returns
+    -------
+    loaded : LoadedSolid
+        On a grid that holds the nodes of the grid `plane` and all other modes.
+    every : int
+        Its nodes on each of the grid `plane`, along both axes.
+    """
+    needed = [DECAY * edge / (np.pi * depth) for edge in plane.length]
+    both = zip(needed, loaded.grid.shape, plane.shape, strict=True)
+    every = max(math.ceil(min(nodes, full) / own) for nodes, full, own in both)
+    grid = Grid((every * plane.shape[0], every * plane.shape[1]), plane.length)
+    spectrum = resample(Fourier(loaded.grid).forward(loaded.pressure), loaded.grid, grid)
+    return LoadedSolid(Fourier(grid).inverse(spectrum, overwrite=True), grid, loaded.layer), every
 
 
 def _imbalance(
