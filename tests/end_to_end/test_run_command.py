@@ -55,7 +55,8 @@ def folder(path, tmp_path_factory):
 
 def test_the_folder_holds_all_files(folder):
     assert {file.name for file in folder.iterdir()} == {
-        *("case.yaml", "surface.nc", "contact.nc", "stress.nc", "peaks.csv", "answer.csv", "report.html"),
+        *("case.yaml", "surface.nc", "contact.nc", "stress.nc", "report.html"),
+        *TABLES,
         ".asperity-run.json",
         *("height.png", "pressure.png", "section.png", "plane.png", "peaks.png"),
     }
@@ -90,7 +91,8 @@ def test_the_report_is_whole_without_a_network(folder):
         assert words in page
 
 
-RESULTS = {"surface.nc", "contact.nc", "stress.nc", "peaks.csv", "answer.csv"}
+TABLES = {"answer.csv", "peaks.csv", "spots.csv", "gaps.csv"}
+RESULTS = {"surface.nc", "contact.nc", "stress.nc", *TABLES}
 
 
 def loads_in(folder):
@@ -148,7 +150,7 @@ def test_a_killed_run_leaves_the_old_or_the_new_answer(two_answers, tmp_path, mo
 
 
 def test_results_are_written_before_pictures_can_fail(two_answers, tmp_path, monkeypatch):
-    monkeypatch.setattr("asperity.engineering.output.plot_pressure", lambda *_, **__: 1 / 0)
+    monkeypatch.setattr("asperity.engineering.output.pictures", lambda *_, **__: 1 / 0)
     with pytest.raises(DatasetError, match="results are written, pictures and report not"):
         write_answer(two_answers[0], tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {*RESULTS, ".asperity-run.json"}

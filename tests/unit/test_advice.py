@@ -36,6 +36,7 @@ def an_answer(
     estimates=None,
     imposed_area=0.05,
     neighbours=None,
+    doubts=(),
     friction=0.0,
     **material,
 ):
@@ -45,7 +46,8 @@ def an_answer(
         "rms_gradient": 0.05,
         "contact_nodes": 900,
         "peak_to_valley": 3e-6,
-        "typical_patch_nodes": 60.0,
+        "typical_patch_width": 9.0,
+        "pressure_on_spike": False,
         "load_on_small_patches": 0.01,
         "load_of_largest_node": 0.001,
         "load_on_edges": 0.0,
@@ -54,6 +56,8 @@ def an_answer(
     }
     shown = {
         "grid": Grid((128, 128), 128e-6),
+        "height": asp.self_affine((128, 128), 0.8, 1 / 8, 1 / 16, rms_height=1e-7, seed=1),
+        "images": 1,
         "wavelength_short": 8e-6,
         "boundary": "periodic",
     }
@@ -72,7 +76,10 @@ def an_answer(
             load=SimpleNamespace(kind="area_fraction", value=imposed_area),
             friction=friction,
             solid=asp.Layer(1e6, 0.5, height=20.37e-6),
+            different_bodies=("lower", "upper")[:bodies],
+            options=asp.MapOptions(),
         ),
+        rough=SimpleNamespace(doubts=doubts, spikes=[(0, 0)] * 3),
         bodies=dict.fromkeys(("lower", "upper")[:bodies], stress),
         limits={"lower": limits() if estimates is None else estimates},
         neighbours=neighbours,
@@ -85,7 +92,7 @@ def subjects(answer, level="warning"):
 
 def test_nothing_is_warned_of_in_a_sound_answer():
     assert subjects(an_answer()) == []
-    assert subjects(an_answer(), "note") == ["resolution"]
+    assert subjects(an_answer(), "note") == ["resolution", "one place of the surface"]
 
 
 @pytest.mark.parametrize(
@@ -99,9 +106,12 @@ def test_nothing_is_warned_of_in_a_sound_answer():
         ({"numbers": {"area_fraction": 0.25}}, "another real contact"),
         ({"record": {"edge_step": 8.0}}, "edges do not match"),
         ({"numbers": {"load_on_edges": 0.2}, "face": {"boundary": "free"}}, "contact at the edge of the map"),
-        ({"numbers": {"load_on_small_patches": 0.7, "typical_patch_nodes": 1.0}}, "spikes carry the load"),
-        ({"numbers": {"typical_patch_nodes": 6.0}}, "patches of few pixels"),
+        ({"numbers": {"load_on_small_patches": 0.7, "typical_patch_width": 1.1}}, "spikes carry the load"),
+        ({"numbers": {"typical_patch_width": 2.6}}, "patches of few pixels"),
         ({"numbers": {"contact_nodes": 0}}, "no contact"),
+        ({"numbers": {"pressure_on_spike": True}}, "largest pressure on a spike"),
+        ({"numbers": {"largest_pressure": 300e9}}, "pressure above Young's modulus"),
+        ({"doubts": ["unit: an rms height of 0.4 nm; is um the unit?"]}, "unit of the map"),
         ({"numbers": {"peak_to_valley": 3e-4}}, "heights as large as the map"),
         ({"young": 210e12}, "Young's modulus"),
         ({"young": 210e6}, "Young's modulus"),
@@ -122,6 +132,7 @@ def test_a_warning_is_given(changed, subject):
         ({"record": {"altered_fraction": 0.36}}, "altered heights"),
         ({"record": {"filled_fraction": 0.05}}, "altered heights"),
         ({"estimates": limits("8 nodes are in contact")}, "no estimate for vanishing pixels"),
+        ({"doubts": ["detrend: a bow of 2 µm; set it to curvature"]}, "detrend of the map"),
         ({"young": 210e6, "yield_stress": None}, "Young's modulus"),
         ({"poisson": -0.2}, "Poisson's ratio"),
     ],

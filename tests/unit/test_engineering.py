@@ -8,7 +8,7 @@ import pytest
 import asperity as asp
 from asperity import MapOptions
 from asperity.engineering import Body, run
-from asperity.engineering.body_stress import scaled_solid, stress_in
+from asperity.engineering.body_stress import stress_in
 from asperity.fourier.grid import Fourier, resample
 from asperity.reference.hertz import Hertz
 from asperity.reference.sliding_sphere import SlidingSphere
@@ -253,13 +253,13 @@ def test_one_load_within_its_range_is_needed(wrong):
 
 def test_stress_between_nodes_is_that_of_fourier_series(rough):
     """It lies on the edge of the mirrored map, halfway between nodes whose largest stress is 12 % lower."""
-    solid, modulus = scaled_solid(rough.contact, rough.bodies["lower"].body)
+    solid = rough.contact.in_body("lower")
     grid = solid.grid
     fine = asp.Grid((4 * grid.shape[0], 4 * grid.shape[1]), grid.length)
     series = Fourier(fine).inverse(resample(Fourier(grid).forward(solid.pressure), grid, fine))
     depths = np.linspace(0.4e-6, 1.2e-6, 9)
     planes = asp.stress_planes(replace(solid, pressure=series, grid=fine), depths, tolerance=0)
-    exact = modulus * max(plane.fields["von_mises"].max() for plane in planes)
+    exact = max(plane.fields["von_mises"].max() for plane in planes)
     at_nodes = float(rough.stresses["lower"]["largest_von_mises"].max())
     assert rough.bodies["lower"].largest_von_mises == pytest.approx(exact, rel=0.04)
     assert at_nodes < 0.9 * exact
@@ -298,7 +298,12 @@ def test_patches_and_edges_carry_their_load():
     answer = run(surface, STEEL, force=0.05, map_options=MapOptions(detrend="none", periodic="none"))
     numbers, pressure = answer.numbers, answer.contact.pressure
     assert numbers.patches == 2
-    assert numbers.typical_patch_nodes == np.count_nonzero(pressure[:, :32])
+    first, second = answer.spots.itertuples()
+    assert first.nodes == np.count_nonzero(pressure[:, :32])
+    assert first.load_N + second.load_N == pytest.approx(0.05)
+    assert (first.y_m, first.x_m) == pytest.approx((16e-6, 16e-6), abs=1e-7)
+    assert first.width_m == pytest.approx(2 * np.sqrt(first.area_m2 / np.pi), rel=0.02)  # a disc of pixels
+    assert numbers.typical_patch_width == pytest.approx(first.width_m / 1e-6)
     assert 0 < numbers.load_on_edges < 0.5
     assert numbers.load_on_edges == pytest.approx(pressure[:, -1].sum() / pressure.sum())
 
@@ -325,7 +330,46 @@ def test_every_image_of_a_mirrored_map_has_its_own_ball():
     flat = HeightMap(1e-12 * np.random.default_rng(1).normal(size=(80, 80)), (EDGE, EDGE))
     answer = run(flat, STEEL, force=FORCE, map_options=MapOptions(detrend="none", radius=RADIUS))
     _, largest = hertz(STEEL)
-    assert answer.numbers.patches == 4
+    assert answer.numbers.patches == 1
     assert answer.numbers.largest_pressure == pytest.approx(largest, rel=0.02)
     body = answer.bodies["lower"]
     assert (body.y, body.x) == pytest.approx((EDGE / 2, EDGE / 2), abs=EDGE / 80)
+
+
+def test_equal_bodies_have_one_answer():
+    """Half of the modulus of one body against a rigid one, and the same stress in both."""
+    pair = run(a_rough_map(), STEEL, STEEL, mean_pressure=100e6)
+    softer = run(a_rough_map(), Body(STEEL.young / 2, STEEL.poisson), mean_pressure=100e6)
+    assert pair.bodies["upper"] is pair.bodies["lower"]
+    assert str(pair).count("largest von Mises stress  ") == 1
+    assert "stress in both bodies" in str(pair)
+    expected = softer.bodies["lower"].largest_von_mises
+    assert pair.bodies["lower"].largest_von_mises == pytest.approx(expected, rel=1e-4)
+
+
+def test_a_spike_under_the_largest_pressure_is_told():
+    surface = a_rough_map()
+    height = surface.height.copy()
+    height[20, 30] += 30e-6
+    spiky = replace(surface, height=height)
+    told, removed = (
+        [advice.subject for advice in run(spiky, STEEL, mean_pressure=90e6, map_options=options).advice]
+        for options in (MapOptions(), MapOptions(despike=8))
+    )
+    assert {"largest pressure on a spike", "pressure above Young's modulus"} <= set(told)
+    assert not {"largest pressure on a spike", "despike of the map"} & set(removed)
+
+
+def test_close_ups_hold_the_stress_of_the_solid(rough):
+    """The section through the largest stress against one that is computed anew."""
+    found = rough.bodies["lower"].largest["von_mises"]
+    boxes = [box for box in rough.kept["lower"].close_ups if box.holds(found.y, found.x)]
+    y, x = rough.contact.grid.coordinates()
+    along, nodes = boxes[0].along, x if boxes[0].along == "x" else y
+    near = nodes[np.abs(nodes - getattr(found, along)) < 5e-6]
+    at = round(getattr(found, "y" if along == "x" else "x") / 1e-6) * 1e-6
+    section = boxes[0].section("von_mises", at, near)
+    solid = rough.contact.in_body("lower")
+    exact = asp.stress_section(solid, along, at, section["depth"].values)["von_mises"].squeeze()
+    exact = exact.sel({along: near}, method="nearest").values
+    assert np.abs(section.values - exact).max() < 1e-3 * exact.max()  # tolerance of the planes, and splines

@@ -105,7 +105,7 @@ def test_spike_leaves_the_picture_and_is_named(read):
     surface["height"].values[3, 5] = 4e-3
     figure = asp.plot_height(surface)
     assert figure.axes[0].images[0].norm.vmax < 1.5 * before.vmax
-    assert "1 above the scale, to 4000 µm" in title(figure)
+    assert "1 point above the scale, up to 4000 µm" in title(figure)
 
 
 def test_every_result_has_a_panel(read):
@@ -213,7 +213,7 @@ def test_few_peaks_do_not_set_the_axes(read):
     stress["peak_value"].values[np.flatnonzero(mine)[0]] = 1e4
     figure = asp.plot_peaks(stress)
     assert figure.axes[0].get_xlim()[1] < 2 * before.get_xlim()[1]
-    assert "1 above the scale, to 10000 $E^*$" in title(figure)
+    assert "1 point above the scale, up to 10000 $E^*$" in title(figure)
 
 
 @pytest.mark.parametrize(

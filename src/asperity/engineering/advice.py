@@ -14,7 +14,7 @@ from asperity.core.data import packaged_yaml
 from asperity.core.units import shown_si
 from asperity.elasticity.two_bodies import sliding_coupling
 from asperity.engineering.answer import LIMITS, Advice, Answer, limit_of
-from asperity.engineering.answer_numbers import BodyAnswer
+from asperity.engineering.answer_numbers import BodyAnswer, sampling_error
 
 WARNING, NOTE = "warning", "note"
 
@@ -37,8 +37,8 @@ LARGE_AREA = 0.3
 SMALL_PATCH_SHARE = 0.2
 """Share of the load on patches of at most four pixels from which spikes are suspected."""
 
-FEW_NODES_IN_PATCH = 20
-"""Nodes of a patch that resolve its pressure: a radius of 2.5 pixels."""
+FEW_PIXELS_ACROSS = 5
+"""Width of a patch in pixels that resolves its pressure."""
 
 EDGE_STEP = 3.0
 """Step at the edges of a period over that between neighbouring pixels; about one for a periodic surface."""
@@ -71,37 +71,53 @@ ACCEPTED_VIOLATION = 1e-3
 NEGLECTED_COUPLING = 0.1
 """Share of the displacement of a wave by which friction changes it, from which it counts."""
 
+SPIKE_SIZE = 100.0
+"""Uncertainty of a largest pressure that is on a spike: before all others."""
+
 Found = tuple[str, str, dict[str, Any]]
-"""Level of an advice, its name in `advice.yaml`, and the values in its text."""
+"""Level of an advice, its name in `advice.yaml`, and the values in its text, among them the relative ``size``
+of the uncertainty that it says."""
 
 
 def advise(answer: Answer) -> tuple[Advice, ...]:
     """All warnings and notes on an answer, warnings first."""
     texts = packaged_yaml("asperity.engineering", "advice.yaml")
     found = [*_on_contact(answer), *_on_sliding(answer)]
-    for name, body in answer.bodies.items():
-        where = f" of the {name} body" if len(answer.bodies) > 1 else ""
-        found += [(level, key, values | {"where": where}) for level, key, values in _on_body(body)]
+    shown = answer.case.different_bodies
+    for name in shown:
+        where = f" of the {name} body" if len(shown) > 1 else ""
+        part = _on_body(answer.bodies[name])
+        found += [(level, key, values | {"where": where}) for level, key, values in part]
     found += [*_on_pixels(answer), *_on_map(answer), *_on_neighbours(answer)]
     found.sort(key=lambda advice: advice[0] != WARNING)
-    return tuple(
-        Advice(level, texts[key]["subject"], _Units().format(texts[key]["text"], **values))
-        for level, key, values in found
-    )
+    made = []
+    for level, key, values in found:
+        text = texts[key]
+        words = [_Units().format(text.get(part, ""), **values) for part in ("subject", "text", "short")]
+        made.append(Advice(level, words[0], words[1], words[2], values.get("size", 0.0)))
+    return tuple(made)
 
 
 class _Units(Formatter):
-    """Format of texts in which a unit in place of a format, ``{length:m}``, shows a number in SI."""
+    """Format of texts in which ``{length:m}`` shows a number in SI, and ``{share:%}`` one in per cent."""
 
     def format_field(self, value: Any, format_spec: str) -> Any:
+        if format_spec == "%":
+            return f"{100 * value:.{2 if value < 0.1 else 0}{'g' if value < 0.1 else 'f'}} %"
         return shown_si(value, format_spec, 3) if format_spec in ("m", "Pa") else format(value, format_spec)
 
 
 def _on_contact(answer: Answer) -> Iterator[Found]:
-    """No contact, an area that was missed, a doubtful solution, heights as large as the map."""
+    """No contact, pressures and heights that cannot be, an area that was missed, a doubtful solution."""
     numbers, load = answer.numbers, answer.case.load
     if not numbers.contact_nodes:
         yield WARNING, "no_contact", {}
+    pressure, young = numbers.largest_pressure, min(body.body.young for body in answer.bodies.values())
+    if numbers.pressure_on_spike:
+        spikes = {"count": len(answer.rough.spikes), "size": SPIKE_SIZE}
+        yield WARNING, "pressure_on_spike", {"pressure": pressure, **spikes}
+    if pressure > young:
+        yield WARNING, "beyond_modulus", {"pressure": pressure, "young": young}
     height, edge = numbers.peak_to_valley, min(answer.face.grid.length)
     if height > 0.5 * edge:
         yield WARNING, "large_heights", {"height": height, "edge": edge}
@@ -122,9 +138,9 @@ def _on_sliding(answer: Answer) -> Iterator[Found]:
         level = WARNING if change[most] > NEGLECTED_COUPLING else NOTE
         values = {
             "wave": wave[most],
-            "most": 100 * change[most],
+            "size": float(change[most]),
             "shortest": wave[0],
-            "least": 100 * change[0],
+            "least": float(change[0]),
         }
         yield level, "neglected_friction", values
 
@@ -146,7 +162,11 @@ def _on_body(part: BodyAnswer) -> Iterator[Found]:
     if too_strong:
         yield WARNING, "high_yield", constants
     if limit is None and stress > UNLIKELY_STRAIN * young:
-        shares = {"share": 100 * stress / young, "limit": 100 * UNLIKELY_STRAIN}
+        shares = {
+            "share": stress / young,
+            "limit": UNLIKELY_STRAIN,
+            "size": stress / young / UNLIKELY_STRAIN - 1,
+        }
         yield WARNING, "surely_yielding", {"stress": stress, **shares}
     if limit is not None and stress > limit:
         depths = ""
@@ -154,18 +174,24 @@ def _on_body(part: BodyAnswer) -> Iterator[Found]:
             first, last = (shown_si(depth, "m", 3) for depth in part.depths_above_yield)
             first = first if part.depths_above_yield[0] else "the surface"
             depths = f"; depths from {first} to {last} are affected"
-        flow = {"stress": stress, "times": stress / limit, "hardness": 3 * limit, "depths": depths}
+        flow = {
+            "stress": stress,
+            "size": stress / limit - 1,
+            "times": stress / limit,
+            "hardness": 3 * limit,
+            "depths": depths,
+        }
         yield WARNING, "yielding", constants | flow
 
 
 def _on_pixels(answer: Answer) -> Iterator[Found]:
     """Load on single pixels and on patches of few; change of the numbers at half the resolution."""
     numbers = answer.numbers
-    share, nodes = numbers.load_on_small_patches, numbers.typical_patch_nodes
-    if share > SMALL_PATCH_SHARE and nodes <= 4:
-        yield WARNING, "spikes", {"share": 100 * share, "one": 100 * numbers.load_of_largest_node}
-    if 0 < nodes < FEW_NODES_IN_PATCH:
-        yield WARNING, "few_pixels", {"nodes": nodes, "enough": FEW_NODES_IN_PATCH}
+    share, width = numbers.load_on_small_patches, numbers.typical_patch_width
+    if share > SMALL_PATCH_SHARE and width <= 2 and not numbers.pressure_on_spike:
+        yield WARNING, "spikes", {"size": share, "one": numbers.load_of_largest_node}
+    if 0 < width < FEW_PIXELS_ACROSS:
+        yield WARNING, "few_pixels", {"width": width, "enough": FEW_PIXELS_ACROSS}
     if reason := answer.limits["lower"].attrs.get("reason"):
         yield NOTE, "no_estimate", {"reason": reason}
     known = {}
@@ -177,33 +203,39 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
         return
     pixel, wave = max(answer.face.grid.spacing), answer.face.wavelength_short
     changed = ", ".join(f"{name} by {100 * change:+.0f} %" for name, change in known.items())
-    if len(answer.bodies) > 1:
+    if len(answer.case.different_bodies) > 1:
         changed += "; stresses are those of the lower body"
     settled = all(abs(change) <= RESOLUTION_CHANGE for change in known.values())
     waves = ""
     if wave / pixel < FEW_PIXELS_PER_WAVE:
         waves = f" The shortest wave, {shown_si(wave, 'm', 3)}, has {wave / pixel:.2g} pixels; "
         waves += f"{FEW_PIXELS_PER_WAVE} resolve it."
-    shown = {"pixel": pixel, "changes": changed, "waves": waves}
+    shown = {"pixel": pixel, "changes": changed, "waves": waves, "size": max(map(abs, known.values()))}
     yield (NOTE, "resolved", shown) if settled else (WARNING, "unresolved", shown)
 
 
 def _on_map(answer: Answer) -> Iterator[Found]:
     """Slopes, real contact and edges beyond the theory; altered heights."""
     numbers, face, record = answer.numbers, answer.face, answer.face.treatment
+    for doubt in answer.rough.doubts:
+        subject = doubt.partition(":")[0]
+        if subject != "despike" or not numbers.pressure_on_spike:
+            yield WARNING if subject == "unit" else NOTE, "doubt", {"subject": subject, "doubt": doubt}
     slope = numbers.rms_gradient
     if slope > STEEP:
-        values = {"slope": slope, "angle": math.degrees(math.atan(slope)), "error": 100 * slope**2}
+        values = {"slope": slope, "angle": math.degrees(math.atan(slope)), "size": slope**2}
         yield WARNING if slope > VERY_STEEP else NOTE, "steep", values
     if numbers.area_fraction > LARGE_AREA:
         yield WARNING, "large_contact", {"area": 100 * numbers.area_fraction, "limit": 100 * LARGE_AREA}
     if face.boundary == "periodic" and record.edge_step > EDGE_STEP:
         yield WARNING, "edges", {"step": record.edge_step}
     if face.boundary == "free" and numbers.load_on_edges > EDGE_LOAD:
-        yield WARNING, "contact_at_edge", {"share": 100 * numbers.load_on_edges}
+        yield WARNING, "contact_at_edge", {"size": numbers.load_on_edges}
     for share, key in ((record.altered_fraction, "windowed"), (record.filled_fraction, "filled")):
         if share > ALTERED_SHARE:
-            yield NOTE, key, {"share": 100 * share}
+            yield NOTE, key, {"size": share}
+    if answer.case.options.radius is None:
+        yield NOTE, "sample", {"size": sampling_error(face)}
 
 
 def _on_neighbours(answer: Answer) -> Iterator[Found]:
@@ -211,14 +243,15 @@ def _on_neighbours(answer: Answer) -> Iterator[Found]:
     alone, now = answer.neighbours, answer.numbers
     if alone is None or not now.contact_nodes:
         return
-    large, effect = alone.span > WIDE_SPAN, ""
+    large, effect, size = alone.span > WIDE_SPAN, "", 0.0
     if not math.isnan(alone.largest_pressure):
         area = now.area_fraction / alone.area_fraction - 1
         pressure = now.largest_pressure / alone.largest_pressure - 1
-        large = max(abs(area), abs(pressure)) > NEIGHBOUR_CHANGE
+        size = max(abs(area), abs(pressure))
+        large = size > NEIGHBOUR_CHANGE
         effect = (
             f" The neighbours change the real contact by {100 * area:+.2g} % and the largest pressure by "
             f"{100 * pressure:+.2g} %, compared with one form alone under the same load. Set boundary to "
             "free to be without them."
         )
-    yield WARNING if large else NOTE, "neighbours", {"span": 100 * alone.span, "effect": effect}
+    yield WARNING if large else NOTE, "neighbours", {"span": alone.span, "effect": effect, "size": size}

@@ -14,10 +14,11 @@ import xarray as xr
 from asperity.contact import Contact
 from asperity.core.markup import picture, table, with_error
 from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.answer_numbers import BodyAnswer, ContactNumbers, Neighbours
-from asperity.engineering.body_stress import DIRECTION
+from asperity.engineering.answer_numbers import BodyAnswer, ContactNumbers, Neighbours, gap_of
+from asperity.engineering.body_stress import DIRECTION, Kept
 from asperity.engineering.case import CONTROL_UNITS, Body, Case
 from asperity.engineering.face import RoughFace
+from asperity.engineering.spots import gap_table
 from asperity.surface.treatment.treatment import TreatedMap
 
 EXTREME_WORDS = {
@@ -28,6 +29,20 @@ EXTREME_WORDS = {
 }
 """Field → name of its extreme value among the numbers, beside the von Mises stress."""
 
+CONTACT = {
+    "contact_area": ("real contact area", "m^2"),
+    "nominal_pressure": ("mean pressure, nominal", "Pa"),
+    "mean_pressure": ("mean pressure in contact", "Pa"),
+    "largest_pressure": ("largest pressure", "Pa"),
+    "force": ("load on the map", "N"),
+    "approach": ("approach since first touch", "m"),
+    "mean_gap": ("mean gap", "m"),
+    "rms_height": ("rms height", "m"),
+    "rms_gradient": ("rms gradient", "1"),
+    "gradient_rms_contact": ("rms gradient in contact", "1"),
+}
+"""Field of `ContactNumbers` → its name and unit among the numbers of an answer."""
+
 LIMITS = {
     "real contact": ("area_fraction", None),
     "rms gradient in contact": ("gradient_rms_contact", None),
@@ -37,6 +52,9 @@ LIMITS = {
     "99th percentile of the peaks": ("p99", "von_mises"),
 }
 """Number that is estimated for vanishing pixels → its variable and quantity in `asperity.continuum`."""
+
+UNCERTAINTIES = 3
+"""Largest uncertainties that stand above the answer."""
 
 PEAK_COLUMNS = {"value": "value_Pa", "depth": "depth_m", "y": "y_m", "x": "x_m", "interior": "in_solid"}
 """Name of a property of peaks → its column in the table of peaks."""
@@ -54,11 +72,17 @@ class Advice(NamedTuple):
         Short heading.
     text : str
         One or two sentences.
+    short : str
+        The uncertainty of the answer that it says in a few words; empty if it says none.
+    size : float
+        Relative size of that uncertainty.
     """
 
     level: str
     subject: str
     text: str
+    short: str = ""
+    size: float = 0.0
 
 
 class Row(NamedTuple):
@@ -87,11 +111,15 @@ class Answer:
         The rough surface that was pressed, in m, what was done to the map, and what is doubtful about it.
     contact : Contact
         In SI units.
+    spots : DataFrame
+        Patches of contact on the map; see `asperity.engineering.spots.contact_spots`.
     numbers : ContactNumbers
     bodies : dict
         ``lower`` and, if it is elastic, ``upper`` → `BodyAnswer`.
     stresses : dict
         The same names → dataset of the stress in SI units.
+    kept : dict
+        The same names → fields for the pictures, `asperity.engineering.body_stress.Kept`.
     limits : dict
         The same names → `asperity.continuum` of contact pressure and von Mises stress.
     neighbours : Neighbours or None
@@ -103,9 +131,11 @@ class Answer:
     case: Case
     rough: RoughFace
     contact: Contact
+    spots: pd.DataFrame
     numbers: ContactNumbers
     bodies: dict[str, BodyAnswer]
     stresses: dict[str, xr.Dataset]
+    kept: dict[str, Kept]
     limits: dict[str, xr.Dataset]
     neighbours: Neighbours | None = None
     advice: tuple[Advice, ...] = ()
@@ -124,14 +154,24 @@ class Answer:
     def rows(self) -> list[Row]:
         """All numbers, line by line."""
         rows = [_with_estimate(row, self.limits["lower"]) for row in _contact_rows(self.numbers)]
-        for name, body in self.bodies.items():
-            found = _body_rows(body_title(self.case, name), body)
+        for name in self.case.different_bodies:
+            found = _body_rows(body_title(self.case, name), self.bodies[name])
             rows += [_with_estimate(row, self.limits[name]) for row in found]
         return rows
+
+    @property
+    def uncertainties(self) -> list[str]:
+        """The largest uncertainties of the answer in a few words, the largest first."""
+        sized = sorted((advice for advice in self.advice if advice.short), key=lambda advice: -advice.size)
+        return list(dict.fromkeys(advice.short for advice in sized))[:UNCERTAINTIES]
 
     def frame(self) -> pd.DataFrame:
         """All numbers as a table; the columns are described in ``docs/tables.md``."""
         return pd.DataFrame(self.rows, columns=Row._fields).drop(columns="shown")
+
+    def gaps(self) -> pd.DataFrame:
+        """Gap below which a share of the area of the map lies: share, gap_m."""
+        return gap_table(gap_of(self.face, self.contact))
 
     def peaks(self) -> pd.DataFrame:
         """Peaks of the contact pressure and of the fields of the answer, those of largest magnitude first.
@@ -141,7 +181,8 @@ class Answer:
         two equal nodes, is listed once.
         """
         tables = []
-        for body, stress in self.stresses.items():
+        for body in self.case.different_bodies:
+            stress = self.stresses[body]
             names = [str(name) for name in stress.variables if stress[name].dims == ("peak",)]
             table = pd.DataFrame({name.removeprefix("peak_"): stress[name].values for name in names})
             table = table.rename(columns=PEAK_COLUMNS)
@@ -158,6 +199,8 @@ class Answer:
         """The answer as a block of text, warnings last."""
         width = max(len(row.name) for row in self.rows)
         lines = [self.title]
+        if self.uncertainties:
+            lines += ["", "largest uncertainties", *(f"  {text}" for text in self.uncertainties)]
         for group, rows in groupby(self.rows, key=lambda row: row.group):
             lines += ["", group, *(f"  {row.name:<{width}}  {row.shown}" for row in rows)]
         lines += ["", "what was done to the map", *(f"  {step}" for step in self.face.done)]
@@ -193,6 +236,8 @@ def body_title(case: Case, name: str) -> str:
     """Heading of the numbers of one body."""
     if case.upper is None:
         return "stress in the elastic body"
+    if len(case.different_bodies) == 1:
+        return "stress in both bodies"
     return f"stress in the {name} body ({_material(case.bodies[name])})"
 
 
@@ -211,17 +256,8 @@ def _contact_rows(numbers: ContactNumbers) -> list[Row]:
     patches = f"{numbers.patches}, {numbers.contact_nodes} nodes"
     return [
         Row(group, "real contact", area, "1", percent),
-        _row(group, "real contact area", numbers.contact_area, "m^2"),
-        _row(group, "mean pressure, nominal", numbers.nominal_pressure, "Pa"),
-        _row(group, "mean pressure in contact", numbers.mean_pressure, "Pa"),
-        _row(group, "largest pressure", numbers.largest_pressure, "Pa"),
-        _row(group, "load on the map", numbers.force, "N"),
-        _row(group, "approach since first touch", numbers.approach, "m"),
-        _row(group, "mean gap", numbers.mean_gap, "m"),
-        _row(group, "rms height", numbers.rms_height, "m"),
-        _row(group, "rms gradient", numbers.rms_gradient, "1", 3),
-        _row(group, "rms gradient in contact", numbers.gradient_rms_contact, "1", 3),
-        Row(group, "patches of contact in the cell", numbers.patches, "1", patches),
+        *(_row(group, name, getattr(numbers, field), unit) for field, (name, unit) in CONTACT.items()),
+        Row(group, "patches of contact", numbers.patches, "1", patches),
     ]
 
 

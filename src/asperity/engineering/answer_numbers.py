@@ -5,26 +5,28 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
 from asperity.contact import Contact
 from asperity.core.types import Array
 from asperity.engineering.body_stress import DIRECTION, Extreme, StressInBody
 from asperity.engineering.case import Body
+from asperity.engineering.face import RoughFace
+from asperity.fourier.grid import Fourier, mean_square
 from asperity.stress.peaks.selection import peaks
-from asperity.stress.statistics.patches import contact_patches
 from asperity.surface.roughness import roughness_parameters
 from asperity.surface.treatment.treatment import TreatedMap
 
 
 @dataclass(frozen=True)
 class ContactNumbers:
-    """Numbers of a contact, in SI units.
+    """Numbers of the contact on the map, in SI units.
 
     Parameters
     ----------
     nominal_area, area_fraction, contact_area : float
-        Area of the map, real over nominal contact area, and real contact area of the map.
+        Area of the map, real over nominal contact area, and real contact area.
     nominal_pressure, mean_pressure, largest_pressure : float
         Load over nominal area, load over real contact area, and the largest pressure at a node.
     force : float
@@ -36,9 +38,11 @@ class ContactNumbers:
     gradient_rms_contact : float
         Rms gradient of the deformed surface over the real contact.
     contact_nodes, patches : int
-        Nodes under pressure, and connected patches of them.
-    typical_patch_nodes : float
-        Patches of more nodes carry half of the load.
+        Nodes of the map under pressure, and connected patches of them.
+    typical_patch_width : float
+        Wider patches carry half of the load; in pixels.
+    pressure_on_spike : bool
+        True if the largest pressure is on a spike of the map.
     load_of_largest_node, load_on_small_patches : float
         Share of the load on one node, and on patches of at most four nodes.
     load_on_edges : float
@@ -62,7 +66,8 @@ class ContactNumbers:
     gradient_rms_contact: float
     contact_nodes: int
     patches: int
-    typical_patch_nodes: float
+    typical_patch_width: float
+    pressure_on_spike: bool
     load_of_largest_node: float
     load_on_small_patches: float
     load_on_edges: float
@@ -136,24 +141,40 @@ class Neighbours:
     largest_pressure: float
 
 
+def gap_of(face: TreatedMap, contact: Contact) -> Array:
+    """Gap on the nodes of the map, 0 where there is pressure."""
+    return face.part(np.where(contact.pressure > 0, 0.0, contact.gap))
+
+
+def sampling_error(face: TreatedMap) -> float:
+    """Relative standard deviation of the rms height between places of a surface, from one of them.
+
+    The power of each wave of a random surface varies by itself from place to place; the fewer waves bear most
+    of the height, the more it varies. A mirrored map has a quarter of the independent waves of its cell.
+    """
+    modes = Fourier(face.grid).forward(face.height)
+    power = np.abs(modes) ** 2
+    squares, total = (mean_square(modes, face.grid, weight) for weight in (power, np.ones_like(power)))
+    return float(0.5 * face.images * np.sqrt(squares) / total)
+
+
 def contact_span(face: TreatedMap, contact: Contact) -> float:
     """Width of the contact on the map over the edge of the map, the larger of those along y and x."""
-    touching = np.argwhere((contact.pressure > 0)[: face.map_shape[0], : face.map_shape[1]])
+    touching = np.argwhere(face.part(contact.pressure) > 0)
     if not touching.size:
         return 0.0
     return float(((np.ptp(touching, axis=0) + 1) / face.map_shape).max())
 
 
-def contact_numbers(face: TreatedMap, contact: Contact) -> ContactNumbers:
+def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> ContactNumbers:
     """Numbers of the contact: areas, pressures, patches."""
-    pressure = contact.pressure
-    touching = pressure > 0
-    patch, radii = contact_patches(touching, contact.boundary == "periodic")
-    nodes = np.bincount(patch.ravel())[1:]
-    carried = np.bincount(patch.ravel(), pressure.ravel().astype(float))[1:]
-    area = contact.area_fraction * face.map_area
-    force = contact.mean_pressure * face.map_area
-    total = float(pressure.sum(dtype=float))
+    face = rough.face
+    pressure, gap = face.part(contact.pressure), gap_of(face, contact)
+    load = spots["load_N"]
+    node = face.grid.area / face.grid.size
+    total, inside = max(float(load.sum()), 1e-300), float(pressure[1:-1, 1:-1].sum(dtype=float)) * node
+    area, force = contact.area_fraction * face.map_area, contact.mean_pressure * face.map_area
+    largest = np.array(np.unravel_index(pressure.argmax(), pressure.shape)) * face.grid.spacing
     roughness = roughness_parameters(face.height, face.grid.length)
     return ContactNumbers(
         nominal_area=face.map_area,
@@ -164,28 +185,29 @@ def contact_numbers(face: TreatedMap, contact: Contact) -> ContactNumbers:
         largest_pressure=float(pressure.max()),
         force=force,
         approach=contact.approach - float(contact.height.min()),
-        mean_gap=float(contact.gap.mean(dtype=float)),
+        mean_gap=float(gap.mean(dtype=float)),
         rms_height=roughness.rms_height,
         peak_to_valley=float(np.ptp(face.height)),
         rms_gradient=roughness.rms_gradient,
         gradient_rms_contact=contact.gradient_rms_contact,
-        contact_nodes=int(np.count_nonzero(touching)),
-        patches=int(radii.size),
-        typical_patch_nodes=_load_median(nodes, carried),
-        load_of_largest_node=float(pressure.max() / max(total, 1e-300)),
-        load_on_small_patches=float(carried[nodes <= 4].sum() / max(carried.sum(), 1e-300)),
-        load_on_edges=1 - float(pressure[1:-1, 1:-1].sum(dtype=float)) / total if total else 0.0,
+        contact_nodes=int(spots["nodes"].sum()),
+        patches=len(spots),
+        typical_patch_width=_load_median(spots) / max(face.grid.spacing),
+        pressure_on_spike=bool((np.abs(rough.spikes - largest) <= rough.reach).all(axis=1).any()),
+        load_of_largest_node=float(pressure.max()) * node / total,
+        load_on_small_patches=float(load[spots["nodes"] <= 4].sum()) / total,
+        load_on_edges=1 - inside / total,
         violation=contact.certificate.worst,
     )
 
 
-def _load_median(nodes: Array, carried: Array) -> float:
-    """Number of nodes of a patch such that larger patches carry half of the load."""
-    if not nodes.size:
+def _load_median(spots: pd.DataFrame) -> float:
+    """Width of a patch such that wider patches carry half of the load."""
+    if spots.empty:
         return 0.0
-    order = np.argsort(nodes)
-    share = np.cumsum(carried[order]) / carried.sum()
-    return float(nodes[order][np.searchsorted(share, 0.5)])
+    by_width = spots.sort_values("width_m")
+    carried = by_width["load_N"].cumsum().to_numpy()
+    return float(by_width["width_m"].iloc[np.searchsorted(carried, carried[-1] / 2)])
 
 
 def body_answer(body: Body, stress: StressInBody, face: TreatedMap) -> BodyAnswer:

@@ -6,7 +6,6 @@ All come from one stream of planes.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -14,9 +13,9 @@ import xarray as xr
 
 from asperity.contact import Contact
 from asperity.core.types import Array, Progress
-from asperity.elasticity.layer import Layer
-from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.engineering.case import Body, Case
+from asperity.engineering.case import Case
+from asperity.engineering.close_up import CloseUp
+from asperity.fourier.grid import Grid
 from asperity.stress.analysis import analyse_stress
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.planes.stream import LinearPlane
@@ -53,8 +52,21 @@ class Extreme(NamedTuple):
     x: float
 
 
-@dataclass(frozen=True)
-class StressInBody:
+class Kept(NamedTuple):
+    """Fields of the stress in one body that are kept for its pictures.
+
+    Parameters
+    ----------
+    planes : dict
+        Field → plane of its extreme value at the nodes: depth, grid, values.
+    close_ups : sequence of CloseUp
+    """
+
+    planes: dict[str, tuple[float, Grid, Array]]
+    close_ups: Sequence[CloseUp]
+
+
+class StressInBody(NamedTuple):
     """Stress in one body.
 
     Parameters
@@ -66,18 +78,20 @@ class StressInBody:
         that were asked for.
     above_yield : (planes,) array or None
         Share of each plane whose von Mises stress is above yield; None without a yield stress.
+    kept : Kept
     """
 
     dataset: xr.Dataset
     extremes: dict[str, Extreme]
     above_yield: Array | None
+    kept: Kept
 
 
 def stress_in(
     contact: Contact,
     case: Case,
     name: str,
-    fields: Sequence[str] = (),
+    near: Sequence[CloseUp] = (),
     progress: Progress | None = None,
 ) -> StressInBody:
     """Stress in one body under the contact pressure, with its own modulus and Poisson's ratio, in Pa.
@@ -86,46 +100,31 @@ def stress_in(
     ----------
     contact : Contact
     case : Case
+        The peaks of its fields are found beside those of `QUANTITIES`.
     name : "lower" or "upper"
-    fields : names
-        Fields of `asperity.stress_planes` whose peaks are found beside `QUANTITIES`.
+    near : sequence of CloseUp, optional
+        Take the fields of the case.
     progress : callable, optional
     """
     body = case.bodies[name]
-    scaled, modulus = scaled_solid(contact, body)
-    limit = None if body.yield_stress is None else body.yield_stress / modulus
-    watch = _Extremes(
-        [*DIRECTION, *(field for field in fields if field not in DIRECTION)], body.poisson, limit
-    )
+    watch = _Extremes(case.fields, body.poisson, body.yield_stress)
+
+    def observe(plane: LinearPlane) -> None:
+        watch.add(plane)
+        for each in near:
+            each.add(plane, case.fields, body.poisson, contact.boundary == "periodic")
+
     dataset = analyse_stress(
-        scaled,
+        contact.in_body(name),
         depth_grid(contact.grid, body.height, DEPTH_SPACING, DEPTH_GROWTH),
-        quantities=[*QUANTITIES, *(field for field in fields if field not in QUANTITIES)],
+        quantities=list(dict.fromkeys((*QUANTITIES, *case.fields))),
         tolerance=STRESS_TOLERANCE,
         progress=progress,
-        observe=watch.add,
+        observe=observe,
         **case.sliding_of(name),
     )
-    extremes = {field: found._replace(value=found.value * modulus) for field, found in watch.found.items()}
-    above = None if limit is None else np.array(watch.above)
-    return StressInBody(in_pascal(dataset, modulus), extremes, above)
-
-
-def scaled_solid(contact: Contact, body: Body) -> tuple[LoadedSolid, float]:
-    """A body under the contact pressure in units of its E*, and that E* in Pa.
-
-    Stresses are computed in these units, in which they are at most of order one.
-    """
-    modulus = body.layer.effective_modulus
-    layer = Layer(1 - body.poisson**2, body.poisson, body.height, body.bottom)
-    return LoadedSolid(contact.pressure / modulus, contact.grid, layer, contact.boundary), modulus
-
-
-def in_pascal(dataset: xr.Dataset, modulus: float) -> xr.Dataset:
-    """A stress dataset in units of a modulus as one in Pa."""
-    squared = ("covariance_depth", "covariance_plane")
-    stresses = {"peak_value": 1, "mean_von_mises": 1, "largest_von_mises": 1, **dict.fromkeys(squared, 2)}
-    return dataset.assign({name: dataset[name] * modulus**power for name, power in stresses.items()})
+    above = None if body.yield_stress is None else np.array(watch.above)
+    return StressInBody(dataset, watch.found, above, Kept(watch.planes, near))
 
 
 class _Extremes:
@@ -135,14 +134,18 @@ class _Extremes:
     ----------
     found : dict
         Field → its extreme value so far, and its place in the cell.
+    planes : dict
+        Field to be drawn → depth, grid and values of the plane of its extreme value so far.
     above : list of float
         Share of each plane whose von Mises stress is above the limit.
     """
 
-    def __init__(self, fields: Sequence[str], poisson: float, limit: float | None) -> None:
+    def __init__(self, drawn: Sequence[str], poisson: float, limit: float | None) -> None:
         self.found: dict[str, Extreme] = {}
+        self.planes: dict[str, tuple[float, Grid, Array]] = {}
         self.above: list[float] = []
-        self._fields, self._poisson, self._limit = fields, poisson, limit
+        self._fields, self._drawn = list(dict.fromkeys((*DIRECTION, *drawn))), drawn
+        self._poisson, self._limit = poisson, limit
 
     def add(self, plane: LinearPlane) -> None:
         """Add the next plane."""
@@ -181,6 +184,8 @@ class _Extremes:
             row, column = divmod(int(nodes[best]), plane.grid.shape[1])
             y, x = row * plane.grid.spacing[0], column * plane.grid.spacing[1]
             self.found[name] = Extreme(float(values[best]), plane.depth, y, x)
+            if name in self._drawn:
+                self.planes[name] = plane.depth, plane.grid, plane.field(name, self._poisson).copy()
 
 
 def _size(name: str, values: Array) -> Array:

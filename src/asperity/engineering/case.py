@@ -261,6 +261,11 @@ class Case:
         return {"lower": self.lower} if self.upper is None else {"lower": self.lower, "upper": self.upper}
 
     @property
+    def different_bodies(self) -> dict[str, Body]:
+        """The elastic bodies by name; of two with the same stress, without friction, only the lower one."""
+        return {"lower": self.lower} if self.lower == self.upper and not self.friction else self.bodies
+
+    @property
     def solid(self) -> Layer | TwoBodies:
         """What the solver presses."""
         return self.lower.layer if self.upper is None else TwoBodies(self.lower.layer, self.upper.layer)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from dataclasses import replace
 from pathlib import Path
@@ -21,6 +22,9 @@ from asperity.surface.treatment.treatment import TreatedMap, missing_options, tr
 LONGEST_NAME = 60
 """Characters of the name of a map that titles show at most."""
 
+SPIKE_REACH = 1.5
+"""Pixels beside a spike that belong to it, after the map is levelled and resampled."""
+
 ASSUMED = f"orientation: the file does not say which way is up; taken as {PEAKS_UP}, as instruments show them"
 
 
@@ -34,11 +38,17 @@ class RoughFace(NamedTuple):
         As of `asperity.surface.description.map_warnings`.
     spikes : (spikes, 2) array
         Places (y, x) on the map of the spikes that were not removed.
+    reach : (y, x)
+        Distance from its place up to which a spike reaches.
+    files : tuple of str
+        Path, size and checksum of each file that was read.
     """
 
     face: TreatedMap
     doubts: tuple[str, ...]
     spikes: Array
+    reach: tuple[float, float] = (0.0, 0.0)
+    files: tuple[str, ...] = ()
 
 
 def read_face(source: Source, options: MapOptions, counter: CounterMap | None = None) -> RoughFace:
@@ -51,9 +61,14 @@ def read_face(source: Source, options: MapOptions, counter: CounterMap | None = 
         together.
     """
     name, surface, doubts, spikes = _read(source, options)
+    sources = [source] if counter is None else [source, counter.source]
+    files = tuple(_described(path) for path in sources if not isinstance(path, HeightMap))
     if counter is None:
         treated = treat_map(surface, _completed(options, surface))
-        return RoughFace(replace(treated, name=name), doubts, spikes)
+        y, x = surface.spacing
+        return RoughFace(
+            replace(treated, name=name), doubts, spikes, (SPIKE_REACH * y, SPIKE_REACH * x), files
+        )
     own = counter.options or options
     counter_name, counter_surface, counter_doubts, _ = _read(counter.source, own)
     level, filled, done = _levelled(surface, options)
@@ -69,7 +84,14 @@ def read_face(source: Source, options: MapOptions, counter: CounterMap | None = 
     ]
     face = replace(treated, name=f"{name} on {counter_name}", treatment=record, done=tuple(lines))
     of_both = *doubts, *(f"{doubt} (counter map)" for doubt in counter_doubts)
-    return RoughFace(face, of_both, spikes[:0])
+    return RoughFace(face, of_both, spikes[:0], files=files)
+
+
+def _described(path: str | os.PathLike[str]) -> str:
+    """Path, size and checksum of a file."""
+    with open(path, "rb") as file:
+        checksum = hashlib.file_digest(file, "sha256").hexdigest()
+    return one_line(f"{os.path.abspath(path)}, {os.path.getsize(path):,} bytes, SHA-256 {checksum}")
 
 
 def _read(source: Source, options: MapOptions) -> tuple[str, HeightMap, tuple[str, ...], Array]:

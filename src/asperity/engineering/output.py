@@ -17,22 +17,16 @@ import xarray as xr
 import yaml
 
 from asperity.core.errors import DatasetError
-from asperity.core.units import shown_si
-from asperity.engineering.answer import Answer, body_title
+from asperity.engineering.answer import Answer
 from asperity.engineering.case import Case
-from asperity.engineering.report import Picture, report_page
+from asperity.engineering.pictures import pictures, suffix_of
+from asperity.engineering.report import report_page
 from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.results.variables import SI_UNITS
 from asperity.surface.reading.height_map import HeightMap
 from asperity.surface.roughness import surface_dataset
-from asperity.views.maps import plot_height, plot_pressure
-from asperity.views.peak_plot import plot_peaks
-from asperity.views.plane_plot import plot_plane
-from asperity.views.section_plot import plot_section
-from asperity.views.stress_field import POSITIVE, field_words
-from asperity.views.style import plain_text
 
 MANIFEST = ".asperity-run.json"
 """File with the names of all files of an answer in its folder, so that no other file is ever replaced."""
@@ -44,13 +38,8 @@ COMPLETE = ".complete"
 """Name of that folder once all its files are written, which then replace those of an earlier answer."""
 
 ALWAYS_WRITTEN = (
-    "case.yaml",
-    "surface.nc",
-    "contact.nc",
-    "peaks.csv",
-    "answer.csv",
-    "height.png",
-    "report.html",
+    *("case.yaml", "surface.nc", "contact.nc", "peaks.csv", "spots.csv", "gaps.csv", "answer.csv"),
+    *("height.png", "report.html"),
 )
 
 
@@ -184,10 +173,14 @@ def _write_results(answer: Answer, folder: Path) -> None:
     dataset.write(surface_of(answer), folder / "surface.nc", f"R{surface[1:]}", settings)
     contact = contact_dataset(answer)
     dataset.write(contact, folder / "contact.nc", f"Contact with {surface}", settings)
-    for body in answer.bodies:
-        title = f"Stress under {surface}" + (f", {body} body" if len(answer.bodies) > 1 else "")
-        dataset.write(stress_dataset(answer, body), folder / f"stress{_of(answer, body)}.nc", title, settings)
+    for body in answer.case.different_bodies:
+        title = f"Stress under {surface}{suffix_of(answer, body).replace('_', ', ')}"
+        dataset.write(
+            stress_dataset(answer, body), folder / f"stress{suffix_of(answer, body)}.nc", title, settings
+        )
     write_table(answer.peaks(), "answer_peaks", folder / "peaks.csv", float_format="%.8g")
+    write_table(answer.spots, "answer_spots", folder / "spots.csv", float_format="%.8g")
+    write_table(answer.gaps(), "answer_gaps", folder / "gaps.csv", float_format="%.8g")
     write_table(answer.frame(), "answer", folder / "answer.csv", float_format="%.8g")
 
 
@@ -198,13 +191,7 @@ def _write_report(answer: Answer, folder: Path) -> None:
         path = folder / f"{picture.name}.png"
         picture.figure.savefig(path, metadata={"Software": None})
         shown.append((picture, path.read_bytes()))
-    settings = json.dumps(settings_of(answer), indent=2, ensure_ascii=False)
-    write_text(folder / "report.html", report_page(answer, shown, settings))
-
-
-def _of(answer: Answer, body: str) -> str:
-    """End of the name of a file of one body, if there are two."""
-    return f"_{body}" if len(answer.bodies) > 1 else ""
+    write_text(folder / "report.html", report_page(answer, shown, case_text(answer.case, folder.parent)))
 
 
 def settings_of(answer: Answer) -> dict[str, Any]:
@@ -262,78 +249,24 @@ def contact_dataset(answer: Answer) -> xr.Dataset:
         settings=json.dumps(settings_of(answer), sort_keys=True),
         force=answer.numbers.force,
         approach_since_first_touch=answer.numbers.approach,
-        **_solid(answer, "lower"),
     )
 
 
-def stress_dataset(answer: Answer, body: str) -> xr.Dataset:
-    """The stress in one body."""
-    part = answer.bodies[body]
+def stress_dataset(answer: Answer, name: str) -> xr.Dataset:
+    """The stress in one body, with attributes that describe it as in the files of the study."""
+    part, body = answer.bodies[name], answer.case.bodies[name]
     attributes: dict[str, Any] = {
         "unit_system": SI_UNITS,
-        "body": body,
-        **_solid(answer, body),
-        "gradient_rms_contact": answer.numbers.gradient_rms_contact,
-    }
-    if part.body.yield_stress is not None:
-        attributes["yield_stress"] = part.body.yield_stress
-        attributes["volume_above_yield"] = part.volume_above_yield
-    return answer.stresses[body].assign_attrs(attributes)
-
-
-def _solid(answer: Answer, name: str) -> dict[str, Any]:
-    """Attributes that describe a body, named as in the files of the study."""
-    body = answer.case.bodies[name]
-    return {
+        "body": name,
         "solid": "half-space" if body.height is None else f"layer, {body.bottom} bottom",
         "solid_reason": "asked for",
         "solid_bound": 0.0,
         "uniform_mode": "laterally confined",
         "poisson_contact": body.poisson,
         "young": body.young,
+        "gradient_rms_contact": answer.numbers.gradient_rms_contact,
     }
-
-
-def pictures(answer: Answer) -> Iterator[Picture]:
-    """Pictures of an answer: height, contact pressure, and the stress in each body.
-
-    Mirror images of the map are left out. The stress is drawn in a section and a plane through the extreme
-    value of each field, and as its peaks.
-    """
-    face, name = answer.face, plain_text(answer.face.name)
-    contact = {name: contact_dataset(answer)}
-    y, x = (0.0, face.map_length[0]), (0.0, face.map_length[1])
-    yield Picture(
-        "height",
-        "Heights as pressed face down, the lowest touch first, with the outlines of the real contact.",
-        plot_height(contact, y=y, x=x),
-    )
-    yield Picture("pressure", "Contact pressure.", plot_pressure(contact, y=y, x=x))
-    images = ", with those of the mirror images of the map" if face.is_mirrored else ""
-    for body, field in ((body, field) for body in answer.bodies for field in answer.case.fields):
-        found, title = answer.bodies[body].largest[field], body_title(answer.case, body)
-        suffix = ("" if field == "von_mises" else f"_{field}") + _of(answer, body)
-        word = field_words(field)
-        capital = word[0].upper() + word[1:]
-        extreme = "largest" if field in POSITIVE else "extreme"
-        if answer.numbers.contact_nodes:
-            yield Picture(
-                f"section{suffix}",
-                f"{capital} in the vertical section at y = {shown_si(found.y, 'm', 4)}, through its "
-                f"{extreme} value; {title}.",
-                plot_section(contact, y=found.y, x=x, field=field, body=body),
-                body,
-            )
-            yield Picture(
-                f"plane{suffix}",
-                f"{capital} at the depth of its {extreme} value, {shown_si(found.depth, 'm', 3)}; {title}.",
-                plot_plane(contact, found.depth, field, y=y, x=x, body=body),
-                body,
-            )
-        if (answer.stresses[body]["peak_quantity"] == field).any():
-            yield Picture(
-                f"peaks{suffix}",
-                f"Peaks of the {word} and their depth{images}; {title}.",
-                plot_peaks({name: stress_dataset(answer, body)}, field),
-                body,
-            )
+    if part.body.yield_stress is not None:
+        attributes["yield_stress"] = part.body.yield_stress
+        attributes["volume_above_yield"] = part.volume_above_yield
+    return answer.stresses[name].assign_attrs(attributes)

@@ -5,36 +5,29 @@ from __future__ import annotations
 import base64
 import platform
 from collections.abc import Sequence
+from datetime import datetime
 from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 from itertools import groupby
-from typing import TYPE_CHECKING, NamedTuple
 
+from asperity.core.units import scaled_unit, shown_si
 from asperity.core.version import __version__
 from asperity.engineering.advice import WARNING
 from asperity.engineering.answer import Answer, body_title, case_in_words
+from asperity.engineering.pictures import Picture
 from asperity.results.dataset import PAPER
 
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+SPOTS = 10
+"""Patches of contact in the report."""
+
+GAP_SHARES = (0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99)
+"""Shares of the area whose gap the report has."""
 
 PACKAGES = ("numpy", "numba", "ducc0", "xarray", "SurfaceTopography")
 """Packages whose versions the report names."""
 
 
-class Picture(NamedTuple):
-    """A picture: the name of its file without the ending, its caption, the figure, and the body it shows.
-
-    The body is empty for pictures of the contact.
-    """
-
-    name: str
-    caption: str
-    figure: Figure
-    body: str = ""
-
-
-def report_page(answer: Answer, pictures: Sequence[tuple[Picture, bytes]], settings: str) -> str:
+def report_page(answer: Answer, pictures: Sequence[tuple[Picture, bytes]], case_file: str) -> str:
     """The report as HTML.
 
     Parameters
@@ -42,8 +35,8 @@ def report_page(answer: Answer, pictures: Sequence[tuple[Picture, bytes]], setti
     answer : Answer
     pictures : sequence of (Picture, content of its PNG file)
         They become part of the page.
-    settings : str
-        Settings of the answer as text.
+    case_file : str
+        Content of the case file that repeats the answer.
     """
     from jinja2 import Environment, StrictUndefined
 
@@ -63,30 +56,59 @@ def report_page(answer: Answer, pictures: Sequence[tuple[Picture, bytes]], setti
         headline=headline(answer),
         groups=groupby(answer.rows, key=lambda row: row.group),
         picture_groups=groups,
-        settings=settings,
+        case_file=case_file,
+        date=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
+        spots=spot_rows(answer),
+        gaps=gap_rows(answer),
         versions=versions(),
         paper=PAPER,
         version=__version__,
     )
 
 
-def headline(answer: Answer) -> list[tuple[str, str]]:
-    """The numbers that are asked for first, of the contact and of every elastic body: name and value."""
-    shown = {(row.group, row.name): row.shown for row in answer.rows}
-    numbers = [
-        ("real contact", f"{100 * answer.numbers.area_fraction:.3g} %"),
-        ("largest pressure", shown["contact", "largest pressure"]),
-    ]
-    for name in answer.bodies:
+def headline(answer: Answer) -> list[tuple[str, str, str]]:
+    """The numbers that are asked for first: name, value and estimate."""
+    rows = {(row.group, row.name): row.shown for row in answer.rows}
+    wanted = [("contact", "real contact", ""), ("contact", "largest pressure", "")]
+    for name in answer.case.different_bodies:
+        where = f", {name} body" if len(answer.case.different_bodies) > 1 else ""
         group = body_title(answer.case, name)
-        where = f", {name} body" if len(answer.bodies) > 1 else ""
-        numbers += [
-            (f"largest von Mises stress{where}", shown[group, "largest von Mises stress"]),
-            (f"at depth{where}", shown[group, "at depth"]),
+        wanted += [
+            (group, row, where) for row in ("largest von Mises stress", "at depth", "volume above yield")
         ]
-        if (group, "share above yield") in shown:
-            numbers.append((f"above yield{where}", shown[group, "volume above yield"]))
-    return numbers
+    found = []
+    for group, row, where in wanted:
+        if (group, row) in rows:
+            value, _, estimate = rows[group, row].partition("; ")
+            found.append((row + where, value, estimate))
+    return found
+
+
+def spot_rows(answer: Answer) -> list[list[str]]:
+    """The patches of contact that bear most of the load, in words."""
+    found = []
+    for spot in answer.spots.head(SPOTS).itertuples():
+        factor, symbol = scaled_unit([spot.x_m, spot.y_m], "m")
+        load, area, length, width, pressure = (
+            shown_si(value, unit, 3)
+            for value, unit in (
+                (spot.load_N, "N"),
+                (spot.area_m2, "m^2"),
+                (spot.length_m, "m"),
+                (spot.width_m, "m"),
+                (spot.largest_pressure_Pa, "Pa"),
+            )
+        )
+        share = f"{load} ({100 * spot.load_N / answer.numbers.force:.2g} %)"
+        place = f"{spot.x_m / factor:.4g}, {spot.y_m / factor:.4g} {symbol}"
+        found.append([share, area, place, length, width, f"{spot.angle_deg:.0f}°", pressure])
+    return found
+
+
+def gap_rows(answer: Answer) -> list[tuple[str, str]]:
+    """Shares of the area, and the gap that they have or are below."""
+    gaps = answer.gaps().set_index("share")["gap_m"]
+    return [(f"{100 * share:g} %", shown_si(gaps.loc[share], "m", 3)) for share in GAP_SHARES]
 
 
 def versions() -> list[tuple[str, str]]:

@@ -21,8 +21,11 @@ from asperity.engineering.answer_numbers import (
 )
 from asperity.engineering.body_stress import stress_in
 from asperity.engineering.case import Body, Case, CounterMap, Load
+from asperity.engineering.close_up import close_ups
 from asperity.engineering.continuum import continuum
 from asperity.engineering.face import RoughFace, read_face
+from asperity.engineering.spots import contact_spots
+from asperity.fourier.grid import Grid
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -146,13 +149,18 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     rough = rough or read_face(case.source, case.options, case.counter_map)
     face = rough.face
     contact = press(face, case, _part(progress, 0.1, 0.5))
-    share = 0.5 / len(case.bodies)
-    stresses, limits = {}, {}
-    for number, name in enumerate(case.bodies):
+    periodic = face.boundary == "periodic" and not face.is_mirrored
+    spots = contact_spots(face.part(contact.pressure), Grid(face.map_shape, face.map_length), periodic)
+    share = 0.5 / len(case.different_bodies)
+    stresses, bodies, limits = {}, {}, {}
+    for number, name in enumerate(case.different_bodies):
         begin, middle, end = (0.5 + share * (number + part) for part in (0, 0.7, 1))
-        stresses[name] = stress_in(contact, case, name, case.fields, _part(progress, begin, middle))
+        near = close_ups(face, contact, spots)
+        stresses[name] = stress_in(contact, case, name, near, _part(progress, begin, middle))
+        bodies[name] = body_answer(case.bodies[name], stresses[name], face)
         main = stresses[name].dataset.sel(quantity=list(LIMITED))
         limits[name] = continuum(contact, main, body=name, progress=_part(progress, middle, end))
+    same = {name: name if name in bodies else "lower" for name in case.bodies}
     neighbours = None
     if case.options.radius is not None and face.boundary == "periodic":
         neighbours = neighbours_of(face, case, contact)
@@ -160,10 +168,12 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         case=case,
         rough=rough,
         contact=contact,
-        numbers=contact_numbers(face, contact),
-        bodies={name: body_answer(case.bodies[name], stress, face) for name, stress in stresses.items()},
-        stresses={name: stress.dataset for name, stress in stresses.items()},
-        limits=limits,
+        spots=spots,
+        numbers=contact_numbers(rough, contact, spots),
+        bodies={name: bodies[own] for name, own in same.items()},
+        stresses={name: stresses[own].dataset for name, own in same.items()},
+        kept={name: stresses[own].kept for name, own in same.items()},
+        limits={name: limits[own] for name, own in same.items()},
         neighbours=neighbours,
     )
     _require_finite(answer)

@@ -14,6 +14,9 @@ from asperity.views.panels import add_colour_bar, canvas, finish_title
 from asperity.views.scales import ON_WHITE, SEQUENTIAL, Limits, Measure, measure, robust_limits
 from asperity.views.source import Part, Source, Span, sources
 
+LEVEL = "C4"
+"""Colour of a contour."""
+
 PIXELS = 1024
 """Most pixels along an edge; a pixel of a finer grid stands for a block of nodes."""
 
@@ -49,7 +52,7 @@ class Look(NamedTuple):
     colours : str
         Colour map.
     outline : str
-        Colour of the outlines of contacts.
+        Colour of the outlines of contacts; empty for none.
     reduce : callable
         Value of a pixel from those of the nodes that it stands for.
     low : float or None
@@ -72,8 +75,8 @@ class Look(NamedTuple):
         return found.symmetric() if self.signed else found
 
 
-HEIGHT = Look("height of the rough face, lowest touches first", "length", SEQUENTIAL, "white", np.mean)
-PRESSURE = Look("contact pressure", "stress", ON_WHITE, "0.5", np.fmax.reduce, low=0.0)
+HEIGHT = Look("height, lowest touches first", "length", SEQUENTIAL, "white", np.mean)
+PRESSURE = Look("contact pressure", "stress", ON_WHITE, "", np.fmax.reduce, low=0.0)
 GAP = Look("gap", "length", SEQUENTIAL, "white", np.mean, low=0.0)
 
 
@@ -178,8 +181,10 @@ def _plot(
     return draw_maps(maps, look, axes)
 
 
-def draw_maps(maps: Sequence[Map], look: Look, axes: Axes | Sequence[Axes] | None) -> Figure:
-    """Draw maps in common colours, and their colour bar."""
+def draw_maps(
+    maps: Sequence[Map], look: Look, axes: Axes | Sequence[Axes] | None, level: float | None = None
+) -> Figure:
+    """Draw maps in common colours, and their colour bar; `level` is the value of a contour."""
     system = maps[0].source.system
     limits = look.limits(shown.values for shown in maps)
     unit = measure([limits.low, limits.high], look.dimension, system)
@@ -188,12 +193,20 @@ def draw_maps(maps: Sequence[Map], look: Look, axes: Axes | Sequence[Axes] | Non
     tallest = max(np.ptp(y) / np.ptp(x) for y, x in nodes)
     with canvas(len(maps), axes, shape=float(tallest)) as (figure, panels):
         for axis, shown in zip(panels, maps, strict=True):
-            _draw(axis, shown, look, limits, unit, length)
+            _draw(axis, shown, look, limits, unit, length, level)
         add_colour_bar(figure, panels, look.colours, limits, unit, look.label)
     return figure
 
 
-def _draw(axis: Axes, shown: Map, look: Look, limits: Limits, unit: Measure, length: Measure) -> None:
+def _draw(
+    axis: Axes,
+    shown: Map,
+    look: Look,
+    limits: Limits,
+    unit: Measure,
+    length: Measure,
+    level: float | None = None,
+) -> None:
     size = [max(1, -(-nodes // PIXELS)) for nodes in shown.values.shape]
     # Edges of the nodes that are shown, and of the pixels, which are blocks of nodes and may reach further.
     begin, end, last = [], [], []
@@ -211,7 +224,10 @@ def _draw(axis: Axes, shown: Map, look: Look, limits: Limits, unit: Measure, len
         norm=limits.normalise(unit),
         cmap=look.colours,
     )
-    if "pressure" in shown.source.fields:
+    if level is not None:
+        drawn = blocks(shown.values, size, look.reduce)
+        draw_level(axis, level, drawn, origin="lower", extent=extent)
+    if look.outline and "pressure" in shown.source.fields:
         pressed = shown.source.fields["pressure"][shown.part] > 0
         contacts = blocks(pressed.astype(np.float32), size, np.max)
         if min(contacts.shape) > 1 and contacts.min() < contacts.max():
@@ -228,6 +244,12 @@ def _draw(axis: Axes, shown: Map, look: Look, limits: Limits, unit: Measure, len
     axis.spines[["top", "right"]].set_visible(True)
     title = ", ".join(text for text in (shown.source.title, shown.note) if text)
     finish_title(axis, title, limits.beyond(shown.values, unit))
+
+
+def draw_level(axis: Axes, level: float, values: Array, **place: Any) -> None:
+    """Draw the contour of a value, if it occurs."""
+    if min(values.shape) > 1 and values.min() < level < values.max():
+        axis.contour(values, levels=[level], colors=LEVEL, linewidths=0.8, **place)
 
 
 def blocks(values: Array, size: Sequence[int], reduce: Callable[..., Array]) -> Array:

@@ -19,7 +19,7 @@ LEAST_HEIGHT, MOST_HEIGHT = 30 * MILLIMETRE, 150 * MILLIMETRE
 """Heights of a panel; cells that are longer or wider leave some of it free."""
 
 LABELS = 16 * MILLIMETRE
-"""Height of the labels and the title of a panel."""
+"""Width of the labels of a panel beside it, and height of those above and below it."""
 
 BAR = 22 * MILLIMETRE
 """Width of the colour bar beside the panels with all labels, or its height below them."""
@@ -59,7 +59,7 @@ def canvas(
     across = min(count, columns) if count != 4 else min(2, columns)
     rows = -(-count // across)
     width = SINGLE if count == 1 and columns > 1 else PAGE
-    height = min(max(shape * (width - BAR) / across, LEAST_HEIGHT), MOST_HEIGHT)
+    height = min(max(shape * ((width - BAR) / across - LABELS), LEAST_HEIGHT), MOST_HEIGHT)
     bar_below = BAR if columns == 1 else 0.0
     with style():
         figure = Figure(figsize=(width, rows * (height + LABELS) + bar_below), layout="compressed")

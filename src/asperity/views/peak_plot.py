@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,7 @@ def plot_peaks(
     poisson: float | None = None,
     *,
     axes: Axes | Sequence[Axes] | None = None,
+    yield_stress: float | None = None,
 ) -> Figure:
     """Magnitude and depth of the stress peaks, each a point; those under a contact in another colour.
 
@@ -56,6 +58,8 @@ def plot_peaks(
         One of the analysed Poisson's ratios, by default that of the contact.
     axes : Axes or sequence of Axes, optional
         Where to draw, one for each result; by default in a new figure.
+    yield_stress : float, optional
+        It is marked, and the depth down to which it is reached is shown.
 
     Returns
     -------
@@ -92,6 +96,11 @@ def plot_peaks(
         depth[size >= LARGE_PEAK * size.max(initial=0.0)] for depth, size in zip(depths, sizes, strict=True)
     ]
     deepest = robust_limits(large if any(depth.any() for depth in large) else depths, 0.0)
+    reached = [deepest.high]
+    for _, profile in found:
+        if yield_stress is not None and profile is not None:
+            reached.append(profile[0][profile[1] > yield_stress].max(initial=0.0))
+    deepest = replace(deepest, high=max(reached))
     unit = measure(limits.high, "stress", system)
     length = measure(deepest.high, "length", system)
     in_surface = not any(depth.any() for depth in depths)
@@ -103,6 +112,8 @@ def plot_peaks(
                 axis.hist(shown, bins=BINS, range=(0, high), color="C0")
                 axis.set(xlim=(0, high), ylabel="number of peaks")
             else:
+                if yield_stress is not None:
+                    axis.axvline(yield_stress / unit.factor, color="C6", lw=0.8, label="yield stress")
                 _draw_points(axis, data, profile, limits, deepest, unit, length)
             axis.locator_params(axis="x", nbins=TICKS)
             axis.set_xlabel(unit.label(f"magnitude of peaks of {field_name(quantity)}"))

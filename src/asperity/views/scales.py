@@ -156,7 +156,9 @@ class Limits:
             (np.count_nonzero(values < self.low - self._slack), "below", np.nanmin(values, initial=np.inf)),
         ):
             if count:
-                parts.append(f"{count} {word} the scale, to {unit.text(float(extreme), 3)}")
+                points = "point" if count == 1 else "points"
+                bound = "up to" if word == "above" else "down to"
+                parts.append(f"{count} {points} {word} the scale, {bound} {unit.text(float(extreme), 3)}")
         return "; ".join(parts)
 
 

@@ -14,7 +14,7 @@ from matplotlib.figure import Figure
 from asperity.core.types import Progress
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.section import stress_section
-from asperity.views.maps import Look, blocks
+from asperity.views.maps import LEVEL, Look, blocks
 from asperity.views.panels import add_colour_bar, canvas, finish_title
 from asperity.views.scales import Limits, Measure, measure
 from asperity.views.source import Span
@@ -101,7 +101,21 @@ def plot_section(
         sections = [
             section.isel(depth=slice(np.searchsorted(section["depth"], bottom) + 1)) for section in sections
         ]
-    system = found[0].source.system
+    return draw_sections(sections, look, found[0].source.system, axes)
+
+
+def draw_sections(
+    sections: Sequence[xr.DataArray],
+    look: Look,
+    system: str | None,
+    axes: Axes | Sequence[Axes] | None,
+    level: float | None = None,
+) -> Figure:
+    """Draw stresses (depth, along) below each other in common colours; their names are the titles.
+
+    The coordinate ``contact`` says where the surface above touches; `level` is the value of a contour.
+    """
+    limits = look.limits(section.values for section in sections)
     unit = measure([limits.low, limits.high], "stress", system)
     positions = [section[section.dims[1]].values for section in sections]
     length = measure([nodes[-1] for nodes in positions], "length", system)
@@ -111,7 +125,7 @@ def plot_section(
     )
     with canvas(len(sections), axes, shape, columns=1) as (figure, panels):
         for axis, section in zip(panels, sections, strict=True):
-            _draw(axis, section, look, limits, unit, length)
+            _draw(axis, section, look, limits, unit, length, level)
         add_colour_bar(figure, panels, look.colours, limits, unit, look.label, below=True)
     return figure
 
@@ -170,7 +184,13 @@ def _faded_below(section: xr.DataArray, faded: float) -> float:
 
 
 def _draw(
-    axis: Axes, section: xr.DataArray, look: Look, limits: Limits, unit: Measure, length: Measure
+    axis: Axes,
+    section: xr.DataArray,
+    look: Look,
+    limits: Limits,
+    unit: Measure,
+    length: Measure,
+    level: float | None,
 ) -> None:
     along = str(section.dims[1])
     starts = np.arange(0, section.sizes[along], -(-section.sizes[along] // MAX_POINTS))
@@ -186,9 +206,15 @@ def _draw(
         shading="gouraud",
         rasterized=True,
     )
+    if level is not None:
+        axis.contour(position, depth, values, levels=[level], colors=LEVEL, linewidths=0.8)
     # The contacts are bars on the upper edge, as thick as two spines.
-    bars = np.where(np.maximum.reduceat(section["contact"].values, starts), 0.0, np.nan)
-    axis.plot(position, bars, color="k", lw=3, solid_capstyle="butt", clip_on=False, zorder=5)
+    touching = np.flatnonzero(np.maximum.reduceat(section["contact"].values, starts))
+    ends = np.append(position, 2 * position[-1] - position[-2])
+    half = (ends[touching + 1] - ends[touching]) / 2
+    axis.hlines(
+        0 * half, position[touching] - half, position[touching] + half, "k", lw=3, clip_on=False, zorder=5
+    )
     axis.set(
         xlim=(position[0], position[-1]),
         ylim=(depth[-1], 0),

@@ -135,6 +135,10 @@ class TreatedMap:
         """Area of the map."""
         return self.map_length[0] * self.map_length[1]
 
+    def part(self, field: Array) -> Array:
+        """The part of a field over the cell that lies on the map."""
+        return field[: self.map_shape[0], : self.map_shape[1]]
+
     def is_on_map(self, y: Array, x: Array) -> Array:
         """True for places in the cell that belong to the map, and not to one of its mirror images.
 
@@ -161,9 +165,8 @@ class TreatedMap:
 
     def map_alone(self) -> TreatedMap:
         """The surface without its periodic images and mirror images: nothing surrounds it."""
-        rows, columns = self.map_shape
         grid = Grid(self.map_shape, self.map_length)
-        return replace(self, height=self.height[:rows, :columns], grid=grid, images=1, boundary="free")
+        return replace(self, height=self.part(self.height), grid=grid, images=1, boundary="free")
 
 
 def prepare_map(path: str | os.PathLike[str], options: MapOptions | None = None, **given: Any) -> TreatedMap:
