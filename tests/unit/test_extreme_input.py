@@ -67,7 +67,7 @@ def test_single_precision_is_refined_in_double(height, settings, bound):
 
 
 def test_contact_refined_in_double_fits_memory_estimate():
-    height = rough((256, 256)) + 1.0
+    height = rough((160, 160)) + 1.0
 
     def peak(dtype):
         tracemalloc.start()
