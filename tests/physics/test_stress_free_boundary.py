@@ -111,7 +111,7 @@ def test_coarse_planes_are_within_their_bound(make, friction, tolerance):
     assert nodes[-1] == 48
 
 
-def test_peaks_of_a_free_map_are_those_of_the_sphere():
+def test_peaks_of_free_map_are_the_spheres():
     names = ("von_mises", "largest_shear")
     data = asp.analyse_stress(ellipse(0.1, 0.1, (96, 96)), poisson=0.3, quantities=names)
     strongest = data.isel(peak=int(data["peak_value"].values.argmax()))

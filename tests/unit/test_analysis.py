@@ -41,7 +41,7 @@ def exact(contact):
     return asp.analyse_stress(contact, poisson=RATIOS, tolerance=0)
 
 
-def test_peaks_are_those_of_a_search_in_full_planes(contact):
+def test_peaks_are_those_of_searched_planes(contact):
     """On one grid throughout, against the plain search through planes of each field."""
     depths = depth_grid(contact.grid, growth=0.3)
     data = asp.analyse_stress(contact, depths, RATIOS, QUANTITIES, tolerance=0, floor=0.0)

@@ -25,7 +25,7 @@ OUT_OF_RANGE = [np.nan, np.inf, np.float32("nan"), 10**400, -(10**6000), 2.5]
 
 
 @pytest.mark.parametrize("check", [number, whole_number])
-def test_anything_else_than_a_number_in_range_is_refused(check):
+def test_anything_but_numbers_in_range_is_refused(check):
     for values, error in ((NO_NUMBERS, TypeError), (OUT_OF_RANGE, ValueError)):
         for value in values:
             with pytest.raises(error, match=r"^n = .*: a small number is needed$"):

@@ -268,7 +268,7 @@ def test_huge_start_and_tension_change_nothing(scale, kind, method):
     assert contact.mean_pressure == pytest.approx(cold.mean_pressure, rel=1e-2)
 
 
-def test_balanced_start_on_one_of_two_spheres_is_no_solution():
+def test_start_on_one_sphere_finds_the_other():
     """Nothing is wrong with its contact nodes: only the other sphere penetrates."""
     y, x = centred(asp.Grid((64, 64)))
     one, other = ((x - place) ** 2 + y**2 for place in (-0.25, 0.25))

@@ -190,7 +190,7 @@ def test_under_contact_is_below_a_loaded_node():
     assert peaks.under_contact(pressure, Grid((10, 10))).tolist() == [True, False]
 
 
-def test_only_a_first_plane_at_the_surface_has_peaks():
+def test_first_plane_below_the_surface_has_none():
     depths = np.linspace(0.0, 1.0, 30)
     planes = list(stack(bumps_on([(48, 48)] * 30, depths, *bumps(9)), depths))
     every, below = find_peaks(planes, "f", floor=0.1), find_peaks(planes[4:], "f", floor=0.1)

@@ -43,7 +43,7 @@ def test_transforms_do_not_depend_on_threads(shape, dtype, threads):
     assert np.array_equal(one.inverse(coefficients), many.inverse(coefficients))
 
 
-def test_gradient_of_a_wave_and_of_the_nyquist_mode():
+def test_gradient_of_a_wave_and_nyquist_mode():
     grid = Grid((12, 16), (1.0, 2.0))
     y, x = grid.coordinates()
     fourier = Fourier(grid)
