@@ -8,12 +8,11 @@ from importlib.util import find_spec
 import numpy as np
 import pytest
 from bad_input import SMALL, make_chain
-from numba import njit
 from project import ROOT, hide
 
 from asperity.cli.main import main
-from asperity.cli.notice import NOTICE, progress_bar
 from asperity.cli.parser import COMMANDS, make_parser
+from asperity.core.compiled import NOTICE
 from asperity.core.packages import PACKAGES
 from asperity.results import dataset
 from asperity.study.config.defaults import default
@@ -209,15 +208,28 @@ def test_loads_that_solve_does_not_accept(files, tmp_path, capsys, load, said):
     assert said in capsys.readouterr().err
 
 
-def test_compilation_is_announced_once(capsys):
-    @njit
-    def twice(value):
-        return value + value
+def test_compilation_is_announced_once(tmp_path):
+    code = (
+        "import asperity as asp; "
+        "print(asp.Layer(1.0, 0.3).surface_compliance([1.0, 2.0]), asp.Layer(1.0, 0.3).kernels([1.0], 0.1))"
+    )
+    found = subprocess.run(
+        [sys.executable, "-c", code],
+        env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)},
+        capture_output=True,
+        text=True,
+    )
+    assert found.returncode == 0
+    assert found.stderr == f"{NOTICE}\n"
 
-    with progress_bar("label"):
-        assert twice(2) == 4
-        assert twice(2.0) == 4.0
-    assert capsys.readouterr().err == f"{NOTICE}\n"
-    with progress_bar("label"):
-        assert twice(3) == 6
-    assert capsys.readouterr().err == ""
+
+def test_a_misspelt_option_is_answered_with_the_nearest(capsys):
+    with pytest.raises(SystemExit):
+        main(["run", "map.x3p", "--poison", "0.3"])
+    assert "--poison 0.3: not accepted; did you mean --poisson?" in capsys.readouterr().err
+
+
+def test_a_closed_pipe_is_no_error():
+    command = f"{sys.executable} -m asperity info {STEEL} | head -1; exit ${{PIPESTATUS[0]}}"
+    found = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+    assert (found.returncode, found.stderr) == (0, "")

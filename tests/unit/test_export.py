@@ -142,6 +142,25 @@ def test_surface_fields_are_an_image_and_a_table(tmp_path, monkeypatch):
     assert frame["x_um"][33] == pytest.approx(8.0)
 
 
+def test_a_contact_writes_what_the_command_exports(tmp_path):
+    height = asp.self_affine((32, 32), 0.8, 20e-6, 8e-6, rms_height=1e-7, seed=1, length=40e-6)
+    grid = asp.Grid((32, 32), 40e-6)
+    contact = asp.solve(height, asp.Layer(210e9, 0.3), grid, area_fraction=0.1)
+    contact.to_netcdf(tmp_path / "contact.nc")
+    contact.to_vtk(tmp_path / "surface.vti")
+    contact.to_vtk(tmp_path / "box.vti", ("xx",), depth=(0, 2e-6), y=(0, 20e-6))
+    export = ["export", str(tmp_path / "contact.nc")]
+    assert main([*export, "--surface", str(tmp_path / "s.vti")]) == 0
+    assert main([*export, "--field", "xx:0-2um", str(tmp_path / "b.vti"), "--y", "0-20um"]) == 0
+    for mine, its in (("surface", "s"), ("box", "b")):
+        written = [read_image(tmp_path / f"{name}.vti")[1] for name in (mine, its)]
+        assert list(written[0]) == list(written[1])
+        for name, values in written[0].items():
+            np.testing.assert_allclose(values, written[1][name], rtol=1e-5, atol=1e-9)
+    with pytest.raises(ValueError, match=r"depth = None: a pair"):
+        contact.to_vtk(tmp_path / "box.vti", ("xx",))
+
+
 def test_files_have_the_same_bytes_on_windows(tmp_path, monkeypatch):
     _, source = contact_in_si()
     columns = ["area_fraction", "parameter", "setting", "output", "error"]

@@ -106,6 +106,7 @@ def test_work_is_counted_in_nodes_and_shared():
         (("44",), "shape = .* needed$"),
         (((True, 4),), "shape = .* needed$"),
         (((4, 4), -1.0), "length = -1.0"),
+        (((4, 4), Grid((4, 8))), r"length = Grid.*: a grid of shape \(4, 4\) is needed"),
         (((4, 4), 5e-324), "length = 5e-324: a number > 0, from 1e-75"),
         (((4, 4), (1.0, 1e308)), r"length = 1e\+308"),
         (((4, 4), (1.0, 2.0, 3.0)), "length = .*: one number or a pair"),

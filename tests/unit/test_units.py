@@ -11,6 +11,7 @@ from asperity.core.units import scaled_unit, shown_si, to_si
         ("210 GPa", "pressure", 210e9),
         ("210e9Pa", "pressure", 210e9),
         ("50 N/mm^2", "pressure", 50e6),
+        ("50 N/mm2", "pressure", 50e6),
         ("1 um", "length", 1e-6),
         ("1 µm", "length", 1e-6),
         ("-.5 mm", "length", -5e-4),

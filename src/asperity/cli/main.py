@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import signal
 import sys
 import threading
@@ -43,6 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     earlier = {number: signal.signal(number, _interrupt) for number in signals}
     try:
         _run(arguments)
+        sys.stdout.flush()
     except Interrupted as interrupted:
         return fail(INTERRUPTED, 128 + interrupted.args[0])
     except InputError as error:
@@ -52,6 +54,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ModuleNotFoundError as error:
         module = (error.name or "").split(".")[0]
         return fail(message([module]) if module in NAMES else str(error))
+    except BrokenPipeError:  # of a program such as head, which has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except (
         *(ValueError, TypeError, OSError, ImportError, MemoryError),
         *(DatasetError, ConvergenceError, PreflightError),
@@ -75,9 +79,9 @@ def _interrupt(number: int, _: FrameType | None) -> NoReturn:
 
 def _run(arguments: Sequence[str] | None) -> None:
     require(PACKAGES[BASE])
-    from asperity.cli.parser import make_parser
+    from asperity.cli.parser import parse
 
-    options = make_parser().parse_args(arguments)
+    options = parse(arguments)
     with _engine(getattr(options, "fft_engine", None)):
         import_module(f"asperity.cli.commands.{options.command}").run(options)
 

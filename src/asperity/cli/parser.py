@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from typing import Any, NoReturn
 
 from asperity.core.data import packaged_yaml
-from asperity.core.errors import fail, shown
+from asperity.core.errors import did_you_mean, fail, shown
 from asperity.core.version import __version__
 from asperity.paper.figures import known
 from asperity.study.config.check import needed_instead
@@ -44,6 +44,18 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """End the process with status 2."""
         sys.exit(fail(f"{message} (see {self.prog} --help)", 2))
+
+
+def parse(words: Sequence[str] | None) -> argparse.Namespace:
+    """The options of a command line; an unknown one is answered with the one most alike."""
+    found, unknown = make_parser().parse_known_args(words)
+    if unknown:
+        entry = COMMANDS[found.command]
+        flags = [flag for each in (entry, *entry.get("groups", ())) for flag in arguments(each)]
+        near = did_you_mean(unknown[0], flags)
+        fail(f"{' '.join(unknown)}: not accepted{near} (see asperity {found.command} --help)")
+        sys.exit(2)
+    return found
 
 
 def make_parser() -> Parser:

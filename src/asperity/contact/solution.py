@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -178,6 +179,10 @@ class Contact:
                 **certificate,
             },
         )
+
+    def to_vtk(self, path: str | os.PathLike[str], fields: Sequence[str] = (), **settings: Any) -> None:
+        """Write VTK image data: `asperity.ResultAccessor.to_vtk`, with its settings."""
+        self.to_dataset().asperity.to_vtk(path, fields, **settings)
 
     def to_netcdf(self, path: str | os.PathLike[str], unit_system: str = "SI") -> None:
         """Write `to_dataset` as a result file, which `asperity.read_result` and the command line read.

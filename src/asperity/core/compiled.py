@@ -2,17 +2,39 @@
 
 All of them keep the machine code for later runs, release the interpreter's lock, and divide by zero as NumPy
 does. A loop that makes no array is compiled without counting references to arrays, which takes time in loops
-over the rows of a plane.
+over the rows of a plane. A line on stderr says when the first of them is compiled.
 """
 
 from __future__ import annotations
 
+import sys
 from functools import partial
 
 from numba import config, njit
+from numba.core import event
+from tqdm import tqdm
+
+NOTICE = "asperity: compiling, once after it is installed, about 20 s"
 
 if config.DISABLE_JIT:  # type: ignore[attr-defined]
     raise ImportError("NUMBA_DISABLE_JIT is set: asperity needs compiled loops; unset the variable")
+
+
+class _Notice(event.Listener):
+    """Says once that functions of asperity are compiled."""
+
+    said = False
+
+    def on_start(self, event: event.Event) -> None:
+        if not self.said and event.data["dispatcher"].py_func.__module__.startswith("asperity."):
+            self.said = True
+            tqdm.write(NOTICE, file=sys.stderr)
+
+    def on_end(self, event: event.Event) -> None:
+        pass
+
+
+event.register("numba:compile", _Notice())
 
 _kept = partial(njit, cache=True, error_model="numpy", nogil=True)
 _loop = partial(_kept, _nrt=False)

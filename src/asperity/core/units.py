@@ -75,6 +75,7 @@ def to_si(value: Any, dimension: str, name: str = "value") -> float:
         if isinstance(value, str):
             match = _NUMBER_AND_UNIT.fullmatch(value.strip())
             magnitude, unit = match.groups() if match else (math.nan, known.unit)
+            unit = re.sub(r"(?<=[A-Za-zµμ])(?=[2-4])", "^", unit)  # mm2 is mm^2
         else:
             magnitude, unit = value.magnitude, value.units
         number = float(registry.Quantity(float(magnitude), unit).to(known.unit).magnitude)

@@ -68,7 +68,8 @@ class Grid:
     shape : (ny, nx)
         Number of nodes on each axis, even or odd, from 1 to `MOST_NODES`.
     length : float or (length_y, length_x)
-        Edges of the cell, any unit of length; one number for a square cell.
+        Edges of the cell, any unit of length; one number for a square cell. A grid of the same shape stands
+        for its edges, here and in every function that takes a `length`.
 
     Raises
     ------
@@ -90,6 +91,8 @@ class Grid:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "shape", _pair_of_nodes(self.shape))
+        if isinstance(self.length, Grid) and self.length.shape != self.shape:
+            raise ValueError(f"length = {self.length}: a grid of shape {self.shape} is needed")
         object.__setattr__(self, "length", _pair_of_edges(self.length))
 
     @property
@@ -193,6 +196,8 @@ def _pair_of_nodes(shape: Any) -> tuple[int, int]:
 
 
 def _pair_of_edges(length: Any) -> tuple[float, float]:
+    if isinstance(length, Grid):
+        return length.length
     edges = real_array("length", length)
     if edges.shape not in ((), (1,), (2,)):
         raise ValueError(f"length = {shown(length)}: one number or a pair (length_y, length_x) is needed")

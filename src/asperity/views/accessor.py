@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import os
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import xarray as xr
@@ -45,7 +46,11 @@ class ResultAccessor:
         return next((stage for stage, name in marks.items() if name in self._dataset), None)
 
     def __repr__(self) -> str:
-        can = {"surface": "plot()", "contact": "plot(), section()", "stress": "plot(), peaks()"}
+        can = {
+            "surface": "plot(), to_vtk()",
+            "contact": "plot(), section(), to_vtk()",
+            "stress": "plot(), peaks()",
+        }
         if self.stage is None:
             return "<no result of asperity>"
         return f"<result of stage {self.stage}: {can[self.stage]}>"
@@ -78,6 +83,44 @@ class ResultAccessor:
         """
         self._needed("section", "contact")
         return stress_section(LoadedSolid.from_dataset(self._dataset), *arguments, **settings)
+
+    def to_vtk(
+        self,
+        path: str | os.PathLike[str],
+        fields: Sequence[str] = (),
+        depth: tuple[float, float] | None = None,
+        **settings: Any,
+    ) -> None:
+        """Write a surface or contact as VTK image data (``.vti``), for ParaView and pyvista.
+
+        Parameters
+        ----------
+        path : path
+        fields : names
+            Fields of the stress below a contact; by default height, pressure, gap and displacement over the
+            surface are written.
+        depth : (first, last)
+            Of the box in which the stress is written.
+        **settings
+            `y` and `x`, the part of the cell; for a stress also those of `asperity.views.export.box_below`.
+
+        Raises
+        ------
+        ValueError
+            If the dataset is no surface or contact, or an argument is out of range.
+        """
+        self._needed("to_vtk", "surface", "contact")
+        from asperity.views import export
+        from asperity.views.source import sources
+
+        (source,) = sources(self._dataset)
+        if not fields:
+            export.write_surface_image(path, export.surface_fields(source, source.part(**settings)))
+            return
+        if depth is None:
+            raise ValueError("depth = None: a pair (first, last) is needed for the fields of a stress")
+        box = export.box_below(source, fields, depth, **settings)
+        export.write_box(box, path, export.export_units(source.system))
 
     def peaks(self, quantity: str, poisson: float | None = None, selection: str = "all") -> xr.Dataset:
         """Peaks of one quantity: `asperity.peaks`, with its arguments.

@@ -26,7 +26,7 @@ from asperity.results.atomic import atomic_write
 from asperity.results.dataset import UNIT_SYSTEM
 from asperity.results.tables import write_table
 from asperity.results.variables import SI_UNITS
-from asperity.stress.section import StressBox
+from asperity.stress.section import StressBox, stress_box
 from asperity.views.source import Part, Source, Span
 
 MAX_PLANES = 4096
@@ -141,6 +141,47 @@ def box_depths(source: Source, depth: Span, spacing: float | None = None) -> Arr
             f"{source.shown((bottom - top) / (MAX_PLANES - 1))} is needed, for at most {MAX_PLANES} planes"
         )
     return np.linspace(top, bottom, max(2, int(np.ceil(intervals - 1e-6)) + 1))
+
+
+def box_below(
+    source: Source,
+    fields: Sequence[str],
+    depth: Span,
+    y: Span | None = None,
+    x: Span | None = None,
+    *,
+    spacing: float | None = None,
+    poisson: float | None = None,
+    body: str = "lower",
+    friction: float | None = None,
+    sliding_direction: str | float | None = None,
+) -> StressBox:
+    """Fields of the stress in a box below a contact, on nodes of its grid and planes of equal distance.
+
+    Parameters
+    ----------
+    source : Source
+        The contact.
+    fields : names
+    depth, spacing
+        As for `box_depths`.
+    y, x : (first, last), optional
+        Part of the cell.
+    poisson, body, friction, sliding_direction
+        As for `asperity.plot_section`.
+    """
+    solid, settings = source.loaded(body, friction, sliding_direction)
+    along_y, along_x = source.positions(source.part(y, x))
+    return stress_box(
+        solid,
+        box_depths(source, depth, spacing),
+        (float(along_y[0]), float(along_y[-1])),
+        (float(along_x[0]), float(along_x[-1])),
+        fields,
+        poisson,
+        tolerance=0.0,
+        **settings,
+    )
 
 
 def write_box(

@@ -9,17 +9,16 @@ from pathlib import Path
 import xarray as xr
 
 from asperity.cli.files import check_out, read_result, required
-from asperity.cli.notice import progress_bar
 from asperity.cli.parser import section, sliding
 from asperity.cli.positions import is_si, length, positions, span
 from asperity.core.errors import one_line, shown
 from asperity.results.tables import SUFFIXES
 from asperity.results.variables import SI_UNITS
 from asperity.stress.planes.fields import FIELDS
-from asperity.stress.section import stress_box
 from asperity.study.runtime.preflight import require_space
+from asperity.study.runtime.progress import ProgressBar
 from asperity.views.export import (
-    box_depths,
+    box_below,
     export_units,
     surface_fields,
     write_box,
@@ -121,24 +120,22 @@ def _export_box(
 ) -> None:
     si = is_si(contact)
     source = sources(contact)[0]
-    given = sliding(options)
-    solid, settings = source.loaded(options.body, given.get("friction"), given.get("sliding_direction"))
-    spacing = length("--spacing", options.spacing, si) if options.spacing else None
-    y, x = source.positions(source.part(**_spans(options, si)))
-    box = stress_box(
-        solid,
-        box_depths(source, span("--field", depths, si), spacing),
-        (float(y[0]), float(y[-1])),
-        (float(x[0]), float(x[-1])),
+    part = _spans(options, si)
+    box = box_below(
+        source,
         names,
-        section(options, "layer").get("poisson"),
-        tolerance=0.0,
-        **settings,
+        span("--field", depths, si),
+        part.get("y"),
+        part.get("x"),
+        spacing=length("--spacing", options.spacing, si) if options.spacing else None,
+        poisson=section(options, "layer").get("poisson"),
+        body=options.body,
+        **sliding(options),
     )
     shape = box.x.size, box.y.size, box.depth.size
     require_space(Path(path).absolute().parent, 4e-6 * len(names) * math.prod(shape))
     units = export_units(source.system)
-    with progress_bar("export") as progress:
+    with ProgressBar("export") as progress:
         size = write_box(box, path, units, progress)
     print(
         f"{one_line(path)}: {', '.join(names)} in {units.stress_name.replace('_', ' ')} on "

@@ -7,12 +7,13 @@ import argparse
 import xarray as xr
 
 from asperity.cli.files import check_out, read_stage
-from asperity.cli.notice import progress_bar
 from asperity.cli.parser import section
+from asperity.core.errors import one_line
 from asperity.results import write_result
 from asperity.results.dataset import grid_of, settings_of
 from asperity.results.variables import in_cell_lengths
 from asperity.stress.peaks.selection import selection_for
+from asperity.study.runtime.progress import ProgressBar
 from asperity.study.stages.statistics import SeedResults, surface_statistics
 from asperity.surface.roughness import roughness_parameters
 
@@ -41,7 +42,7 @@ def run(options: argparse.Namespace) -> None:
         all_settings.append(own)
     chosen = section(options, "statistics")
     settings = all_settings[0] | {"statistics": chosen, "seed": [own["seed"] for own in all_settings]}
-    with progress_bar(f"peaks {settings['name']}"):
+    with ProgressBar(one_line(f"peaks {settings['name']}")):
         result = surface_statistics(seeds, **chosen)
     write_result(result, options.out, f"Statistics of rough surface {settings['name']}", settings)
     print(_percentiles(result))

@@ -58,13 +58,13 @@ def run(options: argparse.Namespace) -> None:
     """Compute the answer, print it, and write results, pictures and report."""
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
     job = _job(options)
-    from asperity.cli.notice import progress_bar
     from asperity.engineering import Case, answer_of, save_case, write_answer
+    from asperity.study.runtime.progress import ProgressBar
 
     case = Case.of(job.settings)
     if options.save:
         save_case(case, Path(options.save), job.out)
-    with progress_bar(f"run {case.source}") as progress:
+    with ProgressBar(one_line(f"run {case.source}")) as progress:
         answer = answer_of(case, job.rough, progress)
     print(answer.text(), end="\n\n", flush=True)
     files = write_answer(answer, job.out)

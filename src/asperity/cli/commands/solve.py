@@ -10,16 +10,16 @@ from typing import Any
 import xarray as xr
 
 from asperity.cli.files import check_out, is_result, read_stage
-from asperity.cli.notice import progress_bar
 from asperity.cli.parser import flag, section
 from asperity.contact.solution import SHOWN_ERROR
-from asperity.core.errors import shown
+from asperity.core.errors import one_line, shown
 from asperity.core.units import shown_si, to_si
 from asperity.results import dataset, write_result
 from asperity.results.dataset import grid_of
 from asperity.results.variables import SI_UNITS, cell_length, in_cell_lengths, in_si
 from asperity.study.config.check import check_section
 from asperity.study.config.defaults import complete_map, default
+from asperity.study.runtime.progress import ProgressBar
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.surface import read_surface
 from asperity.surface.reading.formats import path_problem
@@ -55,7 +55,7 @@ def run(options: argparse.Namespace) -> None:
         load = _load(name, text, scale, grid_of(surface).area / images)
         check_section("contact", load, flag)
         contact |= load
-    with progress_bar(f"contact {settings['name']}") as progress:
+    with ProgressBar(one_line(f"contact {settings['name']}")) as progress:
         result = solve_contact(surface, layer, contact, progress=progress)
     settings |= {"layer": layer, "contact": contact}
     if young and edge is not None:

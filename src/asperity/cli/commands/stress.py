@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 
 from asperity.cli.files import check_out, read_stage
-from asperity.cli.notice import progress_bar
 from asperity.cli.parser import section
+from asperity.core.errors import one_line
 from asperity.core.units import shown_si
 from asperity.results import dataset, write_result
 from asperity.results.variables import cell_length, in_cell_lengths, in_si
+from asperity.study.runtime.progress import ProgressBar
 from asperity.study.stages.stress import compute_stress
 
 
@@ -25,7 +26,7 @@ def run(options: argparse.Namespace) -> None:
             f"--poisson {' '.join(f'{nu:g}' for nu in chosen['poisson'])}: only {own:g} is accepted, "
             f"the ratio of the layer on which the contact was solved"
         )
-    with progress_bar(f"stress {settings['name']}") as progress:
+    with ProgressBar(one_line(f"stress {settings['name']}")) as progress:
         result = compute_stress(contact, settings["layer"], chosen, progress=progress)
     si = given is not contact
     if si:

@@ -11,12 +11,12 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from asperity.cli.files import check_out, read_result
-from asperity.cli.notice import progress_bar
 from asperity.cli.parser import flag, section, sliding
 from asperity.cli.positions import is_si, is_span, length, positions, span
 from asperity.core.errors import one_line, shown
 from asperity.stress.analysis import QUANTITIES
 from asperity.stress.planes.fields import FIELDS
+from asperity.study.runtime.progress import ProgressBar
 from asperity.views.maps import plot_gap, plot_height, plot_pressure
 from asperity.views.peak_plot import plot_peaks
 from asperity.views.plane_plot import plot_plane
@@ -95,7 +95,7 @@ def _draw(
         return plot_peaks(results, field, poisson)
     places = {name: _position(view, name, text, si) for name, text in given.items()}
     plot = plot_section if view == "section" else plot_plane
-    with progress_bar(view) as progress:
+    with ProgressBar(view) as progress:
         return plot(
             results, field=field, poisson=poisson, body=options.body, **friction, **places, progress=progress
         )
