@@ -46,7 +46,7 @@ SECTIONS = """
 validation.load_area: {points: 32, method: gfmd}
 validation.slab_load_area: {points: 64, method: active_set, steps: 2}
 validation.grid_convergence: {points: [16, 32]}
-validation.elements: {elements: [6, 6], points: 32}
+validation.elements: {meshes: [[4, 4], [6, 6]], points: 32}
 validation.punch: {points: 64, samples: 11}
 validation.stability: {per_decade: 1}
 measured.map:

@@ -17,7 +17,7 @@ from asperity.study.validation.solution_check import check_solution, mode_compli
 
 @pytest.fixture(scope="module")
 def matrix():
-    return extremes.outcome_matrix(levels="ends", largest=64)
+    return extremes.outcome_matrix(levels="ends")
 
 
 def test_extremes_are_solved_and_never_silently_wrong(matrix):

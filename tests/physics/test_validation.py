@@ -10,14 +10,14 @@ from asperity.fourier.grid import Grid
 from asperity.reference.elementary import single_mode_displacement, single_mode_stress
 from asperity.reference.periodic_hertz import PeriodicHertz
 from asperity.study.validation.closed_forms import slab_load_area
-from asperity.study.validation.finite_elements import largest_differences, mesh_convergence
+from asperity.study.validation.finite_elements import largest_differences
 from asperity.study.validation.indenter import displacement_and_stress, fitted_contact_radius, paraboloid
 from asperity.study.validation.table import CHECKS, COMPARISONS, for_reader, frame
 
 SETTINGS = {
     "load_area": {"contact_radii": (0.1, 0.2, 0.3), "method": "active_set"},
     "grid_convergence": {"points": (32, 64, 128)},
-    "elements": {"elements": (20, 16), "points": 256},
+    "elements": {"meshes": ((8, 7), (20, 16))},
     "punch": {"points": 256, "samples": 5},
     "elliptic_contacts": {"points": 88},
     "wave_asymptotes": {"points": 256},
@@ -85,9 +85,10 @@ def test_slab_is_stiffer_than_the_half_space():
     assert np.all(found.slab_stiffening[0] > found.slab_stiffening[1])
 
 
+@group("elements")
 def test_difference_falls_with_the_mesh():
     """Quadratic elements: half the size, a quarter of the error; the edge of contact spoils some of it."""
-    coarse, fine = mesh_convergence(((8, 7), (16, 13)), points=256).difference_away.values
+    coarse, fine = compared("elements").difference_away.values
     assert np.all(fine < 0.45 * coarse)
 
 

@@ -51,6 +51,11 @@ def test_single_precision_refuses_numbers_beyond_its_range(size):
         asp.solve(size * noise(), HALF_SPACE, area_fraction=0.1, dtype="float32")
 
 
+def test_single_precision_refuses_a_vanishing_load():
+    with pytest.raises(ValueError, match=r"^mean_pressure = 1e-100: at least 1e-20 .* dtype = 'float32'"):
+        asp.solve(noise(), HALF_SPACE, mean_pressure=1e-100, dtype="float32")
+
+
 @pytest.mark.parametrize(
     ("height", "settings", "bound"),
     [

@@ -193,6 +193,12 @@ def solve(
     units = Units.of(lowest, highest, solid, grid, control)
     start = None if start is None else start / units.stress
     imposed = units.control(control)
+    least = nested_grids.SMALLEST_SINGLE_LOAD
+    if precision == np.float32 and imposed.kind == "mean_pressure" and 0 < imposed.value < least:
+        raise ValueError(
+            f"mean_pressure = {control.value:g}: at least {least * units.stress:.1g} is needed with "
+            "dtype = 'float32'"
+        )
     heights, scaled = units.heights(values), (boundary, units.solid(solid), units.grid(grid))
     problem = Problem(heights, response_on(*scaled, precision, threads, control.fixes_load))
     # A given start may overflow: the result is checked in the end.

@@ -11,7 +11,6 @@ import numpy as np
 
 from asperity.elasticity.layer import Layer
 from asperity.paper.claims.numbers import Evidence, Fixed, Measure, MissingEvidenceError
-from asperity.study.validation.finite_elements import largest_differences
 
 RESOLVED = 10
 """Smallest radius of a circle of contact that counts as resolved, in grid spacings."""
@@ -97,24 +96,23 @@ def _element_difference(fields: Sequence[str], where: Sequence[str]) -> Measure:
     """
 
     def measure(evidence: Evidence) -> Fixed:
-        meshes = evidence.dataset("mesh_convergence")
-        found = [
-            largest_differences(evidence.dataset("elements")),
-            meshes.isel(mesh=-1),
-            meshes.isel(mesh=-2),
-        ]
-        value, fine, coarse = (
-            max(float(one[f"difference_{part}"].sel(field=name)) for name in fields for part in where)
-            for one in found
+        found = evidence.dataset("elements")
+        value, coarser = (
+            max(
+                float(found[f"difference_{part}"].isel(mesh=mesh).sel(field=name))
+                for name in fields
+                for part in where
+            )
+            for mesh in (-1, -2)
         )
-        return Fixed(value, abs(fine - coarse))
+        return Fixed(value, abs(value - coarser))
 
     return measure
 
 
 def elements_at_edge(evidence: Evidence) -> Fixed:
     """Largest difference to the finite elements near the edge of contact over the largest farther away."""
-    found = largest_differences(evidence.dataset("elements"))
+    found = evidence.dataset("elements").isel(mesh=-1)
     return Fixed(float(found.difference_edge.max() / found.difference_away.max()))
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-DATASETS = ("load_area", "slab_load_area", "grid_convergence", "elements", "mesh_convergence", "punch")
+DATASETS = ("load_area", "slab_load_area", "grid_convergence", "elements", "punch")
 """Datasets of stage validation on which claims are decided."""
 
 SKEWED = ("skew_negative", "skew_positive")

@@ -179,14 +179,13 @@ def grid_convergence(points: Sequence[int] = (32, 64, 128, 256)) -> xr.Dataset:
     Returns
     -------
     Dataset
-        Relative errors of pressure, approach and contact area of the wave and of the load of the slab
-        (grid_points).
+        Relative errors of pressure and approach of the wave and of the load of the slab (grid_points).
     """
     loads, indentations = (0.15, 0.27, 0.4, 0.52, 0.66), np.array([0.012, 0.015, 0.018, 0.021, 0.024])
     wave = np.array([[_wave_errors(n, load) for load in loads] for n in points])
     approaches, grids = indentations / CURVATURE_RADIUS, (*points, 2 * points[-1])
     slab = np.array([[slab_contact(n, float(depth)).mean_pressure for depth in approaches] for n in grids])
-    names = ("wave_pressure_error", "wave_approach_error", "wave_area_error", "slab_load_error")
+    names = ("wave_pressure_error", "wave_approach_error", "slab_load_error")
     errors = [*np.moveaxis(wave, 2, 0), slab[:-1] / slab[-1] - 1]
     return xr.Dataset(
         {
@@ -198,8 +197,8 @@ def grid_convergence(points: Sequence[int] = (32, 64, 128, 256)) -> xr.Dataset:
     )
 
 
-def _wave_errors(points: int, load: float) -> tuple[float, float, float]:
-    """Relative errors of pressure (L2), approach and contact area of a wave; load over that of closing."""
+def _wave_errors(points: int, load: float) -> tuple[float, float]:
+    """Relative errors of pressure (L2) and approach of a wave; load over that of closing."""
     mean_pressure = load * (np.pi * WAVE_AMPLITUDE)
     exact = Westergaard(mean_pressure, WAVE_AMPLITUDE)
     line = Grid((8, points), (8 / points, 1.0))
@@ -210,7 +209,6 @@ def _wave_errors(points: int, load: float) -> tuple[float, float, float]:
     return (
         float(np.linalg.norm(contact.pressure[0] - pressure) / np.linalg.norm(pressure)),
         contact.approach / exact.approach - 1,
-        contact.area_fraction / exact.area_fraction - 1,
     )
 
 
@@ -286,11 +284,11 @@ def elliptic_contacts(points: int = 128) -> xr.Dataset:
     Returns
     -------
     Dataset
-        Largest pressure, area of contact over that of the map, and the largest von Mises and shear stress on
-        the axis with their depths, each ``solved_`` and ``exact_`` (axis_ratio).
+        Largest pressure, and largest von Mises stress on the axis with its depth, each ``solved_`` and
+        ``exact_`` (axis_ratio).
     """
-    poisson, axis_ratios = 0.3, (0.2, 0.4, 0.6, 0.8, 1.0)
-    names = ("von_mises", "largest_shear")
+    poisson, axis_ratios, middle = 0.3, (0.2, 0.4, 0.6, 0.8, 1.0), points // 2
+    depth = np.linspace(0.25, 1.0, 31) * SEMI_MINOR
     rows = []
     for ratio in axis_ratios:
         exact = EllipticHertz(SEMI_MINOR / ratio, SEMI_MINOR, largest_pressure=1e-4)
@@ -300,20 +298,17 @@ def elliptic_contacts(points: int = 128) -> xr.Dataset:
         height = y[:, None] ** 2 / (2 * radius_y) + x**2 / (2 * radius_x)
         solid = Layer(1 - poisson**2, poisson)
         contact = solve(height, solid, grid.length, force=exact.load, boundary="free", rtol=RTOL)
-        depth = np.linspace(0.25, 1.0, 61) * SEMI_MINOR
-        middle = points // 2
-        planes = stress_planes(contact, depth, poisson, names, tolerance=0)
-        axis = np.array([[plane.fields[name][0, middle, middle] for name in names] for plane in planes])
-        peaks = exact.largest_von_mises_on_axis(poisson), exact.largest_shear_on_axis(poisson)
-        area = np.pi * exact.semi_major * exact.semi_minor / grid.area
-        row = {
-            "largest_pressure": (float(contact.pressure.max()), exact.largest_pressure),
-            "area": (contact.area_fraction, area),
-        }
-        for name, samples, peak in zip(names, axis.T, peaks, strict=True):
-            solved, solved_depth = largest_sample(samples, depth)
-            row |= {name: (solved, peak.value), f"{name}_depth": (solved_depth, peak.depth)}
-        rows.append(row)
+        planes = stress_planes(contact, depth, poisson, ["von_mises"], tolerance=0)
+        axis = np.array([plane.fields["von_mises"][0, middle, middle] for plane in planes])
+        solved, solved_depth = largest_sample(axis, depth)
+        peak = exact.largest_von_mises_on_axis(poisson)
+        rows.append(
+            {
+                "largest_pressure": (float(contact.pressure.max()), exact.largest_pressure),
+                "von_mises": (solved, peak.value),
+                "von_mises_depth": (solved_depth, peak.depth),
+            }
+        )
     pairs = {name: ("axis_ratio", *np.transpose([row[name] for row in rows])) for name in rows[0]}
     return _dataset(pairs, points, {"axis_ratio": np.asarray(axis_ratios)}).assign_attrs(poisson=poisson)
 
@@ -360,10 +355,8 @@ def layer_indentation(points: int = 512) -> xr.Dataset:
     Returns
     -------
     Dataset
-        Load, ``solved_`` and ``exact_load`` (indenter, contact_ratio, poisson), and the contact radius under
-        the paraboloid (contact_ratio, poisson), at the approach of the closed form. The contact ratio is the
-        contact radius over the height of the layer. The contact radius is that of a circle with the area of
-        the contact nodes.
+        Load, ``solved_`` and ``exact_load`` (indenter, contact_ratio, poisson), at the approach of the closed
+        form. The contact ratio is the contact radius over the height of the layer.
     """
     contact_ratios, poisson, contact_radius = (0.5, 1.0, 2.0), (0.0, 0.3, 0.5), 0.05
     round_face = paraboloid(Grid((points, points)), CURVATURE_RADIUS)
@@ -371,21 +364,15 @@ def layer_indentation(points: int = 512) -> xr.Dataset:
     flat_face = np.where(inside, 0.0, 1.0)  # around the punch too high to be touched
     punch_radius = float(np.sqrt(np.mean(inside) / np.pi))
     solved, exact = np.empty((2, 2, len(contact_ratios), len(poisson)))
-    radius = np.empty(solved.shape[1:])
-    for i, j in np.ndindex(radius.shape):
+    for i, j in np.ndindex(solved.shape[1:]):
         height, nu = contact_radius / contact_ratios[i], poisson[j]
         layer = BondedLayer(height, nu)
         forms = layer.flat_punch(punch_radius, 1e-4), layer.paraboloid(contact_radius, CURVATURE_RADIUS)
         for indenter, (face, expected) in enumerate(zip((flat_face, round_face), forms, strict=True)):
             contact = solve(face, bonded_slab(nu, height), approach=expected.approach, rtol=RTOL)
             solved[indenter, i, j], exact[indenter, i, j] = contact.mean_pressure, expected.load
-        radius[i, j] = np.sqrt(contact.area_fraction / np.pi)
-    along = ("contact_ratio", "poisson")
     return _dataset(
-        {
-            "load": (("indenter", *along), solved, exact),
-            "contact_radius": (along, radius, np.full(radius.shape, contact_radius)),
-        },
+        {"load": (("indenter", "contact_ratio", "poisson"), solved, exact)},
         points,
         {
             "indenter": ["flat punch", "paraboloid"],

@@ -29,34 +29,39 @@ APPROACH = INDENTATION / CURVATURE_RADIUS
 
 
 def compare_elements(
-    elements: tuple[int, int] = (24, 20), points: int = 256, contact: Contact | None = None
+    meshes: Sequence[tuple[int, int]] = ((8, 7), (12, 10), (16, 13), (24, 20)), points: int = 256
 ) -> xr.Dataset:
     """Fields on the diagonal plane of a slab by the spectral solver and finite elements (figures 1, 3, 4).
 
     Parameters
     ----------
-    elements : (int, int)
-        27-node hexahedra along half an edge of the cell, and along its height; finer at the contact.
+    meshes : sequence of (int, int)
+        27-node hexahedra along half an edge of the cell, and along its height; finer at the contact. Coarse
+        to fine.
     points : int
         Nodes on an edge of the spectral grid.
-    contact : Contact, optional
-        The spectral solution, if it is already known.
 
     Returns
     -------
     Dataset
-        The fields `FIELDS` of both on the diagonal plane (depth, distance), ordered by depth, at the Gauss
-        points of the elements; the loads, and the displacements of the elements on the outside of the
-        quarter cell.
+        Of the finest mesh, the fields `FIELDS` of both on the diagonal plane (depth, distance), ordered by
+        depth, at the Gauss points of the elements; the loads, and the displacements of the elements on the
+        outside of the quarter cell. Of all meshes, along ``mesh``, the variables of `largest_differences`.
     """
-    across, up = elements
+    contact = slab_contact(points, APPROACH)
+    compared = [_on_mesh(across, up, contact) for across, up in meshes]
+    differences = xr.concat([largest_differences(one) for one in compared], "mesh")
+    return compared[-1].merge(differences).assign_coords(mesh_elements=("mesh", [one for one, _ in meshes]))
+
+
+def _on_mesh(across: int, up: int, contact: Contact) -> xr.Dataset:
+    """Fields by the elements of one mesh, and by the spectral solution at the same places."""
     poisson = 0.33
     slab = finite_element.Slab(
         graded(0.5, across, 3.0), 1 - graded(1.0, up, 10.0)[::-1], 1 - poisson**2, poisson
     )
     pressed = finite_element.press(slab, CURVATURE_RADIUS, APPROACH)
     x, z, *by_elements = slab.on_diagonal(pressed.displacement)
-    contact = contact or slab_contact(points, APPROACH)
     order = np.argsort(1 - z)
     depth = (1 - z)[order]
     spectral = displacement_and_stress(contact.pressure, contact.grid, contact.layer, x + 0.5, x + 0.5, depth)
@@ -97,7 +102,7 @@ def largest_differences(dataset: xr.Dataset) -> xr.Dataset:
     Parameters
     ----------
     dataset : Dataset
-        Result of `compare_elements`.
+        With the fields of `compare_elements`.
 
     Returns
     -------
@@ -118,25 +123,3 @@ def largest_differences(dataset: xr.Dataset) -> xr.Dataset:
         },
         coords={"field": list(FIELDS)},
     )
-
-
-def mesh_convergence(
-    meshes: Sequence[tuple[int, int]] = ((8, 7), (12, 10), (16, 13), (24, 20)), points: int = 512
-) -> xr.Dataset:
-    """Differences between finite elements of several meshes and one fine spectral grid.
-
-    Parameters
-    ----------
-    meshes : sequence of (int, int)
-        Hexahedra along half an edge of the cell and along its height, coarse to fine.
-    points : int
-        Nodes on an edge of the spectral grid.
-
-    Returns
-    -------
-    Dataset
-        Result of `largest_differences` for every mesh, along ``mesh``.
-    """
-    contact = slab_contact(points, APPROACH)
-    found = [largest_differences(compare_elements(mesh, contact=contact)) for mesh in meshes]
-    return xr.concat(found, "mesh").assign_coords(mesh_elements=("mesh", [across for across, _ in meshes]))

@@ -50,10 +50,10 @@ _DIGITS = 80
 
 
 def rounding_errors(
-    poisson: Sequence[float] = (0.0, 0.33, 0.49, 0.4999, 0.5),
+    poisson: Sequence[float] = (0.0, 0.33, 0.4999, 0.5),
     smallest: float = 1e-8,
     largest: float = 1e5,
-    per_decade: int = 6,
+    per_decade: int = 4,
 ) -> xr.Dataset:
     """Rounding errors of the formulas of the layer in both precisions, against high precision.
 
@@ -82,9 +82,9 @@ def rounding_errors(
     error = np.full((len(QUANTITIES), len(FORMULAS), len(PRECISIONS), len(ratios), steps), np.nan)
     for n, nu in enumerate(ratios):
         modes = [(x, y, _YOUNG, nu, _HEIGHT) for x, y in zip(qx, qy, strict=True)]
-        true = [StateSpace(*mode, bottom="free", digits=_DIGITS).compliance() for mode in modes]
-        bonded = [StateSpace(*mode, bottom="bonded", digits=_DIGITS) for mode in modes]
-        stress = [[m.stress(level) for level in levels] for m, levels in zip(bonded, depths, strict=True)]
+        exact = [StateSpace(*mode, bottom="bonded", digits=_DIGITS) for mode in modes]
+        true = [mode.compliance() for mode in exact]
+        stress = [[m.stress(level) for level in levels] for m, levels in zip(exact, depths, strict=True)]
         layer = Layer(_YOUNG, nu, _HEIGHT)
         for p, precision in enumerate(PRECISIONS):
             x, y, d = (part.astype(precision) for part in (qx, qy, depths))

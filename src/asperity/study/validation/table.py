@@ -21,7 +21,6 @@ COMPARISONS: Mapping[str, Callable[..., xr.Dataset]] = {
     "slab_load_area": closed_forms.slab_load_area,
     "grid_convergence": closed_forms.grid_convergence,
     "elements": finite_elements.compare_elements,
-    "mesh_convergence": finite_elements.mesh_convergence,
     "punch": closed_forms.punch,
     "elliptic_contacts": closed_forms.elliptic_contacts,
     "edge_tension": closed_forms.edge_tension,
@@ -52,17 +51,14 @@ def row_of(check: Mapping[str, Any], found: xr.Dataset) -> dict[str, Any]:
     """
     quantity, bound, variable, exact, at = (*check["row"], None, None)[:5]
     grid = check["grid"].format(**found.attrs)
-    if check["comparison"] == "elements":
-        found = finite_elements.largest_differences(found)
     values = found[variable]
     if exact:
         values = values - found[exact] if "absolute" in check else values / found[exact] - 1
     if check["source"] == "rate":
         error = -np.polyfit(np.log(found.grid_points), np.log(values), 1)[0]
-    elif "grid_points" in values.dims:
-        error = values[-1]
     else:
-        error = abs(values.sel(at)).max()
+        finest = values.isel(mesh=-1) if "mesh" in values.dims else values
+        error = abs(finest.sel(at)).max()
     error = float(abs(error))
     return {
         "quantity": quantity,
