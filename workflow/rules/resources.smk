@@ -48,7 +48,7 @@ def figure_cost(wildcards):
     """Cost of a figure, which holds one field of every surface and five of every contact that it shows."""
     figure = FIGURES[wildcards.figure]
     if figure.cost == "figure of elements":
-        return job_cost(figure.cost, math.prod(config["validation"]["elements"]["elements"]))
+        return job_cost(figure.cost, math.prod(config["validation"]["elements"]["meshes"][-1]))
     names = [name for study in figure.studies for name in STUDIES[study]]
     fields = ("surface" in figure.stages) + 5 * ("contact" in figure.stages)
     return job_cost(figure.cost, nodes(*names) * fields)
