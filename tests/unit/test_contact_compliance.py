@@ -108,6 +108,11 @@ def test_preconditioner_is_symmetric_and_positive_definite(solid, shape, monkeyp
     np.testing.assert_allclose(operators.uniform, matrix.sum(axis=0), rtol=1e-3)
 
 
+def test_inverse_stencil_is_the_same_along_both_axes():
+    weights = preconditioner.inverse_stencil(asp.Grid((64, 64)))
+    np.testing.assert_array_equal(weights, weights.swapaxes(2, 3))
+
+
 def test_coarse_grid_accounts_for_distant_patches(monkeypatch):
     """The displacement under a wave of pressure over many small patches is mapped back to that pressure.
 
