@@ -12,8 +12,8 @@ import asperity as asp
 from asperity.engineering import Body, run
 
 # %%
-# Any format that SurfaceTopography reads. This map is part of the repository: 40 × 48 pixels of 2 µm, with
-# spikes and points without data. Put the name of your own file in its place.
+# In any of the formats that the page *Formats of height maps* lists. This map is part of the repository:
+# 40 × 48 pixels of 2 µm, with spikes and points without data. Put the name of your own file in its place.
 surface = asp.read_map("../../tests/data/steel.x3p")
 size = " × ".join(f"{edge * 1e6:g}" for edge in surface.length)
 print(f"{surface.name}: {size} µm, {surface.missing} points without data, period: {surface.periodic}")

@@ -122,7 +122,7 @@ COMMANDS = [
     ("", 2, "the following arguments are required: COMMAND"),
     ("polish", 2, "invalid choice: 'polish'"),
     ("solve s.nc", 2, "the following arguments are required: --out"),
-    ("solve s.nc --out x.nc --area 0.1", 2, "unrecognized arguments: --area 0.1"),
+    ("solve s.nc --out x.nc --area 0.1", 2, "--area 0.1: not accepted; did you mean --"),
     ("solve s.nc --out x.nc --poisson 0.6", 2, "--poisson: '0.6': a number > -1 and ≤ 0.5 is needed"),
     (f"solve s.nc --out x.nc --area-fraction {HUGE}", 2, "999...: a number > 0 and ≤ 1 is needed"),
     ("solve s.nc --out x.nc --physical-size 1 0", 2, "--physical-size: '0': a length > 0 with its unit"),
@@ -187,8 +187,13 @@ class Intruder:
 MIRRORED = "--periodic mirrored"
 MAPS = [
     ("map.asc", matrix(ROWS), "", "set it to declared, mirrored or windowed"),
-    ("empty.asc", b"", MIRRORED, "empty.asc: not a height map that can be read (no known format"),
-    ("ragged.asc", matrix([*ROWS[:5], ROWS[5][:3], *ROWS[6:]]), MIRRORED, "ragged.asc: not a height map"),
+    ("empty.asc", b"", MIRRORED, "empty.asc: not a height map that can be read: it looks like an empty file"),
+    (
+        "ragged.asc",
+        matrix([*ROWS[:5], ROWS[5][:3], *ROWS[6:]]),
+        MIRRORED,
+        "ragged.asc: line 10: 8 numbers are needed, not 3",
+    ),
     ("nan.asc", replaced("nan"), MIRRORED, "--undefined: 1 points of the map have no data; set it to harmon"),
     ("bare.asc", matrix(ROWS, ""), MIRRORED, "--physical-size: the file does not say"),
     ("units.asc", matrix(ROWS, HEADER.replace("8 m", "8 furlong")), MIRRORED, "units.asc"),

@@ -5,6 +5,7 @@ import importlib.util
 import os
 import re
 import struct
+import subprocess
 import sys
 import tracemalloc
 import zlib
@@ -16,12 +17,16 @@ import xarray as xr
 
 from asperity.cli.main import main
 from asperity.surface.description import describe_map, map_warnings, spectrum_summary
+from asperity.surface.reading.formats import formats_table, known_formats
 from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
 from asperity.surface.reading.map_file import read_map
 from asperity.surface.self_affine import self_affine
+from asperity.surface.texture import finest_tip, texture
 from asperity.surface.treatment.treatment import prepare_map
 
 pytest.importorskip("SurfaceTopography")
+tifffile = pytest.importorskip("tifffile")
+Image = pytest.importorskip("PIL.Image")
 
 DATA = Path(__file__).parents[1] / "data"
 _spec = importlib.util.spec_from_file_location("make_maps", DATA / "make_maps.py")
@@ -106,7 +111,7 @@ def test_a_surface_of_asperity_is_a_lower_face(tmp_path):
         ({"height_factor": 2.0}, "height_factor = 2: the file says heights in nm; leave it out"),
         ({"height_factor": -2.0}, "height_factor = -2.0: a number > 0"),
         ({"orientation": "up"}, "orientation = 'up': one of peaks up, lower face is needed"),
-        ({"format": "tiff"}, "format = 'tiff': one of"),
+        ({"format": "jpeg"}, "format = 'jpeg': one of"),
         ({"format": "npy"}, "not a height map that can be read"),
     ],
 )
@@ -139,27 +144,58 @@ def test_all_problems_are_reported_at_once():
 def test_any_bytes_are_no_map_unless_a_format_is_asked_for(tmp_path):
     """A file of 2 n² bytes has the size of an SRTM tile, a format without a signature."""
     (tmp_path / "f").write_bytes(Path(sys.executable).read_bytes()[:5000])
-    with pytest.raises(MapError, match="no known format"):
+    with pytest.raises(MapError, match="it looks like binary data without a known signature; known are"):
         read_map(tmp_path / "f", physical_size=(1, 1))
     assert read_map(tmp_path / "f", format="hgt", physical_size=(1, 1)).height.shape == (50, 50)
 
 
-@pytest.mark.parametrize("content", [bytes(2**18), b"\1\0" * 2**17, b"a\n" * 2**17])
-def test_content_without_numbers_is_not_searched_for_them(content, tmp_path, monkeypatch):
-    """Readers of text go through all of a file, which takes a second a megabyte."""
-    from SurfaceTopography.IO import lookup_reader_by_format as readers
-
+@pytest.mark.parametrize(
+    ("content", "look"),
+    [
+        (bytes(2**22), "binary data without a known signature"),
+        (b"\1\0" * 2**21, "binary data without a known signature"),
+        (b"a\n" * 2**21, "text without a table of numbers"),
+        (b"%PDF-1.7\nx", "a PDF document"),
+        (b"\xff\xd8\xff\xe0", "a picture of the kind JPEG"),
+        (b"", "an empty file"),
+    ],
+    ids=range(6),
+)
+def test_a_file_that_is_no_map_is_refused_by_its_first_block(content, look, tmp_path, monkeypatch):
     path = tmp_path / "map.gz"
     path.write_bytes(gzip.compress(content))
-    for name in ("asc", "xyz"):
-        reader = readers[name]
-        stub = type(name, (reader,), {"__init__": lambda self, file: pytest.fail(f"{file} is searched")})
-        monkeypatch.setitem(readers, name, stub)
-    with pytest.raises(MapError, match="no known format"):
+    genuine, taken = gzip.GzipFile.read, []
+    monkeypatch.setattr(gzip.GzipFile, "read", lambda file, size: taken.append(size) or genuine(file, size))
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)  # not even imported
+    with pytest.raises(MapError, match=f"it looks like {look}; known are 001, 002"):
         read_map(path)
-    path.write_bytes(gzip.compress(b"1 2\n3 4\n"))
-    with pytest.raises(pytest.fail.Exception, match="is searched"):
-        read_map(path)
+    assert sum(taken) <= 2**20
+
+
+def test_the_table_of_formats_is_that_of_the_readers():
+    from SurfaceTopography.IO import lookup_reader_by_format as readers
+
+    line_scans = {"mitutoyo", "qep"}
+    assert {*readers} - line_scans <= {*known_formats()}
+    page = (DATA.parents[1] / "docs/formats.md").read_text(encoding="utf-8")
+    assert formats_table() in page
+    for name, form in known_formats().items():
+        assert name not in readers or {*form.extensions} >= {*readers[name].file_extensions()}
+        assert not form.reader or readers[name].__module__.endswith(f".{form.reader}")
+
+
+def test_readers_are_imported_without_the_rest_of_their_package():
+    """Whatever was imported before: reading gives the same, and leaves no part of the package behind."""
+    code = f"""
+import sys
+from asperity import read_map
+alone = read_map({str(DATA / "steel.x3p")!r})
+assert not {{"SurfaceTopography", "NuMPI", "scipy.stats", "matplotlib"}} & sys.modules.keys()
+import SurfaceTopography
+assert SurfaceTopography.Topography and SurfaceTopography.IO.readers
+assert (read_map({str(DATA / "steel.x3p")!r}).height == alone.height)[~(alone.height != alone.height)].all()
+"""
+    subprocess.run([sys.executable, "-W", "ignore", "-c", code], check=True)
 
 
 def test_what_is_no_regular_file_is_named(tmp_path, capsys):
@@ -189,7 +225,7 @@ def test_points_on_a_grid_are_a_map(tmp_path, separator, header):
     values = {spot: round(float(np.sin(3 * spot[0]) + spot[1]), 4) for spot in SPOTS}
     listed = [SPOTS[number] for number in order]
     heights = [values[spot] for spot in listed]
-    heights[3] = "No Data" if separator != " " else "nan"
+    heights[3] = "No Data"
     path = tmp_path / "points.txt"
     path.write_text(points(listed, heights, header, separator))
     found = read_map(path)
@@ -202,6 +238,48 @@ def test_points_on_a_grid_are_a_map(tmp_path, separator, header):
     np.testing.assert_allclose(found.height[known], expected[known], rtol=1e-12)
 
 
+TABLE = np.random.default_rng(2).normal(size=(7, 9)).round(6)
+TABLE[3], TABLE[2, 3], TABLE[4, 0], TABLE[5, 8] = np.nan, np.nan, np.nan, np.nan
+
+
+@pytest.mark.parametrize("dialect", [" .", " ,", "\t.", "\t,", ";.", ";,", ",."])
+def test_a_table_is_read_in_every_dialect(tmp_path, dialect):
+    separator, decimal = dialect
+    path = tmp_path / "map.csv"
+    for missing in ("nan", "No Data", "---", "#N/A", "1.#QNAN", *([""] if separator != " " else [])):
+        rows = [
+            separator.join(missing if np.isnan(z) else f"{z:.6f}".replace(".", decimal) for z in row)
+            for row in TABLE
+        ]
+        for header in ("", "# made 2 3\n", "Height [um]\n", "sample 7;;\n\n"):
+            for end, encoding in (("\n", "utf-8-sig"), ("\r\n", "utf-16"), (f"{separator}\n", "latin-1")):
+                path.write_bytes((header + end.join([*rows, ""])).encode(encoding))
+                unit = {} if "[um]" in header else {"unit": "um"}
+                found = read_map(path, physical_size=("7 um", "9 um"), orientation="peaks up", **unit)
+                np.testing.assert_allclose(found.height, 1e-6 * TABLE, rtol=1e-12)
+
+
+def test_arrays_and_pictures_are_maps_with_a_scale(tmp_path):
+    grey = np.arange(30, dtype=np.uint16).reshape(5, 6) ** 2
+    height = 1e-9 * grey
+    np.save(tmp_path / "array.npy", height)
+    np.savez_compressed(tmp_path / "arrays.npz", time=np.zeros(3), height=height)
+    tifffile.imwrite(tmp_path / "height.tif", height.astype(np.float32))
+    for name in ("array.npy", "arrays.npz", "height.tif"):
+        found = read_map(tmp_path / name, physical_size=(5e-6, 6e-6), unit="m", orientation="peaks up")
+        np.testing.assert_allclose(found.height, height, rtol=1e-6)  # single precision in the picture
+    Image.fromarray(grey).save(tmp_path / "grey.png")
+    tifffile.imwrite(tmp_path / "grey.tif", grey)
+    for name in ("grey.png", "grey.tif"):
+        said = {"physical_size": ("5 um", "6 um"), "unit": "nm", "orientation": "peaks up"}
+        np.testing.assert_allclose(read_map(tmp_path / name, **said, height_factor=1).height, height)
+        with pytest.raises(MapError, match="height_factor: the file holds grey levels"):
+            read_map(tmp_path / name, **said)
+    Image.fromarray(np.zeros((5, 6, 3), np.uint8)).save(tmp_path / "colours.png")
+    with pytest.raises(MapError, match="not one in colours or several"):
+        read_map(tmp_path / "colours.png", **said)
+
+
 MATRIX = "# Channel: Height\n# Width: 4 µm\n# Height: 80 µm\n# Value units: nm\n"
 
 
@@ -211,17 +289,23 @@ MATRIX = "# Channel: Height\n# Width: 4 µm\n# Height: 80 µm\n# Value units: nm
         (points([(x**1.5, y) for x, y in SPOTS], range(63)), "the positions x are not equally spaced"),
         (points([*SPOTS, SPOTS[0]], range(64)), "two points have the same position"),
         (points([(0, y) for y in range(9)], range(9)), "all points have the same x"),
-        (points([(x, x) for x in range(40)], range(40)), "40 points are too few for a grid of 40 x 40 nodes"),
-        (points(SPOTS, [0, "1.#QNAN", *range(61)]), "line 2: '1.#QNAN' is no number"),
-        (MATRIX + "1 2 3 4\n2 --- 4 5\n3 4 5 6\n4 5 6 8\n5 6 8 8\n", "line 6: '---' is no number"),
-        (MATRIX + "1 2 3 4\n***\n3 4 5 6\n4 5 6 8\n5 6 8 8\n", "line 6: '***' is no number"),
-        (MATRIX + "1 2 3 4\n3 1,5e-9 5 6\n4 5 6 8\n5 6 8 8\n", "line 6: '1,5e-9' is no number"),
+        (points([(x, x) for x in range(40)], range(40)), "its points lie on one line"),
+        (
+            points([(n % 99, n % 97) for n in range(300)], range(300)),
+            "300 points are too few for a grid of 97 x 99",
+        ),
+        (points(SPOTS, [0, "1.2.3", *range(61)]), "line 2: '1.2.3' is no number"),
+        ("time,height\n0,1.0\n1,1.5\n2,1.2\n", "not a line scan of 2 columns"),
+        (MATRIX + "1 2 3 4\n2 -- x 5\n3 4 5 6\n4 5 6 8\n5 6 8 8\n", "line 6: 'x' is no number"),
+        (MATRIX + "1 2 3 4\n***\n3 4 5 6\n4 5 6 8\n5 6 8 8\n", "line 6: 4 numbers are needed, not 1"),
+        (MATRIX + "1 2 3 4.5\n3 1,5e-9 5 6\n4 5 6 8\n5 6 8 8\n", "line 6: '1,5e-9' is no number"),
         ("1 2 ... 4\n2 3 4 5\n3 4 5 6\n4 5 6 8\n", "line 1: '...' is no number"),
-        ("a b c d\n***\n2 3 4 5\n3 4 5 6\n4 5 6 8\n", "line 2: '***' is no number"),
+        ("a b c d\n***\n2 3 4 5\n3 4 5 6\n4 5 6 8\n", "line 2: 4 numbers are needed, not 1"),
         ("1 2 3 4\n2 3 4 5\n3 4 5 6\n4 5 6 8\n5 6 x 8\n", "line 5: 'x' is no number"),
+        (",0,1,2,3\n0,7,5,6,1\n1,2,3,9,6\n2,0,1,1,4\n", "its first row holds numbers or positions"),
         ("\n".join("1 2 3 4" for _ in range(400)), "a list of points or a log, not a map"),
     ],
-    ids=range(12),
+    ids=range(15),
 )
 def test_a_text_that_is_no_map_is_refused(tmp_path, content, line):
     (tmp_path / "points.xyz").write_text(content)
@@ -238,11 +322,12 @@ def test_the_description_says_what_a_map_is():
     found = describe_map(DATA / "steel.x3p", MapOptions())
     tilt = float(found.properties["tilt"].rstrip("°"))
     assert tilt == pytest.approx(np.degrees(np.hypot(12e-9, 5e-9) / 2e-6), abs=0.3)
-    height = float(found.properties["rms height"].split()[0])
+    height = float(found.properties["Sq"].split()[0])
     assert height == pytest.approx(400, rel=0.1)  # the script sets 400 nm before the tilt
     assert found.properties["size"] == "80 µm x 96 µm (y, x)"
     assert found.properties["without data"] == "7 points (0.36 %)"
-    assert found.properties["spikes"].startswith("4 points (0.21 %)")
+    assert found.properties["spikes"].startswith("4 points (0.21 %) in 3 spikes of up to 15.")
+    assert found.properties["Str"].endswith("lay at 90° from x towards y")  # ground along y
     assert [text.split(":")[0] for text in found.choices] == ["periodic", "undefined"]
 
 
@@ -276,6 +361,29 @@ def test_the_command_info_prints_the_description_or_one_line(capsys):
     assert capsys.readouterr().err.count("\n") == 1
 
 
+def test_info_ends_quietly_when_its_reader_does():
+    read, write = os.pipe()
+    os.close(read)
+    command = [sys.executable, "-m", "asperity", "info", str(DATA / "steel.npy")]
+    ended = subprocess.run(command, stdout=write, stderr=subprocess.PIPE, check=True)
+    os.close(write)
+    assert ended.stderr == b""
+
+
+def test_texture_of_waves_and_tip_of_a_sphere():
+    """The autocorrelation of a wave falls to 0.2 at acos(0.2) of its phase; a tip fits in a bowl of twice its radius."""
+    y, x = np.mgrid[:256, :256]
+    wave = np.cos(2 * np.pi * (x * np.cos(np.pi / 6) + y * np.sin(np.pi / 6)) / 32)
+    shortest, ratio, lay = texture(wave, (1.0, 1.0))
+    assert shortest == pytest.approx(32 * np.arccos(0.2) / (2 * np.pi), rel=1e-3)
+    assert ratio < 0.1
+    assert lay == pytest.approx(120, abs=3)  # the map ends after eight waves
+    rough = self_affine((256, 256), 0.8, 0.1, 0.02, rms_height=1e-3, seed=1)
+    assert texture(rough, (1.0, 1.0))[1] > 0.8
+    assert texture(rough, (4.0, 1.0))[1:] == pytest.approx((0.25, 90), rel=0.15)  # one sample
+    assert finest_tip(-(x**2 + y**2) / 2000, (1.0, 1.0)) == pytest.approx(500)
+
+
 def test_the_spectrum_of_a_self_affine_map_has_its_exponent():
     whole = self_affine(
         (512, 512), seed=3, hurst=0.8, wavelength_long=0.25, wavelength_short=0.004, rms_height=1e-3
@@ -301,7 +409,7 @@ def zip_of_5_gigabytes(path):
 
 def gzip_that_declares_less(path):
     """Its last member, whose size is at the end of the file, is small."""
-    path.write_bytes(gzip.compress(bytes(40 * 2**20), mtime=0) + gzip.compress(b"end", mtime=0))
+    path.write_bytes(gzip.compress(b"1 2 3 4\n" * 5 * 2**20, mtime=0) + gzip.compress(b"end", mtime=0))
 
 
 def hdf5_of_zeros(path):

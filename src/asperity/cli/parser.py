@@ -16,6 +16,7 @@ from asperity.paper.figures import known
 from asperity.study.config.check import needed_instead
 from asperity.study.config.defaults import default
 from asperity.study.config.schema import Entry, accepted, setting
+from asperity.surface.reading.formats import formats_in_words
 
 COMMANDS: dict[str, Any] = packaged_yaml("asperity.cli", "commands.yaml")
 """Name → description, usage, arguments and groups of arguments of each command."""
@@ -71,6 +72,7 @@ def make_parser() -> Parser:
             help=summary[0].lower() + summary[1:],
             description=description,
             usage=entry.get("usage"),
+            epilog=formats_in_words() if entry.get("formats") else None,
         )
         _add_arguments(command, entry, False)
         for group in entry.get("groups", ()):

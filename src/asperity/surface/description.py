@@ -11,7 +11,8 @@ import numpy as np
 from asperity.core.types import Array
 from asperity.surface.reading.height_map import LOWER_FACE, PEAKS_UP, HeightMap, MapOptions
 from asperity.surface.reading.map_file import MapFile, open_map
-from asperity.surface.roughness import spectrum
+from asperity.surface.roughness import moments, spectrum
+from asperity.surface.texture import finest_tip, texture
 from asperity.surface.treatment.levelling import edge_step, fill_harmonic, find_spikes, subtract_trend
 from asperity.surface.treatment.treatment import DESPIKE, missing_options
 
@@ -36,6 +37,14 @@ CHOSEN = MapOptions(periodic="mirrored", undefined="harmonic")
 NARROWEST_SLOPE = 4.0
 """Smallest ratio of wavenumbers over which a slope of the spectrum is given."""
 
+DIRECTED = 0.5
+"""Texture aspect ratio below which a surface has a lay; ISO 25178-2 calls those below 0.3 strong."""
+
+NOT_IN_FILE = "not in the file"
+
+NEED_EDGES = ("tilt", "Sdq", "Sal", "Str", "tip", "waves")
+"""Properties that depend on the edges of a map."""
+
 ORIENTATION_WORDS = {
     PEAKS_UP: "peaks up, as instruments show them",
     LOWER_FACE: "lower face of an indenter, the lowest points touch first",
@@ -54,18 +63,20 @@ class MapDescription(NamedTuple):
         What every calculation needs to be told besides the file; each begins with a field of `MapOptions`.
     choices : list of str
         What asperity solve and a study need too, and asperity run chooses by itself.
+    warnings : list of str
+        Those of `map_warnings`.
     """
 
     properties: dict[str, str]
     needed: list[str]
     choices: list[str]
+    warnings: list[str]
 
 
 def describe_map(path: str | os.PathLike[str], options: MapOptions) -> MapDescription:
     """Description of the map in a file.
 
-    Roughness is that of the map without its mean plane and its spikes; the gradient is that between
-    neighbouring points.
+    Roughness is that of the map without its mean plane and its spikes, without a filter.
 
     Raises
     ------
@@ -75,7 +86,13 @@ def describe_map(path: str | os.PathLike[str], options: MapOptions) -> MapDescri
     found = open_map(path, options)
     needed = missing_options(found, CHOSEN)
     choices = [text for text in missing_options(found, MapOptions()) if text not in needed]
-    return MapDescription(_properties(found), needed, choices)
+    properties, warnings = _of_file(found), []
+    if np.isfinite(found.map.height).any():
+        measures = measure_map(found.map)
+        edges_known = properties["size"] != NOT_IN_FILE
+        properties |= _of_heights(found.map, measures, edges_known)
+        warnings = map_warnings(found.map, options, measures)
+    return MapDescription(properties, needed, choices, warnings)
 
 
 class MapMeasures(NamedTuple):
@@ -152,58 +169,72 @@ def map_warnings(surface: HeightMap, options: MapOptions, measures: MapMeasures 
     return warnings
 
 
-def _properties(found: MapFile) -> dict[str, str]:
-    surface, height = found.map, found.map.height
-    missing = ~np.isfinite(height)
-    level, spikes, slope = np.zeros(height.shape), np.zeros_like(missing), (0.0, 0.0)
-    if not missing.all():
-        spikes = find_spikes(height, DESPIKE)
-        level, slope, _ = subtract_trend(fill_harmonic(height, missing | spikes), "tilt", surface.length)
-    rms_height = float(np.sqrt(np.mean(np.square(level))))
-    squares = [np.mean(np.square(np.diff(level, axis=n) / surface.spacing[n])) for n in (0, 1)]
+def _of_file(found: MapFile) -> dict[str, str]:
+    """What the file holds."""
+    surface = found.map
+    edges_known = not any("does not say the edges" in problem for problem in found.problems)
+    size, pixel = (
+        surface.shown_length(*edges, digits=4) if edges_known else NOT_IN_FILE
+        for edges in (surface.length, surface.spacing)
+    )
+    return {
+        "file": surface.name,
+        "channels": _channels(found),
+        "heights": ORIENTATION_WORDS[surface.orientation],
+        "unit": f"{surface.unit} in the file" if surface.unit else NOT_IN_FILE,
+        "points": f"{surface.height.shape[0]} x {surface.height.shape[1]} (y, x)",
+        "size": f"{size} (y, x)" if edges_known else size,
+        "pixel": pixel,
+        "without data": _share(surface.missing, surface),
+    }
+
+
+def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) -> dict[str, str]:
+    """Defects, roughness and spectrum of a map; in units of pixels nothing that depends on the edges."""
 
     def length(value: float) -> str:
         return surface.shown_length(value, digits=4)
 
-    def share(points: Array) -> str:
-        count = int(np.count_nonzero(points))
-        return f"{count} points ({100 * count / height.size:.2g} %)" if count else "no points"
-
-    table = {
-        "file": surface.name,
-        "channels": _channels(found),
-        "heights": ORIENTATION_WORDS[surface.orientation],
-        "unit": f"{surface.unit} in the file" if surface.unit else "not in the file",
-        "points": f"{height.shape[0]} x {height.shape[1]} (y, x)",
-        "size": " x ".join(map(length, surface.length)) + " (y, x)",
-        "pixel": " x ".join(map(length, surface.spacing)),
-        "without data": share(missing),
-        "spikes": f"{share(spikes)} beyond {DESPIKE:g} robust standard deviations from the local median",
-        "tilt": f"{math.degrees(math.atan(math.hypot(*slope))):.3g}°",
-        "rms height": f"{length(rms_height)}, from lowest to highest point {length(float(np.ptp(level)))}, "
-        "without tilt and spikes",
-        "rms gradient": f"{np.sqrt(sum(squares)):.3g} between neighbouring points",
-    }
-    edges_known = not any("does not say the edges" in problem for problem in found.problems)
-    if not edges_known:
-        table |= {"size": "not in the file", "pixel": "not in the file"}
-        del table["tilt"], table["rms gradient"]
+    level = measures.level
+    _, skewness, kurtosis = moments(level.ravel(), np.full(level.size, 1 / level.size))
+    shortest, ratio, direction = texture(level, surface.spacing)
+    lay = f", lay at {direction:.0f}° from x towards y" if ratio < DIRECTED else ""
+    steps = [np.mean(np.square(np.diff(level, axis=n) / surface.spacing[n])) for n in (0, 1)]
+    tip = finest_tip(level if surface.orientation != LOWER_FACE else -level, surface.spacing)
     long_waves, short_waves, unresolved, hurst = spectrum_summary(level, surface)
-    share_short = f"{100 * unresolved:.2g} % of the mean square gradient"
-    resolved = f"{share_short} in waves shorter than {SHORT_WAVE_PIXELS} pixels"
     exponent = "" if math.isnan(hurst) else f", slope as for a Hurst exponent of {hurst:.2f}"
-    waves = (
-        f"half of the mean square height in waves longer than {length(long_waves)}, half of the mean square "
-        f"gradient in waves shorter than {length(short_waves)}{exponent}; "
-    )
     step = edge_step(level)
-    stated = "" if surface.periodic else "does not "
+    stated = "says" if surface.periodic else "does not say"
     verdict = "" if surface.periodic or step <= PERIODIC_STEP else ": it is not"
-    return table | {
-        "spectrum": (waves if edges_known else "") + resolved,
-        "periodic": f"the file {stated}say{'s' if surface.periodic else ''} so; rms step across the edges "
-        f"{step:.3g} times that between neighbouring points{verdict}",
+    spikes = _share(int(np.count_nonzero(measures.spikes)), surface)
+    if measures.spike_count:
+        spikes += f" in {measures.spike_count} spikes of up to {length(measures.highest_spike)}"
+    found = {
+        "spikes": f"{spikes}, beyond {DESPIKE:g} robust standard deviations from the local median",
+        "tilt": f"{math.degrees(measures.tilt):.3g}°",
+        "bow": f"{length(measures.bow)} from lowest to highest point",
+        "Sq": f"{length(measures.rms_height)}, rms height; without bow "
+        f"{length(measures.rms_height_without_bow)}",
+        "Sa": f"{length(float(np.mean(np.abs(level - level.mean()))))}, mean absolute height",
+        "Sz": f"{length(float(np.ptp(level)))}, from lowest to highest point",
+        "Ssk": f"{skewness:.3g}, skewness",
+        "Sku": f"{kurtosis:.3g}, kurtosis",
+        "Sdq": f"{math.sqrt(sum(steps)):.3g}, rms gradient between neighbouring points",
+        "Sal": f"{length(shortest)}, shortest length over which the autocorrelation falls to 0.2",
+        "Str": f"{ratio:.2g}, shortest over longest such length{lay}",
+        "tip": f"the sharpest peaks fit a tip of radius up to {length(tip)}; a blunter one has rounded them",
+        "waves": f"half of the mean square height is in waves longer than {length(long_waves)}, half of the "
+        f"mean square gradient in waves shorter than {length(short_waves)}{exponent}",
+        "resolution": f"{100 * unresolved:.2g} % of the mean square gradient in waves shorter than "
+        f"{SHORT_WAVE_PIXELS} pixels",
+        "periodic": f"the file {stated} so; rms step across the edges {step:.3g} times that between "
+        f"neighbouring points{verdict}",
     }
+    return found if edges_known else {name: text for name, text in found.items() if name not in NEED_EDGES}
+
+
+def _share(count: int, surface: HeightMap) -> str:
+    return f"{count} points ({100 * count / surface.height.size:.2g} %)" if count else "no points"
 
 
 def _channels(found: MapFile) -> str:

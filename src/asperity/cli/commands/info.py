@@ -21,8 +21,9 @@ def run(options: argparse.Namespace) -> None:
         print(f"{name + ':':<{width}}{one_line(text)}")
     chosen = "asperity run fills points without data and mirrors the map by itself; "
     chosen += "asperity solve and a study need"
-    for heading, problems in (("every calculation needs", found.needed), (chosen, found.choices)):
-        if problems:
-            print(heading, *(f"  {text}" for text in MapError("", problems).renamed(flag).problems), sep="\n")
+    lists = {"look at": found.warnings, "every calculation needs": found.needed, chosen: found.choices}
+    for heading, texts in lists.items():
+        if texts:
+            print(heading, *(f"  {text}" for text in MapError("", texts).renamed(flag).problems), sep="\n")
     if not found.needed and not found.choices:
         print("A calculation needs nothing else.")

@@ -14,7 +14,7 @@ import numpy as np
 
 from asperity.core.errors import shown
 from asperity.core.units import to_si
-from asperity.surface.reading.formats import Channel, FileContent, read_content
+from asperity.surface.reading.contents import Channel, FileContent, read_content
 from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATION_NEEDED,
@@ -56,8 +56,7 @@ def read_map(path: str | os.PathLike[str], options: MapOptions | None = None, **
     Parameters
     ----------
     path : path
-        In any format that SurfaceTopography reads, a text of three columns x, y, z on a regular grid, or a
-        surface of asperity; also packed by gzip.
+        In one of the formats that docs/formats.md lists, also packed by gzip.
     options : MapOptions, optional
         What is known of the map beside its file; how it is treated is not used.
     **given
@@ -71,7 +70,7 @@ def read_map(path: str | os.PathLike[str], options: MapOptions | None = None, **
     Raises
     ------
     ImportError
-        If SurfaceTopography is not installed.
+        If SurfaceTopography is not installed, for files of instruments.
     MapError
         If the file is not a rectangular height map, if it does not contain what is needed and no option
         gives it, if an option contradicts it, or if it unpacks to more than `max_memory`. The message names
@@ -140,6 +139,8 @@ def _height_factor(content: FileContent, options: MapOptions, problems: list[str
     """Factor that the caller applies to the heights; the file's own is applied by its reader."""
     factor = options.height_factor
     if factor is None:
+        if content.is_grey:
+            problems.append("height_factor: the file holds grey levels; set it to the height of one level")
         return 1.0
     if content.factor is not None and not math.isclose(factor, content.factor, rel_tol=AGREEMENT):
         problems.append(f"height_factor = {factor:g}: the file says {content.factor:g}; leave it out")

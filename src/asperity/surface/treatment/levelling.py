@@ -64,7 +64,7 @@ def _local_median_and_mean(height: Array) -> tuple[Array, Array]:
     median: Array = height
     mean: Array = height
     for axis in (0, 1):
-        mean = np.mean(_neighbours(mean, axis), axis=0)
+        mean = np.asarray(sum(_neighbours(mean, axis))) / MEDIAN_POINTS
         median = _median_of_five(*_neighbours(median, axis))
     return median, mean
 

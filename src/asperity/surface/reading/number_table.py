@@ -1,0 +1,259 @@
+"""Tables of numbers in text: any separator, points or commas as decimal marks, header lines and comments.
+
+A word for missing data such as *No data*, and an empty field, are a point without data. Any other word in a
+table is refused with its line. Points x, y, z on a regular grid are a map; those not listed have no data.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from contextlib import suppress
+from typing import NamedTuple
+
+import numpy as np
+
+from asperity.core.errors import shown
+from asperity.core.types import Array
+
+MERGE_DISTANCE = 1e-6
+"""Positions nearer than this, relative to the extent of the points, are one column or row of the grid:
+the rounding of single precision and of seven printed digits."""
+
+GRID_TOLERANCE = 0.05
+"""Largest distance of a point from its grid node, in units of the spacing; positions printed with three
+digits per pixel stay below 0.01."""
+
+FEWEST_PRESENT = 0.05
+"""Smallest share of grid nodes that must have a point; below it, the points are not a map but scattered."""
+
+LONGEST_HEADER = 200
+
+SAMPLE = 2**19
+"""Characters by which the dialect of a text is found; its first 30 lines may have more."""
+
+DIALECTS = (("\t", "."), ("\t", ","), (";", ","), (";", "."), (",", "."), (" ", "."), (" ", ","))
+"""Separators of fields with their decimal marks; of two that suit a text equally, the first is taken."""
+
+_MISSING = re.compile(
+    r"(?<!\S)(no[\s_]+data|bad|nd|n/?a|#n/a|none|null|missing|infinite|\*{2,}|-{2,}|[-+]?1[.,]#\w+)(?!\S)",
+    re.IGNORECASE,
+)
+_EXCHANGED = str.maketrans(".,", ",.")  # a number with a point is none where the comma is the decimal mark
+_UNIT = re.compile(r"[\[(]\s*([A-Za-zµμÅ]+)\s*[\])]")
+_STATED_UNIT = re.compile(r"(lateral|value) units?\s*[:=]\s*(\S+)", re.IGNORECASE)
+
+
+class Dialect(NamedTuple):
+    """How a table of numbers is written.
+
+    Parameters
+    ----------
+    separator, mark : str
+        Between fields, and between the whole part of a number and its fraction.
+    closed : bool
+        True if a separator ends every line.
+    columns : int
+        Fields in most lines.
+    """
+
+    separator: str
+    mark: str
+    closed: bool
+    columns: int = 0
+
+    def plain(self, line: str) -> str:
+        """A line with blanks between its fields and none in them, decimal points, ``nan`` in empty fields."""
+        line = line.strip("\r\n ")
+        if _is_comment(line):
+            return re.sub(r"(?<=\d),(?=\d)", ".", line) if self.mark == "," else line
+        if line and self.separator != " ":
+            fields = line.removesuffix(self.separator if self.closed else "").split(self.separator)
+            words = ["_".join(field.split()) for field in fields]
+            line = " ".join(word or "nan" for word in words) if any(words) else ""
+        return line.translate(_EXCHANGED) if self.mark == "," else line
+
+
+class NumberTable(NamedTuple):
+    """A table of numbers in a text.
+
+    Parameters
+    ----------
+    header : list of str
+        Lines before the table.
+    lines : list of str
+        Lines of the table and comments between them, with blanks between numbers.
+    rows : list of list of float
+        The numbers, NaN where one is missing. Rows on both sides of a comment may differ in length.
+    """
+
+    header: list[str]
+    lines: list[str]
+    rows: list[list[float]]
+
+    @property
+    def columns(self) -> int:
+        """Numbers in the first row."""
+        return len(self.rows[0])
+
+    def numbers(self) -> Array:
+        """The numbers as an array, if all rows have the same number of them.
+
+        Raises
+        ------
+        ValueError
+            If they have not.
+        """
+        if len({len(row) for row in self.rows}) > 1:
+            raise ValueError(f"{self.columns} numbers in each line are needed")
+        return np.array(self.rows)
+
+    def heights(self) -> Array:
+        """The numbers as a matrix of heights.
+
+        Raises
+        ------
+        ValueError
+            As for `numbers`, and if only the first row or column has equal steps: these are positions.
+        """
+        heights = self.numbers()
+        for name, values in (("row", heights), ("column", heights.T)):
+            if _has_equal_steps(values[0]) and not _has_equal_steps(values[1]):
+                raise ValueError(f"its first {name} holds numbers or positions of points; delete it")
+        return heights
+
+    def units(self) -> list[str]:
+        """Units in the header: one of all columns, or one for each of three columns; else none."""
+        stated = {found[1].lower(): found[2] for line in self.header if (found := _STATED_UNIT.search(line))}
+        units = [unit for line in self.header for unit in _UNIT.findall(line)]
+        if "lateral" in stated and "value" in stated:
+            units = [stated["lateral"], stated["lateral"], stated["value"]]
+        if len({*units}) == 1:
+            return units[:1]
+        return units if len(units) == 3 else []
+
+
+def read_table(text: str, dialect: Dialect) -> NumberTable:
+    """The table of numbers in a text.
+
+    Raises
+    ------
+    ValueError
+        For the first line in the table with a word that is no number or with another length, and for a line
+        beside it that could be one of its rows; the message names the line.
+    """
+    written, columns = text.replace('"', "").splitlines(), dialect.columns
+    lines, rows = map(list, zip(*(_row(dialect.plain(line)) for line in written), strict=True))
+    whole = [number for number, row in enumerate(rows) if row and len(row) == columns]
+    if not whole:
+        raise ValueError(f"a table of {columns} columns of numbers is needed")
+    begin, end = whole[0], whole[-1] + 1
+    width = columns
+    for number, written_line in enumerate(written):
+        is_inside = begin <= number < end
+        if is_inside and not lines[number] and written_line.strip(" "):  # separators alone
+            lines[number], rows[number] = " ".join(["nan"] * columns), [math.nan] * columns
+        line, row = lines[number], rows[number]
+        if row is None:
+            wrong = [word for word in line.split() if _row(word)[1] is None]
+            if is_inside or (len(line.split()) == columns and 2 * len(wrong) <= columns):
+                raise ValueError(f"line {number + 1}: {shown(wrong[0])} is no number")
+        elif row and len(row) != (width or len(row)):
+            raise ValueError(f"line {number + 1}: {width} numbers are needed, not {len(row)}")
+        elif is_inside:
+            width = 0 if _is_comment(line) else len(row) or width
+    return NumberTable(lines[:begin], lines[begin:end], [row for row in rows[begin:end] if row])
+
+
+def find_dialect(text: str) -> Dialect | None:
+    """The dialect in which most lines of a text are numbers; None if it has no table of numbers."""
+    lines = text.replace('"', "").splitlines()[: 2 * LONGEST_HEADER]
+    sizes = np.cumsum([len(line) for line in lines])
+    sample = lines[: max(30, int(np.searchsorted(sizes, SAMPLE)))]
+    best, most = None, (False, 1)
+    for separator, mark in DIALECTS:
+        lined = [line.strip("\r\n ") for line in sample if separator in line or separator == " "]
+        closed = separator != " " and 2 * sum(line.endswith(separator) for line in lined) > len(lined)
+        dialect = Dialect(separator, mark, closed)
+        rows = (_row(dialect.plain(line))[1] for line in lined)
+        widths = Counter(len(row) for row in rows if row and not all(map(math.isnan, row)))
+        columns, count = widths.most_common(1)[0] if widths else (0, 0)
+        if (columns > 1, count) > most:
+            best, most = dialect._replace(columns=columns), (columns > 1, count)
+    return best
+
+
+def _row(line: str) -> tuple[str, list[float] | None]:
+    """A line with ``nan`` for missing numbers, and its numbers: none in a comment, None if a word is none."""
+    if _is_comment(line):
+        return line, []
+    for text in (line, _MISSING.sub("nan", line)):
+        if "_" not in text:  # which Python accepts in numbers
+            with suppress(ValueError):
+                return text, list(map(float, text.split()))
+    return text, None
+
+
+def _has_equal_steps(values: Array) -> bool:
+    steps = np.diff(values[np.isfinite(values)])
+    return steps.size > 2 and steps[0] != 0 and np.allclose(steps, steps[0], rtol=1e-6, atol=0)
+
+
+def _is_comment(line: str) -> bool:
+    return line.startswith("#") and not line.upper().startswith("#N/A")
+
+
+def grid_points(points: Array) -> tuple[Array, tuple[float, float]]:
+    """Map of points on a regular grid, with rows along y and columns along x, both increasing.
+
+    Parameters
+    ----------
+    points : (count, 3) array
+        Columns x, y and z; z may be NaN.
+
+    Returns
+    -------
+    height : (ny, nx) array
+        NaN where there is no point.
+    length : (length_y, length_x)
+        Number of nodes times their spacing.
+
+    Raises
+    ------
+    ValueError
+        If the points are not on a regular grid, or lie on one line.
+    """
+    x, y, z = points.T
+    if not (np.isfinite(x).all() and np.isfinite(y).all()):
+        raise ValueError("a point has no position")
+    column, spacing_x, count_x = _nodes(x, "x")
+    row, spacing_y, count_y = _nodes(y, "y")
+    if z.size <= max(count_x, count_y):
+        raise ValueError("its points lie on one line")
+    if z.size < FEWEST_PRESENT * count_x * count_y:
+        raise ValueError(f"{z.size} points are too few for a grid of {count_y} x {count_x} nodes")
+    node = row * count_x + column
+    if np.bincount(node).max() > 1:
+        raise ValueError("two points have the same position")
+    height = np.full(count_y * count_x, np.nan)
+    height[node] = z
+    return height.reshape(count_y, count_x), (count_y * spacing_y, count_x * spacing_x)
+
+
+def _nodes(position: Array, axis: str) -> tuple[Array, float, int]:
+    """Index of the grid line of every point, spacing and number of the lines."""
+    ordered = np.sort(position)
+    extent = ordered[-1] - ordered[0]
+    gaps = np.diff(ordered)
+    gaps = gaps[gaps > MERGE_DISTANCE * extent]
+    if gaps.size == 0:
+        raise ValueError(f"all points have the same {axis}")
+    for step in (np.median(gaps), gaps.min()):
+        count = round(extent / step) + 1
+        spacing = extent / (count - 1)
+        index = (position - ordered[0]) / spacing
+        nearest = np.rint(index)
+        if np.abs(index - nearest).max() <= GRID_TOLERANCE:
+            return nearest.astype(np.int64), float(spacing), count
+    raise ValueError(f"the positions {axis} are not equally spaced")
