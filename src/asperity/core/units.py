@@ -48,6 +48,11 @@ _NUMBER_AND_UNIT = re.compile(
     r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ]+(?:\^?[2-4])?(?:[*/·][A-Za-zµμ]+(?:\^?[2-4])?)*)"
 )
 
+_USUAL = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([pnuµμmkMGT]?)(m|Pa|N)")
+"""A number, a prefix and an SI unit."""
+
+_EXPONENTS = {"": 0, "p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "k": 3, "M": 6, "G": 9, "T": 12}
+
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
 _POWERS = {"m": 1, "m^2": 2, "m^3": 3, "Pa": 1, "N": 1}
 _SUPERSCRIPTS = {1: "", 2: "²", 3: "³"}
@@ -70,15 +75,13 @@ def to_si(value: Any, dimension: str, name: str = "value") -> float:
     ValueError
         If the value has no unit, a unit of another dimension, or is not a finite number.
     """
-    known, registry, number = DIMENSIONS[dimension], _registry(), math.nan
-    with suppress(Exception):  # pint raises errors of many unrelated types for a unit that it does not know
-        if isinstance(value, str):
-            match = _NUMBER_AND_UNIT.fullmatch(value.strip())
-            magnitude, unit = match.groups() if match else (math.nan, known.unit)
-            unit = re.sub(r"(?<=[A-Za-zµμ])(?=[2-4])", "^", unit)  # mm2 is mm^2
-        else:
-            magnitude, unit = value.magnitude, value.units
-        number = float(registry.Quantity(float(magnitude), unit).to(known.unit).magnitude)
+    known, number = DIMENSIONS[dimension], math.nan
+    usual = _USUAL.fullmatch(value.strip()) if isinstance(value, str) else None
+    if usual and usual[3] == known.unit:  # without pint, whose import takes a quarter of a second
+        number = float(usual[1]) * 10.0 ** _EXPONENTS[usual[2]]
+    else:
+        with suppress(Exception):  # pint has errors of many unrelated types for a unit that it does not know
+            number = _by_pint(value, known.unit)
     if math.isfinite(number):
         return number
     example = f", such as '{str(value).strip()} {known.examples[1]}'" if _is_number(value) else ""
@@ -86,6 +89,16 @@ def to_si(value: Any, dimension: str, name: str = "value") -> float:
         f"{name} = {shown(value)}: a number with a unit of {dimension} ({', '.join(known.examples)}) "
         f"is needed{example}"
     )
+
+
+def _by_pint(value: Any, unit: str) -> float:
+    """Number in a unit, of a text or a quantity of pint."""
+    if isinstance(value, str):
+        number, own = _NUMBER_AND_UNIT.fullmatch(value.strip()).groups()  # type: ignore[union-attr]
+        magnitude, own = float(number), re.sub(r"(?<=[A-Za-zµμ])(?=[2-4])", "^", own)  # mm2 is mm^2
+    else:
+        magnitude, own = float(value.magnitude), value.units
+    return float(_registry().Quantity(magnitude, own).to(unit).magnitude)
 
 
 def shown_si(value: float, unit: str, digits: int = 4) -> str:

@@ -90,10 +90,12 @@ class CloseUp:
 
 
 def _interpolated(axes: tuple[Array, Array], values: Array, y: Array, x: Array) -> Array:
-    from scipy.interpolate import RectBivariateSpline
+    """Values between equidistant nodes, by cubic splines."""
+    from scipy.ndimage import map_coordinates
 
-    orders = [min(3, axis.size - 1) for axis in axes]
-    return RectBivariateSpline(*axes, values, kx=orders[0], ky=orders[1], s=0)(y, x)
+    steps = [(axis[-1] - axis[0]) / (axis.size - 1) for axis in axes]
+    places = [(place - axis[0]) / step for place, axis, step in zip((y, x), axes, steps, strict=True)]
+    return map_coordinates(values, np.meshgrid(*places, indexing="ij"), order=3, mode="nearest")
 
 
 def close_ups(face: TreatedMap, contact: Contact, spots: pd.DataFrame) -> list[CloseUp]:
