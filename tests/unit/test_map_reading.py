@@ -195,7 +195,7 @@ import SurfaceTopography
 assert SurfaceTopography.Topography and SurfaceTopography.IO.readers
 assert (read_map({str(DATA / "steel.x3p")!r}).height == alone.height)[~(alone.height != alone.height)].all()
 """
-    subprocess.run([sys.executable, "-W", "ignore", "-c", code], check=True)
+    subprocess.run([sys.executable, "-W", "error::ImportWarning", "-c", code], check=True)
 
 
 def test_what_is_no_regular_file_is_named(tmp_path, capsys):

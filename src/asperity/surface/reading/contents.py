@@ -18,11 +18,10 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, NamedTuple
 
 import numpy as np
 
@@ -30,25 +29,9 @@ from asperity.core.errors import one_line, shown
 from asperity.core.packages import require
 from asperity.core.types import Array
 from asperity.fourier.grid import grid_of
-from asperity.surface.reading.formats import (
-    BLOCK,
-    BYTE_ORDER_MARKS,
-    TEXT_FORMATS,
-    Format,
-    known_extensions,
-    known_formats,
-    look_of,
-    possible_formats,
-    require_agreement,
-)
-from asperity.surface.reading.height_map import (
-    LOWER_FACE,
-    ORIENTATIONS,
-    PEAKS_UP,
-    MapError,
-    MapOptions,
-    metres,
-)
+from asperity.surface.reading import formats
+from asperity.surface.reading.formats import TEXT_FORMATS, Format
+from asperity.surface.reading.height_map import LOWER_FACE, PEAKS_UP, MapError, MapOptions, metres
 from asperity.surface.reading.number_table import NumberTable, find_dialect, grid_points, read_table
 
 ROW_BY_ROW = ("h5", "mat")
@@ -72,8 +55,7 @@ _MATRIX_HEADER = re.compile(
 """Header lines of matrices that SurfaceTopography understands."""
 
 
-@dataclass(frozen=True)
-class Channel:
+class Channel(NamedTuple):
     """A channel of a file.
 
     Parameters
@@ -90,8 +72,7 @@ class Channel:
     kind: str = "height"
 
 
-@dataclass(frozen=True)
-class FileContent:
+class FileContent(NamedTuple):
     """What a file says; None where it says nothing.
 
     Parameters
@@ -160,12 +141,14 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
     is_packed = plain.read(2) == b"\x1f\x8b"
     plain.seek(0)
     file: Any = gzip.GzipFile(fileobj=plain) if is_packed else plain
-    begin = file.read(BLOCK)
-    possible = possible_formats(begin, file, name, options.format)
+    begin = file.read(formats.BLOCK)
+    possible = formats.possible_formats(begin, file, name, options.format)
     is_text = bool(possible) and possible[0].name in TEXT_FORMATS
     dialect = find_dialect(_text(begin)) if is_text else None
     if not possible or (is_text and dialect is None):
-        raise ValueError(f"{UNREADABLE}: it looks like {look_of(begin)}; known are {known_extensions()}")
+        raise ValueError(
+            f"{UNREADABLE}: it looks like {formats.look_of(begin)}; known are {formats.known_extensions()}"
+        )
     file.seek(0)
     size = os.path.getsize(name)
     if is_packed:
@@ -185,13 +168,13 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
     if content.orientation is None:
         _require_map(content.height.shape, options)
     if options.format is None:
-        require_agreement(name, form)
+        formats.require_agreement(name, form)
     return content
 
 
 def _text(content: bytes) -> str:
     """Text in UTF-16, UTF-8 or Latin-1; its last character may be cut off."""
-    if content.startswith(BYTE_ORDER_MARKS):
+    if content.startswith(formats.BYTE_ORDER_MARKS):
         return content.decode("utf-16", errors="replace")
     try:
         return content.decode("utf-8-sig")
@@ -233,7 +216,7 @@ def _require_size(size: float, limit: float) -> None:
 
 def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileContent]:
     """A matrix of heights, or points, and which of them a table is."""
-    matrix, points = (known_formats()[found] for found in TEXT_FORMATS)
+    matrix, points = (formats.known_formats()[found] for found in TEXT_FORMATS)
     if table.columns < 3:
         raise ValueError(f"a rectangular map is needed, not a line scan of {table.columns} columns")
     if options.format != points.name and any(map(_MATRIX_HEADER.search, table.header)):
@@ -307,7 +290,7 @@ def _own_surface(path: str) -> FileContent | None:
             if orientation is None and "lower face" in height.attrs.get("long_name", ""):
                 orientation = LOWER_FACE
             is_surface = height.dims == ("y", "x") and {"y", "x"} <= set(height.coords)
-            if orientation not in ORIENTATIONS or not is_surface or min(height.shape) < 2:
+            if orientation not in (PEAKS_UP, LOWER_FACE) or not is_surface or min(height.shape) < 2:
                 return None
             surface = opened[["height"]].load()
     except (OSError, RuntimeError, ValueError, KeyError, AttributeError):
@@ -359,8 +342,7 @@ def _surface_topography() -> Iterator[None]:
 def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent:
     """A map in a format that SurfaceTopography reads."""
     require(("SurfaceTopography",))
-    with warnings.catch_warnings(), _surface_topography():
-        warnings.simplefilter("ignore")
+    with warnings.catch_warnings(action="ignore"), _surface_topography():
         module = import_module(f"SurfaceTopography.IO.{form.reader}")
         (opened,) = (
             kind
