@@ -256,7 +256,7 @@ def _array(file: BinaryIO, options: MapOptions) -> FileContent:
 
 def _picture(form: Format, file: BinaryIO, options: MapOptions) -> FileContent:
     """A picture of heights, or of grey levels."""
-    require(("PIL", "tifffile"))
+    require(("tifffile", "matplotlib"))  # which brings Pillow
     try:
         if form.name == "tiff":
             import tifffile
