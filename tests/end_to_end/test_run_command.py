@@ -262,6 +262,28 @@ def test_a_saved_case_is_repeated(path, tmp_path, capsys):
     assert "case.yaml: despik: unknown key; did you mean despike?" in capsys.readouterr().err
 
 
+def test_several_maps_are_compared(steel, path, tmp_path, capsys):
+    """Twice the heights: the second of two columns; the page shows the pictures of both."""
+    header = "# Width: 128 um\n# Height: 128 um\n# Value units: um"
+    np.savetxt(tmp_path / "rough.asc", 2 * steel, header=header, comments="", fmt="%.6f")
+    command = ["run", str(path), str(tmp_path / "rough.asc"), *COMMAND, "--out", str(tmp_path / "both")]
+    assert main(command) == 0
+    assert capsys.readouterr().out.splitlines()[-1].startswith("stress in the elastic body")
+    frame = pd.read_csv(tmp_path / "both/comparison.csv")
+    heights = frame[frame["name"] == "rms height"].set_index("map")["value"]
+    assert heights["rough"] == pytest.approx(2 * heights["steel"], rel=1e-4)
+    page = (tmp_path / "both/comparison.html").read_text(encoding="utf-8")
+    assert page.count("<img ") == 10
+    assert main(command) == 0  # its own files are replaced
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine/comparison.csv").write_text("precious")
+    with pytest.raises(SystemExit):
+        main([*command[:-1], str(tmp_path / "mine"), "--save", "case.yaml"])
+    said = capsys.readouterr().err
+    assert "holds comparison.csv, which asperity run has not written" in said
+    assert "--save: one MAP is needed" in said
+
+
 def test_single_stages_refuse_results_of_a_run(folder, tmp_path, capsys):
     assert main(["stress", str(folder / "contact.nc"), "--out", str(tmp_path / "stress.nc")]) == 1
     assert "a result of asperity run, which makes those of all stages itself" in capsys.readouterr().err

@@ -372,7 +372,7 @@ def test_info_ends_quietly_when_its_reader_does():
 
 
 def test_texture_of_waves_and_tip_of_a_sphere():
-    """The autocorrelation of a wave falls to 0.2 at acos(0.2) of its phase; a tip fits in a bowl of twice its radius."""
+    """Waves correlate by 0.2 at a phase of acos(0.2); a tip fits in a bowl of twice its radius."""
     y, x = np.mgrid[:256, :256]
     wave = np.cos(2 * np.pi * (x * np.cos(np.pi / 6) + y * np.sin(np.pi / 6)) / 32)
     shortest, ratio, lay = texture(wave, (1.0, 1.0))

@@ -166,6 +166,11 @@ def _names(folder: Path) -> set[str]:
     return set()
 
 
+def claim(folder: Path, names: Iterable[str]) -> None:
+    """Add files to those of a folder that `asperity run` has written and may replace."""
+    write_text(folder / MANIFEST, json.dumps(sorted({*_names(folder), *names})))
+
+
 def _write_results(answer: Answer, folder: Path) -> None:
     """Write the results and tables of an answer into an empty folder."""
     settings = settings_of(answer)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -47,23 +47,45 @@ _LOADS = ("pressure", "force", "approach", "area_fraction")
 
 
 class Job(NamedTuple):
-    """A case that is accepted: its settings, the face that is pressed, and the folder of the answer."""
+    """A case as options and files describe it: settings, face that is pressed, folder, and what is wrong."""
 
     settings: dict[str, Any]
     rough: Any
     out: Path
+    problems: list[str]
 
 
 def run(options: argparse.Namespace) -> None:
-    """Compute the answer, print it, and write results, pictures and report."""
+    """Compute the answers, print them, and write results, pictures and reports; compare several."""
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
-    job = _job(options)
+    folder = None
+    if len(options.map) > 1:
+        folder = Path(options.out or "comparison")
+    jobs = [_job(options, path, folder) for path in options.map]
+    problems = [problem for job in jobs for problem in job.problems]
+    if folder is not None:
+        from asperity.engineering.comparison import FILES, write_comparison
+
+        problems += _problems_of(folder, {}, FILES)
+    if folder is not None and len({job.out for job in jobs}) < len(jobs):
+        problems.append("MAP: files of different names are needed")
+    if folder is not None and options.save:
+        problems.append("--save: one MAP is needed, several are given")
+    if problems:
+        sys.exit(max(fail(problem, WRONG_USAGE) for problem in dict.fromkeys(problems)))
+    answers = {job.out.name: _answered(job, options.save) for job in jobs}
+    if folder is not None:
+        print(write_comparison(answers, folder))
+
+
+def _answered(job: Job, save: str | None) -> Any:
+    """The answer of a case, printed and written."""
     from asperity.engineering import Case, answer_of, save_case, write_answer
     from asperity.study.runtime.progress import ProgressBar
 
     case = Case.of(job.settings)
-    if options.save:
-        save_case(case, Path(options.save), job.out)
+    if save:
+        save_case(case, Path(save), job.out)
     with ProgressBar(one_line(f"run {case.source}")) as progress:
         answer = answer_of(case, job.rough, progress)
     print(answer.text(), end="\n\n", flush=True)
@@ -72,21 +94,21 @@ def run(options: argparse.Namespace) -> None:
     for kind, suffixes in kinds.items():
         names = " ".join(str(path) for path in files if path.suffix in suffixes)
         print(f"{kind:<10}{one_line(names)}")
+    return answer
 
 
-def _job(options: argparse.Namespace) -> Job:
-    """The case that options and files describe; ends the process with a line for each problem."""
-    values, refused = _values(options)
-    out = Path(values.pop("out", None) or f"{Path(values.get('map', 'map')).stem}_run")
+def _job(options: argparse.Namespace, path: str, folder: Path | None) -> Job:
+    """The case of one map or case file; its answer goes below `folder`, if that is given."""
+    values, refused = _values(options, path)
+    stem = Path(values.get("map", path)).stem
+    out = Path(values.pop("out", None) or f"{stem}_run") if folder is None else folder / stem
     known = {**values, **refused}
     problems = [*refused.values(), *_contradictions(options, values, known), *_problems_of(out, values)]
     rough = None
     if "map" in values:
         rough, of_map = _face(values, known)
         problems += of_map
-    if problems:
-        sys.exit(max(fail(problem, WRONG_USAGE) for problem in problems))
-    return Job(values, rough, out)
+    return Job(values, rough, out, problems)
 
 
 def _face(values: Mapping[str, Any], known: Mapping[str, Any]) -> tuple[Any, list[str]]:
@@ -108,21 +130,21 @@ def _face(values: Mapping[str, Any], known: Mapping[str, Any]) -> tuple[Any, lis
         return None, [str(error)]
 
 
-def _values(options: argparse.Namespace) -> tuple[dict[str, Any], dict[str, str]]:
+def _values(options: argparse.Namespace, given_map: str) -> tuple[dict[str, Any], dict[str, str]]:
     """Accepted values of all settings by name, and messages on refused ones.
 
     An option overrides the file of ``--config``, and that the case file in place of a map.
     """
     values: dict[str, Any] = {}
     refused: dict[str, str] = {}
-    is_case = Path(options.map).suffix in (".yaml", ".yml")
-    for path, name in ((options.map if is_case else None, ""), (options.config, "--config ")):
+    is_case = Path(given_map).suffix in (".yaml", ".yml")
+    for path, name in ((given_map if is_case else None, ""), (options.config, "--config ")):
         if path:
             _add_file(Path(path), name, values, refused)
-    values |= {} if is_case else {"map": options.map}
+    values |= {} if is_case else {"map": given_map}
     values |= {} if options.out is None else {"out": options.out}
     if is_case and "map" not in values:
-        refused["map"] = f"{options.map}: map: missing; the name of a height map is needed"
+        refused["map"] = f"{given_map}: map: missing; the name of a height map is needed"
     for name, key in KEYS.items():
         given, entry = getattr(options, key), setting(key)
         if given is None:
@@ -186,11 +208,11 @@ def _contradictions(
         yield from (f"--boundary free: not accepted together with {flag(name)}" for name in excluded)
 
 
-def _problems_of(out: Path, values: Mapping[str, Any]) -> Iterator[str]:
-    """Why the answer cannot be written into a folder."""
-    from asperity.engineering.output import folder_problem
+def _problems_of(out: Path, values: Mapping[str, Any], names: Sequence[str] = ()) -> Iterator[str]:
+    """Why the answer, or files of some names, cannot be written into a folder."""
+    from asperity.engineering.output import ALWAYS_WRITTEN, folder_problem
 
-    if problem := folder_problem(out):
+    if problem := folder_problem(out, names or ALWAYS_WRITTEN):
         yield f"--out {out}: {problem}"
     elif out.resolve() in [Path(values[name]).resolve().parent for name in PATHS[:2] if name in values]:
         yield f"--out {out}: holds the map; another folder is needed"
