@@ -13,33 +13,9 @@ from asperity.contact.compliance import response_on
 from asperity.contact.problem import Control, Problem
 from asperity.reference.hertz import Hertz
 from asperity.reference.pivoting import pivot
-from asperity.reference.westergaard import Westergaard
 from asperity.study.validation.solution_check import mode_compliance
 
 UNIT = asp.Layer(1.0, 0.0)
-AMPLITUDE = 1e-3
-
-
-def test_partial_contact_of_wave_converges():
-    """A pressure that ends like a square root converges with order 1; rms over loads: edges between nodes."""
-    points, errors = [64, 128, 256], []
-    for n in points:
-        grid, rows = asp.Grid((4, n), (4 / n, 1.0)), []
-        x = grid.coordinates()[1] - 0.5
-        for load in np.linspace(0.2, 0.7, 6):
-            exact = Westergaard(load * np.pi * AMPLITUDE, AMPLITUDE)
-            height, pressure = np.tile(exact.height(x), (4, 1)), exact.pressure(x)
-            contact = solve(height, UNIT, grid.length, mean_pressure=exact.mean_pressure, rtol=1e-8)
-            area = contact.area_fraction / exact.area_fraction - 1
-            approach = (contact.approach - exact.approach) / AMPLITUDE
-            rows.append((difference(contact.pressure[0], pressure), area, approach))
-        errors.append(np.sqrt(np.mean(np.square(rows), axis=0)))
-    pressure, area, approach = np.transpose(errors)
-    assert order(points, pressure) > 0.8
-    assert order(points, area) > 0.7
-    assert order(points, approach) > 1.5
-    assert pressure[-1] < 1e-2
-    assert approach[-1] < 3e-4
 
 
 def test_hertz_without_images_converges():
