@@ -59,6 +59,7 @@ RUNS: dict[str, tuple[tuple[float, ...], int, int]] = {
     "active_set float64": ((1e-3, 1e-4, 1e-5, 1e-6), 2048, 16384),
     "active_set float32": ((1e-3, 1e-4), 2048, 4096),
     "gfmd float64": ((1e-3, 1e-5, 1e-7), 1024, 2048),
+    "aspher": ((1e-5, 1e-6, 1e-7, 1e-8), 2048, 4096),
     "tamaas": ((1e-5, 1e-6), 1024, 2048),
     "ContactMechanics": ((1e-3, 1e-5, 1e-7), 1024, 1024),
 }
@@ -66,7 +67,7 @@ RUNS: dict[str, tuple[tuple[float, ...], int, int]] = {
 KEY = ["points", "hurst", "load", "boundary", "threads", "solver", "tolerance"]
 COLUMNS = [
     *KEY,
-    *("program", "error", "certificate", "seconds", "wall", "memory_GB", "bytes_per_node"),
+    *("program", "error", "certificate", "iterations", "seconds", "wall", "memory_GB", "bytes_per_node"),
     *("transform_seconds", "transform_wall", "pair_seconds", "pair_wall", "single_fraction"),
     *("double_pairs", "single_pairs", "equivalents", "load_average", "date"),
 ]
@@ -136,14 +137,16 @@ def pair_seconds(shape: tuple[int, int]) -> dict[str, tuple[float, float]]:
     return best
 
 
-def solve(solver: str, height: Array, load: float, tolerance: float, boundary: str) -> tuple[Array, float]:
-    """Pressure of a solver, and the largest violation in its certificate."""
+def solve(
+    solver: str, height: Array, load: float, tolerance: float, boundary: str
+) -> tuple[Array, float, float]:
+    """Pressure of a solver, its iterations, and the largest violation in its certificate."""
     if solver in peers.SOLVERS:
-        return peers.SOLVERS[solver](height, load, tolerance, boundary), np.nan
+        return *peers.SOLVERS[solver](height, load, tolerance, boundary), np.nan
     method, dtype = solver.split()
     settings = {"method": method, "dtype": dtype, "boundary": boundary}
     contact = asp.solve(height, LAYER, mean_pressure=load, rtol=tolerance, **settings)
-    return contact.pressure, contact.certificate.worst
+    return contact.pressure, contact.certificate.iterations, contact.certificate.worst
 
 
 def run_once(options: argparse.Namespace) -> None:
@@ -160,14 +163,14 @@ def run_once(options: argparse.Namespace) -> None:
         reset_peak_memory()
         with counted() as transforms:
             wall, processor = time.perf_counter(), time.process_time()
-            pressure, certificate = solve(solver, height, load, tolerance, options.boundary)
+            pressure, iterations, certificate = solve(solver, height, load, tolerance, options.boundary)
             processor, wall = time.process_time() - processor, time.perf_counter() - wall
         spent += processor
         if not number:  # later runs find memory that this one has left
             added = (1e6 * peak_memory() - before) / height.size
             memory = {"memory_GB": peak_memory() / 1e3, "bytes_per_node": added}
         if processor < cost["seconds"]:
-            cost = {"seconds": processor, "wall": wall}
+            cost = {"seconds": processor, "wall": wall, "iterations": iterations}
             cost |= {"transform_seconds": transforms.processor, "transform_wall": transforms.wall}
             nodes = transforms.nodes
     if solver in peers.SOLVERS:
@@ -191,7 +194,7 @@ def measure(points: int, hurst: float, options: argparse.Namespace) -> Iterator[
     height, truth = rough(points, hurst), None
     load = load_on(height)
     if points <= options.largest_reference:
-        truth, _ = solve("active_set float64", height, load, REFERENCE_TOLERANCE, options.boundary)
+        truth, _, _ = solve("active_set float64", height, load, REFERENCE_TOLERANCE, options.boundary)
     with tempfile.TemporaryDirectory() as folder:
         heights = Path(folder) / "heights.npy"
         np.save(heights, height)
@@ -204,9 +207,12 @@ def measure(points: int, hurst: float, options: argparse.Namespace) -> Iterator[
             for tolerance in options.tolerance or few:
                 command = [sys.executable, __file__, "--run", str(heights), "--solver", solver]
                 command += ["--tolerance", str(tolerance), "--boundary", options.boundary]
-                run = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
+                printed = subprocess.PIPE if solver == "tamaas" else None
+                run = subprocess.run(command, check=True, stdout=subprocess.PIPE, stderr=printed, text=True)
                 key = points, hurst, FRACTION, options.boundary, 1, solver, tolerance
                 row = dict(zip(KEY, key, strict=True)) | json.loads(run.stdout.splitlines()[-1])
+                if solver == "tamaas":
+                    row["iterations"] = peers.iterations_of_tamaas(run.stderr)
                 if truth is not None:
                     row["error"] = relative_error(np.load(heights.with_name("pressure.npy")), truth)
                 yield row | {"date": time.strftime("%Y-%m-%d")}

@@ -1,12 +1,19 @@
 """Contact solvers and stresses of other programs (`pip install 'asperity[peers]'`).
 
 The solvers are called like that of asperity, for a rough surface on a half-space with E* = 1 and a cell of
-edge 1, under a mean pressure. Each has its own definition of the tolerance.
+edge 1, under a mean pressure, on one thread; they return the pressure and the number of iterations on the
+finest grid. Each has its own definition of the tolerance. ASPHER is built by pip from its source, which takes
+cmake, a C++17 compiler and Eigen (Debian: libeigen3-dev).
+
+slippy 0.5.2 is not among them: it needs numpy before 1.21, which Python 3.11 cannot install, and its import
+ends with an error on today's scipy.
 """
 
 from __future__ import annotations
 
 import importlib.util
+import os
+import re
 from collections.abc import Callable
 
 import numpy as np
@@ -16,8 +23,22 @@ from asperity.core.types import Array
 from asperity.fourier.grid import Fourier
 
 
-def tamaas(height: Array, load: float, tolerance: float, boundary: str) -> Array:
-    """Pressure by the conjugate gradients of Polonsky and Keer in tamaas, on one thread."""
+def aspher(height: Array, load: float, tolerance: float, boundary: str) -> tuple[Array, float]:
+    """Pressure by the nested grids of ASPHER, identified in single and polished in double precision.
+
+    The tolerance is that of its certificate: Frank–Wolfe gap, penetration and load.
+    """
+    os.environ["OMP_NUM_THREADS"] = "1"  # read when the extension module is loaded
+    import aspher
+
+    backend = {"periodic": "periodic", "free": "fft"}[boundary]
+    settings = {"backend": backend, "tol": tolerance, "precision": "float_then_double"}
+    result = aspher.solve_nested(len(height), height.ravel(), load, **settings)
+    return np.asarray(result.pressure).reshape(height.shape), result.iterations
+
+
+def tamaas(height: Array, load: float, tolerance: float, boundary: str) -> tuple[Array, float]:
+    """Pressure by the conjugate gradients of Polonsky and Keer in tamaas."""
     import tamaas
 
     tamaas.initialize(1)
@@ -30,10 +51,16 @@ def tamaas(height: Array, load: float, tolerance: float, boundary: str) -> Array
     solver.max_iter = 20_000
     solver.dump_freq = 20_001
     solver.solve(load)
-    return np.array(model.traction)
+    return np.array(model.traction), np.nan
 
 
-def contact_mechanics(height: Array, load: float, tolerance: float, boundary: str) -> Array:
+def iterations_of_tamaas(printed: str) -> float:
+    """Number of iterations, which tamaas only prints, in the last row of its table."""
+    rows = re.findall(r"^ *(\d+) +-?\d\.\d+e", printed, re.MULTILINE)
+    return float(rows[-1]) if rows else np.nan
+
+
+def contact_mechanics(height: Array, load: float, tolerance: float, boundary: str) -> tuple[Array, float]:
     """Pressure by the conjugate gradients of Polonsky and Keer in ContactMechanics.
 
     The tolerance is that of the penetration, relative to the rms height.
@@ -49,10 +76,11 @@ def contact_mechanics(height: Array, load: float, tolerance: float, boundary: st
     result = system.minimize_proxy(
         external_force=load, pentol=tolerance * height.std(), thermotol=tolerance, maxiter=20_000
     )
-    return np.asarray(result.jac) * height.size
+    return np.asarray(result.jac) * height.size, result.nit
 
 
-SOLVERS: dict[str, Callable[[Array, float, float, str], Array]] = {
+SOLVERS: dict[str, Callable[[Array, float, float, str], tuple[Array, float]]] = {
+    "aspher": aspher,
     "tamaas": tamaas,
     "ContactMechanics": contact_mechanics,
 }
