@@ -2,12 +2,15 @@
 
 from pathlib import Path
 
+import challenge
 import master_curve
 import nayak
 import numpy as np
 import pandas as pd
 import pytest
 import xarray as xr
+import yaml
+from scipy.special import erf
 
 from asperity import Grid, Layer, solve
 from asperity.study.config.study import read_study
@@ -164,3 +167,30 @@ def test_tiny_master_curve_study(tmp_path):
     assert len(rows) == 3 * 2 * 2
     assert (rows.loc[rows["poisson"] == 0, "height_gradient_contact"] > 1).all()
     assert "Hertz" in master_curve.page(rows)
+
+
+def test_persson_area_is_an_error_function():
+    """Integral of the density over all pressures: erf(√2 p̄/E*ḡ), B. N. J. Persson (2001)."""
+    pressure = np.linspace(0, 6, 6001)
+    for load in (0.01, 0.3):
+        area = np.trapezoid(challenge.persson(pressure, load), pressure)
+        assert area == pytest.approx(erf(np.sqrt(2) * load), rel=1e-5)
+
+
+def test_tiny_challenge(tmp_path):
+    """Three grids of 4, 8 and 16 nodes on the shortest wave; a second run reads the files of the first."""
+    path = ROOT / "studies/challenge/config.yaml"
+    config = yaml.safe_load(path.read_text(encoding="utf-8")) | {"results": tmp_path, "cutoff": 3.2}
+    config |= {"points": [128, 256, 512], "loads": [0.01, 0.03, 0.08]}
+    height, grid = challenge.random_height(config | {"results": ""})
+    data = challenge.collect(config | {"results": str(tmp_path)}, height, grid, "definition")
+    rows = challenge.limits(data)
+    limit, coarse, fine = (rows[rows["points"] == points] for points in (0, 256, 512))
+    assert np.abs(limit["mean_gap"].values / fine["mean_gap"].values - 1).max() < 1e-3
+    # The limit of the area has a tenth of the excess of the finer of its two grids.
+    excess = coarse["area_fraction"].values - limit["area_fraction"].values
+    assert (fine["area_fraction"].values > limit["area_fraction"].values).all()
+    assert (excess > 0.04 * limit["area_fraction"].values).all()
+    again = challenge.collect(config | {"results": str(tmp_path)}, height, grid, "definition")
+    assert again.equals(data)
+    assert "| 0.03 |" in challenge.page(rows)

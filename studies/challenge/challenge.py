@@ -1,0 +1,233 @@
+"""Contact of the surface of the contact-mechanics challenge, without adhesion: writes docs/challenge.md.
+
+    python studies/challenge/challenge.py studies/challenge/config.yaml
+
+solves the contacts that are missing in the folder of results, then writes the tables docs/challenge.csv and
+docs/challenge_pressures.csv. ``--map FILE`` takes the heights of a map, peaks upward, in place of the random
+surface of the definition; its grid is interpolated to the finer ones. Without a configuration, figure and
+page are written from the tables that are kept. Run it in the project's folder.
+
+M. H. Müser et al., Meeting the contact-mechanics challenge, Tribol. Lett. 65 (2017) 118, doi
+10.1007/s11249-017-0900-2.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import xarray as xr
+import yaml
+from jinja2 import Environment, StrictUndefined
+from matplotlib.figure import Figure
+
+from asperity import Grid, Layer, read_map, solve_path
+from asperity.core.system import peak_memory
+from asperity.core.types import Array
+from asperity.fourier.grid import Fourier, mean_square, resample
+from asperity.stress.statistics.continuum import BOUNDARY_SHARE
+from asperity.views.style import panels, save, style
+
+BINS = np.linspace(0, 2.5, 101)
+"""Edges of the bins of the pressure over E*ḡ."""
+
+KEPT = Path("docs/challenge.csv")
+PRESSURES = Path("docs/challenge_pressures.csv")
+SECOND_ORDER = ("mean_gap", "max_pressure")
+"""Numbers whose error falls with the square of the spacing."""
+
+
+def spectrum(config: Mapping[str, Any], wavenumber: Array) -> Array:
+    """Power spectral density: flat to the roll-off, then falling as q^-(2 + 2H) to the cut-off."""
+    lowest, highest = (2 * np.pi / config[name] for name in ("rolloff", "cutoff"))
+    falling = np.maximum(wavenumber / lowest, 1.0) ** (-2 - 2 * config["hurst"])
+    return np.where((wavenumber > 0) & (wavenumber <= highest), falling, 0.0)
+
+
+def random_height(config: Mapping[str, Any]) -> tuple[Array, Grid]:
+    """Gaussian heights with this spectrum and rms gradient, on the coarsest grid."""
+    grid = Grid((config["points"][0],) * 2, config["length"])
+    noise = np.random.default_rng(config["seed"]).standard_normal(grid.shape)
+    modes = Fourier(grid).forward(noise) * np.sqrt(spectrum(config, grid.wavenumber()))
+    modes *= config["rms_gradient"] / np.sqrt(mean_square(modes, grid, grid.wavenumber() ** 2))
+    return Fourier(grid).inverse(modes), grid
+
+
+def on_grid(height: Array, grid: Grid, points: int) -> tuple[Array, Grid]:
+    """The same surface on a finer grid: its Fourier interpolant."""
+    finer = Grid((points, points), grid.length)
+    if finer.shape == grid.shape:
+        return height, grid
+    modes = resample(Fourier(grid).forward(height), grid, finer)
+    return Fourier(finer).inverse(modes, overwrite=True), finer
+
+
+def contacts(
+    height: Array, grid: Grid, modulus: float, rms_gradient: float, loads: list[float]
+) -> xr.Dataset:
+    """Area, boundary, mean gap over the rms height, and pressures over E*ḡ under each load."""
+    rms_height, rows, densities = float(height.std()), [], []
+    solid = Layer(young=modulus, poisson=0.0)
+    unit = modulus * rms_gradient
+    path = solve_path(height, solid, grid.length, mean_pressures=[load * unit for load in loads])
+    start = time.process_time()
+    for contact in path:
+        touching = contact.pressure > 0
+        edges = sum(np.count_nonzero(touching != np.roll(touching, 1, axis)) for axis in (0, 1))
+        rows.append(
+            {
+                "area_fraction": contact.area_fraction,
+                "boundary": edges / touching.size,
+                "mean_gap": float(contact.gap.mean()) / rms_height,
+                "max_pressure": contact.max_pressure / unit,
+                "error": contact.certificate.worst,
+                "seconds": time.process_time() - start,
+            }
+        )
+        counts, _ = np.histogram(contact.pressure[touching] / unit, BINS)
+        densities.append(counts / (touching.size * np.diff(BINS)))
+        start = time.process_time()
+    table = pd.DataFrame(rows, index=pd.Index(loads, name="load")).to_xarray()
+    table["density"] = ("load", "bin"), np.array(densities)
+    return table.assign_attrs(memory_GB=peak_memory() / 1e3)
+
+
+def collect(config: Mapping[str, Any], height: Array, grid: Grid, source: str) -> xr.Dataset:
+    """Contacts on all grids, read from their files or computed."""
+    modes = Fourier(grid).forward(height)
+    rms_gradient = float(np.sqrt(mean_square(modes, grid, grid.wavenumber() ** 2)))
+    settings = json.dumps([dict(config), source])
+    found = []
+    for points in config["points"]:
+        path = Path(config["results"], f"{points}.nc")
+        if not path.exists() or xr.load_dataset(path).attrs["settings"] != settings:
+            print(f"{points}²: {len(config['loads'])} loads", flush=True)
+            path.parent.mkdir(parents=True, exist_ok=True)
+            heights = on_grid(height, grid, points)
+            result = contacts(*heights, config["effective_modulus"], rms_gradient, config["loads"])
+            result.assign_attrs(settings=settings).to_netcdf(path)
+        found.append(xr.load_dataset(path))
+    memory = ("points", [one.attrs["memory_GB"] for one in found])
+    return xr.concat(found, xr.Variable("points", config["points"])).assign(memory_GB=memory)
+
+
+def limits(data: xr.Dataset) -> pd.DataFrame:
+    """Numbers of each grid, and their limits at vanishing spacing from the first two grids, a row each.
+
+    The area loses the strip along its boundary (`asperity.continuum`), of the finer of the two grids; the
+    other numbers are extrapolated with second order.
+    """
+    data = data.drop_vars("density")
+    coarse, fine = (data.isel(points=number) for number in (0, 1))
+    limit = fine.copy()
+    limit["area_fraction"] = fine["area_fraction"] - BOUNDARY_SHARE * fine["boundary"]
+    for name in SECOND_ORDER:
+        limit[name] = fine[name] + (fine[name] - coarse[name]) / 3
+    for name in ("seconds", "memory_GB", "error"):
+        limit[name] = np.nan
+    rows = xr.concat([data, limit.assign_coords(points=0)], "points").to_dataframe().reset_index()
+    return rows.sort_values(["points", "load"])
+
+
+def stiffness(rows: pd.DataFrame) -> tuple[Array, Array]:
+    """Mean pressures between neighbouring loads, and dp̄/dδ there, in units of E*ḡ over the rms height.
+
+    The surface and the displacement have mean zero, so that the mean gap falls as the approach grows.
+    """
+    load, gap = rows["load"].to_numpy(), rows["mean_gap"].to_numpy()
+    return np.sqrt(load[1:] * load[:-1]), -np.diff(load) / np.diff(gap)
+
+
+def persson(pressure: Array, load: float) -> Array:
+    """Density of the pressure after Persson, in units of E*ḡ, where its variance in full contact is 1/4.
+
+    B. N. J. Persson, J. Chem. Phys. 115 (2001) 3840, doi 10.1063/1.1388626.
+    """
+    scale = np.sqrt(2 / np.pi)
+    return scale * (np.exp(-2 * (pressure - load) ** 2) - np.exp(-2 * (pressure + load) ** 2))
+
+
+def draw(rows: pd.DataFrame, densities: pd.DataFrame) -> Figure:
+    """Area, gap and stiffness by load, and the distribution of the pressure."""
+    figure, axes = panels(2, 2, height=75.0)
+    area, gap, stiff, pressures = np.ravel(axes)
+    names = {0: "limit"} | {points: f"{points}²" for points in sorted(set(rows["points"])) if points}
+    markers = ("", "o", "s", "^")
+    for number, (points, name) in enumerate(names.items()):
+        some = rows[rows["points"] == points]
+        look = {"color": f"C{number - 1}", "ls": "", "marker": markers[number], "ms": 3}
+        marks = look if points else {"color": "k", "lw": 1.2}
+        area.plot(some["load"], some["area_fraction"] / some["load"], label=name, **marks)
+        gap.plot(some["mean_gap"], some["load"], label=name, **marks)
+        stiff.plot(*stiffness(some), label=name, **marks)
+    area.set(xscale="log", xlabel=r"$\bar{p} / E^*\bar{g}$", ylabel=r"$A\, E^*\bar{g} / \bar{p}$")
+    gap.set(yscale="log", xlabel=r"mean gap / rms height", ylabel=r"$\bar{p} / E^*\bar{g}$")
+    stiff.set(xscale="log", yscale="log", xlabel=r"$\bar{p} / E^*\bar{g}$")
+    stiff.set_ylabel(r"stiffness $\times\, h_{\mathrm{rms}} / E^*\bar{g}$")
+    finest = densities[densities["points"] == densities["points"].max()]
+    for number, (load, of_load) in enumerate(finest.groupby("load")):
+        pressure, colour = of_load["pressure"], f"C{number}"
+        pressures.plot(pressure, of_load["density"], color=colour, label=f"{load:g}")
+        pressures.plot(pressure, persson(pressure, load), color=colour, lw=0.8, ls="--")
+    pressures.set(yscale="log", ylim=(1e-5, None), xlabel=r"$p / E^*\bar{g}$", ylabel="probability density")
+    pressures.legend(title=r"$\bar{p} / E^*\bar{g}$")
+    area.legend()
+    return figure
+
+
+def page(rows: pd.DataFrame) -> str:
+    """The page docs/challenge.md, from its template."""
+    grids = sorted(points for points in set(rows["points"]) if points)
+    tables = {points: of_grid.set_index("load") for points, of_grid in rows.groupby("points")}
+    limit, finest = tables[0], tables[grids[-1]]
+    better = finest["area_fraction"] - BOUNDARY_SHARE * finest["boundary"]
+    changes = {
+        "area": float((limit["area_fraction"] / better - 1).abs().max()),
+        "uncorrected": float((tables[grids[1]]["area_fraction"] / better - 1).abs().max()),
+        "gap": float((limit["mean_gap"] / finest["mean_gap"] - 1).abs().max()),
+    }
+    cost = [(points, tables[points]["seconds"].sum(), tables[points]["memory_GB"].max()) for points in grids]
+    environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    text = Path(__file__).with_name("page.md.j2").read_text(encoding="utf-8")
+    shown = [float(load) for load in limit.index[[0, 5, 9, 13]]] if len(limit) == 14 else list(limit.index)
+    return environment.from_string(text).render(
+        tables=tables, limit=limit, finest=finest, grids=grids, changes=changes, cost=cost, shown=shown
+    )
+
+
+def main() -> None:
+    """Write tables, figure and page."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("config", nargs="?", type=Path, help="without it, the kept tables are used")
+    parser.add_argument("--map", type=Path, help="heights in place of the random surface")
+    options = parser.parse_args()
+    if options.config:
+        config = yaml.safe_load(options.config.read_text(encoding="utf-8"))
+        if options.map:
+            read = read_map(options.map)
+            height, grid = read.as_indenter(), Grid(read.height.shape, config["length"])
+            source = options.map.name
+        else:
+            (height, grid), source = random_height(config), "definition"
+        data = collect(config, height, grid, source)
+        limits(data).to_csv(KEPT, index=False, float_format="%.6g")
+        loads = np.array(config["loads"])[[len(config["loads"]) // 2, -1]]
+        density = data["density"].sel(load=loads).assign_coords(bin=(BINS[1:] + BINS[:-1]) / 2)
+        frame = density.rename(bin="pressure").to_dataframe().reset_index()
+        frame.to_csv(PRESSURES, index=False, float_format="%.5g")
+    rows, densities = pd.read_csv(KEPT), pd.read_csv(PRESSURES)
+    with style():
+        save(draw(rows, densities), KEPT.with_suffix(".png"))
+    KEPT.with_suffix(".md").write_text(page(rows) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
