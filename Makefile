@@ -39,6 +39,8 @@ pages: $(VENV)/ready ## Write the generated pages again from the tables that are
 	python -m asperity.study.config describe config/README.md
 	python studies/nayak/nayak.py
 	python studies/master_curve/master_curve.py
+	python studies/challenge/challenge.py
+	python studies/stability/stability.py
 	git diff --exit-code -- '*.md'
 
 verify: $(VENV)/ready ## Compare every result of a study with the manifest of its run; CONFIG=, RESULTS= as for study

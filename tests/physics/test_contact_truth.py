@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from samples import HALF_SPACE, centred, difference, load_of, order, rough
+from solution_check import mode_compliance
 
 import asperity as asp
 from asperity.contact import gfmd, solve
@@ -13,7 +14,6 @@ from asperity.contact.compliance import response_on
 from asperity.contact.problem import Control, Problem
 from asperity.reference.hertz import Hertz
 from asperity.reference.pivoting import pivot
-from asperity.study.validation.solution_check import mode_compliance
 
 UNIT = asp.Layer(1.0, 0.0)
 

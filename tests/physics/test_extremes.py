@@ -2,17 +2,17 @@
 
 from dataclasses import replace
 
+import extremes
 import numpy as np
 import pytest
+from extremes import ACCEPTABLE, CHECKED, OUTCOMES, ExtremeCase
 from samples import HALF_SPACE, difference, rough
+from solution_check import check_solution, mode_compliance
 
 import asperity as asp
 from asperity.contact import solve, verify_contact
 from asperity.reference import pivoting
 from asperity.reference.pivoting import PivotingError, pivot
-from asperity.study.validation import extremes
-from asperity.study.validation.extremes import ACCEPTABLE, CHECKED, OUTCOMES, ExtremeCase
-from asperity.study.validation.solution_check import check_solution, mode_compliance
 
 
 @pytest.fixture(scope="module")

@@ -3,10 +3,10 @@
 import mpmath as mp
 import numpy as np
 import pytest
+from rounding import FORMULAS, PRECISIONS, compliance_error, rounding_errors
 
 from asperity.elasticity.layer import Layer
 from asperity.reference.state_space import StateSpace
-from asperity.study.validation.rounding import FORMULAS, PRECISIONS, compliance_error, rounding_errors
 
 # Bounds of rounding errors, relative to the largest component at the same depth and to 1 + q depth.
 ROUNDING = {"float64": 4e-15, "float32": 2e-6}

@@ -1,7 +1,7 @@
 """The paper's equations of the elastic layer, as printed and corrected.
 
 They serve to show which printed equations do not hold (`docs/method.md`) and how rounding affects the
-corrected ones (`asperity.study.validation.rounding`); the library itself computes with
+corrected ones (`studies/stability/rounding.py`); the library itself computes with
 `asperity.elasticity.layer`. ``corrected``: False gives the printed text literally, True the nearest form that
 holds.
 

@@ -47,7 +47,7 @@ FINAL_ERROR = 2e-3
 FINAL_RESIDUAL_DROP = 2e-3
 
 # The loop gives up after so many steps without an error below 0.9 of the smallest before. Of the problems of
-# `asperity.study.validation.extremes` that are solved, none takes more than 6 such steps.
+# `studies/stability/extremes.py` that are solved, none takes more than 6 such steps.
 MAX_STEPS_WITHOUT_PROGRESS = 40
 
 

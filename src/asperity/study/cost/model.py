@@ -102,7 +102,6 @@ _LINES = {
     "statistics": _Line(250, 105, seconds=3, time_per_node=0.7),
     "figure": _Line(240, 8, seconds=3, time_per_node=0.1),
     "figure of elements": _Line(265, 80e3, seconds=6),
-    "figure of extremes": _Line(320, seconds=6),
     "tradeoff": _Line(330, 300, seconds=8, time_per_node=95),
     "tradeoff figures": _Line(300, seconds=8),
     "claims": _Line(380, seconds=10),

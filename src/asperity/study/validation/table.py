@@ -14,7 +14,7 @@ import pandas as pd
 import xarray as xr
 
 from asperity.core.data import packaged_yaml
-from asperity.study.validation import closed_forms, extremes, finite_elements, rounding
+from asperity.study.validation import closed_forms, finite_elements
 
 COMPARISONS: Mapping[str, Callable[..., xr.Dataset]] = {
     "load_area": closed_forms.load_area,
@@ -26,8 +26,6 @@ COMPARISONS: Mapping[str, Callable[..., xr.Dataset]] = {
     "edge_tension": closed_forms.edge_tension,
     "layer_indentation": closed_forms.layer_indentation,
     "wave_asymptotes": closed_forms.wave_asymptotes,
-    "stability": rounding.rounding_errors,
-    "extremes": extremes.outcome_matrix,
 }
 """Function of each comparison, by its key in section ``validation``; the keywords are the keys there."""
 

@@ -13,7 +13,6 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from asperity.core.types import Array
-from asperity.paper.figures.cases import Datasets, bullets
 from asperity.views.style import panels
 
 _COLOURS = {"printed": "#D55E00", "direct": "#56B4E9", "layer": "#000000"}
@@ -29,12 +28,11 @@ _LOST = 1.0
 """Relative error from which no digit is right; larger ones are drawn at it."""
 
 
-def draw(validation: Datasets) -> Figure:
+def draw(dataset: xr.Dataset) -> Figure:
     """Draw the largest error of each formula: a band for all Poisson's ratios, lines for two of them.
 
     Marks above an error of one show where a formula gives no finite number.
     """
-    dataset = validation["stability"]
     figure, axes = panels(columns=2, rows=2, height=58)
     quantities = [str(name) for name in dataset["quantity"].values]
     precisions = [str(name) for name in dataset["precision"].values]
@@ -58,11 +56,11 @@ def draw(validation: Datasets) -> Figure:
     return figure
 
 
-def caption(validation: Datasets) -> str:
+def caption(dataset: xr.Dataset) -> str:
     """Largest error of this library's formulas in both precisions."""
-    error = validation["stability"]["error"].sel(formula="layer")
-    return bullets(
-        f"largest error of this library in {precision}: {float(error.sel(precision=precision).max()):.1e}"
+    error = dataset["error"].sel(formula="layer")
+    return "\n".join(
+        f"- largest error of this library in {precision}: {float(error.sel(precision=precision).max()):.1e}"
         for precision in map(str, error["precision"].values)
     )
 

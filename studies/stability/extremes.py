@@ -4,7 +4,7 @@ A case is a small rough contact with twelve settings. Each setting has a few lev
 accepted range to the other, and every level is tried alone and with every level of every other setting.
 Floating-point overflow, division by zero and invalid operations raise, and warnings are errors. A case is
 solved, refused with a message that names the setting, or ends with `ConvergenceError`; anything else is a
-defect. A solution counts only if `asperity.study.validation.solution_check` confirms it.
+defect. A solution counts only if `solution_check` confirms it.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
+from solution_check import ALLOWED, DIRECT_NODES, check_solution, mode_compliance
 
 from asperity.contact import solve
 from asperity.core.errors import ConvergenceError
 from asperity.core.types import Array
 from asperity.elasticity.layer import Layer
 from asperity.fourier.grid import Grid
-from asperity.study.validation.solution_check import ALLOWED, DIRECT_NODES, check_solution, mode_compliance
 from asperity.surface.johnson import johnson
 from asperity.surface.roughness import roughness_parameters
 from asperity.surface.self_affine import self_affine

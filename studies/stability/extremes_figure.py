@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import xarray as xr
+from extremes import NO_CELL, OUTCOMES, REFUSED
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap, LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from asperity.core.types import Array
-from asperity.paper.figures.cases import Datasets, bullets
-from asperity.study.validation.extremes import NO_CELL, OUTCOMES, REFUSED
 from asperity.views.style import MILLIMETRE, PAGE
 
 _HEIGHT = 178 * MILLIMETRE
@@ -45,12 +44,11 @@ _SMALLEST_ERROR = 1e-3
 """Smallest error drawn, over the tolerance; the largest is the error that is still allowed."""
 
 
-def draw(validation: Datasets) -> Figure:
+def draw(data: xr.Dataset) -> Figure:
     """Draw outcomes on and below the diagonal, and errors over the tolerance above it.
 
-    The levels of the default scene are set in bold. q₀ = 2π/L.
+    The levels of the default case are set in bold. q₀ = 2π/L.
     """
-    data = validation["extremes"]
     figure = Figure(figsize=(PAGE, _HEIGHT))
     axis = figure.add_subplot()
     outcome = data["outcome"].values
@@ -83,20 +81,19 @@ def draw(validation: Datasets) -> Figure:
     return figure
 
 
-def caption(validation: Datasets) -> str:
+def caption(data: xr.Dataset) -> str:
     """Number of contacts with each outcome, and of values out of range that were refused."""
-    data = validation["extremes"]
     refused, beyond = data["beyond_outcome"].values == REFUSED, data.sizes["beyond"]
     double, single = (data.attrs[f"tolerance_{precision}"] for precision in ("float64", "float32"))
     text = (
         "Each level alone (diagonal) and with each level of every other setting; the levels of the default "
-        "scene in bold. :math:`q_0 = 2\\pi/L`; loads are relative to the one that closes the last gap, "
+        "case in bold. q₀ = 2π/L; loads are relative to the one that closes the last gap, "
         "approaches to the distance between the lowest and the mean height. Solved to tolerances of "
         f"{double:g} (double precision) and {single:g} (single)."
     )
     counts = [f"{name}: {count}" for name, count in _counts(data["outcome"].values).items()]
     refusals = f"values out of range refused by name: {int(refused.sum())} of {beyond}"
-    return f"{text}\n\n{bullets([*counts, refusals])}"
+    return "\n".join([text, "", *(f"- {line}" for line in (*counts, refusals))])
 
 
 def _counts(outcome: Array) -> dict[str, int]:

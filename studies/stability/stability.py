@@ -1,0 +1,41 @@
+"""Rounding of the layer's formulas, and contacts at the ends of all ranges: writes docs/stability.md.
+
+    python studies/stability/stability.py
+
+computes both in half a minute and writes the page with its two figures. Run it in the project's folder.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import extremes
+import extremes_figure
+import rounding
+import rounding_figure
+from jinja2 import Environment, StrictUndefined
+
+from asperity.views.style import save, style
+
+DOCS = Path("docs")
+
+
+def main() -> None:
+    """Compute, draw, and write the page."""
+    found = {
+        "rounding": (rounding_figure, rounding.rounding_errors(per_decade=4)),
+        "extremes": (extremes_figure, extremes.outcome_matrix()),
+    }
+    captions = {}
+    for name, (module, data) in found.items():
+        with style():
+            save(module.draw(data), DOCS / f"{name}.png")
+        captions[name] = module.caption(data)
+    environment = Environment(undefined=StrictUndefined)
+    text = Path(__file__).with_name("page.md.j2").read_text(encoding="utf-8")
+    page = environment.from_string(text).render(captions)
+    (DOCS / "stability.md").write_text(page + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
