@@ -2,8 +2,8 @@ from .answer import Answer as Answer
 from .answer_numbers import BodyAnswer as BodyAnswer
 from .case import Body as Body
 from .case import Case as Case
-from .case import CounterMap as CounterMap
 from .case import Load as Load
+from .face import CounterMap as CounterMap
 from .output import save_case as save_case
 from .output import write_answer as write_answer
 from .run import answer_of as answer_of

@@ -13,6 +13,7 @@ from asperity.core.units import DIMENSIONS, shown_si, to_si
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.loaded_solid import traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
+from asperity.engineering.face import CounterMap, Source, counter_map_of, options_of
 from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.stream import shear_traction
 from asperity.surface.reading.height_map import HeightMap, MapOptions
@@ -39,9 +40,6 @@ BODY = {
 
 LENGTHS = dict.fromkeys(("physical_size", "wavelength_short", "radius"), "length")
 """Fields of `MapOptions` that are lengths."""
-
-Source = str | os.PathLike[str] | HeightMap
-"""File of a map, or a map in metres."""
 
 
 @dataclass(frozen=True)
@@ -116,29 +114,6 @@ class Load:
             known, found = ", ".join(CONTROL_UNITS), ", ".join(named) or "none"
             raise ValueError(f"exactly one of {known} is needed, got {found}")
         return cls(*named.popitem())
-
-
-@dataclass(frozen=True)
-class CounterMap:
-    """A map of the upper body, and how it is laid on that of the lower one.
-
-    Parameters
-    ----------
-    source : path or HeightMap
-        File of a map, or a map in metres, with its peaks upward as measured.
-    options : MapOptions, optional
-        What is known of the file, and how trend, spikes and points without data are treated; by default as
-        for the other map.
-    turned_about : "y" or "x"
-        Axis about which the map is turned over, to face down.
-    shift : (y, x)
-        Position in m of the middle of this map over that of the other one.
-    """
-
-    source: Source
-    options: MapOptions | None = None
-    turned_about: str = "y"
-    shift: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -269,21 +244,6 @@ class Case:
     def solid(self) -> Layer | TwoBodies:
         """What the solver presses."""
         return self.lower.layer if self.upper is None else TwoBodies(self.lower.layer, self.upper.layer)
-
-
-def options_of(settings: Mapping[str, Any]) -> MapOptions:
-    """What settings of ``asperity run`` say of the map."""
-    given = {field.name: settings[field.name] for field in fields(MapOptions) if field.name in settings}
-    return MapOptions(**given | ({"periodic": "none"} if settings.get("boundary") == "free" else {}))
-
-
-def counter_map_of(settings: Mapping[str, Any]) -> CounterMap | None:
-    """The map of the upper body in settings of ``asperity run``."""
-    if "counter_map" not in settings:
-        return None
-    y, x = (to_si(text, "length", "counter_shift") for text in settings.get("counter_shift", ("0 m", "0 m")))
-    about = settings.get("counter_turned_about", "y")
-    return CounterMap(settings["counter_map"], turned_about=about, shift=(y, x))
 
 
 def _name_of(source: Source) -> str:

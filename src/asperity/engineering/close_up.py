@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import pandas as pd
-import xarray as xr
 
 from asperity.contact import Contact
 from asperity.core.types import Array
+from asperity.fourier.grid import Grid
 from asperity.stress.planes.stream import LinearPlane
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -23,6 +23,9 @@ WIDTHS, LENGTHS = 4, 1
 FEWEST_PIXELS, MOST_PIXELS = 12, 64
 """Half of the edge of a close-up, in pixels."""
 
+DEPTH = 0.6
+"""Depth of a close-up over its edge."""
+
 MARGIN = 3
 """Nodes beyond a close-up that the interpolation in it uses."""
 
@@ -33,80 +36,68 @@ class CloseUp:
 
     Parameters
     ----------
-    middle : (y, x)
-        Place in the cell of the largest pressure of the patch.
-    half : float
-        Half of the edge of the box.
+    grid : Grid
+        Of the contact.
+    part : (rows, columns)
+        Nodes of the box.
     along : "x" or "y"
         Axis across the patch.
-    planes : list of (depth, (y, x), {field: values})
-        As far as the stream has come, each on the nodes of its own grid.
+    depths : list of float
+    planes : list of dict
+        Of each depth, field → its values at the nodes.
     """
 
-    middle: tuple[float, float]
-    half: float
+    grid: Grid
+    part: tuple[slice, slice]
     along: str
-    planes: list[tuple[float, tuple[Array, Array], dict[str, Array]]] = field(default_factory=list)
-
-    @property
-    def spans(self) -> tuple[tuple[float, float], ...]:
-        """First and last place along y and x."""
-        return tuple((place - self.half, place + self.half) for place in self.middle)
+    depths: list[float] = field(default_factory=list)
+    planes: list[dict[str, Array]] = field(default_factory=list)
 
     def add(self, plane: LinearPlane, names: Sequence[str], poisson: float, periodic: bool) -> None:
-        """Keep the next plane."""
-        nodes, places = [], []
-        for (first, last), count, step in zip(self.spans, plane.grid.shape, plane.grid.spacing, strict=True):
-            node = np.arange(np.floor(first / step) - MARGIN, np.ceil(last / step) + MARGIN + 1, dtype=int)
-            if not periodic:
-                node = node[(node >= 0) & (node < count)]
-            nodes.append(node % count)
-            places.append(node * step)
-        flat = (nodes[0][:, None] * plane.grid.shape[1] + nodes[1]).ravel()
-        shape = nodes[0].size, nodes[1].size
-        values = {name: plane.field_at(name, poisson, flat).reshape(shape) for name in names}
-        self.planes.append((plane.depth, (places[0], places[1]), values))
+        """Keep the next plane, unless one lies below the box already."""
+        from scipy.ndimage import map_coordinates
 
-    def holds(self, y: float, x: float) -> bool:
-        """True if a place lies in the box."""
-        return all(first <= place <= last for place, (first, last) in zip((y, x), self.spans, strict=True))
+        edge = max((nodes.stop - nodes.start) * step for nodes, step in self._axes)
+        if self.depths and self.depths[-1] > DEPTH * edge:
+            return
+        taken, places = [], []
+        for (nodes, step), count, own in zip(self._axes, plane.grid.shape, plane.grid.spacing, strict=True):
+            place = np.arange(nodes.start, nodes.stop) * step / own
+            node = np.arange(int(place[0]) - MARGIN, int(place[-1]) + MARGIN + 2)
+            taken.append(node % count if periodic else np.clip(node, 0, count - 1))
+            places.append(place - node[0])
+        flat = (taken[0][:, None] * plane.grid.shape[1] + taken[1]).ravel()
+        at = np.meshgrid(*places, indexing="ij")
+        fields = {}
+        for name in names:
+            values = plane.field_at(name, poisson, flat).reshape(taken[0].size, taken[1].size)
+            fields[name] = map_coordinates(values, at)
+        self.depths.append(plane.depth)
+        self.planes.append(fields)
 
-    def plane(self, name: str, depth: float, y: Array, x: Array) -> Array:
-        """A field at places of the kept plane nearest to a depth."""
-        nearest = min(self.planes, key=lambda plane: abs(plane[0] - depth))
-        return _interpolated(nearest[1], nearest[2][name], y, x)
+    @property
+    def _axes(self) -> list[tuple[slice, float]]:
+        """Nodes and spacing along y and x."""
+        return list(zip(self.part, self.grid.spacing, strict=True))
 
-    def section(self, name: str, at: float, nodes: Array) -> xr.DataArray:
-        """A field (depth, along) in a vertical section at places along it."""
-        deepest = 1.2 * self.half
-        rows, depths = [], []
-        for depth, axes, values in self.planes:
-            y, x = (np.array([at]), nodes) if self.along == "x" else (nodes, np.array([at]))
-            rows.append(_interpolated(axes, values[name], y, x).ravel())
-            depths.append(depth)
-            if depth > deepest:
-                break
-        return xr.DataArray(np.array(rows), {"depth": depths, self.along: nodes}, ("depth", self.along))
-
-
-def _interpolated(axes: tuple[Array, Array], values: Array, y: Array, x: Array) -> Array:
-    """Values between equidistant nodes, by cubic splines."""
-    from scipy.ndimage import map_coordinates
-
-    steps = [(axis[-1] - axis[0]) / (axis.size - 1) for axis in axes]
-    places = [(place - axis[0]) / step for place, axis, step in zip((y, x), axes, steps, strict=True)]
-    return map_coordinates(values, np.meshgrid(*places, indexing="ij"), order=3, mode="nearest")
+    def node(self, y: float, x: float) -> tuple[int, int] | None:
+        """Row and column in the box of a place; None outside of it."""
+        row, column = (
+            round(place / step) - nodes.start for place, (nodes, step) in zip((y, x), self._axes, strict=True)
+        )
+        rows, columns = (nodes.stop - nodes.start for nodes in self.part)
+        return (row, column) if 0 <= row < rows and 0 <= column < columns else None
 
 
 def close_ups(face: TreatedMap, contact: Contact, spots: pd.DataFrame) -> list[CloseUp]:
-    """Empty close-ups of the patches that bear the highest pressures."""
-    pixel, most = max(face.grid.spacing), min(face.map_length) / 2
-    highest = spots.nlargest(PATCHES, "largest_pressure_Pa")
+    """Empty close-ups of the patches that bear the highest pressures, on the map."""
     pressure, found = face.part(contact.pressure), []
-    for spot in highest.itertuples():
-        row, column = np.argwhere(pressure == spot.largest_pressure_Pa)[0]
-        half = max(min(WIDTHS * spot.width_m, LENGTHS * spot.length_m), FEWEST_PIXELS * pixel)
-        middle = row * face.grid.spacing[0], column * face.grid.spacing[1]
+    for spot in spots.nlargest(PATCHES, "largest_pressure_Pa").itertuples():
+        pixels = min(WIDTHS * spot.width_m, LENGTHS * spot.length_m) / max(face.grid.spacing)
+        half = round(min(max(pixels, FEWEST_PIXELS), MOST_PIXELS))
+        middle = np.argwhere(pressure == spot.largest_pressure_Pa)[0]
+        ends = zip(middle.tolist(), face.map_shape, strict=True)
+        rows, columns = (slice(max(0, node - half), min(count, node + half + 1)) for node, count in ends)
         along = "x" if 45 <= spot.angle_deg <= 135 else "y"
-        found.append(CloseUp(middle, min(half, MOST_PIXELS * pixel, most), along))
+        found.append(CloseUp(face.grid, (rows, columns), along))
     return found

@@ -10,11 +10,9 @@ import pandas as pd
 
 from asperity.core.markup import page
 from asperity.engineering.answer import Answer
-from asperity.engineering.output import claim
+from asperity.engineering.folder import COMPARISON, claim
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
-
-FILES = ("comparison.csv", "comparison.html")
 
 IMAGE = '<img src="{0}" alt="{0}" width="49%" style="vertical-align: top">'
 
@@ -43,7 +41,7 @@ def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
     rows = [[*key, *(column.get(key, "") for column in shown.values())] for key in keys]
     frame = pd.DataFrame(rows, columns=["", "number", *shown])
     values = pd.concat([answer.frame().assign(map=name) for name, answer in answers.items()])
-    write_table(values, "answer_comparison", folder / FILES[0], float_format="%.8g")
+    write_table(values, "answer_comparison", folder / COMPARISON[0], float_format="%.8g")
     tables = {
         "Numbers": frame,
         "Largest uncertainties": pd.DataFrame({name: _lines(answer) for name, answer in answers.items()}),
@@ -55,8 +53,8 @@ def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
     links = (f'<a href="{html.escape(name)}/report.html">{html.escape(name)}</a>' for name in answers)
     text = page(" and ".join(answers), tables)
     below = "\n".join([*pictures, f"<p>Reports: {', '.join(links)}</p>"])
-    write_text(folder / FILES[1], text.replace("</body>", f"{below}\n</body>"))
-    claim(folder, FILES)
+    write_text(folder / COMPARISON[1], text.replace("</body>", f"{below}\n</body>"))
+    claim(folder, COMPARISON)
     return frame.to_string(index=False)
 
 

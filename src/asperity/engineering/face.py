@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import os
-from dataclasses import replace
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from asperity.core.errors import one_line
 from asperity.core.types import Array
-from asperity.engineering.case import CounterMap, Source
+from asperity.core.units import to_si
 from asperity.surface.description import map_warnings, measure_map
 from asperity.surface.reading.height_map import ORIENTATION_NEEDED, PEAKS_UP, HeightMap, MapError, MapOptions
 from asperity.surface.reading.map_file import open_map
@@ -22,10 +23,36 @@ from asperity.surface.treatment.treatment import TreatedMap, missing_options, tr
 LONGEST_NAME = 60
 """Characters of the name of a map that titles show at most."""
 
+Source = str | os.PathLike[str] | HeightMap
+"""File of a map, or a map in metres."""
+
 SPIKE_REACH = 1.5
 """Pixels beside a spike that belong to it, after the map is levelled and resampled."""
 
 ASSUMED = f"orientation: the file does not say which way is up; taken as {PEAKS_UP}, as instruments show them"
+
+
+@dataclass(frozen=True)
+class CounterMap:
+    """A map of the upper body, and how it is laid on that of the lower one.
+
+    Parameters
+    ----------
+    source : path or HeightMap
+        File of a map, or a map in metres, with its peaks upward as measured.
+    options : MapOptions, optional
+        What is known of the file, and how trend, spikes and points without data are treated; by default as
+        for the other map.
+    turned_about : "y" or "x"
+        Axis about which the map is turned over, to face down.
+    shift : (y, x)
+        Position in m of the middle of this map over that of the other one.
+    """
+
+    source: Source
+    options: MapOptions | None = None
+    turned_about: str = "y"
+    shift: tuple[float, float] = (0.0, 0.0)
 
 
 class RoughFace(NamedTuple):
@@ -49,6 +76,21 @@ class RoughFace(NamedTuple):
     spikes: Array
     reach: tuple[float, float] = (0.0, 0.0)
     files: tuple[str, ...] = ()
+
+
+def options_of(settings: Mapping[str, Any]) -> MapOptions:
+    """What settings of ``asperity run`` say of the map."""
+    given = {field.name: settings[field.name] for field in fields(MapOptions) if field.name in settings}
+    return MapOptions(**given | ({"periodic": "none"} if settings.get("boundary") == "free" else {}))
+
+
+def counter_map_of(settings: Mapping[str, Any]) -> CounterMap | None:
+    """The map of the upper body in settings of ``asperity run``."""
+    if "counter_map" not in settings:
+        return None
+    y, x = (to_si(text, "length", "counter_shift") for text in settings.get("counter_shift", ("0 m", "0 m")))
+    about = settings.get("counter_turned_about", "y")
+    return CounterMap(settings["counter_map"], turned_about=about, shift=(y, x))
 
 
 def read_face(source: Source, options: MapOptions, counter: CounterMap | None = None) -> RoughFace:

@@ -5,12 +5,8 @@ from __future__ import annotations
 import json
 import os
 import shutil
-import stat
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
 from dataclasses import asdict
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import xarray as xr
@@ -19,6 +15,7 @@ import yaml
 from asperity.core.errors import DatasetError
 from asperity.engineering.answer import Answer
 from asperity.engineering.case import Case
+from asperity.engineering.folder import UNFINISHED, move_complete, names_in, replacing
 from asperity.engineering.pictures import pictures, suffix_of
 from asperity.engineering.report import report_page
 from asperity.results import dataset
@@ -27,20 +24,6 @@ from asperity.results.tables import write_table
 from asperity.results.variables import SI_UNITS
 from asperity.surface.reading.height_map import HeightMap
 from asperity.surface.roughness import surface_dataset
-
-MANIFEST = ".asperity-run.json"
-"""File with the names of all files of an answer in its folder, so that no other file is ever replaced."""
-
-UNFINISHED = ".unfinished-"
-"""Begin of the name of the folder in which files are written before they are moved to their places."""
-
-COMPLETE = ".complete"
-"""Name of that folder once all its files are written, which then replace those of an earlier answer."""
-
-ALWAYS_WRITTEN = (
-    *("case.yaml", "surface.nc", "contact.nc", "peaks.csv", "spots.csv", "gaps.csv", "answer.csv"),
-    *("height.png", "report.html"),
-)
 
 
 def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
@@ -85,90 +68,20 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
         Path(os.path.realpath(folder)).mkdir(parents=True, exist_ok=True)
         for abandoned in folder.glob(f"{UNFINISHED}*"):  # by a process that was killed
             shutil.rmtree(abandoned, ignore_errors=True)
-        _move_complete(folder)
-        with _replacing(folder, kept=set()) as unfinished:
+        move_complete(folder)
+        with replacing(folder, kept=set()) as unfinished:
             _write_results(answer, unfinished)
             if not isinstance(answer.case.source, HeightMap):
                 write_text(unfinished / "case.yaml", case_text(answer.case, folder))
-        results = _names(folder)
+        results = names_in(folder)
         try:
-            with _replacing(folder, kept=results) as unfinished:
+            with replacing(folder, kept=results) as unfinished:
                 _write_report(answer, unfinished)
         except Exception as error:  # drawing fails with errors of any type
             raise DatasetError(f"{folder}: results are written, pictures and report not ({error})") from error
     except OSError as error:
         raise DatasetError(f"{folder}: cannot be written ({error.strerror or error})") from error
-    return [folder / name for name in sorted(_names(folder))]
-
-
-def folder_problem(folder: str | os.PathLike[str], names: Iterable[str] = ALWAYS_WRITTEN) -> str:
-    """Reason why an answer with files of these names cannot be written into a folder, empty if it can."""
-    folder = Path(folder)
-    try:
-        if not folder.exists():
-            return ""
-    except OSError as error:
-        return f"cannot be written ({error.strerror})"
-    if not folder.is_dir():
-        return "a file, the name of a folder is needed"
-    for path in (folder / name for name in names if (folder / name).exists()):
-        if path.name not in _names(folder):
-            return f"holds {path.name}, which asperity run has not written; another folder is needed"
-        if not path.stat().st_mode & stat.S_IWUSR:
-            return f"holds {path.name}, which is read-only; another folder is needed"
-    return ""
-
-
-@contextmanager
-def _replacing(folder: Path, kept: set[str]) -> Iterator[Path]:
-    """Folder whose files replace those of an earlier answer, except for `kept`, when the block succeeds."""
-    with TemporaryDirectory(prefix=UNFINISHED, dir=folder, ignore_cleanup_errors=True) as name:
-        unfinished = Path(name)
-        yield unfinished
-        names = {path.name for path in unfinished.iterdir()}
-        if problem := folder_problem(folder, names):
-            raise ValueError(f"{folder}: {problem}")
-        write_text(unfinished / MANIFEST, json.dumps(sorted(kept | names)))
-        unfinished.rename(folder / COMPLETE)
-    _move_complete(folder)
-
-
-def _move_complete(folder: Path) -> None:
-    """Move the complete files to their places, after those of the earlier answer are deleted.
-
-    The folder never holds files of two answers. Its manifest is deleted before the first file is moved, and
-    moved last, so that the steps can be continued wherever they were interrupted.
-    """
-    complete = folder / COMPLETE
-    if not complete.is_dir():
-        return
-    new = {path.name for path in complete.iterdir()}
-    if (folder / MANIFEST).exists():
-        kept = _names(complete) - new
-        for path in (folder / name for name in _names(folder) - kept):
-            if path.exists() and path.name in new:
-                shutil.copymode(path, complete / path.name)
-            path.unlink(missing_ok=True)
-        (folder / MANIFEST).unlink()
-    for name in sorted(new, key=MANIFEST.__eq__):
-        os.replace(complete / name, folder / name)
-    complete.rmdir()
-
-
-def _names(folder: Path) -> set[str]:
-    """Names of the files of the answer in a folder."""
-    for manifest in (folder / MANIFEST, folder / COMPLETE / MANIFEST):
-        try:
-            found = json.loads(manifest.read_text(encoding="utf-8"))
-        except (OSError, ValueError):
-            continue
-        return {name for name in found if isinstance(name, str) and Path(name).name == name}
-    return set()
-
-
-def claim(folder: Path, names: Iterable[str]) -> None:
-    """Add files to those of a folder that `asperity run` has written and may replace."""
-    write_text(folder / MANIFEST, json.dumps(sorted({*_names(folder), *names})))
+    return [folder / name for name in sorted(names_in(folder))]
 
 
 def _write_results(answer: Answer, folder: Path) -> None:

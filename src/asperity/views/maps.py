@@ -173,12 +173,14 @@ def _plot(
     axes: Axes | Sequence[Axes] | None,
     unit_system: str | None,
 ) -> Figure:
-    maps = []
-    for source in sources(result, unit_system):
-        part = source.part(y, x)
-        values = source.field(name)[part]
-        maps.append(Map(source, part, np.where(values > 0, values, np.nan) if name == "pressure" else values))
-    return draw_maps(maps, look, axes)
+    found = sources(result, unit_system)
+    return draw_maps([map_of(source, name, source.part(y, x)) for source in found], look, axes)
+
+
+def map_of(source: Source, name: str, part: Part, note: str = "") -> Map:
+    """Map of one of the fields of a result; the pressure is missing where there is none."""
+    values = source.field(name)[part]
+    return Map(source, part, np.where(values > 0, values, np.nan) if name == "pressure" else values, note)
 
 
 def draw_maps(

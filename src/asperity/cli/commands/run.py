@@ -64,9 +64,9 @@ def run(options: argparse.Namespace) -> None:
     jobs = [_job(options, path, folder) for path in options.map]
     problems = [problem for job in jobs for problem in job.problems]
     if folder is not None:
-        from asperity.engineering.comparison import FILES, write_comparison
+        from asperity.engineering.folder import COMPARISON
 
-        problems += _problems_of(folder, {}, FILES)
+        problems += _problems_of(folder, {}, COMPARISON)
     if folder is not None and len({job.out for job in jobs}) < len(jobs):
         problems.append("MAP: files of different names are needed")
     if folder is not None and options.save:
@@ -75,6 +75,8 @@ def run(options: argparse.Namespace) -> None:
         sys.exit(max(fail(problem, WRONG_USAGE) for problem in dict.fromkeys(problems)))
     answers = {job.out.name: _answered(job, options.save) for job in jobs}
     if folder is not None:
+        from asperity.engineering.comparison import write_comparison
+
         print(write_comparison(answers, folder))
 
 
@@ -116,8 +118,7 @@ def _face(values: Mapping[str, Any], known: Mapping[str, Any]) -> tuple[Any, lis
 
     A map that needs an option whose value is refused already is not blamed for it again.
     """
-    from asperity.engineering.case import counter_map_of, options_of
-    from asperity.engineering.face import read_face
+    from asperity.engineering.face import counter_map_of, options_of, read_face
     from asperity.surface.reading.height_map import MapError
 
     try:
@@ -210,7 +211,7 @@ def _contradictions(
 
 def _problems_of(out: Path, values: Mapping[str, Any], names: Sequence[str] = ()) -> Iterator[str]:
     """Why the answer, or files of some names, cannot be written into a folder."""
-    from asperity.engineering.output import ALWAYS_WRITTEN, folder_problem
+    from asperity.engineering.folder import ALWAYS_WRITTEN, folder_problem
 
     if problem := folder_problem(out, names or ALWAYS_WRITTEN):
         yield f"--out {out}: {problem}"

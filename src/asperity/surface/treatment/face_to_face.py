@@ -17,7 +17,6 @@ from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.fft import dctn
 
 from asperity.core.arguments import choice, number, require_finite
 from asperity.core.errors import shown
@@ -187,6 +186,8 @@ def _sampled(face: Array, places: tuple[Array, ...], lower: HeightMap, upper: He
 
     The cosine series is the Fourier series of the map continued by its mirror images.
     """
+    from scipy.fft import dctn
+
     values = dctn(face, norm="ortho")
     for axis, place in enumerate(places):
         nodes = face.shape[axis]
