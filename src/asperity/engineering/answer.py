@@ -15,7 +15,7 @@ from asperity.contact import Contact
 from asperity.core.markup import picture, table, with_error
 from asperity.core.units import scaled_unit, shown_si
 from asperity.engineering.answer_numbers import BodyAnswer, ContactNumbers, Neighbours, gap_of
-from asperity.engineering.body_stress import DIRECTION, Kept
+from asperity.engineering.body_stress import DIRECTION, StressInBody
 from asperity.engineering.case import CONTROL_UNITS, Body, Case
 from asperity.engineering.face import RoughFace
 from asperity.engineering.spots import gap_table
@@ -119,7 +119,7 @@ class Answer:
     stresses : dict
         The same names → dataset of the stress in SI units.
     kept : dict
-        The same names → fields for the pictures, `asperity.engineering.body_stress.Kept`.
+        The same names → `asperity.engineering.body_stress.StressInBody`, for the pictures.
     limits : dict
         The same names → `asperity.continuum` of contact pressure and von Mises stress.
     neighbours : Neighbours or None
@@ -135,7 +135,7 @@ class Answer:
     numbers: ContactNumbers
     bodies: dict[str, BodyAnswer]
     stresses: dict[str, xr.Dataset]
-    kept: dict[str, Kept]
+    kept: dict[str, StressInBody]
     limits: dict[str, xr.Dataset]
     neighbours: Neighbours | None = None
     advice: tuple[Advice, ...] = ()

@@ -52,20 +52,6 @@ class Extreme(NamedTuple):
     x: float
 
 
-class Kept(NamedTuple):
-    """Fields of the stress in one body that are kept for its pictures.
-
-    Parameters
-    ----------
-    planes : dict
-        Field → plane of its extreme value at the nodes: depth, grid, values.
-    close_ups : sequence of CloseUp
-    """
-
-    planes: dict[str, tuple[float, Grid, Array]]
-    close_ups: Sequence[CloseUp]
-
-
 class StressInBody(NamedTuple):
     """Stress in one body.
 
@@ -78,13 +64,16 @@ class StressInBody(NamedTuple):
         that were asked for.
     above_yield : (planes,) array or None
         Share of each plane whose von Mises stress is above yield; None without a yield stress.
-    kept : Kept
+    planes : dict
+        Field to be drawn → plane of its extreme value at the nodes: depth, grid, values.
+    close_ups : sequence of CloseUp
     """
 
     dataset: xr.Dataset
     extremes: dict[str, Extreme]
     above_yield: Array | None
-    kept: Kept
+    planes: dict[str, tuple[float, Grid, Array]]
+    close_ups: Sequence[CloseUp]
 
 
 def stress_in(
@@ -124,7 +113,7 @@ def stress_in(
         **case.sliding_of(name),
     )
     above = None if body.yield_stress is None else np.array(watch.above)
-    return StressInBody(dataset, watch.found, above, Kept(watch.planes, near))
+    return StressInBody(dataset, watch.found, above, watch.planes, near)
 
 
 class _Extremes:

@@ -18,7 +18,7 @@ from asperity.views.maps import HEIGHT, PRESSURE, Look, Map, draw_maps, map_of
 from asperity.views.peak_plot import plot_peaks
 from asperity.views.section_plot import draw_sections
 from asperity.views.source import Part, Source, sources
-from asperity.views.stress_field import POSITIVE, field_look, field_words
+from asperity.views.stress_field import field_look, field_words
 from asperity.views.style import plain_text
 
 if TYPE_CHECKING:
@@ -78,17 +78,16 @@ def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterato
     capital, look = word[0].upper() + word[1:], field_look(field)
     near = _close_up(answer, body, field)
     if near is not None:
-        extreme = "largest" if field in POSITIVE else "extreme"
         depth, grid, values = answer.kept[body].planes[field]
         whole = _whole(answer, grid)
         close = near.planes[int(np.abs(np.subtract(near.depths, depth)).argmin())][field]
         overview = Map(replace(source, grid=grid, fields={}), whole, values[whole])
         figure = _drawn([overview, Map(source, near.part, close, FRAMED)], look, level)
-        caption = f"{capital} at the depth of its {extreme} value, {shown_si(depth, 'm', 3)}; {BESIDE}"
+        caption = f"{capital} at the depth of its largest magnitude, {shown_si(depth, 'm', 3)}; {BESIDE}"
         yield Picture(f"plane{suffix}", caption + end, figure, body)
         section = _section(answer, source, body, field, near)
         figure = draw_sections([section], look, source.system, None, level)
-        caption = f"{capital} close to its {extreme} value in a section; bars are the contact"
+        caption = f"{capital} close to its largest magnitude in a section; bars are the contact"
         yield Picture(f"section{suffix}", caption + end, figure, body)
     stress = answer.stresses[body].assign_attrs(unit_system=source.system)
     if (stress["peak_quantity"] == field).any():

@@ -10,15 +10,29 @@ from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 from itertools import groupby
 
-from asperity.core.units import scaled_unit, shown_si
+from asperity.core.units import shown_si
 from asperity.core.version import __version__
 from asperity.engineering.advice import WARNING
 from asperity.engineering.answer import Answer, body_title, case_in_words
 from asperity.engineering.pictures import Picture
 from asperity.results.dataset import PAPER
 
+HEADLINE = (
+    *("real contact", "largest pressure"),
+    *("largest von Mises stress", "at depth", "volume above yield"),
+)
+"""Numbers at the top of the report."""
+
 SPOTS = 10
 """Patches of contact in the report."""
+
+SPOT_COLUMNS = {
+    "load_N": "N",
+    "area_m2": "m^2",
+    **dict.fromkeys(("x_m", "y_m", "length_m", "width_m"), "m"),
+    "largest_pressure_Pa": "Pa",
+}
+"""Column of the table of patches in the report → its unit."""
 
 GAP_SHARES = (0.01, 0.1, 0.25, 0.5, 0.75, 0.9, 0.99)
 """Shares of the area whose gap the report has."""
@@ -68,41 +82,23 @@ def report_page(answer: Answer, pictures: Sequence[tuple[Picture, bytes]], case_
 
 def headline(answer: Answer) -> list[tuple[str, str, str]]:
     """The numbers that are asked for first: name, value and estimate."""
-    rows = {(row.group, row.name): row.shown for row in answer.rows}
-    wanted = [("contact", "real contact", ""), ("contact", "largest pressure", "")]
-    for name in answer.case.different_bodies:
-        where = f", {name} body" if len(answer.case.different_bodies) > 1 else ""
-        group = body_title(answer.case, name)
-        wanted += [
-            (group, row, where) for row in ("largest von Mises stress", "at depth", "volume above yield")
-        ]
+    several = len(answer.case.different_bodies) > 1
     found = []
-    for group, row, where in wanted:
-        if (group, row) in rows:
-            value, _, estimate = rows[group, row].partition("; ")
-            found.append((row + where, value, estimate))
+    for row in answer.rows:
+        if row.name in HEADLINE:
+            value, _, estimate = row.shown.partition("; ")
+            of_body = several and row.group != "contact"
+            found.append((f"{row.name}, {row.group}" if of_body else row.name, value, estimate))
     return found
 
 
 def spot_rows(answer: Answer) -> list[list[str]]:
     """The patches of contact that bear most of the load, in words."""
-    found = []
-    for spot in answer.spots.head(SPOTS).itertuples():
-        factor, symbol = scaled_unit([spot.x_m, spot.y_m], "m")
-        load, area, length, width, pressure = (
-            shown_si(value, unit, 3)
-            for value, unit in (
-                (spot.load_N, "N"),
-                (spot.area_m2, "m^2"),
-                (spot.length_m, "m"),
-                (spot.width_m, "m"),
-                (spot.largest_pressure_Pa, "Pa"),
-            )
-        )
-        share = f"{load} ({100 * spot.load_N / answer.numbers.force:.2g} %)"
-        place = f"{spot.x_m / factor:.4g}, {spot.y_m / factor:.4g} {symbol}"
-        found.append([share, area, place, length, width, f"{spot.angle_deg:.0f}°", pressure])
-    return found
+    spots = answer.spots.head(SPOTS)
+    return [
+        [shown_si(float(size), unit, 3) for size, unit in zip(row, SPOT_COLUMNS.values(), strict=True)]
+        for row in spots[[*SPOT_COLUMNS]].to_numpy()
+    ]
 
 
 def gap_rows(answer: Answer) -> list[tuple[str, str]]:

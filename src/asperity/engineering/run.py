@@ -172,7 +172,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         numbers=contact_numbers(rough, contact, spots),
         bodies={name: bodies[own] for name, own in same.items()},
         stresses={name: stresses[own].dataset for name, own in same.items()},
-        kept={name: stresses[own].kept for name, own in same.items()},
+        kept={name: stresses[own] for name, own in same.items()},
         limits={name: limits[own] for name, own in same.items()},
         neighbours=neighbours,
     )
