@@ -87,8 +87,9 @@ def headline(answer: Answer) -> list[tuple[str, str, str]]:
     for row in answer.rows:
         if row.name in HEADLINE:
             value, _, estimate = row.shown.partition("; ")
+            body = row.group.removeprefix("stress in the ").partition(" (")[0]
             of_body = several and row.group != "contact"
-            found.append((f"{row.name}, {row.group}" if of_body else row.name, value, estimate))
+            found.append((f"{row.name}, {body}" if of_body else row.name, value, estimate))
     return found
 
 
