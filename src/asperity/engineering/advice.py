@@ -71,7 +71,7 @@ ACCEPTED_VIOLATION = 1e-3
 NEGLECTED_COUPLING = 0.1
 """Share of the displacement of a wave by which friction changes it, from which it counts."""
 
-SPIKE_SIZE = 100.0
+SPIKE_SIZE = math.inf
 """Uncertainty of a largest pressure that is on a spike: before all others."""
 
 Found = tuple[str, str, dict[str, Any]]
@@ -220,7 +220,11 @@ def _on_map(answer: Answer) -> Iterator[Found]:
     for doubt in answer.rough.doubts:
         subject = doubt.partition(":")[0]
         if subject != "despike" or not numbers.pressure_on_spike:
-            yield WARNING if subject == "unit" else NOTE, "doubt", {"subject": subject, "doubt": doubt}
+            yield (
+                WARNING if subject == "unit" else NOTE,
+                "doubt",
+                {"subject": subject, "doubt": doubt.rstrip("?")},
+            )
     slope = numbers.rms_gradient
     if slope > STEEP:
         values = {"slope": slope, "angle": math.degrees(math.atan(slope)), "size": slope**2}
