@@ -18,7 +18,7 @@ COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --u
 	--extra study --extra maps --extra crate --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick claims pages verify test lint check fuzz fuzz-study wheel-test test-oldest test-python test-slurm bad-input report crate docs bench tradeoff lock clean
+.PHONY: help study quick pages verify test lint check fuzz fuzz-study wheel-test test-oldest test-python test-slurm bad-input report crate docs bench tradeoff lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -30,18 +30,14 @@ study: $(VENV)/ready ## Make every figure of the paper, in results/figures; CONF
 quick: $(VENV)/ready ## Run every rule of the study on small cells, into results/quick (a minute and a quarter)
 	snakemake --cores $(CORES) --configfile config/quick.yaml
 
-claims: $(VENV)/ready ## Test the paper's statements on the ensemble (a quarter of an hour on two cores) and write what README and docs say of them
-	snakemake --cores $(CORES) --configfile config/ensemble.yaml -- results/ensemble/claims.md
-	python -m asperity.paper.claims results/ensemble
-
-pages: $(VENV)/ready ## Write the generated pages again from the tables that are kept, and fail if one differs from the commit
-	python -m asperity.paper.claims
+pages: study ## Write README's sentences, docs and the kept table again from the results of the paper's study, and fail if one differs from the commit
+	python -m asperity.paper results
 	python -m asperity.study.config describe config/README.md
 	python studies/nayak/nayak.py
 	python studies/master_curve/master_curve.py
 	python studies/challenge/challenge.py
 	python studies/stability/stability.py
-	git diff --exit-code -- '*.md'
+	git diff --exit-code -- '*.md' docs/claims.csv
 
 verify: $(VENV)/ready ## Compare every result of a study with the manifest of its run; CONFIG=, RESULTS= as for study
 	python workflow/verify.py "$(FOLDER)"

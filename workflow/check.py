@@ -1,7 +1,8 @@
 """Drift check: compares the numbers of the quick study with those kept in the repository (`make check`).
 
-Runs the quick study up to its statistics in a folder of its own, compares every number of every seed with the
-reference, and prints a table of those that have drifted. With --update it rewrites the reference instead.
+Runs the quick study up to its verdicts in a folder of its own, compares every number of every seed and every
+verdict with the reference, and prints a table of those that have drifted. With --update it rewrites the
+reference instead.
 """
 
 import argparse
@@ -13,6 +14,7 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
+import pandas as pd
 import xarray as xr
 
 from asperity.fourier import DEFAULT, ENGINES
@@ -66,7 +68,14 @@ class Tolerance(NamedTuple):
     reason: str
 
 
+OF_STATEMENT = ("value", "grid error", "verdict")
+"""What is compared of every statement of the paper, under every interpretation."""
+
+Number = float | str
+"""A number, or a verdict."""
+
 TOLERANCES = (
+    Tolerance(r"statement\.", 1e-2, "differences of distributions, and of numbers that are nearly the same"),
     Tolerance(r"surface\.", 1e-10, "sums over a given sample, equal except for rounding"),
     Tolerance(
         r"contact\.(area_fraction|patch)|.*\.count|profile\.reference_depth",
@@ -86,8 +95,8 @@ class Drift(NamedTuple):
     """A number that differs from the reference; None where it is missing."""
 
     name: str
-    was: float | None
-    now: float | None
+    was: Number | None
+    now: Number | None
     tolerance: Tolerance
 
 
@@ -97,7 +106,7 @@ def tolerance_of(name: str) -> Tolerance:
     return next(kind for kind in TOLERANCES if re.match(kind.names, short))
 
 
-def drifts(reference: dict[str, float], found: dict[str, float]) -> list[Drift]:
+def drifts(reference: dict[str, Number], found: dict[str, Number]) -> list[Drift]:
     """Numbers that moved by more than their tolerance, are missing, or are new."""
     moved = []
     for name in sorted(reference.keys() | found.keys()):
@@ -108,7 +117,9 @@ def drifts(reference: dict[str, float], found: dict[str, float]) -> list[Drift]:
     return moved
 
 
-def _same(was: float, now: float, relative: float) -> bool:
+def _same(was: Number, now: Number, relative: float) -> bool:
+    if isinstance(was, str) or isinstance(now, str):
+        return was == now
     return (math.isnan(was) and math.isnan(now)) or abs(now - was) <= relative * abs(was)
 
 
@@ -116,12 +127,12 @@ def table(moved: list[Drift]) -> str:
     """Table of the drifts for a reader, largest first."""
 
     def size(drift: Drift) -> float:
-        if drift.was is None or drift.now is None or drift.was == 0:
+        if not isinstance(drift.was, float) or not isinstance(drift.now, float) or drift.was == 0:
             return math.inf
         return abs(drift.now / drift.was - 1) / drift.tolerance.relative
 
-    def text(value: float | None) -> str:
-        return "-" if value is None else f"{value:.8g}"
+    def text(value: Number | None) -> str:
+        return "-" if value is None else f"{value:.8g}" if isinstance(value, float) else str(value)
 
     lines = [("name", "was", "is", "tolerance")]
     lines += [
@@ -139,18 +150,31 @@ def collect(folder: Path, surfaces: list[str]) -> dict[str, float]:
     numbers = {}
     for surface in surfaces:
         path = folder / "statistics" / f"{surface}.nc"
-        if path.exists():
-            statistics = dataset.read(path)
-            for seed in statistics["seed"].values:
-                one = statistics.sel(seed=seed)
-                found = numbers_of_seed(one) | numbers_of_patches(one)
-                numbers |= {f"{surface}/seed{seed}/{name}": value for name, value in found.items()}
-        for path in sorted(folder.glob(f"interpretations/*/statistics/{surface}.nc")):
-            statistics, lateral = dataset.read(path).sel(quantity=list(OF_UNIFORM_MODE)), path.parts[-3]
-            for seed in statistics["seed"].values:
-                one = statistics.sel(seed=seed)
-                found = numbers_of_stress(one) | numbers_of_patches(one)
-                numbers |= {f"{surface}/seed{seed}/{lateral}/{name}": value for name, value in found.items()}
+        if not path.exists():
+            continue
+        of_seeds = dataset.read(path)
+        laterals = of_seeds["lateral"].values if "lateral" in of_seeds.dims else [""]
+        for seed in of_seeds["seed"].values:
+            for number, lateral in enumerate(laterals):
+                one = of_seeds.sel(seed=seed, **({"lateral": lateral} if lateral else {}))
+                if number == 0:
+                    found, start = numbers_of_seed(one) | numbers_of_patches(one), f"{surface}/seed{seed}"
+                else:
+                    found = numbers_of_stress(one.sel(quantity=list(OF_UNIFORM_MODE))) | numbers_of_patches(
+                        one
+                    )
+                    start = f"{surface}/seed{seed}/{lateral}"
+                numbers |= {f"{start}/{name}": value for name, value in found.items()}
+    return numbers
+
+
+def collect_statements(path: Path) -> dict[str, Number]:
+    """Numbers and verdicts of all statements: ``statement.name/options/value``."""
+    numbers: dict[str, Number] = {}
+    for row in pd.read_csv(path).to_dict("records") if path.exists() else ():
+        options = " ".join(map(str, json.loads(row["interpretation"]).values()))
+        start = f"{row['identifier']}/{options}".rstrip("/")
+        numbers |= {f"{start}/statement.{name}": row[name] for name in OF_STATEMENT}
     return numbers
 
 
@@ -187,8 +211,8 @@ def numbers_of_patches(statistics: xr.Dataset) -> dict[str, float]:
 
 
 def run(folder: str, cores: int, surfaces: list[str], engine: str) -> None:
-    """Run the quick study up to the statistics of the surfaces."""
-    targets = [f"{folder}/statistics/{surface}.nc" for surface in surfaces]
+    """Run the quick study up to the statistics of some surfaces, or to the verdicts."""
+    targets = [f"{folder}/statistics/{surface}.nc" for surface in surfaces] or [f"{folder}/claims.csv"]
     command = ["snakemake", "--cores", str(cores), "--configfile", CONFIG]
     settings = ["--config", f"results={folder}", f"fft_engine={engine}"]
     found = subprocess.run([*command, *settings, "--", *targets], capture_output=True, text=True)
@@ -217,8 +241,10 @@ def main() -> None:
         parser.error("--update rewrites the whole reference; leave out --surfaces")
     surfaces = chosen.surfaces or list(load(CONFIG)["surfaces"])
     if not chosen.no_run:
-        run(chosen.results, chosen.cores, surfaces, chosen.fft_engine)
-    found = collect(Path(chosen.results), surfaces)
+        run(chosen.results, chosen.cores, chosen.surfaces or [], chosen.fft_engine)
+    found: dict[str, Number] = {**collect(Path(chosen.results), surfaces)}
+    if not chosen.surfaces:
+        found |= collect_statements(Path(chosen.results, "interpretations.csv"))
     if not found:
         sys.exit(f"{chosen.results}: no statistics; run without --no-run")
     if chosen.update:

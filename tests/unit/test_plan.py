@@ -12,7 +12,7 @@ import yaml
 
 from asperity.cli.main import main
 from asperity.core.errors import PlanError
-from asperity.paper.figures import surfaces_with_contact
+from asperity.paper.figures import surfaces_with_load_area
 from asperity.study.config.check import check
 from asperity.study.config.presets import PRESETS
 from asperity.study.cost.measured import OUTPUTS, load
@@ -175,5 +175,5 @@ def test_loads_are_counted_for_every_surface_whose_contact_a_figure_shows():
     text = f"surfaces: {{ground: {{label: a, {band}}}, lapped: {{label: b, {band}}}}}"
     contact = "contact: {path_area_fractions: [0.02, 0.05, 0.1]}"
     whole = read([text, contact])
-    found, _ = scenes(whole, surfaces_with_contact(whole))
+    found, _ = scenes(whole, surfaces_with_load_area(whole))
     assert {name: scene.number_of_loads for name, scene in found.items()} == {"ground": 3, "lapped": 3}

@@ -9,14 +9,10 @@ from small_study import CONTACT, LAYER, STRESS
 import asperity as asp
 from asperity.results import dataset
 from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.seed_numbers import seed_statistics
 from asperity.study.stages.solid import SOLID_ATTRIBUTES, solid
-from asperity.study.stages.statistics import (
-    SeedResults,
-    seed_statistics,
-    statistics_of_seeds,
-    surface_statistics,
-)
-from asperity.study.stages.stress import compute_stress, compute_stresses
+from asperity.study.stages.statistics import SeedResults, surface_statistics
+from asperity.study.stages.stress import compute_stress, compute_stresses, stress_of_seed
 from asperity.study.stages.surface import make_surface
 
 SURFACE = {
@@ -103,6 +99,9 @@ def test_two_seeds_have_bands_and_one_has_none():
     assert bool((low < high).any())
     assert two["seed"].values.tolist() == [1, 2]
     assert float((two.height_density * np.diff(two.height_edge)).sum()) == pytest.approx(1)
+    load, low, high = (two[f"path_scaled_load{end}"].values for end in ("", "_low", "_high"))
+    assert np.all((low < load) & (load < high))
+    assert np.all(np.diff(load) > 0)
     assert all(name in two.attrs for name in SOLID_ATTRIBUTES)
 
 
@@ -121,7 +120,7 @@ def filled(contact):
 
 
 def test_correlations_are_those_of_a_search_by_patch(monkeypatch):
-    monkeypatch.setattr("asperity.study.stages.statistics.LARGE_PATCH", 4)
+    monkeypatch.setattr("asperity.study.stages.seed_numbers.LARGE_PATCH", 4)
     results = run(1)
     statistics = seed_statistics(results.surface, results.contact, results.stress)
     found = statistics["seed_patch_correlation"].sel(poisson=0.33)
@@ -145,10 +144,26 @@ def test_a_contact_serves_both_mean_modes():
     xr.testing.assert_equal(both["confined"], own.stress)
     xr.testing.assert_equal(both["free"], free)
     assert both["free"].attrs["uniform_mode"] == "laterally free"
-    found = statistics_of_seeds([own._replace(stress=both["free"])])
-    assert found["seed"].values.tolist() == [1]
+    found = stress_of_seed(own.contact, LAYER, STRESS, ("free",)).sel(lateral="free")
     expected = seed_statistics(own.surface, own.contact, free)
-    xr.testing.assert_equal(found.sel(seed=1, drop=True), expected)
+    on_grid = [name for name in expected if name in found and name.startswith("seed_")]
+    xr.testing.assert_equal(found[on_grid].drop_vars("lateral"), expected[on_grid])
+
+
+def test_estimates_of_the_study_are_those_of_the_library():
+    """But for the planes in depth, which the study has at other distances."""
+    surface = make_surface({**SURFACE, "wavelength_short": 1 / 16, "points": 128}, 1)
+    found = stress_of_seed(solve_contact(surface, LAYER, CONTACT), LAYER, STRESS)
+    solved = asp.solve(surface["height"].values, asp.Layer(1 - 0.33**2, 0.33), area_fraction=0.1)
+    stress = asp.analyse_stress(solved, poisson=STRESS["poisson"], quantities=("pressure", "von_mises"))
+    expected = asp.continuum(solved, stress)
+    of = {"kind": "estimate", "quantity": ["pressure", "von_mises"]}
+    for name in ("area_fraction", "gradient_rms_contact", "proportionality"):
+        estimate = found[f"continuum_{name}"].sel(kind="estimate")
+        assert float(estimate) == pytest.approx(float(expected[name].sel(kind="estimate")), rel=1e-4), name
+    scale = found["continuum_gradient_rms_contact"].sel(kind="estimate")
+    quantile = found["continuum_peak_quantile"].sel(of).sel(level=0.99) * scale
+    np.testing.assert_allclose(quantile, expected["p99"].sel(of), rtol=0.01)
 
 
 def test_the_variables_of_every_stage_can_be_written_and_read(tmp_path):

@@ -59,8 +59,8 @@ def test_costs_add_up_and_keep_the_largest_memory(costs):
 
 
 def test_verdicts_have_their_columns():
-    found = findings_of(pd.read_csv(DOCS / "ensemble.csv"), CLAIMS)
-    check_columns(frame_of_verdicts(found, 8.0), "claims")
+    found = findings_of(pd.read_csv(DOCS / "claims.csv"), CLAIMS)
+    check_columns(frame_of_verdicts(found), "claims")
     check_columns(frame_of_interpretations(found), "claims_interpretations")
 
 

@@ -7,7 +7,8 @@ from small_study import CONTACT, LAYER, STRESS
 from asperity.stress.planes.planes import stress_planes
 from asperity.study.stages import verification
 from asperity.study.stages.contact import solve_contact
-from asperity.study.stages.statistics import LEVELS, SeedResults, seed_statistics, surface_statistics
+from asperity.study.stages.seed_numbers import LEVELS, seed_statistics
+from asperity.study.stages.statistics import SeedResults, surface_statistics
 from asperity.study.stages.stress import compute_stress
 from asperity.study.stages.surface import make_surface
 from asperity.study.stages.verification import (

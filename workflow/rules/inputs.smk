@@ -1,31 +1,22 @@
 # Surfaces, seeds and figures of the configuration, their settings, and the result files that belong to them.
 from pathlib import Path
-from asperity.paper.claims.sources import resolutions
-from asperity.paper.figures import figures_of, surfaces_with_contact
+from asperity.paper.claims.sources import CHOICES
+from asperity.paper.figures import figures_of, surfaces_with_load_area, surfaces_with_ratios
 
 STUDIES = config["studies"]
 STUDIED = {name for names in STUDIES.values() for name in names}
-RESOLUTIONS = resolutions(SURFACES) if config["claims"] else {}
-CONTINUUM = {name for by_role in RESOLUTIONS.values() for name in by_role.values()}
-CONTINUUM_SEEDS = config["seeds"][:2]
 FIGURES = figures_of(config)
-WITH_LOAD_AREA = surfaces_with_contact(config)
+WITH_LOAD_AREA = surfaces_with_load_area(config)
+WITH_RATIOS = surfaces_with_ratios(config)
 FFT_ENGINE = config["fft_engine"]
 # What the interpretations of the claims need besides the study: other conditions of the mean (q = 0) mode, components.
-OTHER_LATERALS = [name for name in config["interpretations"]["lateral"] if name != config["layer"]["lateral"]]
-OTHER_COMPONENTS = [name for name in config["interpretations"]["shear"] if name != "xz"]
-if not config["claims"]:
-    OTHER_LATERALS, OTHER_COMPONENTS = [], []
+OTHER_LATERALS = [name for name in CHOICES["lateral"] if config["claims"] and name != config["layer"]["lateral"]]
+OTHER_COMPONENTS = [name for name in CHOICES["shear"] if config["claims"] and name != "xz"]
 
 
 def seeds_of(surface):
-    """Seeds of a surface: all of the configuration; the first two if only the continuum study needs it.
-
-    A measured map has no seeds: the first one stands for it.
-    """
-    if surface in MEASURED:
-        return config["seeds"][:1]
-    return CONTINUUM_SEEDS if surface in CONTINUUM - STUDIED else config["seeds"]
+    """Seeds of a surface. A measured map has no seeds: the first one stands for it."""
+    return config["seeds"][:1] if surface in MEASURED else config["seeds"]
 
 
 def results_of_seeds(stage):
@@ -35,33 +26,15 @@ def results_of_seeds(stage):
     ]
 
 
-def other_stresses_of_seeds(wildcards):
-    """Stresses of all seeds of a surface under the other conditions of the mean mode, one condition by one."""
-    return [
-        f"{RESULTS}/interpretations/{name}/stress/{wildcards.surface}/seed{seed}.nc"
-        for name in OTHER_LATERALS
-        for seed in seeds_of(wildcards.surface)
-    ]
-
-
 STAGE_RESULTS = (
     [
         f"{RESULTS}/{stage}/{surface}/seed{seed}.nc"
-        for surface in sorted(STUDIED | CONTINUUM)
+        for surface in sorted(STUDIED)
         for seed in seeds_of(surface)
-        for stage in (
-            "surface",
-            "contact",
-            "stress",
-            *(f"interpretations/{name}/stress" for name in OTHER_LATERALS),
-        )
+        for stage in ("surface", "contact", "stress")
     ]
-    + [
-        f"{RESULTS}/{stage}/{surface}.nc"
-        for surface in sorted(STUDIED | CONTINUUM)
-        for stage in ("statistics", *(f"interpretations/{name}/statistics" for name in OTHER_LATERALS))
-    ]
-    + [f"{RESULTS}/verification/{surface}.csv" for surface in sorted(STUDIED | CONTINUUM)]
+    + [f"{RESULTS}/statistics/{surface}.nc" for surface in sorted(STUDIED)]
+    + [f"{RESULTS}/verification/{surface}.csv" for surface in sorted(STUDIED)]
 )
 
 
@@ -110,3 +83,15 @@ def contact_settings(wildcards):
     if wildcards.surface in WITH_LOAD_AREA:
         return config["contact"]
     return {**config["contact"], "path_area_fractions": []}
+
+
+def stress_settings(wildcards):
+    """Section stress, with the Poisson's ratio of the contact alone where no other is asked for."""
+    if wildcards.surface in WITH_RATIOS:
+        return config["stress"]
+    return {**config["stress"], "poisson": [config["layer"]["poisson"]]}
+
+
+def laterals_of(wildcards):
+    """Other conditions of the mean (q = 0) mode under which the stress of a surface is analysed."""
+    return OTHER_LATERALS if wildcards.surface in CLAIMED else []

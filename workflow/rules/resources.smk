@@ -40,7 +40,7 @@ def contact_cost(wildcards):
 
 def stress_cost(wildcards):
     """Cost of the stress, with the number of its Poisson's ratios and conditions of the mean (q = 0) mode."""
-    analyses = len(config["stress"]["poisson"]) * (1 + len(OTHER_LATERALS))
+    analyses = len(stress_settings(wildcards)["poisson"]) * (1 + len(laterals_of(wildcards)))
     return job_cost("stress", nodes(wildcards.surface), analyses, ACCURACY)
 
 

@@ -46,7 +46,6 @@ rule stress:
         contact=rules.contact.output[0],
     output:
         f"{RESULTS}/stress/{{surface}}/seed{{seed}}.nc",
-        [f"{RESULTS}/interpretations/{name}/stress/{{surface}}/seed{{seed}}.nc" for name in OTHER_LATERALS],
     log:
         f"{RESULTS}/log/stress/{{surface}}/seed{{seed}}.log",
     benchmark:
@@ -56,8 +55,8 @@ rule stress:
         **needs("stress"),
     params:
         code=COMPUTING,
-        stress=config["stress"],
-        laterals=OTHER_LATERALS,
+        stress=stress_settings,
+        laterals=laterals_of,
         quantities=OTHER_COMPONENTS,
         fft_engine=FFT_ENGINE,
     script:
@@ -69,10 +68,8 @@ rule statistics:
         surface=results_of_seeds("surface"),
         contact=results_of_seeds("contact"),
         stress=results_of_seeds("stress"),
-        others=other_stresses_of_seeds,
     output:
         statistics=f"{RESULTS}/statistics/{{surface}}.nc",
-        others=[f"{RESULTS}/interpretations/{name}/statistics/{{surface}}.nc" for name in OTHER_LATERALS],
         checks=f"{RESULTS}/verification/{{surface}}.csv",
         page=report(
             f"{RESULTS}/verification/{{surface}}.html",
@@ -89,7 +86,6 @@ rule statistics:
     params:
         code=COMPUTING,
         statistics=config["statistics"],
-        laterals=OTHER_LATERALS,
         fft_engine=FFT_ENGINE,
     script:
         "../scripts/statistics.py"

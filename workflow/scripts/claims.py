@@ -2,9 +2,11 @@
 
 from pathlib import Path
 
+import pandas as pd
+
 from asperity.paper.claims import overview, report
 from asperity.paper.claims.numbers import Evidence
-from asperity.paper.claims.paper import CLAIMS, HEADLINES
+from asperity.paper.claims.paper import CLAIMS
 from asperity.paper.claims.verdicts import decide
 from asperity.results import dataset
 from asperity.results.atomic import write_text
@@ -12,29 +14,18 @@ from asperity.results.tables import write_table
 from asperity.study.runtime.job import job
 from asperity.views.style import save, style
 
-params, output = snakemake.params, snakemake.output
+files, params, output = snakemake.input, snakemake.params, snakemake.output
 with job(snakemake), style():
     statistics, validation = (
-        {Path(file).stem: dataset.read(file) for file in files}
-        for files in (snakemake.input.statistics, snakemake.input.validation)
+        {Path(path).stem: dataset.read(path) for path in paths}
+        for paths in (files.statistics, files.validation)
     )
-    others = {
-        lateral: {Path(file).stem: dataset.read(file) for file in snakemake.input.others if file in files}
-        for lateral, files in params.others.items()
-    }
-
-    def evidence(names, validation=None):
-        """Statistics of the surfaces by their role, under every condition of the mean (q = 0) mode."""
-        laterals = {
-            lateral: {role: of[name] for role, name in names.items()} for lateral, of in others.items()
-        }
-        return Evidence({role: statistics[name] for role, name in names.items()}, validation or {}, laterals)
-
-    study = evidence(params.roles, validation)
-    finer = {nodes: evidence(names) for nodes, names in params.resolutions.items()}
-    findings = decide(CLAIMS, study, finer, params.interpretations)
-    limits = report.continuum_table(HEADLINES, finer)
-    write_table(report.frame(findings, params.nodes), "claims", output.table)
-    write_table(report.frame_of_interpretations(findings), "claims_interpretations", output.interpretations)
-    write_text(output.text, report.markdown(findings, params.seeds, params.nodes, limits))
+    evidence = Evidence({role: statistics[name] for role, name in params.roles.items()}, validation)
+    table = report.frame_of_interpretations(decide(CLAIMS, evidence, params.interpretations))
+    write_table(table, "claims_interpretations", output.interpretations, float_format="%.5g")
+    findings = report.findings_of(
+        pd.read_csv(output.interpretations), CLAIMS
+    )  # with the digits that are kept
+    write_table(report.frame(findings), "claims", output.table)
+    write_text(output.text, f"# Does the paper hold?\n\n{report.markdown(findings)}")
     save(overview.draw(findings), *output.picture)

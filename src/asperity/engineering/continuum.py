@@ -79,7 +79,15 @@ def continuum(
         raise TypeError(f"contact = {type(contact).__name__}: a Contact is needed")
     if stress is not None and "peak_quantity" not in stress:
         raise ValueError("stress: a result of analyse_stress is needed, it has no peaks")
-    height, grid = _on_half_the_nodes(contact)
+    height, grid = contact.height, contact.grid
+    reason, lost = "the boundary is free, and the estimate is made for periodic cells", 0.0
+    if contact.boundary == "free":  # every second node
+        height = height[::2, ::2]
+        edges = [2 * step * nodes for step, nodes in zip(grid.spacing, height.shape, strict=True)]
+        grid = Grid((height.shape[0], height.shape[1]), (edges[0], edges[1]))
+    else:
+        reason = reason_against(contact.pressure, height)
+        height, grid, lost = on_half_the_nodes(height, grid)
     pressure = contact.force / grid.area
     half = solve(
         height, contact.solid, grid.length, boundary=contact.boundary, mean_pressure=pressure, rtol=TOLERANCE
@@ -98,46 +106,33 @@ def continuum(
         )
     if progress is not None:
         progress(1.0, 1.0)
-    lost = _lost_gradient(contact, grid)
-    found = extrapolate(_on_grid(contact, stress), _on_grid(half, coarse), lost, _reason_against(contact))
+    found = extrapolate(_on_grid(contact, stress), _on_grid(half, coarse), lost, reason)
     return found.assign_attrs(lost_gradient=lost)
 
 
-def _reason_against(contact: Contact) -> str:
-    """Why a contact allows no estimate; empty if it does."""
-    touching = contact.pressure > 0
-    if contact.boundary != "periodic":
-        return "the boundary is free, and the estimate is made for periodic cells"
+def reason_against(pressure: Array, height: Array) -> str:
+    """Why a periodic contact allows no estimate; empty if it does."""
+    touching = pressure > 0
     nodes = np.count_nonzero(touching)
     if nodes < LEAST_NODES:
         return f"{nodes} nodes are in contact, and {LEAST_NODES} are needed"
-    height = contact.height
     bend = sum(np.roll(height, 1, axis) + np.roll(height, -1, axis) - 2 * height for axis in (0, 1))
     if np.median(np.abs(bend[touching])) <= FLAT * np.sqrt(np.mean(np.square(bend))):
         return "the heights in contact are flat or stepped, and no grid resolves their edges"
     return ""
 
 
-def _lost_gradient(contact: Contact, half: Grid) -> float:
-    """Share of the squared gradient in waves that half of the nodes of a periodic cell do not hold."""
-    if contact.boundary == "free":
-        return 0.0
-    grid = contact.grid
-    modes = Fourier(grid).forward(contact.height)
-    whole = mean_square(modes, grid, grid.wavenumber() ** 2)
-    kept = mean_square(resample(modes, grid, half), half, half.wavenumber() ** 2)
-    return 1 - kept / whole if whole else 0.0
+def on_half_the_nodes(height: Array, grid: Grid) -> tuple[Array, Grid, float]:
+    """Long waves of periodic heights on half as many nodes, their grid, and the share of the gradient lost.
 
-
-def _on_half_the_nodes(contact: Contact) -> tuple[Array, Grid]:
-    """Heights on half as many nodes along both edges: their long waves, or every second of a free map."""
-    height, grid = contact.height, contact.grid
-    if contact.boundary == "free":
-        height = height[::2, ::2]
-        edges = [2 * step * nodes for step, nodes in zip(grid.spacing, height.shape, strict=True)]
-        return height, Grid((height.shape[0], height.shape[1]), (edges[0], edges[1]))
+    The share is that of the squared gradient in waves that half of the nodes along both edges do not hold.
+    """
     half = Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
-    return Fourier(half).inverse(resample(Fourier(grid).forward(height), grid, half)), half
+    modes = Fourier(grid).forward(height)
+    whole = mean_square(modes, grid, grid.wavenumber() ** 2)
+    modes = resample(modes, grid, half)
+    kept = mean_square(modes, half, half.wavenumber() ** 2)
+    return Fourier(half).inverse(modes), half, 1 - kept / whole if whole else 0.0
 
 
 def _on_grid(contact: Contact, stress: xr.Dataset | None) -> OnGrid:

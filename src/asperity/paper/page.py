@@ -10,8 +10,11 @@ from typing import Any
 
 import pandas as pd
 
-from asperity.core.markup import html_table, inline, with_error
+from asperity.core.markup import html_table, inline
 from asperity.core.version import __version__
+from asperity.paper.claims.paper import CLAIMS
+from asperity.paper.claims.report import counted, findings_of, tables
+from asperity.paper.claims.verdicts import tally
 from asperity.paper.figures import Description
 from asperity.results.atomic import write_text
 from asperity.results.dataset import PAPER
@@ -44,7 +47,7 @@ def write_page(
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    environment.filters |= {"inline": inline, "with_error": with_error}
+    environment.filters |= {"inline": inline}
     jobs = job_costs(results)
     page = environment.from_string(text).render(
         title="Does the paper hold?" if config["claims"] else f"Study: {results.name}",
@@ -100,14 +103,14 @@ def _embedded(file: Path) -> str:
 
 def _claims(results: Path) -> dict[str, Any] | None:
     """The verdicts: their numbers, the overview picture and the statements of each section of the paper."""
-    if not (results / "claims.csv").exists():
+    if not (results / "interpretations.csv").exists():
         return None
-    missing = {"value": [""], "standard error": [""]}
-    table = pd.read_csv(results / "claims.csv", keep_default_na=False, na_values=missing)
-    first = table["section"].str.extract(r"(?:^|, )(\d[^,]*)")[0].fillna(table["section"])
+    findings = findings_of(pd.read_csv(results / "interpretations.csv"), CLAIMS)
     return {
-        "tally": table["verdict"].value_counts(sort=False).to_dict(),
-        "sections": {name: rows.to_dict("records") for name, rows in table.groupby(first)},
+        "count": len(findings),
+        "counted": counted(findings),
+        "tally": tally(findings),
+        "sections": {heading: table.to_dict("records") for heading, table in tables(findings).items()},
         "picture": _embedded(results / "claims.png"),
     }
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 from asperity.cli.parser import section
-from asperity.paper.figures import surfaces_with_contact
+from asperity.paper.figures import surfaces_with_load_area
 from asperity.study.cost.plan import PEAKS, Target, assess, propose, report
 from asperity.study.cost.scene import read, scenes
 
@@ -15,7 +15,7 @@ _GIB = 2**30
 def run(options: argparse.Namespace) -> None:
     """Print cost and error of the settings that are given, or of the settings proposed for a target."""
     config = read(options.config, section(options, "contact").get("area_fraction"))
-    surfaces, accuracy = scenes(config, surfaces_with_contact(config))
+    surfaces, accuracy = scenes(config, surfaces_with_load_area(config))
     outputs = options.output or PEAKS
     memory = None if options.memory is None else options.memory * _GIB
     if options.error is None and options.seconds is None and memory is None:

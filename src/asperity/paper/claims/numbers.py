@@ -1,12 +1,13 @@
 """Numbers of the claims that depend on random surfaces: statistics of them, one number for each seed.
 
-Numbers of two surfaces are compared seed by seed: xarray aligns them along `seed`. The paper leaves choices
-open; an *interpretation* takes one option of each, as in section ``interpretations`` of the configuration.
+Numbers are the estimates at vanishing grid spacing where there are such. Those of two surfaces are compared
+seed by seed: xarray aligns them along `seed`. The paper leaves choices open; an *interpretation* takes one
+option of each (`asperity.paper.claims.sources.CHOICES`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
@@ -21,7 +22,7 @@ Options = Mapping[str, Any]
 _OF_MEAN_MODE = ("von_mises", "xx")
 """Quantities that the condition of the mean (q = 0) mode changes."""
 
-_OF_STRESS = ("seed_peak", "seed_mean_depth", "seed_depth_patch", "seed_largest", "seed_decay")
+_OF_STRESS = ("peak", "mean_depth", "depth_patch", "largest", "decay")
 """Beginnings of the variables that describe a stress; without a quantity, the von Mises stress."""
 
 
@@ -36,6 +37,24 @@ class Fixed(NamedTuple):
     uncertainty: float = 0.0
 
 
+class OfSeeds(NamedTuple):
+    """A number of each seed, along `seed`.
+
+    Parameters
+    ----------
+    values : data array
+        Estimates at vanishing grid spacing, or values on the grid where no correction is known.
+    grid_errors : data array
+        Absolute errors that the grid leaves; zero where no correction is known.
+    on_grid : data array
+        Values on the grid.
+    """
+
+    values: xr.DataArray
+    grid_errors: xr.DataArray
+    on_grid: xr.DataArray
+
+
 @dataclass(frozen=True)
 class Evidence:
     """Datasets from which the numbers of the claims are taken.
@@ -46,15 +65,12 @@ class Evidence:
         Role of a surface (`asperity.paper.claims.sources.roles`) → result of stage statistics.
     validation : mapping
         Name → dataset of stage validation.
-    laterals : mapping
-        Condition of the mean (q = 0) mode other than that of the study → role → statistics under it.
     options : mapping
         The interpretation under which numbers are taken; choices that are left out have the study's own.
     """
 
     surfaces: Mapping[str, xr.Dataset]
     validation: Mapping[str, xr.Dataset] = field(default_factory=dict)
-    laterals: Mapping[str, Mapping[str, xr.Dataset]] = field(default_factory=dict)
     options: Options = field(default_factory=dict)
 
     def under(self, options: Options) -> Evidence:
@@ -68,12 +84,12 @@ class Evidence:
             role = role_of_delta(role, delta)
         if role not in self.surfaces:
             raise MissingEvidenceError(f"no surface as {role}")
-        own, lateral = self.surfaces[role], self.options.get("lateral")
-        if lateral is None or own.attrs.get("uniform_mode") == f"laterally {lateral}":
-            return own
-        if role not in self.laterals.get(lateral, {}):
+        found = self.surfaces[role]
+        own = found.attrs["uniform_mode"].removeprefix("laterally ")
+        lateral = self.options.get("lateral", own)
+        if lateral not in (found["lateral"].values if "lateral" in found.dims else [own]):
             raise MissingEvidenceError(f"no stress under {role}, laterally {lateral}")
-        return self.laterals[lateral][role]
+        return found.sel(lateral=lateral) if "lateral" in found.dims else found
 
     def dataset(self, name: str) -> xr.Dataset:
         """A dataset of the validation."""
@@ -92,7 +108,7 @@ class Number:
     Parameters
     ----------
     variable : str
-        Of stage statistics, along `seed`.
+        Of stage statistics, along `seed`, without ``seed_`` or ``continuum_`` before it.
     of : tuple of str
         Roles of surfaces.
     quantity : tuple of str
@@ -125,45 +141,74 @@ class Number:
         skewed = set(self.of) & {*SKEWED}
         return (*(("lateral",) if lateral else ()), *self.follows, *(("delta",) if skewed else ()))
 
-    def __call__(self, evidence: Evidence) -> xr.DataArray:
-        """The number of each seed."""
+    def __call__(self, evidence: Evidence) -> OfSeeds:
+        """The number of each seed; the errors that the grid leaves in its terms are taken as independent."""
         count = max(len(self.of), len(self.quantity), len(self.poisson))
-        found = [self._value(evidence, term) for term in range(count)]
-        if len(found) == 1:
-            return self.factor * found[0]
-        if "level" in found[0].dims:
-            return _kolmogorov(*found)
-        return self.factor * found[0] / found[1]
+        on_grid, best, errors = zip(*(self._term(evidence, number) for number in range(count)), strict=True)
+        values = self._combined(best)
+        squares = xr.zeros_like(values)
+        same = count == 2 and best[0].identical(best[1])
+        for number, error in enumerate(() if same else errors):
+            up, down = (
+                abs(self._combined([*best[:number], best[number] * factor, *best[number + 1 :]]) - values)
+                for factor in (1 + error, 1 - error)
+            )
+            squares += np.maximum(up, down) ** 2
+        return OfSeeds(values, squares**0.5, self._combined(on_grid))
 
-    def _value(self, evidence: Evidence, term: int) -> xr.DataArray:
-        """The value of the first or the second term."""
+    def _combined(self, terms: Sequence[xr.DataArray]) -> xr.DataArray:
+        """The number of each seed from its first term, and its second if it has one."""
+        if len(terms) == 1:
+            return self.factor * terms[0]
+        if "level" in terms[0].dims:
+            return _kolmogorov(*terms)
+        return self.factor * terms[0] / terms[1]
+
+    def _term(self, evidence: Evidence, number: int) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
+        """The first or the second term: on the grid, its best value, and the relative error of that."""
         options = {name: evidence.options[name] for name in self.follows if name in evidence.options}
-        statistics = evidence.statistics(self.of[term % len(self.of)])
-        patches = options.get("patches", "every_peak")
-        if patches == "every_peak":
-            found = statistics[self.variable]
-        else:
-            found = statistics["seed_patch_correlation"].sel(patches=patches)
+        statistics = evidence.statistics(self.of[number % len(self.of)])
+        variable, chosen = self.variable, {}
+        if (patches := options.get("patches", "every_peak")) != "every_peak":
+            variable, chosen["patches"] = "patch_correlation", patches
         if self.quantity:
-            quantity = self.quantity[term % len(self.quantity)]
+            quantity = self.quantity[number % len(self.quantity)]
             quantity = options.get("shear", quantity) if quantity == "xz" else quantity
             if quantity not in statistics["quantity"].values:
                 raise MissingEvidenceError(f"no peaks of quantity = {quantity}")
-            found = found.sel(quantity=quantity)
+            chosen["quantity"] = quantity
         if self.level is not None:
-            found = found.sel(level=self.level)
-        if "poisson" in found.dims:
+            chosen["level"] = self.level
+        if "poisson" in statistics[f"seed_{variable}"].dims:
             ratios = statistics["poisson"].values
             ends = {"smallest": ratios.min(), "largest": ratios.max()}
             ends["contact"] = statistics.attrs["poisson_contact"]
-            found = found.sel(poisson=ends[self.poisson[term % len(self.poisson)]])
-        found = found.reset_coords(drop=True)
-        unscaled = self.unscaled or options.get("scaling") == "absolute"
-        return found * statistics["seed_gradient_rms_contact"] if unscaled else found
+            chosen["poisson"] = ends[self.poisson[number % len(self.poisson)]]
+        on_grid, best, error = _kinds(statistics, variable, chosen)
+        if self.unscaled or options.get("scaling") == "absolute":
+            gradient, best_gradient, _ = _kinds(statistics, "gradient_rms_contact", {})
+            on_grid, best = on_grid * gradient, best * best_gradient
+        return on_grid, best, error
 
 
-Measure = Callable[[Evidence], xr.DataArray | Fixed]
-"""Takes the number of a claim from the evidence: one for each seed along `seed`, or one for all.
+def _kinds(
+    statistics: xr.Dataset, variable: str, chosen: Mapping[str, Any]
+) -> tuple[xr.DataArray, xr.DataArray, xr.DataArray]:
+    """A variable on the grid, its estimate at vanishing spacing, and the relative error of that.
+
+    Where there is no estimate, the value on the grid stands for it, with no error.
+    """
+    on_grid = statistics[f"seed_{variable}"].sel(chosen).reset_coords(drop=True)
+    if (continuum := statistics.get(f"continuum_{variable}")) is None:
+        return on_grid, on_grid, xr.zeros_like(on_grid)
+    best, error = (
+        continuum.sel({**chosen, "kind": kind}).reset_coords(drop=True) for kind in ("estimate", "error")
+    )
+    return on_grid, best.fillna(on_grid), error.fillna(0)
+
+
+Measure = Callable[[Evidence], OfSeeds | Fixed]
+"""Takes the number of a claim from the evidence: one for each seed, or one for all.
 
 Raises `MissingEvidenceError` if the evidence lacks a surface or a dataset."""
 
@@ -171,13 +216,19 @@ Raises `MissingEvidenceError` if the evidence lacks a surface or a dataset."""
 def _kolmogorov(one: xr.DataArray, other: xr.DataArray) -> xr.DataArray:
     """Largest difference between the shares of peaks below a value, for each seed, from their quantiles.
 
-    It is smaller than that of all peaks, by at most 0.0025 for ten thousand of them (`docs/claims.md`).
+    Values are those above the smallest peak of both, below which a grid finds none. The distance is smaller
+    than that of all peaks, by at most 0.0025 for ten thousand of them (`docs/claims.md`).
     """
     one, other = (found.transpose("seed", "level") for found in xr.align(one, other, join="inner"))
-    levels = one["level"].values
-    distances = []
+    levels, distances = one["level"].values, []
     for curves in zip(one.values, other.values, strict=True):
-        values = np.sort(np.concatenate(curves))
-        shares = [np.interp(values, curve, levels, left=0.0, right=1.0) for curve in curves]
-        distances.append(np.abs(shares[0] - shares[1]).max())
+        rising = [np.maximum.accumulate(curve) for curve in curves]
+        last = [np.append(np.diff(curve) > 0, True) for curve in rising]  # of equal quantiles
+        values = np.concatenate(rising)
+        values = values[values > max(curve[0] for curve in rising)]
+        shares = [
+            np.interp(values, curve[some], levels[some], left=0.0)
+            for curve, some in zip(rising, last, strict=True)
+        ]
+        distances.append(np.abs(shares[0] - shares[1]).max(initial=0.0))
     return xr.DataArray(distances, coords={"seed": one["seed"]})

@@ -57,8 +57,8 @@ class Claim:
         Of the paper; several are separated by commas.
     sentence : str
         In our words.
-    measured : str
-        What exactly is measured.
+    compared : str
+        What the number is: a ratio of two quantities, or one with its unit.
     region : str
         Where the sentence wants the number: a name of `REGIONS`, or ``alike``.
     measure : callable
@@ -70,7 +70,7 @@ class Claim:
     identifier: str
     section: str
     sentence: str
-    measured: str
+    compared: str
     region: str
     measure: Measure
     untestable: str = ""
@@ -107,6 +107,3 @@ def _claim(identifier: str, entry: Mapping[str, Any]) -> Claim:
 _PAPER = packaged_yaml("asperity.paper.claims", "paper.yaml")
 
 CLAIMS = tuple(_claim(identifier, entry) for identifier, entry in _PAPER["statements"].items())
-
-HEADLINES = {name: _number(entry) for name, entry in _PAPER["headlines"].items()}
-"""Numbers that the continuum study extrapolates besides those of the claims, by name."""

@@ -3,61 +3,61 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from asperity.core import markup
-from asperity.core.markup import with_error
-from asperity.core.version import __version__
-from asperity.paper.claims.continuum import continuum
-from asperity.paper.claims.numbers import Evidence, Measure
 from asperity.paper.claims.paper import Claim
 from asperity.paper.claims.verdicts import (
-    CONFIDENCE,
     DEPENDS,
+    FAILS,
+    HOLDS,
     UNDECIDED,
     UNTESTABLE,
     Finding,
     Judgement,
     conclude,
-    tally,
 )
 from asperity.results.tables import TABLES
 
-_RULE = f"""\
-Under one interpretation of the paper a statement holds if the {100 * CONFIDENCE:g} % interval of the mean
-over seeds (Student's t, paired by seed) lies inside the region predicted; it does not hold if the interval
-lies outside; otherwise this ensemble does not decide it. Over all interpretations that the paper's text
-admits (docs/claims.md) it *holds* or *does not hold* if it does under every one, and *depends on* a choice if
-it holds under one option and not under another. One seed decides nothing. Values without seeds are those of
-closed forms and finite elements, with their numerical uncertainty. One in twenty intervals of 95 % is
-expected to miss the truth.
+COUNTED = {
+    HOLDS: "hold under every interpretation",
+    FAILS: "hold under none",
+    DEPENDS: "depend on the interpretation",
+    UNDECIDED: "are not decided",
+    UNTESTABLE: "cannot be tested here",
+}
+"""Verdict → what is said of the number of statements that have it."""
 
-The value is that of the study's own interpretation: the continuum limit, where it is known and differs from
-the number on the study's grid by more than the standard error. *Shift* is what vanishing grid spacing adds:
-the same statement on the same surfaces in a smaller cell at 8, 16 and 32 nodes on the shortest wavelength,
-extrapolated."""
+WORDS = {
+    "confined": "uniform lateral strain fixed",
+    "free": "free to expand laterally",
+    "every_peak": "every peak counted",
+    "highest_of_patch": "the highest peak under each patch counted",
+    "large_patches": "the highest peak under each patch of more than 30 nodes counted",
+    "xz": "σ_xz as the shear stress",
+    "xy": "σ_xy as the shear stress",
+    "over_gradient": "stresses over E*ḡ",
+    "absolute": "stresses over E*",
+}
+"""Option of a choice → the interpretation in words."""
 
-_HEAD = ("the paper says", "measured", "predicted", "value", "verdict", "shift")
 
-
-def frame(findings: Sequence[Finding], nodes: float) -> pd.DataFrame:
-    """All that is known of each claim, a row each; `nodes` on the shortest wavelength in the study."""
+def frame(findings: Sequence[Finding]) -> pd.DataFrame:
+    """All that is known of each claim, a row each."""
     rows = [
         _record(f.own)
         | {
             "identifier": f.claim.identifier,
             "section": f.claim.section,
             "the paper says": f.claim.sentence,
-            "measured": f.claim.measured,
-            "predicted": str(f.own.region),
+            "compared": f.claim.compared,
+            "wanted": str(f.own.region),
             "verdict": f.verdict,
-            "choices": ", ".join(f.choices),
-            "interpretations": "; ".join(in_words(one, f.choices) for one in f.shown),
-            "nodes per shortest wavelength": nodes if f.own.seeds else np.nan,
+            "found": found_in_words(f),
         }
         for f in findings
     ]
@@ -90,97 +90,68 @@ def findings_of(table: pd.DataFrame, claims: Sequence[Claim]) -> list[Finding]:
     ]
 
 
-def in_words(one: Judgement, choices: Sequence[str]) -> str:
-    """A judgement under the options of some choices: ``lateral free: 1.56 (1.54 to 1.59) holds``."""
-    options = ", ".join(f"{name} {option_in_words(one.interpretation[name])}" for name in choices)
-    interval = (
-        f" ({one.interval_low:.4g} to {one.interval_high:.4g})" if np.isfinite(one.interval_low) else ""
-    )
-    return f"{options}: {one.value:.4g}{interval} {one.verdict}".removeprefix(": ")
+def counted(findings: Sequence[Finding]) -> str:
+    """Number of statements with each verdict, in words."""
+    counts = {verdict: sum(f.verdict == verdict for f in findings) for verdict in COUNTED}
+    return ", ".join(f"{count} {COUNTED[verdict]}" for verdict, count in counts.items() if count)
 
 
-def option_in_words(option: object) -> str:
-    """An option of a choice as text: numbers in few characters, names without underscores."""
-    return f"{option:g}" if isinstance(option, float | int) else str(option).replace("_", " ")
-
-
-def verdict_in_words(finding: Finding) -> str:
-    """The verdict of a claim with the choices and the interpretations that show it."""
-    if finding.verdict == DEPENDS:
-        head = f"**depends on {', '.join(finding.choices)}**"
-    elif finding.verdict == UNDECIDED and finding.choices:
-        head = f"**{UNDECIDED}** under every option of {', '.join(finding.choices)}"
-    else:
-        reason = finding.own.missing or (finding.claim.untestable if finding.verdict == UNTESTABLE else "")
-        return f"**{finding.verdict}**" + (f" ({reason})" if reason else "")
-    return f"{head}: " + "; ".join(in_words(one, _named(finding, one)) for one in finding.shown)
-
-
-def _named(finding: Finding, one: Judgement) -> tuple[str, ...]:
-    """Choices to name with a judgement: those of the verdict, and those with another option than own."""
-    own = finding.own.interpretation
-    return tuple(name for name in own if name in finding.choices or one.interpretation[name] != own[name])
-
-
-def tables(findings: Sequence[Finding], limits: pd.DataFrame | None = None) -> dict[str, pd.DataFrame]:
-    """The findings for a reader: a heading for each section of the paper → a table.
-
-    A last table shows `limits`, the result of `continuum_table`, unless it is empty.
-    """
-    found: dict[str, list[list[str]]] = {}
+def tables(findings: Sequence[Finding]) -> dict[str, pd.DataFrame]:
+    """The findings for a reader: a heading for each section of the paper → a table."""
+    rows: dict[str, list[dict[str, str]]] = {}
     for f in findings:
         names = f.claim.section.split(", ")
         section = next((name for name in names if name[0].isdigit()), names[0])
-        found.setdefault(f"Section {section}", []).append(
-            [
-                f.claim.sentence,
-                f.claim.measured,
-                str(f.own.region),
-                with_error(f.own.value, f.own.standard_error),
-                verdict_in_words(f),
-                with_error(f.own.continuum_shift, f.own.continuum_shift_error, signed=True),
-            ]
+        rows.setdefault(f"Section {section}", []).append(
+            {
+                "the paper says": f.claim.sentence,
+                "compared": f.claim.compared,
+                "wanted": str(f.own.region),
+                "found": found_in_words(f),
+                "verdict": f"**{f.verdict.removesuffix(' the interpretation')}**",
+            }
         )
-    every = {heading: pd.DataFrame(found[heading], columns=list(_HEAD)) for heading in sorted(found)}
-    if limits is not None and not limits.empty:
-        every["Towards the continuum"] = limits
-    return every
+    return {heading: pd.DataFrame(rows[heading]) for heading in sorted(rows)}
 
 
-def continuum_table(headlines: Mapping[str, Measure], finer: Mapping[float, Evidence]) -> pd.DataFrame:
-    """Headline numbers on finer and finer grids and their limits; empty without such grids."""
-    rows = []
-    for name, measure in headlines.items() if len(finer) > 1 else ():
-        found = continuum(measure, finer)
-        values = {
-            f"{n:g} nodes": f"{value:.4g}" for n, value in zip(sorted(finer), found.values, strict=True)
-        }
-        rows.append({"": name, **values, "limit": with_error(found.limit, found.error)})
-    return pd.DataFrame(rows)
-
-
-def markdown(
-    findings: Sequence[Finding], seeds: Sequence[int], nodes: float, limits: pd.DataFrame | None = None
-) -> str:
-    """The findings as a document: the tally, the rule, and a table for each section of the paper.
-
-    Parameters
-    ----------
-    findings : sequence of Finding
-    seeds : sequence of int
-    nodes : float
-        On the shortest wavelength in the study.
-    limits : data frame, optional
-        As of `continuum_table`.
-    """
-    counts = ", ".join(f"{count} {verdict}" for verdict, count in tally(findings).items() if count)
-    parts = [
-        "# Does the paper hold?",
-        f"{len(findings)} statements: {counts}.",
-        f"Seeds {', '.join(map(str, seeds))}; {nodes:g} nodes on the shortest wavelength; "
-        f"asperity {__version__}.",
-        _RULE,
-    ]
-    for heading, table in tables(findings, limits).items():
-        parts += [f"## {heading}", markup.markdown(table)]
+def markdown(findings: Sequence[Finding]) -> str:
+    """The findings as text: their counts, and a table for each section of the paper."""
+    parts = [f"**Of {len(findings)} statements {counted(findings)}.**"]
+    for heading, table in tables(findings).items():
+        parts += [f"### {heading}", markup.markdown(table)]
     return "\n\n".join(parts) + "\n"
+
+
+def found_in_words(finding: Finding) -> str:
+    """The number of a claim and its interval, under several interpretations if these tell verdicts apart."""
+    if finding.verdict not in (DEPENDS, UNDECIDED) or not finding.choices:
+        reason = finding.own.missing or (finding.claim.untestable if finding.verdict == UNTESTABLE else "")
+        return "; ".join(filter(None, (_number(finding.own), reason)))
+    return "; ".join(
+        f"{_interpretation(finding, one)}: {_number(one)} {one.verdict}" for one in finding.shown
+    )
+
+
+def _number(one: Judgement) -> str:
+    """The number of a judgement with its interval; empty without data."""
+    if not np.isfinite(one.value):
+        return ""
+    if not one.interval_low < one.interval_high:
+        return f"{one.value:.3g}"
+    return f"{one.value:.4g} ({one.interval_low:.4g} to {one.interval_high:.4g})"
+
+
+def _interpretation(finding: Finding, one: Judgement) -> str:
+    """The options of the choices of a verdict, and those that are not the study's own, in words."""
+    own = finding.own.interpretation
+    return ", ".join(
+        _in_words(name, option)
+        for name, option in one.interpretation.items()
+        if name in finding.choices or option != own[name]
+    )
+
+
+def _in_words(choice: str, option: Any) -> str:
+    if choice == "alike":
+        return f"the same up to {100 * option:g} %"
+    return f"δ = {option:g}" if choice == "delta" else WORDS.get(option, str(option))

@@ -11,6 +11,22 @@ from typing import Any
 DATASETS = ("load_area", "slab_load_area", "grid_convergence", "elements", "punch")
 """Datasets of stage validation on which claims are decided."""
 
+CHOICES = {
+    "lateral": ("confined", "free"),
+    "patches": ("every_peak", "highest_of_patch", "large_patches"),
+    "shear": ("xz", "xy"),
+    "scaling": ("over_gradient", "absolute"),
+    "delta": (1.0, 1.5),
+    "alike": (0.05, 0.1),
+}
+"""Choice that the paper leaves open → its options, the study's own first.
+
+They are the mean (q = 0) mode, as ``layer.lateral``; the peaks whose depth is compared with the patch of
+contact above; the component that stands for the shear stress; stresses over E* ḡ or over E*; the δ of the
+skewed surfaces, each with surfaces that differ from those of study ``skewness`` in their δ alone; and the
+relative difference up to which numbers are *the same*.
+"""
+
 SKEWED = ("skew_negative", "skew_positive")
 """Roles of the surfaces of the study of skewness that have a δ."""
 
@@ -58,9 +74,7 @@ def role_of_delta(role: str, delta: float) -> str:
 
 
 def deltas(
-    by_role: Mapping[str, str],
-    surfaces: Mapping[str, Mapping[str, Any]],
-    wanted: Sequence[float],
+    by_role: Mapping[str, str], surfaces: Mapping[str, Mapping[str, Any]]
 ) -> dict[float, dict[str, str]]:
     """Surfaces of study ``skewness`` and those that differ from them in their δ alone.
 
@@ -70,8 +84,6 @@ def deltas(
         Role → name of a surface, as of `roles`.
     surfaces : mapping
         Section of this name of the configuration.
-    wanted : sequence of float
-        Values of δ, besides that of the study.
 
     Returns
     -------
@@ -83,7 +95,7 @@ def deltas(
     if not own or not all("johnson" in surfaces[name] for name in own.values()):
         return {}
     found: dict[float, dict[str, str]] = {}
-    for delta in (surfaces[own[SKEWED[0]]]["johnson"]["delta"], *wanted):
+    for delta in (surfaces[own[SKEWED[0]]]["johnson"]["delta"], *CHOICES["delta"]):
         twins = {
             role_of_delta(role, delta): name
             for role, twin in own.items()
@@ -100,33 +112,3 @@ def _but_for_delta(surface: Mapping[str, Any]) -> dict[str, Any]:
     """Entry of a surface without its label and its δ."""
     johnson = {key: value for key, value in surface.get("johnson", {}).items() if key != "delta"}
     return {**surface, "label": "", "johnson": johnson}
-
-
-def resolutions(surfaces: Mapping[str, Mapping[str, Any]]) -> dict[float, dict[str, str]]:
-    """Surfaces of the continuum study: those that differ in their nodes alone, for two Hurst exponents.
-
-    Parameters
-    ----------
-    surfaces : mapping
-        Section of this name of the configuration.
-
-    Returns
-    -------
-    dict
-        Nodes on the shortest wavelength, rising → role → name of a surface; empty without such surfaces.
-    """
-    families: dict[str, dict[float, str]] = {}
-    for name, surface in surfaces.items():
-        kind = {key: value for key, value in surface.items() if key not in ("points", "label")}
-        nodes = surface["points"] * surface["wavelength_short"]
-        families.setdefault(repr(sorted(kind.items())), {})[nodes] = name
-    several = sorted(
-        (f for f in families.values() if len(f) > 1), key=lambda f: surfaces[next(iter(f.values()))]["hurst"]
-    )
-    if len(several) < 2 or several[0].keys() != several[-1].keys():
-        return {}
-    small, large = several[0], several[-1]
-    return {
-        nodes: {"small_hurst": small[nodes], "large_hurst": large[nodes], "compressibility": large[nodes]}
-        for nodes in sorted(small)
-    }

@@ -1,13 +1,13 @@
 """Verdicts: whether the number of a claim lies where the sentence of the paper wants it.
 
-A claim is judged under every interpretation that the paper's text admits: every combination of the options
-of its choices (section ``interpretations`` of the configuration), the study's own options first. Under one of
-them (`judge`) the 95 % interval of the mean over seeds (Student's t) lies inside the region of the claim:
-*holds*; outside: *does not hold*; across its edge, or with one seed only: *not decided*. A claim that our
-number cannot refute holds or is *not testable here*. Two surfaces are
-compared seed by seed, since one seed gives both the same random phases. A number that does not depend on a
-random surface has its numerical uncertainty as interval. Where the continuum limit of the number is known and
-differs from the number by more than the standard error, the limit decides, with its error in the interval.
+A claim is judged under every interpretation that the paper's text admits: every combination of the options of
+its choices (`asperity.paper.claims.sources.CHOICES`), the study's own options first. Under one of them
+(`judge`) the 95 % interval of the mean over seeds (Student's t) lies inside the region of the claim: *holds*;
+outside: *does not hold*; across its edge, or with one seed only: *not decided*. A claim that our number
+cannot refute holds or is *not testable here*. Two surfaces are compared seed by seed, since one seed gives
+both the same random phases. The numbers are estimates at vanishing grid spacing, and the error that the grid
+leaves widens the interval in quadrature. A number that does not depend on a random surface has its numerical
+uncertainty as interval.
 
 The claim *holds* or *does not hold* if it does under every interpretation. It *depends on* choices if it
 holds under one and does not under another; it is *not decided* if one interpretation does not decide it and
@@ -23,7 +23,6 @@ from itertools import product
 import numpy as np
 from scipy.special import stdtrit
 
-from asperity.paper.claims.continuum import continuum
 from asperity.paper.claims.numbers import Evidence, Fixed, MissingEvidenceError, Options
 from asperity.paper.claims.paper import Claim, Region
 
@@ -33,9 +32,6 @@ VERDICTS = (HOLDS, FAILS, DEPENDS, UNDECIDED, UNTESTABLE, NO_DATA)
 
 CONFIDENCE = 0.95
 """Confidence of the intervals."""
-
-LIMIT_ERRORS = 2.0
-"""Errors of a continuum limit that its interval takes to each side."""
 
 
 @dataclass(frozen=True)
@@ -49,18 +45,18 @@ class Judgement:
     region_low, region_high : float
         Where the statement wants the number.
     value : float
-        Mean over seeds, or its continuum limit where that decides.
+        Mean over seeds, at vanishing grid spacing where a correction is known.
+    value_on_grid : float
+        The same on the grid of the study.
     standard_error : float
         Over seeds, or the numerical uncertainty; NaN with one seed.
+    grid_error : float
+        Error that the grid leaves after its correction.
     interval_low, interval_high : float
-        Interval that decides.
+        Interval that decides, from both errors.
     seeds : int
         Number of seeds; 0 if no random surface enters.
     verdict : one of `VERDICTS`
-    value_at_nodes : float
-        The value on the study's grid.
-    continuum_shift, continuum_shift_error : float
-        What the continuum limit adds to the value on the study's grid, where it is known; else NaN.
     missing : str
         What is missing, if the verdict is *no data*.
     """
@@ -69,14 +65,13 @@ class Judgement:
     region_low: float
     region_high: float
     value: float = np.nan
+    value_on_grid: float = np.nan
     standard_error: float = np.nan
+    grid_error: float = np.nan
     interval_low: float = np.nan
     interval_high: float = np.nan
     seeds: int = 0
     verdict: str = NO_DATA
-    value_at_nodes: float = np.nan
-    continuum_shift: float = np.nan
-    continuum_shift_error: float = np.nan
     missing: str = ""
 
     @property
@@ -98,7 +93,7 @@ class Finding:
     choices : tuple of names
         Choices on which the verdict depends, or which leave it undecided.
     shown : tuple of Judgement
-        Interpretations that show the verdict: the study's own, and those nearest to it that decide otherwise.
+        Interpretations that show the verdict: the study's own, or two that tell verdicts apart.
     """
 
     claim: Claim
@@ -116,7 +111,6 @@ class Finding:
 def decide(
     claims: Sequence[Claim],
     evidence: Evidence,
-    finer: Mapping[float, Evidence] | None = None,
     interpretations: Mapping[str, Sequence] | None = None,
 ) -> list[Finding]:
     """Judge every claim under every interpretation.
@@ -125,52 +119,39 @@ def decide(
     ----------
     claims : sequence of Claim
     evidence : Evidence
-    finer : mapping, optional
-        As of `continuum`. The limit less the value on the coarsest of these grids, which should have as many
-        nodes on the shortest wavelength as the study, is added to the value of the study.
     interpretations : mapping, optional
-        Choice → its options, the study's own first: section ``interpretations`` of the configuration. By
-        default every choice has the study's own option alone.
+        Choice → its options, the study's own first, as `asperity.paper.claims.sources.CHOICES`. By default
+        every choice has the study's own option alone.
     """
 
     def judgements(claim: Claim) -> Iterator[Judgement]:
         names = [name for name in claim.choices if (interpretations or {}).get(name)]
         for values in product(*((interpretations or {})[name] for name in names)):
-            options = dict(zip(names, values, strict=True))
-            of_grids = {nodes: one.under(options) for nodes, one in (finer or {}).items()}
-            yield judge(claim, evidence.under(options), of_grids)
+            yield judge(claim, evidence.under(dict(zip(names, values, strict=True))))
 
     return [conclude(claim, list(judgements(claim))) for claim in claims]
 
 
-def judge(claim: Claim, evidence: Evidence, finer: Mapping[float, Evidence] | None = None) -> Judgement:
+def judge(claim: Claim, evidence: Evidence) -> Judgement:
     """Decide one claim under one interpretation, that of the evidence, by the rule of this module."""
     options, region = evidence.options, claim.region_under(evidence.options)
     try:
         found = claim.measure(evidence)
     except MissingEvidenceError as lacking:
         return Judgement(options, *region, missing=str(lacking))
-    if unknown := int(np.sum(~np.isfinite(found))):
-        missing = f"nothing to measure in {unknown} of {np.size(found)} numbers"
+    values = np.atleast_1d(found.value if isinstance(found, Fixed) else found.values)
+    if unknown := int(np.sum(~np.isfinite(values))):
+        missing = f"nothing to measure in {unknown} of {values.size} numbers"
         return Judgement(options, *region, missing=missing)
+    value, error, half = float(values.mean()), np.nan, np.nan
     if isinstance(found, Fixed):
-        seeds, value, error = 0, *found
-        half = error
+        seeds, on_grid, of_grid = 0, value, np.nan
+        error = half = found.uncertainty
     else:
-        seeds, value, error, half = found.size, float(found.mean()), np.nan, np.nan
+        seeds, on_grid, of_grid = values.size, float(found.on_grid.mean()), float(found.grid_errors.mean())
         if seeds > 1:
-            error = float(found.std(ddof=1) / np.sqrt(seeds))
-            half = float(stdtrit(seeds - 1, 0.5 + CONFIDENCE / 2)) * error
-    at_nodes, shift, shift_error = value, np.nan, np.nan
-    try:
-        limit = continuum(claim.measure, finer or {})
-        shift, shift_error = limit.limit - float(limit.values[0]), limit.error
-        if abs(shift) > error:
-            value += shift
-            error = float(np.hypot(error, shift_error))
-            half = float(np.hypot(half, LIMIT_ERRORS * shift_error))
-    except MissingEvidenceError:
-        pass
+            error = float(values.std(ddof=1) / np.sqrt(seeds))
+            half = float(np.hypot(stdtrit(seeds - 1, 0.5 + CONFIDENCE / 2) * error, of_grid))
     low, high = value - half, value + half
     verdict = UNDECIDED
     if region.low <= low and high <= region.high:
@@ -179,7 +160,7 @@ def judge(claim: Claim, evidence: Evidence, finer: Mapping[float, Evidence] | No
         verdict = UNTESTABLE
     elif high < region.low or low > region.high:
         verdict = FAILS
-    return Judgement(options, *region, value, error, low, high, seeds, verdict, at_nodes, shift, shift_error)
+    return Judgement(options, *region, value, on_grid, error, of_grid, low, high, seeds, verdict)
 
 
 def conclude(claim: Claim, judgements: Sequence[Judgement]) -> Finding:
@@ -191,38 +172,29 @@ def conclude(claim: Claim, judgements: Sequence[Judgement]) -> Finding:
     found = {one.verdict for one in every} - {NO_DATA}
     if every[0].verdict == NO_DATA or len(found) == 1:
         return Finding(claim, every[0].verdict, every, shown=every[:1])
-    if {HOLDS, FAILS} <= found:
-        return Finding(claim, DEPENDS, every, *_contrast(every, HOLDS, FAILS))
-    (decided,) = found - {UNDECIDED}
-    return Finding(claim, UNDECIDED, every, *_contrast(every, decided, UNDECIDED))
+    depends = {HOLDS, FAILS} <= found
+    pair = (HOLDS, FAILS) if depends else (*(found - {UNDECIDED}), UNDECIDED)
+    return Finding(claim, DEPENDS if depends else UNDECIDED, every, *_contrast(every, *pair))
 
 
 def _contrast(every: Sequence[Judgement], *verdicts: str) -> tuple[tuple[str, ...], tuple[Judgement, ...]]:
-    """The choices that tell two verdicts apart, and judgements that show it, nearest to the study's own.
+    """The choices that tell two verdicts apart, and two judgements that show it.
 
-    The study's own judgement is the first one. Of all pairs of interpretations with the two verdicts, those
-    count that differ in the fewest choices, and among these the ones nearest to the study's own.
+    Of all pairs of interpretations with the two verdicts, those count that differ in the fewest choices, and
+    of these the one nearest to the study's own interpretation, the first one.
     """
 
     def apart(one: Judgement, other: Judgement) -> tuple[str, ...]:
         return tuple(
-            name for name in own.interpretation if one.interpretation[name] != other.interpretation[name]
+            name for name, option in one.interpretation.items() if option != other.interpretation[name]
         )
 
-    own = every[0]
-    of_verdict = [[one for one in every if one.verdict == verdict] for verdict in verdicts]
-    ranked: dict[tuple[int, int], list[tuple[Judgement, ...]]] = {}
-    for pair in product(*of_verdict):
-        rank = (len(apart(*pair)), min(len(apart(own, one)) for one in pair))
-        ranked.setdefault(rank, []).append(pair)
-    nearest = ranked[min(ranked)]
-    choices = tuple(name for name in own.interpretation if any(name in apart(*pair) for pair in nearest))
-    shown: list[Judgement] = []
-    for pair in nearest:
-        for one in sorted(pair, key=lambda one: len(apart(own, one))):
-            if one not in shown:
-                shown.append(one)
-    return choices, tuple(shown)
+    def from_own(one: Judgement) -> int:
+        return len(apart(every[0], one))
+
+    pairs = product(*([one for one in every if one.verdict == verdict] for verdict in verdicts))
+    pair = min(pairs, key=lambda pair: (len(apart(*pair)), sum(map(from_own, pair))))
+    return apart(*pair), tuple(sorted(pair, key=from_own))
 
 
 def tally(findings: Sequence[Finding]) -> dict[str, int]:

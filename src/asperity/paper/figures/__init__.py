@@ -136,9 +136,19 @@ def figures_of(config: Mapping[str, Any]) -> dict[str, Description]:
     return {one.name: one for one in found}
 
 
-def surfaces_with_contact(config: Mapping[str, Any]) -> set[str]:
-    """Surfaces of which a figure shows the contact: these need the load-area curve."""
-    figures = [one for one in figures_of(config).values() if "contact" in one.stages]
+def surfaces_with_load_area(config: Mapping[str, Any]) -> set[str]:
+    """Surfaces of which a figure shows the load-area curve."""
+    return _shown(config, lambda figure: figure.module == "fig08")
+
+
+def surfaces_with_ratios(config: Mapping[str, Any]) -> set[str]:
+    """Surfaces that are analysed at all Poisson's ratios: of the paper's, those whose ratios are compared."""
+    return _shown(config, lambda figure: figure.several_ratios or config["figures"] != "paper")
+
+
+def _shown(config: Mapping[str, Any], wanted: Callable[[Description], bool]) -> set[str]:
+    """Surfaces that some figures show."""
+    figures = [figure for figure in figures_of(config).values() if wanted(figure)]
     return {name for figure in figures for study in figure.studies for name in config["studies"][study]}
 
 

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from asperity.paper.figures.cases import Datasets, bullets, name
+from asperity.paper.figures.densities import curve_with_band
 from asperity.views.style import label, panels
 
 
@@ -48,7 +49,8 @@ def _draw_heights(axis: Axes, statistics: Datasets, titles: Mapping[str, str]) -
     """Draw the probability density of the heights over their rms, all seeds, a curve for each surface."""
     for key, data in statistics.items():
         edges = data["height_edge"].values
-        axis.plot((edges[1:] + edges[:-1]) / 2, data["height_density"], label=titles[key])
+        curves = [data[f"height_density{end}"].values for end in ("", "_low", "_high")]
+        curve_with_band(axis, (edges[1:] + edges[:-1]) / 2, *curves, label=titles[key])
     axis.set(xlabel=r"$h / h_\mathrm{rms}$", ylabel="probability density", xlim=(-4.5, 4.5), ylim=(0, None))
 
 

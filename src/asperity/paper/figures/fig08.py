@@ -7,13 +7,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.special import erf
 
-from asperity.paper.figures.cases import Datasets, bullets, name, of_surfaces
+from asperity.paper.figures.cases import Datasets, bullets, of_surfaces
 from asperity.paper.figures.densities import finish_densities, peak_density
 from asperity.views.style import label, panels
 
 
-def draw(contact: Datasets, statistics: Datasets) -> Figure:
+def draw(statistics: Datasets) -> Figure:
     """Draw (a) the area fraction against load, with two theories, and (b) the density of the pressure peaks.
+
+    Both are means over seeds with their bands.
 
     Notes
     -----
@@ -21,18 +23,20 @@ def draw(contact: Datasets, statistics: Datasets) -> Figure:
     doi 10.1016/0043-1648(75)90145-3. Both are evaluated with the gradient of the true contact.
     """
     figure, (curve, peaks) = panels()
-    _draw_load_area(curve, contact)
+    _draw_load_area(curve, statistics)
     for case in of_surfaces(statistics):
         peak_density(peaks, case, "pressure", label=case.title)
     finish_densities(peaks, "t_3")
     return figure
 
 
-def _draw_load_area(axis: Axes, contact: Datasets) -> None:
+def _draw_load_area(axis: Axes, statistics: Datasets) -> None:
     reach = 0.0
-    for data, marker in zip(contact.values(), "osD^", strict=False):
-        load = data["path_mean_pressure"] / data["path_gradient_rms_contact"]
-        axis.plot(load, 100 * data["path_area_fraction"], marker, mfc="none", label=label(data))
+    for data, marker in zip(statistics.values(), "osD^", strict=False):
+        load, low, high = (data[f"path_scaled_load{end}"].values for end in ("", "_low", "_high"))
+        area = 100 * data["path_area_fraction"]
+        band = [load - low, high - load] if np.isfinite(low).all() else None
+        axis.errorbar(load, area, xerr=band, fmt=marker, mfc="none", capsize=2, label=label(data))
         reach = max(reach, float(load.max()))
     loads = np.linspace(0, reach, 200)
     axis.plot(loads, 100 * erf(np.sqrt(2) * loads), "k-", lw=0.9, label="Persson")
@@ -46,15 +50,14 @@ def _draw_load_area(axis: Axes, contact: Datasets) -> None:
     axis.legend()
 
 
-def caption(contact: Datasets, statistics: Datasets) -> str:
+def caption(statistics: Datasets) -> str:
     """Ratio of area and load along the curve, and percentiles of the pressure peaks."""
     lines = []
-    for case, data in zip(of_surfaces(statistics), contact.values(), strict=True):
-        ratio = data["path_area_fraction"] * data["path_gradient_rms_contact"] / data["path_mean_pressure"]
+    for case in of_surfaces(statistics):
+        ratio = case.statistics["path_area_fraction"] / case.statistics["path_scaled_load"]
         lines.append(
-            f"{name(label(data))}: area fraction over scaled load from {float(ratio[0]):.3f} to "
-            f"{float(ratio[-1]):.3f} "
-            f"(Persson 1.596, Bush, Gibson and Thomas 2.507, at small load); "
+            f"{case.name}: area fraction over scaled load from {float(ratio[0]):.3f} to "
+            f"{float(ratio[-1]):.3f} (Persson 1.596, Bush, Gibson and Thomas 2.507, at small load); "
             f"{case.peak_percentiles('pressure')}"
         )
     return bullets(lines)

@@ -16,28 +16,29 @@ Percentiles of peaks
     extrapolated, and the percentile of all of them is the peak of the same rank among those found.
 
 The error that remains is a share of the correction, or grows with the boundary per contact node, which
-measures how well patches are resolved: `SHARE_OF_CORRECTION` and `OF_BOUNDARY` hold the measured factors.
-A surface with waves shorter than four nodes loses them on half of the nodes, and its corrections err more.
+measures how well patches are resolved: `SHARE_OF_CORRECTION` and `OF_BOUNDARY` hold the measured factors, for
+surfaces with few peaks, too. With hundreds of peaks the error of their sizes is a share of the peaks that the
+grid missed, `OF_MISSED`. A surface with waves shorter than four nodes loses them on half of the nodes, and
+its corrections err more.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
-from asperity.stress.peaks.selection import peaks, selection_for
 from asperity.stress.statistics.covariance import decay_lengths_of
-from asperity.stress.statistics.pooling import HIGHEST_SHARE
+from asperity.stress.statistics.peak_numbers import peak_numbers
 
 BOUNDARY_SHARE = 0.102
 """Area over spacing and boundary that nodes in contact count too much."""
 
-SECOND_ORDER = "gradient_rms_contact", "number", "mean_depth", "mean_depth_highest"
+SECOND_ORDER = "gradient_rms_contact", "peak_count", "mean_depth", "mean_depth_highest"
 """Numbers whose error falls with the square of the spacing."""
 
 SHARE_OF_CORRECTION = {
@@ -45,19 +46,35 @@ SHARE_OF_CORRECTION = {
     "gradient_rms_contact": (0.4, 5.5),
     "mean_depth": (0.66, 6.5),
 }
-"""Output → error that remains over the correction, and what the squared gradient that is lost on half of the
+"""Number → error that remains over the correction, and what the squared gradient that is lost on half of the
 nodes, as a share of all, adds to this."""
 
 OF_BOUNDARY = {
     "p90": (0.095, 3, 0.12),
     "p99": (0.1, 3, 0.12),
     "largest": (0.085, 4, 0.12),
+    "largest_von_mises": (0.085, 4, 0.12),
     "mean_depth_highest": (0.235, 3, 0.2),
     "decay_length_depth": (0.07, 1.5, 0.14),
     "decay_length_plane": (0.14, 1, 0.14),
 }
-"""Output → factor and power of the boundary per contact node that give the relative error that remains, and
+"""Number → factor and power of the boundary per contact node that give the relative error that remains, and
 the factor of the boundary that is its most."""
+
+OF_MISSED = {"peak_deviation": (0.75, 0.0), "peak_quantile": (0.25, 1.5)}
+"""Number → its relative error over the share of missed peaks: for the highest peaks, and what is added in
+proportion to the share of higher peaks."""
+
+PERCENTILES = {"p90": 0.9, "p99": 0.99, "largest": 1.0}
+"""Name of a number → level of the quantile of the peaks that it is."""
+
+LEVELS = (*PERCENTILES.values(),)
+
+OUTPUTS = (
+    *("area_fraction", "gradient_rms_contact", "proportionality", *PERCENTILES),
+    *("mean_depth", "mean_depth_highest", "decay_length_depth", "decay_length_plane"),
+)
+"""Numbers of `asperity.continuum`."""
 
 KINDS = ("on_grid", "on_half", "estimate", "error")
 
@@ -95,45 +112,65 @@ def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "
     reason : str
         Why there is no estimate; empty if there is one.
     """
-    found, other = numbers_on(fine), numbers_on(coarse)
+    other = numbers_on(coarse)
     if reason:
-        return _joined(found, other, found * np.nan, found * np.nan).assign_attrs(reason=reason)
-    to_come = (found - other) / ((coarse.grid.spacing[0] / fine.grid.spacing[0]) ** 2 - 1)
+        found = numbers_on(fine)
+        best = error = found * np.nan
+    else:
+        found, best, error = estimates(fine, other, lost)
+    outputs = [name for name in OUTPUTS if name in found]
+    joined = xr.concat([kind[outputs] for kind in (found, other, best, error)], "kind", coords="minimal")
+    return joined.assign_coords(kind=list(KINDS)).assign_attrs({"reason": reason} if reason else {})
+
+
+def estimates(
+    fine: OnGrid, other: xr.Dataset, lost: float, levels: Sequence[float] | Array = LEVELS
+) -> tuple[xr.Dataset, xr.Dataset, xr.Dataset]:
+    """Numbers on a grid, their estimates at vanishing spacing, and the relative errors of these.
+
+    Parameters
+    ----------
+    fine : OnGrid
+    other : dataset
+        Numbers of the same contact on fewer nodes, as of `numbers_on`.
+    lost : float
+        Share of the squared gradient of the surface in waves that the other grid does not hold.
+    levels : sequence of float
+        Shares of the peaks at which quantiles are taken, those of `PERCENTILES` included.
+    """
+    found = numbers_on(fine, levels)
     best = found.copy()
+    ratio = other["spacing"] / found["spacing"]
     for name in SECOND_ORDER:
         if name in best:
-            best[name] = found[name] + to_come[name]
+            best[name] = found[name] + (found[name] - other[name]) / (ratio**2 - 1)
     best["area_fraction"] = found["area_fraction"] - BOUNDARY_SHARE * found["boundary"]
     best["proportionality"] = best["area_fraction"] * best["gradient_rms_contact"] / fine.load
-    if fine.stress is not None:
-        best.update(_percentiles(fine.stress, best["number"]))
     unresolved = float(found["boundary"] / found["area_fraction"])
-    errors: dict[str, Any] = {
-        name: abs((share + more * lost) * (best[name] / found[name] - 1))
-        for name, (share, more) in SHARE_OF_CORRECTION.items()
-        if name in found
-    }
-    errors["proportionality"] = np.hypot(errors["area_fraction"], errors["gradient_rms_contact"])
+    error = xr.Dataset()
+    for name, (share, more) in SHARE_OF_CORRECTION.items():
+        if name in found:
+            error[name] = abs((share + more * lost) * (best[name] / found[name] - 1))
+    error["proportionality"] = np.hypot(error["area_fraction"], error["gradient_rms_contact"])
     for name, (factor, power, most) in OF_BOUNDARY.items():
         if name in found:
-            errors[name] = xr.full_like(found[name], min(factor * unresolved**power, most * unresolved))
-    return _joined(found, other, best, xr.Dataset(errors))
+            error[name] = xr.full_like(found[name], min(factor * unresolved**power, most * unresolved))
+    if fine.stress is not None:
+        best.update(_quantiles(peak_numbers(fine.stress, levels, best["peak_count"])))
+        missed = abs(best["peak_count"] / found["peak_count"].where(found["peak_count"] > 0) - 1)
+        for name, (share, more) in OF_MISSED.items():
+            error[name] = missed * (share + more * (1 - found["level"]) if more else share)
+    return found, best, error
 
 
-def _joined(*kinds: xr.Dataset) -> xr.Dataset:
-    """Values on the grid and on half of the nodes, estimates and errors of all outputs along `kind`."""
-    outputs = [name for name in kinds[0] if name not in ("boundary", "number")]
-    joined = xr.concat([kind[outputs] for kind in kinds], "kind", coords="minimal")
-    return joined.assign_coords(kind=list(KINDS))
-
-
-def numbers_on(results: OnGrid) -> xr.Dataset:
+def numbers_on(results: OnGrid, levels: Sequence[float] | Array = LEVELS) -> xr.Dataset:
     """Numbers of the contact, and those of the peaks and the decay of its stress, on one grid."""
     touching = results.pressure > 0
     edges = sum(np.count_nonzero(touching != np.roll(touching, 1, axis)) for axis in (0, 1))
     area = float(touching.mean())
     numbers = xr.Dataset(
         {
+            "spacing": results.grid.spacing[0],
             "area_fraction": area,
             "boundary": edges / touching.size,
             "gradient_rms_contact": results.gradient,
@@ -142,54 +179,16 @@ def numbers_on(results: OnGrid) -> xr.Dataset:
     )
     if results.stress is None:
         return numbers
-    stress = results.stress
-    along_depth, in_plane = decay_lengths_of(stress)
+    along_depth, in_plane = decay_lengths_of(results.stress)
+    numbers["largest_von_mises"] = results.stress["largest_von_mises"].max("plane")
     numbers["decay_length_depth"] = "poisson", along_depth
     numbers["decay_length_plane"] = "poisson", in_plane
-    return numbers.merge(_depths(stress)).merge(_percentiles(stress))
+    of_peaks = peak_numbers(results.stress, levels)
+    return numbers.merge(of_peaks).merge(_quantiles(of_peaks))
 
 
-def _of_peaks(
-    stress: xr.Dataset, measure: Callable[[Array, Array, int, int], dict[str, float]]
-) -> xr.Dataset:
-    """What `measure` takes from the sizes and depths of the peaks of each quantity and Poisson's ratio."""
-    quantities, ratios = stress["quantity"].values, stress["poisson"].values
-    rows = []
-    for q, p in np.ndindex(len(quantities), len(ratios)):
-        name = str(quantities[q])
-        some = peaks(stress, name, float(ratios[p]), selection_for(name))
-        size, depth = np.abs(some["peak_value"].values), some["peak_depth"].values
-        rows.append(measure(size, depth, q, p))
-    shape = len(quantities), len(ratios)
-    return xr.Dataset(
-        {name: (("quantity", "poisson"), np.reshape([row[name] for row in rows], shape)) for name in rows[0]},
-        coords={"quantity": quantities, "poisson": ratios},
-    )
-
-
-def _depths(stress: xr.Dataset) -> xr.Dataset:
-    """Number of peaks, mean depth of all and of the highest ones."""
-
-    def measure(size: Array, depth: Array, q: int, p: int) -> dict[str, float]:
-        high = size >= np.quantile(size, 1 - HIGHEST_SHARE) if size.size else []
-        return {
-            "number": float(size.size),
-            "mean_depth": float(depth.mean()) if size.size else np.nan,
-            "mean_depth_highest": float(depth[high].mean()) if size.size else np.nan,
-        }
-
-    return _of_peaks(stress, measure)
-
-
-def _percentiles(stress: xr.Dataset, number: xr.DataArray | None = None) -> xr.Dataset:
-    """Percentiles of `number` peaks, of which only the highest were found, and the largest one."""
-
-    def measure(size: Array, depth: Array, q: int, p: int) -> dict[str, float]:
-        if not size.size:
-            return dict.fromkeys(("p90", "p99", "largest"), np.nan)
-        all_over_found = 1.0 if number is None else float(number[q, p]) / size.size
-        levels = np.clip([1 - 0.1 * all_over_found, 1 - 0.01 * all_over_found], 0, 1)
-        p90, p99 = np.quantile(size, levels)
-        return {"p90": float(p90), "p99": float(p99), "largest": float(size.max())}
-
-    return _of_peaks(stress, measure)
+def _quantiles(of_peaks: xr.Dataset) -> xr.Dataset:
+    """Quantiles of the peaks at all levels, and those of `PERCENTILES` by name."""
+    quantile = of_peaks["peak_quantile"]
+    named = {name: quantile.sel(level=level, drop=True) for name, level in PERCENTILES.items()}
+    return xr.Dataset({"peak_quantile": quantile, **named})

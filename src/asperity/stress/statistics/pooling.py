@@ -23,12 +23,10 @@ from asperity.core.types import Array
 from asperity.stress.peaks.selection import SELECTIONS, peaks
 from asperity.stress.statistics.covariance import decay_lengths
 from asperity.stress.statistics.density import bin_edges, normalised
+from asperity.stress.statistics.peak_numbers import HIGHEST_SHARE
 
 PERCENTS = (50.0, 90.0, 99.0, 99.9)
 """Percentiles of the magnitude of the pooled peaks."""
-
-HIGHEST_SHARE = 0.1
-"""Share of the peaks that counts as the highest ones."""
 
 MOST_RESAMPLES = 1_000_000
 """Most resamples of the bootstrap."""
@@ -101,7 +99,7 @@ def pool_peaks(
     )
     confidence = number("confidence", confidence, "a number between 0 and 1", lambda share: 0 < share < 1)
     seed = whole_number("seed", seed, "a whole number ≥ 0", lambda number: number >= 0)
-    bootstrap = _Bootstrap(len(stresses), resamples, confidence, seed)
+    bootstrap = Bootstrap(len(stresses), resamples, confidence, seed)
     first = stresses[0]
     depth_edges = _depth_edges(first["plane_depth"].values)
     pooled = xr.Dataset(
@@ -141,7 +139,7 @@ def _checked(stresses: Sequence[xr.Dataset], gradients: Sequence[float]) -> tupl
     return stresses, scale * [stress.attrs.get("effective_modulus", 1.0) for stress in stresses]
 
 
-class _Bootstrap:
+class Bootstrap:
     """Resamples of the seeds, the same for every number, and the bands that they give.
 
     Parameters
@@ -152,11 +150,13 @@ class _Bootstrap:
         Of the random numbers.
     """
 
-    def __init__(self, seeds: int, resamples: int, confidence: float, seed: int) -> None:
+    def __init__(self, seeds: int, resamples: int, confidence: float, seed: int = 0) -> None:
         self._tail = (1 - confidence) / 2
         # Number of times that each seed is drawn, (resamples, seeds).
         draws = np.random.default_rng(seed).multinomial(seeds, np.full(seeds, 1 / seeds), resamples)
-        self._draws = draws.astype(float) if seeds > 1 else np.zeros((0, 1))
+        # A few seeds have few resamples that differ: four have 35.
+        different, self._which = np.unique(draws, axis=0, return_inverse=True)
+        self._draws = different.astype(float) if seeds > 1 else np.zeros((0, 1))
 
     def banded(self, estimate: Callable[[Array, Array], Array], values: Array) -> Array:
         """An estimate over all seeds and the ends of its band, (3, ...).
@@ -170,12 +170,12 @@ class _Bootstrap:
         centre = estimate(np.ones((1, len(values))), values)
         if not len(self._draws):
             return np.concatenate([centre, np.full((2, *centre.shape[1:]), np.nan)])
-        drawn = estimate(self._draws, values)
+        drawn = estimate(self._draws, values)[self._which]
         return np.concatenate([centre, np.quantile(drawn, [self._tail, 1 - self._tail], axis=0)])
 
 
 def _pooled_peaks(
-    stresses: Sequence[xr.Dataset], scale: Array, depth_edges: Array, bins: int, bootstrap: _Bootstrap
+    stresses: Sequence[xr.Dataset], scale: Array, depth_edges: Array, bins: int, bootstrap: Bootstrap
 ) -> dict[str, tuple]:
     """Counts, densities, percentiles and median depths of the peaks."""
     quantities = [str(name) for name in stresses[0]["quantity"].values]
@@ -194,7 +194,7 @@ def _pooled_peaks(
         depths = np.concatenate([found["peak_depth"].values for found in chosen])
         joint[s, q, p] = np.histogram2d(np.concatenate(values), depths, (edges[q], depth_edges))[0]
         median_depth[:, s, q, p] = _median_depths(joint[s, q, p], depth_edges)
-        density[:, s, q, p] = bootstrap.banded(partial(_pooled_density, edges=edges[q]), own)
+        density[:, s, q, p] = bootstrap.banded(partial(pooled_density, edges=edges[q]), own)
         percentiles[:, s, q, p] = _percentiles(values, bootstrap)
     kinds = ("selection", "quantity", "poisson")
     return {
@@ -203,8 +203,8 @@ def _pooled_peaks(
         "joint_counts": ((*kinds, "bin", "depth_bin"), joint),
         "median_depth": (kinds, median_depth[0]),
         "median_depth_highest": (kinds, median_depth[1]),
-        **_with_bounds("peak_density", (*kinds, "bin"), density),
-        **_with_bounds("peak_percentile", (*kinds, "percent"), percentiles),
+        **with_bounds("peak_density", (*kinds, "bin"), density),
+        **with_bounds("peak_percentile", (*kinds, "percent"), percentiles),
     }
 
 
@@ -218,15 +218,15 @@ def _quantity_edges(stresses: Sequence[xr.Dataset], scale: Array, quantity: str,
     return bin_edges(np.concatenate(values), bins)
 
 
-def _pooled_profiles(stresses: Sequence[xr.Dataset], scale: Array, bootstrap: _Bootstrap) -> dict[str, tuple]:
+def _pooled_profiles(stresses: Sequence[xr.Dataset], scale: Array, bootstrap: Bootstrap) -> dict[str, tuple]:
     """Covariances and depth profiles, means over seeds, and the decay lengths of the mean covariances."""
     result: dict[str, tuple] = {}
     for name, power in _PROFILES.items():
         each = np.stack([s[name].values / g**power for s, g in zip(stresses, scale, strict=True)])
-        result |= _with_bounds(f"scaled_{name}", stresses[0][name].dims, bootstrap.banded(_mean, each))
+        result |= with_bounds(f"scaled_{name}", stresses[0][name].dims, bootstrap.banded(mean, each))
     depth, lag = stresses[0]["plane_depth"].values, stresses[0]["lag"].values
     reference = np.stack([stress["reference_depth"].values for stress in stresses])
-    result |= _with_bounds("reference_depth", ("poisson",), bootstrap.banded(_mean, reference))
+    result |= with_bounds("reference_depth", ("poisson",), bootstrap.banded(mean, reference))
     result["plane_depth"] = ("plane", depth)
     along_depth, in_plane, at = (
         result[name][1] for name in ("scaled_covariance_depth", "scaled_covariance_plane", "reference_depth")
@@ -264,15 +264,17 @@ def _median(counts: Array, edges: Array) -> float:
     return float(np.interp(0.5, np.concatenate([[0.0], np.cumsum(counts)]) / total, edges))
 
 
-def _pooled_density(weights: Array, counts: Array, edges: Array) -> Array:
+def pooled_density(weights: Array, counts: Array, edges: Array) -> Array:
+    """Density of what all seeds have counted, (resamples, bins), by the weights of the seeds."""
     return normalised(weights @ counts, edges)
 
 
-def _mean(weights: Array, values: Array) -> Array:
+def mean(weights: Array, values: Array) -> Array:
+    """Mean over seeds, (resamples, ...), by the weights of the seeds."""
     return np.tensordot(weights, values, 1) / len(values)
 
 
-def _percentiles(values: Sequence[Array], bootstrap: _Bootstrap) -> Array:
+def _percentiles(values: Sequence[Array], bootstrap: Bootstrap) -> Array:
     """Percentiles of the magnitudes of all values, and their bands, (3, percents).
 
     The percentiles are exact, those of the resamples are found in fine bins.
@@ -298,7 +300,7 @@ def _percentiles(values: Sequence[Array], bootstrap: _Bootstrap) -> Array:
     return banded
 
 
-def _with_bounds(name: str, dimensions: tuple[Hashable, ...], values: Array) -> dict[str, tuple]:
+def with_bounds(name: str, dimensions: tuple[Hashable, ...], values: Array) -> dict[str, tuple]:
     """Variables of an estimate and the ends of its band, from (3, ...) values."""
     return {
         name: (dimensions, values[0]),

@@ -186,12 +186,8 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
     path = contact.get("path_area_fractions", [])
     if path != sorted(path):
         yield f"contact.path_area_fractions = {shown(path)}: rising numbers are needed"
-    for key, listed, own in (
-        ("stress.poisson", config["stress"]["poisson"], "poisson"),
-        ("interpretations.lateral", config["interpretations"]["lateral"], "lateral"),
-    ):
-        if layer[own] not in listed:
-            yield f"{key} = {shown(listed)}: layer.{own} = {layer[own]!r} must be one of them"
+    if layer["poisson"] not in (listed := config["stress"]["poisson"]):
+        yield f"stress.poisson = {shown(listed)}: layer.poisson = {layer['poisson']!r} must be one of them"
 
 
 def _in_surface(key: str, surface: Mapping[str, Any]) -> Iterator[str]:

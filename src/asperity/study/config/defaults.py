@@ -63,7 +63,6 @@ def complete(config: Mapping[str, Any]) -> dict[str, Any]:
     if "area_fraction" in whole["contact"]:
         whole["contact"].setdefault("path_area_fractions", [whole["contact"]["area_fraction"]])
     whole["stress"].setdefault("poisson", [whole["layer"]["poisson"]])
-    whole["interpretations"].setdefault("lateral", [whole["layer"]["lateral"]])
     whole["measured"] = {name: complete_map(surface) for name, surface in whole["measured"].items()}
     for surface in (*whole.get("surfaces", {}).values(), *whole["measured"].values()):
         if isinstance(surface.get("wavelength_short"), (int, float)):  # not for a length with its unit

@@ -2,7 +2,7 @@
 
 `make tradeoff` measures it anew (`asperity.study.cost.measurement`). Every output whose error is measured
 belongs to one surface at one load and is taken from the statistics of one seed
-(`asperity.study.stages.statistics.seed_statistics`).
+(`asperity.study.stages.seed_numbers.seed_statistics`).
 """
 
 from __future__ import annotations

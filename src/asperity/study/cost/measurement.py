@@ -32,8 +32,8 @@ from asperity.study.cost.measured import DISTRIBUTIONS, NUMBERS, OUTPUTS, PARAME
 from asperity.study.cost.model import CALCULATION_STAGES, TIME_LAWS, law_seconds, transform_seconds
 from asperity.study.cost.scene import POISSON, Scene, solid_record, stage_settings
 from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.seed_numbers import LEVELS, seed_statistics
 from asperity.study.stages.solid import solid
-from asperity.study.stages.statistics import LEVELS, seed_statistics
 from asperity.study.stages.stress import compute_stress
 from asperity.study.stages.surface import make_surface
 
@@ -231,7 +231,7 @@ class Evaluation(NamedTuple):
     accuracy : AccuracySettings
         Settings of accuracy it was made with.
     statistics : dataset
-        Of `asperity.study.stages.statistics.seed_statistics`, at the Poisson's ratio `POISSON`.
+        Of `asperity.study.stages.seed_numbers.seed_statistics`, at the Poisson's ratio `POISSON`.
     area_fraction : float
         Contact area fraction at the mean pressure of a reference, or that of the calculation itself.
     costs : mapping
@@ -309,7 +309,7 @@ def difference(found: Any, expected: Any) -> float:
     """Signed relative difference of two numbers, or the distance of two distributions.
 
     The distance is the mean one between equal quantiles, divided by the mean of the second distribution. The
-    levels of the quantiles are `asperity.study.stages.statistics.LEVELS`.
+    levels of the quantiles are `asperity.study.stages.seed_numbers.LEVELS`.
     """
     if np.ndim(found) == 0:
         return float(found / expected - 1)

@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from asperity.contact import solve_path
+from asperity.contact import solve, solve_path
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import Layer
+from asperity.engineering.continuum import TOLERANCE, on_half_the_nodes, reason_against
 from asperity.results.dataset import grid_of
 from asperity.study.config.defaults import imposed_load
 from asperity.study.stages.solid import solid
@@ -100,3 +101,28 @@ def largest_approach(height: Array, layer: Layer) -> float:
     Infinite for a solid with a uniform displacement.
     """
     return float(height.mean() - height.min()) if layer.uniform_compliance() == 0 else math.inf
+
+
+def contact_on_half_the_nodes(contact: xr.Dataset, layer_settings: Mapping[str, Any]) -> xr.Dataset | None:
+    """The same contact under the same load on half as many nodes, for estimates at vanishing grid spacing.
+
+    Parameters
+    ----------
+    contact : dataset
+        As of `solve_contact`.
+    layer_settings : mapping
+        Section ``layer`` of the configuration.
+
+    Returns
+    -------
+    dataset
+        Pressure and numbers of the contact, with the attribute ``lost_gradient`` of `asperity.continuum`;
+        None where the contact allows no estimate.
+    """
+    height = (contact["gap"] - contact["displacement"] + contact["approach"]).values
+    if reason_against(contact["pressure"].values, height):
+        return None
+    layer, record = solid(layer_settings)
+    height, grid, lost = on_half_the_nodes(height, grid_of(contact))
+    half = solve(height, layer, grid.length, mean_pressure=float(contact["mean_pressure"]), rtol=TOLERANCE)
+    return half.to_dataset().assign_attrs(record, lost_gradient=lost)

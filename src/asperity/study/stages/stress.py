@@ -9,9 +9,12 @@ import xarray as xr
 
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.engineering.continuum import TOLERANCE
 from asperity.results.dataset import grid_of
 from asperity.stress.analysis import analyse_lateral_conditions
 from asperity.stress.planes.planes import depth_grid
+from asperity.study.stages.contact import contact_on_half_the_nodes
+from asperity.study.stages.seed_numbers import stress_numbers
 from asperity.study.stages.solid import SOLID_ATTRIBUTES, solid
 
 QUANTITIES = ("pressure", "von_mises", "xx", "zz", "xz")
@@ -50,6 +53,37 @@ def compute_stress(
     """
     own = layer_settings["lateral"]
     return compute_stresses(contact, layer_settings, stress_settings, progress=progress)[own]
+
+
+def stress_of_seed(
+    contact: xr.Dataset,
+    layer_settings: Mapping[str, Any],
+    stress_settings: Mapping[str, Any],
+    laterals: Sequence[str] = (),
+    quantities: Sequence[str] = QUANTITIES,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Stress of one seed of the study with its numbers, and their estimates at vanishing grid spacing.
+
+    Parameters are those of `compute_stresses`.
+
+    Returns
+    -------
+    dataset
+        As of `compute_stress`, with the variables of `asperity.study.stages.seed_numbers.stress_numbers`.
+        With `laterals` these are along `lateral`, first under the condition of the layer.
+    """
+    found = compute_stresses(contact, layer_settings, stress_settings, laterals, quantities, progress)
+    halves: dict[str, tuple[xr.Dataset, xr.Dataset]] = {}
+    if (half := contact_on_half_the_nodes(contact, layer_settings)) is not None:
+        settings = {**stress_settings, "tolerance": TOLERANCE}
+        of_half = compute_stresses(half, layer_settings, settings, laterals, quantities)
+        halves = {lateral: (half, stress) for lateral, stress in of_half.items()}
+    each = [stress_numbers(contact, stress, halves.get(lateral)) for lateral, stress in found.items()]
+    numbers = each[0]
+    if len(each) > 1:
+        numbers = xr.concat(each, "lateral", data_vars="all").assign_coords(lateral=list(found))
+    return found[layer_settings["lateral"]].merge(numbers)
 
 
 def compute_stresses(
