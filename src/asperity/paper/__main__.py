@@ -45,8 +45,7 @@ def captions(files: Iterable[Path]) -> str:
     found = []
     for file in files:
         title, _, text = file.read_text(encoding="utf-8").partition("\n\n")
-        title = title if title.startswith("Figure ") else f"{title} (`{file.stem}`)"
-        found.append(f"**{title}**\n\n{text.strip()}")
+        found.append(f"**{title}** `{file.stem}`\n\n{text.strip()}")
     return re.sub(r":math:`(.*?)`", r"$\1$", "\n\n".join(found)) + "\n"
 
 

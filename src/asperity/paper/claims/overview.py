@@ -45,7 +45,7 @@ def draw(findings: Sequence[Finding]) -> Figure:
         range(count), [f"{f.claim.sentence}  ({f.claim.section})" for f in findings], fontsize=5.5
     )
     axis.tick_params(axis="y", length=0)
-    axis.set_xlabel("measured over the edge or the middle\nof the region predicted (shaded)")
+    axis.set_xlabel("measured over the edge or the middle\nof the region wanted (shaded)")
     for verdict, number in tally(findings).items():
         if number:
             axis.plot(

@@ -108,7 +108,7 @@ def tables(findings: Sequence[Finding]) -> dict[str, pd.DataFrame]:
                 "compared": f.claim.compared,
                 "wanted": str(f.own.region),
                 "found": found_in_words(f),
-                "verdict": f"**{f.verdict.removesuffix(' the interpretation')}**",
+                "verdict": f"**{f.verdict.removesuffix(' on the interpretation')}**",
             }
         )
     return {heading: pd.DataFrame(rows[heading]) for heading in sorted(rows)}
