@@ -10,7 +10,9 @@ WITH_LOAD_AREA = surfaces_with_load_area(config)
 WITH_RATIOS = surfaces_with_ratios(config)
 FFT_ENGINE = config["fft_engine"]
 # What the interpretations of the claims need besides the study: other conditions of the mean (q = 0) mode, components.
-OTHER_LATERALS = [name for name in CHOICES["lateral"] if config["claims"] and name != config["layer"]["lateral"]]
+OTHER_LATERALS = [
+    name for name in CHOICES["lateral"] if config["claims"] and name != config["layer"]["lateral"]
+]
 OTHER_COMPONENTS = [name for name in CHOICES["shear"] if config["claims"] and name != "xz"]
 
 
