@@ -34,14 +34,7 @@ def test_one_percent_in_a_kernel_is_caught(tmp_path):
     source.write_text(source.read_text().replace(was, now))
     found = run(folder, "python", "workflow/check.py", "--surfaces", "cutoff_64")
     assert found.returncode == 1
-    lines = found.stderr.splitlines()
-    assert lines[0].endswith("numbers drifted:")
-    assert lines[1].split()[:4] == ["name", "was", "is", "tolerance"]
-    moved = {line.split()[0].removeprefix("cutoff_64/seed1/") for line in lines[2 : lines.index("")]}
-    # The highest peaks of the lateral stress lie in the surface, lower ones of a free solid below it.
-    # The von Mises stress has the lateral stress as a part, the shear stress xz has not.
-    assert {"free/xx.p50@0.33", "free/xx.mean@0.33", "free/xx.depth@0.33", "profile.largest@0.33"} <= moved
-    assert moved.isdisjoint({"xz.p99@0.33", "contact.mean_pressure"})
+    assert "cutoff_64, seed 1: equilibrium along x" in found.stderr
 
 
 def test_a_number_that_moved_or_is_missing_or_new_is_drift_and_an_update_takes_it(quick_study, folder):
