@@ -31,9 +31,20 @@ import numpy as np
 import xarray as xr
 
 from asperity.core.types import Array
-from asperity.fourier.grid import Grid
+from asperity.fourier.grid import Fourier, Grid, mean_square, resample
 from asperity.stress.statistics.covariance import decay_lengths_of
 from asperity.stress.statistics.peak_numbers import peak_numbers
+
+TOLERANCE = 1e-4
+"""Of the second solution and of the planes of its stress: far below the error of the grid."""
+
+LEAST_NODES = 200
+"""Contact nodes below which there is no estimate."""
+
+FLAT = 1e-3
+"""Median curvature at the contact nodes, over the root mean square of all, below which heights are flat or
+stepped; it is 0.7 on a Gaussian surface."""
+
 
 BOUNDARY_SHARE = 0.102
 """Area over spacing and boundary that nodes in contact count too much."""
@@ -106,6 +117,31 @@ class OnGrid(NamedTuple):
     gradient: float
     grid: Grid
     stress: xr.Dataset | None = None
+
+
+def reason_against(pressure: Array, height: Array) -> str:
+    """Why a periodic contact allows no estimate; empty if it does."""
+    touching = pressure > 0
+    nodes = np.count_nonzero(touching)
+    if nodes < LEAST_NODES:
+        return f"{nodes} nodes are in contact, and {LEAST_NODES} are needed"
+    bend = sum(np.roll(height, 1, axis) + np.roll(height, -1, axis) - 2 * height for axis in (0, 1))
+    if np.median(np.abs(bend[touching])) <= FLAT * np.sqrt(np.mean(np.square(bend))):
+        return "the heights in contact are flat or stepped, and no grid resolves their edges"
+    return ""
+
+
+def on_half_the_nodes(height: Array, grid: Grid) -> tuple[Array, Grid, float]:
+    """Long waves of periodic heights on half as many nodes, their grid, and the share of the gradient lost.
+
+    The share is that of the squared gradient in waves that half of the nodes along both edges do not hold.
+    """
+    half = Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
+    modes = Fourier(grid).forward(height)
+    whole = mean_square(modes, grid, grid.wavenumber() ** 2)
+    modes = resample(modes, grid, half)
+    kept = mean_square(modes, half, half.wavenumber() ** 2)
+    return Fourier(half).inverse(modes), half, 1 - kept / whole if whole else 0.0
 
 
 def extrapolate(fine: OnGrid, coarse: OnGrid, lost: float = 0.0, reason: str = "") -> xr.Dataset:

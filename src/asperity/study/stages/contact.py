@@ -13,8 +13,8 @@ import xarray as xr
 from asperity.contact import solve, solve_path
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import Layer
-from asperity.engineering.continuum import TOLERANCE, on_half_the_nodes, reason_against
 from asperity.results.dataset import grid_of
+from asperity.stress.statistics.continuum import TOLERANCE, on_half_the_nodes, reason_against
 from asperity.study.config.defaults import imposed_load
 from asperity.study.stages.solid import solid
 

@@ -9,10 +9,10 @@ import xarray as xr
 
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.engineering.continuum import TOLERANCE
 from asperity.results.dataset import grid_of
 from asperity.stress.analysis import analyse_lateral_conditions
 from asperity.stress.planes.planes import depth_grid
+from asperity.stress.statistics.continuum import TOLERANCE
 from asperity.study.stages.contact import contact_on_half_the_nodes
 from asperity.study.stages.seed_numbers import stress_numbers
 from asperity.study.stages.solid import SOLID_ATTRIBUTES, solid
