@@ -37,6 +37,7 @@ pages: study ## Write README's sentences, docs and the kept table again from the
 	python studies/master_curve/master_curve.py
 	python studies/challenge/challenge.py
 	python studies/stability/stability.py
+	python benchmarks/tradeoff.py --pages
 	git diff --exit-code -- '*.md' docs/claims.csv
 
 verify: $(VENV)/ready ## Compare every result of a study with the manifest of its run; CONFIG=, RESULTS= as for study
@@ -94,8 +95,8 @@ docs: $(VENV)/ready ## Build the documentation site with its gallery, without a 
 bench: $(VENV)/ready ## Measure speed and memory, and write docs/performance.md; GRIDS="512 1024 2048" PARTS="contact stress" for less
 	python benchmarks/page.py $(if $(GRIDS),--grids $(GRIDS)) $(if $(PARTS),--parts $(PARTS))
 
-tradeoff: $(VENV)/ready ## Errors and costs of all settings of accuracy, measured anew for asperity plan and config/README.md
-	python workflow/store_tradeoff.py
+tradeoff: $(VENV)/ready ## Measure the errors and times of all settings of accuracy for asperity plan and docs/tradeoff.md (ten minutes)
+	python benchmarks/tradeoff.py
 
 lock: ## Update requirements.lock from pyproject.toml, keeping versions that still fit, and requirements-oldest.lock (needs uv)
 	$(COMPILE) --output-file requirements.lock --extra slurm --extra lint --extra docs

@@ -41,7 +41,6 @@ include: "workflow/rules/stages.smk"
 include: "workflow/rules/validation.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/claims.smk"
-include: "workflow/rules/tradeoff.smk"
 include: "workflow/rules/handlers.smk"
 
 
@@ -53,7 +52,6 @@ rule all:
         rules.figures.input,
         rules.validation.output if config["validation"] else [],
         rules.claims.output if config["claims"] else [],
-        expand(rules.tradeoff.output, extent=["reduced"] if "reduced" in config["tradeoff"] else []),
 
 
 include: "workflow/rules/report_page.smk"

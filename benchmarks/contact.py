@@ -36,9 +36,9 @@ import numpy as np
 import pandas as pd
 import peers
 import psutil
+from memory import peak_memory, reset_peak_memory
 
 import asperity as asp
-from asperity.core.system import peak_memory, reset_peak_memory
 from asperity.core.types import Array
 from asperity.elasticity.loaded_rectangle import PaddedFourier
 from asperity.fourier.grid import Fourier, Grid

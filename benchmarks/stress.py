@@ -29,10 +29,10 @@ import ducc0
 import numpy as np
 import pandas as pd
 import peers
+from memory import peak_memory
 from scipy.spatial import cKDTree
 
 import asperity as asp
-from asperity.core.system import peak_memory
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Work, resample
 

@@ -163,12 +163,12 @@ def test_a_contact_writes_what_the_command_exports(tmp_path):
 
 def test_files_have_the_same_bytes_on_windows(tmp_path, monkeypatch):
     _, source = contact_in_si()
-    columns = ["area_fraction", "parameter", "setting", "output", "error"]
-    table = pd.DataFrame([[0.1, "ν", "a,b", "area", 1 / 3], [0.1, "seeds", "", "area", 2.0]], columns=columns)
+    columns = ["surface", "of", "check", "value", "bound"]
+    table = pd.DataFrame([["ν", "a,b", "area", 1 / 3, 0.1], ["seeds", "", "area", 2.0, 0.1]], columns=columns)
 
     def files():
         write_text(tmp_path / "text.md", "one\ntwo\n")
-        write_table(table, "tradeoff", tmp_path / "table.csv", "%.3g")
+        write_table(table, "verification", tmp_path / "table.csv", "%.3g")
         write_surface_table(tmp_path / "fields.csv", surface_fields(source, source.part()))
         return [(tmp_path / name).read_bytes() for name in ("text.md", "table.csv", "fields.csv")]
 
@@ -179,7 +179,7 @@ def test_files_have_the_same_bytes_on_windows(tmp_path, monkeypatch):
     (tmp_path / "plain").write_text("one\n", encoding="utf-8")
     assert (tmp_path / "plain").read_bytes() == b"one\r\n"
     assert files() == here
-    assert here[1].decode().splitlines()[1:] == ['0.1,ν,"a,b",area,0.333', "0.1,seeds,,area,2"]
+    assert here[1].decode().splitlines()[1:] == ['ν,"a,b",area,0.333,0.1', "seeds,,area,2,0.1"]
 
 
 def test_table_holds_every_peak_with_its_unit(chain, tmp_path):

@@ -19,7 +19,6 @@ SURFACE = {
     "rms_height": 0.001,
 }
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text(encoding="utf-8"))
-TRADEOFF = PAPER["tradeoff"]["reduced"]
 TWO = {"a": SURFACE, "b": {**SURFACE, "hurst": 0.3}}
 OWN_FIGURES = {"spectrum", "heights", "pressure", "load_area", "peaks", "depths", "decay"}
 RATIO_FIGURES = {"poisson_peaks", "poisson_depths", "poisson_decay"}
@@ -79,16 +78,14 @@ def test_a_study_of_measured_maps_alone_reads_them_before_its_first_job(project)
     assert not list((project / "results").rglob("*.nc"))
 
 
-def test_validation_and_tradeoff_are_made_as_far_as_they_are_asked_for(project):
+def test_validation_is_made_as_asked_for(project):
     config = {
         "surfaces": {"a": SURFACE},
         "validation": {"punch": PAPER["validation"]["punch"]},
-        "tradeoff": {"reduced": TRADEOFF},
     }
     found = jobs(project, *config_in(project, "some.yaml", config))
     made = {output.removeprefix("results/some/") for _, output, _ in found}
     assert {"validation/punch.nc", "figures/fig12.png"} <= made
-    assert {output for output in made if output.startswith("tradeoff")} == {"tradeoff/reduced/runs.nc"}
     assert not [output for output in made if output.startswith("claims") or "fig01" in output]
 
 
@@ -121,9 +118,9 @@ REFUSED = [
         r"surfaces.a.label = '$\\frac{1}$': mathematics that matplotlib can draw is needed",
     ),
     (
-        {"tradeoff": {"reduced": {**TRADEOFF, "wavelength_short": 0.75}}},
+        {"tradeoff": {}},
         {},
-        "tradeoff.reduced.wavelength_short = 0.75: at most wavelength_long = 0.5 is needed",
+        "tradeoff: does not exist any more; make tradeoff measures the errors of all settings",
     ),
     (
         {"contact": {"method": "gfmd", "tolerance": 1e-14}},
@@ -174,7 +171,7 @@ def test_the_study_is_made_where_the_user_says(own_study):
     figures = {path.stem for path in (results / "figures").glob("*.png")}
     assert figures == {f"{name}_pair" for name in OWN_FIGURES}
     assert {path.name for path in (results / "surface/fault").iterdir()} == {"seed1.nc"}
-    assert not {path.name for path in results.iterdir()} & {"claims.md", "validation", "tradeoff"}
+    assert not {path.name for path in results.iterdir()} & {"claims.md", "validation"}
     caption = (results / "figures/peaks_pair.rst").read_text(encoding="utf-8")
     assert caption.startswith("Distributions of the peaks")
     assert "fine, σ_VM" in caption

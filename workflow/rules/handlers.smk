@@ -29,9 +29,9 @@ def outputs_of_run():
 onstart:
     from asperity.study.cost.model import announce
 
-    jobs = [job for job in workflow.dag.needrun_jobs() if job.rule.name in COSTS]
+    jobs = [job for job in workflow.dag.needrun_jobs() if job.rule.name in SIZES]
     require_maps(jobs)
-    costs = {job.output[0]: COSTS[job.rule.name](job.wildcards) for job in jobs}
+    costs = {job.output[0]: cost_of(job.rule.name, job.wildcards) for job in jobs}
     try:
         Path(RESULTS).mkdir(parents=True, exist_ok=True)
         if workflow.local_exec:

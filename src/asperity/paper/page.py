@@ -19,7 +19,6 @@ from asperity.paper.figures import Description
 from asperity.results.atomic import write_text
 from asperity.results.dataset import PAPER
 from asperity.study.cost.benchmark import cost_table, job_costs
-from asperity.study.cost.tables import errors_for_reader, presets_for_reader
 from asperity.study.validation.table import for_reader
 
 GROUPS = ("Figures of the paper", "Figures", "Supplement")
@@ -56,7 +55,6 @@ def write_page(
         claims=_claims(results),
         checks=_verification(results),
         validation=_validation(results),
-        tradeoff=_tradeoff(results),
         costs=_costs(jobs),
         minutes=float(jobs["processor_minutes"].sum()),
         memory=float(jobs["memory_MB"].max()) if len(jobs) else 0.0,
@@ -136,19 +134,6 @@ def _validation(results: Path) -> str:
         return ""
     table = pd.read_csv(path, keep_default_na=False)
     return html_table(for_reader(table))
-
-
-def _tradeoff(results: Path) -> dict[str, Any] | None:
-    """Presets and errors, as HTML, and the pictures of the measurement."""
-    folder = results / "tradeoff/reduced"
-    if not (folder / "presets.csv").exists():
-        return None
-    errors = pd.read_csv(folder / "errors.csv", dtype={"setting": str})
-    return {
-        "presets": html_table(presets_for_reader(pd.read_csv(folder / "presets.csv"))),
-        "errors": html_table(errors_for_reader(errors)),
-        "pictures": [_embedded(path) for path in sorted(folder.glob("*.png"))],
-    }
 
 
 def _minutes(minutes: float) -> str:

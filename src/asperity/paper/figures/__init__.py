@@ -43,8 +43,6 @@ class Description:
         Name of the figure for a user's own study; of study ``steel`` it is ``peaks_steel``.
     datasets : sequence of str
         Datasets of stage validation that are drawn, in place of studies.
-    cost : str
-        Line of the table of costs from which time and memory are estimated.
     options : mapping
         Arguments of ``draw`` and ``caption``.
     category : str
@@ -60,7 +58,6 @@ class Description:
     supplement: Sequence[str] = ()
     own: str = ""
     datasets: Sequence[str] = ()
-    cost: str = "figure"
     options: Mapping[str, Any] = field(default_factory=dict)
     category: str = "Supplement"
 

@@ -147,13 +147,11 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
         )
     for name in measured.keys() & surfaces.keys():
         yield f"measured.{name}: another name is needed, surfaces.{name} has it"
-    bands = {f"surfaces.{name}": surface for name, surface in surfaces.items()}
-    bands |= {f"tradeoff.{extent}": settings for extent, settings in config["tradeoff"].items()}
-    for key, band in bands.items():
-        short, long = band["wavelength_short"], band["wavelength_long"]
-        if short > long:
-            yield f"{key}.wavelength_short = {short!r}: at most wavelength_long = {long!r} is needed"
     for name, surface in surfaces.items():
+        short, long = surface["wavelength_short"], surface["wavelength_long"]
+        if short > long:
+            key = f"surfaces.{name}.wavelength_short"
+            yield f"{key} = {short!r}: at most wavelength_long = {long!r} is needed"
         yield from _in_surface(f"surfaces.{name}", surface)
     most = setting("surfaces.NAME.points")["maximum"]
     for section in ("surfaces", "measured"):

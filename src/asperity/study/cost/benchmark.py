@@ -5,7 +5,11 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
+from scipy.optimize import nnls
+
+from asperity.core.types import Array
 
 
 def job_costs(results: Path) -> pd.DataFrame:
@@ -19,23 +23,27 @@ def job_costs(results: Path) -> pd.DataFrame:
     Returns
     -------
     data frame
-        rule; job, the rule with the surface; processor_minutes; memory_MB; and declared_MB, which the rule
-        declares. Snakemake measures every half a second, and after a quarter of a minute every thirty.
+        rule; job, the rule with the surface; grid_nodes and repetitions; processor_minutes; memory_MB; and
+        declared_MB, which the rule declares. Snakemake measures every half a second, and after a quarter of a
+        minute every thirty.
     """
     rows = []
     for path in sorted((results / "benchmark").rglob("*.tsv")):
         measured = pd.read_csv(path, sep="\t").iloc[-1]
-        wildcards = ast.literal_eval(measured["wildcards"])
+        wildcards, resources = (ast.literal_eval(measured[name]) for name in ("wildcards", "resources"))
         rows.append(
             {
                 "rule": measured["rule_name"],
                 "job": " ".join([measured["rule_name"], *list(wildcards.values())[:1]]),
+                "grid_nodes": resources.get("grid_nodes", 0),
+                "repetitions": resources.get("repetitions", 1),
                 "processor_minutes": float(measured["cpu_time"]) / 60,
                 "memory_MB": float(measured["max_rss"]),
-                "declared_MB": float(ast.literal_eval(measured["resources"])["mem_mb"]),
+                "declared_MB": float(resources["mem_mb"]),
             }
         )
-    return pd.DataFrame(rows, columns=["rule", "job", "processor_minutes", "memory_MB", "declared_MB"])
+    columns = ["rule", "job", "grid_nodes", "repetitions", "processor_minutes", "memory_MB", "declared_MB"]
+    return pd.DataFrame(rows, columns=columns)
 
 
 def cost_table(jobs: pd.DataFrame, by: str = "job") -> pd.DataFrame:
@@ -57,3 +65,37 @@ def cost_table(jobs: pd.DataFrame, by: str = "job") -> pd.DataFrame:
         }
         for name, group in groups
     )
+
+
+def fitted(jobs: pd.DataFrame) -> pd.DataFrame:
+    """Memory and time of every rule as linear functions of nodes and further repetitions.
+
+    Least squares of the relative error with coefficients ≥ 0. The memory is raised to the largest that was
+    measured.
+
+    Returns
+    -------
+    data frame
+        Coefficients of `asperity.study.cost.model.job_cost` but those of the disk; index the job.
+    """
+    several = (jobs["rule"] == "contact") & (jobs["repetitions"] > 1)
+    named = jobs.assign(rule=jobs["rule"].mask(several, "load-area curve"))
+    rows = {}
+    for rule, group in named.groupby("rule"):
+        nodes = group["grid_nodes"].to_numpy(float)
+        terms = np.column_stack([np.ones(nodes.size), nodes, nodes * (group["repetitions"] - 1)])
+        memory = _least_squares(terms, group["memory_MB"].to_numpy() * 1e6, covers=True)
+        seconds = _least_squares(terms, group["processor_minutes"].to_numpy() * 60)
+        per = {"memory": memory * [1e-6, 1, 1], "seconds": seconds * [1, 1e6, 1e6]}
+        rows[str(rule)] = {
+            f"{name}{suffix}": float(f"{value:.3g}")
+            for name, values in per.items()
+            for suffix, value in zip(("", "_per_node", "_per_further"), values, strict=True)
+        }
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("job")
+
+
+def _least_squares(terms: Array, values: Array, covers: bool = False) -> Array:
+    """Coefficients ≥ 0 of the terms, so large that no value is above the sum if it `covers` all."""
+    found = nnls(terms / values[:, None], np.ones(values.size))[0]
+    return found * max(1.0, float(np.max(values / (terms @ found)))) if covers else found

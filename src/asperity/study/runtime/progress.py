@@ -46,7 +46,8 @@ class ProgressBar:
     def __exit__(self, kind: object, *_: object) -> None:
         self._bar.close()
         outcome = "done" if kind is None else "failed"
-        logger.info("%s: %s after %.1f s", self._label, outcome, time.monotonic() - self._began)
+        elapsed, processor = time.monotonic() - self._began, time.process_time()
+        logger.info("%s: %s after %.1f s, %.1f s of processor time", self._label, outcome, elapsed, processor)
 
     def __call__(self, done: float, total: float) -> None:
         """Report that `done` of `total` is finished."""
