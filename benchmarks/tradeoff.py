@@ -31,6 +31,7 @@ import asperity as asp
 from asperity.core.markup import markdown
 from asperity.elasticity.simplest_solid import simplest_solid
 from asperity.study.config.presets import PRESETS
+from asperity.study.cost.plan import spacing_of
 from asperity.views.style import panels, save, style
 
 ERRORS = Path("src/asperity/study/cost/errors.csv")
@@ -115,7 +116,7 @@ def runs(hurst: float, area: float) -> Iterator[tuple[str, str, pd.DataFrame]]:
         contact, finest = pressed(surface, FINEST, load)
         load = {"mean_pressure": contact.mean_pressure}  # of the first surface
         for nodes in GRIDS:
-            found = pressed(surface, nodes, load)[1]
+            found = pressed(surface, nodes, load, depth_spacing=spacing_of(nodes))[1]
             yield "points_per_wavelength", str(nodes), _relative(found, finest["estimate"])
             if nodes == PAPER:
                 estimates.append(found["estimate"])

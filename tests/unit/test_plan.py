@@ -138,7 +138,8 @@ def test_command_proposes_an_accepted_configuration(capsys):
     printed = capsys.readouterr().out
     assert "this very surface" in printed
     keys = yaml.safe_load(printed.split("configuration:\n")[1])
-    keys["surfaces"] = {"surface": PAPER["surfaces"]["gaussian"] | keys["surfaces"]["surface"]}
+    paper = PAPER["surfaces"]["gaussian"] | {"wavelength_short": 0.03125}
+    keys["surfaces"] = {"surface": paper | keys["surfaces"]["surface"]}
     config = {**PAPER, "seeds": keys["seeds"], "surfaces": {**PAPER["surfaces"], **keys["surfaces"]}}
     for section in ("contact", "stress", "layer"):
         config[section] = PAPER[section] | keys[section]

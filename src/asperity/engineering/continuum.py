@@ -8,6 +8,7 @@ from asperity.contact import Contact, solve
 from asperity.core.types import Progress
 from asperity.fourier.grid import Grid
 from asperity.stress.analysis import analyse_stress
+from asperity.stress.planes.planes import depth_grid
 from asperity.stress.statistics.continuum import (
     TOLERANCE,
     OnGrid,
@@ -91,8 +92,11 @@ def continuum(
         progress(0.2, 1.0)
     coarse = None
     if stress is not None:
+        planes = stress["plane_depth"].values
+        spacing = planes[1] / min(contact.grid.spacing)  # the same on both grids, in their spacings
         coarse = analyse_stress(
             half.in_body(body),
+            depth_grid(half.grid, planes[-1], spacing, spacing / 4),
             poisson=stress["poisson"].values.tolist(),
             quantities=[str(name) for name in stress["quantity"].values],
             tolerance=TOLERANCE,

@@ -1,8 +1,7 @@
 """Presets of accuracy, which set every source of error at once.
 
 A configuration names a preset as ``accuracy``; a setting that it gives itself overrides the preset. Cost and
-errors of each preset are measured by `asperity.study.cost.measurement` and used by
-`asperity.study.cost.plan`.
+errors of each preset, after the correction of the grid, are measured by ``benchmarks/tradeoff.py``.
 """
 
 from __future__ import annotations
@@ -52,7 +51,7 @@ class AccuracySettings:
 
 
 PRESETS = {
-    "draft": AccuracySettings(4.0, 1e-4, "float64", 1e-2, 0.5, 0.05, 1),
+    "draft": AccuracySettings(4.0, 1e-4, "float64", 1e-2, 0.25, 0.05, 1),
     "paper": AccuracySettings(8.0, 1e-6, "float64", 1e-4, 0.5, 0.05, 1),
     "reference": AccuracySettings(16.0, 1e-8, "float64", 1e-6, 0.25, 0.05, 8),
 }
