@@ -53,7 +53,7 @@ SETTINGS = ("contact_tolerance", "depth_tolerance", "depth_spacing", "half_space
 def measured() -> pd.DataFrame:
     """Measured errors: area_fraction, parameter, setting, output, on_grid, and error after correction."""
     table = pd.read_csv(files("asperity.study.cost").joinpath("errors.csv"), dtype={"setting": str})
-    return table[table["output"] != "seconds"]
+    return table[table["output"] != "seconds"]  # which the tables of the pages show
 
 
 def outputs() -> list[str]:
