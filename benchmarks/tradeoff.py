@@ -146,7 +146,7 @@ def varied(surface: dict[str, float], load: dict[str, float]) -> Iterator[tuple[
             yield parameter, str(setting), _relative(found.to_frame("estimate"), converged)
     for height in HEIGHTS:
         layer = asp.Layer(LAYER.young, LAYER.poisson, height)
-        bound = simplest_solid(layer, 2 * np.pi, 0.0).bound
+        bound = simplest_solid(layer, 2 * np.pi, 0.0).difference
         found, expected = (
             pressed(surface, PAPER, load, layer=solid, deepest=height, **CONVERGED)[1]["on_grid"]
             for solid in (LAYER, layer)

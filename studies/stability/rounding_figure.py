@@ -17,11 +17,11 @@ from asperity.views.style import panels
 
 _COLOURS = {"printed": "#D55E00", "direct": "#56B4E9", "layer": "#000000"}
 _NAMES = {
-    "printed": "Eqs. A.2–A.3, misprints corrected",
+    "printed": "Eq. A.3, misprints corrected",
     "direct": "Eqs. 5–7 solved numerically",
     "layer": "this library",
 }
-_QUANTITIES = {"compliance": "compliance of both faces", "bonded_stress": "stress, bonded bottom"}
+_QUANTITIES = {"compliance": "compliance, free bottom", "bonded_stress": "stress, bonded bottom"}
 _PRECISIONS = {"float64": "double precision", "float32": "single precision"}
 _LIMITS = (1e-17, 1e5)
 _LOST = 1.0

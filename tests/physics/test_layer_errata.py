@@ -6,9 +6,9 @@ the corrected form agrees with it to all digits.
 
 import mpmath as mp
 import numpy as np
+import printed
 import pytest
 
-from asperity.reference import printed
 from asperity.reference.state_space import StateSpace
 from asperity.surface.self_affine import self_affine
 

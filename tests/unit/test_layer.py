@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from asperity.elasticity.layer import Layer, mirror_rows
-from asperity.fourier.grid import Grid
+from asperity.elasticity.layer import Layer
 
 SUPPORTED = [Layer(1.3, 0.3), Layer(1.3, 0.3, 0.4), Layer(1.3, 0.3, 0.4, "frictionless")]
 
@@ -22,7 +21,6 @@ def test_fields_broadcast_and_keep_their_precision(layer, dtype):
         (layer.surface_compliance(q), (4, 1), dtype),
         (layer.stress(q, q, depth), (4, 3, 6), complex_type),
         (layer.displacement(q, q, depth), (4, 3, 3), complex_type),
-        (layer.compliance(q, q), (4, 1, 6, 6), complex_type),
     ):
         assert (values.shape, values.dtype) == (shape, kind)
     double = layer.kernels(q.astype(float), depth.astype(float))
@@ -52,7 +50,6 @@ def test_mean_displacement_without_a_support_is_zero():
     half_space = Layer(1.0, 0.3)
     for layer in (half_space, Layer(1.0, 0.3, 1.0, "free")):
         assert layer.uniform_compliance() == layer.surface_compliance(0.0) == 0
-        assert np.all(layer.compliance(0.0, 0.0) == 0)
     assert np.all(half_space.displacement(0.0, 0.0, [0.0, 3.0]) == 0)
     assert np.all(half_space.stress(0.0, 0.0, 3.0)[:2] == -0.3 / 0.7)
     assert Layer(1.0, 0.5, 1.0).surface_compliance(0.0) == 0
@@ -68,13 +65,6 @@ def test_supported_bottoms_do_not_move():
     np.testing.assert_array_equal(slides.stress(q, q, 0.7)[:, 3:5], 0)
     with pytest.raises(ValueError, match="depth"):
         Layer(1.0, 0.3, 0.1).displacement(2.0, 1.0, float(np.float32(0.1)))
-
-
-@pytest.mark.parametrize("shape", [(8, 6), (7, 5)])
-def test_mirrored_rows_are_those_of_all_wavenumbers(shape):
-    grid, layer = Grid(shape), Layer(1.0, 0.3, 0.2)
-    compliance = mirror_rows(layer.half_grid_surface_compliance(grid), grid)
-    np.testing.assert_array_equal(compliance, layer.surface_compliance(grid.wavenumber()))
 
 
 def test_stress_is_linear_in_poisson_unless_bonded():
@@ -111,7 +101,6 @@ def test_every_accepted_value_gives_finite_numbers(height, poisson, bottom):
     "call",
     [
         lambda: Layer(1.0, 0.3, 1e-40, "free").surface_compliance(1e-75),
-        lambda: Layer(1.0, 0.3, 1e-40).compliance(1e-75, 0.0),
         lambda: Layer(1e-40, 0.3, 1.0).displacement(np.float32(1), np.float32(1), 0.0),
     ],
 )
@@ -147,7 +136,6 @@ def test_wrong_argument_is_refused(arguments, words):
         (lambda s: s.kernels(np.ones(3), np.zeros(2)), r"shapes q \(3,\), depth \(2,\)"),
         (lambda s: s.stress(np.ones(3), np.ones(2), 0.0), r"shapes qx \(3,\), qy \(2,\)"),
         (lambda s: s.displacement(1.0, np.inf, 0.0), "qy = .*inf"),
-        (lambda s: s.half_grid_surface_compliance(Grid((4, 4)), "float16"), "dtype = 'float16': float64 or"),
         (lambda s: s.kernels(np.ma.masked_less([1.0, 2.0], 1.5), 0.0), "q: an array without masked elements"),
         (lambda s: replace(s, bottom="free").kernels(1.0, 0.1), "bottom = 'free'"),
         (lambda s: s.kernels([[1.0], [2.0, 3.0]], 0.0), "q = .* needed$"),

@@ -5,7 +5,6 @@ import pytest
 
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import TwoBodies, sliding_coupling
-from asperity.fourier.grid import Grid
 from asperity.reference.state_space import StateSpace
 
 STEEL, BRONZE, COATING = Layer(210e9, 0.3), Layer(110e9, 0.34), Layer(3e9, 0.4, height=0.1)
@@ -22,9 +21,9 @@ def test_two_half_spaces_are_one():
 
 
 def test_layers_add_their_compliances():
-    both, grid = TwoBodies(COATING, STEEL), Grid((6, 8), 1.0)
-    parts = [layer.half_grid_surface_compliance(grid) for layer in (COATING, STEEL)]
-    np.testing.assert_array_equal(both.half_grid_surface_compliance(grid), parts[0] + parts[1])
+    both, q = TwoBodies(COATING, STEEL), np.array([0.0, 1.0, 30.0])
+    parts = [layer.surface_compliance(q) for layer in (COATING, STEEL)]
+    np.testing.assert_array_equal(both.surface_compliance(q), parts[0] + parts[1])
     assert both.uniform_compliance() == COATING.uniform_compliance()
     assert both.height == 0.1
 

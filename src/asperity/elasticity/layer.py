@@ -47,11 +47,10 @@ error.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import product
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike
+from numpy.typing import ArrayLike
 
 from asperity.core.arguments import LARGEST, SMALLEST, choice, magnitude, number, real_array
 from asperity.core.markup import table
@@ -61,12 +60,10 @@ from asperity.elasticity.kernels import (
     FREE,
     FRICTIONLESS,
     HALF_SPACE,
-    fill_face_compliance,
     fill_kernels,
     fill_shear_kernels,
     fill_surface_compliance,
 )
-from asperity.fourier.grid import ALL, Grid, real_type
 
 COMPONENTS = ("xx", "yy", "zz", "yz", "xz", "xy")
 BOTTOMS = ("bonded", "frictionless", "free")
@@ -310,7 +307,8 @@ class Layer:
         if self._kind not in (HALF_SPACE, BONDED):
             raise ValueError(f"bottom = {self.bottom!r}: bonded is needed, because this one bears no shear")
         q = _wavenumbers(q)
-        depth = float(self._depths(_one_depth(depth)))
+        depth = number("depth", depth, "a finite depth ≥ 0", lambda size: size >= 0)
+        depth = float(self._depths(depth))
         out = np.empty((5, *q.shape), q.dtype)
         fill_shear_kernels(
             self._kind, q.reshape(-1), depth, self.height or 0.0, self.poisson, out.reshape(5, -1)
@@ -374,66 +372,6 @@ class Layer:
         _require_finite("displacement", out)
         return out
 
-    def compliance(self, qx: ArrayLike, qy: ArrayLike) -> Array:
-        """Displacements of both faces of an unsupported layer per tractions on both faces.
-
-        Eqs. 8 and A.1 to A.3 of the paper, with the misprints listed in ``docs/method.md`` corrected.
-
-        Parameters
-        ----------
-        qx, qy : array
-            Components of the wavevector.
-
-        Returns
-        -------
-        compliance : (..., 6, 6) complex array
-            Hermitian and positive definite, in length per pressure. Columns are the tractions t = σ·n along
-            x, y, z at the top and x, y, z at the bottom, with the *outward* normal n at both faces (a
-            pressure p is t_z = −p); rows are the displacements in the same order. `bottom` has no effect. For
-            the half-space the limit of a tall layer, in which the faces do not influence each other. At q =
-            0, where a layer moves as a rigid body, 0.
-
-        Raises
-        ------
-        TypeError, ValueError
-            If a wavevector is not a number or out of range, or an element is too large for the type of qx and
-            qy: the compliance of a thin free layer grows as 1/(q⁴ height³).
-
-        Notes
-        -----
-        ``layer.compliance(qx, qy)[..., 2, 2]`` is the `surface_compliance` of a free bottom.
-        """
-        q, cosine, sine, kind = _polar(qx, qy)
-        flat = _wavenumbers(q).reshape(-1)
-        elements = np.empty((8, flat.size))
-        fill_face_compliance(flat, self.height or 0.0, self.height is None, self.poisson, elements)
-        out = np.zeros((*q.shape, 6, 6), kind)
-        with np.errstate(over="ignore", invalid="ignore"):
-            elements *= (1 + self.poisson) / self.young
-            # ll, tt, zz and lz, each for the same face and for opposite faces
-            elements = elements.reshape(4, 2, *q.shape)
-            for displaced, loaded in product((0, 1), (0, 1)):  # top, bottom
-                along, across, normal, mixed = elements[:, int(displaced != loaded)]
-                sign, back = 1 - 2 * displaced, 2 * loaded - 1
-                block = out[..., 3 * displaced : 3 * displaced + 3, 3 * loaded : 3 * loaded + 3]
-                block[..., 0, 0] = cosine**2 * along + sine**2 * across
-                block[..., 1, 1] = sine**2 * along + cosine**2 * across
-                block[..., 0, 1] = block[..., 1, 0] = cosine * sine * (along - across)
-                block[..., 0, 2] = 1j * sign * cosine * mixed
-                block[..., 1, 2] = 1j * sign * sine * mixed
-                block[..., 2, 0] = 1j * back * cosine * mixed
-                block[..., 2, 1] = 1j * back * sine * mixed
-                block[..., 2, 2] = normal
-        _require_finite("compliance", out)
-        return out
-
-    def half_grid_surface_compliance(
-        self, grid: Grid, dtype: DTypeLike = "float64", rows: slice = ALL
-    ) -> Array:
-        """`surface_compliance` of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1), or of some."""
-        q = grid.half_wavenumber(rows).astype(real_type(dtype), copy=False)
-        return self.surface_compliance(q)
-
     def _depths(self, depth: ArrayLike) -> Array:
         """Depths as float64, checked."""
         values = real_array("depth", depth)
@@ -445,15 +383,6 @@ class Layer:
         if wrong.any():
             raise ValueError(f"depth = {values[wrong].flat[0]}: a finite depth from 0 to {limit} is needed")
         return np.minimum(values, limit)
-
-
-def mirror_rows(values: Array, grid: Grid) -> Array:
-    """All stored rows, (ny, ...), of a quantity even in qy that is given for the rows 0 ≤ ky ≤ ny/2."""
-    return values[np.abs(grid.ky)]
-
-
-def _one_depth(depth: float) -> float:
-    return number("depth", depth, "a finite depth ≥ 0", lambda size: size >= 0)
 
 
 def _wavenumbers(q: ArrayLike) -> Array:

@@ -11,12 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike
+from numpy.typing import ArrayLike
 
 from asperity.core.markup import table
 from asperity.core.types import Array
 from asperity.elasticity.layer import Layer
-from asperity.fourier.grid import ALL, Grid
 
 
 @dataclass(frozen=True)
@@ -78,14 +77,6 @@ class TwoBodies:
     def uniform_compliance(self) -> float:
         """Approach of the bodies per unit mean pressure; 0 by rule if a body has no uniform displacement."""
         return self.lower.uniform_compliance() + self.upper.uniform_compliance()
-
-    def half_grid_surface_compliance(
-        self, grid: Grid, dtype: DTypeLike = "float64", rows: slice = ALL
-    ) -> Array:
-        """`surface_compliance` of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1), or of some."""
-        bodies = self.lower, self.upper
-        lower, upper = (body.half_grid_surface_compliance(grid, dtype, rows) for body in bodies)
-        return np.asarray(lower + upper)
 
 
 Solid = Layer | TwoBodies

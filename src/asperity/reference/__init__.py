@@ -4,16 +4,14 @@ Nothing here uses the kernels, layers or solvers of the library; only `asperity.
 
 | module | solution |
 |---|---|
-| `elementary` | half-space under one harmonic of pressure or a point force; von Mises and shear stress |
-| `hertz` | sphere on a half-space: surface, axis and interior |
-| `elliptic_hertz` | ellipse of contact on a half-space: surface, and stress on the axis |
+| `hertz` | sphere on a half-space: surface, axis and interior; von Mises stress |
+| `elliptic_hertz` | ellipse of contact on a half-space: pressure, and stress on the axis |
 | `sliding_sphere` | sphere that slides on a half-space: stress everywhere |
 | `periodic_hertz` | square array of spheres on a half-space, the paper's Eqs. 11–16 as corrected |
 | `westergaard` | one-dimensional wave on a half-space: surface and interior |
 | `bisinusoid` | bisinusoidal wave on a half-space: asymptotes of small and nearly complete contact |
 | `bonded_layer` | flat punch and paraboloid on a bonded layer, by a Fredholm equation |
 | `state_space` | one Fourier mode of a layer, to any number of digits |
-| `printed` | the paper's equations of the layer, as printed and corrected |
 | `pivoting` | contact on a small periodic grid by principal pivoting, without iterating on pressures |
 | `finite_element` | paraboloid on a bonded slab by 27-node hexahedra |
 

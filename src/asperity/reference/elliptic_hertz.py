@@ -5,12 +5,11 @@ angew. Math. 92 (1882) 156, DOI 10.1515/crll.1882.92.156; K. L. Johnson, Contact
 University Press, 1985, sections 3.5, 4.2 and 4.5; A. Sackfield, D. A. Hills, J. Strain Anal. 18 (1983) 101,
 DOI 10.1243/03093247V182101).
 
-Displacement and stress follow from the potential ``V = ∫∫ p/ρ dS``, with ``S(w) = √((a² + w)(b² + w) w)``
+The stress follows from the potential ``V = ∫∫ p/ρ dS``, with ``S(w) = √((a² + w)(b² + w) w)``
 
     V = π a b p0 / 2 ∫_λ^∞ (1 − x²/(a² + w) − y²/(b² + w) − z²/w) dw / S(w),
 
-where λ is the largest root of the bracket and z the depth. The surface is displaced by V/(π E*), the stress
-is
+where λ is the largest root of the bracket and z the depth, as
 
     σ_zz = (∂V/∂z − z ∂²V/∂z²)/(2π),    σ_xx = (2ν ∂V/∂z − z ∂²V/∂x² − (1 − 2ν) ∂²χ/∂x²)/(2π),    ∂χ/∂z = V,
 
@@ -32,18 +31,17 @@ cancels when the ellipse becomes a circle.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import brentq, minimize_scalar
-from scipy.special import ellipk, elliprd, elliprf
+from scipy.special import ellipk, elliprd
 
 from asperity.core.arguments import require_positive
 from asperity.core.types import Array
-from asperity.reference.elementary import largest_shear, von_mises
+from asperity.reference.hertz import von_mises
 
 SMALLEST_AXIS_RATIO = 1e-6
 """Smallest ratio b/a that is looked for when the ellipse is computed from its curvatures."""
@@ -151,22 +149,6 @@ class EllipticHertz:
         y, x = np.asarray(y, float) / self.semi_minor, np.asarray(x, float) / self.semi_major
         return self.largest_pressure * np.sqrt(np.maximum(1 - x**2 - y**2, 0.0))
 
-    def displacement(self, y: ArrayLike, x: ArrayLike) -> Array:
-        """Downward displacement of the surface at positions relative to the axis; y and x broadcast."""
-        a, b = self.semi_major, self.semi_minor
-        y, x = np.broadcast_arrays(np.asarray(y, float), np.asarray(x, float))
-        # Outside the contact λ is the positive root of x²/(a² + λ) + y²/(b² + λ) = 1.
-        half_sum = 0.5 * (x**2 + y**2 - a**2 - b**2)
-        product = a**2 * b**2 - x**2 * b**2 - y**2 * a**2
-        root = np.maximum(half_sum + np.sqrt(np.maximum(half_sum**2 - product, 0.0)), 0.0)
-        along_x, along_y = a**2 + root, b**2 + root
-        potential = (
-            elliprf(along_x, along_y, root)
-            - x**2 / 3 * elliprd(along_y, root, along_x)
-            - y**2 / 3 * elliprd(along_x, root, along_y)
-        )
-        return a * b * self.largest_pressure / self.effective_modulus * potential
-
     def stress_on_axis(self, depth: ArrayLike, poisson: float) -> Array:
         """Stress on the axis, where the coordinate axes are principal axes.
 
@@ -203,20 +185,11 @@ class EllipticHertz:
         return np.stack([xx, yy, -scale / product, none, none, none], axis=-1)
 
     def largest_von_mises_on_axis(self, poisson: float) -> AxisPeak:
-        """Largest von Mises stress on the axis, and its depth."""
-        return self._peak(lambda depth: von_mises(self.stress_on_axis(depth, poisson)))
+        """Largest von Mises stress on the axis, and its depth: a sample, refined between its neighbours."""
 
-    def largest_shear_on_axis(self, poisson: float) -> AxisPeak:
-        """Largest shear stress on the axis, over all directions, and its depth."""
-        return self._peak(lambda depth: largest_shear(self.stress_on_axis(depth, poisson)))
+        def measure(depth: ArrayLike) -> Array:
+            return von_mises(self.stress_on_axis(depth, poisson))
 
-    @property
-    def _ratio(self) -> float:
-        """Axis ratio b/a."""
-        return self.semi_minor / self.semi_major
-
-    def _peak(self, measure: Callable[[ArrayLike], Array]) -> AxisPeak:
-        """Largest value of a function of the depth: the largest sample, refined between its neighbours."""
         depths = np.linspace(0.0, 2 * self.semi_minor, DEPTH_SAMPLES + 1)
         at = int(measure(depths).argmax())
         found = minimize_scalar(
@@ -227,6 +200,11 @@ class EllipticHertz:
         )
         depth = max(float(found.x), float(depths[at]), key=measure)
         return AxisPeak(float(measure(depth)), depth)
+
+    @property
+    def _ratio(self) -> float:
+        """Axis ratio b/a."""
+        return self.semi_minor / self.semi_major
 
 
 def _curvature_integrals(ratio: float) -> tuple[float, float]:

@@ -180,3 +180,10 @@ def unit_displacement(rho: ArrayLike) -> Array:
     inverse = 1 / np.maximum(rho, 1.0)
     outside = 4 / 3 * inverse * hyp2f1(0.5, 0.5, 2.5, inverse**2)
     return np.where(rho <= 1, 0.5 * np.pi * (2 - rho**2), outside)
+
+
+def von_mises(stress: ArrayLike) -> Array:
+    """Von Mises stress of a (..., 6) array in the order xx, yy, zz, yz, xz, xy, (...)."""
+    xx, yy, zz, yz, xz, xy = np.moveaxis(np.asarray(stress, float), -1, 0)
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return np.sqrt(0.5 * normal + 3 * (yz**2 + xz**2 + xy**2))

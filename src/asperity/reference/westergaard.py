@@ -64,11 +64,6 @@ class Westergaard:
         return 2 / np.pi * float(np.arcsin(self._sine))
 
     @property
-    def contact_half_width(self) -> float:
-        """Half of the width of one strip of contact."""
-        return 0.5 * self.area_fraction * self.wavelength
-
-    @property
     def approach(self) -> float:
         """Displacement of the wave from first touch, relative to the mean displacement of the surface.
 

@@ -17,7 +17,6 @@ from numpy.typing import DTypeLike
 from asperity.core.compiled import compiled
 from asperity.core.parallel import in_parts, in_strips
 from asperity.core.types import Array
-from asperity.elasticity.layer import mirror_rows
 from asperity.elasticity.two_bodies import Solid
 from asperity.fourier.grid import Fourier, Grid, gradient, resample
 
@@ -94,7 +93,8 @@ class Response:
         modes = np.empty((self.grid.shape[0] // 2 + 1, self.grid.shape[1] // 2 + 1), self.fourier.real)
 
         def fill(strip: slice) -> None:
-            modes[strip] = self.solid.half_grid_surface_compliance(self.grid, modes.dtype, strip)
+            wavenumber = self.grid.half_wavenumber(strip).astype(modes.dtype, copy=False)
+            modes[strip] = self.solid.surface_compliance(wavenumber)
 
         in_strips(fill, modes.shape, self.fourier.threads)
         if self.omits_mean:
@@ -104,7 +104,7 @@ class Response:
     @property
     def compliance(self) -> Array:
         """Factors of all coefficients."""
-        return mirror_rows(self.half_compliance, self.mode_grid)
+        return self.half_compliance[np.abs(self.mode_grid.ky)]
 
     @property
     def uniform_compliance(self) -> float:

@@ -32,7 +32,7 @@ def solid(settings: Mapping[str, Any]) -> tuple[Layer, dict[str, Any]]:
         The layer of the settings, or the half-space if both differ by at most half_space_tolerance
         (`asperity.elasticity.simplest_solid`). Young's modulus is 1 − ν², so that E* is one.
     record : dict
-        The `SOLID_ATTRIBUTES`: the solid used, the reason and the bound of the difference, the condition of
+        The `SOLID_ATTRIBUTES`: the solid used, the reason and the difference, the condition of
         the mean (q = 0) mode, and Poisson's ratio.
     """
     poisson = settings["poisson"]
@@ -48,7 +48,7 @@ def solid(settings: Mapping[str, Any]) -> tuple[Layer, dict[str, Any]]:
     record = {
         "solid": name,
         "solid_reason": chosen.reason,
-        "solid_bound": chosen.bound,
+        "solid_bound": chosen.difference,
         "uniform_mode": f"laterally {settings['lateral']}",
         "poisson_contact": poisson,
     }

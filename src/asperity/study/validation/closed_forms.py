@@ -18,9 +18,8 @@ from asperity.elasticity.layer import Layer
 from asperity.fourier.grid import Grid
 from asperity.reference.bisinusoid import Bisinusoid
 from asperity.reference.bonded_layer import BondedLayer
-from asperity.reference.elementary import von_mises
 from asperity.reference.elliptic_hertz import EllipticHertz
-from asperity.reference.hertz import Hertz
+from asperity.reference.hertz import Hertz, von_mises
 from asperity.reference.periodic_hertz import PeriodicHertz
 from asperity.reference.westergaard import Westergaard
 from asperity.stress.planes.planes import stress_planes

@@ -1,9 +1,8 @@
 """The paper's equations of the elastic layer, as printed and corrected.
 
 They serve to show which printed equations do not hold (`docs/method.md`) and how rounding affects the
-corrected ones (`studies/stability/rounding.py`); the library itself computes with
-`asperity.elasticity.layer`. ``corrected``: False gives the printed text literally, True the nearest form that
-holds.
+corrected ones (`rounding.py`); the library itself computes with `asperity.elasticity.layer`. ``corrected``:
+False gives the printed text literally, True the nearest form that holds.
 
 ``lib`` is the arithmetic: ``mpmath.mp`` for any number of digits, ``numpy`` for floating point in the
 precision of the arguments. Equation numbers are those of the paper. z is measured upward from the bottom.
