@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.core.arguments import LARGEST, choice, magnitude, number, pair, require_finite
-from asperity.core.errors import shown
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
 from asperity.surface.roughness import checked_heights
@@ -54,12 +52,8 @@ def add_sphere(
            [10.,  0., 10.],
            [20., 10., 20.]])
     """
-    heights, grid = _surface(height, length)
-    radius = magnitude("radius", radius)
-    y, x = _from_centre(grid, centre)
-    found = np.asarray(heights + (y[:, None] ** 2 + x**2) / (2 * radius))
-    require_finite("add_sphere", {"height": found})
-    return found
+    y, x = _from_centre(height, length, centre)
+    return _added("add_sphere", height, y[:, None] ** 2 + x**2, radius)
 
 
 def add_cylinder(
@@ -88,31 +82,23 @@ def add_cylinder(
            [12.8,  3.2,  0. ,  3.2, 12.8],
            [12.8,  3.2,  0. ,  3.2, 12.8]])
     """
-    heights, grid = _surface(height, length)
-    radius = magnitude("radius", radius)
     choice("axis", axis, AXES)
-    y, x = _from_centre(grid, centre)
-    across = x if axis == "y" else y[:, None]
-    found = np.asarray(heights + across**2 / (2 * radius))
-    require_finite("add_cylinder", {"height": found})
+    y, x = _from_centre(height, length, centre)
+    return _added("add_cylinder", height, (x if axis == "y" else y[:, None]) ** 2, radius)
+
+
+def _added(function: str, height: ArrayLike, square: Array, radius: float) -> Array:
+    """The heights with a parabola of a radius; `square` is that of the distance from its lowest point."""
+    found = checked_heights(height) + square / (2 * magnitude("radius", radius))
+    require_finite(function, {"height": found})
     return found
 
 
-def _surface(height: ArrayLike, length: Grid | float | tuple[float, float]) -> tuple[Array, Grid]:
-    """The heights, and the grid on which they are given."""
-    heights = checked_heights(height)
-    if not isinstance(length, Grid):
-        return heights, Grid(heights.shape, length)  # type: ignore[arg-type]
-    if length.shape != heights.shape:
-        raise ValueError(
-            f"length = {shown(length)}: a grid of the shape of the heights, {heights.shape}, is needed"
-        )
-    return heights, length
-
-
-def _from_centre(grid: Grid, centre: tuple[float, float] | None) -> tuple[Array, Array]:
+def _from_centre(
+    height: ArrayLike, length: Grid | float | tuple[float, float], centre: tuple[float, float] | None
+) -> tuple[Array, Array]:
     """Distances of the rows and columns of nodes from the centre."""
-    y, x = grid.coordinates()
+    y, x = Grid(checked_heights(height).shape, length).coordinates()  # type: ignore[arg-type]
     if centre is None:
         return y - 0.5 * y[-1], x - 0.5 * x[-1]
     accepted = f"None or a pair (y, x) of numbers from {-LARGEST:g} to {LARGEST:g}"

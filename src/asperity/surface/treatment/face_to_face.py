@@ -21,7 +21,6 @@ import numpy as np
 from asperity.core.arguments import choice, number, require_finite
 from asperity.core.errors import shown
 from asperity.core.types import Array
-from asperity.fourier.grid import Fourier, Grid, resample
 from asperity.surface.reading.height_map import AXES, LOWER_FACE, PEAKS_UP, HeightMap, MapError
 
 ON_A_NODE = 1e-6
@@ -108,31 +107,27 @@ def face_to_face(
     face = upper.as_indenter()
     if turned:
         face = face[:, ::-1] if turned_about == "y" else face[::-1]
-    periodic = lower.periodic and upper.periodic
-    if periodic:
-        part = tuple(slice(0, nodes) for nodes in lower.height.shape)
-        found, resampled = _moved_period(face, lower, (shift_y, shift_x))
+    parts, places, on_nodes = zip(
+        *(_common_nodes(lower, upper, axis, (shift_y, shift_x)[axis]) for axis in (0, 1)), strict=True
+    )
+    if all(on_nodes):
+        rows, columns = (np.rint(place).astype(int) % n for place, n in zip(places, face.shape, strict=True))
+        found = face[np.ix_(rows, columns)]
     else:
-        parts, places, on_nodes = zip(
-            *(_common_nodes(lower, upper, axis, (shift_y, shift_x)[axis]) for axis in (0, 1)), strict=True
-        )
-        part, resampled = tuple(parts), not all(on_nodes)
-        if resampled:
-            found = _sampled(face, places, lower, upper)
-        else:
-            found = face[np.ix_(*(np.rint(place).astype(np.int64) for place in places))]
-    height = lower.as_indenter()[part] + found
+        along_y, along_x = (_interpolation(lower, upper, axis, places[axis]) for axis in (0, 1))
+        found = along_y @ face @ along_x.T
+    height = lower.as_indenter()[parts] + found
     require_finite("face_to_face", {"height": height})
     pixel = lower.spacing
     combined = replace(
         lower,
         height=height - height.mean(),
         length=(height.shape[0] * pixel[0], height.shape[1] * pixel[1]),
-        periodic=periodic,
+        periodic=_is_period(lower, upper),
         orientation=LOWER_FACE,
         channel="",
     )
-    origin = part[0].start * pixel[0], part[1].start * pixel[1]
+    origin = parts[0].start * pixel[0], parts[1].start * pixel[1]
     whole = height.shape == lower.height.shape
 
     how = f"turned over about the axis {turned_about}"
@@ -145,7 +140,7 @@ def face_to_face(
         done.append(
             f"the maps have {size} in common; places count from its corner, y = {y} and x = {x} of the map"
         )
-    if resampled:
+    if not all(on_nodes):
         done.append("counter map interpolated to the pixels of the map")
     return FacedMaps(combined, origin, whole, tuple(done))
 
@@ -162,6 +157,11 @@ def _require_comparable(lower: HeightMap, upper: HeightMap) -> None:
         raise MapError(upper.name, [f"periodic maps of equal edges are needed, not {mine} and {its}"])
 
 
+def _is_period(lower: HeightMap, upper: HeightMap) -> bool:
+    """True if both maps are one period of the same edges."""
+    return lower.periodic and upper.periodic
+
+
 def _common_nodes(lower: HeightMap, upper: HeightMap, axis: int, shift: float) -> tuple[slice, Array, bool]:
     """Nodes of the lower map that the upper one covers, their places in it, and if these are its nodes.
 
@@ -171,7 +171,9 @@ def _common_nodes(lower: HeightMap, upper: HeightMap, axis: int, shift: float) -
     count, pixel = upper.height.shape[axis], upper.spacing[axis]
     position = (np.arange(nodes) + 0.5) * step - lower.length[axis] / 2 - shift
     place = (position + upper.length[axis] / 2) / pixel - 0.5
-    inside = np.flatnonzero((place > -0.5 - ON_A_NODE) & (place < count - 0.5 + ON_A_NODE))
+    inside = np.arange(nodes)
+    if not _is_period(lower, upper):
+        inside = np.flatnonzero((place > -0.5 - ON_A_NODE) & (place < count - 0.5 + ON_A_NODE))
     if inside.size < FEWEST_NODES:
         common = f"the maps have {inside.size} nodes in common, at least {FEWEST_NODES} are needed"
         raise MapError(upper.name, [f"shift along {AXES[axis]} = {shift:.6g}: {common}"])
@@ -181,36 +183,24 @@ def _common_nodes(lower: HeightMap, upper: HeightMap, axis: int, shift: float) -
     return slice(int(inside[0]), int(inside[-1]) + 1), place, on_nodes
 
 
-def _sampled(face: Array, places: tuple[Array, ...], lower: HeightMap, upper: HeightMap) -> Array:
-    """Values of a face with edges at places between its nodes, without waves that the lower map cannot hold.
+def _interpolation(lower: HeightMap, upper: HeightMap, axis: int, place: Array) -> Array:
+    """Matrix from values at the nodes of the upper map, along an axis, to those at places between them.
 
-    The cosine series is the Fourier series of the map continued by its mirror images.
+    It sums the Fourier series of a period, or of a map continued by its mirror images, without waves that
+    the lower map cannot hold.
     """
-    from scipy.fft import dctn
+    nodes, longest = upper.height.shape[axis], upper.length[axis] / lower.spacing[axis]
+    if _is_period(lower, upper):
+        order = np.fft.fftfreq(nodes, 1 / nodes)
+        kept = 2 * np.abs(order) < min(nodes, longest)
+        waves, there = (
+            np.exp(2j * np.pi / nodes * np.outer(at, order[kept])) for at in (np.arange(nodes), place)
+        )
+        return (there @ waves.conj().T).real / nodes
+    from scipy.fft import dct
 
-    values = dctn(face, norm="ortho")
-    for axis, place in enumerate(places):
-        nodes = face.shape[axis]
-        order = np.arange(nodes)
-        weight = np.where(order == 0, np.sqrt(1 / nodes), np.sqrt(2 / nodes))
-        # A mode of order k has a wavelength of 2 · length / k.
-        weight[order * lower.spacing[axis] > upper.length[axis]] = 0.0
-        basis = weight * np.cos(np.pi / nodes * (place[:, None] + 0.5) * order)
-        values = basis @ values if axis == 0 else values @ basis.T
-    return values
-
-
-def _moved_period(face: Array, lower: HeightMap, shift: tuple[float, float]) -> tuple[Array, bool]:
-    """A period on the nodes of the lower map and moved by a shift, and if it was interpolated."""
-    target = Grid((lower.height.shape[0], lower.height.shape[1]), lower.length)
-    source = Grid((face.shape[0], face.shape[1]), lower.length)
-    moved = [value / step for value, step in zip(shift, target.spacing, strict=True)]
-    nodes = [round(value) for value in moved]
-    whole = max(abs(a - b) for a, b in zip(moved, nodes, strict=True)) < ON_A_NODE
-    if whole and source.shape == target.shape:
-        return np.roll(face, nodes, axis=(0, 1)), False
-    modes = resample(Fourier(source).forward(face), source, target)
-    # Nodes are the middles of pixels: the first nodes of unlike grids are at different places.
-    late = [value + (a - b) / 2 for value, a, b in zip(shift, source.spacing, target.spacing, strict=True)]
-    phase = target.odd_qy[:, None] * late[0] + target.odd_qx[None, :] * late[1]
-    return Fourier(target).inverse(modes * np.exp(-1j * phase)), True
+    # A mode of order k has a wavelength of 2 · length / k.
+    order = np.arange(nodes)
+    weight = np.where(order == 0, np.sqrt(1 / nodes), np.sqrt(2 / nodes)) * (order <= longest)
+    basis = weight * np.cos(np.pi / nodes * (place[:, None] + 0.5) * order)
+    return basis @ dct(np.eye(nodes), norm="ortho", axis=0)

@@ -157,33 +157,26 @@ def subtract_trend(
     The polynomial is a constant, a plane (``tilt``) or of degree two (``curvature``), and the bow is the
     range of the terms of degree two. The terms are orthogonal on a full grid.
     """
-    linear_y, linear_x = (np.linspace(-1.0, 1.0, n) for n in height.shape)
-    square_y, square_x = (np.square(linear) - np.mean(np.square(linear)) for linear in (linear_y, linear_x))
-    one_y, one_x = np.ones_like(linear_y), np.ones_like(linear_x)
-    terms = [
-        (0, one_y, one_x),
-        (1, linear_y, one_x),
-        (1, one_y, linear_x),
-        (2, square_y, one_x),
-        (2, linear_y, linear_x),
-        (2, one_y, square_x),
-    ]
-    left, linear, curved = height.astype(float), [], np.zeros(height.shape)
-    for degree, term_y, term_x in terms:
+    y, x = (
+        [np.ones_like(line), line, np.square(line) - np.mean(np.square(line))]
+        for line in (np.linspace(-1.0, 1.0, n) for n in height.shape)
+    )
+    left, slopes, curved = height.astype(float), {(1, 0): 0.0, (0, 1): 0.0}, np.zeros(height.shape)
+    for order in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)):
+        term_y, term_x = y[order[0]], x[order[1]]
         norm = (term_y @ term_y) * (term_x @ term_x)
-        if degree > DETRENDS.index(detrend) or norm == 0:
+        if sum(order) > DETRENDS.index(detrend) or norm == 0:
             continue
         coefficient = (term_y @ height @ term_x) / norm
         subtracted = np.outer(coefficient * term_y, term_x)
         left -= subtracted
-        if degree == 1:
-            linear.append(float(coefficient))
-        elif degree == 2:
+        if sum(order) == 2:
             curved += subtracted
+        elif sum(order) == 1:
+            slopes[order] = float(coefficient)
     # The terms of degree one run from -1 to 1 over the distance between the first and the last point.
     half = [edge * (1 - 1 / n) / 2 for edge, n in zip(length, height.shape, strict=True)]
-    slope_y, slope_x = linear or (0.0, 0.0)
-    return left, (slope_y / half[0], slope_x / half[1]), float(np.ptp(curved))
+    return left, (slopes[1, 0] / half[0], slopes[0, 1] / half[1]), float(np.ptp(curved))
 
 
 def mirrored(height: Array) -> Array:
