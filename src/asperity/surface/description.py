@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from asperity.core.types import Array
+from asperity.surface.reading.agreement import MapFile
 from asperity.surface.reading.height_map import LOWER_FACE, PEAKS_UP, HeightMap, MapOptions
-from asperity.surface.reading.map_file import MapFile, open_map
+from asperity.surface.reading.map_file import open_map
 from asperity.surface.roughness import moments, spectrum
 from asperity.surface.texture import finest_tip, texture
 from asperity.surface.treatment.levelling import edge_step, fill_harmonic, find_spikes, subtract_trend

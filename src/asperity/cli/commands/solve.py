@@ -22,8 +22,8 @@ from asperity.study.config.defaults import complete_map, default
 from asperity.study.runtime.progress import ProgressBar
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.surface import read_surface
-from asperity.surface.reading.contents import path_problem
 from asperity.surface.reading.height_map import MapError
+from asperity.surface.reading.map_file import path_problem
 
 DIMENSIONS_OF_LOADS = {"mean_pressure": "pressure", "force": "force", "approach": "length"}
 """Quantities that can be imposed in place of the area, and their dimensions."""

@@ -48,12 +48,6 @@ ORIENTATION_NEEDED = (
 
 UNIT_NEEDED = "unit: the file does not say the unit of its heights; set it, for example to um"
 
-# Units of files, some of which pint reads as something else; for these it need not be imported (0.3 s).
-_METRES = {
-    **{"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "\u03bcm": 1e-6, "~m": 1e-6, "nm": 1e-9, "pm": 1e-12},
-    **{"A": 1e-10, "Å": 1e-10, "\u212b": 1e-10},
-}
-
 
 class MapError(InputError):
     """Raised for a height map that cannot be read or used as asked; the message has a line a problem.
@@ -324,18 +318,3 @@ class HeightMap:
         if self.unit is None:
             raise ValueError(UNIT_NEEDED)
         return to_si(value, "length", name)
-
-
-def metres(unit: str, name: str = "unit") -> float:
-    """Size of a length unit in metres.
-
-    Raises
-    ------
-    ValueError
-        If it is not a unit of length.
-    """
-    unit = unit.strip() if isinstance(unit, str) else unit
-    try:
-        return _METRES.get(unit) or to_si(f"1 {unit}", "length")
-    except (ValueError, TypeError) as error:
-        raise ValueError(f"{name} = {unit!r}: a unit of length is needed (nm, um, mm, m)") from error

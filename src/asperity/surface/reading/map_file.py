@@ -1,53 +1,59 @@
-"""Reading of height maps: what a file says and what the caller says about it, combined and in metres.
+"""Reading of height maps: heights, edges and units as a file says them, combined with the options.
 
-What the caller says must not contradict the file. Everything that is wrong or missing is reported at once.
+Text, arrays of NumPy, pictures and surfaces of asperity are read here, files of instruments by the package
+SurfaceTopography.
 """
 
 from __future__ import annotations
 
+import gzip
+import io
 import math
 import os
-from dataclasses import dataclass
-from typing import Any
+import re
+import stat
+import sys
+import warnings
+import zipfile
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from importlib.util import find_spec
+from types import ModuleType
+from typing import Any, BinaryIO
 
 import numpy as np
 
-from asperity.core.errors import shown
-from asperity.core.units import to_si
-from asperity.surface.reading.contents import Channel, FileContent, read_content
-from asperity.surface.reading.height_map import (
-    LOWER_FACE,
-    ORIENTATION_NEEDED,
-    UNIT_NEEDED,
-    HeightMap,
-    MapError,
-    MapOptions,
-    metres,
+from asperity.core.errors import one_line, shown
+from asperity.core.packages import require
+from asperity.core.types import Array
+from asperity.fourier.grid import grid_of
+from asperity.surface.reading import formats
+from asperity.surface.reading.agreement import Channel, FileContent, MapFile, combined, metres
+from asperity.surface.reading.formats import TEXT_FORMATS, Format
+from asperity.surface.reading.height_map import LOWER_FACE, PEAKS_UP, HeightMap, MapError, MapOptions
+from asperity.surface.reading.number_table import NumberTable, find_dialect, grid_points, read_table
+
+ROW_BY_ROW = ("h5", "mat")
+"""Bare arrays of SurfaceTopography: element [i, j] is row i along y and column j along x."""
+
+FEW_COLUMNS, ELONGATED = 8, 20
+"""A table without edges that has no more columns than this, and this many times more rows, is no map."""
+
+GIB = 2**30
+
+# SDF files of before ISO 25178-71, which SurfaceTopography does not know; only their first line is different.
+_OLDER_SDF = {b"aBCR-1.0": b"aISO-1.0", b"bBCR-1.0": b"bISO-1.0"}
+
+UNREADABLE = "not a height map that can be read"
+
+_MATRIX_HEADER = re.compile(
+    r"\b(?:width|breite|largeur|anchura|larghezza|x-pixels|x-length|nx|x\s+size|pixel\s+size|z-unit)\b"
+    r"\s*[:=]?\s*[\d\w]|Wyko ASCII",
+    re.IGNORECASE,
 )
-
-LARGEST_HEIGHT = 1e6
-"""Largest height of a map in units of its longer edge; a larger one is a wrong unit or a damaged file."""
-
-AGREEMENT = 1e-3
-"""Relative difference up to which what the caller says is what the file says: one pixel of a map of 1000."""
-
-
-@dataclass(frozen=True)
-class MapFile:
-    """A file as far as it can be read.
-
-    Parameters
-    ----------
-    map : HeightMap
-        Its edges are numbers of pixels if they are not known.
-    channels : tuple of Channel
-    problems : list of str
-        What is missing or contradicts the file; empty if the map can be used.
-    """
-
-    map: HeightMap
-    channels: tuple[Channel, ...]
-    problems: list[str]
+"""Header lines of matrices that SurfaceTopography understands."""
 
 
 def read_map(path: str | os.PathLike[str], options: MapOptions | None = None, **given: Any) -> HeightMap:
@@ -100,102 +106,318 @@ def open_map(path: str | os.PathLike[str], options: MapOptions) -> MapFile:
     Raises
     ------
     MapError
-        If the file cannot be read as a height map.
+        If the file cannot be read as a height map; the message begins with its name.
     """
-    content = read_content(path, options)
-    problems: list[str] = []
-    factor = _height_factor(content, options, problems)
-    unit, metre = _unit(content, options, problems)
-    length = _length(content, options, metre, problems)
-    orientation = _orientation(content, options, problems)
-    scale = factor * (metre or 1.0)
-    height = content.height if scale == 1 else content.height * scale
-    edges = length or (float(height.shape[0]), float(height.shape[1]))
-    finite = np.isfinite(height)
-    if not finite.any():
-        problems.append("no point of the map has data")
-    elif length and np.abs(height).max(initial=0.0, where=finite) > LARGEST_HEIGHT * max(edges):
-        problems.append(
-            f"height_factor: heights up to {LARGEST_HEIGHT:g} times the longer edge are accepted; set it or "
-            "correct the file"
-        )
     name = os.fspath(path)
-    found = HeightMap(height, edges, content.periodic, orientation, unit, name, content.channel)
-    return MapFile(found, content.channels, problems)
-
-
-def _orientation(content: FileContent, options: MapOptions, problems: list[str]) -> str | None:
-    own, given = content.orientation, options.orientation
-    if own is None and given is None:
-        problems.append(ORIENTATION_NEEDED)
-    elif own == LOWER_FACE and given not in (None, own):
-        problems.append(
-            f"orientation = {given!r}: the file holds the lower face of an indenter; leave it out"
-        )
-    return given or own
-
-
-def _height_factor(content: FileContent, options: MapOptions, problems: list[str]) -> float:
-    """Factor that the caller applies to the heights; the file's own is applied by its reader."""
-    factor = options.height_factor
-    if factor is None:
-        if content.is_grey:
-            problems.append("height_factor: the file holds grey levels; set it to the height of one level")
-        return 1.0
-    if content.factor is not None and not math.isclose(factor, content.factor, rel_tol=AGREEMENT):
-        problems.append(f"height_factor = {factor:g}: the file says {content.factor:g}; leave it out")
-    elif content.factor is None and content.unit is not None and factor != 1:
-        problems.append(f"height_factor = {factor:g}: the file says heights in {content.unit}; leave it out")
-    elif content.factor is None:
-        return float(factor)
-    return 1.0
-
-
-def _unit(content: FileContent, options: MapOptions, problems: list[str]) -> tuple[str | None, float | None]:
-    """Unit of the heights and its size in metres, None if nobody says it."""
-    known = {}
-    for name, unit in (("unit of the file", content.unit), ("unit", options.unit)):
-        try:
-            if unit is not None:
-                known[unit] = metres(unit, name)
-        except ValueError as error:
-            problems.append(str(error))
-    sizes = list(known.values())
-    if len(sizes) == 2 and not math.isclose(*sizes, rel_tol=1e-9):
-        problems.append(f"unit = {options.unit!r}: the file says {content.unit}; leave it out")
-    return next(iter(known.items()), (None, None))
-
-
-def _length(
-    content: FileContent, options: MapOptions, metre: float | None, problems: list[str]
-) -> tuple[float, float] | None:
-    """Edges in metres, or in the unknown unit of the file; None if nobody says them."""
-    scale = metre or 1.0
-    own = None if content.length is None else (content.length[0] * scale, content.length[1] * scale)
-    if own is not None and not all(math.isfinite(edge) and edge > 0 for edge in own):
-        problems.append(f"edges > 0 are needed, not {own[0]:g} and {own[1]:g}")
-        return None
-    size = options.physical_size
-    if size is None:
-        if own is None:
-            problems.append("physical_size: the file does not say the edges (y, x) of the map; set it")
-        return own
-    if metre is None and any(isinstance(edge, str) for edge in size):
-        problems.append(UNIT_NEEDED)
-        return own
+    if problem := path_problem(path):
+        raise MapError(name, [problem])
     try:
-        y, x = (to_si(e, "length", "physical_size") if isinstance(e, str) else e * scale for e in size)
+        with open(path, "rb") as file:
+            content = _read(file, name, options)
+    except (OSError, EOFError, zlib.error, zipfile.BadZipFile) as error:
+        raise MapError(name, [f"a file without damage is needed ({_first_line(error)})"]) from error
     except ValueError as error:
-        problems.append(str(error))
-        return own
-    if not (0 < y < math.inf and 0 < x < math.inf):
-        problems.append(f"physical_size = {shown(size)}: two lengths > 0 (y, x) are needed")
-        return own
-    if own is None:
-        return y, x
-    if not np.allclose((y, x), own, rtol=AGREEMENT, atol=0):
-        stated = " x ".join(f"{edge / scale:.6g}" for edge in own) + (
-            f" {content.unit}" if content.unit else ""
+        raise MapError(name, [_first_line(error)]) from error
+    return combined(content, name, options)
+
+
+def path_problem(path: str | os.PathLike[str]) -> str:
+    """Reason why a path is not that of a file with a map, empty if it may be."""
+    try:
+        mode = os.stat(path).st_mode
+    except (OSError, ValueError):  # also for names that are too long, or with a null character
+        return "no such file"
+    if stat.S_ISDIR(mode):
+        return "a folder, a file is needed"
+    return "" if stat.S_ISREG(mode) else "not a regular file"
+
+
+def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
+    """The content of a file, or of a gzip file, in the first of its possible formats that can read it."""
+    is_packed = plain.read(2) == b"\x1f\x8b"
+    plain.seek(0)
+    file: Any = gzip.GzipFile(fileobj=plain) if is_packed else plain
+    begin = file.read(formats.BLOCK)
+    possible = formats.possible_formats(begin, file, name, options.format)
+    is_text = bool(possible) and possible[0].name in TEXT_FORMATS
+    dialect = find_dialect(_text(begin)) if is_text else None
+    if not possible or (is_text and dialect is None):
+        raise ValueError(
+            f"{UNREADABLE}: it looks like {formats.look_of(begin)}; known are {formats.known_extensions()}"
         )
-        problems.append(f"physical_size: the file itself says {stated} (y, x); leave it out")
-    return own
+    file.seek(0)
+    size = os.path.getsize(name)
+    if is_packed:
+        file = io.BytesIO(file.read(int(options.max_memory * GIB) + 1))
+        size = file.getbuffer().nbytes
+    elif begin[:8] in _OLDER_SDF:
+        file = io.BytesIO(_OLDER_SDF[begin[:8]] + file.read()[8:])
+    if zipfile.is_zipfile(file):
+        with zipfile.ZipFile(file) as archive:
+            size = sum(member.file_size for member in archive.infolist())
+    _require_size(size, options.max_memory)
+    file.seek(0)
+    if dialect is not None:
+        form, content = _table_map(read_table(_text(file.read()), dialect), options)
+    else:
+        form, content = _first_readable(possible, file, name, options)
+    if content.orientation is None:
+        _require_map(content.height.shape, options)
+    if options.format is None:
+        formats.require_agreement(name, form)
+    return content
+
+
+def _text(content: bytes) -> str:
+    """Text in UTF-16, UTF-8 or Latin-1; its last character may be cut off."""
+    if content.startswith(formats.BYTE_ORDER_MARKS):
+        return content.decode("utf-16", errors="replace")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
+
+
+class _OtherFormatError(ValueError):
+    """Raised for a file in another format than the one that is tried."""
+
+
+def _first_readable(
+    possible: list[Format], file: BinaryIO, name: str, options: MapOptions
+) -> tuple[Format, FileContent]:
+    """The first of the possible formats in which a file can be read, and its content."""
+    reasons = []
+    for form in possible:
+        file.seek(0)
+        if form.name in ("npy", "npz"):
+            return form, _array(file, options)
+        if form.name in ("png", "tiff"):
+            return form, _picture(form, file, options)
+        if form.name == "nc" and (own := _own_surface(name)):
+            return form, own
+        try:
+            return form, _instrument_map(form, file, options)
+        except _OtherFormatError as error:
+            reasons.append(str(error))
+    raise ValueError(f"{UNREADABLE} ({reasons[0]})")
+
+
+def _require_size(size: float, limit: float) -> None:
+    if size > limit * GIB:
+        raise ValueError(
+            f"max_memory = {limit:g} GiB: the file holds {size / GIB:.3g} GiB of data or more when it is "
+            "unpacked; set it to more if that is right"
+        )
+
+
+def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileContent]:
+    """A matrix of heights, or points, and which of them a table is."""
+    matrix, points = (formats.known_formats()[found] for found in TEXT_FORMATS)
+    if table.columns < 3:
+        raise ValueError(f"a rectangular map is needed, not a line scan of {table.columns} columns")
+    if options.format != points.name and any(map(_MATRIX_HEADER.search, table.header)):
+        lines = io.StringIO("\n".join([*table.header, *table.lines]))
+        return matrix, _instrument_map(matrix, lines, options)
+    units = table.units()
+    if options.format == matrix.name or (table.columns > 3 and options.format is None):
+        heights, unit = table.heights(), units[0] if len(units) == 1 else None
+        channel = Channel("Default", heights.shape)
+        return matrix, FileContent(heights, (channel,), channel.name, unit=unit, orientation=None)
+    try:
+        height, length = grid_points(table.numbers()[:, :3])
+    except ValueError as error:
+        raise ValueError(
+            f"three columns of numbers that are no points x, y, z on a regular grid ({_first_line(error)})"
+        ) from error
+    if len(units) == 3:
+        factor = metres(units[0]) / metres(units[2])
+        length = length[0] * factor, length[1] * factor
+    unit = units[-1] if units else None
+    return points, FileContent(height, (Channel("z", height.shape),), "z", length, unit)
+
+
+def _array(file: BinaryIO, options: MapOptions) -> FileContent:
+    """An array of NumPy, or one of several."""
+    try:
+        loaded = np.load(file, allow_pickle=False)
+        arrays = dict(loaded) if isinstance(loaded, np.lib.npyio.NpzFile) else {"Default": loaded}
+    except Exception as error:  # of damaged files of any kind
+        raise ValueError(f"{UNREADABLE} ({_first_line(error)})") from error
+    arrays = {name: array for name, array in arrays.items() if array.ndim == 2 and array.dtype.kind in "fiu"}
+    channels = tuple(Channel(name, array.shape) for name, array in arrays.items())
+    chosen = channels[_channel_index(channels, options.channel, 0)].name
+    _require_size(8.0 * arrays[chosen].size, options.max_memory)
+    return FileContent(arrays[chosen].astype(float), channels, chosen, orientation=None)
+
+
+def _picture(form: Format, file: BinaryIO, options: MapOptions) -> FileContent:
+    """A picture of heights, or of grey levels."""
+    require(("tifffile", "matplotlib"))  # which brings Pillow
+    try:
+        if form.name == "tiff":
+            import tifffile
+
+            pages = tifffile.TiffFile(file).pages
+            _require_size(8.0 * math.prod(pages[0].shape), options.max_memory)
+            values = pages[0].asarray() if len(pages) == 1 else np.empty(0)
+        else:
+            from PIL import Image
+
+            image = Image.open(file)
+            _require_size(8.0 * math.prod(image.size), options.max_memory)
+            values = np.asarray(image) if image.mode in ("L", "I", "F", "I;16", "I;16B") else np.empty(0)
+    except Exception as error:  # of damaged files of any kind
+        raise ValueError(f"{UNREADABLE} ({_first_line(error)})") from error
+    if values.ndim != 2 or values.dtype.kind not in "fiu":
+        raise ValueError("one picture of heights or grey levels is needed, not one in colours or several")
+    channel = Channel("Default", values.shape)
+    is_grey = values.dtype.kind != "f"
+    return FileContent(values.astype(float), (channel,), channel.name, orientation=None, is_grey=is_grey)
+
+
+def _own_surface(path: str) -> FileContent | None:
+    """A surface that asperity wrote: variable ``height`` over ``y`` and ``x`` that says its orientation."""
+    import xarray as xr
+
+    try:
+        with xr.open_dataset(path, engine="netcdf4") as opened:
+            height = opened["height"]
+            orientation = height.attrs.get("orientation")
+            if orientation is None and "lower face" in height.attrs.get("long_name", ""):
+                orientation = LOWER_FACE
+            is_surface = height.dims == ("y", "x") and {"y", "x"} <= set(height.coords)
+            if orientation not in (PEAKS_UP, LOWER_FACE) or not is_surface or min(height.shape) < 2:
+                return None
+            surface = opened[["height"]].load()
+    except (OSError, RuntimeError, ValueError, KeyError, AttributeError):
+        return None
+    units = height.attrs.get("units", "")
+    return FileContent(
+        height=np.asarray(surface["height"].values, dtype=float),
+        channels=(Channel("height", (height.shape[0], height.shape[1])),),
+        channel="height",
+        length=grid_of(surface).length,
+        unit=None if units.startswith("cell") or not units else units,
+        periodic=True,
+        orientation=orientation,
+    )
+
+
+_readers: dict[str, ModuleType] = {}
+"""Modules of SurfaceTopography that were imported without its functions of analysis."""
+
+
+@contextmanager
+def _surface_topography() -> Iterator[None]:
+    """Block in which readers of SurfaceTopography can be imported without its functions of analysis.
+
+    The package imports these with statistics, optimisation, pictures and tables: 1.4 s of processor time that
+    no reader needs. Outside the block an import gives the whole package.
+    """
+    if "SurfaceTopography" in sys.modules:
+        yield
+        return
+    outside = {name: module for name, module in sys.modules.items() if name.split(".")[0] == "NuMPI"}
+    if not _readers:
+        (folder,) = find_spec("SurfaceTopography").submodule_search_locations  # type: ignore[union-attr, misc]
+        for part in ("", ".IO", ".Uniform"):
+            package = _readers[f"SurfaceTopography{part}"] = ModuleType(f"SurfaceTopography{part}")
+            package.__path__ = [os.path.join(folder, part[1:])]
+        _readers["NuMPI.Optimization"] = ModuleType("NuMPI.Optimization")
+    sys.modules.update(_readers)
+    try:
+        base = import_module("SurfaceTopography.IO.Reader").ReaderBase
+        sys.modules["SurfaceTopography.IO"].ReaderBase = base  # type: ignore[attr-defined]
+        yield
+    finally:
+        for name in [name for name in sys.modules if name.split(".")[0] in ("SurfaceTopography", "NuMPI")]:
+            _readers[name] = sys.modules.pop(name)
+        sys.modules.update(outside)
+
+
+def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent:
+    """A map in a format that SurfaceTopography reads."""
+    require(("SurfaceTopography",))
+    with warnings.catch_warnings(action="ignore"), _surface_topography():
+        module = import_module(f"SurfaceTopography.IO.{form.reader}")
+        (opened,) = (
+            kind
+            for kind in vars(module).values()
+            if isinstance(kind, type) and getattr(kind, "_format", None) == form.name
+        )
+        try:
+            reader = opened(file)
+        except Exception as error:  # readers raise errors of any type for other files
+            raise _OtherFormatError(_first_line(error)) from error
+        with reader:
+            infos = reader.channels
+            if not infos:
+                raise _OtherFormatError("the file holds none")
+            by_rows = form.name in ROW_BY_ROW
+            channels = tuple(_channel(info, by_rows) for info in infos)
+            index = _channel_index(channels, options.channel, int(reader.default_channel.index))
+            info = infos[index]
+            shape = channels[index].shape
+            if shape is None or info.is_uniform is False:
+                raise ValueError("a rectangular map is needed, not a line scan or scattered points")
+            _require_size(8.0 * math.prod(shape), options.max_memory)
+            sizes = info.physical_sizes
+            known_size = sizes is not None and len(sizes) == 2 and all(size is not None for size in sizes)
+            assumed = {} if known_size else {"physical_sizes": tuple(map(float, info.nb_grid_pts))}
+            try:
+                topography = reader.topography(channel_index=index, **assumed)
+                height: Array = np.ma.filled(np.ma.asarray(topography.heights(), dtype=float), np.nan)
+            except Exception as error:
+                raise ValueError(f"{UNREADABLE} ({_first_line(error)})") from error
+    is_bare = by_rows or (form.name == "asc" and not known_size and topography.unit is None)
+    return FileContent(
+        height=np.ascontiguousarray(height if by_rows else height.T),
+        channels=channels,
+        channel=info.name,
+        length=(float(sizes[1]), float(sizes[0])) if known_size else None,
+        unit=topography.unit,
+        factor=info.height_scale_factor,
+        periodic=bool(topography.is_periodic),
+        orientation=None if is_bare else PEAKS_UP,
+    )
+
+
+def _channel(info: Any, by_rows: bool) -> Channel:
+    points = info.nb_grid_pts
+    shape = None
+    if info.dim == 2 and points is not None and len(points) == 2:
+        shape = (points[0], points[1]) if by_rows else (points[1], points[0])
+    return Channel(info.name, shape, info.data_kind.value)
+
+
+def _channel_index(channels: tuple[Channel, ...], wanted: str | int | None, default: int) -> int:
+    """Number of the wanted channel; without a wish, that of the default channel of the format."""
+    if not channels:
+        raise ValueError(f"{UNREADABLE} (the file holds none)")
+    if wanted is None:
+        heights = [number for number, channel in enumerate(channels) if channel.kind == "height"]
+        return default if default in heights or not heights else heights[0]
+    names = [channel.name for channel in channels]
+    if names.count(str(wanted)) == 1:
+        return names.index(str(wanted))
+    if str(wanted).isdecimal() and int(wanted) < len(names):
+        return int(wanted)
+    known = ", ".join(f"{number} ({one_line(name)})" for number, name in enumerate(names))
+    raise ValueError(f"channel = {shown(wanted)}: one of {known} is needed")
+
+
+def _require_map(shape: tuple[int, ...], options: MapOptions) -> None:
+    """Raise `ValueError` for a bare table with too few points, or that looks like a list."""
+    rows, columns = shape
+    if min(shape) < 2:
+        raise ValueError(f"at least 2 x 2 points are needed, not {rows} x {columns}")
+    narrow = columns <= FEW_COLUMNS and rows >= ELONGATED * columns
+    if narrow and (columns == 3 or options.physical_size is None):
+        raise ValueError(
+            f"a table of {rows} x {columns} numbers is a list of points or a log, not a map; a matrix of "
+            "heights, or text with columns x, y, z on a regular grid, is needed"
+        )
+
+
+def _first_line(error: Exception) -> str:
+    return str(error).splitlines()[0] if str(error) else type(error).__name__

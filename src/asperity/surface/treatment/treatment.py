@@ -19,6 +19,7 @@ from asperity.core.arguments import require_finite
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid, good_size
 from asperity.surface.form import add_cylinder, add_sphere
+from asperity.surface.reading.agreement import MapFile
 from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATION_NEEDED,
@@ -29,7 +30,7 @@ from asperity.surface.reading.height_map import (
     MapError,
     MapOptions,
 )
-from asperity.surface.reading.map_file import MapFile, open_map
+from asperity.surface.reading.map_file import open_map
 from asperity.surface.treatment.levelling import (
     edge_step,
     fill_harmonic,

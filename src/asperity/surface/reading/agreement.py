@@ -1,0 +1,219 @@
+"""One map in metres from the contents of a file and the options of the caller.
+
+The options must not contradict the file. Everything that is wrong or missing is reported at once.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from asperity.core.errors import shown
+from asperity.core.types import Array
+from asperity.core.units import to_si
+from asperity.surface.reading.height_map import (
+    LOWER_FACE,
+    ORIENTATION_NEEDED,
+    PEAKS_UP,
+    UNIT_NEEDED,
+    HeightMap,
+    MapOptions,
+)
+
+LARGEST_HEIGHT = 1e6
+"""Largest height of a map in units of its longer edge; a larger one is a wrong unit or a damaged file."""
+
+AGREEMENT = 1e-3
+"""Relative difference up to which what the caller says is what the file says: one pixel of a map of 1000."""
+
+
+# Units of files, some of which pint reads as something else; for these it need not be imported (0.3 s).
+_METRES = {
+    **{"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "\u03bcm": 1e-6, "~m": 1e-6, "nm": 1e-9, "pm": 1e-12},
+    **{"A": 1e-10, "Å": 1e-10, "\u212b": 1e-10},
+}
+
+
+class Channel(NamedTuple):
+    """A channel of a file.
+
+    Parameters
+    ----------
+    name : str
+    shape : (ny, nx), optional
+        None for line scans and lists of points.
+    kind : str
+        Kind of its data, such as ``height`` or ``phase``.
+    """
+
+    name: str
+    shape: tuple[int, int] | None
+    kind: str = "height"
+
+
+class FileContent(NamedTuple):
+    """Contents of a file; None where it says nothing.
+
+    Parameters
+    ----------
+    height : (ny, nx) array
+        In `unit`; NaN where there are no data.
+    channels : tuple of Channel
+    channel : str
+        The one that the heights are of.
+    length : (length_y, length_x), optional
+        Edges in `unit`.
+    unit : str, optional
+        Unit of length.
+    factor : float, optional
+        Factor from the numbers in the file to `height`.
+    periodic : bool
+    orientation : "peaks up", "lower face" or None
+    is_grey : bool
+        True if the numbers are grey levels and not heights.
+    """
+
+    height: Array
+    channels: tuple[Channel, ...]
+    channel: str
+    length: tuple[float, float] | None = None
+    unit: str | None = None
+    factor: float | None = None
+    periodic: bool = False
+    orientation: str | None = PEAKS_UP
+    is_grey: bool = False
+
+
+@dataclass(frozen=True)
+class MapFile:
+    """A file as far as it can be read.
+
+    Parameters
+    ----------
+    map : HeightMap
+        Its edges are numbers of pixels if they are not known.
+    channels : tuple of Channel
+    problems : list of str
+        What is missing or contradicts the file; empty if the map can be used.
+    """
+
+    map: HeightMap
+    channels: tuple[Channel, ...]
+    problems: list[str]
+
+
+def combined(content: FileContent, name: str, options: MapOptions) -> MapFile:
+    """The map in a file of this name by its contents and the options, in metres if the unit is known."""
+    problems: list[str] = []
+    factor = _height_factor(content, options, problems)
+    unit, metre = _unit(content, options, problems)
+    length = _length(content, options, metre, problems)
+    orientation = _orientation(content, options, problems)
+    scale = factor * (metre or 1.0)
+    height = content.height if scale == 1 else content.height * scale
+    edges = length or (float(height.shape[0]), float(height.shape[1]))
+    finite = np.isfinite(height)
+    if not finite.any():
+        problems.append("no point of the map has data")
+    elif length and np.abs(height).max(initial=0.0, where=finite) > LARGEST_HEIGHT * max(edges):
+        problems.append(
+            f"height_factor: heights up to {LARGEST_HEIGHT:g} times the longer edge are accepted; set it or "
+            "correct the file"
+        )
+    found = HeightMap(height, edges, content.periodic, orientation, unit, name, content.channel)
+    return MapFile(found, content.channels, problems)
+
+
+def _orientation(content: FileContent, options: MapOptions, problems: list[str]) -> str | None:
+    own, given = content.orientation, options.orientation
+    if own is None and given is None:
+        problems.append(ORIENTATION_NEEDED)
+    elif own == LOWER_FACE and given not in (None, own):
+        problems.append(
+            f"orientation = {given!r}: the file holds the lower face of an indenter; leave it out"
+        )
+    return given or own
+
+
+def _height_factor(content: FileContent, options: MapOptions, problems: list[str]) -> float:
+    """Factor that the caller applies to the heights; the file's own is applied by its reader."""
+    factor = options.height_factor
+    if factor is None:
+        if content.is_grey:
+            problems.append("height_factor: the file holds grey levels; set it to the height of one level")
+        return 1.0
+    if content.factor is not None and not math.isclose(factor, content.factor, rel_tol=AGREEMENT):
+        problems.append(f"height_factor = {factor:g}: the file says {content.factor:g}; leave it out")
+    elif content.factor is None and content.unit is not None and factor != 1:
+        problems.append(f"height_factor = {factor:g}: the file says heights in {content.unit}; leave it out")
+    elif content.factor is None:
+        return float(factor)
+    return 1.0
+
+
+def _unit(content: FileContent, options: MapOptions, problems: list[str]) -> tuple[str | None, float | None]:
+    """Unit of the heights and its size in metres, None if nobody says it."""
+    known = {}
+    for name, unit in (("unit of the file", content.unit), ("unit", options.unit)):
+        try:
+            if unit is not None:
+                known[unit] = metres(unit, name)
+        except ValueError as error:
+            problems.append(str(error))
+    sizes = list(known.values())
+    if len(sizes) == 2 and not math.isclose(*sizes, rel_tol=1e-9):
+        problems.append(f"unit = {options.unit!r}: the file says {content.unit}; leave it out")
+    return next(iter(known.items()), (None, None))
+
+
+def _length(
+    content: FileContent, options: MapOptions, metre: float | None, problems: list[str]
+) -> tuple[float, float] | None:
+    """Edges in metres, or in the unknown unit of the file; None if nobody says them."""
+    scale = metre or 1.0
+    own = None if content.length is None else (content.length[0] * scale, content.length[1] * scale)
+    if own is not None and not all(math.isfinite(edge) and edge > 0 for edge in own):
+        problems.append(f"edges > 0 are needed, not {own[0]:g} and {own[1]:g}")
+        return None
+    size = options.physical_size
+    if size is None:
+        if own is None:
+            problems.append("physical_size: the file does not say the edges (y, x) of the map; set it")
+        return own
+    if metre is None and any(isinstance(edge, str) for edge in size):
+        problems.append(UNIT_NEEDED)
+        return own
+    try:
+        y, x = (to_si(e, "length", "physical_size") if isinstance(e, str) else e * scale for e in size)
+    except ValueError as error:
+        problems.append(str(error))
+        return own
+    if not (0 < y < math.inf and 0 < x < math.inf):
+        problems.append(f"physical_size = {shown(size)}: two lengths > 0 (y, x) are needed")
+        return own
+    if own is None:
+        return y, x
+    if not np.allclose((y, x), own, rtol=AGREEMENT, atol=0):
+        stated = " x ".join(f"{edge / scale:.6g}" for edge in own) + (
+            f" {content.unit}" if content.unit else ""
+        )
+        problems.append(f"physical_size: the file itself says {stated} (y, x); leave it out")
+    return own
+
+
+def metres(unit: str, name: str = "unit") -> float:
+    """Size of a length unit in metres.
+
+    Raises
+    ------
+    ValueError
+        If it is not a unit of length.
+    """
+    unit = unit.strip() if isinstance(unit, str) else unit
+    try:
+        return _METRES.get(unit) or to_si(f"1 {unit}", "length")
+    except (ValueError, TypeError) as error:
+        raise ValueError(f"{name} = {unit!r}: a unit of length is needed (nm, um, mm, m)") from error
