@@ -41,5 +41,5 @@ assert answer.numbers.violation < 1e-4
 largest = {name: body.largest_von_mises for name, body in answer.bodies.items()}
 assert abs(largest["lower"] / largest["upper"] - 1) < 0.1
 assert all(0.3 < value / answer.numbers.largest_pressure < 0.9 for value in largest.values())
-area = answer.limits["lower"]["area_fraction"]
+area = answer.bodies["lower"].limits["area_fraction"]
 assert 0.8 < area.sel(kind="estimate") / area.sel(kind="on_grid") < 1

@@ -168,10 +168,3 @@ def test_the_studies_of_the_pages_are_accepted(monkeypatch, tmp_path):
     assert mine["results"] == "results/mine"
     assert half["contact"]["area_fraction"] == 0.05
     assert half["results"] == "results/half"
-
-
-def test_an_approach_to_full_contact_is_refused(answers, capsys):
-    assert main([*COMMAND, "--young", "210 GPa", "--poisson", "0.3", "--approach", "1 mm"]) == 1
-    (line,) = capsys.readouterr().err.splitlines()
-    assert re.match(r"asperity: approach = 1 mm: less than [\d.]+ nm is needed", line)
-    assert not answers

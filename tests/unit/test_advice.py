@@ -7,7 +7,6 @@ import xarray as xr
 
 import asperity as asp
 from asperity.engineering import Body, advice
-from asperity.engineering.answer_numbers import Neighbours
 from asperity.fourier.grid import Grid
 
 
@@ -35,7 +34,6 @@ def an_answer(
     bodies=1,
     estimates=None,
     imposed_area=0.05,
-    neighbours=None,
     doubts=(),
     friction=0.0,
     **material,
@@ -66,7 +64,7 @@ def an_answer(
         "body": Body(**({"young": 210e9, "poisson": 0.3, "yield_stress": 2e9} | material)),
         "largest_von_mises": 1e9,
         "depths_above_yield": (0.0, 2e-6),
-        "fraction_above_yield": 0.1,
+        "limits": limits() if estimates is None else estimates,
     }
     stress = SimpleNamespace(**(part | dict(body)))
     return SimpleNamespace(
@@ -81,8 +79,7 @@ def an_answer(
         ),
         rough=SimpleNamespace(doubts=doubts, spikes=[(0, 0)] * 3),
         bodies=dict.fromkeys(("lower", "upper")[:bodies], stress),
-        limits={"lower": limits() if estimates is None else estimates},
-        neighbours=neighbours,
+        neighbours=None,
     )
 
 
@@ -141,38 +138,12 @@ def test_a_note_is_given(changed, subject):
     assert subject in subjects(an_answer(**changed), "note")
 
 
-def test_the_size_of_the_error_from_the_resolution_is_named():
-    (found,) = [
-        a
-        for a in advice.advise(an_answer(estimates=limits(area_fraction=0.04, p99=9e8 * 1.25)))
-        if "limited" in a.subject
-    ]
-    assert "real contact by -20 %" in found.text
-    assert "99th percentile of the peaks by +25 %" in found.text
-    assert "second solution with pixels twice as large" in found.text
-
-
 def test_the_body_is_named_if_there_are_two():
     texts = [a.text for a in advice.advise(an_answer(bodies=2, body={"largest_von_mises": 3e9}))]
     assert any("of the upper body" in text for text in texts)
     of_one = [a.text for a in advice.advise(an_answer(body={"largest_von_mises": 3e9}))]
     assert of_one
     assert not any("lower body" in text for text in of_one)
-
-
-@pytest.mark.parametrize(
-    ("neighbours", "level", "words"),
-    [
-        (Neighbours(0.3, 0.05, 3.03e9), "note", "spans 30 % of the distance"),
-        (Neighbours(0.6, 0.04, 3.5e9), "warning", "real contact by +25 % and the largest pressure by -14 %"),
-        (Neighbours(0.3, float("nan"), float("nan")), "note", "neighbours."),
-        (Neighbours(0.6, float("nan"), float("nan")), "warning", "neighbours."),
-    ],
-)
-def test_the_effect_of_neighbouring_forms_is_told(neighbours, level, words):
-    told = [found for found in advice.advise(an_answer(neighbours=neighbours)) if "forms" in found.subject]
-    assert [found.level for found in told] == [level]
-    assert words in told[0].text
 
 
 def test_friction_on_a_thin_layer_is_warned_of_with_the_wave_it_changes_most():

@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-from importlib.util import find_spec
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ from bad_input import SMALL, make_chain
 from project import ROOT, hide
 
 from asperity.cli.main import main
-from asperity.cli.parser import COMMANDS, make_parser
+from asperity.cli.parser import make_parser
 from asperity.core.compiled import NOTICE
 from asperity.core.packages import PACKAGES
 from asperity.results import dataset
@@ -63,13 +62,6 @@ def test_the_figures_of_the_study_are_drawn_from_them(files, tmp_path, figure, s
     assert all(picture.stat().st_size > 3000 for picture in pictures)
 
 
-def test_peaks_prints_percentiles(files, capsys, tmp_path):
-    main(["peaks", files["stress"], "--contact", files["contact"], "--out", str(tmp_path / "again.nc")])
-    lines = capsys.readouterr().out.splitlines()
-    assert any(line.startswith("von_mises") for line in lines)
-    assert dataset.read(tmp_path / "again.nc").identical(dataset.read(files["statistics"]))
-
-
 def test_a_height_map_is_pressed_face_down(tmp_path, capsys):
     pytest.importorskip("SurfaceTopography")
     path, out = tmp_path / "waves.asc", tmp_path / "contact.nc"
@@ -94,18 +86,6 @@ def test_a_layer_has_only_the_ratio_of_its_contact(files, tmp_path, capsys):
     assert "--poisson 0.2: only 0.33 is accepted" in capsys.readouterr().err
 
 
-def test_a_figure_of_a_ratio_that_was_not_analysed_needs_another_ratio(files, tmp_path, capsys):
-    """A contact with a half-space may be analysed at other ratios than its own, 0.33."""
-    stress, statistics, figure = (str(tmp_path / name) for name in ("stress.nc", "statistics.nc", "8.png"))
-    assert main(["stress", files["contact"], "--poisson", "0.2", "0.3", "--out", stress]) == 0
-    assert main(["peaks", stress, "--contact", files["contact"], "--out", statistics]) == 0
-    plot = ["plot", "8", files["contact"], statistics, "--out", figure]
-    assert main(plot) == 1
-    error = capsys.readouterr().err
-    assert "ratio 0.33 is not in the statistics of small; set --poisson to one of 0.2, 0.3" in error
-    assert main([*plot, "--poisson", "0.3"]) == 0
-
-
 def test_arguments_have_the_defaults_of_the_schema():
     arguments = {
         "solve": ["surface.nc", "--out", "contact.nc"],
@@ -126,14 +106,6 @@ def test_help_does_not_wait_for_numerical_libraries():
         "sys.exit('numpy' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0
-
-
-def test_every_command_has_help(capsys):
-    for command in ([], *([name] for name in COMMANDS)):
-        with pytest.raises(SystemExit) as stopped:
-            main([*command, "--help"])
-        assert stopped.value.code == 0
-        assert "None" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -158,16 +130,6 @@ def test_a_missing_package_is_one_line(tmp_path, name, command):
     package = PACKAGES[extra][name]
     assert found.stderr == f"asperity: not installed: {package}; install with: {command}\n"
     assert not found.stdout
-
-
-def test_all_missing_packages_of_a_command_are_named(monkeypatch, capsys):
-    missing = ("matplotlib", "SurfaceTopography")
-    monkeypatch.setattr(
-        "asperity.core.packages.find_spec", lambda name: None if name in missing else find_spec(name)
-    )
-    assert main(f"run {STEEL} --young 1GPa --poisson 0.3 --pressure 1MPa --out new".split()) == 1
-    line = "asperity: not installed: SurfaceTopography, matplotlib; install with: "
-    assert capsys.readouterr().err == f'{line}pip install "asperity[maps]"\n'
 
 
 def test_solve_imposes_pressure_force_and_approach_alike(tmp_path, capsys):

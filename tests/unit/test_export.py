@@ -1,8 +1,5 @@
 """Exports: the table of peaks, and images read back by a parser of their own."""
 
-import _pyio
-import io
-import os
 import struct
 import tracemalloc
 import xml.etree.ElementTree as ET
@@ -15,10 +12,8 @@ import xarray as xr
 import asperity as asp
 from asperity.cli.main import main
 from asperity.results import dataset
-from asperity.results.atomic import write_text
-from asperity.results.tables import write_table
 from asperity.views.export import (
-    MICROMETRES_AND_MEGAPASCALS,
+    ExportUnits,
     box_depths,
     peak_table,
     surface_fields,
@@ -70,7 +65,7 @@ def write(path, solid, depth, y=None, x=None, spacing=None, fields=("von_mises",
     """Write a box of a solid in SI; its size."""
     depths = box_depths(sources(solid, "SI")[0], depth, spacing)
     box = asp.stress_box(solid, depths, y, x, fields, tolerance=0.0)
-    return write_box(box, path, MICROMETRES_AND_MEGAPASCALS)
+    return write_box(box, path, ExportUnits.of("SI"))
 
 
 def test_image_holds_the_stress_of_a_wave(tmp_path):
@@ -120,8 +115,8 @@ def contact_in_si():
     return solid, sources(data)[0]
 
 
-def test_surface_fields_are_an_image_and_a_table(tmp_path, monkeypatch):
-    """The image has one layer; the table is written in blocks."""
+def test_surface_fields_are_an_image_and_a_table(tmp_path):
+    """The image has one layer."""
     solid, source = contact_in_si()
     image, table = tmp_path / "surface.vti", tmp_path / "surface.csv"
     part = surface_fields(source, source.part(y=(64e-6, 320e-6)))
@@ -133,7 +128,6 @@ def test_surface_fields_are_an_image_and_a_table(tmp_path, monkeypatch):
     assert list(found) == ["pressure_MPa", "gap_um"]
     np.testing.assert_allclose(found["pressure_MPa"][0], solid.pressure[2:11] / 1e6, rtol=1e-6)
     assert found["gap_um"] == pytest.approx(0.1)
-    monkeypatch.setattr("asperity.views.export.ROWS_AT_ONCE", 3)
     count = write_surface_table(table, surface_fields(source, source.part()))
     frame = pd.read_csv(table)
     assert len(frame) == count == solid.grid.size
@@ -161,27 +155,6 @@ def test_a_contact_writes_what_the_command_exports(tmp_path):
         contact.to_vtk(tmp_path / "box.vti", ("xx",))
 
 
-def test_files_have_the_same_bytes_on_windows(tmp_path, monkeypatch):
-    _, source = contact_in_si()
-    columns = ["surface", "of", "check", "value", "bound"]
-    table = pd.DataFrame([["ν", "a,b", "area", 1 / 3, 0.1], ["seeds", "", "area", 2.0, 0.1]], columns=columns)
-
-    def files():
-        write_text(tmp_path / "text.md", "one\ntwo\n")
-        write_table(table, "verification", tmp_path / "table.csv", "%.3g")
-        write_surface_table(tmp_path / "fields.csv", surface_fields(source, source.part()))
-        return [(tmp_path / name).read_bytes() for name in ("text.md", "table.csv", "fields.csv")]
-
-    here = files()
-    # As Windows: texts are written with os.linesep, by the implementation of open that asks for it.
-    monkeypatch.setattr(os, "linesep", "\r\n")
-    monkeypatch.setattr(io, "open", _pyio.open)
-    (tmp_path / "plain").write_text("one\n", encoding="utf-8")
-    assert (tmp_path / "plain").read_bytes() == b"one\r\n"
-    assert files() == here
-    assert here[1].decode().splitlines()[1:] == ['ν,"a,b",area,0.333,0.1', "seeds,,area,2,0.1"]
-
-
 def test_table_holds_every_peak_with_its_unit(chain, tmp_path):
     stress = dataset.read(chain["stress"])
     assert main(["export", chain["stress"], "--peaks", str(tmp_path / "peaks.csv")]) == 0
@@ -200,20 +173,6 @@ def test_table_holds_every_peak_with_its_unit(chain, tmp_path):
     assert list(plain) == list(table)
     np.testing.assert_allclose(si["value_MPa"] * 1e6, plain["value_effective_modulus"])
     np.testing.assert_allclose(si["depth_um"] * 1e-6, plain["depth_cell_length"])
-
-
-def test_command_writes_table_and_images(chain, tmp_path, capsys):
-    table, image, other = (str(tmp_path / name) for name in ("p.csv", "a.vti", "b.vti"))
-    command = ["export", chain["contact"], chain["stress"], "--peaks", table, "--x", "0-0.5"]
-    command += ["--field", "von_mises,zz:0-0.25", image, "--field", "xx:0.1-0.2", other, "--poisson", "0.2"]
-    assert main(command) == 0
-    lines = capsys.readouterr().out.splitlines()
-    assert lines[0].startswith(f"{table}: ")
-    assert lines[1].startswith(f"{image}: von_mises, zz in effective modulus on 33 × 64 × 17 nodes")
-    surface = read_image(tmp_path / "a.vti")[1]["zz_effective_modulus"][-1]
-    pressure = dataset.read(chain["contact"])["pressure"].values
-    np.testing.assert_allclose(surface, -pressure[:, :33], atol=1e-7 * pressure.max())
-    assert list(read_image(tmp_path / "b.vti")[1]) == ["xx_effective_modulus"]
 
 
 @pytest.mark.parametrize(

@@ -46,7 +46,7 @@ def test_tables_of_an_answer_are_described(tmp_path):
         write_table(frame, table, path)
         pd.testing.assert_frame_equal(pd.read_csv(path), frame, check_dtype=False)
     for system, unit in (("SI", "depth_um"), ("study", "depth_cell_length")):
-        frame = peak_table(answer.stresses["lower"].assign_attrs(unit_system=system))
+        frame = peak_table(answer.bodies["lower"].stress.assign_attrs(unit_system=system))
         check_columns(frame, "peaks")
         assert units("peaks", frame)[unit] == unit.removeprefix("depth_")
 

@@ -202,20 +202,6 @@ def test_peaks_are_points_of_magnitude_and_depth(read):
     assert sum(bar.get_height() for bar in bars) == asp.peaks(stress, "pressure").sizes["peak"]
 
 
-def test_few_peaks_do_not_set_the_axes(read):
-    """One high peak leaves the picture and is named; the depth shown is not that of small ones."""
-    stress = read("stress").copy(deep=True)
-    before = asp.plot_peaks(stress).axes[0]
-    small = np.abs(stress["peak_value"].values).argsort()[: stress.sizes["peak"] // 2]
-    stress["peak_depth"].values[small] = 0.9
-    assert asp.plot_peaks(stress).axes[0].get_ylim() == before.get_ylim()
-    mine = (stress["peak_quantity"].values == "von_mises") & (stress["peak_poisson"].values == 0.33)
-    stress["peak_value"].values[np.flatnonzero(mine)[0]] = 1e4
-    figure = asp.plot_peaks(stress)
-    assert figure.axes[0].get_xlim()[1] < 2 * before.get_xlim()[1]
-    assert "1 point above the scale, up to 10000 $E^*$" in title(figure)
-
-
 @pytest.mark.parametrize(
     ("call", "message"),
     [

@@ -95,6 +95,7 @@ def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any],
         if isinstance(options.get("metavar"), list):
             options["metavar"] = tuple(options["metavar"])
         key, without, words = (options.pop(name, None) for name in ("setting", "without", "accepts"))
+        options.pop("needs", None)
         if "type" in options:
             options["type"] = TYPES[options["type"]]
         if key is not None:
@@ -126,8 +127,8 @@ def _of_setting(key: str, without: str | None, words: str | None, as_text: bool)
         fixed = entry.get("minItems") if entry.get("minItems") == entry.get("maxItems") else None
         made["nargs"] = fixed or "+"
     if not as_text:
-        made["type"] = partial(converted, items)
-        made["action"] = _StoreList if entry.get("type") == "array" else "store"
+        is_list = entry.get("type") == "array"
+        made |= {"action": _StoreList} if is_list else {"type": partial(converted, entry)}
     facts = [] if "enum" in entry else [words or accepted(items)]
     if "unit" in entry and not words:
         facts.append(f"unit: {entry['unit']}")
@@ -144,30 +145,33 @@ def _placeholder(entry: Entry) -> str:
 
 
 class _StoreList(argparse.Action):
-    """Store a list of values that the schema accepts as a whole: their number, and that they are distinct."""
+    """Store a list of values that the schema accepts, each and as a whole."""
 
     def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
-        if needed := needed_instead(values, setting(self.dest)):
-            raise argparse.ArgumentError(self, f"{shown(values)}: {needed} is needed")
-        setattr(namespace, self.dest, values)
+        try:
+            setattr(namespace, self.dest, converted(setting(self.dest), values))
+        except argparse.ArgumentTypeError as error:
+            raise argparse.ArgumentError(self, str(error)) from error
 
 
-def converted(entry: Entry, text: str) -> Any:
-    """Value of an argument, from its text.
+def converted(entry: Entry, given: str | list[str]) -> Any:
+    """Value of a setting, from the text or texts of an argument.
 
     Raises
     ------
     argparse.ArgumentTypeError
         If the schema does not accept it.
     """
-    kinds = entry.get("type", "string")
-    value = None
-    for kind in kinds if isinstance(kinds, list) else [kinds]:
-        with suppress(ValueError):
-            value = {"number": float, "integer": int, "string": str}[kind](text)
-            break
+    if isinstance(given, list):
+        value, text = [converted(entry["items"], each) for each in given], " ".join(given)
+    else:
+        kinds, value, text = entry.get("type", "string"), None, shown(given)
+        for kind in kinds if isinstance(kinds, list) else [kinds]:
+            with suppress(ValueError):
+                value = {"number": float, "integer": int, "string": str}[kind](given)
+                break
     if needed := needed_instead(value, entry):
-        raise argparse.ArgumentTypeError(f"{shown(text)}: {needed} is needed")
+        raise argparse.ArgumentTypeError(f"{text}: {needed} is needed")
     return value
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 
 import xarray as xr
 
 from asperity.core.errors import shown
-from asperity.core.units import to_si
+from asperity.core.units import shown_si, to_si
 
 _RANGE = re.compile(r"([+-]?[\d.]+(?:[eE][+-]?\d+)?\s*[A-Za-zµμ]*)\s*(?:-|\.\.)\s*([+-]?[\d.].*)")
 _BARE = re.compile(r"[+-]?[\d.]+(?:[eE][+-]?\d+)?")
@@ -18,6 +19,13 @@ _BARE = re.compile(r"[+-]?[\d.]+(?:[eE][+-]?\d+)?")
 def is_si(data: xr.Dataset) -> bool:
     """True for a result in SI."""
     return data.attrs.get("unit_system") == "SI"
+
+
+def in_words(value: float, unit: str, si: bool) -> str:
+    """A number in SI with its unit, or one in the units of the study."""
+    if si:
+        return shown_si(value, unit)
+    return f"{value:.6g} E*" if unit == "Pa" else f"{value:.6g}"
 
 
 def length(name: str, text: str, si: bool) -> float:
@@ -30,20 +38,22 @@ def length(name: str, text: str, si: bool) -> float:
     """
     if si:
         return to_si(text, "length", name)
+    with suppress(ValueError):
+        if math.isfinite(value := float(text)):
+            return value
+    raise ValueError(
+        f"{name} = {shown(text)}: a number in cell lengths is needed, because the result is dimensionless"
+    )
+
+
+def length_or_span(name: str, text: str, si: bool) -> float | tuple[float, float]:
+    """A length, or two from text such as ``0-40um``; `ValueError` if it is neither."""
     try:
-        value = float(text)
+        return length(name, text, si)
     except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise ValueError(
-            f"{name} = {shown(text)}: a number in cell lengths is needed, because the result is dimensionless"
-        )
-    return value
-
-
-def is_span(text: str) -> bool:
-    """True for text such as ``0-40um``."""
-    return _RANGE.fullmatch(text.strip()) is not None
+        if not _RANGE.fullmatch(text.strip()):
+            raise
+        return span(name, text, si)
 
 
 def span(name: str, text: str, si: bool) -> tuple[float, float]:

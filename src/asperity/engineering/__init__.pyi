@@ -1,5 +1,5 @@
 from .answer import Answer as Answer
-from .answer_numbers import BodyAnswer as BodyAnswer
+from .body_stress import BodyAnswer as BodyAnswer
 from .case import Body as Body
 from .case import Case as Case
 from .case import Load as Load

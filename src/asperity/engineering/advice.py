@@ -14,7 +14,8 @@ from asperity.core.data import packaged_yaml
 from asperity.core.units import shown_si
 from asperity.elasticity.two_bodies import sliding_coupling
 from asperity.engineering.answer import LIMITS, Advice, Answer, limit_of
-from asperity.engineering.answer_numbers import BodyAnswer, sampling_error
+from asperity.engineering.answer_numbers import sampling_error
+from asperity.engineering.body_stress import BodyAnswer
 
 WARNING, NOTE = "warning", "note"
 
@@ -74,27 +75,26 @@ NEGLECTED_COUPLING = 0.1
 SPIKE_SIZE = math.inf
 """Uncertainty of a largest pressure that is on a spike: before all others."""
 
-Found = tuple[str, str, dict[str, Any]]
-"""Level of an advice, its name in `advice.yaml`, and the values in its text, among them the relative ``size``
-of the uncertainty that it says."""
+Found = tuple[bool, str, dict[str, Any]]
+"""True for a warning, name of an advice in `advice.yaml`, and values in its text beside those of the answer,
+among them ``size``, the relative uncertainty that it says."""
 
 
 def advise(answer: Answer) -> tuple[Advice, ...]:
     """All warnings and notes on an answer, warnings first."""
     texts = packaged_yaml("asperity.engineering", "advice.yaml")
-    found = [*_on_contact(answer), *_on_sliding(answer)]
+    found = [*_on_contact(answer)]
     shown = answer.case.different_bodies
     for name in shown:
         where = f" of the {name} body" if len(shown) > 1 else ""
         part = _on_body(answer.bodies[name])
-        found += [(level, key, values | {"where": where}) for level, key, values in part]
+        found += [(warns, key, values | {"where": where}) for warns, key, values in part]
     found += [*_on_pixels(answer), *_on_map(answer), *_on_neighbours(answer)]
-    found.sort(key=lambda advice: advice[0] != WARNING)
     made = []
-    for level, key, values in found:
-        text = texts[key]
-        words = [_Units().format(text.get(part, ""), **values) for part in ("subject", "text", "short")]
-        made.append(Advice(level, words[0], words[1], words[2], values.get("size", 0.0)))
+    for warns, key, values in sorted(found, key=lambda advice: not advice[0]):
+        text, known = texts[key], {"answer": answer, "numbers": answer.numbers, **values}
+        words = {part: _Units().format(text.get(part, ""), **known) for part in ("subject", "text", "short")}
+        made.append(Advice(WARNING if warns else NOTE, **words, size=values.get("size", 0.0)))
     return tuple(made)
 
 
@@ -109,109 +109,92 @@ class _Units(Formatter):
 
 def _on_contact(answer: Answer) -> Iterator[Found]:
     """No contact, pressures and heights that cannot be, an area that was missed, a doubtful solution."""
-    numbers, load = answer.numbers, answer.case.load
+    numbers, case, face = answer.numbers, answer.case, answer.face
     if not numbers.contact_nodes:
-        yield WARNING, "no_contact", {}
-    pressure, young = numbers.largest_pressure, min(body.body.young for body in answer.bodies.values())
+        yield True, "no_contact", {}
+    young = min(body.body.young for body in answer.bodies.values())
     if numbers.pressure_on_spike:
-        spikes = {"count": len(answer.rough.spikes), "size": SPIKE_SIZE}
-        yield WARNING, "pressure_on_spike", {"pressure": pressure, **spikes}
-    if pressure > young:
-        yield WARNING, "beyond_modulus", {"pressure": pressure, "young": young}
-    height, edge = numbers.peak_to_valley, min(answer.face.grid.length)
-    if height > 0.5 * edge:
-        yield WARNING, "large_heights", {"height": height, "edge": edge}
-    area = numbers.area_fraction
-    if load.kind == "area_fraction" and abs(area / load.value - 1) > SHOWN_ERROR:
-        yield WARNING, "another_area", {"wanted": 100 * load.value, "area": 100 * area}
+        yield True, "pressure_on_spike", {"count": len(answer.rough.spikes), "size": SPIKE_SIZE}
+    if numbers.largest_pressure > young:
+        yield True, "beyond_modulus", {"young": young}
+    edge = min(face.grid.length)
+    if numbers.peak_to_valley > 0.5 * edge:
+        yield True, "large_heights", {"edge": edge}
+    wanted, area = case.load.value, numbers.area_fraction
+    if case.load.kind == "area_fraction" and abs(area / wanted - 1) > SHOWN_ERROR:
+        yield True, "another_area", {"wanted": 100 * wanted, "area": 100 * area}
     if not numbers.violation <= ACCEPTED_VIOLATION:
-        yield WARNING, "inaccurate", {"violation": numbers.violation}
-
-
-def _on_sliding(answer: Answer) -> Iterator[Found]:
-    """Effect of the shear traction on the contact, which is solved without friction."""
-    case, face = answer.case, answer.face
+        yield True, "inaccurate", {}
     if case.friction:
         wave = np.geomspace(face.wavelength_short, max(face.grid.length), 100)
         change = case.friction * sliding_coupling(case.solid, 2 * np.pi / wave)
         most = int(change.argmax())
-        level = WARNING if change[most] > NEGLECTED_COUPLING else NOTE
-        values = {
-            "wave": wave[most],
-            "size": float(change[most]),
-            "shortest": wave[0],
-            "least": float(change[0]),
-        }
-        yield level, "neglected_friction", values
+        values = {"wave": wave[most], "size": float(change[most]), "shortest": wave[0], "least": change[0]}
+        yield change[most] > NEGLECTED_COUPLING, "neglected_friction", values
 
 
 def _on_body(part: BodyAnswer) -> Iterator[Found]:
     """Constants that hardly a material has; stress above yield, or above what any material stands."""
     body, stress = part.body, part.largest_von_mises
     young, ratio, limit = body.young, body.poisson, body.yield_stress
-    constants = {"young": young, "ratio": ratio, "limit": limit}
+    values: dict[str, Any] = {"young": young, "ratio": ratio, "limit": limit, "stress": stress}
     too_strong = limit is not None and limit > HIGHEST_YIELD * young
     if not SOFTEST <= young <= STIFFEST:
-        yield WARNING, "no_modulus", constants
+        yield True, "no_modulus", values
     elif SOFT < young < STIFF and (too_strong or (limit is None and ratio < RUBBER)):
-        yield WARNING if too_strong else NOTE, "polymer", constants
+        yield too_strong, "polymer", values
     if ratio < 0:
-        yield NOTE, "auxetic", constants
+        yield False, "auxetic", values
     elif ratio > HIGHEST_RATIO and young > STIFF:
-        yield WARNING, "incompressible", constants
+        yield True, "incompressible", values
     if too_strong:
-        yield WARNING, "high_yield", constants
+        yield True, "high_yield", values
     if limit is None and stress > UNLIKELY_STRAIN * young:
-        shares = {
-            "share": stress / young,
-            "limit": UNLIKELY_STRAIN,
-            "size": stress / young / UNLIKELY_STRAIN - 1,
-        }
-        yield WARNING, "surely_yielding", {"stress": stress, **shares}
+        share = stress / young
+        values |= {"share": share, "limit": UNLIKELY_STRAIN, "size": share / UNLIKELY_STRAIN - 1}
+        yield True, "surely_yielding", values
     if limit is not None and stress > limit:
         depths = ""
         if part.depths_above_yield is not None:
             first, last = (shown_si(depth, "m", 3) for depth in part.depths_above_yield)
             first = first if part.depths_above_yield[0] else "the surface"
             depths = f"; depths from {first} to {last} are affected"
-        flow = {
-            "stress": stress,
-            "size": stress / limit - 1,
-            "times": stress / limit,
-            "hardness": 3 * limit,
-            "depths": depths,
-        }
-        yield WARNING, "yielding", constants | flow
+        values |= {"times": stress / limit, "hardness": 3 * limit, "depths": depths}
+        yield True, "yielding", values | {"size": stress / limit - 1}
 
 
 def _on_pixels(answer: Answer) -> Iterator[Found]:
     """Load on single pixels and on patches of few; change of the numbers at half the resolution."""
-    numbers = answer.numbers
+    numbers, limits = answer.numbers, answer.bodies["lower"].limits
     share, width = numbers.load_on_small_patches, numbers.typical_patch_width
     if share > SMALL_PATCH_SHARE and width <= 2 and not numbers.pressure_on_spike:
-        yield WARNING, "spikes", {"size": share, "one": numbers.load_of_largest_node}
+        yield True, "spikes", {"size": share}
     if 0 < width < FEW_PIXELS_ACROSS:
-        yield WARNING, "few_pixels", {"width": width, "enough": FEW_PIXELS_ACROSS}
-    if reason := answer.limits["lower"].attrs.get("reason"):
-        yield NOTE, "no_estimate", {"reason": reason}
+        yield True, "few_pixels", {"enough": FEW_PIXELS_ACROSS}
+    if reason := limits.attrs.get("reason"):
+        yield False, "no_estimate", {"reason": reason}
     known = {}
     for name in LIMITS:
-        values = limit_of(answer.limits["lower"], name)
+        values = limit_of(limits, name)
         if values["on_half"] and math.isfinite(values["on_grid"] / values["on_half"]):
             known[name] = values["on_grid"] / values["on_half"] - 1
     if not known:
         return
-    pixel, wave = max(answer.face.grid.spacing), answer.face.wavelength_short
+    pixel, wave, size = (
+        max(answer.face.grid.spacing),
+        answer.face.wavelength_short,
+        max(map(abs, known.values())),
+    )
     changed = ", ".join(f"{name} by {100 * change:+.0f} %" for name, change in known.items())
     if len(answer.case.different_bodies) > 1:
         changed += "; stresses are those of the lower body"
-    settled = all(abs(change) <= RESOLUTION_CHANGE for change in known.values())
     waves = ""
     if wave / pixel < FEW_PIXELS_PER_WAVE:
         waves = f" The shortest wave, {shown_si(wave, 'm', 3)}, has {wave / pixel:.2g} pixels; "
         waves += f"{FEW_PIXELS_PER_WAVE} resolve it."
-    shown = {"pixel": pixel, "changes": changed, "waves": waves, "size": max(map(abs, known.values()))}
-    yield (NOTE, "resolved", shown) if settled else (WARNING, "unresolved", shown)
+    settled = size <= RESOLUTION_CHANGE
+    found = {"pixel": pixel, "changes": changed, "waves": waves, "size": size}
+    yield not settled, "resolved" if settled else "unresolved", found
 
 
 def _on_map(answer: Answer) -> Iterator[Found]:
@@ -220,42 +203,33 @@ def _on_map(answer: Answer) -> Iterator[Found]:
     for doubt in answer.rough.doubts:
         subject = doubt.partition(":")[0]
         if subject != "despike" or not numbers.pressure_on_spike:
-            yield (
-                WARNING if subject == "unit" else NOTE,
-                "doubt",
-                {"subject": subject, "doubt": doubt.rstrip("?")},
-            )
+            yield subject == "unit", "doubt", {"subject": subject, "doubt": doubt.rstrip("?")}
     slope = numbers.rms_gradient
     if slope > STEEP:
-        values = {"slope": slope, "angle": math.degrees(math.atan(slope)), "size": slope**2}
-        yield WARNING if slope > VERY_STEEP else NOTE, "steep", values
+        yield slope > VERY_STEEP, "steep", {"angle": math.degrees(math.atan(slope)), "size": slope**2}
     if numbers.area_fraction > LARGE_AREA:
-        yield WARNING, "large_contact", {"area": 100 * numbers.area_fraction, "limit": 100 * LARGE_AREA}
+        yield True, "large_contact", {"area": 100 * numbers.area_fraction, "limit": 100 * LARGE_AREA}
     if face.boundary == "periodic" and record.edge_step > EDGE_STEP:
-        yield WARNING, "edges", {"step": record.edge_step}
+        yield True, "edges", {}
     if face.boundary == "free" and numbers.load_on_edges > EDGE_LOAD:
-        yield WARNING, "contact_at_edge", {"size": numbers.load_on_edges}
+        yield True, "contact_at_edge", {"size": numbers.load_on_edges}
     for share, key in ((record.altered_fraction, "windowed"), (record.filled_fraction, "filled")):
         if share > ALTERED_SHARE:
-            yield NOTE, key, {"size": share}
+            yield False, key, {"size": share}
     if answer.case.options.radius is None:
-        yield NOTE, "sample", {"size": sampling_error(face)}
+        yield False, "sample", {"size": sampling_error(face)}
 
 
 def _on_neighbours(answer: Answer) -> Iterator[Found]:
     """Periodic images of a ball or cylinder, which press on the same body."""
     alone, now = answer.neighbours, answer.numbers
-    if alone is None or not now.contact_nodes:
+    if alone is None:
         return
-    large, effect, size = alone.span > WIDE_SPAN, "", 0.0
-    if not math.isnan(alone.largest_pressure):
-        area = now.area_fraction / alone.area_fraction - 1
-        pressure = now.largest_pressure / alone.largest_pressure - 1
-        size = max(abs(area), abs(pressure))
-        large = size > NEIGHBOUR_CHANGE
-        effect = (
-            f" The neighbours change the real contact by {100 * area:+.2g} % and the largest pressure by "
-            f"{100 * pressure:+.2g} %, compared with one form alone under the same load. Set boundary to "
-            "free to be without them."
-        )
-    yield WARNING if large else NOTE, "neighbours", {"span": alone.span, "effect": effect, "size": size}
+    if math.isnan(alone.largest_pressure):
+        yield alone.span > WIDE_SPAN, "neighbours", {}
+        return
+    area = now.area_fraction / alone.area_fraction - 1
+    pressure = now.largest_pressure / alone.largest_pressure - 1
+    size = max(abs(area), abs(pressure))
+    found = {"area": 100 * area, "pressure": 100 * pressure, "size": size}
+    yield size > NEIGHBOUR_CHANGE, "neighbours_compared", found

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
 from functools import cached_property
 from itertools import groupby
 from typing import NamedTuple
@@ -14,11 +15,12 @@ import xarray as xr
 from asperity.contact import Contact
 from asperity.core.markup import picture, table, with_error
 from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.answer_numbers import BodyAnswer, ContactNumbers, Neighbours, gap_of
-from asperity.engineering.body_stress import DIRECTION, StressInBody
+from asperity.engineering.answer_numbers import ContactNumbers, Neighbours, gap_of
+from asperity.engineering.body_stress import DIRECTION, BodyAnswer
 from asperity.engineering.case import CONTROL_UNITS, Body, Case
 from asperity.engineering.face import RoughFace
 from asperity.engineering.spots import gap_table
+from asperity.stress.peaks.selection import peaks
 from asperity.surface.treatment.treatment import TreatedMap
 
 EXTREME_WORDS = {
@@ -29,20 +31,6 @@ EXTREME_WORDS = {
 }
 """Field → name of its extreme value among the numbers, beside the von Mises stress."""
 
-CONTACT = {
-    "contact_area": ("real contact area", "m^2"),
-    "nominal_pressure": ("mean pressure, nominal", "Pa"),
-    "mean_pressure": ("mean pressure in contact", "Pa"),
-    "largest_pressure": ("largest pressure", "Pa"),
-    "force": ("load on the map", "N"),
-    "approach": ("approach since first touch", "m"),
-    "mean_gap": ("mean gap", "m"),
-    "rms_height": ("rms height", "m"),
-    "rms_gradient": ("rms gradient", "1"),
-    "gradient_rms_contact": ("rms gradient in contact", "1"),
-}
-"""Field of `ContactNumbers` → its name and unit among the numbers of an answer."""
-
 LIMITS = {
     "real contact": ("area_fraction", None),
     "rms gradient in contact": ("gradient_rms_contact", None),
@@ -52,6 +40,9 @@ LIMITS = {
     "99th percentile of the peaks": ("p99", "von_mises"),
 }
 """Number that is estimated for vanishing pixels → its variable and quantity in `asperity.continuum`."""
+
+PERCENTS = (50, 90, 99)
+"""Percentiles of the von Mises peaks below the contacts that are listed."""
 
 UNCERTAINTIES = 3
 """Largest uncertainties that stand above the answer."""
@@ -116,12 +107,6 @@ class Answer:
     numbers : ContactNumbers
     bodies : dict
         ``lower`` and, if it is elastic, ``upper`` → `BodyAnswer`.
-    stresses : dict
-        The same names → dataset of the stress in SI units.
-    kept : dict
-        The same names → `asperity.engineering.body_stress.StressInBody`, for the pictures.
-    limits : dict
-        The same names → `asperity.continuum` of contact pressure and von Mises stress.
     neighbours : Neighbours or None
         None without the form of a ball or cylinder, and with a free boundary.
     advice : tuple of Advice
@@ -134,9 +119,6 @@ class Answer:
     spots: pd.DataFrame
     numbers: ContactNumbers
     bodies: dict[str, BodyAnswer]
-    stresses: dict[str, xr.Dataset]
-    kept: dict[str, StressInBody]
-    limits: dict[str, xr.Dataset]
     neighbours: Neighbours | None = None
     advice: tuple[Advice, ...] = ()
 
@@ -153,11 +135,10 @@ class Answer:
     @cached_property
     def rows(self) -> list[Row]:
         """All numbers, line by line."""
-        rows = [_with_estimate(row, self.limits["lower"]) for row in _contact_rows(self.numbers)]
+        shown = [*_contact_rows(self.numbers, self.bodies["lower"].limits)]
         for name in self.case.different_bodies:
-            found = _body_rows(body_title(self.case, name), self.bodies[name])
-            rows += [_with_estimate(row, self.limits[name]) for row in found]
-        return rows
+            shown += _body_rows(body_title(self.case, name), self.bodies[name])
+        return shown
 
     @property
     def uncertainties(self) -> list[str]:
@@ -182,7 +163,7 @@ class Answer:
         """
         tables = []
         for body in self.case.different_bodies:
-            stress = self.stresses[body]
+            stress = self.bodies[body].stress
             names = [str(name) for name in stress.variables if stress[name].dims == ("peak",)]
             table = pd.DataFrame({name.removeprefix("peak_"): stress[name].values for name in names})
             table = table.rename(columns=PEAK_COLUMNS)
@@ -246,57 +227,64 @@ def _material(body: Body) -> str:
     return f"E = {shown_si(body.young, 'Pa')}, ν = {body.poisson:g}{layer}"
 
 
-def _row(group: str, name: str, value: float, unit: str, digits: int = 4) -> Row:
-    return Row(group, name, value, unit, shown_si(value, unit, digits))
+def _contact_rows(numbers: ContactNumbers, limits: xr.Dataset) -> Iterator[Row]:
+    words = {
+        "area_fraction": f"{100 * numbers.area_fraction:.4g} % of {shown_si(numbers.nominal_area, 'm^2')}",
+        "patches": f"{numbers.patches}, {numbers.contact_nodes} nodes",
+    }
+    for field in fields(ContactNumbers):
+        if field.metadata:
+            name, unit, value = field.metadata["name"], field.metadata["unit"], getattr(numbers, field.name)
+            yield _row("contact", name, value, unit, words.get(field.name) or shown_si(value, unit), limits)
 
 
-def _contact_rows(numbers: ContactNumbers) -> list[Row]:
-    group, area = "contact", numbers.area_fraction
-    percent = f"{100 * area:.4g} % of {shown_si(numbers.nominal_area, 'm^2')}"
-    patches = f"{numbers.patches}, {numbers.contact_nodes} nodes"
-    return [
-        Row(group, "real contact", area, "1", percent),
-        *(_row(group, name, getattr(numbers, field), unit) for field, (name, unit) in CONTACT.items()),
-        Row(group, "patches of contact", numbers.patches, "1", patches),
-    ]
+def _body_rows(group: str, body: BodyAnswer) -> Iterator[Row]:
+    def row(name: str, value: float, unit: str = "Pa", shown: str = "") -> Row:
+        return _row(group, name, value, unit, shown or shown_si(value, unit), body.limits)
 
-
-def _body_rows(group: str, body: BodyAnswer) -> list[Row]:
-    rows = [
-        _row(group, "largest von Mises stress", body.largest_von_mises, "Pa"),
-        _row(group, "at depth", body.depth, "m"),
-    ]
+    yield row("largest von Mises stress", body.largest_von_mises)
+    yield row("at depth", body.depth, "m")
     factor, symbol = scaled_unit([body.x, body.y], "m")
     for axis, position in (("x", body.x), ("y", body.y)):
-        rows.append(Row(group, f"at {axis}", position, "m", f"{position / factor:.4g} {symbol}"))
+        yield row(f"at {axis}", position, "m", f"{position / factor:.4g} {symbol}")
     for field, name in EXTREME_WORDS.items():
         found = body.largest[field]
         value = DIRECTION[field] * found.value
-        depth = f"at depth {shown_si(found.depth, 'm', 4)}" if found.depth else "in the surface"
-        shown = f"{shown_si(value, 'Pa', 4)} {depth}" if value > 0 else "none"
-        rows.append(Row(group, name, max(value, 0.0), "Pa", shown))
-    for percent, value in body.peak_percentiles.items():
-        if np.isfinite(value):
-            rows.append(_row(group, f"{percent}th percentile of the peaks", value, "Pa", 3))
-    if body.body.yield_stress is not None:
-        rows.append(_row(group, "yield stress", body.body.yield_stress, "Pa"))
-        rows += _yield_rows(group, body)
-    return rows
+        depth = f"at depth {shown_si(found.depth, 'm')}" if found.depth else "in the surface"
+        yield row(name, max(value, 0.0), "Pa", f"{shown_si(value, 'Pa')} {depth}" if value > 0 else "none")
+    found_peaks = np.abs(peaks(body.stress, "von_mises", selection="under_contact")["peak_value"].values)
+    for percent in PERCENTS if found_peaks.size else ():
+        value = float(np.percentile(found_peaks, percent))
+        yield row(f"{percent}th percentile of the peaks", value, "Pa", shown_si(value, "Pa", 3))
+    if body.body.yield_stress is None:
+        return
+    yield row("yield stress", body.body.yield_stress)
+    volume, depths, fraction = body.volume_above_yield, body.depths_above_yield, body.fraction_above_yield
+    if volume is None or depths is None or fraction is None:
+        yield row("volume above yield", 0.0, "m^3", "none: everything stays elastic")
+        return
+    first, last = depths
+    factor, symbol = scaled_unit([last], "m")
+    share = f"{100 * fraction:.3g} % of the volume down to {shown_si(last, 'm', 3)}"
+    between = f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}"
+    yield row("volume above yield", volume, "m^3", shown_si(volume, "m^3", 3))
+    yield row("share above yield", fraction, "1", share)
+    yield row("deepest point above yield", last, "m", between)
 
 
-def _with_estimate(row: Row, limits: xr.Dataset) -> Row:
-    """A line with the estimate for vanishing pixels, if there is one."""
-    if row.name not in LIMITS:
-        return row
-    values = limit_of(limits, row.name)
+def _row(group: str, name: str, value: float, unit: str, shown: str, limits: xr.Dataset) -> Row:
+    """A line, with the estimate for vanishing pixels if there is one."""
+    if name not in LIMITS:
+        return Row(group, name, value, unit, shown)
+    values = limit_of(limits, name)
     estimate, error = values["estimate"], values["estimate"] * values["error"]
     if not np.isfinite(estimate) or not error > 0:
-        return row
-    factor, symbol = (1.0, "") if row.unit == "1" else scaled_unit(estimate, row.unit)
-    if row.name == "real contact":
+        return Row(group, name, value, unit, shown)
+    factor, symbol = (1.0, "") if unit == "1" else scaled_unit(estimate, unit)
+    if name == "real contact":
         factor, symbol = 0.01, "%"
-    shown = f"{with_error(estimate / factor, error / factor)} {symbol}".strip()
-    return row._replace(shown=f"{row.shown}; {shown} for vanishing pixels", estimate=estimate, error=error)
+    better = f"{with_error(estimate / factor, error / factor)} {symbol}".strip()
+    return Row(group, name, value, unit, f"{shown}; {better} for vanishing pixels", estimate, error)
 
 
 def limit_of(limits: xr.Dataset, name: str) -> dict[str, float]:
@@ -304,18 +292,3 @@ def limit_of(limits: xr.Dataset, name: str) -> dict[str, float]:
     output, quantity = LIMITS[name]
     values = limits[output] if quantity is None else limits[output].sel(quantity=quantity)
     return dict(zip(limits["kind"].values.tolist(), values.values.ravel().tolist(), strict=True))
-
-
-def _yield_rows(group: str, body: BodyAnswer) -> list[Row]:
-    volume, depths, fraction = body.volume_above_yield, body.depths_above_yield, body.fraction_above_yield
-    if volume is None or depths is None or fraction is None:
-        return [Row(group, "volume above yield", 0.0, "m^3", "none: everything stays elastic")]
-    first, last = depths
-    factor, symbol = scaled_unit([last], "m")
-    share = f"{100 * fraction:.3g} % of the volume down to {shown_si(last, 'm', 3)}"
-    between = f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}"
-    return [
-        _row(group, "volume above yield", volume, "m^3", 3),
-        Row(group, "share above yield", fraction, "1", share),
-        Row(group, "deepest point above yield", last, "m", between),
-    ]

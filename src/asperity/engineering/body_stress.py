@@ -1,11 +1,12 @@
-"""Stress in one body of a case: peaks and profiles, extreme values of its fields, and what is above yield.
+"""Stress in one body of a case: peaks, profiles, extreme values, volume above yield, and their grid error.
 
-All come from one stream of planes.
+All but the error come from one stream of planes.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -13,12 +14,15 @@ import xarray as xr
 
 from asperity.contact import Contact
 from asperity.core.types import Array, Progress
-from asperity.engineering.case import Case
+from asperity.engineering.case import Body, Case
 from asperity.engineering.close_up import CloseUp
+from asperity.engineering.continuum import continuum
 from asperity.fourier.grid import Grid
 from asperity.stress.analysis import analyse_stress
+from asperity.stress.peaks.selection import peaks
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.planes.stream import LinearPlane
+from asperity.surface.treatment.treatment import TreatedMap
 
 STRESS_TOLERANCE = 1e-4
 """Error of a deep plane on a coarser grid, relative to the rms of σ_zz in it."""
@@ -28,6 +32,9 @@ DEPTH_SPACING, DEPTH_GROWTH = 0.5, 0.125
 
 QUANTITIES = ("pressure", "von_mises", "xx", "zz", "xz")
 """Quantities whose peaks are always found."""
+
+LIMITED = ("pressure", "von_mises")
+"""Quantities whose peaks are estimated for vanishing pixels."""
 
 DIRECTION = {"von_mises": 1, "largest_shear": 1, "principal_1": 1, "principal_3": -1, "hydrostatic": -1}
 """Field → 1 if its largest value is sought, −1 if its smallest is; of others the largest magnitude."""
@@ -52,38 +59,67 @@ class Extreme(NamedTuple):
     x: float
 
 
-class StressInBody(NamedTuple):
-    """Stress in one body.
+@dataclass(frozen=True, eq=False)
+class BodyAnswer:
+    """Stress in one body, in SI units.
 
     Parameters
     ----------
-    dataset : dataset
-        As of `analyse_stress`, in Pa and m.
-    extremes : dict
-        Field → extreme value at the nodes and its place in the cell, for those of `DIRECTION` and the fields
-        that were asked for.
-    above_yield : (planes,) array or None
-        Share of each plane whose von Mises stress is above yield; None without a yield stress.
+    body : Body
+    stress : dataset
+        As of `analyse_stress`.
+    limits : dataset
+        `asperity.continuum` of contact pressure and von Mises stress.
+    largest : dict
+        Field → its extreme value: the largest of ``von_mises``, ``largest_shear`` (Tresca) and
+        ``principal_1`` (tension), the smallest of ``principal_3`` and ``hydrostatic`` (compression), and that
+        of the largest magnitude of any other field.
+    volume_above_yield : float or None
+        Volume under the map whose von Mises stress is above yield; None without a yield stress.
+    depths_above_yield : (first, last) or None
+        Depths between which there are such points, interpolated between planes.
+    fraction_above_yield : float or None
+        That volume over the volume from the surface to the last of these depths.
     planes : dict
         Field to be drawn → plane of its extreme value at the nodes: depth, grid, values.
     close_ups : sequence of CloseUp
     """
 
-    dataset: xr.Dataset
-    extremes: dict[str, Extreme]
-    above_yield: Array | None
+    body: Body
+    stress: xr.Dataset
+    limits: xr.Dataset
+    largest: dict[str, Extreme]
+    volume_above_yield: float | None
+    depths_above_yield: tuple[float, float] | None
+    fraction_above_yield: float | None
     planes: dict[str, tuple[float, Grid, Array]]
     close_ups: Sequence[CloseUp]
 
+    @property
+    def largest_von_mises(self) -> float:
+        """Largest von Mises stress."""
+        return self.largest["von_mises"].value
 
-def stress_in(
-    contact: Contact,
-    case: Case,
-    name: str,
-    near: Sequence[CloseUp] = (),
-    progress: Progress | None = None,
-) -> StressInBody:
-    """Stress in one body under the contact pressure, with its own modulus and Poisson's ratio, in Pa.
+    @property
+    def depth(self) -> float:
+        """Depth of the largest von Mises stress."""
+        return self.largest["von_mises"].depth
+
+    @property
+    def y(self) -> float:
+        """Place of the largest von Mises stress along y."""
+        return self.largest["von_mises"].y
+
+    @property
+    def x(self) -> float:
+        """Place of the largest von Mises stress along x."""
+        return self.largest["von_mises"].x
+
+
+def body_answer(
+    contact: Contact, case: Case, name: str, face: TreatedMap, near: Sequence[CloseUp], progress: Progress
+) -> BodyAnswer:
+    """Stress in one body under the contact pressure, with its own modulus and Poisson's ratio.
 
     Parameters
     ----------
@@ -91,9 +127,10 @@ def stress_in(
     case : Case
         The peaks of its fields are found beside those of `QUANTITIES`.
     name : "lower" or "upper"
-    near : sequence of CloseUp, optional
+    face : TreatedMap
+    near : sequence of CloseUp
         Take the fields of the case.
-    progress : callable, optional
+    progress : callable
     """
     body = case.bodies[name]
     watch = _Extremes(case.fields, body.poisson, body.yield_stress)
@@ -103,17 +140,59 @@ def stress_in(
         for each in near:
             each.add(plane, case.fields, body.poisson, contact.boundary == "periodic")
 
-    dataset = analyse_stress(
+    stress = analyse_stress(
         contact.in_body(name),
         depth_grid(contact.grid, body.height, DEPTH_SPACING, DEPTH_GROWTH),
         quantities=list(dict.fromkeys((*QUANTITIES, *case.fields))),
         tolerance=STRESS_TOLERANCE,
-        progress=progress,
+        progress=lambda done, total: progress(0.7 * done, total),
         observe=observe,
         **case.sliding_of(name),
     )
-    above = None if body.yield_stress is None else np.array(watch.above)
-    return StressInBody(dataset, watch.found, above, watch.planes, near)
+    main = stress.sel(quantity=list(LIMITED))
+    limits = continuum(
+        contact, main, body=name, progress=lambda done, total: progress(0.7 + 0.3 * done / total, 1.0)
+    )
+    volume, depths, fraction = None, None, None
+    if body.yield_stress is not None:
+        planes = stress["plane_depth"].values
+        volume = float(np.trapezoid(watch.above, planes)) * face.map_area
+        depths = _depths_above(body.yield_stress, stress["largest_von_mises"].values.ravel(), planes)
+        if depths is not None:
+            fraction = volume / (face.map_area * depths[1]) if depths[1] else 0.0
+    largest = {}
+    for field, at_nodes in watch.found.items():
+        found = _between_nodes(field, at_nodes, stress)
+        y, x = map(float, face.on_map(found.y, found.x))
+        largest[field] = found._replace(y=y, x=x)
+    return BodyAnswer(body, stress, limits, largest, volume, depths, fraction, watch.planes, near)
+
+
+def _depths_above(limit: float, largest: Array, depths: Array) -> tuple[float, float] | None:
+    """Depths between which a stress is above a limit, from its largest value in each plane."""
+    above = np.flatnonzero(largest > limit)
+    if not above.size:
+        return None
+
+    def crossing(plane: int, beyond: int) -> float:
+        if not 0 <= beyond < depths.size:
+            return float(depths[plane])
+        return float(np.interp(limit, largest[[beyond, plane]], depths[[beyond, plane]]))
+
+    return crossing(above[0], above[0] - 1), crossing(above[-1], above[-1] + 1)
+
+
+def _between_nodes(field: str, found: Extreme, stress: xr.Dataset) -> Extreme:
+    """The extreme value at the nodes, or the largest peak between them if that is larger."""
+    if field not in stress["quantity"].values:
+        return found
+    sign = float(DIRECTION.get(field) or np.sign(found.value))
+    candidates = peaks(stress, field)
+    values = sign * candidates["peak_value"].values
+    if not values.size or values.max() < sign * found.value:
+        return found
+    names = ("peak_value", "peak_depth", "peak_y", "peak_x")
+    return Extreme(*(float(candidates[name].values[values.argmax()]) for name in names))
 
 
 class _Extremes:

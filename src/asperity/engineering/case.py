@@ -107,7 +107,7 @@ class Load:
             magnitude(self.kind, self.value)
 
     @classmethod
-    def chosen(cls, given: Mapping[str, float | None]) -> Load:
+    def chosen(cls, **given: float | None) -> Load:
         """The load from keyword arguments of which exactly one is given."""
         named = {kind: value for kind, value in given.items() if value is not None}
         if len(named) != 1:
@@ -184,7 +184,7 @@ class Case:
             settings["map"],
             body(""),
             body("counter_") if "counter_young" in settings else None,
-            Load.chosen(loads),
+            Load.chosen(**loads),
             settings.get("friction", 0.0),
             direction if direction in ("x", "y") else float(direction),
             options_of(settings),

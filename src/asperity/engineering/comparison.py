@@ -10,7 +10,7 @@ import pandas as pd
 
 from asperity.core.markup import page
 from asperity.engineering.answer import Answer
-from asperity.engineering.folder import COMPARISON, claim
+from asperity.engineering.folder import COMPARISON, replacing
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 
@@ -41,22 +41,20 @@ def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
     rows = [[*key, *(column.get(key, "") for column in shown.values())] for key in keys]
     frame = pd.DataFrame(rows, columns=["", "number", *shown])
     values = pd.concat([answer.frame().assign(map=name) for name, answer in answers.items()])
-    write_table(values, "answer_comparison", folder / COMPARISON[0], float_format="%.8g")
     tables = {
         "Numbers": frame,
-        "Largest uncertainties": pd.DataFrame({name: _lines(answer) for name, answer in answers.items()}),
+        "Largest uncertainties": pd.DataFrame(
+            {name: pd.Series(answer.uncertainties, dtype=str) for name, answer in answers.items()}
+        ),
     }
     pictures = ["<h2>Pictures</h2>"]
     for picture in PICTURES:
         files = [f"{name}/{picture}.png" for name in answers if (folder / name / f"{picture}.png").exists()]
         pictures += [IMAGE.format(html.escape(file)) for file in files]
     links = (f'<a href="{html.escape(name)}/report.html">{html.escape(name)}</a>' for name in answers)
-    text = page(" and ".join(answers), tables)
     below = "\n".join([*pictures, f"<p>Reports: {', '.join(links)}</p>"])
-    write_text(folder / COMPARISON[1], text.replace("</body>", f"{below}\n</body>"))
-    claim(folder, COMPARISON)
+    text = page(" and ".join(answers), tables).replace("</body>", f"{below}\n</body>")
+    with replacing(folder, kept=set()) as unfinished:
+        write_table(values, "answer_comparison", unfinished / COMPARISON[0], float_format="%.8g")
+        write_text(unfinished / COMPARISON[1], text)
     return frame.to_string(index=False)
-
-
-def _lines(answer: Answer) -> pd.Series:
-    return pd.Series(answer.uncertainties, dtype=str)

@@ -94,10 +94,3 @@ def names_in(folder: Path) -> set[str]:
             continue
         return {name for name in found if isinstance(name, str) and Path(name).name == name}
     return set()
-
-
-def claim(folder: Path, names: Iterable[str]) -> None:
-    """Add files to those of a folder that `asperity run` has written and may replace."""
-    from asperity.results.atomic import write_text
-
-    write_text(folder / MANIFEST, json.dumps(sorted({*names_in(folder), *names})))

@@ -86,19 +86,16 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
 
 def _write_results(answer: Answer, folder: Path) -> None:
     """Write the results and tables of an answer into an empty folder."""
-    settings = settings_of(answer)
-    surface = f"rough surface {answer.face.name}"
+    settings, surface = settings_of(answer), f"rough surface {answer.face.name}"
     dataset.write(surface_of(answer), folder / "surface.nc", f"R{surface[1:]}", settings)
-    contact = contact_dataset(answer)
-    dataset.write(contact, folder / "contact.nc", f"Contact with {surface}", settings)
+    dataset.write(contact_dataset(answer), folder / "contact.nc", f"Contact with {surface}", settings)
     for body in answer.case.different_bodies:
-        title = f"Stress under {surface}{suffix_of(answer, body).replace('_', ', ')}"
-        dataset.write(
-            stress_dataset(answer, body), folder / f"stress{suffix_of(answer, body)}.nc", title, settings
-        )
-    write_table(answer.peaks(), "answer_peaks", folder / "peaks.csv", float_format="%.8g")
-    write_table(answer.spots, "answer_spots", folder / "spots.csv", float_format="%.8g")
-    write_table(answer.gaps(), "answer_gaps", folder / "gaps.csv", float_format="%.8g")
+        suffix = suffix_of(answer, body)
+        title = f"Stress under {surface}{suffix.replace('_', ', ')}"
+        dataset.write(stress_dataset(answer, body), folder / f"stress{suffix}.nc", title, settings)
+    tables = {"peaks": answer.peaks(), "spots": answer.spots, "gaps": answer.gaps()}
+    for name, table in tables.items():
+        write_table(table, f"answer_{name}", folder / f"{name}.csv", float_format="%.8g")
     write_table(answer.frame(), "answer", folder / "answer.csv", float_format="%.8g")
 
 
@@ -172,7 +169,8 @@ def contact_dataset(answer: Answer) -> xr.Dataset:
 
 def stress_dataset(answer: Answer, name: str) -> xr.Dataset:
     """The stress in one body, with attributes that describe it as in the files of the study."""
-    part, body = answer.bodies[name], answer.case.bodies[name]
+    part = answer.bodies[name]
+    body = part.body
     attributes: dict[str, Any] = {
         "unit_system": SI_UNITS,
         "body": name,
@@ -184,7 +182,6 @@ def stress_dataset(answer: Answer, name: str) -> xr.Dataset:
         "young": body.young,
         "gradient_rms_contact": answer.numbers.gradient_rms_contact,
     }
-    if part.body.yield_stress is not None:
-        attributes["yield_stress"] = part.body.yield_stress
-        attributes["volume_above_yield"] = part.volume_above_yield
-    return answer.stresses[name].assign_attrs(attributes)
+    if body.yield_stress is not None:
+        attributes |= {"yield_stress": body.yield_stress, "volume_above_yield": part.volume_above_yield}
+    return part.stress.assign_attrs(attributes)

@@ -14,8 +14,9 @@ from asperity.engineering.answer import Answer, body_title
 from asperity.engineering.close_up import CloseUp
 from asperity.fourier.grid import Grid
 from asperity.results.variables import SI_UNITS
-from asperity.views.maps import HEIGHT, PRESSURE, Look, Map, draw_maps, map_of
+from asperity.views.maps import HEIGHT, PRESSURE, Map, draw_maps, map_of
 from asperity.views.peak_plot import plot_peaks
+from asperity.views.scales import Look
 from asperity.views.section_plot import draw_sections
 from asperity.views.source import Part, Source, sources
 from asperity.views.stress_field import field_look, field_words
@@ -78,7 +79,7 @@ def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterato
     capital, look = word[0].upper() + word[1:], field_look(field)
     near = _close_up(answer, body, field)
     if near is not None:
-        depth, grid, values = answer.kept[body].planes[field]
+        depth, grid, values = answer.bodies[body].planes[field]
         whole = _whole(answer, grid)
         close = near.planes[int(np.abs(np.subtract(near.depths, depth)).argmin())][field]
         overview = Map(replace(source, grid=grid, fields={}), whole, values[whole])
@@ -89,7 +90,7 @@ def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterato
         figure = draw_sections([section], look, source.system, None, level)
         caption = f"{capital} close to its largest magnitude in a section; bars are the contact"
         yield Picture(f"section{suffix}", caption + end, figure, body)
-    stress = answer.stresses[body].assign_attrs(unit_system=source.system)
+    stress = answer.bodies[body].stress.assign_attrs(unit_system=source.system)
     if (stress["peak_quantity"] == field).any():
         images = ", with those of the mirror images of the map" if answer.face.is_mirrored else ""
         figure = plot_peaks({source.title: stress}, field, yield_stress=level)
@@ -109,7 +110,7 @@ def _close_up(answer: Answer, body: str, field: str) -> CloseUp | None:
         largest = max(float(np.abs(plane[field]).max()) for plane in box.planes)
         return box.node(found.y, found.x) is not None, largest
 
-    return max(answer.kept[body].close_ups, key=rank, default=None)
+    return max(answer.bodies[body].close_ups, key=rank, default=None)
 
 
 def _whole(answer: Answer, grid: Grid) -> Part:

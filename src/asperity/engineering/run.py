@@ -7,30 +7,23 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
 from asperity.contact import Contact, solve
 from asperity.core.arguments import require_finite
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.engineering.advice import advise
 from asperity.engineering.answer import Answer
-from asperity.engineering.answer_numbers import (
-    Neighbours,
-    body_answer,
-    contact_numbers,
-    contact_span,
-)
-from asperity.engineering.body_stress import stress_in
+from asperity.engineering.answer_numbers import Neighbours, contact_numbers
+from asperity.engineering.body_stress import body_answer
 from asperity.engineering.case import Body, Case, CounterMap, Load
 from asperity.engineering.close_up import close_ups
-from asperity.engineering.continuum import continuum
 from asperity.engineering.face import RoughFace, read_face
 from asperity.engineering.spots import contact_spots
 from asperity.fourier.grid import Grid
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 from asperity.surface.treatment.treatment import TreatedMap
-
-LIMITED = ("pressure", "von_mises")
-"""Quantities whose peaks are estimated for vanishing pixels."""
 
 
 def run(
@@ -109,24 +102,13 @@ def run(
     >>> print(f"{lower.largest_von_mises / 1e9:.2f} GPa at a depth of {lower.depth * 1e6:.1f} µm")
     1.58 GPa at a depth of 3.4 µm
     """
-    load = {
-        "mean_pressure": mean_pressure,
-        "force": force,
-        "approach": approach,
-        "area_fraction": area_fraction,
-    }
-    counter = counter_map if isinstance(counter_map, CounterMap | None) else CounterMap(counter_map)
-    case = Case(
-        source,
-        lower,
-        upper,
-        Load.chosen(load),
-        friction,
-        sliding_direction,
-        map_options or MapOptions(),
-        counter,
-        tuple(fields),
+    load = Load.chosen(
+        mean_pressure=mean_pressure, force=force, approach=approach, area_fraction=area_fraction
     )
+    options = map_options or MapOptions()
+    counter = counter_map if isinstance(counter_map, CounterMap | None) else CounterMap(counter_map)
+    chosen = tuple(fields)
+    case = Case(source, lower, upper, load, friction, sliding_direction, options, counter, chosen)
     return answer_of(case, progress=progress)
 
 
@@ -149,34 +131,26 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     rough = rough or read_face(case.source, case.options, case.counter_map)
     face = rough.face
     contact = press(face, case, _part(progress, 0.1, 0.5))
-    periodic = face.boundary == "periodic" and not face.is_mirrored
-    spots = contact_spots(face.part(contact.pressure), Grid(face.map_shape, face.map_length), periodic)
-    share = 0.5 / len(case.different_bodies)
-    stresses, bodies, limits = {}, {}, {}
-    for number, name in enumerate(case.different_bodies):
-        begin, middle, end = (0.5 + share * (number + part) for part in (0, 0.7, 1))
-        near = close_ups(face, contact, spots)
-        stresses[name] = stress_in(contact, case, name, near, _part(progress, begin, middle))
-        bodies[name] = body_answer(case.bodies[name], stresses[name], face)
-        main = stresses[name].dataset.sel(quantity=list(LIMITED))
-        limits[name] = continuum(contact, main, body=name, progress=_part(progress, middle, end))
-    same = {name: name if name in bodies else "lower" for name in case.bodies}
-    neighbours = None
-    if case.options.radius is not None and face.boundary == "periodic":
-        neighbours = neighbours_of(face, case, contact)
-    answer = Answer(
-        case=case,
-        rough=rough,
-        contact=contact,
-        spots=spots,
-        numbers=contact_numbers(rough, contact, spots),
-        bodies={name: bodies[own] for name, own in same.items()},
-        stresses={name: stresses[own].dataset for name, own in same.items()},
-        kept={name: stresses[own] for name, own in same.items()},
-        limits={name: limits[own] for name, own in same.items()},
-        neighbours=neighbours,
+    periodic = face.boundary == "periodic"
+    spots = contact_spots(
+        face.part(contact.pressure), Grid(face.map_shape, face.map_length), periodic and not face.is_mirrored
     )
-    _require_finite(answer)
+    form_repeats = periodic and case.options.radius is not None
+    share, bodies = 0.5 / len(case.different_bodies), {}
+    for number, name in enumerate(case.different_bodies):
+        begin, near = 0.5 + share * number, close_ups(face, contact, spots)
+        bodies[name] = body_answer(contact, case, name, face, near, _part(progress, begin, begin + share))
+    answer = Answer(
+        case,
+        rough,
+        contact,
+        spots,
+        contact_numbers(rough, contact, spots),
+        {name: bodies.get(name, bodies["lower"]) for name in case.bodies},
+        neighbours_of(face, case, contact) if form_repeats and len(spots) else None,
+    )
+    values = {f"{row.group}, {row.name}": row.value for row in answer.rows}
+    require_finite("run", values)
     if progress is not None:
         progress(1.0, 1.0)
     return replace(answer, advice=advise(answer))
@@ -209,24 +183,19 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
 
 def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> Neighbours:
     """Effect of the periodic images on the contact of a ball or cylinder, from a solution without them."""
-    span, unknown = contact_span(face, contact), float("nan")
+    widths = np.ptp(np.argwhere(face.part(contact.pressure) > 0), axis=0) + 1
+    span, unknown = float((widths / face.map_shape).max()), float("nan")
     if any(body.height is not None for body in case.bodies.values()):
         return Neighbours(span, unknown, unknown)
     alone = press(face.map_alone(), case)
     return Neighbours(span, alone.area_fraction, float(alone.pressure.max()))
 
 
-def _require_finite(answer: Answer) -> None:
-    """Raise `ValueError` unless all numbers are finite; NaN stands for those of peaks that are not there."""
-    results: dict[str, Any] = dict(vars(answer.numbers))
-    for body in answer.bodies.values():
-        given = {name: value for name, value in vars(body).items() if isinstance(value, (float, tuple))}
-        results |= given | {name: tuple(extreme) for name, extreme in body.largest.items()}
-    require_finite("run", results, undefined=True)
-
-
-def _part(progress: Progress | None, begin: float, end: float) -> Progress | None:
+def _part(progress: Progress | None, begin: float, end: float) -> Progress:
     """Progress of a part of the run."""
-    if progress is None:
-        return None
-    return lambda done, total: progress(begin + (end - begin) * (done / total if total else 1.0), 1.0)
+
+    def report(done: float, total: float) -> None:
+        if progress is not None:
+            progress(begin + (end - begin) * (done / total if total else 1.0), 1.0)
+
+    return report

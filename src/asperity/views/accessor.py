@@ -15,6 +15,14 @@ from asperity.stress.section import stress_section
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+STAGES = {
+    "plot": ("surface", "contact", "stress"),
+    "section": ("contact",),
+    "to_vtk": ("surface", "contact"),
+    "peaks": ("stress",),
+}
+"""Method → stages whose results it takes."""
+
 
 @xr.register_dataset_accessor("asperity")
 class ResultAccessor:
@@ -46,14 +54,9 @@ class ResultAccessor:
         return next((stage for stage, name in marks.items() if name in self._dataset), None)
 
     def __repr__(self) -> str:
-        can = {
-            "surface": "plot(), to_vtk()",
-            "contact": "plot(), section(), to_vtk()",
-            "stress": "plot(), peaks()",
-        }
-        if self.stage is None:
-            return "<no result of asperity>"
-        return f"<result of stage {self.stage}: {can[self.stage]}>"
+        methods = [name for name, stages in STAGES.items() if self.stage in stages]
+        can = ", ".join(f"{name}()" for name in methods)
+        return f"<result of stage {self.stage}: {can}>" if can else "<no result of asperity>"
 
     def plot(self, *arguments: Any, **settings: Any) -> Figure:
         """The picture of the stage: `plot_height`, `plot_pressure` or `plot_peaks`, with their arguments.
@@ -63,7 +66,7 @@ class ResultAccessor:
         ValueError
             If the dataset is no result of these stages.
         """
-        stage = self._needed("plot", "surface", "contact", "stress")
+        stage = self._needed("plot")
         from asperity.views import maps, peak_plot  # matplotlib is imported only to draw
 
         plots: dict[str, Callable[..., Figure]] = {
@@ -81,7 +84,7 @@ class ResultAccessor:
         ValueError
             If the dataset is no contact that describes its solid.
         """
-        self._needed("section", "contact")
+        self._needed("section")
         return stress_section(LoadedSolid.from_dataset(self._dataset), *arguments, **settings)
 
     def to_vtk(
@@ -109,7 +112,7 @@ class ResultAccessor:
         ValueError
             If the dataset is no surface or contact, or an argument is out of range.
         """
-        self._needed("to_vtk", "surface", "contact")
+        self._needed("to_vtk")
         from asperity.views import export
         from asperity.views.source import sources
 
@@ -120,7 +123,7 @@ class ResultAccessor:
         if depth is None:
             raise ValueError("depth = None: a pair (first, last) is needed for the fields of a stress")
         box = export.box_below(source, fields, depth, **settings)
-        export.write_box(box, path, export.export_units(source.system))
+        export.write_box(box, path, export.ExportUnits.of(source.system))
 
     def peaks(self, quantity: str, poisson: float | None = None, selection: str = "all") -> xr.Dataset:
         """Peaks of one quantity: `asperity.peaks`, with its arguments.
@@ -130,14 +133,12 @@ class ResultAccessor:
         ValueError
             If the dataset is no result of a stress analysis, or has not the quantity.
         """
-        self._needed("peaks", "stress")
+        self._needed("peaks")
         return select_peaks(self._dataset, quantity, poisson, selection)
 
-    def _needed(self, name: str, *stages: str) -> str:
-        """The stage, if it is among some."""
-        stage = self.stage
-        if stage not in stages:
-            raise ValueError(
-                f"{name}: a result of stage {' or '.join(stages)} is needed, not of {stage or 'none'}"
-            )
-        return stage
+    def _needed(self, method: str) -> str:
+        """The stage, if it is one of those that a method takes."""
+        if (stage := self.stage) not in (stages := STAGES[method]):
+            needed = " or ".join(stages)
+            raise ValueError(f"{method}: a result of stage {needed} is needed, not of {stage or 'none'}")
+        return str(stage)

@@ -12,10 +12,9 @@ and pyvista open it.
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -31,9 +30,6 @@ from asperity.views.source import Part, Source, Span
 
 MAX_PLANES = 4096
 """Most planes of a box."""
-
-ROWS_AT_ONCE = 64
-"""Rows of nodes of a table that are written together."""
 
 IMAGE_HEAD = """\
 <?xml version="1.0" encoding="UTF-8"?>\
@@ -60,14 +56,10 @@ class ExportUnits(NamedTuple):
     length_name: str = "cell_length"
     stress_name: str = "effective_modulus"
 
-
-DIMENSIONLESS = ExportUnits()
-MICROMETRES_AND_MEGAPASCALS = ExportUnits(1e-6, 1e6, "um", "MPa")
-
-
-def export_units(system: str | None) -> ExportUnits:
-    """Units in which the numbers of a result in a system of units are exported."""
-    return MICROMETRES_AND_MEGAPASCALS if system == SI_UNITS else DIMENSIONLESS
+    @classmethod
+    def of(cls, system: str | None) -> ExportUnits:
+        """Units in which the numbers of a result in a system of units are exported."""
+        return cls(1e-6, 1e6, "um", "MPa") if system == SI_UNITS else cls()
 
 
 def peak_table(stress: xr.Dataset) -> pd.DataFrame:
@@ -85,7 +77,7 @@ def peak_table(stress: xr.Dataset) -> pd.DataFrame:
         "interior"; ``under_contact``; ``value``, ``depth``, ``y`` and ``x``, each with its unit in its name,
         such as ``value_MPa`` and ``depth_um``.
     """
-    units = export_units(stress.attrs.get(UNIT_SYSTEM))
+    units = ExportUnits.of(stress.attrs.get(UNIT_SYSTEM))
     value = f"value_{units.stress_name}"
     table = pd.DataFrame(
         {
@@ -101,7 +93,7 @@ def peak_table(stress: xr.Dataset) -> pd.DataFrame:
         }
     )
     order = table.assign(size=-table[value].abs()).sort_values(["quantity", "poisson", "size"], kind="stable")
-    return table.loc[order.index].reset_index(drop=True)
+    return order.drop(columns="size").reset_index(drop=True)
 
 
 def write_peaks(stress: xr.Dataset, path: str | os.PathLike[str]) -> int:
@@ -152,9 +144,7 @@ def box_below(
     *,
     spacing: float | None = None,
     poisson: float | None = None,
-    body: str = "lower",
-    friction: float | None = None,
-    sliding_direction: str | float | None = None,
+    **body: Any,
 ) -> StressBox:
     """Fields of the stress in a box below a contact, on nodes of its grid and planes of equal distance.
 
@@ -167,27 +157,21 @@ def box_below(
         As for `box_depths`.
     y, x : (first, last), optional
         Part of the cell.
-    poisson, body, friction, sliding_direction
+    poisson
         As for `asperity.plot_section`.
+    **body
+        Arguments of `Source.loaded`.
     """
-    solid, settings = source.loaded(body, friction, sliding_direction)
-    along_y, along_x = source.positions(source.part(y, x))
-    return stress_box(
-        solid,
-        box_depths(source, depth, spacing),
-        (float(along_y[0]), float(along_y[-1])),
-        (float(along_x[0]), float(along_x[-1])),
-        fields,
-        poisson,
-        tolerance=0.0,
-        **settings,
-    )
+    solid, sliding = source.loaded(**body)
+    rows, columns = ((float(nodes[0]), float(nodes[-1])) for nodes in source.positions(source.part(y, x)))
+    depths = box_depths(source, depth, spacing)
+    return stress_box(solid, depths, rows, columns, fields, poisson, tolerance=0.0, **sliding)
 
 
 def write_box(
     box: StressBox,
     path: str | os.PathLike[str],
-    units: ExportUnits = DIMENSIONLESS,
+    units: ExportUnits,
     progress: Progress | None = None,
 ) -> int:
     """Write the fields of a box of one Poisson's ratio as VTK image data, and return the bytes of the file.
@@ -209,7 +193,7 @@ def write_box(
 
 def surface_fields(source: Source, part: Part) -> xr.Dataset:
     """Fields over a part of the surface in their exported units, which the names of all variables end in."""
-    units = export_units(source.system)
+    units = ExportUnits.of(source.system)
     y, x = (f"{axis}_{units.length_name}" for axis in "yx")
     fields = {}
     for name, values in source.fields.items():
@@ -230,14 +214,12 @@ def write_surface_table(path: str | os.PathLike[str], fields: xr.Dataset) -> int
     """Write fields over the surface as CSV, a row for each node; return the number of rows.
 
     Columns: y and x with their unit, then the fields with theirs. A part of one row or column of nodes is a
-    profile. Files are written some rows at a time, so that the table is never in memory.
+    profile.
     """
-    y, rows = next(iter(fields.sizes.items()))
-    with atomic_write(path) as unfinished, open(unfinished, "w", encoding="utf-8", newline="") as file:
-        for first in range(0, rows, ROWS_AT_ONCE):
-            table = fields.isel({y: slice(first, first + ROWS_AT_ONCE)}).to_dataframe().reset_index()
-            table.to_csv(file, index=False, header=not first, float_format="%.7g", lineterminator="\n")
-    return math.prod(fields.sizes.values())
+    table = fields.to_dataframe()
+    with atomic_write(path) as unfinished:
+        table.to_csv(unfinished, float_format="%.7g", lineterminator="\n")
+    return len(table)
 
 
 def _write_image(
@@ -258,9 +240,19 @@ def _write_image(
     planes : iterable
         Fields [y, x] of each plane.
     """
-    plane_bytes = 4 * axes[0].size * axes[1].size
-    field_bytes = plane_bytes * axes[2].size
-    head = _image_head(axes, names, field_bytes)
+    x, y, depth = axes
+    plane_bytes = 4 * x.size * y.size
+    field_bytes = plane_bytes * depth.size
+    upward = x, y, 0.0 - depth[::-1]
+    steps = [(nodes[-1] - nodes[0]) / (nodes.size - 1) if nodes.size > 1 else 1.0 for nodes in upward]
+    arrays = [IMAGE_ARRAY.format(name, number * (8 + field_bytes)) for number, name in enumerate(names)]
+    head = IMAGE_HEAD.format(
+        extent=" ".join(f"0 {nodes.size - 1}" for nodes in upward),
+        origin=" ".join(repr(float(nodes[0])) for nodes in upward),
+        spacing=" ".join(repr(float(step)) for step in steps),
+        first=names[0],
+        arrays="".join(arrays),
+    ).encode()
     begins = [len(head) + number * (8 + field_bytes) for number in range(len(names))]
     with atomic_write(path) as unfinished, open(unfinished, "wb") as file:
         file.write(head)
@@ -268,26 +260,10 @@ def _write_image(
             file.seek(begin)
             file.write(np.uint64(field_bytes).astype("<u8").tobytes())
         for number, fields in enumerate(planes):
-            deeper = axes[2].size - 1 - number  # z rises upward, so that the deepest plane comes first
+            deeper = depth.size - 1 - number  # z rises upward, so that the deepest plane comes first
             for begin, values in zip(begins, fields, strict=True):
                 file.seek(begin + 8 + deeper * plane_bytes)
                 file.write(np.ascontiguousarray(values, "<f4").data)
         file.seek(begins[-1] + 8 + field_bytes)
         file.write(b"\n</AppendedData></VTKFile>\n")
         return file.tell()
-
-
-def _image_head(axes: tuple[Array, Array, Array], names: Sequence[str], field_bytes: int) -> bytes:
-    """The XML of an image up to its data: nodes, and name and place of every field."""
-    x, y, depth = axes
-    upward = x, y, 0.0 - depth[::-1]
-    steps = [(nodes[-1] - nodes[0]) / (nodes.size - 1) if nodes.size > 1 else 1.0 for nodes in upward]
-    arrays = [IMAGE_ARRAY.format(name, number * (8 + field_bytes)) for number, name in enumerate(names)]
-    text = IMAGE_HEAD.format(
-        extent=" ".join(f"0 {nodes.size - 1}" for nodes in upward),
-        origin=" ".join(repr(float(nodes[0])) for nodes in upward),
-        spacing=" ".join(repr(float(step)) for step in steps),
-        first=names[0],
-        arrays="".join(arrays),
-    )
-    return text.encode()

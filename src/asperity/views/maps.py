@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, TypedDict, Unpack
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from asperity.core.types import Array
 from asperity.views.panels import add_colour_bar, canvas, finish_title
-from asperity.views.scales import ON_WHITE, SEQUENTIAL, Limits, Measure, measure, robust_limits
+from asperity.views.scales import ON_WHITE, SEQUENTIAL, Look, Scale, measure
 from asperity.views.source import Part, Source, Span, sources
 
 LEVEL = "C4"
@@ -41,38 +41,13 @@ class Map(NamedTuple):
     note: str = ""
 
 
-class Look(NamedTuple):
-    """Colours of a map.
+class View(TypedDict, total=False):
+    """Arguments of the pictures of a field over the cell; `plot_height` describes them."""
 
-    Parameters
-    ----------
-    label : str
-        Name of the quantity.
-    dimension : "length" | "stress"
-    colours : str
-        Colour map.
-    outline : str
-        Colour of the outlines of contacts; empty for none.
-    reduce : callable
-        Value of a pixel from those of the nodes that it stands for.
-    low : float or None
-        Fixed lower limit.
-    signed : bool
-        True if zero is in the middle of the colours.
-    """
-
-    label: str
-    dimension: str
-    colours: str
-    outline: str
-    reduce: Callable[..., Array]
-    low: float | None = None
-    signed: bool = False
-
-    def limits(self, values: Iterable[Array]) -> Limits:
-        """Common limits of the colours of several results."""
-        found = robust_limits(values, self.low)
-        return found.symmetric() if self.signed else found
+    y: Span | None
+    x: Span | None
+    axes: Axes | Sequence[Axes] | None
+    unit_system: str | None
 
 
 HEIGHT = Look("height, lowest touches first", "length", SEQUENTIAL, "white", np.mean)
@@ -80,14 +55,7 @@ PRESSURE = Look("contact pressure", "stress", ON_WHITE, "", np.fmax.reduce, low=
 GAP = Look("gap", "length", SEQUENTIAL, "white", np.mean, low=0.0)
 
 
-def plot_height(
-    result: Any,
-    *,
-    y: Span | None = None,
-    x: Span | None = None,
-    axes: Axes | Sequence[Axes] | None = None,
-    unit_system: str | None = None,
-) -> Figure:
+def plot_height(result: Any, **view: Unpack[View]) -> Figure:
     """Map of the heights of the rough face, with the outlines of the contacts if the result has them.
 
     Parameters
@@ -117,17 +85,10 @@ def plot_height(
     >>> len(figure.axes)  # the map and its colour bar
     2
     """
-    return _plot(result, "height", HEIGHT, y, x, axes, unit_system)
+    return _plot(result, "height", HEIGHT, **view)
 
 
-def plot_pressure(
-    result: Any,
-    *,
-    y: Span | None = None,
-    x: Span | None = None,
-    axes: Axes | Sequence[Axes] | None = None,
-    unit_system: str | None = None,
-) -> Figure:
+def plot_pressure(result: Any, **view: Unpack[View]) -> Figure:
     """Map of the contact pressure, white where there is no contact; arguments as for `plot_height`.
 
     Examples
@@ -140,17 +101,10 @@ def plot_pressure(
     >>> len(figure.axes)  # two maps and a colour bar
     3
     """
-    return _plot(result, "pressure", PRESSURE, y, x, axes, unit_system)
+    return _plot(result, "pressure", PRESSURE, **view)
 
 
-def plot_gap(
-    result: Any,
-    *,
-    y: Span | None = None,
-    x: Span | None = None,
-    axes: Axes | Sequence[Axes] | None = None,
-    unit_system: str | None = None,
-) -> Figure:
+def plot_gap(result: Any, **view: Unpack[View]) -> Figure:
     """Map of the gap between the faces, with the outlines of the contacts; arguments as for `plot_height`.
 
     Examples
@@ -161,17 +115,17 @@ def plot_gap(
     >>> len(figure.axes)  # the map and its colour bar
     2
     """
-    return _plot(result, "gap", GAP, y, x, axes, unit_system)
+    return _plot(result, "gap", GAP, **view)
 
 
 def _plot(
     result: Any,
     name: str,
     look: Look,
-    y: Span | None,
-    x: Span | None,
-    axes: Axes | Sequence[Axes] | None,
-    unit_system: str | None,
+    y: Span | None = None,
+    x: Span | None = None,
+    axes: Axes | Sequence[Axes] | None = None,
+    unit_system: str | None = None,
 ) -> Figure:
     found = sources(result, unit_system)
     return draw_maps([map_of(source, name, source.part(y, x)) for source in found], look, axes)
@@ -192,50 +146,33 @@ def draw_maps(
     unit = measure([limits.low, limits.high], look.dimension, system)
     nodes = [shown.source.positions(shown.part) for shown in maps]
     length = measure([edge for y, x in nodes for edge in (x[-1], y[-1])], "length", system)
+    scale = Scale(look, limits, unit, length, level)
     tallest = max(np.ptp(y) / np.ptp(x) for y, x in nodes)
     with canvas(len(maps), axes, shape=float(tallest)) as (figure, panels):
         for axis, shown in zip(panels, maps, strict=True):
-            _draw(axis, shown, look, limits, unit, length, level)
-        add_colour_bar(figure, panels, look.colours, limits, unit, look.label)
+            _draw(axis, shown, scale)
+        add_colour_bar(figure, panels, scale)
     return figure
 
 
-def _draw(
-    axis: Axes,
-    shown: Map,
-    look: Look,
-    limits: Limits,
-    unit: Measure,
-    length: Measure,
-    level: float | None = None,
-) -> None:
+def _draw(axis: Axes, shown: Map, scale: Scale) -> None:
+    look, unit, length = scale.look, scale.unit, scale.length
     size = [max(1, -(-nodes // PIXELS)) for nodes in shown.values.shape]
     # Edges of the nodes that are shown, and of the pixels, which are blocks of nodes and may reach further.
-    begin, end, last = [], [], []
-    steps = [step / length.factor for step in shown.source.grid.spacing]
-    for step, nodes, block in zip(steps, shown.part, size, strict=True):
-        count = nodes.stop - nodes.start
-        begin.append((nodes.start - 0.5) * step)
-        end.append((nodes.stop - 0.5) * step)
-        last.append(begin[-1] + -(-count // block) * block * step)
-    extent = begin[1], last[1], begin[0], last[0]
-    axis.imshow(
-        np.ma.masked_invalid(blocks(shown.values, size, look.reduce) / unit.factor),
-        origin="lower",
-        extent=extent,
-        norm=limits.normalise(unit),
-        cmap=look.colours,
-    )
-    if level is not None:
-        drawn = blocks(shown.values, size, look.reduce)
-        draw_level(axis, level, drawn, origin="lower", extent=extent)
+    steps = np.array(shown.source.grid.spacing) / length.factor
+    first = np.array([nodes.start for nodes in shown.part])
+    begin = (first - 0.5) * steps
+    end = begin + steps * shown.values.shape
+    pixels = blocks(shown.values, size, look.reduce)
+    last = begin + steps * size * pixels.shape
+    place: dict[str, Any] = {"origin": "lower", "extent": (begin[1], last[1], begin[0], last[0])}
+    values = np.ma.masked_invalid(pixels / unit.factor)
+    axis.imshow(values, norm=scale.limits.normalise(unit), cmap=look.colours, **place)
+    draw_contour(axis, pixels, scale.level, LEVEL, 0.8, **place)
     if look.outline and "pressure" in shown.source.fields:
         pressed = shown.source.fields["pressure"][shown.part] > 0
         contacts = blocks(pressed.astype(np.float32), size, np.max)
-        if min(contacts.shape) > 1 and contacts.min() < contacts.max():
-            axis.contour(
-                contacts, levels=[0.5], origin="lower", extent=extent, colors=look.outline, linewidths=0.5
-            )
+        draw_contour(axis, contacts, 0.5, look.outline, 0.5, **place)
     axis.set(
         xlim=(begin[1], end[1]),
         ylim=(begin[0], end[0]),
@@ -245,13 +182,15 @@ def _draw(
     )
     axis.spines[["top", "right"]].set_visible(True)
     title = ", ".join(text for text in (shown.source.title, shown.note) if text)
-    finish_title(axis, title, limits.beyond(shown.values, unit))
+    finish_title(axis, title, scale.limits.beyond(shown.values, unit))
 
 
-def draw_level(axis: Axes, level: float, values: Array, **place: Any) -> None:
-    """Draw the contour of a value, if it occurs."""
-    if min(values.shape) > 1 and values.min() < level < values.max():
-        axis.contour(values, levels=[level], colors=LEVEL, linewidths=0.8, **place)
+def draw_contour(
+    axis: Axes, values: Array, level: float | None, colour: str, width: float, *nodes: Array, **place: Any
+) -> None:
+    """Draw the contour of a value, if there is one and it occurs."""
+    if level is not None and min(values.shape) > 1 and values.min() < level < values.max():
+        axis.contour(*nodes, values, levels=[level], colors=colour, linewidths=width, **place)
 
 
 def blocks(values: Array, size: Sequence[int], reduce: Callable[..., Array]) -> Array:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.figure import Figure
 
-from asperity.views.scales import Limits, Measure
+from asperity.views.scales import Scale
 from asperity.views.style import MILLIMETRE, PAGE, style
 
 SINGLE = 110 * MILLIMETRE
@@ -66,24 +66,16 @@ def canvas(
         yield figure, [figure.add_subplot(rows, across, number + 1) for number in range(count)]
 
 
-def add_colour_bar(
-    figure: Figure,
-    axes: Sequence[Axes],
-    colours: str,
-    limits: Limits,
-    unit: Measure,
-    label: str,
-    below: bool = False,
-) -> None:
+def add_colour_bar(figure: Figure, axes: Sequence[Axes], scale: Scale, below: bool = False) -> None:
     """Add the colour bar of some panels, beside or below them; arrows mean that values lie beyond its ends.
 
     A bar with both signs shows the values that occur only, although its colours are symmetric.
     """
-    mappable = ScalarMappable(limits.normalise(unit), colours)
+    limits, unit = scale.limits, scale.unit
     bar = figure.colorbar(
-        mappable,
+        ScalarMappable(limits.normalise(unit), scale.look.colours),
         ax=list(axes),
-        label=unit.label(label),
+        label=unit.label(scale.look.label),
         extend=limits.extend,
         location="bottom" if below else "right",
         aspect=40 if below else 20,

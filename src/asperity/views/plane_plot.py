@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -14,7 +14,7 @@ from asperity.stress.planes.planes import depth_grid, stress_planes
 from asperity.views.maps import Map, draw_maps
 from asperity.views.scales import measure
 from asperity.views.source import Span
-from asperity.views.stress_field import Stress, field_look, stresses
+from asperity.views.stress_field import BodyView, Stress, field_look, stresses
 
 SEARCH_TOLERANCE = 1e-4
 """Largest relative error of the planes in which the depth of the largest stress is sought."""
@@ -31,12 +31,9 @@ def plot_plane(
     *,
     y: Span | None = None,
     x: Span | None = None,
-    body: str = "lower",
-    friction: float | None = None,
-    sliding_direction: str | float | None = None,
     axes: Axes | Sequence[Axes] | None = None,
-    unit_system: str | None = None,
     progress: Progress | None = None,
+    **view: Unpack[BodyView],
 ) -> Figure:
     """Stress in a plane below the surface, with the outlines of the contacts above it.
 
@@ -65,7 +62,7 @@ def plot_plane(
     >>> len(figure.axes)  # the map and its colour bar
     2
     """
-    found = stresses(contact, field, poisson, body, friction, sliding_direction, unit_system)
+    found = stresses(contact, field, poisson, **view)
     maps = [_plane(stress, depth, y, x, progress) for stress in found]
     return draw_maps(maps, field_look(field), axes)
 

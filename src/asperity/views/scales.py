@@ -5,9 +5,9 @@ Units have sensible prefixes in SI; dimensionless results are drawn in cell leng
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -193,3 +193,57 @@ def robust_limits(fields: Iterable[Array], low: float | None = None) -> Limits:
     if not top > bottom:
         top = bottom + (abs(bottom) or 1.0)
     return Limits(bottom, top, min(smallest), max(largest))
+
+
+class Look(NamedTuple):
+    """Colours of a map.
+
+    Parameters
+    ----------
+    label : str
+        Name of the quantity.
+    dimension : "length" | "stress"
+    colours : str
+        Colour map.
+    outline : str
+        Colour of the outlines of contacts; empty for none.
+    reduce : callable
+        Value of a pixel from those of the nodes that it stands for.
+    low : float or None
+        Fixed lower limit.
+    signed : bool
+        True if zero is in the middle of the colours.
+    """
+
+    label: str
+    dimension: str
+    colours: str
+    outline: str
+    reduce: Callable[..., Array]
+    low: float | None = None
+    signed: bool = False
+
+    def limits(self, values: Iterable[Array]) -> Limits:
+        """Common limits of the colours of several results."""
+        found = robust_limits(values, self.low)
+        return found.symmetric() if self.signed else found
+
+
+class Scale(NamedTuple):
+    """Colours, limits and units in which several panels are drawn.
+
+    Parameters
+    ----------
+    look : Look
+    limits : Limits
+    unit, length : Measure
+        Of the values and of the positions.
+    level : float or None
+        Value of a contour.
+    """
+
+    look: Look
+    limits: Limits
+    unit: Measure
+    length: Measure
+    level: float | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from numbers import Real
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -14,11 +14,11 @@ from matplotlib.figure import Figure
 from asperity.core.types import Progress
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.section import stress_section
-from asperity.views.maps import LEVEL, Look, blocks
+from asperity.views.maps import LEVEL, blocks, draw_contour
 from asperity.views.panels import add_colour_bar, canvas, finish_title
-from asperity.views.scales import Limits, Measure, measure
+from asperity.views.scales import Look, Scale, measure
 from asperity.views.source import Span
-from asperity.views.stress_field import Stress, field_look, stresses
+from asperity.views.stress_field import BodyView, Stress, field_look, stresses
 
 MAX_SHAPE = 0.25
 """Largest depth of a section over its length, where no depth is given."""
@@ -45,12 +45,9 @@ def plot_section(
     field: str = "von_mises",
     poisson: float | None = None,
     *,
-    body: str = "lower",
-    friction: float | None = None,
-    sliding_direction: str | float | None = None,
     axes: Axes | Sequence[Axes] | None = None,
-    unit_system: str | None = None,
     progress: Progress | None = None,
+    **view: Unpack[BodyView],
 ) -> Figure:
     """Stress in a vertical section through the solid under a contact, with the contacts as bars above it.
 
@@ -92,7 +89,7 @@ def plot_section(
     >>> len(figure.axes) >= 2
     True
     """
-    found = stresses(contact, field, poisson, body, friction, sliding_direction, unit_system)
+    found = stresses(contact, field, poisson, **view)
     sections = [_section(stress, y, x, depth, progress) for stress in found]
     look = field_look(field)
     limits = look.limits(section.values for section in sections)
@@ -123,10 +120,11 @@ def draw_sections(
         float(np.ptp(section["depth"].values) / np.ptp(nodes))
         for section, nodes in zip(sections, positions, strict=True)
     )
+    scale = Scale(look, limits, unit, length, level)
     with canvas(len(sections), axes, shape, columns=1) as (figure, panels):
         for axis, section in zip(panels, sections, strict=True):
-            _draw(axis, section, look, limits, unit, length, level)
-        add_colour_bar(figure, panels, look.colours, limits, unit, look.label, below=True)
+            _draw(axis, section, scale)
+        add_colour_bar(figure, panels, scale, below=True)
     return figure
 
 
@@ -183,31 +181,22 @@ def _faded_below(section: xr.DataArray, faded: float) -> float:
     return max(float(section["depth"][below]), MIN_SHAPE * float(np.ptp(section[section.dims[1]].values)))
 
 
-def _draw(
-    axis: Axes,
-    section: xr.DataArray,
-    look: Look,
-    limits: Limits,
-    unit: Measure,
-    length: Measure,
-    level: float | None,
-) -> None:
-    along = str(section.dims[1])
+def _draw(axis: Axes, section: xr.DataArray, scale: Scale) -> None:
+    along, length, unit = str(section.dims[1]), scale.length, scale.unit
     starts = np.arange(0, section.sizes[along], -(-section.sizes[along] // MAX_POINTS))
     block = int(starts[1]) if starts.size > 1 else 1
-    values = blocks(section.values, (1, block), look.reduce)
+    values = blocks(section.values, (1, block), scale.look.reduce)
     position, depth = section[along].values[starts] / length.factor, section["depth"].values / length.factor
     axis.pcolormesh(
         position,
         depth,
         values / unit.factor,
-        norm=limits.normalise(unit),
-        cmap=look.colours,
+        norm=scale.limits.normalise(unit),
+        cmap=scale.look.colours,
         shading="gouraud",
         rasterized=True,
     )
-    if level is not None:
-        axis.contour(position, depth, values, levels=[level], colors=LEVEL, linewidths=0.8)
+    draw_contour(axis, values, scale.level, LEVEL, 0.8, position, depth)
     # The contacts are bars on the upper edge, as thick as two spines.
     touching = np.flatnonzero(np.maximum.reduceat(section["contact"].values, starts))
     ends = np.append(position, 2 * position[-1] - position[-2])
@@ -222,4 +211,4 @@ def _draw(
         ylabel=length.label("depth"),
         aspect="equal",
     )
-    finish_title(axis, str(section.name), limits.beyond(section.values, unit))
+    finish_title(axis, str(section.name), scale.limits.beyond(section.values, unit))

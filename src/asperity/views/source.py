@@ -126,14 +126,17 @@ class Source:
         return round(position / self.grid.spacing[number]) % self.grid.shape[number]
 
     def loaded(
-        self, body: str = "lower", friction: float | None = None, direction: str | float | None = None
+        self,
+        body: str = "lower",
+        friction: float | None = None,
+        sliding_direction: str | float | None = None,
     ) -> tuple[LoadedSolid, dict[str, Any]]:
         """A body under its contact pressure, and its friction as arguments of `asperity.stress_planes`.
 
         Parameters
         ----------
         body : "lower" | "upper"
-        friction, direction : float, str or float, optional
+        friction, sliding_direction : float, str or float, optional
             Coefficient, and direction in which the upper body moves over the lower one; by default those of
             the result.
 
@@ -146,7 +149,7 @@ class Source:
             raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
         if body not in self.layers:
             raise ValueError(f"body = {shown(body)}: {' or '.join(self.layers)} is needed")
-        direction = self.sliding.sliding_direction if direction is None else direction
+        direction = self.sliding.sliding_direction if sliding_direction is None else sliding_direction
         pressure = self.fields["pressure"].astype(float)
         return LoadedSolid(pressure, self.grid, self.layers[body], self.boundary), {
             "friction": self.sliding.friction if friction is None else friction,

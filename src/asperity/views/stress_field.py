@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypedDict
 
 import numpy as np
 
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.views.maps import Look, largest_magnitude
-from asperity.views.scales import SIGNED, STRESS
+from asperity.views.maps import largest_magnitude
+from asperity.views.scales import SIGNED, STRESS, Look
 from asperity.views.source import Source, sources
 
 POSITIVE = ("von_mises", "largest_shear")
@@ -42,19 +42,22 @@ class Stress(NamedTuple):
     settings: dict[str, Any]
 
 
+class BodyView(TypedDict, total=False):
+    """Arguments of the pictures of the stress in a body; `asperity.plot_section` describes them."""
+
+    body: str
+    friction: float | None
+    sliding_direction: str | float | None
+    unit_system: str | None
+
+
 def stresses(
-    contact: Any,
-    field: str,
-    poisson: float | None,
-    body: str,
-    friction: float | None,
-    sliding_direction: str | float | None,
-    unit_system: str | None,
+    contact: Any, field: str, poisson: float | None, unit_system: str | None = None, **body: Any
 ) -> list[Stress]:
-    """The field in one of the bodies of each result, with its own friction if none is given."""
+    """The field in one of the bodies of each result; `body` are arguments of `Source.loaded`."""
     found = []
     for source in sources(contact, unit_system):
-        solid, sliding = source.loaded(body, friction, sliding_direction)
+        solid, sliding = source.loaded(**body)
         found.append(Stress(source, solid, field, {"poisson": poisson, **sliding}))
     return found
 

@@ -18,30 +18,16 @@ from asperity.study.config.schema import accepted, setting
 WRONG_USAGE = 2
 """Exit status for arguments that are not accepted, as argparse has it."""
 
-KEYS: dict[str, str] = {
-    entry["setting"].rpartition(".")[2]: entry["setting"]
+OPTIONS = {
+    entry["setting"].rpartition(".")[2]: entry
     for group in COMMANDS["run"]["groups"]
     for entry in arguments(group).values()
     if "setting" in entry
 }
-"""Name of a setting that is an option → its dotted key."""
+"""Name of a setting that is an option → description of the option."""
 
 PATHS = ("map", "counter_map", "out")
 """Settings that are names of files, relative to the folder of the case file that gives them."""
-
-_NEEDS = {
-    "bottom": "layer_height",
-    "counter_young": "counter_poisson",
-    "counter_poisson": "counter_young",
-    "counter_yield": "counter_young",
-    "counter_layer_height": "counter_young",
-    "counter_bottom": "counter_layer_height",
-    "form": "radius",
-    "counter_turned_about": "counter_map",
-    "counter_shift": "counter_map",
-    "sliding_direction": "friction",
-}
-"""Setting → the one without which it has no meaning."""
 
 _LOADS = ("pressure", "force", "approach", "area_fraction")
 
@@ -58,19 +44,17 @@ class Job(NamedTuple):
 def run(options: argparse.Namespace) -> None:
     """Compute the answers, print them, and write results, pictures and reports; compare several."""
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
-    folder = None
-    if len(options.map) > 1:
-        folder = Path(options.out or "comparison")
+    from asperity.engineering.folder import COMPARISON
+
+    folder = Path(options.out or "comparison") if len(options.map) > 1 else None
     jobs = [_job(options, path, folder) for path in options.map]
     problems = [problem for job in jobs for problem in job.problems]
     if folder is not None:
-        from asperity.engineering.folder import COMPARISON
-
         problems += _problems_of(folder, {}, COMPARISON)
-    if folder is not None and len({job.out for job in jobs}) < len(jobs):
-        problems.append("MAP: files of different names are needed")
-    if folder is not None and options.save:
-        problems.append("--save: one MAP is needed, several are given")
+        if len({job.out for job in jobs}) < len(jobs):
+            problems.append("MAP: files of different names are needed")
+        if options.save:
+            problems.append("--save: one MAP is needed, several are given")
     if problems:
         sys.exit(max(fail(problem, WRONG_USAGE) for problem in dict.fromkeys(problems)))
     answers = {job.out.name: _answered(job, options.save) for job in jobs}
@@ -100,7 +84,13 @@ def _answered(job: Job, save: str | None) -> Any:
 
 
 def _job(options: argparse.Namespace, path: str, folder: Path | None) -> Job:
-    """The case of one map or case file; its answer goes below `folder`, if that is given."""
+    """The case of one map or case file; its answer goes below `folder`, if that is given.
+
+    A map that needs an option whose value is refused already is not blamed for it again.
+    """
+    from asperity.engineering.face import counter_map_of, options_of, read_face
+    from asperity.surface.reading.height_map import MapError
+
     values, refused = _values(options, path)
     stem = Path(values.get("map", path)).stem
     out = Path(values.pop("out", None) or f"{stem}_run") if folder is None else folder / stem
@@ -108,27 +98,14 @@ def _job(options: argparse.Namespace, path: str, folder: Path | None) -> Job:
     problems = [*refused.values(), *_contradictions(options, values, known), *_problems_of(out, values)]
     rough = None
     if "map" in values:
-        rough, of_map = _face(values, known)
-        problems += of_map
+        try:
+            rough = read_face(values["map"], options_of(values), counter_map_of(values))
+        except InputError as error:
+            texts = [text for text in error.problems if not text.startswith(tuple(refused))]
+            problems += MapError(error.source, texts).renamed(flag).lines
+        except ValueError as error:
+            problems.append(str(error))
     return Job(values, rough, out, problems)
-
-
-def _face(values: Mapping[str, Any], known: Mapping[str, Any]) -> tuple[Any, list[str]]:
-    """The map as it is pressed, or both maps, and what is wrong with it.
-
-    A map that needs an option whose value is refused already is not blamed for it again.
-    """
-    from asperity.engineering.face import counter_map_of, options_of, read_face
-    from asperity.surface.reading.height_map import MapError
-
-    try:
-        return read_face(values["map"], options_of(values), counter_map_of(values)), []
-    except InputError as error:
-        refused = tuple(known.keys() - values.keys())
-        problems = [text for text in error.problems if not text.startswith(refused)]
-        return None, list(MapError(error.source, problems).renamed(flag).lines)
-    except ValueError as error:
-        return None, [str(error)]
 
 
 def _values(options: argparse.Namespace, given_map: str) -> tuple[dict[str, Any], dict[str, str]]:
@@ -146,21 +123,15 @@ def _values(options: argparse.Namespace, given_map: str) -> tuple[dict[str, Any]
     values |= {} if options.out is None else {"out": options.out}
     if is_case and "map" not in values:
         refused["map"] = f"{given_map}: map: missing; the name of a height map is needed"
-    for name, key in KEYS.items():
-        given, entry = getattr(options, key), setting(key)
+    for name, option in OPTIONS.items():
+        given, entry = getattr(options, option["setting"]), setting(option["setting"])
         if given is None:
             continue
         values.pop(name, None)
         try:
-            if isinstance(given, list):
-                values[name] = [converted(entry["items"], text) for text in given]
-            else:
-                values[name] = converted(entry, given)
+            values[name] = converted(entry, given)
         except argparse.ArgumentTypeError as error:
             refused[name] = f"{flag(name)} {error}"
-        if name in values and (needed := needed_instead(values[name], entry)):
-            refused[name] = f"{flag(name)} {' '.join(given)}: {needed} is needed"
-            del values[name]
     return values, refused
 
 
@@ -175,12 +146,12 @@ def _add_file(path: Path, option: str, values: dict[str, Any], refused: dict[str
         raise ConfigError(f"{option}{path}: engineering = {shown(section)}: a group of keys is needed")
     for name, value in section.items():
         key, text = f"{option}{path}: {name}", {"type": "string", "minLength": 1, "accepts": "a file name"}
-        if name not in (*KEYS, *PATHS):
-            near = did_you_mean(str(name), (*KEYS, *PATHS))
+        if name not in (*OPTIONS, *PATHS):
+            near = did_you_mean(str(name), (*OPTIONS, *PATHS))
             refused[key] = (
                 f"{key}: unknown key{near or '; those of a case file are the options of asperity run'}"
             )
-        elif needed := needed_instead(value, text if name in PATHS else setting(KEYS[name])):
+        elif needed := needed_instead(value, text if name in PATHS else setting(OPTIONS[name]["setting"])):
             refused[name] = f"{key} = {shown(value)}: {needed} is needed"
         else:
             values[name] = str(path.parent / value) if name in PATHS else value
@@ -199,8 +170,8 @@ def _contradictions(
         yield f"{', '.join(map(flag, _LOADS))}: exactly one of them is needed, {given} given"
     if options.rigid and "counter_young" in known:
         yield f"--rigid: not accepted together with {flag('counter_young')}"
-    for name, needed in _NEEDS.items():
-        if name in known and needed not in known:
+    for name, option in OPTIONS.items():
+        if name in known and (needed := option.get("needs", name)) not in known:
             yield f"{flag(name)}: needs {flag(needed)}"
     if "cylinder_axis" in known and values.get("form") != "cylinder":
         yield "--cylinder-axis: needs --form cylinder"

@@ -11,9 +11,10 @@ import xarray as xr
 
 from asperity.cli.files import check_out, is_result, read_stage
 from asperity.cli.parser import flag, section
+from asperity.cli.positions import in_words
 from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.errors import one_line, shown
-from asperity.core.units import shown_si, to_si
+from asperity.core.units import to_si
 from asperity.results import dataset, write_result
 from asperity.results.dataset import grid_of
 from asperity.results.variables import SI_UNITS, cell_length, in_cell_lengths, in_si
@@ -40,8 +41,6 @@ def run(options: argparse.Namespace) -> None:
         raise ValueError(f"{names[0]}: not accepted together with {names[1]}; one load is imposed")
     if not names:
         contact["area_fraction"] = default("contact.area_fraction")
-    check_section("contact", contact, flag)
-    contact["path_area_fractions"] = sorted(contact.get("path_area_fractions", []))
     surface, settings, edge = _surface(Path(options.surface), section(options, "measured.NAME"))
     if young and edge is None:
         raise ValueError(f"--young: for surfaces with a unit, {options.surface} has none")
@@ -49,28 +48,31 @@ def run(options: argparse.Namespace) -> None:
         raise ValueError(
             f"--young: missing; {options.surface} is in SI units, a pressure with its unit is needed"
         )
+    modulus = young and young / (1 - layer["poisson"] ** 2)
     for name, text in loads.items():
-        scale = None if edge is None or not young else (edge, young / (1 - layer["poisson"] ** 2))
         images = 4 if settings["surface"].get("periodic") == "mirrored" else 1
-        load = _load(name, text, scale, grid_of(surface).area / images)
-        check_section("contact", load, flag)
-        contact |= load
+        area = grid_of(surface).area / images
+        load = _load(name, text, (edge, modulus) if edge and modulus else None, area)
+        contact["mean_pressure" if name == "force" else name] = load
+    check_section("contact", contact, flag)
+    contact["path_area_fractions"] = sorted(contact.get("path_area_fractions", []))
     with ProgressBar(one_line(f"contact {settings['name']}")) as progress:
         result = solve_contact(surface, layer, contact, progress=progress)
     settings |= {"layer": layer, "contact": contact}
-    if young and edge is not None:
-        result, settings = in_si(result, settings, edge, young / (1 - layer["poisson"] ** 2))
-        settings["young"] = young
+    si, scale = bool(edge and modulus), 1.0
+    if edge and modulus:
+        result, settings = in_si(result, settings, edge, modulus)
+        settings["young"], scale = young, edge
     write_result(result, options.out, f"Contact with rough surface {settings['name']}", settings)
-    lowest = float(surface["height"].min()) * (edge if young and edge else 1.0)
+    lowest = float(surface["height"].min()) * scale
     pressure, approach = float(result["mean_pressure"]), float(result["approach"]) - lowest
     reached = float(result["area_fraction"])
     wanted = contact.get("area_fraction", reached)
     missed = f" ({wanted:g} was asked for, the surface allows no nearer area)"
     print(
         f"area fraction {reached:.6g}{missed if abs(reached - wanted) > SHOWN_ERROR * wanted else ''}, "
-        f"mean pressure {shown_si(pressure, 'Pa') if young else f'{pressure:.6g} E*'}, "
-        f"approach since first touch {shown_si(approach, 'm') if young else f'{approach:.6g}'}, "
+        f"mean pressure {in_words(pressure, 'Pa', si)}, "
+        f"approach since first touch {in_words(approach, 'm', si)}, "
         f"rms gradient in contact {float(result['gradient_rms_contact']):.6g}; {result.attrs['solid']}"
     )
 
@@ -98,7 +100,7 @@ def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, A
     return surface, settings, surface.attrs.get("map_cell_length")
 
 
-def _load(name: str, text: str, scale: tuple[float, float] | None, area: float) -> dict[str, float]:
+def _load(name: str, text: str, scale: tuple[float, float] | None, area: float) -> float:
     """The load as a setting of section ``contact``, in the units of the study.
 
     Parameters
@@ -112,7 +114,7 @@ def _load(name: str, text: str, scale: tuple[float, float] | None, area: float) 
     """
     if name != "force":
         with suppress(ValueError):
-            return {name: float(text)}
+            return float(text)
     value = to_si(text, DIMENSIONS_OF_LOADS[name], flag(name))
     if not value > 0:
         raise ValueError(f"{flag(name)} = {shown(text)}: more than 0 is needed")
@@ -120,5 +122,5 @@ def _load(name: str, text: str, scale: tuple[float, float] | None, area: float) 
         raise ValueError(f"{flag(name)} = {shown(text)}: needs --young and a surface with a unit")
     length, modulus = scale
     if name == "approach":
-        return {"approach": value / length}
-    return {"mean_pressure": value / modulus / (area * length**2 if name == "force" else 1)}
+        return value / length
+    return value / modulus / (area * length**2 if name == "force" else 1)

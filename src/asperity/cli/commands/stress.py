@@ -6,8 +6,8 @@ import argparse
 
 from asperity.cli.files import check_out, read_stage
 from asperity.cli.parser import section
+from asperity.cli.positions import in_words
 from asperity.core.errors import one_line
-from asperity.core.units import shown_si
 from asperity.results import dataset, write_result
 from asperity.results.variables import cell_length, in_cell_lengths, in_si
 from asperity.study.runtime.progress import ProgressBar
@@ -37,7 +37,6 @@ def run(options: argparse.Namespace) -> None:
         of_ratio = result.sel(poisson=nu)
         largest, depth = float(of_ratio["largest_von_mises"].max()), float(of_ratio["reference_depth"])
         print(
-            f"poisson {nu:g}: largest von Mises stress "
-            f"{shown_si(largest, 'Pa') if si else f'{largest:.6g} E*'} "
-            f"at depth {shown_si(depth, 'm') if si else f'{depth:.6g}'}"
+            f"poisson {nu:g}: largest von Mises stress {in_words(largest, 'Pa', si)} "
+            f"at depth {in_words(depth, 'm', si)}"
         )

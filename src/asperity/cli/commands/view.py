@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from asperity.cli.files import check_out, read_result
 from asperity.cli.parser import flag, section, sliding
-from asperity.cli.positions import is_si, is_span, length, positions, span
+from asperity.cli.positions import is_si, length, length_or_span, positions, span
 from asperity.core.errors import one_line, shown
 from asperity.stress.analysis import QUANTITIES
 from asperity.stress.planes.fields import FIELDS
@@ -84,21 +84,19 @@ def _draw(
         _refuse(view, "section, plane and peaks", field=options.field, poisson=poisson)
     if view not in ("section", "plane"):
         _refuse(view, "section and plane", body=None if options.body == "lower" else options.body, **friction)
+    places = {name: _position(view, name, text, si) for name, text in given.items()}
     if view in MAPS:
-        parts: dict[str, Any] = {name: span(name, text, si) for name, text in given.items()}
-        return MAPS[view](results, **parts)
+        return MAPS[view](results, **places)
     field = options.field or "von_mises"
     known = QUANTITIES if view == "peaks" else FIELDS
     if field not in known:
         raise ValueError(f"--field {shown(field)}: one of {', '.join(known)} is needed")
     if view == "peaks":
         return plot_peaks(results, field, poisson)
-    places = {name: _position(view, name, text, si) for name, text in given.items()}
     plot = plot_section if view == "section" else plot_plane
+    chosen = {"field": field, "poisson": poisson, "body": options.body, **friction, **places}
     with ProgressBar(view) as progress:
-        return plot(
-            results, field=field, poisson=poisson, body=options.body, **friction, **places, progress=progress
-        )
+        return plot(results, **chosen, progress=progress)
 
 
 def _refuse(view: str, views: str, **given: Any) -> None:
@@ -109,14 +107,7 @@ def _refuse(view: str, views: str, **given: Any) -> None:
 
 
 def _position(view: str, name: str, text: str, si: bool) -> Any:
-    """Position or part of a section or a plane."""
+    """Position or part of the cell that a view shows."""
     if name == "depth":
         return text if text == "max" and view == "plane" else length("depth", text, si)
-    if view == "plane":
-        return span(name, text, si)
-    try:
-        return length(name, text, si)
-    except ValueError:
-        if not is_span(text):
-            raise
-        return span(name, text, si)
+    return length_or_span(name, text, si) if view == "section" else span(name, text, si)
