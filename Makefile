@@ -18,7 +18,7 @@ COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --u
 	--extra study --extra maps --extra crate --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick pages verify test lint check fuzz fuzz-study wheel-test test-oldest test-python test-slurm bad-input report crate docs bench tradeoff lock clean
+.PHONY: help study quick pages verify test lint check fuzz fuzz-study wheel-test test-oldest test-python test-slurm report crate docs bench tradeoff lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -77,9 +77,6 @@ fuzz-study: $(VENV)/ready ## Run random configurations that the check accepts to
 
 test-slurm: $(VENV)/ready ## Run the quick study on a SLURM started for it (apt install slurmctld slurmd slurm-client munge)
 	pytest -m slurm tests/slurm
-
-bad-input: $(VENV)/ready ## Print wrong configurations, commands and maps, each with its error message
-	python tests/unit/bad_input.py
 
 report: study ## Write the study as one page, report.html, and how each file was made, provenance.html; CONFIG=, RESULTS= as for study
 	snakemake --cores 1 report_page $(STUDY)

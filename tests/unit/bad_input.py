@@ -1,13 +1,7 @@
-"""Tables of wrong configurations, command lines and height maps, with the line that each is answered with.
-
-``python tests/unit/bad_input.py`` prints every input with its answer (``make bad-input``).
-"""
+"""Tables of wrong configurations, command lines and height maps, with the line that each is answered with."""
 
 import contextlib
 import io
-import re
-import sys
-import tempfile
 from pathlib import Path
 
 import numpy as np
@@ -187,20 +181,11 @@ class Intruder:
 MIRRORED = "--periodic mirrored"
 MAPS = [
     ("map.asc", matrix(ROWS), "", "set it to declared, mirrored or windowed"),
-    ("empty.asc", b"", MIRRORED, "empty.asc: not a height map that can be read: it looks like an empty file"),
-    (
-        "ragged.asc",
-        matrix([*ROWS[:5], ROWS[5][:3], *ROWS[6:]]),
-        MIRRORED,
-        "ragged.asc: line 10: 8 numbers are needed, not 3",
-    ),
     ("nan.asc", replaced("nan"), MIRRORED, "--undefined: 1 points of the map have no data; set it to harmon"),
     ("bare.asc", matrix(ROWS, ""), MIRRORED, "--physical-size: the file does not say"),
-    ("units.asc", matrix(ROWS, HEADER.replace("8 m", "8 furlong")), MIRRORED, "units.asc"),
     ("pickle.npy", saved(np.array([[Intruder()] * 4] * 4)), MIRRORED, "pickle.npy: not a height map"),
     ("short.asc", matrix(ROWS), MIRRORED + " --wavelength-short 1e-4", "--wavelength-short = 0.0001: a numb"),
     ("gwyddion.x3p", (DATA / "steel.gwy").read_bytes(), MIRRORED, "its name is that of format x3p, its"),
-    ("bomb.nc", b"CDF\x05" + b"\x7f" * 64, MIRRORED, "bomb.nc: not a height map that can be read"),
 ]
 
 
@@ -234,25 +219,3 @@ def answer_to_map(name, content, options, folder):
     """Exit code and message for a height map."""
     (folder / name).write_bytes(content)
     return answer(cli.main, ["solve", str(folder / name), "--out", str(folder / "out.nc"), *options.split()])
-
-
-def main():
-    """Print every wrong input and its answer."""
-    with tempfile.TemporaryDirectory() as scratch:
-        folder = Path(scratch)
-        files = make_chain(folder)
-        answers = [
-            *((content, answer_to_config(content, folder)) for content, _ in CONFIGS),
-            *((f"asperity {text}", answer_to_command(text, files, folder)) for text, _, _ in COMMANDS),
-            *(
-                (f"{name} {options}", answer_to_map(name, content, options, folder))
-                for name, content, options, _ in MAPS
-            ),
-        ]
-    for given, (code, said) in answers:
-        shown = repr(given.decode(errors="replace") if isinstance(given, bytes) else given)[1:-1]
-        print(f"{shown[:100]}\n    {code}  {re.sub(re.escape(scratch) + '/', '', said).rstrip()}")
-
-
-if __name__ == "__main__":
-    sys.exit(main())

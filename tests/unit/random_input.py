@@ -1,4 +1,4 @@
-"""Random configurations, plans and command lines for hypothesis, and what every answer to them must fulfil.
+"""Random configurations and command lines for hypothesis, and what every answer to them must fulfil.
 
 Strategies make inputs, most of them wrong. A `require_…` function asserts that such an input is accepted or
 answered with one line.
@@ -6,7 +6,6 @@ answered with one line.
 
 import contextlib
 import copy
-import re
 from pathlib import Path
 
 import yaml
@@ -21,11 +20,6 @@ MAX_MESSAGE = 500
 """Characters of a message."""
 
 CONFIGURATION = yaml.safe_load(Path(PAPER).read_text(encoding="utf-8"))
-SPECTRUM = {"hurst": 0.8, "wavelength_long": 0.125, "wavelength_short": 0.03125}
-TARGETS = (
-    "--error 0.1 --error 1e-9 --error -1 --error nan --seconds 10 --seconds 1e-300 --memory 1 --memory 1e300"
-    " --area-fraction 0.1 --area-fraction 1e-300 --one-surface --output peak_depth --output none --output"
-)
 COMMANDS = (
     "solve {surface} --area-fraction 0.2 --out {folder}/new.nc",
     "stress {contact} --poisson 0.33 --out {folder}/new.nc",
@@ -52,7 +46,6 @@ values = st.recursive(
 )
 """Any value that YAML can express."""
 
-targets = st.sampled_from(re.findall(r"--\S+(?: [^-\s]\S*| -1)?", TARGETS))
 overlays = st.binary(max_size=60) | st.text(max_size=60).map(str.encode)
 # A word may become the name of a file that is written: none may lead out of the temporary folder.
 inside = st.characters(exclude_characters="/\\~", exclude_categories=["Cs"])
@@ -93,18 +86,6 @@ def unknown_keys(draw):
     return config
 
 
-@st.composite
-def plans(draw):
-    """A spectrum or a configuration with a random value somewhere, or without one of its keys."""
-    config = copy.deepcopy(draw(st.sampled_from([SPECTRUM, CONFIGURATION])))
-    group, key = draw(st.sampled_from(list(_places(config))))
-    if draw(st.booleans()):
-        group[key] = draw(values)
-    else:
-        del group[key]
-    return yaml.safe_dump(config, allow_unicode=True)
-
-
 def _places(tree):
     """Every group of keys in a configuration, with each of its keys."""
     for key, value in tree.items():
@@ -134,11 +115,6 @@ def require_overlay_checked(content, folder):
     code, said = answer_to_config(content, folder)
     assert code in (0, 1)
     assert code == 0 or said[:-1].isprintable()
-
-
-def require_planned(text, options):
-    """``asperity plan`` makes a plan or answers with one line."""
-    _require_answer(*answer(cli.main, ["plan", text, *" ".join(options).split()]))
 
 
 def require_answered(words, files, folder):

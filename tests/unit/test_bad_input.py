@@ -7,7 +7,6 @@ import pytest
 import random_input
 from bad_input import COMMANDS, CONFIGS, MAPS, ROOT, answer_to_command, answer_to_config, answer_to_map
 from hypothesis import given, settings
-from hypothesis import strategies as st
 
 few = settings(max_examples=20)
 """The same examples in every run; `make fuzz` draws new ones."""
@@ -81,15 +80,6 @@ def test_unknown_key_is_refused_in_every_group(config):
 @given(content=random_input.overlays)
 def test_random_overlay_is_accepted_or_answered(tmp_path_factory, content):
     random_input.require_overlay_checked(content, tmp_path_factory.mktemp("overlay"))
-
-
-@few
-@given(
-    text=random_input.plans() | st.text(max_size=12),
-    options=st.lists(random_input.targets | st.text(max_size=4), max_size=3),
-)
-def test_random_plan_is_made_or_answered(text, options):
-    random_input.require_planned(text, options)
 
 
 @few

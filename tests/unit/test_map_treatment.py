@@ -121,18 +121,6 @@ def test_the_record_says_what_was_done():
         assert words in text
 
 
-def test_an_untouched_map_says_so():
-    height = np.cos(2 * np.pi * np.arange(32) / 32)[:, None] * np.ones(32)
-    treated = treat_map(as_map(height, periodic=True, orientation="lower face"), detrend="none")
-    np.testing.assert_allclose(treated.height, height, atol=1e-15)
-    assert list(treated.done) == [
-        "used as it is: the heights are those of an indenter's lower face",
-        "levelled: mean height removed",
-        f"taken as one period, as the file states: edge step {edge_step(height):.3g} times that between "
-        "neighbouring points",
-    ]
-
-
 @pytest.mark.parametrize("periodic", ["declared", "mirrored", "windowed", "none"])
 def test_a_wavelength_does_not_depend_on_the_period(periodic):
     """A wave of 16 µm is kept by a limit of 15 µm and removed by one of 17 µm, mirrored or not."""
@@ -162,19 +150,6 @@ def test_a_bounded_map_keeps_its_edges():
     assert step == pytest.approx(np.abs(height[-1] - height[0]).mean(), rel=0.02)
 
 
-def test_all_that_is_wrong_or_missing_is_reported_together():
-    height = steel()
-    height[0, 0] = np.nan
-    surface = as_map(height, orientation=None)
-    for options, names in (
-        ({"detrend": "slope", "despike": 1.0}, ["detrend = 'slope'", "despike = 1.0"]),
-        ({}, ["orientation", "periodic", "undefined"]),
-    ):
-        with pytest.raises(MapError, match=f"^{len(names)} problems:\n  {names[0]}: ") as caught:
-            treat_map(surface, **options)
-        assert [problem.split(":")[0] for problem in caught.value.problems] == names
-
-
 @pytest.mark.parametrize(
     ("change", "line"),
     [
@@ -186,6 +161,7 @@ def test_all_that_is_wrong_or_missing_is_reported_together():
         ({"wavelength_short": "8 um"}, "unit: the file does not say the unit"),
         ({"points": 1}, "points = 1: a whole number from 2 to 65536"),
         ({"radius": "1 kg"}, "radius = '1 kg': a number with a unit of length"),
+        ({"despike": 1.0}, "despike = 1.0: a number ≥ 3"),
     ],
 )
 def test_an_option_out_of_range_is_named(change, line):
@@ -194,7 +170,10 @@ def test_an_option_out_of_range_is_named(change, line):
         (treat_map if "radius" in change else make_periodic)(surface, **{**PLAIN, **change})
 
 
-def test_a_wavelength_out_of_range_is_shown_with_its_unit():
+def test_a_flat_map_and_a_wavelength_are_refused():
+    """The wavelength is shown with its unit."""
+    with pytest.raises(MapError, match="a surface that varies is needed"):
+        make_periodic(HeightMap(np.ones((8, 8)), (1.0, 1.0)), **PLAIN)
     line = "wavelength_short = 1 µm: a number ≥ 8 µm (two nodes), ≤ 512 µm is needed"
     with pytest.raises(MapError, match=re.escape(line)):
         treat_map(as_map(steel()), periodic="mirrored", wavelength_short=1e-6)
@@ -238,11 +217,6 @@ def test_detrending_removes_its_polynomial_and_nothing_else(ny, nx, slope, bend)
         np.testing.assert_allclose(
             detrended(own + trend, detrend), detrended(own, detrend), atol=1e-12
         )  # rounding
-
-
-def test_a_flat_surface_is_refused():
-    with pytest.raises(MapError, match="a surface that varies is needed"):
-        make_periodic(HeightMap(np.ones((8, 8)), (1.0, 1.0)), **PLAIN)
 
 
 def test_a_mirrored_map_is_symmetric_and_continuous():

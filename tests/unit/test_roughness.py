@@ -70,7 +70,7 @@ def test_johnson_moments_are_those_of_a_transformed_normal(delta, skewness, kurt
     assert found.rms_height == pytest.approx(np.std(normal_heights()), rel=1e-12)
 
 
-@pytest.mark.parametrize(("skewness", "kurtosis"), [(0, 2.2), (0.5, 4.5), (-0.8, 3.3)])
+@pytest.mark.parametrize(("skewness", "kurtosis"), [(0, 2.2), (0.5, 4.5), (-0.8, 3.3), (0, 1.2), (2, 5.6)])
 def test_given_moments_are_reached(skewness, kurtosis):
     """Bound: the quantiles end at about five standard deviations."""
     found = roughness_parameters(with_moments(normal_heights(), skewness, kurtosis))
@@ -88,6 +88,9 @@ def test_johnson_of_minus_gamma_is_the_mirror_image():
     ("change", "words"),
     [
         ({"hurst": 1.5}, "hurst = 1.5: a number from 0 to 1"),
+        ({"hurst": "0.8"}, "hurst = '0.8': .* needed$"),
+        ({"rms_height": None}, "rms_height = None: .* needed$"),
+        ({"seed": True}, "seed = True: .* needed$"),
         ({"wavelength_long": -1}, "wavelength_long = -1: a number > 0"),
         ({"wavelength_short": 0.5}, "at most 0.25"),
         ({"wavelength_short": 1 / 40}, "at least two nodes"),
@@ -98,13 +101,7 @@ def test_johnson_of_minus_gamma_is_the_mirror_image():
     ],
 )
 def test_a_wrong_argument_is_named(change, words):
-    with pytest.raises(ValueError, match=words):
-        self_affine((64, 64), **({"seed": 1} | BAND | change))
-
-
-@pytest.mark.parametrize("change", [{"hurst": "0.8"}, {"rms_height": None}, {"seed": True}])
-def test_an_argument_that_is_not_a_number_is_refused(change):
-    with pytest.raises(TypeError, match=f"{next(iter(change))} = .* needed$"):
+    with pytest.raises((ValueError, TypeError), match=words):
         self_affine((64, 64), **({"seed": 1} | BAND | change))
 
 
@@ -181,14 +178,6 @@ def test_a_peak_beyond_johnson_curves_is_refused():
 def test_the_moments_of_a_gaussian_leave_the_surface_as_it_is():
     height = self_affine((64, 64), seed=1, **BAND)
     np.testing.assert_allclose(with_moments(height, 0, 3), height, atol=1e-16)
-
-
-@pytest.mark.parametrize(("skewness", "kurtosis"), [(0, 1.2), (2, 5.6)])
-def test_the_smallest_kurtosis_of_a_fit_is_reached(skewness, kurtosis):
-    """Bound: the quadrature of the fit, and the tails of the quantiles."""
-    found = roughness_parameters(with_moments(normal_heights(), skewness, kurtosis))
-    assert found.skewness == pytest.approx(skewness, abs=2e-3)
-    assert found.kurtosis == pytest.approx(kurtosis, rel=2e-3)
 
 
 SMOOTH = {"hurst": 0.8, "wavelength_long": 0.25, "wavelength_short": 0.0625, "rms_height": 1e-3}
