@@ -65,20 +65,6 @@ def test_rows_in_place_have_the_same_bits(engine, dtype, nodes):
     np.testing.assert_array_equal(memory[:, :, :columns], expected)
 
 
-@pytest.mark.parametrize("offset", [0, 1, 3])
-def test_alignment_changes_no_bit(offset):
-    """FFTW itself takes other instructions for arrays that are not aligned."""
-    values = field((96, 96), "float32")
-    memory = np.zeros((96, 104), "float32")
-    memory[:, offset : offset + 96] = values
-    fourier = fourier_of("pyfftw", values.shape, "float32")
-    wide = np.zeros((96, 60), "complex64")
-    coefficients = fourier.forward(values)
-    found = fourier.forward(memory[:, offset : offset + 96], out=wide[:, offset : offset + 49])
-    assert np.array_equal(found, coefficients)
-    assert np.array_equal(fourier.inverse(found), fourier.inverse(coefficients))
-
-
 BITS = """
 import hashlib
 import numpy as np

@@ -51,11 +51,3 @@ class Environment:
     def share_packages(self):
         """Let the environment import the packages of the environment of the tests, but not the project."""
         (self.packages / "shared.pth").write_text(sysconfig.get_path("purelib"), encoding="utf-8")
-
-    def megabytes(self):
-        """Size of the installed packages, without pip and without what Python compiles."""
-        folders = [
-            path for path in self.packages.iterdir() if not path.name.startswith(("pip", "setuptools"))
-        ]
-        files = [file for folder in folders for file in (folder, *folder.rglob("*")) if file.is_file()]
-        return sum(file.stat().st_size for file in files if file.suffix != ".pyc") / 1e6

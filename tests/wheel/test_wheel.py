@@ -110,11 +110,9 @@ def test_every_command_is_tried():
 
 @pytest.mark.wheel
 @pytest.mark.parametrize("extra", ["", "plot", "maps"])
-def test_commands_work_or_name_the_missing_extra(built, tmp_path, capsys, extra):
+def test_commands_work_or_name_the_missing_extra(built, tmp_path, extra):
     environment = Environment(tmp_path)
     install(environment, built, extra)
-    with capsys.disabled():
-        print(f"\nasperity{f'[{extra}]' if extra else ''}: {environment.megabytes():.0f} MB of packages")
     extras = [*PACKAGES, *ALTERNATIVES]
     for needed, command in COMMANDS:
         found = environment.run("asperity", *command)
