@@ -9,7 +9,7 @@ from asperity.study.cost.plan import scene_cost
 from asperity.study.cost.scene import Scene
 
 
-@pytest.mark.parametrize("stage", ["surface", "contact", "load-area curve", "stress", "statistics"])
+@pytest.mark.parametrize("stage", ["contact", "load-area curve", "stress", "statistics"])
 def test_cost_is_linear_in_the_nodes(stage):
     none, small, large = (job_cost(stage, nodes) for nodes in (0, 1024**2, 2048**2))
     assert large.memory - none.memory == pytest.approx(4 * (small.memory - none.memory))
@@ -33,11 +33,7 @@ def test_fewer_planes_take_less_time():
 def test_study_and_plan_have_the_same_times():
     scene = Scene(0.8, 1 / 8, 1 / 64, 0.1, loads=3, ratios=2)
     seconds, memory = scene_cost(scene, PRESETS["paper"])
-    jobs = [
-        job_cost("surface", 512**2),
-        job_cost("load-area curve", 512**2, 3),
-        job_cost("stress", 512**2, 2),
-    ]
+    jobs = [job_cost("load-area curve", 512**2, 3), job_cost("stress", 512**2, 2)]
     assert seconds == pytest.approx(sum(job.seconds - job.fixed_seconds for job in jobs))
     assert memory == max(job.memory for job in jobs)
 

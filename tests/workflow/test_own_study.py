@@ -52,7 +52,6 @@ def test_two_surfaces_and_four_seeds_make_their_own_jobs_alone(project):
     expected = {f"{name}_{study}.png" for name in OWN_FIGURES for study in ("both", "one")}
     expected |= {f"{name}_one.png" for name in RATIO_FIGURES}
     assert Counter(rule for rule, _, _ in found) == {
-        "surface": 8,
         "contact": 8,
         "stress": 8,
         "statistics": 2,

@@ -61,7 +61,7 @@ def test_every_rule_has_its_cost(quick_study):
     assert sum(rules) == total == 51, error
 
 
-COMPUTING = {"surface", "contact", "stress", "statistics", "validation"}
+COMPUTING = {"contact", "stress", "statistics", "validation"}
 DRAWING = {"figure", "claims"}
 
 
@@ -86,7 +86,7 @@ def test_changed_file_reruns_what_computes_or_draws(quick_study, file, rerun):
 
 
 def test_every_job_has_a_log(quick_study):
-    for stage in ("surface", "contact", "stress", "statistics"):
+    for stage in ("contact", "stress", "statistics"):
         logs = list((quick_study.folder / "results/quick/log" / stage).rglob("*.log"))
         assert logs
         assert all(": done after" in log.read_text() for log in logs)

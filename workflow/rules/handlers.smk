@@ -13,7 +13,7 @@ def require_maps(jobs):
     # Imported here, as it takes time: on a cluster every job reads this file.
     from asperity.study.stages.surface import map_problems
 
-    names = {job.wildcards.surface for job in jobs if job.rule.name == "surface"}
+    names = {job.wildcards.surface for job in jobs if job.rule.name == "contact"}
     found = [
         problem for name in sorted(names & set(MEASURED)) for problem in map_problems(name, MEASURED[name])
     ]

@@ -30,7 +30,6 @@ def fields(wildcards):
 
 # Rule -> nodes of its grid, and repetitions, as in `job_cost`.
 SIZES = {
-    "surface": lambda wildcards: (nodes(wildcards.surface), 1),
     "contact": lambda wildcards: (nodes(wildcards.surface), loads(wildcards)),
     "stress": lambda wildcards: (
         nodes(wildcards.surface),

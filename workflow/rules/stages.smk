@@ -1,30 +1,12 @@
 # The stages of the study. Of the jobs that are ready, those of a higher priority start first: the longest chain, from the
-# surface to the stress on the largest grid, starts early, and small jobs fill the time left.
-rule surface:
+# contact to the stress on the largest grid, starts early, and small jobs fill the time left. One job makes a surface and
+# its contact: starting a job takes longer than making most surfaces.
+rule contact:
     input:
         map=lambda wildcards: ([MEASURED[wildcards.surface]["file"]] if wildcards.surface in MEASURED else []),
     output:
-        f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
-    log:
-        f"{RESULTS}/log/surface/{{surface}}/seed{{seed}}.log",
-    benchmark:
-        f"{RESULTS}/benchmark/surface/{{surface}}/seed{{seed}}.tsv"
-    priority: 3
-    resources:
-        **needs("surface"),
-    params:
-        code=COMPUTING,
-        surface=surface_settings,
-        fft_engine=FFT_ENGINE,
-    script:
-        "../scripts/surface.py"
-
-
-rule contact:
-    input:
-        surface=rules.surface.output[0],
-    output:
-        f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
+        surface=f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
+        contact=f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",
     log:
         f"{RESULTS}/log/contact/{{surface}}/seed{{seed}}.log",
     benchmark:
@@ -34,6 +16,7 @@ rule contact:
         **needs("contact"),
     params:
         code=COMPUTING,
+        surface=surface_settings,
         layer=config["layer"],
         contact=contact_settings,
         fft_engine=FFT_ENGINE,
@@ -43,7 +26,7 @@ rule contact:
 
 rule stress:
     input:
-        contact=rules.contact.output[0],
+        contact=rules.contact.output.contact,
     output:
         f"{RESULTS}/stress/{{surface}}/seed{{seed}}.nc",
     log:

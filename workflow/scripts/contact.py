@@ -1,15 +1,24 @@
-"""Rule contact: the solid pressed against a rough surface, and its load-area curve."""
+"""Rule contact: a random or measured surface, the solid pressed against it, and its load-area curve."""
 
 from asperity.results import dataset
 from asperity.study.runtime.job import job
 from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.surface import make_surface, read_surface
 
+params, output = snakemake.params, snakemake.output
+name, seed = snakemake.wildcards.surface, int(snakemake.wildcards.seed)
 with job(snakemake) as progress:
-    surface = dataset.read(snakemake.input.surface)
-    layer, contact = snakemake.params.layer, snakemake.params.contact
+    parameters = params.surface
+    if "file" in parameters:
+        surface, made = read_surface(parameters), "Measured"
+        parameters = {**parameters, "wavelength_short": surface.attrs["wavelength_short"]}
+    else:
+        surface, made = make_surface(parameters, seed), "Rough"
+    settings = {"name": name, "seed": seed, "surface": parameters}
+    dataset.write(surface, output.surface, f"{made} surface {name}, seed {seed}", settings)
     dataset.write(
-        solve_contact(surface, layer, contact, progress),
-        snakemake.output[0],
-        title=f"Contact with rough surface {snakemake.wildcards.surface}, seed {snakemake.wildcards.seed}",
-        settings={**dataset.settings_of(surface), "layer": layer, "contact": contact},
+        solve_contact(surface, params.layer, params.contact, progress),
+        output.contact,
+        f"Contact with rough surface {name}, seed {seed}",
+        settings | {"layer": params.layer, "contact": params.contact},
     )

@@ -6,20 +6,29 @@ from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.study.runtime.job import job
 from asperity.study.stages.statistics import SeedResults, surface_statistics
-from asperity.study.stages.verification import Verification
+from asperity.study.stages.verification import table, verify_seed, verify_statistics
 
 files, params, output = snakemake.input, snakemake.params, snakemake.output
 name = snakemake.wildcards.surface
+checks = {}
+
+
+def checked_seeds():
+    """Results of one seed after the other, whose fields are not kept."""
+    for paths in zip(files.surface, files.contact, files.stress, strict=True):
+        results = SeedResults.read(*paths)
+        checks[f"seed {results.seed}"] = verify_seed(results.contact, results.stress)
+        yield results
+
+
 with job(snakemake):
-    verification = Verification(name)
-    results = map(SeedResults.read, files.surface, files.contact, files.stress)
-    statistics = surface_statistics(verification.checked(results), **params.statistics)
+    statistics = surface_statistics(checked_seeds(), **params.statistics)
     settings = dataset.settings_of(dataset.read(files.stress[0])) | {
         "statistics": params.statistics,
         "seed": statistics["seed"].values.tolist(),
     }
     dataset.write(statistics, output.statistics, f"Statistics of rough surface {name}", settings)
-    checks = verification.table(statistics)
-    write_table(checks, "verification", output.checks)
-    page = markup.page(f"Verification of {name}", {"": checks.drop(columns="surface")})
+    checked = table(name, {**checks, "all seeds": verify_statistics(statistics)})
+    write_table(checked, "verification", output.checks)
+    page = markup.page(f"Verification of {name}", {"": checked.drop(columns="surface")})
     write_text(output.page, page)

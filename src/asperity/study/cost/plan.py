@@ -146,7 +146,6 @@ def scene_cost(scene: Scene, accuracy: AccuracySettings) -> tuple[float, float]:
     nodes = accuracy.points(scene.wavelength_short) ** 2
     contact = "contact" if scene.loads == 1 else "load-area curve"
     costs = [
-        job_cost("surface", nodes),
         job_cost(contact, nodes, scene.loads),
         job_cost("stress", nodes, scene.ratios, accuracy.depth_spacing),
     ]
