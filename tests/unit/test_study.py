@@ -89,6 +89,13 @@ def test_a_ratio_at_which_the_half_space_does_not_stand_for_the_layer_is_refused
         compute_stress(contact, LAYER, STRESS | {"poisson": [0.33, 0.5]})
 
 
+def test_bins_follow_the_number_of_peaks():
+    found = surface_statistics([run(1)], **STATISTICS | {"bins": 100})
+    fewest = int(found["seed_peak_count"].min())
+    assert found.sizes["bin"] == max(10, fewest // 20) < 100
+    assert found.sizes["height_bin"] == 100
+
+
 def test_two_seeds_have_bands_and_one_has_none():
     results = [run(seed) for seed in (1, 2)]
     two = surface_statistics(results, **STATISTICS)

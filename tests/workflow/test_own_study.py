@@ -3,12 +3,14 @@
 import re
 import shutil
 from collections import Counter
+from pathlib import Path
 
 import pytest
 import yaml
 from project import OWN, ROOT, copy_project, snakemake
 
 from asperity.core.errors import ConfigError
+from asperity.study.config.defaults import contact_of, imposed_load
 from asperity.study.config.study import read_study
 
 SURFACE = {
@@ -127,7 +129,23 @@ REFUSED = [
         "contact.tolerance = 1e-14: a number ≥ 1e-13 with method gfmd is needed",
     ),
     ({"claims": True}, {}, "claims = true needs figures = 'paper'"),
-    ({"based_on": "/etc/passwd"}, {}, "based_on = '/etc/passwd': `config/config.yaml` is needed"),
+    ({"based_on": "none.yaml"}, {}, "based_on = 'none.yaml': none.yaml: no such file"),
+    ({"based_on": 5}, {}, "based_on = 5: the name of a configuration, such as"),
+    (
+        {"contact": {"area_fraction": [0.1, 2]}},
+        {},
+        "contact.area_fraction = 2: a number > 0 and ≤ 1 is needed",
+    ),
+    (
+        {"contact": {"area_fraction": [0.1, 0.2, 0.3]}},
+        {},
+        "contact.area_fraction = [0.1, 0.2, 0.3]: study all would have 6 surfaces, at most 4 are accepted",
+    ),
+    (
+        {"surfaces": {"a": {**SURFACE, "contact": {}}}},
+        {},
+        "surfaces.a.contact = {}: one of area_fraction, mean_pressure and approach is needed",
+    ),
     (
         {"surfaces": dict.fromkeys("abcde", SURFACE)},
         {},
@@ -145,6 +163,33 @@ def test_a_wrong_study_is_refused_in_one_line(tmp_path, changes, given, line):
         read_study([path], given)
     assert line in str(found.value)
     assert "\n" not in str(found.value)
+
+
+def test_a_list_of_loads_presses_every_surface_under_each(project):
+    config = {"surfaces": TWO, "contact": {"area_fraction": [0.02, 0.1]}}
+    options = config_in(project, "loads.yaml", config)
+    study = read_study([project / "loads.yaml"])
+    assert study["studies"] == {"all": ["a_load1", "a_load2", "b_load1", "b_load2"]}
+    assert study["surfaces"]["b_load1"]["label"] == "A, $A/A_0$ = 0.02"
+    loads = [contact_of(study, name)["area_fraction"] for name in study["surfaces"]]
+    assert loads == [0.02, 0.1, 0.02, 0.1]
+    assert study["contact"]["path_area_fractions"] == [0.02, 0.1]
+    found = jobs(project, *options)
+    assert Counter(rule for rule, _, _ in found)["contact"] == 4 * len(study["seeds"])
+
+
+def test_a_study_is_based_on_another(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    texts = {"one": {"surfaces": TWO}, "two": {"based_on": "one.yaml", "seeds": [5]}}
+    texts |= {"three": {"based_on": "two.yaml", "contact": {"mean_pressure": 0.01}}}
+    texts |= {"up": {"based_on": "down.yaml"}, "down": {"based_on": "up.yaml"}}
+    for name, config in texts.items():
+        Path(f"{name}.yaml").write_text(yaml.safe_dump(config), encoding="utf-8")
+    study = read_study(["three.yaml"])
+    assert (list(study["surfaces"]), study["seeds"], study["results"]) == (["a", "b"], [5], "results/three")
+    assert imposed_load(study["contact"]) == ("mean_pressure", 0.01)
+    with pytest.raises(ConfigError, match=r"^based_on = 'down.yaml': a file that is not based on itself"):
+        read_study(["up.yaml"])
 
 
 def test_a_file_whose_name_cannot_be_that_of_a_folder_has_to_name_one(tmp_path):

@@ -2,6 +2,7 @@
 from pathlib import Path
 from asperity.paper.claims.sources import CHOICES
 from asperity.paper.figures import figures_of, surfaces_with_load_area, surfaces_with_ratios
+from asperity.study.config.defaults import contact_of
 
 STUDIES = config["studies"]
 STUDIED = {name for names in STUDIES.values() for name in names}
@@ -75,16 +76,15 @@ def figure_labels(wildcards):
 
 
 def surface_settings(wildcards):
-    """Entry of a surface without its label, which changes nothing of the surface."""
+    """Entry of a surface without its label and its load, which change nothing of the surface."""
     entry = {**SURFACES, **MEASURED}[wildcards.surface]
-    return {key: value for key, value in entry.items() if key != "label"}
+    return {key: value for key, value in entry.items() if key not in ("label", "contact")}
 
 
 def contact_settings(wildcards):
     """Section contact, without the load-area curve where no figure shows it."""
-    if wildcards.surface in WITH_LOAD_AREA:
-        return config["contact"]
-    return {**config["contact"], "path_area_fractions": []}
+    contact = contact_of(config, wildcards.surface)
+    return contact if wildcards.surface in WITH_LOAD_AREA else {**contact, "path_area_fractions": []}
 
 
 def stress_settings(wildcards):

@@ -12,6 +12,7 @@ _NEXT = """\
 next:
     cd {folder}
     snakemake --cores 2 --configfile config/quick.yaml    # every rule on small cells, one minute
+    snakemake --cores 2 --configfile config/mine.yaml     # a study of your own, to change
     snakemake --cores 2                                   # the paper; figures in results/figures
 config/README.md describes every setting"""
 

@@ -9,8 +9,11 @@ from typing import Any
 from asperity.study.config.presets import KEYS, PRESETS
 from asperity.study.config.schema import Entry, schema, setting
 
-LOADS = ("area_fraction", "mean_pressure", "approach")
-"""Settings of section ``contact`` of which one holds; without any it is the default of the first."""
+LOADS = {"area_fraction": "$A/A_0$ = ", "mean_pressure": r"$\bar{p}/E^*$ = ", "approach": "approach "}
+"""Settings of section ``contact`` of which one holds, and their names in figures.
+
+Without any of them it is the default of the first.
+"""
 
 
 def imposed_load(contact: Mapping[str, Any]) -> tuple[str, float]:
@@ -22,6 +25,12 @@ def imposed_load(contact: Mapping[str, Any]) -> tuple[str, float]:
 def without_load(contact: Mapping[str, Any]) -> dict[str, Any]:
     """Section ``contact`` without its load."""
     return {name: value for name, value in contact.items() if name not in LOADS}
+
+
+def contact_of(config: Mapping[str, Any], name: str) -> dict[str, Any]:
+    """Section ``contact`` of a complete configuration for one surface, which may have a load of its own."""
+    own = {**config["surfaces"], **config["measured"]}[name].get("contact")
+    return {**without_load(config["contact"]), **own} if own else config["contact"]
 
 
 def default(key: str) -> Any:

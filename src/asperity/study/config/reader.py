@@ -154,7 +154,7 @@ def merged(config: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, A
         below = both.get(key)
         if not isinstance(value, Mapping) or not isinstance(below, Mapping):
             both[key] = value
-        elif key == "contact" and value.keys() & LOADS:
+        elif key == "contact" and value.keys() & LOADS.keys():
             both[key] = merged(without_load(below), value)
         else:
             both[key] = merged(below, value)

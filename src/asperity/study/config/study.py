@@ -1,7 +1,7 @@
 """The configuration of one study: its files merged, checked and completed, and its folder of results.
 
-A study stands alone: what its files do not ask for is not made. A file with ``based_on: config/config.yaml``
-changes the paper's study instead: the settings of that file hold where it gives none.
+A study stands alone: what its files do not ask for is not made. A file with ``based_on: config/config.yaml``,
+or the name of another study, changes that one: the settings of the file beneath hold where it gives none.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from typing import Any
 from asperity.core.errors import ConfigError, shown
 from asperity.core.packages import absent, message
 from asperity.study.config.check import check, check_files
-from asperity.study.config.defaults import complete, default
+from asperity.study.config.defaults import LOADS, complete, default
 from asperity.study.config.reader import load, merged
 from asperity.study.config.schema import schema, setting
 
@@ -51,7 +51,7 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
     config: dict[str, Any] = {}
     for layer in (*layers, {key: value for key, value in given.items() if key != "results"}):
         config = merged(config, layer)
-    config = with_base(config)
+    config = with_loads(with_base(config))
     config.pop("results", None)
     if "results" in layers[-1]:  # those of the files beneath are the folders of other studies
         config["results"] = layers[-1]["results"]
@@ -73,20 +73,82 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
     return complete(config)
 
 
-def with_base(config: Mapping[str, Any]) -> dict[str, Any]:
-    """A configuration with the file beneath it that its setting ``based_on`` names.
+def with_base(config: Mapping[str, Any], above: Sequence[str] = ()) -> dict[str, Any]:
+    """A configuration with the file beneath it that ``based_on`` names, and the files beneath that.
+
+    Parameters
+    ----------
+    config : mapping
+    above : sequence of str
+        Files that have led to this configuration.
 
     Raises
     ------
     ConfigError
-        If ``based_on`` names another file than the paper's configuration.
+        If ``based_on`` names no configuration, or one of the files `above`.
     """
     config = dict(config)
     if (base := config.pop("based_on", None)) is None:
         return config
-    if base != PAPER:
+    if not isinstance(base, str):
         raise ConfigError(f"based_on = {shown(base)}: {setting('based_on')['accepts']} is needed")
-    return merged(load(PAPER), config)
+    if base in above:
+        raise ConfigError(f"based_on = {shown(base)}: a file that is not based on itself is needed")
+    try:
+        beneath = load(base)
+    except ConfigError as error:
+        raise ConfigError(f"based_on = {shown(base)}: {error}") from error
+    return merged(with_base(beneath, (*above, base)), config)
+
+
+def with_loads(config: Mapping[str, Any]) -> dict[str, Any]:
+    """A configuration in which every surface has a copy for each load, if section ``contact`` lists loads.
+
+    Raises
+    ------
+    ConfigError
+        If a load is not accepted, or a study has more copies than figures can show.
+    """
+    contact = config.get("contact")
+    kinds = [kind for kind in LOADS if isinstance(contact, Mapping) and isinstance(contact.get(kind), list)]
+    if not kinds or not contact[kinds[0]]:
+        return dict(config)
+    kind, values = kinds[0], contact[kinds[0]]
+    for value in values:
+        check({**config, "contact": {**contact, kind: value}})
+    config = {**config, "contact": {**contact, kind: values[0]}}
+    if kind == "area_fraction":
+        config["contact"].setdefault("path_area_fractions", sorted({*values}))
+    copies: dict[str, list[str]] = {}
+    for section in ("surfaces", "measured"):
+        config[section], listed = {}, config.get(section, {})
+        for name, surface in listed.items():
+            copies[name] = [f"{name}_load{number}" for number in range(1, len(values) + 1)]
+            config[section] |= {
+                copy: {
+                    **surface,
+                    "label": f"{surface['label']}, {LOADS[kind]}{value:g}",
+                    "contact": {kind: value},
+                }
+                for copy, value in zip(copies[name], values, strict=True)
+            }
+    config["studies"] = {
+        study: [copy for name in names for copy in copies[name]]
+        for study, names in config.get("studies", {ALL_SURFACES: [*copies]}).items()
+    }
+    for study, names in config["studies"].items():
+        if len(names) > (most := _most_surfaces(study)):
+            raise ConfigError(
+                f"contact.{kind} = {shown(values)}: study {study} would have {len(names)} surfaces, "
+                f"at most {most} are accepted; fewer loads or surfaces are needed"
+            )
+    return config
+
+
+def _most_surfaces(study: str) -> int:
+    """Largest number of surfaces of a study."""
+    studies = schema()["properties"]["studies"]
+    return studies["properties"].get(study, studies["additionalProperties"])["maxItems"]
 
 
 def _check_engine(config: Mapping[str, Any]) -> None:
@@ -145,8 +207,7 @@ def _is_paper(path: str | Path) -> bool:
 def _study_of_all(config: Mapping[str, Any]) -> dict[str, list[str]]:
     """One study of all surfaces, in place of a missing section ``studies``."""
     names = [*config.get("surfaces", {}), *config.get("measured", {})]
-    most = schema()["properties"]["studies"]["additionalProperties"]["maxItems"]
-    if len(names) > most:
+    if len(names) > (most := _most_surfaces(ALL_SURFACES)):
         raise ConfigError(
             f"studies: missing; with {len(names)} surfaces, studies of at most {most} of them are needed, "
             f"such as {{first: [{', '.join(names[:2])}]}}"

@@ -8,11 +8,11 @@ from typing import Any
 
 from asperity.core.errors import ConfigError, shown
 from asperity.study.config.check import check
-from asperity.study.config.defaults import complete, imposed_load
+from asperity.study.config.defaults import complete, contact_of, imposed_load
 from asperity.study.config.presets import AccuracySettings, accuracy_of
 from asperity.study.config.reader import is_file, load, merged, parse
 from asperity.study.config.schema import schema
-from asperity.study.config.study import ALL_SURFACES, with_base
+from asperity.study.config.study import ALL_SURFACES, with_base, with_loads
 
 
 @dataclass(frozen=True)
@@ -66,6 +66,7 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
     if isinstance(surfaces, dict):
         both = {name: OF_NO_PLAN | given for name, given in surfaces.items() if isinstance(given, dict)}
         config["surfaces"] = surfaces | both
+    config = with_loads(config)
     check(config)
     if not config.get("surfaces"):
         raise ConfigError("surfaces: missing; a plan needs at least one random surface")
@@ -90,19 +91,17 @@ def scenes(
     ConfigError
         If another load than the area is imposed.
     """
-    contact = config["contact"]
-    if "area_fraction" not in contact:
-        kind, value = imposed_load(contact)
-        raise ConfigError(
-            f"contact.{kind} = {value!r}: area_fraction is needed in its place, for which costs and errors "
-            "were measured"
-        )
-    area = contact["area_fraction"]
     in_studies = {name for names in config["studies"].values() for name in names}
     names = [name for name in config["surfaces"] if name in in_studies] or list(config["surfaces"])
     found = {}
     for name in names:
-        surface = config["surfaces"][name]
+        surface, contact = config["surfaces"][name], contact_of(config, name)
+        kind, area = imposed_load(contact)
+        if kind != "area_fraction":
+            raise ConfigError(
+                f"contact.{kind} = {area!r}: area_fraction is needed in its place, for which costs and "
+                "errors were measured"
+            )
         found[name] = Scene(
             hurst=surface["hurst"],
             wavelength_long=surface["wavelength_long"],

@@ -23,6 +23,12 @@ from asperity.study.stages.solid import SOLID_ATTRIBUTES
 _HEIGHT_LIMITS = (-6.0, 6.0)
 """Heights over their rms that are counted: a Gaussian surface has one node in 10⁹ beyond."""
 
+PEAKS_PER_BIN = 20
+"""Least number of peaks for each bin of their densities: an average bin then errs by a fifth."""
+
+FEWEST_BINS = 10
+"""Bins of the densities of however few peaks."""
+
 
 class SeedResults(NamedTuple):
     """Results of the stages surface, contact and stress for one seed of a surface."""
@@ -49,7 +55,7 @@ def surface_statistics(
     results : iterable of SeedResults
         One seed after the other; the fields of a seed are not kept.
     bins, resamples, confidence
-        Section ``statistics`` of the configuration.
+        Section ``statistics`` of the configuration. Few peaks have fewer bins (`PEAKS_PER_BIN`).
 
     Returns
     -------
@@ -68,6 +74,8 @@ def surface_statistics(
         stresses.append(stress)
     of_seeds = xr.concat(each, "seed").assign_coords(seed=seeds)
     gradients = of_seeds["seed_gradient_rms_contact"].values.tolist()
+    counted = of_seeds["seed_peak_count"].sum("seed")
+    bins = min(bins, max(FEWEST_BINS, int(counted.min()) // PEAKS_PER_BIN))
     pooled = pool_peaks(stresses, gradients, bins, resamples, confidence).assign_coords(seed=seeds)
     bootstrap = Bootstrap(len(seeds), resamples, confidence)
     density = partial(pooled_density, edges=edges)
