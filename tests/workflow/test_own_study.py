@@ -58,9 +58,9 @@ def test_two_surfaces_and_four_seeds_make_their_own_jobs_alone(project):
         "stress": 8,
         "statistics": 2,
         "figure": len(expected),
-        "all": 1,
+        "study": 1,
     }
-    assert all(output.startswith("results/mine/") for rule, output, _ in found if rule != "all")
+    assert all(output.startswith("results/mine/") for rule, output, _ in found if rule != "study")
     figures = {output.rsplit("/", 1)[-1] for rule, output, _ in found if rule == "figure"}
     assert figures == expected
 
@@ -97,7 +97,7 @@ def test_claims_are_not_about_surfaces_of_the_user(project):
         "studies": {"hurst": ["a", "b"], "skewness": [], "kurtosis": [], "moments": [], "measured": []},
     }
     found = jobs(project, *config_in(project, "mixed.yaml", config))
-    assert all(output.startswith("results/mixed/") for rule, output, _ in found if rule != "all")
+    assert all(output.startswith("results/mixed/") for rule, output, _ in found if rule != "study")
     (inputs,) = (inputs for rule, _, inputs in found if rule == "claims")
     read = {name.rsplit("/", 1)[-1] for name in inputs if "/statistics/" in name}
     assert read == {"hurst_08.nc"}  # of study compressibility
@@ -225,7 +225,7 @@ def test_a_new_label_redraws_figures_and_computes_nothing(own_study):
     overlay = {"surfaces": {"fine": {"label": "ground"}}}
     options = (*OWN, config_in(own_study.folder, "label.yaml", overlay)[1])
     found = jobs(own_study.folder, *options, "--config", f"results={own_study.folder.parent / 'own results'}")
-    assert {rule for rule, _, _ in found} == {"figure", "all"}
+    assert {rule for rule, _, _ in found} == {"figure", "study"}
     assert len(found) == len(OWN_FIGURES) + 1
 
 

@@ -35,6 +35,8 @@ rule claims:
         f"{RESULTS}/log/claims.log",
     benchmark:
         f"{RESULTS}/benchmark/claims.tsv"
+    conda:
+        "../envs/asperity.yaml"
     resources:
         **needs("claims"),
     params:

@@ -19,6 +19,8 @@ rule figure:
         f"{RESULTS}/benchmark/figure/{{figure}}.tsv"
     wildcard_constraints:
         figure=any_of(FIGURES),
+    conda:
+        "../envs/asperity.yaml"
     resources:
         **needs("figure"),
     params:

@@ -8,6 +8,8 @@ rule report_page:
         f"{RESULTS}/report.html",
     log:
         f"{RESULTS}/log/report_page.log",
+    conda:
+        "../envs/asperity.yaml"
     resources:
         **needs("report_page"),
     params:

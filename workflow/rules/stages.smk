@@ -12,6 +12,8 @@ rule contact:
     benchmark:
         f"{RESULTS}/benchmark/contact/{{surface}}/seed{{seed}}.tsv"
     priority: 2
+    conda:
+        "../envs/asperity.yaml"
     resources:
         **needs("contact"),
     params:
@@ -34,6 +36,8 @@ rule stress:
     benchmark:
         f"{RESULTS}/benchmark/stress/{{surface}}/seed{{seed}}.tsv"
     priority: 1
+    conda:
+        "../envs/asperity.yaml"
     resources:
         **needs("stress"),
     params:
@@ -64,6 +68,8 @@ rule statistics:
         f"{RESULTS}/log/statistics/{{surface}}.log",
     benchmark:
         f"{RESULTS}/benchmark/statistics/{{surface}}.tsv"
+    conda:
+        "../envs/asperity.yaml"
     resources:
         **needs("statistics"),
     params:

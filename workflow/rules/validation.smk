@@ -14,6 +14,8 @@ rule validation:
     benchmark:
         f"{RESULTS}/benchmark/validation.tsv"
     priority: 1
+    conda:
+        "../envs/asperity.yaml"
     resources:
         **needs("validation"),
     params:

@@ -11,11 +11,13 @@ PARTS = (
     "Snakefile",
     "config",
     "profiles",
+    "workflow/Snakefile",
     "workflow/cost.py",
+    "workflow/crate.py",
+    "workflow/envs",
     "workflow/report",
     "workflow/rules",
     "workflow/scripts",
-    "workflow/verify.py",
 )
 """Files and folders of the study, by their place in the project."""
 
