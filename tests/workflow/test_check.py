@@ -35,7 +35,6 @@ def test_one_percent_in_a_kernel_is_caught(tmp_path):
     found = run(folder, "python", "workflow/check.py", "--surfaces", "cutoff_64")
     assert found.returncode == 1
     assert "numbers drifted" in found.stderr
-    assert "cutoff_64/seed1/von_mises.p99@0.33" in found.stderr
 
 
 def test_a_number_that_moved_or_is_missing_or_new_is_drift_and_an_update_takes_it(quick_study, folder):
