@@ -110,7 +110,8 @@ def with_loads(config: Mapping[str, Any]) -> dict[str, Any]:
         If a load is not accepted, or a study has more copies than figures can show.
     """
     contact = config.get("contact")
-    kinds = [kind for kind in LOADS if isinstance(contact, Mapping) and isinstance(contact.get(kind), list)]
+    contact = contact if isinstance(contact, Mapping) else {}
+    kinds = [kind for kind in LOADS if isinstance(contact.get(kind), list)]
     if not kinds or not contact[kinds[0]]:
         return dict(config)
     kind, values = kinds[0], contact[kinds[0]]

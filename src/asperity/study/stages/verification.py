@@ -56,18 +56,18 @@ def table(surface: str, parts: dict[str, Checks]) -> pd.DataFrame:
         If a check does not hold.
     """
     rows = [
-        {"surface": surface, "of": part, "check": name, "value": value, "bound": bound}
+        (surface, part, name, value, bound)
         for part, checks in parts.items()
         for name, (value, bound) in checks.items()
     ]
     broken = [
-        f"{row['of']}, {row['check']} {row['value']:.3g} > {row['bound']:.3g}"
-        for row in rows
-        if not row["value"] <= row["bound"]
+        f"{part}, {name} {value:.3g} > {bound:.3g}"
+        for _, part, name, value, bound in rows
+        if not value <= bound
     ]
     if broken:
         raise VerificationError(f"{surface}: {'; '.join(broken)}")
-    return pd.DataFrame(rows)
+    return pd.DataFrame(rows, columns=["surface", "of", "check", "value", "bound"])
 
 
 def verify_seed(contact: xr.Dataset, stress: xr.Dataset) -> Checks:
