@@ -191,53 +191,10 @@ def require_within(peaks, grid):
         require(np.all((position >= 0) & (position <= edge)), "a peak lies outside the cell")
 
 
-analyses = st.fixed_dictionaries(
-    loaded
-    | {
-        "poisson": st.none() | st.lists(st.floats(-0.9, 0.5), min_size=1, max_size=3, unique=True),
-        "tolerance": st.sampled_from([0, 1e-2, 1e-6]),
-        "spacing": number(0.3, 4),
-        "growth": number(0.05, 1),
-        "floor": number(0, 1),
-        "quantities": among(st.just(("pressure", "von_mises", "xz")), names),
-        "gradient": number(0.1, 1.0),
-        "pool": st.fixed_dictionaries(
-            {
-                "bins": count(1, 200),
-                "resamples": count(1, 50),
-                "confidence": number(0.5, 0.99),
-                "seed": count(0, 9),
-            }
-        ),
-        "selection": choice("all", "at_contact", "interior", "under_contact"),
-    }
-)
-MAY_BE_UNKNOWN = ("median_depth", "peak_percentile", "decay_length")
-"""Statistics of a selection without peaks, and lengths over which nothing falls to half, are NaN."""
-
-
-def try_analysis(case):
-    """Analysis of the stress under any pressure, its peaks, and their statistics: finite."""
-    solid = loaded_solid(case)
-    planes = asp.depth_grid(solid.grid, solid.layer.height, case["spacing"], case["growth"])
-    require(planes[0] == 0 and np.all(np.diff(planes) > 0), "the depths do not rise from zero")
-    chosen = ("poisson", "tolerance", "floor", "quantities", *sliding)
-    data = asp.analyse_stress(solid, planes, **{name: case[name] for name in chosen})
-    require_finite_dataset(data)
-    ratio = None if case["poisson"] is None else case["poisson"][0]
-    require_finite_dataset(asp.peaks(data, case["quantities"][0], ratio, case["selection"]), {"poisson"})
-    if data.sizes["peak"]:
-        found = asp.pool_peaks([data], [case["gradient"]], **case["pool"])
-        unknown = {name for name in map(str, found.variables) if name.startswith(MAY_BE_UNKNOWN)}
-        bands = {name for name in map(str, found) if name.endswith(("_low", "_high"))}  # NaN with one seed
-        require_finite_dataset(found, unknown | bands)
-    return "computed"
-
-
-def require_finite_dataset(data, unknown=frozenset()):
-    """Raise `PromiseError` unless the variables of a dataset are finite, or may be unknown."""
+def require_finite_dataset(data):
+    """Raise `PromiseError` unless the variables of a dataset are finite."""
     for name, values in data.variables.items():
-        if values.dtype.kind == "f" and name not in unknown | {"peak_poisson"}:
+        if values.dtype.kind == "f":
             require_finite(**{str(name): values.values})
 
 
@@ -458,7 +415,6 @@ PROPERTIES = {
     "contact": (contacts, try_contact),
     "bound": (random_pressure.pressures, try_bound),
     "stress": (stresses, try_stress),
-    "analysis": (analyses, try_analysis),
     "surface": (surfaces, try_surface),
     "treatment": (treated, try_treatment),
     "run": (cases, try_run),

@@ -20,8 +20,8 @@ from asperity.surface.description import describe_map, map_warnings, spectrum_su
 from asperity.surface.reading.formats import formats_table, known_formats
 from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
 from asperity.surface.reading.map_file import read_map
+from asperity.surface.roughness import finest_tip, texture
 from asperity.surface.self_affine import self_affine
-from asperity.surface.texture import finest_tip, texture
 from asperity.surface.treatment.treatment import prepare_map
 
 pytest.importorskip("SurfaceTopography")

@@ -12,8 +12,7 @@ from asperity.core.types import Array
 from asperity.surface.reading.agreement import MapFile
 from asperity.surface.reading.height_map import LOWER_FACE, PEAKS_UP, HeightMap, MapOptions
 from asperity.surface.reading.map_file import open_map
-from asperity.surface.roughness import moments, spectrum
-from asperity.surface.texture import finest_tip, texture
+from asperity.surface.roughness import finest_tip, moments, spectrum, texture
 from asperity.surface.treatment.levelling import edge_step, fill_harmonic, find_spikes, subtract_trend
 from asperity.surface.treatment.treatment import DESPIKE, missing_options
 
