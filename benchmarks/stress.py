@@ -97,7 +97,7 @@ def measure_once(path: Path) -> None:
             data = asp.analyse_stress(contact, **settings, work=work)
         if (seconds := time.process_time() - start) < cost["seconds"]:
             cost = {"seconds": seconds, "transform_seconds": clock.seconds}
-    cost |= {"planes": data.sizes["plane"], "equivalents": work.transforms(contact.grid) / 8}
+    cost |= {"planes": data.sizes["plane"], "equivalents": work.nodes / contact.grid.size / 8}
     cost |= {"memory_GiB": 1e6 * peak_memory() / 2**30, "before_GiB": 1e6 * before / 2**30}
     print(json.dumps(cost))
 

@@ -60,10 +60,6 @@ class DatasetError(RuntimeError):
     """Raised for a result file that is missing, damaged, or was changed after it was written."""
 
 
-class NewerFileError(DatasetError):
-    """Raised for a result file in a newer format than this version of asperity reads."""
-
-
 class ConfigError(ValueError):
     """Raised for a configuration that is not accepted; the message is one line."""
 

@@ -211,10 +211,6 @@ class Work:
 
     nodes: int = 0
 
-    def transforms(self, grid: Grid) -> float:
-        """Number of real transforms of `grid` with as many nodes in total."""
-        return self.nodes / grid.size
-
     def pairs(self, grid: Grid) -> float:
         """Number of pairs of a forward and an inverse transform of `grid` with as many nodes in total."""
         return self.nodes / (2 * grid.size)
@@ -307,10 +303,9 @@ def _require_shape(name: str, values: Array, shape: tuple[int, int]) -> None:
         raise ValueError(f"{name} of shape {values.shape}: shape {shape}, that of the grid, is needed")
 
 
-def good_size(minimum: int, even: bool = True) -> int:
-    """Smallest number of nodes ≥ `minimum` whose only prime factors are 2, 3 and 5; even by default."""
-    step = 2 if even else 1
-    return step * int(ducc0.fft.good_size(-(-int(minimum) // step), True))
+def good_size(minimum: int) -> int:
+    """Smallest even number of nodes ≥ `minimum` whose only prime factors are 2, 3 and 5."""
+    return 2 * int(ducc0.fft.good_size(-(-int(minimum) // 2), True))
 
 
 def resample(coefficients: Array, source: Grid, target: Grid) -> Array:

@@ -71,10 +71,6 @@ class SlidingSphere:
         if not np.isfinite(self.friction):
             raise ValueError(f"friction = {self.friction!r}: a finite number is needed")
 
-    def traction(self, y: ArrayLike, x: ArrayLike) -> Array:
-        """Shear traction along x on the surface at positions relative to the axis; y and x broadcast."""
-        return self.friction * self.contact.pressure(np.hypot(y, x))
-
     def stress(self, y: ArrayLike, x: ArrayLike, depth: ArrayLike, poisson: float) -> Array:
         """Stress by pressure and traction.
 

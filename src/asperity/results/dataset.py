@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from asperity.core.errors import DatasetError, NewerFileError, shown
+from asperity.core.errors import DatasetError, shown
 from asperity.core.version import __version__
 from asperity.fourier import current_engine
 from asperity.fourier.grid import grid_of as grid_of
@@ -202,7 +202,7 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
                 raise ValueError(f"it has no attribute {FINGERPRINT}")
             is_result = True
             if (version := int(opened.attrs.get(FORMAT, 1))) > FORMAT_VERSION:
-                raise NewerFileError(
+                raise DatasetError(
                     f"{path}: {FORMAT} = {version}, at most {FORMAT_VERSION} is read by asperity "
                     f"{__version__}; install a newer asperity"
                 )
