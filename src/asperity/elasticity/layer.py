@@ -405,8 +405,8 @@ def _require_finite(name: str, values: Array) -> None:
 
 
 def _flat(array: Array, shape: tuple[int, ...]) -> Array:
-    """An array broadcast to a shape, in one dimension; writable like others, so that one type is compiled."""
-    return (array if array.shape == shape else np.broadcast_to(array, shape)).reshape(-1)
+    """An array broadcast to a shape, in one dimension; contiguous, so that one type is compiled."""
+    return np.ascontiguousarray(array if array.shape == shape else np.broadcast_to(array, shape)).reshape(-1)
 
 
 def _broadcast_shape(**arrays: Array) -> tuple[int, ...]:

@@ -5,7 +5,7 @@ All but the error come from one stream of planes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -217,28 +217,39 @@ class _Extremes:
 
     def add(self, plane: LinearPlane) -> None:
         """Add the next plane."""
-        invariants = {name: plane.field(name, self._poisson) for name in ("von_mises", "hydrostatic")}
+        invariants = {name: plane.field(name, self._poisson).ravel() for name in ("von_mises", "hydrostatic")}
         if self._limit is not None:
             self.above.append(float(np.mean(invariants["von_mises"] > self._limit)))
+        ends = [end for values in invariants.values() for end in (int(values.argmin()), int(values.argmax()))]
         for name in self._fields:
             if name in BOUNDS:
-                nodes = self._candidates(name, invariants, plane)
+                nodes = self._candidates(name, [*invariants.values()], ends, plane)
                 values = plane.field_at(name, self._poisson, nodes)
+            elif name in invariants:
+                nodes = np.array(ends)
+                values = invariants[name][nodes]
             else:
-                field = invariants[name] if name in invariants else plane.field(name, self._poisson)
+                field = plane.field(name, self._poisson).ravel()
                 nodes = np.array([field.argmax(), field.argmin()])
-                values = field.ravel()[nodes]
+                values = field[nodes]
             self._take(name, values, nodes, plane)
 
-    def _candidates(self, name: str, invariants: Mapping[str, Array], plane: LinearPlane) -> Array:
-        """Nodes at which the upper bound of a field exceeds its extreme value so far."""
-        of_von_mises, of_hydrostatic = BOUNDS[name]
-        bound = of_von_mises * invariants["von_mises"] + of_hydrostatic * invariants["hydrostatic"]
-        bound = bound.ravel()
-        highest = bound.argmax()
+    def _candidates(
+        self, name: str, invariants: Sequence[Array], ends: Sequence[int], plane: LinearPlane
+    ) -> Array:
+        """Nodes at which the upper bound of a field exceeds its extreme value so far.
+
+        `ends` are the nodes of the smallest and largest value of each invariant.
+        """
+        factors, start = BOUNDS[name], np.array(ends)
         if name in self.found:
             known = self.found[name].value
-        else:
+            sizes = [factor * values[start] for factor, values in zip(factors, invariants, strict=True)]
+            if sum(size.max() for size in sizes) < DIRECTION[name] * known:
+                return np.empty(0, np.int64)
+        bound = factors[0] * invariants[0] + factors[1] * invariants[1]
+        highest = bound.argmax()
+        if name not in self.found:
             known = float(plane.field_at(name, self._poisson, np.array([highest]))[0])
         return np.flatnonzero(bound >= DIRECTION[name] * known - ROUNDING * abs(float(bound[highest])))
 

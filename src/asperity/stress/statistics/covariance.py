@@ -183,7 +183,7 @@ def row_sums(values: Array, columns: int, first: int, references: Array) -> Arra
     """
     sums = np.zeros((values.shape[0], values.shape[1] - 2, SUMS))
     sums[:, :, 2] = values[:, 1:-1, MARGIN : MARGIN + columns].max(axis=2)
-    _sum_rows(values, columns, first, references, sums)
+    _sum_rows(values, columns, first, references.astype(values.dtype, copy=False), sums)
     return sums
 
 
