@@ -121,7 +121,7 @@ COMMANDS = [
     (f"solve s.nc --out x.nc --area-fraction {HUGE}", 2, "999...: a number > 0 and ≤ 1 is needed"),
     ("solve s.nc --out x.nc --physical-size 1 0", 2, "--physical-size: '0': a length > 0 with its unit"),
     ("solve s.nc --out x.nc --detrend \u00fc\x1b[31m", 2, "--detrend: 'ü\\x1b[31m': none or tilt or curvatu"),
-    ("stress c.nc --out x.nc --poisson 0.2 0.2", 2, "[0.2, 0.2]: a list of 1 to 16 distinct items"),
+    ("stress c.nc --out x.nc --poisson 0.2 0.2", 2, "--poisson: 0.2 0.2: a list of 1 to 16 distinct items"),
     ("solve {folder}/none.nc --out {folder}/x.nc", 1, "none.nc: no such file"),
     ("solve {surface} --detrend tilt --out {folder}/x.nc", 1, "--detrend: for height maps"),
     (
@@ -157,13 +157,6 @@ def matrix(rows, header=HEADER):
     return (header + "\n".join(" ".join(row) for row in rows) + "\n").encode()
 
 
-def replaced(value):
-    """Height map with another value at one node."""
-    rows = [list(row) for row in ROWS]
-    rows[3][4] = value
-    return matrix(rows)
-
-
 def saved(array):
     """Array in the format of numpy."""
     stream = io.BytesIO()
@@ -181,7 +174,12 @@ class Intruder:
 MIRRORED = "--periodic mirrored"
 MAPS = [
     ("map.asc", matrix(ROWS), "", "set it to declared, mirrored or windowed"),
-    ("nan.asc", replaced("nan"), MIRRORED, "--undefined: 1 points of the map have no data; set it to harmon"),
+    (
+        "nan.asc",
+        matrix([*ROWS[:7], ["nan", *ROWS[7][1:]]]),
+        MIRRORED,
+        "--undefined: 1 points of the map have no data; set it to harmon",
+    ),
     ("bare.asc", matrix(ROWS, ""), MIRRORED, "--physical-size: the file does not say"),
     ("pickle.npy", saved(np.array([[Intruder()] * 4] * 4)), MIRRORED, "pickle.npy: not a height map"),
     ("short.asc", matrix(ROWS), MIRRORED + " --wavelength-short 1e-4", "--wavelength-short = 0.0001: a numb"),
