@@ -26,7 +26,7 @@ def main() -> None:
     parser.add_argument("--configfile", nargs="*", default=[], type=Path, help="configuration of the study")
     options = parser.parse_args()
     try:
-        count = write_crate(options.results, Path("Snakefile"), options.configfile)
+        count = write_crate(options.results, Path("workflow/Snakefile"), options.configfile)
     except (FileNotFoundError, ValueError) as error:
         sys.exit(f"crate: {error}")
     print(f"{options.results}/ro-crate-metadata.json: {count} files")

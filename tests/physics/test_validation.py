@@ -11,7 +11,7 @@ from asperity.reference.periodic_hertz import PeriodicHertz
 from asperity.study.validation.closed_forms import slab_load_area
 from asperity.study.validation.finite_elements import largest_differences
 from asperity.study.validation.indenter import displacement_and_stress, fitted_contact_radius, paraboloid
-from asperity.study.validation.table import CHECKS, COMPARISONS, for_reader, frame
+from asperity.study.validation.table import CHECKS, comparison, for_reader, frame
 
 SETTINGS = {
     "load_area": {"contact_radii": (0.1, 0.2, 0.3), "method": "active_set"},
@@ -26,7 +26,7 @@ SETTINGS = {
 
 @cache
 def compared(name):
-    return COMPARISONS[name](**SETTINGS.get(name, {}))
+    return comparison(name)(**SETTINGS.get(name, {}))
 
 
 def group(name):

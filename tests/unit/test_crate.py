@@ -43,7 +43,7 @@ def references(value):
 
 
 def test_the_crate_describes_results_workflow_and_run(results):
-    assert write_crate(results, ROOT / "Snakefile") == 2
+    assert write_crate(results, ROOT / "workflow/Snakefile", [ROOT / "config/config.yaml"]) == 2
     found = graph(results)
     descriptor, root = found[METADATA], found["./"]
     assert descriptor["about"] == {"@id": "./"}
@@ -62,7 +62,7 @@ def test_the_crate_describes_results_workflow_and_run(results):
 
 
 def test_every_file_is_there_and_every_reference_is_resolved(results):
-    write_crate(results, ROOT / "Snakefile")
+    write_crate(results, ROOT / "workflow/Snakefile", [ROOT / "config/config.yaml"])
     found = graph(results)
     for entity in found.values():
         if "File" in np.atleast_1d(entity["@type"]):
@@ -74,9 +74,11 @@ def test_every_file_is_there_and_every_reference_is_resolved(results):
 
 
 def test_a_second_crate_describes_the_same_files(results):
-    assert write_crate(results, ROOT / "Snakefile") == write_crate(results, ROOT / "Snakefile")
+    assert write_crate(results, ROOT / "workflow/Snakefile", [ROOT / "config/config.yaml"]) == write_crate(
+        results, ROOT / "workflow/Snakefile", [ROOT / "config/config.yaml"]
+    )
 
 
 def test_without_results_there_is_no_crate(tmp_path):
     with pytest.raises(FileNotFoundError, match="no results; run the study first"):
-        write_crate(tmp_path, ROOT / "Snakefile")
+        write_crate(tmp_path, ROOT / "workflow/Snakefile", [ROOT / "config/config.yaml"])

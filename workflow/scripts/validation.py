@@ -5,13 +5,13 @@ from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.study.runtime.job import job
-from asperity.study.validation.table import COMPARISONS, for_reader, frame, title
+from asperity.study.validation.table import comparison, for_reader, frame, title
 
 chosen, output = snakemake.params.validation, snakemake.output
 with job(snakemake) as progress:
     found = {}
     for (name, settings), path in zip(chosen.items(), output.results, strict=True):
-        found[name] = COMPARISONS[name](**settings)
+        found[name] = comparison(name)(**settings)
         dataset.write(found[name], path, title(name), settings={"validation": {name: settings}})
         progress(len(found), len(chosen))
     table = frame(found)

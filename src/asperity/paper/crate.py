@@ -10,6 +10,7 @@ from __future__ import annotations
 import shutil
 from collections.abc import Sequence
 from datetime import UTC, datetime
+from mimetypes import guess_type
 from pathlib import Path
 from typing import Any
 
@@ -33,19 +34,7 @@ PROFILES = {
 WORKFLOW = "workflow"
 """Folder of the crate that holds a copy of the Snakefile and of the configuration."""
 
-FORMATS = {
-    ".nc": "application/x-netcdf",
-    ".png": "image/png",
-    ".pdf": "application/pdf",
-    ".rst": "text/x-rst",
-    ".csv": "text/csv",
-    ".md": "text/markdown",
-    ".html": "text/html",
-    ".json": "application/json",
-}
-"""Suffix → media type. Other files, such as logs, are no results."""
-
-_NO_RESULTS = ("log", "benchmark", WORKFLOW)
+_NO_RESULTS = ("log", "benchmark", WORKFLOW, METADATA)
 
 
 def write_crate(results: Path, snakefile: Path, configfiles: Sequence[Path] = ()) -> int:
@@ -58,14 +47,15 @@ def write_crate(results: Path, snakefile: Path, configfiles: Sequence[Path] = ()
         configuration are added in ``workflow``.
     snakefile : Path
     configfiles : sequence of Path
-        By default ``config/config.yaml`` beside the Snakefile.
+        By default ``config/config.yaml``.
 
     Raises
     ------
     FileNotFoundError
         If there are no results.
     """
-    found = sorted(path for path in results.rglob("*") if _is_result(path, results))
+    files = [path for path in sorted(results.rglob("*")) if path.is_file()]
+    found = [path for path in files if path.relative_to(results).parts[0] not in _NO_RESULTS]
     if not found:
         raise FileNotFoundError(f"{results}: no results; run the study first")
     made = datetime.fromtimestamp(max(path.stat().st_mtime for path in found), UTC)
@@ -100,46 +90,34 @@ def write_crate(results: Path, snakefile: Path, configfiles: Sequence[Path] = ()
     )
     workflow["author"] = developers
     settings = [
-        crate.add_file(
-            _copied(path, results), f"{WORKFLOW}/{path.name}", properties=_file("Configuration", path)
-        )
-        for path in configfiles or [snakefile.parent / "config/config.yaml"]
+        crate.add_file(_copied(path, results), f"{WORKFLOW}/{path.name}", properties=_described(path))
+        for path in configfiles or [Path("config/config.yaml")]
     ]
-    files = [
+    described = [
         crate.add_file(path, path.relative_to(results).as_posix(), properties=_described(path))
         for path in found
     ]
     run = entity("#run", "CreateAction", name=f"Run of the study into {results.name}")
     run["endTime"] = made.isoformat(timespec="seconds")
     run["actionStatus"] = "http://schema.org/CompletedActionStatus"
-    run["instrument"], run["object"], run["result"], run["agent"] = workflow, settings, files, developers
+    run["instrument"], run["object"], run["result"], run["agent"] = workflow, settings, described, developers
     crate.root_dataset["mentions"] = [run]
     crate.metadata.write(results)
-    return len(files)
-
-
-def _is_result(path: Path, results: Path) -> bool:
-    parts = path.relative_to(results).parts
-    hidden = any(part.startswith(".") for part in parts)
-    described = path.suffix in FORMATS and path.name != METADATA and parts[0] not in _NO_RESULTS
-    return path.is_file() and described and not hidden
+    return len(described)
 
 
 def _described(path: Path) -> dict[str, Any]:
-    """Properties of a result file; those of a NetCDF file from its own attributes."""
-    if path.suffix != ".nc":
-        return _file(path.stem.replace("_", " "), path)
-    with xr.open_dataset(path, engine="netcdf4") as data:
-        attributes = data.attrs
-    found = _file(str(attributes.get("title", path.stem)), path)
-    found["description"] = str(attributes.get("summary", attributes.get("title", "")))
-    found["identifier"] = str(attributes.get(FINGERPRINT, ""))
-    return {name: value for name, value in found.items() if value}
-
-
-def _file(name: str, path: Path) -> dict[str, Any]:
-    media = FORMATS.get(path.suffix, "text/yaml" if path.suffix in (".yaml", ".yml") else "text/plain")
-    return {"name": name, "encodingFormat": media, "contentSize": str(path.stat().st_size)}
+    """Properties of a file; those of a NetCDF file from its own attributes."""
+    found = {
+        "name": path.stem.replace("_", " "),
+        "encodingFormat": guess_type(path.name)[0] or "text/plain",
+        "contentSize": str(path.stat().st_size),
+    }
+    if path.suffix == ".nc":
+        with xr.open_dataset(path, engine="netcdf4") as data:
+            names = {"name": "title", "description": "summary", "identifier": FINGERPRINT}
+            found |= {name: str(data.attrs[key]) for name, key in names.items() if key in data.attrs}
+    return found
 
 
 def _copied(path: Path, results: Path) -> Path:

@@ -19,6 +19,7 @@ from asperity.paper.figures import Description
 from asperity.results.atomic import write_text
 from asperity.results.dataset import PAPER
 from asperity.study.cost.benchmark import cost_table, job_costs
+from asperity.study.cost.model import minutes
 from asperity.study.validation.table import for_reader
 
 GROUPS = ("Figures of the paper", "Figures", "Supplement")
@@ -136,16 +137,12 @@ def _validation(results: Path) -> str:
     return html_table(for_reader(table))
 
 
-def _minutes(minutes: float) -> str:
-    return f"{minutes:.1f} min" if minutes >= 1 else f"{60 * minutes:.0f} s"
-
-
 def _costs(jobs: pd.DataFrame) -> str:
     """Table of the costs by rule, as HTML."""
     if jobs.empty:
         return ""
     table = cost_table(jobs, "rule")[["job", "jobs", "processor_minutes", "largest_memory_MB"]]
     table["job"] = table["job"].str.replace("_", " ")
-    table["processor_minutes"] = table["processor_minutes"].map(_minutes)
+    table["processor_minutes"] = (60 * table["processor_minutes"]).map(minutes)
     table["largest_memory_MB"] = table["largest_memory_MB"].map("{:.0f} MB".format)
     return html_table(table.set_axis(["rule", "jobs", "processor time", "largest memory"], axis=1))

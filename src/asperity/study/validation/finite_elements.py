@@ -28,7 +28,7 @@ APPROACH = INDENTATION / CURVATURE_RADIUS
 """The paper's indentation depth for the cubic slab."""
 
 
-def compare_elements(
+def elements(
     meshes: Sequence[tuple[int, int]] = ((8, 7), (12, 10), (16, 13), (24, 20)), points: int = 256
 ) -> xr.Dataset:
     """Fields on the diagonal plane of a slab by the spectral solver and finite elements (figures 1, 3, 4).
@@ -102,7 +102,7 @@ def largest_differences(dataset: xr.Dataset) -> xr.Dataset:
     Parameters
     ----------
     dataset : Dataset
-        With the fields of `compare_elements`.
+        With the fields of `elements`.
 
     Returns
     -------

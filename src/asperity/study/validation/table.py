@@ -16,19 +16,6 @@ import xarray as xr
 from asperity.core.data import packaged_yaml
 from asperity.study.validation import closed_forms, finite_elements
 
-COMPARISONS: Mapping[str, Callable[..., xr.Dataset]] = {
-    "load_area": closed_forms.load_area,
-    "slab_load_area": closed_forms.slab_load_area,
-    "grid_convergence": closed_forms.grid_convergence,
-    "elements": finite_elements.compare_elements,
-    "punch": closed_forms.punch,
-    "elliptic_contacts": closed_forms.elliptic_contacts,
-    "edge_tension": closed_forms.edge_tension,
-    "layer_indentation": closed_forms.layer_indentation,
-    "wave_asymptotes": closed_forms.wave_asymptotes,
-}
-"""Function of each comparison, by its key in section ``validation``; the keywords are the keys there."""
-
 CHECKS: list[dict[str, Any]] = [
     {"grid": "{grid_points}²", **block, "row": row}
     for block in packaged_yaml("asperity.study.validation", "checks.yaml")
@@ -37,9 +24,14 @@ CHECKS: list[dict[str, Any]] = [
 """Errors of the comparisons with closed forms and finite elements; `checks.yaml` explains the keys."""
 
 
+def comparison(name: str) -> Callable[..., xr.Dataset]:
+    """Function of a comparison, by its key in section ``validation``; its keywords are the keys there."""
+    return finite_elements.elements if name == "elements" else getattr(closed_forms, name)
+
+
 def title(name: str) -> str:
     """Title of the dataset of a comparison: the first line of its function's docstring."""
-    return f"Validation: {(COMPARISONS[name].__doc__ or name).splitlines()[0].removesuffix('.')}"
+    return f"Validation: {(comparison(name).__doc__ or name).splitlines()[0].removesuffix('.')}"
 
 
 def row_of(check: Mapping[str, Any], found: xr.Dataset) -> dict[str, Any]:
