@@ -13,11 +13,10 @@ from project import hide
 from asperity.core.errors import ConfigError
 from asperity.study.config.__main__ import main, with_settings
 from asperity.study.config.check import check, needed_instead
-from asperity.study.config.defaults import LOADS, complete, default, imposed_load
-from asperity.study.config.presets import KEYS
+from asperity.study.config.defaults import KEYS, LOADS, complete, default, imposed_load
 from asperity.study.config.reader import load, merged, parse
 from asperity.study.config.schema import accepted, schema, setting, settings
-from asperity.study.cost.scene import read
+from asperity.study.cost.plan import read
 
 ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())

@@ -14,9 +14,8 @@ from asperity.cli.main import main
 from asperity.core.errors import PlanError
 from asperity.paper.figures import surfaces_with_load_area
 from asperity.study.config.check import check
-from asperity.study.config.presets import PRESETS
-from asperity.study.cost.plan import Target, assess, error_bounds, outputs, propose
-from asperity.study.cost.scene import Scene, read, scenes
+from asperity.study.config.defaults import PRESETS
+from asperity.study.cost.plan import Scene, Target, assess, error_bounds, outputs, propose, read, scenes
 
 ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())

@@ -7,8 +7,7 @@ import pytest
 import yaml
 
 from asperity.study.config.check import check
-from asperity.study.config.defaults import complete
-from asperity.study.config.presets import PRESETS, accuracy_of, overlay
+from asperity.study.config.defaults import PRESETS, accuracy_of, complete, overlay
 from asperity.study.config.reader import merged
 from asperity.study.config.schema import setting
 

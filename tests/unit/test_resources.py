@@ -2,11 +2,10 @@
 
 import pytest
 
-from asperity.study.config.presets import PRESETS
+from asperity.study.config.defaults import PRESETS
 from asperity.study.cost.benchmark import fitted, job_costs
 from asperity.study.cost.model import announce, coefficients, job_cost
-from asperity.study.cost.plan import scene_cost
-from asperity.study.cost.scene import Scene
+from asperity.study.cost.plan import Scene, scene_cost
 
 
 @pytest.mark.parametrize("stage", ["contact", "load-area curve", "stress", "statistics"])

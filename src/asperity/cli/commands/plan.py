@@ -6,8 +6,7 @@ import argparse
 
 from asperity.cli.parser import section
 from asperity.paper.figures import surfaces_with_load_area
-from asperity.study.cost.plan import PEAKS, Target, assess, propose, report
-from asperity.study.cost.scene import read, scenes
+from asperity.study.cost.plan import PEAKS, Target, assess, propose, read, report, scenes
 
 _GIB = 2**30
 

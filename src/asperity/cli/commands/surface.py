@@ -12,8 +12,7 @@ from asperity.core.units import shown_si, to_si
 from asperity.results import write_result
 from asperity.results.variables import in_si
 from asperity.study.config.check import needed_instead
-from asperity.study.config.defaults import default
-from asperity.study.config.presets import PRESETS
+from asperity.study.config.defaults import PRESETS, default
 from asperity.study.config.schema import setting
 from asperity.study.stages.surface import make_surface
 
