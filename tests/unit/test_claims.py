@@ -80,13 +80,13 @@ def test_the_whole_interval_decides(values, verdict):
     assert judge(claim(values), EMPTY).verdict == verdict
 
 
-def test_the_interval_is_that_of_student():
-    finding = judge(claim([1.0, 2.0, 3.0]), EMPTY)
-    assert finding.standard_error == pytest.approx(1 / math.sqrt(3))
-    assert finding.interval_high - finding.value == pytest.approx(
-        4.302653 / math.sqrt(3), rel=1e-6
-    )  # printed table
-    assert finding.seeds == 3
+def test_the_interval_is_that_of_student_and_of_the_grid():
+    narrow, wide = (judge(claim([1.0, 2.0, 3.0], grid_error=error), EMPTY) for error in (0.0, 1.0))
+    assert narrow.standard_error == pytest.approx(1 / math.sqrt(3))
+    half = 4.302653 / math.sqrt(3)  # printed table
+    assert narrow.interval_high - narrow.value == pytest.approx(half, rel=1e-6)
+    assert wide.interval_high - wide.value == pytest.approx(math.hypot(half, 1.0), rel=1e-6)
+    assert (narrow.seeds, wide.grid_error) == (3, 1.0)
 
 
 @pytest.mark.parametrize(("value", "verdict"), [(0.008, HOLDS), (0.0095, UNDECIDED), (0.02, FAILS)])
@@ -141,13 +141,6 @@ def test_a_distribution_is_its_own_without_error():
     data["continuum_peak_quantile"] = ("kind", *data["seed_peak_quantile"].dims), known
     found = Number("peak_quantile", ("one", "one"), ("xx",))(Evidence({"one": data}))
     assert (found.values.item(), found.grid_errors.item()) == (0, 0)
-
-
-def test_the_error_of_the_grid_widens_the_interval():
-    narrow, wide = (judge(claim([1.0, 2.0, 3.0], grid_error=error), EMPTY) for error in (0.0, 1.0))
-    halves = [one.interval_high - one.value for one in (narrow, wide)]
-    assert halves[1] == pytest.approx(np.hypot(halves[0], 1.0))
-    assert wide.grid_error == 1.0
 
 
 def test_a_percentile_is_taken_at_the_contacts_ratio():
@@ -334,16 +327,11 @@ def test_stresses_over_the_modulus_are_over_the_gradient_times_it(study):
     assert number(evidence.under({"scaling": "absolute"})).values.item() == pytest.approx(5)
 
 
-def test_findings_are_read_again_from_their_table(study, tmp_path):
+def test_tables_are_read_again_and_hold_every_claim(study, tmp_path):
     found = list(study.values())
     frame_of_interpretations(found).to_csv(tmp_path / "interpretations.csv", index=False)
-    again = findings_of(pd.read_csv(tmp_path / "interpretations.csv"), CLAIMS)
-    assert markdown(again) == markdown(found)
-
-
-def test_tables_and_picture_hold_every_claim(study):
-    found = list(study.values())
     text = markdown(found)
+    assert markdown(findings_of(pd.read_csv(tmp_path / "interpretations.csv"), CLAIMS)) == text
     assert all(f.claim.compared.replace("|", "\\|") in text for f in found)
     assert len(draw(found).axes[0].get_yticks()) == len(CLAIMS)
 

@@ -116,12 +116,9 @@ def test_two_bodies_are_one_under_the_same_pressure():
     xr.testing.assert_allclose(of_pair, asp.continuum(one, stress_of(one)), rtol=1e-5)
 
 
-def test_a_dataset_without_peaks_is_refused():
+def test_other_arguments_are_refused():
     contact = contact_on(8, area_fraction=0.08)
     with pytest.raises(ValueError, match="stress: a result of analyse_stress is needed"):
         asp.continuum(contact, contact.to_dataset())
-
-
-def test_something_else_than_a_contact_is_refused():
     with pytest.raises(TypeError, match="contact = ndarray: a Contact is needed"):
         asp.continuum(np.zeros((4, 4)))

@@ -7,7 +7,6 @@ from scipy.stats import spearmanr
 from small_study import CONTACT, LAYER, STRESS
 
 import asperity as asp
-from asperity.results import dataset
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.seed_numbers import seed_statistics
 from asperity.study.stages.solid import SOLID_ATTRIBUTES, solid
@@ -171,12 +170,3 @@ def test_estimates_of_the_study_are_those_of_the_library():
     scale = found["continuum_gradient_rms_contact"].sel(kind="estimate")
     quantile = found["continuum_peak_quantile"].sel(of).sel(level=0.99) * scale
     np.testing.assert_allclose(quantile, expected["p99"].sel(of), rtol=0.01)
-
-
-def test_the_variables_of_every_stage_can_be_written_and_read(tmp_path):
-    results = run(1)
-    stages = {name: getattr(results, name) for name in ("surface", "contact", "stress")}
-    stages["statistics"] = surface_statistics([results], **STATISTICS)
-    for name, data in stages.items():
-        dataset.write(data, tmp_path / f"{name}.nc", name, {"seed": 1})
-        assert set(dataset.read(tmp_path / f"{name}.nc").variables) == set(data.variables)

@@ -13,7 +13,6 @@ from matplotlib.ticker import MaxNLocator
 
 from asperity.core.types import Array
 from asperity.paper.figures.cases import Datasets, bullets
-from asperity.study.validation.finite_elements import largest_differences
 from asperity.views.style import panels
 
 SMALLEST, LARGEST = 1e-3, 10.0
@@ -58,7 +57,7 @@ def draw(validation: Datasets, fields: Mapping[str, Sequence[str]]) -> Figure:
 
 def caption(validation: Datasets, fields: Mapping[str, Sequence[str]]) -> str:
     """Largest differences to the finite elements."""
-    found = largest_differences(validation["elements"])
+    found = validation["elements"].isel(mesh=-1)
     return bullets(
         f"{name}: at most {100 * float(found['difference_away'].sel(field=name)):.3f} % of its largest "
         f"magnitude away from the edge of contact, "
