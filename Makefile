@@ -35,6 +35,7 @@ pages: study ## Write README's sentences, docs and the kept table again from the
 	python -m asperity.study.config describe config/README.md
 	python studies/nayak/nayak.py
 	python studies/master_curve/master_curve.py
+	python studies/challenge/challenge.py
 	python studies/stability/stability.py
 	python benchmarks/tradeoff.py --pages
 	git diff --exit-code -- '*.md' docs/claims.csv
