@@ -66,7 +66,7 @@ def possible_formats(begin: bytes, file: BinaryIO, name: str, wanted: str | None
 
     Raises
     ------
-    ValueError
+    ValueError, BadZipFile
         If the wanted format is not known, or an archive is damaged.
     """
     known = known_formats()
@@ -77,11 +77,8 @@ def possible_formats(begin: bytes, file: BinaryIO, name: str, wanted: str | None
     narrow = re.sub(b"^\xff\xfe|^\xfe\xff|\0", b"", begin[:256])  # text in UTF-16, one byte a character
     members: list[str] = []
     if re.match(b"PK", begin):
-        try:
-            with zipfile.ZipFile(file) as archive:
-                members = archive.namelist()
-        except zipfile.BadZipFile as error:
-            raise ValueError(f"an archive without damage is needed ({error})") from error
+        with zipfile.ZipFile(file) as archive:
+            members = archive.namelist()
     found = [
         form
         for form in known.values()
