@@ -140,7 +140,7 @@ def test_wrong_argument_is_refused(arguments, words):
         (lambda s: replace(s, bottom="free").kernels(1.0, 0.1), "bottom = 'free'"),
         (lambda s: s.kernels([[1.0], [2.0, 3.0]], 0.0), "q = .* needed$"),
         (lambda s: s.kernels(1.0, "0.1"), "depth = .* needed$"),
-        (lambda s: s.shear_kernels(1.0, [0.1, 0.2]), "depth = .* needed$"),
+        (lambda s: replace(s, bottom="free").shear_kernels(1.0, 0.1), "bottom = 'free': bonded is needed"),
     ],
 )
 def test_wrong_wavenumber_or_depth_is_refused(call, words):

@@ -277,14 +277,16 @@ def fill_kernels(kind: int, q: Any, depth: Any, height: float, poisson: float, o
 
 
 @fused
-def fill_shear_kernels(kind: int, q: Any, depth: float, height: float, poisson: float, out: Any) -> None:
-    """Write the kernels of a shear traction of all modes at one depth to the rows of `out`.
+def fill_shear_kernels(kind: int, q: Any, depth: Any, height: float, poisson: float, out: Any) -> None:
+    """Write the kernels of a shear traction of all modes to the rows of `out`, as `fill_kernels`.
 
     The solid is the half-space or bonded. At q = 0 they are those of a traction on a layer of any height.
     """
+    many = depth.size > 1
     for n in range(q.size):
         wavenumber = float(q[n])
-        d, t = wavenumber * depth, wavenumber * (height - depth)
+        below = depth[n if many else 0]
+        d, t = wavenumber * below, wavenumber * (height - below)
         if wavenumber == 0.0:
             values = (0.0, 0.0, 1.0, 1.0, 0.0)
         elif d > _DEEPEST:

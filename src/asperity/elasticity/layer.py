@@ -46,6 +46,7 @@ error.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -268,35 +269,12 @@ class Layer:
         """
         if self._kind == FREE:
             raise ValueError("bottom = 'free': bonded or frictionless is needed for stress and displacement")
-        q = _wavenumbers(q)
-        depth = self._depths(depth)
-        shape = _broadcast_shape(q=q, depth=depth)
-        out = np.empty((5, *shape), q.dtype)
-        one_depth = depth.size == 1
-        fill_kernels(
-            self._kind,
-            _flat(q, shape),
-            depth.reshape(-1) if one_depth else _flat(depth, shape),
-            self.height or 0.0,
-            self.poisson,
-            out.reshape(5, -1),
-        )
-        return Kernels(*out)
+        return Kernels(*self._filled(fill_kernels, q, depth))
 
-    def shear_kernels(self, q: ArrayLike, depth: float) -> ShearKernels:
+    def shear_kernels(self, q: ArrayLike, depth: ArrayLike) -> ShearKernels:
         """The five real kernels of a mode of shear traction, defined in the description of the module.
 
-        Parameters
-        ----------
-        q : array
-            As for `kernels`.
-        depth : float
-            From 0 to the height.
-
-        Returns
-        -------
-        ShearKernels
-            Arrays of the shape and the type of q.
+        Parameters and results are those of `kernels`.
 
         Raises
         ------
@@ -306,14 +284,16 @@ class Layer:
         """
         if self._kind not in (HALF_SPACE, BONDED):
             raise ValueError(f"bottom = {self.bottom!r}: bonded is needed, because this one bears no shear")
-        q = _wavenumbers(q)
-        depth = number("depth", depth, "a finite depth ≥ 0", lambda size: size >= 0)
-        depth = float(self._depths(depth))
-        out = np.empty((5, *q.shape), q.dtype)
-        fill_shear_kernels(
-            self._kind, q.reshape(-1), depth, self.height or 0.0, self.poisson, out.reshape(5, -1)
-        )
-        return ShearKernels(*out)
+        return ShearKernels(*self._filled(fill_shear_kernels, q, depth))
+
+    def _filled(self, fill: Callable[..., None], q: ArrayLike, depth: ArrayLike) -> Array:
+        """Five kernels of every wavenumber and depth, by a compiled loop."""
+        q, depth = _wavenumbers(q), self._depths(depth)
+        shape = _broadcast_shape(q=q, depth=depth)
+        depths = depth.reshape(-1) if depth.size == 1 else _flat(depth, shape)
+        out = np.empty((5, *shape), q.dtype)
+        fill(self._kind, _flat(q, shape), depths, self.height or 0.0, self.poisson, out.reshape(5, -1))
+        return out
 
     def stress(self, qx: ArrayLike, qy: ArrayLike, depth: ArrayLike) -> Array:
         """Stress of the pressure mode p̂(q) = 1.
