@@ -22,6 +22,7 @@ from asperity.core.errors import InputError, shown
 from asperity.core.markup import picture, table
 from asperity.core.types import Array
 from asperity.core.units import shown_si, to_si
+from asperity.fourier.grid import Grid
 
 PEAKS_UP, LOWER_FACE = "peaks up", "lower face"
 ORIENTATIONS = (PEAKS_UP, LOWER_FACE)
@@ -203,7 +204,7 @@ class HeightMap:
     ----------
     height : (ny, nx) array
         Heights; NaN where there are no data.
-    length : (length_y, length_x)
+    length : float or (length_y, length_x)
         Edges of the map, in the unit of the heights.
     periodic : bool
         True if the file states that the map is one period.
@@ -246,10 +247,7 @@ class HeightMap:
             if values.ndim != 2 or min(values.shape) < 2:
                 raise ValueError(f"height has the shape {values.shape}: at least 2 x 2 points are needed")
             finite_array("height", values[np.isfinite(values)])
-            if not isinstance(self.length, (tuple, list)) or len(self.length) != 2:
-                raise ValueError(f"length = {shown(self.length)}: a pair (length_y, length_x) is needed")
-            for edge in self.length:
-                magnitude("length", edge)
+            object.__setattr__(self, "length", Grid(values.shape, self.length).length)
             if self.orientation is not None:
                 choice("orientation", self.orientation, ORIENTATIONS)
             if self.unit is not None and not isinstance(self.unit, str):
