@@ -18,7 +18,7 @@ COMPILE = uv pip compile pyproject.toml --custom-compile-command 'make lock' --u
 	--extra study --extra maps --extra crate --extra build --extra test --generate-hashes --no-emit-index-url --quiet
 export PATH := $(CURDIR)/$(VENV)/bin:$(PATH)
 
-.PHONY: help study quick pages verify test lint check fuzz fuzz-study wheel-test test-oldest test-python test-slurm report crate docs bench tradeoff lock clean
+.PHONY: help study quick pages verify test lint check fuzz wheel-test test-oldest test-python test-slurm report crate docs bench tradeoff lock clean
 
 help: ## List the targets
 	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed 's/:.*## /\t/' | expand -t 14
@@ -72,9 +72,6 @@ test-python: ## Run the unit tests with another Python: make test-python PYTHON=
 
 unit-tests: $(VENV)/ready
 	pytest --numprocesses logical $(PYTEST) tests/unit
-
-fuzz-study: $(VENV)/ready ## Run random configurations that the check accepts to their end, for MINUTES=10 from SEED=0
-	python tests/fuzz/fuzz_study.py --minutes $(or $(MINUTES),10) --seed $(or $(SEED),0)
 
 test-slurm: $(VENV)/ready ## Run the quick study on a SLURM started for it (apt install slurmctld slurmd slurm-client munge)
 	pytest -m slurm tests/slurm

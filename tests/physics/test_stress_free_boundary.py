@@ -111,16 +111,6 @@ def test_coarse_planes_are_within_their_bound(make, friction, tolerance):
     assert nodes[-1] == 48
 
 
-def test_peaks_of_free_map_are_the_spheres():
-    names = ("von_mises", "largest_shear")
-    data = asp.analyse_stress(ellipse(0.1, 0.1, (96, 96)), poisson=0.3, quantities=names)
-    strongest = data.isel(peak=int(data["peak_value"].values.argmax()))
-    value, depth, y, x = (float(strongest[f"peak_{name}"]) for name in ("value", "depth", "y", "x"))
-    assert value == pytest.approx(0.620, rel=0.01)
-    assert depth == pytest.approx(0.0481, rel=0.03)
-    assert (y, x) == pytest.approx((0.5, 0.5), abs=1e-3)
-
-
 def test_nodes_at_opposite_edges_are_no_neighbours():
     """Two contacts at opposite edges: both have their peaks, and the higher hides the other in a period."""
     pressure, grid = np.zeros((48, 48)), asp.Grid((48, 48))

@@ -392,18 +392,11 @@ def gzip_that_declares_less(path):
     path.write_bytes(gzip.compress(b"1 2 3 4\n" * 5 * 2**20, mtime=0) + gzip.compress(b"end", mtime=0))
 
 
-def hdf5_of_zeros(path):
-    h5py = pytest.importorskip("h5py")
-    with h5py.File(path, "w") as file:
-        file.create_dataset("height", (20000, 20000), "f8", chunks=(1000, 1000), compression="gzip")
-
-
 @pytest.mark.parametrize(
     ("name", "write", "limit", "line"),
     [
         ("bomb.x3p", zip_of_zeros, 0.02, "the file holds 0.0391 GiB of data or more"),
         ("liar.asc.gz", gzip_that_declares_less, 0.02, "the file holds 0.02 GiB of data or more"),
-        ("zeros.h5", hdf5_of_zeros, 2.0, "the file holds 2.98 GiB of data or more"),
     ],
 )
 def test_a_file_that_unpacks_to_much_is_refused(tmp_path, name, write, limit, line):
