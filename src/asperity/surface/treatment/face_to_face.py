@@ -189,18 +189,16 @@ def _interpolation(lower: HeightMap, upper: HeightMap, axis: int, place: Array) 
     It sums the Fourier series of a period, or of a map continued by its mirror images, without waves that
     the lower map cannot hold.
     """
-    nodes, longest = upper.height.shape[axis], upper.length[axis] / lower.spacing[axis]
-    if _is_period(lower, upper):
-        order = np.fft.fftfreq(nodes, 1 / nodes)
-        kept = 2 * np.abs(order) < min(nodes, longest)
-        waves, there = (
-            np.exp(2j * np.pi / nodes * np.outer(at, order[kept])) for at in (np.arange(nodes), place)
-        )
-        return (there @ waves.conj().T).real / nodes
     from scipy.fft import dct
+    from scipy.special import diric
 
-    # A mode of order k has a wavelength of 2 · length / k.
+    nodes = upper.height.shape[axis]
+    if _is_period(lower, upper):
+        waves = 2 * ((min(nodes, lower.height.shape[axis]) - 1) // 2) + 1
+        return waves / nodes * diric(2 * np.pi / nodes * (place[:, None] - np.arange(nodes)), waves)
     order = np.arange(nodes)
-    weight = np.where(order == 0, np.sqrt(1 / nodes), np.sqrt(2 / nodes)) * (order <= longest)
+    weight = np.where(order == 0, np.sqrt(1 / nodes), np.sqrt(2 / nodes))
+    # A mode of order k has a wavelength of 2 · length / k.
+    weight[order * lower.spacing[axis] > upper.length[axis]] = 0.0
     basis = weight * np.cos(np.pi / nodes * (place[:, None] + 0.5) * order)
     return basis @ dct(np.eye(nodes), norm="ortho", axis=0)
