@@ -93,7 +93,7 @@ def test_the_first_commands_of_the_pages_run(answers, capsys):
     printed = capsys.readouterr().out
     assert "rms gradient" in printed
     assert "every calculation needs" not in printed
-    assert "asperity run fills points without data and mirrors the map by itself" in printed
+    assert "asperity run takes peaks as upward, fills points without data and mirrors the map" in printed
     assert "report    steel/report.html" in printed
     assert len(answers) == 1
 

@@ -61,6 +61,8 @@ def test_result_files_are_in_si_and_agree(folder):
     assert contact["pressure"].shape == (2 * POINTS, 2 * POINTS)
     answer = pd.read_csv(folder / "answer.csv").set_index("name")["value"]
     assert answer["largest pressure"] == pytest.approx(float(contact["pressure"].max()), rel=1e-6)
+    spots = pd.read_csv(folder / "spots.csv")
+    np.testing.assert_allclose(contact["spot_load"], spots["load_N"], rtol=1e-6)
     peaks = pd.read_csv(folder / "peaks.csv")
     assert answer["largest von Mises stress"] == pytest.approx(
         peaks[peaks["quantity"] == "von_mises"]["value_Pa"].max(), rel=1e-6

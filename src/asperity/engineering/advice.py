@@ -203,7 +203,11 @@ def _on_map(answer: Answer) -> Iterator[Found]:
     for doubt in answer.rough.doubts:
         subject = doubt.partition(":")[0]
         if subject != "despike" or not numbers.pressure_on_spike:
-            yield subject == "unit", "doubt", {"subject": subject, "doubt": doubt.rstrip("?")}
+            yield (
+                subject == "unit",
+                "doubt",
+                {"subject": subject, "doubt": doubt if doubt.endswith("?") else f"{doubt}."},
+            )
     slope = numbers.rms_gradient
     if slope > STEEP:
         yield slope > VERY_STEEP, "steep", {"angle": math.degrees(math.atan(slope)), "size": slope**2}

@@ -163,11 +163,19 @@ def surface_of(answer: Answer) -> xr.Dataset:
 
 
 def contact_dataset(answer: Answer) -> xr.Dataset:
-    """Pressure, displacement and gap; the attributes describe the lower body, the settings both."""
-    return answer.contact.to_dataset().assign_attrs(
-        settings=json.dumps(settings_of(answer), sort_keys=True),
-        force=answer.numbers.force,
-        approach_since_first_touch=answer.numbers.approach,
+    """Pressure, displacement, gap and patches; the attributes describe the lower body, the settings both."""
+    spots = {
+        f"spot_{str(name).rsplit('_', 1)[0]}": ("spot", values.to_numpy())
+        for name, values in answer.spots.items()
+    }
+    return (
+        answer.contact.to_dataset()
+        .assign(spots)
+        .assign_attrs(
+            settings=json.dumps(settings_of(answer), sort_keys=True),
+            force=answer.numbers.force,
+            approach_since_first_touch=answer.numbers.approach,
+        )
     )
 
 

@@ -17,7 +17,7 @@ from asperity.results.variables import SI_UNITS
 from asperity.views.maps import HEIGHT, PRESSURE, Map, draw_maps, map_of
 from asperity.views.peak_plot import plot_peaks
 from asperity.views.scales import Look
-from asperity.views.section_plot import draw_sections
+from asperity.views.section_plot import draw_sections, until_faded
 from asperity.views.source import Part, Source, sources
 from asperity.views.stress_field import field_look, field_words
 from asperity.views.style import plain_text
@@ -31,6 +31,9 @@ MAPS = {
     "pressure": (PRESSURE, "Contact pressure, white where there is no contact"),
 }
 """Field of the contact → its colours, and the caption of its picture."""
+
+FADED = 0.1
+"""Share of the largest stress below which, and below the yield stress, a section ends."""
 
 FRAMED, BESIDE = "framed part", "on the right close to the largest stress"
 """Title and caption of the second map."""
@@ -87,7 +90,8 @@ def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterato
         caption = f"{capital} at the depth of its largest magnitude, {shown_si(depth, 'm', 3)}; {BESIDE}"
         yield Picture(f"plane{suffix}", caption + end, figure, body)
         section = _section(answer, source, body, field, near)
-        figure = draw_sections([section], look, source.system, None, level)
+        faded = min(FADED * float(np.abs(section.values).max()), level or np.inf)
+        figure = draw_sections(until_faded([section], faded), look, source.system, None, level)
         caption = f"{capital} close to its largest magnitude in a section; bars are the contact"
         yield Picture(f"section{suffix}", caption + end, figure, body)
     stress = answer.bodies[body].stress.assign_attrs(unit_system=source.system)

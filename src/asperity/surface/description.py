@@ -10,7 +10,13 @@ import numpy as np
 
 from asperity.core.types import Array
 from asperity.surface.reading.agreement import MapFile
-from asperity.surface.reading.height_map import LOWER_FACE, PEAKS_UP, HeightMap, MapOptions
+from asperity.surface.reading.height_map import (
+    LOWER_FACE,
+    ORIENTATION_NEEDED,
+    PEAKS_UP,
+    HeightMap,
+    MapOptions,
+)
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.roughness import finest_tip, moments, spectrum, texture
 from asperity.surface.treatment.levelling import edge_step, fill_harmonic, find_spikes, subtract_trend
@@ -48,7 +54,7 @@ NEED_EDGES = ("tilt", "Sdq", "Sal", "Str", "tip", "waves")
 ORIENTATION_WORDS = {
     PEAKS_UP: "peaks up, as instruments show them",
     LOWER_FACE: "lower face of an indenter, the lowest points touch first",
-    None: "the file does not say which way is up",
+    None: "the file does not say which way is up; asperity run takes the peaks as upward",
 }
 
 
@@ -84,7 +90,7 @@ def describe_map(path: str | os.PathLike[str], options: MapOptions) -> MapDescri
         If the file cannot be read as a height map.
     """
     found = open_map(path, options)
-    needed = missing_options(found, CHOSEN)
+    needed = [text for text in missing_options(found, CHOSEN) if text != ORIENTATION_NEEDED]
     choices = [text for text in missing_options(found, MapOptions()) if text not in needed]
     properties, warnings = _of_file(found), []
     if np.isfinite(found.map.height).any():

@@ -147,8 +147,7 @@ def draw_maps(
     nodes = [shown.source.positions(shown.part) for shown in maps]
     length = measure([edge for y, x in nodes for edge in (x[-1], y[-1])], "length", system)
     scale = Scale(look, limits, unit, length, level)
-    tallest = max(np.ptp(y) / np.ptp(x) for y, x in nodes)
-    with canvas(len(maps), axes, shape=float(tallest)) as (figure, panels):
+    with canvas([float(np.ptp(y) / np.ptp(x)) for y, x in nodes], axes) as (figure, panels):
         for axis, shown in zip(panels, maps, strict=True):
             _draw(axis, shown, scale)
         add_colour_bar(figure, panels, scale)

@@ -18,6 +18,9 @@ SINGLE = 110 * MILLIMETRE
 LEAST_HEIGHT, MOST_HEIGHT = 30 * MILLIMETRE, 150 * MILLIMETRE
 """Heights of a panel; cells that are longer or wider leave some of it free."""
 
+FLATTEST = 0.01
+"""Smallest height of a panel over its width; that of a row of nodes would be 0."""
+
 LABELS = 16 * MILLIMETRE
 """Width of the labels of a panel beside it, and height of those above and below it."""
 
@@ -27,18 +30,16 @@ BAR = 22 * MILLIMETRE
 
 @contextlib.contextmanager
 def canvas(
-    count: int, axes: Axes | Sequence[Axes] | None, shape: float, columns: int = 3
+    shapes: Sequence[float], axes: Axes | Sequence[Axes] | None, columns: int = 3
 ) -> Iterator[tuple[Figure, list[Axes]]]:
     """A new figure in the style of the package with a panel for each result, or the figure of given axes.
 
     Parameters
     ----------
-    count : int
-        Number of panels.
+    shapes : sequence of float
+        Height over width of each panel; those beside each other in one row have the same height.
     axes : Axes or sequence of Axes, optional
         Axes to use in place of new ones.
-    shape : float
-        Height of a panel over its width.
     columns : int
         Most panels beside each other; below a single column there is room for a colour bar.
 
@@ -47,6 +48,7 @@ def canvas(
     ValueError
         If the number of axes is not that of the panels.
     """
+    count = len(shapes)
     if axes is not None:
         given = [axes] if isinstance(axes, Axes) else list(axes)
         if len(given) != count:
@@ -59,11 +61,14 @@ def canvas(
     across = min(count, columns) if count != 4 else min(2, columns)
     rows = -(-count // across)
     width = SINGLE if count == 1 and columns > 1 else PAGE
-    height = min(max(shape * ((width - BAR) / across - LABELS), LEAST_HEIGHT), MOST_HEIGHT)
+    tall = [max(shape, FLATTEST) for shape in shapes]
+    widths = [1 / shape for shape in tall] if rows == 1 else [1 / max(tall)] * across
+    height = min(max((width - BAR - across * LABELS) / sum(widths), LEAST_HEIGHT), MOST_HEIGHT)
     bar_below = BAR if columns == 1 else 0.0
     with style():
         figure = Figure(figsize=(width, rows * (height + LABELS) + bar_below), layout="compressed")
-        yield figure, [figure.add_subplot(rows, across, number + 1) for number in range(count)]
+        grid = figure.add_gridspec(rows, across, width_ratios=widths)
+        yield figure, [figure.add_subplot(grid[number]) for number in range(count)]
 
 
 def add_colour_bar(figure: Figure, axes: Sequence[Axes], scale: Scale, below: bool = False) -> None:

@@ -31,9 +31,6 @@ AXIS_DEPTH = 1.3
 TICKS = 5
 """Most intervals between ticks of magnitude, whose numbers may be long."""
 
-BINS = 60
-"""Bins of a histogram."""
-
 
 def plot_peaks(
     stress: Any,
@@ -104,13 +101,14 @@ def plot_peaks(
     unit = measure(limits.high, "stress", system)
     length = measure(deepest.high, "length", system)
     in_surface = not any(depth.any() for depth in depths)
-    with canvas(len(given), axes, SHAPE) as (figure, panels):
+    with canvas([SHAPE] * len(given), axes) as (figure, panels):
         for axis, (title, result), (data, profile) in zip(panels, given, found, strict=True):
             values = np.abs(data["peak_value"].values)
             if in_surface:
                 shown, high = values[values <= limits.high] / unit.factor, limits.high / unit.factor
-                axis.hist(shown, bins=BINS, range=(0, high), color="C0")
+                axis.hist(shown, bins="auto", range=(0, high), color="C0")
                 axis.set(xlim=(0, high), ylabel="number of peaks")
+                axis.locator_params(axis="y", integer=True)
             else:
                 if yield_stress is not None:
                     axis.axvline(yield_stress / unit.factor, color="C6", lw=0.8, label="yield stress")
@@ -170,4 +168,4 @@ def _draw_points(
         ylim=(AXIS_DEPTH * deepest.high / length.factor, 0),
         ylabel=length.label("depth"),
     )
-    axis.legend(loc="lower right")
+    axis.legend(loc="lower right", markerscale=3)

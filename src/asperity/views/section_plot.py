@@ -94,10 +94,7 @@ def plot_section(
     look = field_look(field)
     limits = look.limits(section.values for section in sections)
     if depth is None:
-        bottom = max(_faded_below(section, FADED * max(abs(limits.low), limits.high)) for section in sections)
-        sections = [
-            section.isel(depth=slice(np.searchsorted(section["depth"], bottom) + 1)) for section in sections
-        ]
+        sections = until_faded(sections, FADED * max(abs(limits.low), limits.high))
     return draw_sections(sections, look, found[0].source.system, axes)
 
 
@@ -116,12 +113,12 @@ def draw_sections(
     unit = measure([limits.low, limits.high], "stress", system)
     positions = [section[section.dims[1]].values for section in sections]
     length = measure([nodes[-1] for nodes in positions], "length", system)
-    shape = max(
+    shapes = [
         float(np.ptp(section["depth"].values) / np.ptp(nodes))
         for section, nodes in zip(sections, positions, strict=True)
-    )
+    ]
     scale = Scale(look, limits, unit, length, level)
-    with canvas(len(sections), axes, shape, columns=1) as (figure, panels):
+    with canvas(shapes, axes, columns=1) as (figure, panels):
         for axis, section in zip(panels, sections, strict=True):
             _draw(axis, section, scale)
         add_colour_bar(figure, panels, scale, below=True)
@@ -174,11 +171,16 @@ def _section(
     return section.assign_coords(contact=(along, contact)).rename(title)
 
 
-def _faded_below(section: xr.DataArray, faded: float) -> float:
-    """Depth of the plane below the deepest one with a stress above a magnitude, at least `MIN_SHAPE`."""
-    above = np.flatnonzero(np.abs(section.values).max(axis=1) > faded)
-    below = min(int(above.max(initial=0)) + 1, section.sizes["depth"] - 1)
-    return max(float(section["depth"][below]), MIN_SHAPE * float(np.ptp(section[section.dims[1]].values)))
+def until_faded(sections: Sequence[xr.DataArray], faded: float) -> list[xr.DataArray]:
+    """Sections down to the plane below the deepest one with a stress above a magnitude, or `MIN_SHAPE`."""
+    bottoms = []
+    for section in sections:
+        above = np.flatnonzero(np.abs(section.values).max(axis=1) > faded)
+        below = min(int(above.max(initial=0)) + 1, section.sizes["depth"] - 1)
+        length = float(np.ptp(section[section.dims[1]].values))
+        bottoms.append(max(float(section["depth"][below]), MIN_SHAPE * length))
+    ends = [np.searchsorted(section["depth"], max(bottoms)) + 1 for section in sections]
+    return [section.isel(depth=slice(end)) for section, end in zip(sections, ends, strict=True)]
 
 
 def _draw(axis: Axes, section: xr.DataArray, scale: Scale) -> None:
