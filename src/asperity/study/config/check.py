@@ -10,6 +10,7 @@ import jsonschema
 from jsonschema import ValidationError
 
 from asperity.core.errors import ConfigError, shown
+from asperity.core.packages import absent
 from asperity.study.config.defaults import LOADS, complete
 from asperity.study.config.reader import is_file
 from asperity.study.config.schema import Entry, accepted, number, schema, setting
@@ -98,10 +99,19 @@ def check_section(name: str, values: Mapping[str, Any], option: Callable[[str], 
 @_FORMATS.checks("label", raises=ValueError)
 def _is_label(text: object) -> bool:
     """True for a label that a figure can show; a `ValueError` says what is needed instead."""
-    if isinstance(text, str) and not text.isprintable():
+    if not isinstance(text, str):
+        return True
+    if not text.isprintable():
         raise ValueError("text that can be printed")
-    if isinstance(text, str) and text.count("$") % 2:
+    if text.count("$") % 2:
         raise ValueError("mathematics between two dollar signs")
+    if "$" in text and not absent(["matplotlib"]):
+        from matplotlib.mathtext import MathTextParser  # takes time, and not every command has matplotlib
+
+        try:
+            MathTextParser("path").parse(text)
+        except ValueError as error:
+            raise ValueError("mathematics that matplotlib can draw") from error
     return True
 
 

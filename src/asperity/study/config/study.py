@@ -69,7 +69,6 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
     if "studies" not in config:
         config["studies"] = _study_of_all(config)
     check_files(config)
-    _check_labels(config)
     return complete(config)
 
 
@@ -157,28 +156,6 @@ def _check_engine(config: Mapping[str, Any]) -> None:
     engine = config.get("fft_engine", default("fft_engine"))
     if missing := absent([engine]):
         raise ConfigError(f"fft_engine = {shown(engine)}: {message(missing)}")
-
-
-def _check_labels(config: Mapping[str, Any]) -> None:
-    """Raise `ConfigError` for the first label whose mathematics cannot be drawn."""
-    for section in ("surfaces", "measured"):
-        for name, surface in config.get(section, {}).items():
-            label = surface["label"]
-            if "$" in label and not _can_be_drawn(label):
-                raise ConfigError(
-                    f"{section}.{name}.label = {shown(label)}: mathematics that matplotlib can draw is needed"
-                )
-
-
-def _can_be_drawn(text: str) -> bool:
-    """True for text whose mathematics matplotlib reads; imported here, as it takes time."""
-    from matplotlib.mathtext import MathTextParser
-
-    try:
-        MathTextParser("path").parse(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _folder_named_after(path: str | Path) -> str:

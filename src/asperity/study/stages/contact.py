@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from functools import partial
 from typing import Any
@@ -11,8 +10,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.contact import solve, solve_path
-from asperity.core.types import Array, Progress
-from asperity.elasticity.layer import Layer
+from asperity.core.types import Progress
 from asperity.results.dataset import grid_of
 from asperity.stress.statistics.continuum import TOLERANCE, on_half_the_nodes, reason_against
 from asperity.study.config.defaults import imposed_load
@@ -56,7 +54,8 @@ def solve_contact(
     fractions = {*contact_settings.get("path_area_fractions", ())}
     if kind == "area_fraction":
         fractions.add(value)
-    elif kind == "approach" and not value < (most := largest_approach(height, layer)):
+    most = float(height.mean() - height.min())  # of a solid that the mean pressure does not displace
+    if kind == "approach" and layer.uniform_compliance() == 0 and not value < most:
         raise ValueError(
             f"contact.approach = {value!r}: less than {most:.6g} is needed, the height of the mean plane "
             "above the point that touches first; there a periodic half-space is in full contact"
@@ -93,14 +92,6 @@ def solve_contact(
         name: value for name, value in solved.attrs.items() if name.startswith("certificate_")
     }
     return dataset
-
-
-def largest_approach(height: Array, layer: Layer) -> float:
-    """Approach since first touch below which a solid without uniform displacement is not in full contact.
-
-    Infinite for a solid with a uniform displacement.
-    """
-    return float(height.mean() - height.min()) if layer.uniform_compliance() == 0 else math.inf
 
 
 def contact_on_half_the_nodes(contact: xr.Dataset, layer_settings: Mapping[str, Any]) -> xr.Dataset | None:

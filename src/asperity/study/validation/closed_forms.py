@@ -402,14 +402,14 @@ def wave_asymptotes(points: int = 512) -> xr.Dataset:
     grid = Grid((points, points))
     y, x = (nodes - 0.5 for nodes in grid.coordinates())
     height = wave.height(y[:, None], x)
-    radius, exact_radius, gap, exact_gap = np.empty((4, 2))
-    for n, pressure in enumerate(wave.complete_pressure * small):
-        contact = solve(height, Layer(1.0, 0.0), mean_pressure=pressure, rtol=RTOL)
-        radius[n] = fitted_contact_radius(contact.pressure, grid)
-        exact_radius[n] = np.sqrt(wave.small_area_fraction(pressure) / np.pi)
-    for n, pressure in enumerate(wave.complete_pressure * nearly_complete):
-        gap[n] = solve(height, Layer(1.0, 0.0), mean_pressure=pressure, rtol=RTOL).gap.mean()
-        exact_gap[n] = wave.nearly_complete_mean_gap(pressure)
+    few, most = (
+        [solve(height, Layer(1.0, 0.0), mean_pressure=p * wave.complete_pressure, rtol=RTOL) for p in loads]
+        for loads in (small, nearly_complete)
+    )
+    radius = [fitted_contact_radius(contact.pressure, grid) for contact in few]
+    exact_radius = [np.sqrt(wave.small_area_fraction(contact.mean_pressure) / np.pi) for contact in few]
+    gap = [contact.gap.mean() for contact in most]
+    exact_gap = [wave.nearly_complete_mean_gap(contact.mean_pressure) for contact in most]
     return _dataset(
         {
             "contact_radius": ("small_load", radius, exact_radius),
