@@ -140,17 +140,15 @@ def _orientation(content: FileContent, options: MapOptions, problems: list[str])
 
 def _height_factor(content: FileContent, options: MapOptions, problems: list[str]) -> float:
     """Factor that the caller applies to the heights; the file's own is applied by its reader."""
-    factor = options.height_factor
-    if factor is None:
-        if content.is_grey:
-            problems.append("height_factor: the file holds grey levels; set it to the height of one level")
-        return 1.0
-    if content.factor is not None and not math.isclose(factor, content.factor, rel_tol=AGREEMENT):
-        problems.append(f"height_factor = {factor:g}: the file says {content.factor:g}; leave it out")
-    elif content.factor is None and content.unit is not None and factor != 1:
-        problems.append(f"height_factor = {factor:g}: the file says heights in {content.unit}; leave it out")
-    elif content.factor is None:
-        return float(factor)
+    given, own, said = options.height_factor, content.factor, f"{content.factor or 1.0:g}"
+    if own is None and content.unit is not None:
+        own, said = 1.0, f"heights in {content.unit}"
+    if given is None and content.is_grey:
+        problems.append("height_factor: the file holds grey levels; set it to the height of one level")
+    elif given is not None and own is None:
+        return float(given)
+    elif given is not None and not math.isclose(given, own or 1.0, rel_tol=AGREEMENT):
+        problems.append(f"height_factor = {given:g}: the file says {said}; leave it out")
     return 1.0
 
 
