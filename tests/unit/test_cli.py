@@ -41,12 +41,6 @@ def test_the_results_are_files_of_the_study(files):
     assert settings["seed"] == [1]
 
 
-def test_the_moments_of_the_surface_are_recovered_from_the_contact(files):
-    surface, statistics = dataset.read(files["surface"]), dataset.read(files["statistics"])
-    for name in ("skewness", "kurtosis", "rms_gradient"):
-        assert float(statistics[f"seed_{name}"][0]) == pytest.approx(float(surface[name]), rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("figure", "stages"),
     [

@@ -21,7 +21,7 @@ from asperity.views.export import (
     write_surface_image,
     write_surface_table,
 )
-from asperity.views.source import Source, sources
+from asperity.views.source import sources
 
 EDGE, PRESSURE = (512e-6, 256e-6), 50e6
 Q = 2 * np.pi / EDGE[1]
@@ -83,17 +83,6 @@ def test_image_holds_the_stress_of_a_wave(tmp_path):
     np.testing.assert_allclose(fields["zz_MPa"], zz, rtol=2e-7, atol=1e-5)
     # The sign of a shear stress depends on the direction of z.
     np.testing.assert_allclose(np.abs(fields["xz_MPa"]), np.abs(xz), rtol=1e-6, atol=1e-5)
-
-
-def test_image_of_a_part_has_its_nodes_only(tmp_path):
-    whole, part = tmp_path / "whole.vti", tmp_path / "part.vti"
-    write(whole, wave(), (0.0, 40e-6))
-    write(part, wave(), (0.0, 40e-6), y=(64e-6, 160e-6), x=(104e-6, 200e-6))
-    (x, y, _), fields = read_image(part)
-    np.testing.assert_allclose(y, [64, 96, 128, 160])
-    np.testing.assert_allclose(x, np.arange(104, 201, 8))
-    expected = read_image(whole)[1]["von_mises_MPa"][:, 2:6, 13:26]
-    np.testing.assert_array_equal(fields["von_mises_MPa"], expected)
 
 
 def test_memory_does_not_grow_with_the_planes(tmp_path):
@@ -194,15 +183,3 @@ def test_command_refuses_in_one_line(chain, capsys, command, message):
     error = capsys.readouterr().err
     assert message in error
     assert error.count("\n") == 1
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"depth": (-0.5, 0.5)}, "depth = -0.5 to 0.5: rising depths ≥ 0"),
-        ({"depth": (0, 0.5), "spacing": 1e-5}, "spacing = 1e-05: a spacing of at least 0.0001221 is"),
-    ],
-)
-def test_boxes_out_of_range_are_refused(arguments, message):
-    with pytest.raises(ValueError, match=message):
-        box_depths(Source("", asp.Grid((8, 8)), None, {}, {}), **arguments)

@@ -240,22 +240,6 @@ def test_command_puts_the_picture_beside_the_result(chain_in_si, capsys, tmp_pat
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-def test_names_of_files_are_plain_text(chain, read, tmp_path, capsys):
-    """A panel for each of several results."""
-    paths = [tmp_path / name for name in ("$x$\x1b[31m.nc", "b.nc")]
-    for path in paths:
-        shutil.copy(chain["contact"], path)
-    out = tmp_path / "\x1b[31m.svg"
-    assert main(["view", *map(str, paths), "gap", "--out", str(out)]) == 0
-    assert capsys.readouterr().out.endswith("\\x1b[31m.svg\n")
-    assert "($x$\\x1b[31m)" in out.read_text()  # the title in a comment of its text
-    assert out.read_text().count("y / cell length") == 2
-    unlabelled = read("contact").assign_attrs(settings='{"name": "$\\\\frac{1}$"}')
-    figure = asp.plot_gap(unlabelled)
-    assert title(figure) == r"\$\frac{1}\$"
-    figure.savefig(tmp_path / "gap.png")
-
-
 @pytest.mark.parametrize(
     ("command", "message"),
     [
