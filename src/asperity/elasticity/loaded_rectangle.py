@@ -154,9 +154,12 @@ def compliance_modes(grid: Grid, effective_modulus: float) -> Array:
     Of the `half_shape` of `padded_grid`.
     """
     y, x = _distances(grid)
-    rows, columns = (n // 2 + 1 for n in padded_grid(grid).shape)
-    quarter = rectangle_compliance(y[:rows, None], x[:columns], grid.spacing, effective_modulus)
-    return _modes(_mirrored(quarter, grid), grid).real.copy()
+    # The compliance is even in y and in x: a quarter of the distances is enough.
+    row, column = (np.minimum(np.arange(n), n - np.arange(n)) for n in padded_grid(grid).shape)
+    quarter = rectangle_compliance(
+        y[: row.max() + 1, None], x[: column.max() + 1], grid.spacing, effective_modulus
+    )
+    return _modes(quarter[row[:, None], column], grid).real.copy()
 
 
 def slope_modes(grid: Grid, effective_modulus: float) -> tuple[Array, Array]:
@@ -173,12 +176,6 @@ def _distances(grid: Grid) -> tuple[Array, Array]:
     padded = padded_grid(grid)
     y, x = (np.fft.fftfreq(n, 1 / n) * spacing for n, spacing in zip(padded.shape, grid.spacing, strict=True))
     return y, x
-
-
-def _mirrored(quarter: Array, grid: Grid) -> Array:
-    """Field on the padded grid, even in y and in x, given for distances ≥ 0."""
-    row, column = (np.minimum(np.arange(n), n - np.arange(n)) for n in padded_grid(grid).shape)
-    return quarter[row[:, None], column]
 
 
 def _modes(kernel: Array, grid: Grid) -> Array:

@@ -91,11 +91,6 @@ class PeriodicHertz:
         """Load over the area of the cell."""
         return self.load / self.period**2
 
-    @property
-    def area_fraction(self) -> float:
-        """Contact area over the area of the cell."""
-        return np.pi * (self.contact_radius / self.period) ** 2
-
     def pressure(self, r: ArrayLike) -> Array:
         """Contact pressure at distances `r` from the nearest axis, in the shape of `r`."""
         return self.enhancement * self.single.pressure(r)
