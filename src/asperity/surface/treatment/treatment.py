@@ -244,8 +244,10 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     ((80, 80), True)
     """
     options = MapOptions.chosen(options, given)
-    if problems := _missing(surface, options) or _out_of_range(surface, options):
+    if problems := _missing(surface, options):
         raise MapError(surface.name, problems)
+    grid, target = _grids(surface, options)
+    shortest, radius = _lengths(surface, options, grid, target)
     missing = ~np.isfinite(surface.height)
     spikes = np.zeros_like(missing)
     if options.despike is not None:
@@ -261,10 +263,6 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         window = tukey_window(level.shape)
         level, altered = level * window, float(np.mean(window < 1))
     lower = level - np.mean(level) if surface.orientation == LOWER_FACE else np.mean(level) - level
-    grid, target = _grids(surface, options)
-    shortest = options.wavelength_short
-    if shortest is not None:
-        shortest = surface.in_map_unit("wavelength_short", shortest)
     low_pass = low_pass_bounded if options.periodic == "none" else low_pass_periodic
     height = low_pass(lower, grid, target, shortest)
     if np.ptp(height) <= _ROUNDING * np.ptp(lower):
@@ -291,9 +289,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         grid.shape[0] // surface.height.shape[0],
         "free" if options.periodic == "none" else "periodic",
     )
-    if options.radius is None:
-        return treated
-    return _with_form(treated, options, surface)
+    return treated if radius is None else _with_form(treated, options, radius, surface)
 
 
 def _steps(
@@ -406,22 +402,25 @@ def _missing(surface: HeightMap, options: MapOptions) -> list[str]:
     return problems
 
 
-def _out_of_range(surface: HeightMap, options: MapOptions) -> list[str]:
-    """Message on a shortest wavelength out of range, and on a form that the cell cannot hold."""
-    grid, target = _grids(surface, options)
-    if options.radius is not None and options.periodic == "mirrored" and any(n % 2 for n in target.shape):
-        return [f"points: even numbers are needed for a form on a mirrored map, not {target.shape}"]
-    if options.wavelength_short is None:
-        return []
+def _lengths(
+    surface: HeightMap, options: MapOptions, grid: Grid, target: Grid
+) -> tuple[float | None, float | None]:
+    """Shortest wavelength and radius of the form in the unit of the map, checked; None if not given."""
+    given = ("wavelength_short", options.wavelength_short), ("radius", options.radius)
     try:
-        given = surface.in_map_unit("wavelength_short", options.wavelength_short)
+        lengths = [None if length is None else surface.in_map_unit(name, length) for name, length in given]
     except ValueError as error:
-        return [str(error)]
+        raise MapError(surface.name, [str(error)]) from error
+    (wavelength, radius), problem = lengths, ""
     shortest, longest = _two_nodes(grid, target), max(grid.length)
-    if shortest * (1 - 1e-9) <= given <= longest * (1 + 1e-9):
-        return []
-    low, high, value = (surface.shown_length(size, digits=6) for size in (shortest, longest, float(given)))
-    return [f"wavelength_short = {value}: a number ≥ {low} (two nodes), ≤ {high} is needed"]
+    if radius is not None and options.periodic == "mirrored" and any(n % 2 for n in target.shape):
+        problem = f"points: even numbers are needed for a form on a mirrored map, not {target.shape}"
+    elif wavelength is not None and not shortest * (1 - 1e-9) <= wavelength <= longest * (1 + 1e-9):
+        low, high, value = (surface.shown_length(size, digits=6) for size in (shortest, longest, wavelength))
+        problem = f"wavelength_short = {value}: a number ≥ {low} (two nodes), ≤ {high} is needed"
+    if problem:
+        raise MapError(surface.name, [problem])
+    return wavelength, radius
 
 
 def _grids(surface: HeightMap, options: MapOptions) -> tuple[Grid, Grid]:
@@ -443,11 +442,10 @@ def _two_nodes(grid: Grid, target: Grid) -> float:
     return 2 * max(*grid.spacing, *target.spacing)
 
 
-def _with_form(treated: TreatedMap, options: MapOptions, surface: HeightMap) -> TreatedMap:
+def _with_form(treated: TreatedMap, options: MapOptions, radius: float, surface: HeightMap) -> TreatedMap:
     """The surface with the form of a sphere or cylinder, on every mirror image of the map."""
     part = Grid(treated.map_shape, treated.map_length)
     flat, word = np.zeros(part.shape), "a sphere"
-    radius = surface.in_map_unit("radius", options.radius or 0.0)
     if options.form == "sphere":
         form = add_sphere(flat, part, radius)
     else:
