@@ -43,13 +43,18 @@ _Validator = jsonschema.validators.extend(
 )
 
 
-def check(config: Mapping[str, Any]) -> None:
-    """Raise `ConfigError` for the first setting that is not accepted.
+def check(config: Mapping[str, Any]) -> dict[str, Any]:
+    """A configuration with all settings that it leaves out; `ConfigError` for the first that is not accepted.
 
     Parameters
     ----------
     config : mapping
         A configuration, with its overlays merged.
+
+    Returns
+    -------
+    dict
+        As of `asperity.study.config.defaults.complete`.
 
     Raises
     ------
@@ -62,6 +67,7 @@ def check(config: Mapping[str, Any]) -> None:
     for line in _contradictions(whole):
         raise ConfigError(line)
     _check_schema(whole)
+    return whole
 
 
 def check_files(config: Mapping[str, Any]) -> None:
@@ -191,9 +197,6 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
             f"contact.{loads[1]} = {shown(contact[loads[1]])}: not accepted together with {loads[0]}; "
             f"one of {', '.join(LOADS)} is needed"
         )
-    path = contact.get("path_area_fractions", [])
-    if path != sorted(path):
-        yield f"contact.path_area_fractions = {shown(path)}: rising numbers are needed"
     if layer["poisson"] not in (listed := config["stress"]["poisson"]):
         yield f"stress.poisson = {shown(listed)}: layer.poisson = {layer['poisson']!r} must be one of them"
 

@@ -15,7 +15,7 @@ from typing import Any
 from asperity.core.errors import ConfigError, shown
 from asperity.core.packages import absent, message
 from asperity.study.config.check import check, check_files
-from asperity.study.config.defaults import LOADS, complete, default
+from asperity.study.config.defaults import LOADS
 from asperity.study.config.reader import load, merged
 from asperity.study.config.schema import schema, setting
 
@@ -57,7 +57,7 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
         config["results"] = layers[-1]["results"]
     elif "results" not in given:
         config["results"] = _folder_named_after(files[-1])
-    check(config)
+    config = check(config)
     _check_engine(config)
     if "results" in given:
         config["results"] = _folder_given(given["results"])
@@ -69,7 +69,7 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
     if "studies" not in config:
         config["studies"] = _study_of_all(config)
     check_files(config)
-    return complete(config)
+    return config
 
 
 def with_base(config: Mapping[str, Any], above: Sequence[str] = ()) -> dict[str, Any]:
@@ -153,9 +153,8 @@ def _most_surfaces(study: str) -> int:
 
 def _check_engine(config: Mapping[str, Any]) -> None:
     """Raise `ConfigError` if the engine of the transforms is not installed."""
-    engine = config.get("fft_engine", default("fft_engine"))
-    if missing := absent([engine]):
-        raise ConfigError(f"fft_engine = {shown(engine)}: {message(missing)}")
+    if missing := absent([config["fft_engine"]]):
+        raise ConfigError(f"fft_engine = {shown(config['fft_engine'])}: {message(missing)}")
 
 
 def _folder_named_after(path: str | Path) -> str:

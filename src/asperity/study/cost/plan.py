@@ -28,7 +28,6 @@ from asperity.study.config.defaults import (
     PRESETS,
     AccuracySettings,
     accuracy_of,
-    complete,
     contact_of,
     imposed_load,
     overlay,
@@ -91,12 +90,11 @@ def read(given: Sequence[str], area_fraction: float | None = None) -> dict[str, 
         both = {name: OF_NO_PLAN | given for name, given in surfaces.items() if isinstance(given, dict)}
         config["surfaces"] = surfaces | both
     config = with_loads(config)
-    check(config)
-    if not config.get("surfaces"):
-        raise ConfigError("surfaces: missing; a plan needs at least one random surface")
     if area_fraction is not None:
         config = merged(config, {"contact": {"area_fraction": area_fraction}})
-    whole = complete(config)
+    whole = check(config)
+    if not whole["surfaces"]:
+        raise ConfigError("surfaces: missing; a plan needs at least one random surface")
     whole.setdefault("studies", {ALL_SURFACES: list(whole["surfaces"])})
     return whole
 
