@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from asperity.study.runtime import progress
-from asperity.study.runtime.progress import ProgressBar
+from asperity.study.runtime import job as runtime
+from asperity.study.runtime.job import ProgressBar
 
 JOB = """
 import os, warnings
@@ -52,7 +52,7 @@ def test_terminal_shows_a_bar_with_any_label(monkeypatch, label):
 
 
 def test_progress_is_logged_without_a_terminal(monkeypatch, caplog):
-    monkeypatch.setattr(progress, "SECONDS_BETWEEN_LINES", 0.0)
+    monkeypatch.setattr(runtime, "SECONDS_BETWEEN_LINES", 0.0)
     with caplog.at_level(logging.INFO, "asperity"), ProgressBar("100 %s {x}") as report:
         report(1, 4)
         report(0, 0)

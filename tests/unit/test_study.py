@@ -7,9 +7,8 @@ from scipy.stats import spearmanr
 from small_study import CONTACT, LAYER, STRESS
 
 import asperity as asp
-from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.contact import SOLID_ATTRIBUTES, solid, solve_contact
 from asperity.study.stages.seed_numbers import seed_statistics
-from asperity.study.stages.solid import SOLID_ATTRIBUTES, solid
 from asperity.study.stages.statistics import SeedResults, surface_statistics
 from asperity.study.stages.stress import compute_stress, compute_stresses, stress_of_seed
 from asperity.study.stages.surface import make_surface

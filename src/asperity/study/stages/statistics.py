@@ -17,8 +17,8 @@ import xarray as xr
 from asperity.results import dataset
 from asperity.stress.statistics.density import bin_edges
 from asperity.stress.statistics.pooling import Bootstrap, mean, pool_peaks, pooled_density, with_bounds
+from asperity.study.stages.contact import SOLID_ATTRIBUTES
 from asperity.study.stages.seed_numbers import seed_statistics
-from asperity.study.stages.solid import SOLID_ATTRIBUTES
 
 _HEIGHT_LIMITS = (-6.0, 6.0)
 """Heights over their rms that are counted: a Gaussian surface has one node in 10⁹ beyond."""

@@ -13,9 +13,8 @@ from asperity.results.dataset import grid_of
 from asperity.stress.analysis import analyse_lateral_conditions
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.statistics.continuum import TOLERANCE
-from asperity.study.stages.contact import contact_on_half_the_nodes
+from asperity.study.stages.contact import SOLID_ATTRIBUTES, contact_on_half_the_nodes, solid
 from asperity.study.stages.seed_numbers import stress_numbers
-from asperity.study.stages.solid import SOLID_ATTRIBUTES, solid
 
 QUANTITIES = ("pressure", "von_mises", "xx", "zz", "xz")
 """Quantities whose peaks the study seeks."""
