@@ -129,8 +129,9 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
         wave = np.geomspace(face.wavelength_short, max(face.grid.length), 100)
         change = case.friction * sliding_coupling(case.solid, 2 * np.pi / wave)
         most = int(change.argmax())
+        key = "friction_in_short_waves" if most == 0 else "neglected_friction"
         values = {"wave": wave[most], "size": float(change[most]), "shortest": wave[0], "least": change[0]}
-        yield change[most] > NEGLECTED_COUPLING, "neglected_friction", values
+        yield change[most] > NEGLECTED_COUPLING, key, values
 
 
 def _on_body(part: BodyAnswer) -> Iterator[Found]:
