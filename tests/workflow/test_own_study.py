@@ -167,6 +167,9 @@ def test_a_wrong_study_is_refused_in_one_line(tmp_path, changes, given, line):
 
 def test_a_list_of_loads_presses_every_surface_under_each(project):
     config = {"surfaces": TWO, "contact": {"area_fraction": [0.02, 0.1]}}
+    alone = {"a": SURFACE, "b": {**SURFACE, "contact": {"area_fraction": 0.05}}}
+    mixed = read_study([project / config_in(project, "mixed.yaml", config | {"surfaces": alone})[1]])
+    assert mixed["studies"] == {"all": ["a_load1", "a_load2", "b"]}
     options = config_in(project, "loads.yaml", config)
     study = read_study([project / "loads.yaml"])
     assert study["studies"] == {"all": ["a_load1", "a_load2", "b_load1", "b_load2"]}

@@ -103,6 +103,8 @@ def with_base(config: Mapping[str, Any], above: Sequence[str] = ()) -> dict[str,
 def with_loads(config: Mapping[str, Any]) -> dict[str, Any]:
     """A configuration in which every surface has a copy for each load, if section ``contact`` lists loads.
 
+    A surface with a load of its own stays as it is.
+
     Raises
     ------
     ConfigError
@@ -123,15 +125,18 @@ def with_loads(config: Mapping[str, Any]) -> dict[str, Any]:
     for section in ("surfaces", "measured"):
         config[section], listed = {}, config.get(section, {})
         for name, surface in listed.items():
-            copies[name] = [f"{name}_load{number}" for number in range(1, len(values) + 1)]
-            config[section] |= {
-                copy: {
-                    **surface,
-                    "label": f"{surface['label']}, {LOADS[kind]}{value:g}",
-                    "contact": {kind: value},
+            made = {name: surface}
+            if "contact" not in surface:
+                made = {
+                    f"{name}_load{number}": {
+                        **surface,
+                        "label": f"{surface['label']}, {LOADS[kind]}{value:g}",
+                        "contact": {kind: value},
+                    }
+                    for number, value in enumerate(values, start=1)
                 }
-                for copy, value in zip(copies[name], values, strict=True)
-            }
+            config[section] |= made
+            copies[name] = [*made]
     config["studies"] = {
         study: [copy for name in names for copy in copies[name]]
         for study, names in config.get("studies", {ALL_SURFACES: [*copies]}).items()
