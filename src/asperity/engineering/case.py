@@ -18,9 +18,6 @@ from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.stream import shear_traction
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 
-CONTROL_UNITS = {"mean_pressure": "Pa", "force": "N", "approach": "m", "area_fraction": "1"}
-"""Quantity of which one is imposed → its unit."""
-
 LOADS = {
     "pressure": ("mean_pressure", "pressure"),
     "force": ("force", "force"),
@@ -28,6 +25,9 @@ LOADS = {
     "area_fraction": ("area_fraction", ""),
 }
 """Setting → quantity that it imposes, and its dimension."""
+
+CONTROL_UNITS = {kind: DIMENSIONS[name].unit if name else "1" for kind, name in LOADS.values()}
+"""Quantity of which one is imposed → its unit."""
 
 BODY = {
     "young": ("young", "pressure"),
