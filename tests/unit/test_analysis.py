@@ -136,7 +136,8 @@ def test_planes_not_kept_are_computed_again(contact, result, monkeypatch):
     """Those above the reference plane."""
     monkeypatch.setattr("asperity.stress.statistics.covariance.MOST_KEPT", 1)
     again = asp.analyse_stress(contact, **SETTINGS)
-    np.testing.assert_allclose(again["covariance_depth"], result["covariance_depth"], rtol=1e-10)
+    # Kept planes are rounded to 2e-10 of the largest value.
+    np.testing.assert_allclose(again["covariance_depth"], result["covariance_depth"], rtol=1e-8)
     xr.testing.assert_identical(again.drop_vars("covariance_depth"), result.drop_vars("covariance_depth"))
 
 

@@ -252,7 +252,9 @@ class _Analysis:
         searched, count = self._searched(plane), self._von_mises
         (ny, nx), references = plane.grid.shape, self._references.on(plane.grid)
         rows = max(16, NODES_AT_ONCE // nx)
-        taken = np.empty((count, ny, nx), plane.basis.values.dtype) if self._references.is_rising else None
+        taken = None
+        if self._references.is_rising:
+            taken = self._references.room((count, ny, nx), plane.basis.values.dtype)
 
         # The floor is known when the plane is; until then, one that is a little lower.
         lower_floor = max(plane.bound, 0.99 * self._floor * plane.scale)

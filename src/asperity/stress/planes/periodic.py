@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -21,6 +21,29 @@ _XX, _YY, _ZZ, _YZ, _XZ, _XY = range(6)
 
 COLUMNS_AT_ONCE = 64
 """Columns of modes whose spectra stay in the processor's cache until they are transformed along y."""
+
+
+class _Strip(NamedTuple):
+    """Some columns of the half spectrum.
+
+    Parameters
+    ----------
+    modes : (ny, columns) complex array
+        Of the pressure.
+    wavenumber, over_q : (ny // 2 + 1, columns) arrays
+        q, and 1/q or 0 at q = 0.
+    along_x : (2, columns) array
+        q_x for factors even and odd in it.
+    """
+
+    modes: Array
+    wavenumber: Array
+    over_q: Array
+    along_x: Array
+
+    def first(self, columns: int) -> _Strip:
+        """The first of the columns, contiguous."""
+        return _Strip(*(np.ascontiguousarray(array[:, :columns]) for array in self))
 
 
 class PeriodicPlanes:
@@ -72,12 +95,16 @@ class PeriodicPlanes:
     def _use(self, grid: Grid) -> None:
         """Resample the modes of the pressure to a grid."""
         self._fourier = Fourier(grid, self.dtype)
-        self._modes = resample(self._finest[1], self._finest[0], grid)
-        self._wavenumber = grid.half_wavenumber().astype(self.dtype)
-        self._over_q = 1 / np.where(self._wavenumber > 0, self._wavenumber, np.inf)
-        self._along_x, self._along_y = (
+        modes = resample(self._finest[1], self._finest[0], grid)
+        q = grid.half_wavenumber().astype(self.dtype)
+        along_x, self._along_y = (
             np.stack(pair).astype(self.dtype) for pair in ((grid.qx, grid.odd_qx), (grid.qy, grid.odd_qy))
         )
+        starts = range(COLUMNS_AT_ONCE, q.shape[1], COLUMNS_AT_ONCE)
+        parts = (
+            np.split(array, starts, axis=1) for array in (modes, q, 1 / np.where(q > 0, q, np.inf), along_x)
+        )
+        self._strips = [_Strip(*strip).first(COLUMNS_AT_ONCE) for strip in zip(*parts, strict=True)]
 
     @staticmethod
     def row_length(grid: Grid) -> int:
@@ -105,39 +132,40 @@ class PeriodicPlanes:
         engine, nx = self._fourier.engine, grid.shape[1]
         spectra = values.view(self._fourier.complex)[:, :, : grid.half_shape[1]]
 
-        def transform_columns(first: int) -> None:
+        def transform_columns(number: int) -> None:
+            first = number * COLUMNS_AT_ONCE
             columns = slice(first, min(first + COLUMNS_AT_ONCE, own.columns))
-            engine.inverse_along_y(self._spectra(depth, fields, columns), spectra[:, :, columns])
+            strip = self._strips[number].first(columns.stop - first)
+            for coefficients, out in zip(self._coefficients(depth, fields, strip), spectra, strict=True):
+                engine.inverse_along_y(coefficients, out[:, columns])
 
         def transform_rows(number: int) -> None:
             spectra[number, :, own.columns :] = 0
             engine.inverse_along_x(spectra[number], values[number, :, :nx])
 
-        starts = range(0, own.columns, COLUMNS_AT_ONCE)
-        results_of([partial(transform_columns, first) for first in starts], self._threads)
+        strips = range(-(-own.columns // COLUMNS_AT_ONCE))
+        results_of([partial(transform_columns, number) for number in strips], self._threads)
         results_of([partial(transform_rows, number) for number in range(len(fields))], self._threads)
         self._work.nodes += round(len(fields) * grid.size * (1 + own.columns / grid.half_shape[1]) / 2)
 
-    def _spectra(self, depth: float, fields: Sequence[BasisField], columns: slice) -> Array:
-        """Some columns of the coefficients of the basis fields, (fields, ny, columns)."""
-        real, q = self.dtype.type, self._wavenumber[:, columns]
+    def _coefficients(self, depth: float, fields: Sequence[BasisField], strip: _Strip) -> Iterator[Array]:
+        """Coefficients of one basis field after the other, (ny, columns), in the same array."""
+        real, q = self.dtype.type, strip.wavenumber
         kernels = self._layer.kernels(q, depth)[:3]
         shear_kernels = self._layer.shear_kernels(q, depth) if any(self._traction) else None
-        along_x, over_q = (np.ascontiguousarray(part[:, columns]) for part in (self._along_x, self._over_q))
-        directions = along_x, self._along_y, over_q
-        modes = np.ascontiguousarray(self._modes[:, columns])
-        factor = np.empty(modes.shape[1], self.dtype)
-        spectra = np.empty((len(fields), *modes.shape), modes.dtype)
+        directions = strip.along_x, self._along_y, strip.over_q
+        factor = np.empty(q.shape[1], self.dtype)
+        out = np.empty_like(strip.modes)
         traction = tuple(map(real, self._traction))
-        for field, spectrum in zip(fields, spectra, strict=True):
+        for field in fields:
             component, a, b = COMPONENTS.index(field.component), real(field.constant), real(field.slope)
-            numbers, into = modes.view(self.dtype), spectrum.view(self.dtype)
+            numbers, into = strip.modes.view(self.dtype), out.view(self.dtype)
             _fill_spectrum(component, a, b, directions, kernels, factor, numbers, into)
             if shear_kernels is not None:
-                _add_sliding(component, a, b, traction, directions, tuple(shear_kernels), modes, spectrum)
-        if columns.start == 0:
-            spectra[:, 0, 0] = [self._mean(field) for field in fields]
-        return spectra
+                _add_sliding(component, a, b, traction, directions, tuple(shear_kernels), strip.modes, out)
+            if q[0, 0] == 0:
+                out[0, 0] = self._mean(field)
+            yield out
 
     def _mean(self, field: BasisField) -> float:
         """The mean of a basis field."""

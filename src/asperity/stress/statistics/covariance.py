@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import DTypeLike
 
 from asperity.core.arguments import require_finite
 from asperity.core.compiled import compiled, sums_without_nan
@@ -17,9 +18,9 @@ from asperity.stress.planes.fields import MARGIN
 MOST_KEPT = 8
 """Planes above the reference that are kept while the largest value still rises from plane to plane."""
 
-PACKED = 65535
-"""Steps from 0 to the largest value in which planes in single precision are kept. The rounding, 1e-5 of the
-largest value, is averaged over all nodes: the error of a covariance is below 1e-6 of it."""
+PACKED = {"float32": np.uint16, "float64": np.uint32}
+"""Types of the whole numbers from 0 to the largest value in which planes are kept. Rounding, by 1e-5 or 2e-10
+of the largest value, is averaged over all nodes: the error of a covariance is below 1e-6 or 1e-11 of it."""
 
 SUMS = 4
 """Numbers of each row in `row_sums`."""
@@ -61,7 +62,7 @@ class References:
         self.missing = np.zeros(fields, int)
         self._finest, self._threads, self._work = finest, threads, work
         self._grid = finest
-        self._fields = np.empty((0, 0, 0))
+        self._fields = self._spare = np.empty((0, 0, 0))
         self._largest, self._means = np.full(fields, -np.inf), np.zeros(fields)
         self._rising = np.full(fields, True)
         self._above: list[tuple[Array, Array]] = []
@@ -83,6 +84,11 @@ class References:
             self._fields = fields
         self._grid = grid
         return self._fields
+
+    def room(self, shape: tuple[int, ...], dtype: DTypeLike) -> Array:
+        """An array for the fields of the next plane, that of former references if it fits."""
+        fits = self._spare.shape == shape and self._spare.dtype == dtype
+        return self._spare if fits else np.empty(shape, dtype)
 
     def add(self, number: int, sums: Array, fields: Callable[[], Array]) -> None:
         """Add the next plane downward, given the sums of its rows with the references on its grid.
@@ -110,9 +116,9 @@ class References:
         if len(self._above) > MOST_KEPT:
             self._rising[:] = False
             self._above = []
-        before, self._fields = self._fields, fields()  # the array before may be kept
+        self._fields, self._spare = fields(), self._fields
         for m in np.flatnonzero(~has_risen).tolist():
-            self._fields[m] = before[m]
+            self._fields[m] = self._spare[m]
         self.number[risen], self._largest[risen], self._means[risen] = number, largest[risen], mean[risen]
         self.covariance[risen, number] = (square / size - mean * mean)[risen]
         for m in risen.tolist():
@@ -121,11 +127,9 @@ class References:
 
     def _packed(self) -> tuple[Array, Array]:
         """The references in little memory: steps, (fields,), and numbers of steps."""
-        if self._fields.dtype != np.float32:
-            return np.ones(self.number.size), self._fields
-        steps = np.where(self._largest > 0, self._largest, 1.0) / PACKED
-        packed = np.empty(self._fields.shape, np.uint16)
-        _pack(self._fields, (1 / steps).astype(np.float32), packed)
+        packed = np.empty(self._fields.shape, PACKED[self._fields.dtype.name])
+        steps = np.where(self._largest > 0, self._largest, 1.0) / np.iinfo(packed.dtype).max
+        _pack(self._fields, (1 / steps).astype(self._fields.dtype), packed)
         return steps, packed
 
     def _end(self, fields: Array) -> None:
@@ -211,11 +215,11 @@ def _sum_rows(values: Any, columns: int, first: int, references: Any, sums: Any)
 def _pack(fields: Any, per_step: Any, out: Any) -> None:
     """Fill `out` with fields ≥ 0 as whole numbers of steps."""
     for m in range(fields.shape[0]):
-        factor = per_step[m]
+        factor, half = per_step[m], per_step.dtype.type(0.5)
         for j in range(fields.shape[1]):
             line, steps = fields[m, j], out[m, j]
             for i in range(line.size):
-                steps[i] = np.int32(line[i] * factor + np.float32(0.5))
+                steps[i] = line[i] * factor + half
 
 
 def _covariance(one: Array, two: Array) -> float:
