@@ -30,7 +30,7 @@ from asperity.elasticity.loaded_solid import BOUNDARIES
 from asperity.fourier.grid import Grid
 from asperity.stress.peaks.maxima import Maxima, maxima_in_rows, refine_in_plane, refine_in_solid
 from asperity.stress.peaks.selection import checked_ratio
-from asperity.stress.planes.fields import BASIS, Basis, Fields, field_at, field_in, field_rows
+from asperity.stress.planes.fields import BASIS, MARGIN, Basis, Fields, field_at, field_in, field_rows
 from asperity.stress.planes.planes import StressPlane
 
 
@@ -126,9 +126,10 @@ class SearchedPlane:
         return field_in(self.basis, self.fields)
 
     def maxima(self, floor: float) -> Maxima:
-        """Maxima in all rows."""
-        ny, nx = self.grid.shape
-        return maxima_in_rows(self.rows(0, ny), nx, 0, floor)
+        """Maxima of a field of its own."""
+        margin = (0, 0), (1, 1), (MARGIN, MARGIN)
+        values = np.pad(self.basis.values, margin, "wrap" if self.periodic else "reflect")
+        return maxima_in_rows(values, self.grid.shape[1], 0, floor)
 
     def around(self, maxima: Maxima, grid: Grid, chosen: Any = slice(None), reach: int = 1) -> Array:
         """Values at and around the nodes of maxima in a plane on `grid`."""
