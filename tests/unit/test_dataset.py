@@ -44,6 +44,7 @@ def test_file_explains_itself_and_comes_back_equal(surface, path):
     assert found.attrs["Conventions"].startswith("CF-")
     assert found.attrs["source"].startswith("asperity ")
     assert found.attrs["decision"] == "half-space"
+    assert {"height"} == {name for name, each in found.variables.items() if "orientation" in each.attrs}
     assert found.attrs["settings_digest"] == dataset.digest(dict(reversed(SETTINGS.items())))
     for name, variable in found.variables.items():
         assert variable.attrs["units"] == units_of(name)

@@ -381,6 +381,15 @@ def test_the_spectrum_of_a_self_affine_map_has_its_exponent():
     assert hurst == pytest.approx(0.8, abs=0.1)  # scatter of one sample
 
 
+def test_long_waves_have_the_height_and_short_ones_the_slope():
+    """Gradients of 1 · 8 and 0.3 · 64; a Hann window spreads a wave over its neighbours."""
+    x = np.arange(256) / 256
+    waves = np.ones((256, 1)) * (np.cos(2 * np.pi * 8 * x) + 0.3 * np.cos(2 * np.pi * 64 * x))
+    long, short, unresolved, _ = spectrum_summary(waves, HeightMap(waves, (1.0, 1.0)))
+    assert (1 / long, 1 / short) == pytest.approx((8, 64), abs=1)
+    assert unresolved == pytest.approx(0.3**2 * 64**2 / (8**2 + 0.3**2 * 64**2), rel=0.05)
+
+
 def zip_of_zeros(path):
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("main.xml", "")

@@ -172,6 +172,8 @@ def test_an_option_out_of_range_is_named(change, line):
 
 def test_a_flat_map_and_a_wavelength_are_refused():
     """The wavelength is shown with its unit."""
+    with pytest.raises(MapError, match=r"height has the shape \(1, 8\): at least 2 x 2 points"):
+        HeightMap(np.ones((1, 8)), (1.0, 1.0))
     with pytest.raises(MapError, match="a surface that varies is needed"):
         make_periodic(HeightMap(np.ones((8, 8)), (1.0, 1.0)), **PLAIN)
     line = "wavelength_short = 1 µm: a number ≥ 8 µm (two nodes), ≤ 512 µm is needed"
