@@ -90,14 +90,21 @@ def peaks(
     else:
         ratio = checked_ratio(poisson, ratios)
     chosen &= (own_ratios == ratio) | np.isnan(own_ratios)
-    if selection in ("interior", "under_contact"):
-        chosen &= stress["peak_interior"].values
-    if selection in ("at_contact", "under_contact"):
-        chosen &= stress["peak_under_contact"].values
+    chosen &= is_selected(stress, selection)
     columns = [name for name in stress.data_vars if stress[name].dims == ("peak",)]
     found = stress[columns].isel(peak=np.flatnonzero(chosen)).drop_vars(_LABELS).drop_attrs(deep=False)
     coordinates = {"quantity": quantity, "poisson": ratio}
     return found.assign_coords({name: ((), value, stress[name].attrs) for name, value in coordinates.items()})
+
+
+def is_selected(stress: xr.Dataset, selection: str) -> Array:
+    """True for every peak of an analysis, or of a result of `peaks`, that a selection holds."""
+    chosen = np.ones(stress.sizes["peak"], bool)
+    if selection in ("interior", "under_contact"):
+        chosen &= stress["peak_interior"].values
+    if selection in ("at_contact", "under_contact"):
+        chosen &= stress["peak_under_contact"].values
+    return chosen
 
 
 def selection_for(quantity: str) -> str:

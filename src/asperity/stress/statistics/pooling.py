@@ -20,7 +20,7 @@ import xarray as xr
 
 from asperity.core.arguments import number, real_array, require_finite, whole_number
 from asperity.core.types import Array
-from asperity.stress.peaks.selection import SELECTIONS, peaks
+from asperity.stress.peaks.selection import SELECTIONS, is_selected, peaks
 from asperity.stress.statistics.covariance import decay_lengths
 from asperity.stress.statistics.density import bin_edges, normalised
 from asperity.stress.statistics.peak_numbers import HIGHEST_SHARE
@@ -186,16 +186,22 @@ def _pooled_peaks(
     joint = np.zeros((*shape, bins, depth_edges.size - 1), np.int64)
     density, percentiles = np.zeros((3, *shape, bins)), np.full((3, *shape, len(PERCENTS)), np.nan)
     median_depth = np.full((2, *shape), np.nan)
-    for s, q, p in np.ndindex(shape):
-        chosen = [peaks(stress, quantities[q], float(ratios[p]), SELECTIONS[s]) for stress in stresses]
-        values = [found["peak_value"].values / g for found, g in zip(chosen, scale, strict=True)]
-        own = np.stack([np.histogram(v, edges[q])[0] for v in values])
-        counts[:, s, q, p] = own
-        depths = np.concatenate([found["peak_depth"].values for found in chosen])
-        joint[s, q, p] = np.histogram2d(np.concatenate(values), depths, (edges[q], depth_edges))[0]
-        median_depth[:, s, q, p] = _median_depths(joint[s, q, p], depth_edges)
-        density[:, s, q, p] = bootstrap.banded(partial(pooled_density, edges=edges[q]), own)
-        percentiles[:, s, q, p] = _percentiles(values, bootstrap)
+    for q, p in np.ndindex(shape[1:]):
+        every = [peaks(stress, quantities[q], float(ratios[p])) for stress in stresses]
+        for s, selection in enumerate(SELECTIONS):
+            masks = [is_selected(found, selection) for found in every]
+            values, depths = (
+                [found[name].values[mask] for found, mask in zip(every, masks, strict=True)]
+                for name in ("peak_value", "peak_depth")
+            )
+            values = [value / g for value, g in zip(values, scale, strict=True)]
+            own = np.stack([np.histogram(v, edges[q])[0] for v in values])
+            counts[:, s, q, p] = own
+            found_at = np.concatenate(values), np.concatenate(depths)
+            joint[s, q, p] = np.histogram2d(*found_at, bins=(edges[q], depth_edges))[0]
+            median_depth[:, s, q, p] = _median_depths(joint[s, q, p], depth_edges)
+            density[:, s, q, p] = bootstrap.banded(partial(pooled_density, edges=edges[q]), own)
+            percentiles[:, s, q, p] = _percentiles(values, bootstrap)
     kinds = ("selection", "quantity", "poisson")
     return {
         "bin_edge": (("quantity", "edge"), edges),
