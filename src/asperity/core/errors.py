@@ -114,8 +114,9 @@ def shown(value: Any) -> str:
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """End of a message on an unknown word: the known one that is most alike, empty if none is."""
-    found = difflib.get_close_matches(word, list(known), 1)
-    return f"; did you mean {found[0]}?" if found else ""
+    names = {name.lstrip("-"): name for name in known}
+    found = difflib.get_close_matches(word.lstrip("-"), list(names), 1, 0.7)
+    return f"; did you mean {names[found[0]]}?" if found else ""
 
 
 def fail(message: str, code: int = 1) -> int:
