@@ -114,8 +114,9 @@ def shown(value: Any) -> str:
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """End of a message on an unknown word: the known one that is most alike, empty if none is."""
-    names = {name.lstrip("-"): name for name in known}
-    found = difflib.get_close_matches(word.lstrip("-"), list(names), 1, 0.7)
+    names, own = {name.lstrip("-"): name for name in known}, word.lstrip("-")
+    longer = [name for name in names if own and name.startswith(own)]
+    found = longer or difflib.get_close_matches(own, list(names), 1, 0.7)
     return f"; did you mean {names[found[0]]}?" if found else ""
 
 
