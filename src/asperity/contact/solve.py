@@ -433,10 +433,10 @@ def _fields_of(problem: Problem, control: Control, state: State) -> tuple[Array,
     pressure, height, displaced, out = (
         field.reshape(-1) for field in (state.pressure, problem.height, displacement, gap)
     )
-    total_gap, nodes, total_pressure = total(_gap_of_contact, threads, pressure, height, displaced)
+    total_level, nodes, total_pressure = total(_levels_of_contact, threads, pressure, height, displaced)
     approach = state.approach
     if control.kind != "approach":
-        approach = state.approach + mean if nodes == 0 else total_gap / nodes
+        approach = state.approach + mean if nodes == 0 else total_level / nodes
     apply(_write_gap, threads, height, displaced, gap.dtype.type(approach), out)
     return displacement, gap, approach, nodes, total_pressure / problem.grid.size
 
@@ -498,12 +498,12 @@ def _write_gap(height: Any, displacement: Any, approach: Any, out: Any) -> None:
 
 
 @compiled
-def _gap_of_contact(pressure: Any, height: Any, displacement: Any) -> tuple[float, int, float]:
+def _levels_of_contact(pressure: Any, height: Any, displacement: Any) -> tuple[float, int, float]:
     """Sum of h + u over the nodes under pressure, their number, and the sum of the pressure."""
-    total_gap, count, total = 0.0, 0, 0.0
+    total_level, count, total = 0.0, 0, 0.0
     for i in range(pressure.size):
         total += np.float64(pressure[i])
         if pressure[i] > 0:
-            total_gap += np.float64(height[i] + displacement[i])
+            total_level += np.float64(height[i] + displacement[i])
             count += 1
-    return total_gap, count, total
+    return total_level, count, total

@@ -33,7 +33,7 @@ from asperity.core.types import Array
 # half-space in some mode. Below, the estimate by the preconditioner is too small by at most this factor.
 STIFF_LAYER = 2.0
 
-# Lower bound of the rounding error of a gap, as a fraction of the spacing of floating-point numbers.
+# Lower bound of the rounding error of a level, as a fraction of the spacing of floating-point numbers.
 ROUNDING_FRACTION = 0.1
 
 
@@ -49,19 +49,19 @@ class ContactSystem:
         Imposed, or the one for which the first correction leaves the load as it is.
     error, rounding : float
         Estimated error of the pressure, and the part of it that is rounding, relative to its norm.
-    level : float
-        Level of the gap below which the nodes out of contact are known.
-    free_nodes, free_gap : (count,) arrays
-        These nodes, and their gaps h + u.
+    bound : float
+        Level h + u below which the nodes out of contact are known.
+    free_nodes, free_level : (count,) arrays
+        These nodes, and their levels.
     """
 
     linear: System
     approach: float
     error: float
     rounding: float
-    level: float
+    bound: float
     free_nodes: Array
-    free_gap: Array
+    free_level: Array
 
 
 class Assembler:
@@ -81,25 +81,25 @@ class Assembler:
 
     def assemble(self, iterate: Iterate, control: Control, before: Operators | None = None) -> ContactSystem:
         """Linear system of the nodes under pressure, and the estimated error of the pressure."""
-        gap, unit = iterate.gap, self._unit
+        level, unit = iterate.level, self._unit
         operators = self._inner.operators(iterate.nodes, before)
         approach = control.value - iterate.problem.datum
         if control.fixes_load:
-            approach = float(gap[0])
+            approach = float(level[0])
             if operators.uniform_sum:
-                weighted = total(_weighted_sum, self._threads, operators.uniform, gap, approach)
+                weighted = total(_weighted_sum, self._threads, operators.uniform, level, approach)
                 approach += weighted / operators.uniform_sum
-        residual = np.empty(gap.size, np.float32)
-        apply(write_overlap, self._threads, gap, approach, unit, residual)
+        residual = np.empty(level.size, np.float32)
+        apply(write_overlap, self._threads, level, approach, unit, residual)
         system = System(operators, residual, operators.precondition(residual), control.fixes_load)
         # A correction moves no node upward by much more than the contact nodes are to move.
-        level = approach + 1.25 * unit * max(0.0, -float(residual.min(initial=0)))
-        nodes, free_gap = iterate.free_nodes_below(level)
-        error, rounding = self._error(iterate, system, free_gap, approach)
-        return ContactSystem(system, approach, error, rounding, level, nodes, free_gap)
+        bound = approach + 1.25 * unit * max(0.0, -float(residual.min(initial=0)))
+        nodes, free_level = iterate.free_nodes_below(bound)
+        error, rounding = self._error(iterate, system, free_level, approach)
+        return ContactSystem(system, approach, error, rounding, bound, nodes, free_level)
 
     def _error(
-        self, iterate: Iterate, system: System, free_gap: Array, approach: float
+        self, iterate: Iterate, system: System, free_level: Array, approach: float
     ) -> tuple[float, float]:
         """Estimated error of the pressure, and the part of it that is rounding, relative to its norm."""
         operators, threads = system.operators, self._threads
@@ -108,7 +108,7 @@ class Assembler:
         if system.has_free_approach:
             shift = total(added, threads, system.preconditioned) / operators.uniform_sum
         corrected = total(_projected_square, threads, system.preconditioned, operators.uniform, shift)
-        penetration = np.maximum(approach - free_gap.astype(float), 0) / self._unit
+        penetration = np.maximum(approach - free_level.astype(float), 0) / self._unit
         error = math.hypot(math.sqrt(corrected), float(np.linalg.norm(penetration)))
         if self._stiffness is not None:
             error = max(error, self._response_of_layer(iterate, system))
@@ -153,18 +153,18 @@ class Assembler:
 
 
 @compiled
-def write_overlap(gap: Any, approach: float, unit: float, out: Any) -> None:
+def write_overlap(level: Any, approach: float, unit: float, out: Any) -> None:
     """Write the overlap δ − (h + u) of nodes, divided by `unit`."""
-    for k in range(gap.size):
-        out[k] = (approach - gap[k]) / unit
+    for k in range(level.size):
+        out[k] = (approach - level[k]) / unit
 
 
 @sums
-def _weighted_sum(weight: Any, gap: Any, origin: float) -> float:
-    """Σ weight × (gap − origin)."""
+def _weighted_sum(weight: Any, level: Any, origin: float) -> float:
+    """Σ weight × (level − origin)."""
     total = 0.0
-    for k in range(gap.size):
-        total += np.float64(weight[k]) * (gap[k] - origin)
+    for k in range(level.size):
+        total += np.float64(weight[k]) * (level[k] - origin)
     return total
 
 

@@ -52,8 +52,8 @@ class Iterate:
     pressure : (count,) array
     load : float
         As in `Pressure`.
-    gap : (count,) array
-        h + u of the nodes, without the approach.
+    level : (count,) array
+        h + u of the nodes: the approach at which a node just touches.
     displacement : (ny, nx) array
     """
 
@@ -61,7 +61,7 @@ class Iterate:
     nodes: Array
     pressure: Array
     load: float
-    gap: Array
+    level: Array
     displacement: Array
 
     def without_free_nodes(self) -> Iterate:
@@ -69,21 +69,21 @@ class Iterate:
         left = np.flatnonzero(self.pressure > 0)
         if left.size == self.nodes.size:
             return self
-        return replace(self, nodes=self.nodes[left], pressure=self.pressure[left], gap=self.gap[left])
+        return replace(self, nodes=self.nodes[left], pressure=self.pressure[left], level=self.level[left])
 
-    def free_nodes_below(self, level: float) -> tuple[Array, Array]:
-        """Sorted nodes out of contact with a gap h + u below a level, and their gaps."""
+    def free_nodes_below(self, bound: float) -> tuple[Array, Array]:
+        """Sorted nodes out of contact with a level below a bound, and their levels."""
         height, displacement = self.problem.height.reshape(-1), self.displacement.reshape(-1)
-        bound = height.dtype.type(level)
+        real_bound = height.dtype.type(bound)
 
         def found_in(start: int) -> tuple[Array, Array]:
             part = slice(start, start + STRIP)
             contact_nodes = self.nodes[within(self.nodes, part)]
-            return _free_below(height[part], displacement[part], contact_nodes, start, bound)
+            return _free_below(height[part], displacement[part], contact_nodes, start, real_bound)
 
         tasks = [partial(found_in, start) for start in range(0, height.size, STRIP)]
-        nodes, gaps = zip(*results_of(tasks, self.problem.fourier.threads), strict=True)
-        return np.concatenate(nodes), np.concatenate(gaps)
+        nodes, levels = zip(*results_of(tasks, self.problem.fourier.threads), strict=True)
+        return np.concatenate(nodes), np.concatenate(levels)
 
     def pressure_field(self) -> Array:
         """Pressure [y, x] of all nodes."""
@@ -130,15 +130,17 @@ def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
         if work > 0 and energy > 0:
             values = values * (work / energy)
             displacement *= work / energy
-    gap = np.empty_like(values)
+    level = np.empty_like(values)
     fields = problem.height.reshape(-1), displacement.reshape(-1)
-    in_parts(lambda part: _write_gaps(*fields, nodes[part], gap[part]), nodes.size, problem.fourier.threads)
-    return Iterate(problem, nodes, values, start.load, gap, displacement)
+    in_parts(
+        lambda part: _write_levels(*fields, nodes[part], level[part]), nodes.size, problem.fourier.threads
+    )
+    return Iterate(problem, nodes, values, start.load, level, displacement)
 
 
 @compiled
-def _write_gaps(height: Any, displacement: Any, nodes: Any, out: Any) -> None:
-    """Write the gap h + u of nodes."""
+def _write_levels(height: Any, displacement: Any, nodes: Any, out: Any) -> None:
+    """Write the level h + u of nodes."""
     for k in range(nodes.size):
         out[k] = height[nodes[k]] + displacement[nodes[k]]
 
@@ -151,16 +153,16 @@ def _subtract_gap(height: Any, approach: Any, stiffness: Any, pressure: Any) -> 
 
 
 @makes_arrays
-def _free_below(height: Any, displacement: Any, contact_nodes: Any, start: int, level: Any) -> Any:
-    """Nodes of a part of a field that are out of contact and below a level, and their gaps h + u."""
-    nodes, gaps = np.empty(height.size, np.uint32), np.empty(height.size, height.dtype)
+def _free_below(height: Any, displacement: Any, contact_nodes: Any, start: int, bound: Any) -> Any:
+    """Nodes of a part of a field out of contact with a level h + u below a bound, and their levels."""
+    nodes, levels = np.empty(height.size, np.uint32), np.empty(height.size, height.dtype)
     found, k = 0, 0
     for i in range(height.size):
-        gap = height[i] + displacement[i]
-        if gap < level:
+        level = height[i] + displacement[i]
+        if level < bound:
             while k < contact_nodes.size and contact_nodes[k] < start + i:
                 k += 1
             if k == contact_nodes.size or contact_nodes[k] != start + i:
-                nodes[found], gaps[found] = start + i, gap
+                nodes[found], levels[found] = start + i, level
                 found += 1
-    return nodes[:found].copy(), gaps[:found].copy()
+    return nodes[:found].copy(), levels[:found].copy()

@@ -45,8 +45,8 @@ def balanced(
     if not curvature > 0:
         return None, work
     pressure = iterate.pressure_field().reshape(-1)
-    gap = iterate.problem.height.reshape(-1) + iterate.displacement.reshape(-1)
-    overlap = (system.approach - gap) / unit
+    level = iterate.problem.height.reshape(-1) + iterate.displacement.reshape(-1)
+    overlap = (system.approach - level) / unit
     entering = np.where(pressure == 0, np.maximum(overlap, 0), 0)
     change = float(np.dot(direction, overlap[nodes])) / curvature
     hidden = float(np.dot(np.abs(response), entering)) / curvature

@@ -43,14 +43,14 @@ class EntryCandidates:
     ----------
     nodes : (count,) array of unsigned integers
         Sorted indices in the flattened grid.
-    gap : (count,) array
-        h + u before the correction.
+    level : (count,) array
+        h + u before the correction: the approach at which a node just touches.
     overlap : (count,) array
         δ − (h + u) after the correction, in units of `Problem.unit`; nodes enter where it is positive.
     """
 
     nodes: Array
-    gap: Array
+    level: Array
     overlap: Array
 
     @classmethod
@@ -60,14 +60,14 @@ class EntryCandidates:
         """Nodes whose gap closes under a correction, or if the approach then grows further by some amount."""
         unit, approach = iterate.problem.unit, system.approach + correction.approach
         # No node moves upward by more than the contact nodes do, which the pressure displaces.
-        level = approach + unit * max(0.0, -float(correction.displacement.min(initial=0))) + further
-        nodes, gap = system.free_nodes, system.free_gap
-        if level > system.level:
-            nodes, gap = iterate.free_nodes_below(level)
-        overlap = np.empty(gap.size, np.float32)
-        write_overlap(gap, approach, unit, overlap)
+        bound = approach + unit * max(0.0, -float(correction.displacement.min(initial=0))) + further
+        nodes, level = system.free_nodes, system.free_level
+        if bound > system.bound:
+            nodes, level = iterate.free_nodes_below(bound)
+        overlap = np.empty(level.size, np.float32)
+        write_overlap(level, approach, unit, overlap)
         overlap -= system.linear.operators.displacement(correction.pressure, nodes)
-        return cls(nodes, gap, overlap)
+        return cls(nodes, level, overlap)
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ class Step:
 
     Attributes
     ----------
-    nodes, pressure, gap : (count,) arrays
+    nodes, pressure, level : (count,) arrays
         Before the step.
     change : (count,) array
         Change of the pressure; a node enters with the pressure overlap / nodal compliance.
@@ -87,7 +87,7 @@ class Step:
 
     nodes: Array
     pressure: Array
-    gap: Array
+    level: Array
     change: Array
     enters: Array
     approach: float
@@ -105,7 +105,7 @@ class Step:
         return cls(
             _inserted(indices, iterate.nodes, new),
             _inserted(indices, iterate.pressure, np.zeros(new.size, real)),
-            _inserted(indices, iterate.gap, entering.gap[enter]),
+            _inserted(indices, iterate.level, entering.level[enter]),
             _inserted(indices, correction.pressure.astype(real), entering.overlap[enter].astype(real)),
             enters,
             system.approach,
@@ -121,7 +121,7 @@ class Step:
     def fraction_of_least_energy(self, after: Iterate) -> float:
         """Fraction of the step to an iterate at which the energy is least."""
         threads = after.problem.fourier.threads
-        fields = after.pressure, self.pressure, after.gap, self.gap
+        fields = after.pressure, self.pressure, after.level, self.level
         slope, curvature = total(_energy_along, threads, *fields, self.approach)
         return min(max(slope / curvature, 0.0), 1.0) if curvature > 0 else 1.0
 
@@ -188,12 +188,12 @@ def _add_and_release(pressure: Any, change: Any, enters: Any, fraction: Any, ent
 
 @sums
 def _energy_along(
-    pressure: Any, pressure_before: Any, gap: Any, gap_before: Any, approach: float
+    pressure: Any, pressure_before: Any, level: Any, level_before: Any, approach: float
 ) -> tuple[float, float]:
     """Minus the slope of the energy at the start of a step of the pressure, and the curvature along it."""
     slope, curvature = 0.0, 0.0
     for i in range(pressure.size):
         change = np.float64(pressure[i]) - np.float64(pressure_before[i])
-        slope -= change * (gap_before[i] - approach)
-        curvature += change * (np.float64(gap[i]) - np.float64(gap_before[i]))
+        slope -= change * (level_before[i] - approach)
+        curvature += change * (np.float64(level[i]) - np.float64(level_before[i]))
     return slope, curvature

@@ -211,8 +211,8 @@ class HeightMap:
     orientation : "peaks up", "lower face" or None
         Meaning of the heights; None if it is not known.
     unit : str, optional
-        Unit of lengths in the file. If it is given, heights and edges are converted to metres; if it is
-        None, they are in one unit that is not known.
+        Unit of lengths in the file. If it is named, `height` and `length` are in metres, to which the reader
+        has converted them; if it is None, they are in one unit that is not known.
     name : str
         Name of the file.
     channel : str
