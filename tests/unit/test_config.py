@@ -13,7 +13,7 @@ from project import hide
 from asperity.core.errors import ConfigError
 from asperity.study.config.__main__ import main, with_settings
 from asperity.study.config.check import check, needed_instead
-from asperity.study.config.defaults import KEYS, LOADS, complete, default, imposed_load
+from asperity.study.config.defaults import KEYS, LOAD_LABELS, complete, default, imposed_load
 from asperity.study.config.reader import merged, parse
 from asperity.study.config.schema import accepted, schema, setting, settings
 from asperity.study.config.study import read_study
@@ -85,7 +85,7 @@ def test_the_paper_names_every_setting_that_decides_about_the_study_itself():
     for section in ("layer", "contact", "statistics"):
         preset = {key.split(".")[1] for key in KEYS if key.startswith(section)}
         known = schema()["properties"][section]["properties"].keys()
-        alternatives = set(LOADS) - PAPER[section].keys() if section == "contact" else set()
+        alternatives = set(LOAD_LABELS) - PAPER[section].keys() if section == "contact" else set()
         assert PAPER[section].keys() | preset == known - alternatives
 
 

@@ -18,7 +18,7 @@ from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.stream import shear_traction
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 
-LOADS = {
+LOAD_QUANTITIES = {
     "pressure": ("mean_pressure", "pressure"),
     "force": ("force", "force"),
     "approach": ("approach", "length"),
@@ -26,7 +26,7 @@ LOADS = {
 }
 """Setting → quantity that it imposes, and its dimension."""
 
-CONTROL_UNITS = {kind: DIMENSIONS[name].unit if name else "1" for kind, name in LOADS.values()}
+CONTROL_UNITS = {kind: DIMENSIONS[name].unit if name else "1" for kind, name in LOAD_QUANTITIES.values()}
 """Quantity of which one is imposed → its unit."""
 
 BODY = {
@@ -178,7 +178,8 @@ class Case:
             known = {prefix + name: entry for name, entry in BODY.items() if prefix + name in settings}
             return Body(**{field: si(name, dimension) for name, (field, dimension) in known.items()})
 
-        loads = {LOADS[name][0]: si(name, LOADS[name][1]) for name in LOADS if name in settings}
+        given = {name: kind for name, kind in LOAD_QUANTITIES.items() if name in settings}
+        loads = {kind: si(name, dimension) for name, (kind, dimension) in given.items()}
         direction = settings.get("sliding_direction", "x")
         return cls(
             settings["map"],
@@ -203,7 +204,7 @@ class Case:
         for prefix, body in (("", self.lower), ("counter_", self.upper)):
             for name, (field, dimension) in BODY.items() if body else ():
                 add(prefix + name, getattr(body, field), "bonded" if name == "bottom" else None, dimension)
-        for name, (kind, dimension) in LOADS.items():
+        for name, (kind, dimension) in LOAD_QUANTITIES.items():
             add(name, self.load.value if kind == self.load.kind else None, dimension=dimension)
         add("friction", self.friction, 0.0)
         direction = self.sliding_direction

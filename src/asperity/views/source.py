@@ -20,7 +20,7 @@ from asperity.results.dataset import settings_of, unit_system
 from asperity.results.variables import SI_UNITS
 from asperity.views.style import label, plain_text
 
-FIELDS = ("height", "pressure", "gap", "displacement")
+SURFACE_FIELDS = ("height", "pressure", "gap", "displacement")
 
 Span = tuple[float, float]
 """First and last position of a part of an axis."""
@@ -44,7 +44,7 @@ class Source:
     system : str or None
         Unit system, None if it is not known.
     fields : dict
-        Those of `FIELDS` that the result has, as arrays [y, x].
+        Those of `SURFACE_FIELDS` that the result has, as arrays [y, x].
     layers : dict
         ``lower`` and, of two elastic bodies, ``upper`` → the solid, if the result is a contact and describes
         it.
@@ -218,7 +218,7 @@ def _source(result: Any, unit_system: str | None, title: str | None) -> Source:
     if isinstance(result, xr.Dataset):
         return _source_of_dataset(result, title)
     grid = getattr(result, "grid", None)
-    fields = {name: getattr(result, name) for name in FIELDS if hasattr(result, name)}
+    fields = {name: getattr(result, name) for name in SURFACE_FIELDS if hasattr(result, name)}
     if not isinstance(grid, Grid) or not fields:
         raise TypeError(
             f"result = {shown(result)}: a result of stage surface or contact, or an object with grid and "
@@ -235,7 +235,7 @@ def _source(result: Any, unit_system: str | None, title: str | None) -> Source:
 def _source_of_dataset(data: xr.Dataset, title: str | None) -> Source:
     if not {"y", "x"} <= set(data.sizes):
         raise TypeError("result: a dataset of stage surface or contact, with fields over y and x, is needed")
-    found = {name: data[name].transpose("y", "x") for name in FIELDS if name in data}
+    found = {name: data[name].transpose("y", "x") for name in SURFACE_FIELDS if name in data}
     if "height" not in found and {"gap", "displacement", "approach"} <= set(data.variables):
         height = found["gap"] - found["displacement"] + data["approach"]
         found = {"height": height - height.mean(), **found}

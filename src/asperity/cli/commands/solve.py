@@ -15,7 +15,7 @@ from asperity.cli.positions import in_words
 from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.errors import one_line, shown
 from asperity.core.units import to_si
-from asperity.engineering.case import LOADS
+from asperity.engineering.case import LOAD_QUANTITIES
 from asperity.results import dataset, write_result
 from asperity.results.dataset import grid_of
 from asperity.results.variables import SI_UNITS, cell_length, in_cell_lengths, in_si
@@ -27,7 +27,7 @@ from asperity.study.stages.surface import read_surface
 from asperity.surface.reading.height_map import MapError
 from asperity.surface.reading.map_file import path_problem
 
-DIMENSIONS_OF_LOADS = {kind: dimension for kind, dimension in LOADS.values() if dimension}
+DIMENSIONS_OF_LOADS = {kind: dimension for kind, dimension in LOAD_QUANTITIES.values() if dimension}
 """Quantities that can be imposed in place of the area, and their dimensions."""
 
 

@@ -11,7 +11,7 @@ from jsonschema import ValidationError
 
 from asperity.core.errors import ConfigError, shown
 from asperity.core.packages import absent
-from asperity.study.config.defaults import LOADS, complete
+from asperity.study.config.defaults import LOAD_LABELS, complete
 from asperity.study.config.reader import is_file
 from asperity.study.config.schema import Entry, accepted, number, schema, setting
 
@@ -191,11 +191,11 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
                 f"{_FEWEST_PLANES} planes at its depth_spacing"
             )
     contact = config["contact"]
-    loads = [name for name in LOADS if name in contact]
+    loads = [name for name in LOAD_LABELS if name in contact]
     if len(loads) > 1:
         yield (
             f"contact.{loads[1]} = {shown(contact[loads[1]])}: not accepted together with {loads[0]}; "
-            f"one of {', '.join(LOADS)} is needed"
+            f"one of {', '.join(LOAD_LABELS)} is needed"
         )
     if layer["poisson"] not in (listed := config["stress"]["poisson"]):
         yield f"stress.poisson = {shown(listed)}: layer.poisson = {layer['poisson']!r} must be one of them"

@@ -102,7 +102,7 @@ def overlay(settings: AccuracySettings, wavelengths: Mapping[str, float]) -> dic
     return keys
 
 
-LOADS = {"area_fraction": "$A/A_0$ = ", "mean_pressure": r"$\bar{p}/E^*$ = ", "approach": "approach "}
+LOAD_LABELS = {"area_fraction": "$A/A_0$ = ", "mean_pressure": r"$\bar{p}/E^*$ = ", "approach": "approach "}
 """Settings of section ``contact`` of which one holds, and their names in figures.
 
 Without any of them it is the default of the first.
@@ -111,13 +111,13 @@ Without any of them it is the default of the first.
 
 def imposed_load(contact: Mapping[str, Any]) -> tuple[str, float]:
     """Name and value of the load that a complete section ``contact`` gives."""
-    (name,) = (name for name in LOADS if name in contact)
+    (name,) = (name for name in LOAD_LABELS if name in contact)
     return name, contact[name]
 
 
 def without_load(contact: Mapping[str, Any]) -> dict[str, Any]:
     """Section ``contact`` without its load."""
-    return {name: value for name, value in contact.items() if name not in LOADS}
+    return {name: value for name, value in contact.items() if name not in LOAD_LABELS}
 
 
 def contact_of(config: Mapping[str, Any], name: str) -> dict[str, Any]:
@@ -157,9 +157,9 @@ def complete(config: Mapping[str, Any]) -> dict[str, Any]:
     whole.setdefault("seeds", list(range(1, preset.seeds + 1)))
     for (section, key), name in _PARTS.items():
         whole[section].setdefault(key, getattr(preset, name))
-    if set(LOADS) & set(config.get("contact", {})):
+    if set(LOAD_LABELS) & set(config.get("contact", {})):
         whole["contact"] = without_load(whole["contact"]) | {
-            name: value for name, value in config["contact"].items() if name in LOADS
+            name: value for name, value in config["contact"].items() if name in LOAD_LABELS
         }
     if "area_fraction" in whole["contact"]:
         whole["contact"].setdefault("path_area_fractions", [whole["contact"]["area_fraction"]])

@@ -17,7 +17,7 @@ from typing import Any
 import yaml
 
 from asperity.core.errors import ConfigError, shown
-from asperity.study.config.defaults import LOADS, without_load
+from asperity.study.config.defaults import LOAD_LABELS, without_load
 
 _MAX_FILE_SIZE = 2**17
 """Bytes of a file, which are read in three seconds; the configuration of the paper has four thousand."""
@@ -154,7 +154,7 @@ def merged(config: Mapping[str, Any], overlay: Mapping[str, Any]) -> dict[str, A
         below = both.get(key)
         if not isinstance(value, Mapping) or not isinstance(below, Mapping):
             both[key] = value
-        elif key == "contact" and value.keys() & LOADS.keys():
+        elif key == "contact" and value.keys() & LOAD_LABELS.keys():
             both[key] = merged(without_load(below), value)
         else:
             both[key] = merged(below, value)

@@ -15,7 +15,7 @@ from typing import Any
 from asperity.core.errors import ConfigError, shown
 from asperity.core.packages import absent, message
 from asperity.study.config.check import check, check_files
-from asperity.study.config.defaults import LOADS
+from asperity.study.config.defaults import LOAD_LABELS
 from asperity.study.config.reader import load, merged
 from asperity.study.config.schema import schema, setting
 
@@ -112,7 +112,7 @@ def with_loads(config: Mapping[str, Any]) -> dict[str, Any]:
     """
     contact = config.get("contact")
     contact = contact if isinstance(contact, Mapping) else {}
-    kinds = [kind for kind in LOADS if isinstance(contact.get(kind), list)]
+    kinds = [kind for kind in LOAD_LABELS if isinstance(contact.get(kind), list)]
     if not kinds or not contact[kinds[0]]:
         return dict(config)
     kind, values = kinds[0], contact[kinds[0]]
@@ -130,7 +130,7 @@ def with_loads(config: Mapping[str, Any]) -> dict[str, Any]:
                 made = {
                     f"{name}_load{number}": {
                         **surface,
-                        "label": f"{surface['label']}, {LOADS[kind]}{value:g}",
+                        "label": f"{surface['label']}, {LOAD_LABELS[kind]}{value:g}",
                         "contact": {kind: value},
                     }
                     for number, value in enumerate(values, start=1)

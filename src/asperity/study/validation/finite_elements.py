@@ -18,7 +18,7 @@ from asperity.study.validation.indenter import (
     slab_contact,
 )
 
-FIELDS = {"displacement_z": 2, "stress_zz": 2, "stress_xx": 0, "stress_xz": 4}
+COMPARED_FIELDS = {"displacement_z": 2, "stress_zz": 2, "stress_xx": 0, "stress_xz": 4}
 """Compared fields, with their index among the components of displacement or stress."""
 
 EDGE_DISTANCE = 0.05
@@ -44,9 +44,10 @@ def elements(
     Returns
     -------
     Dataset
-        Of the finest mesh, the fields `FIELDS` of both on the diagonal plane (depth, distance), ordered by
-        depth, at the Gauss points of the elements; the loads, and the displacements of the elements on the
-        outside of the quarter cell. Of all meshes, along ``mesh``, the variables of `largest_differences`.
+        Of the finest mesh, the fields `COMPARED_FIELDS` of both on the diagonal plane (depth, distance),
+        ordered by depth, at the Gauss points of the elements; the loads, and the displacements of the
+        elements on the outside of the quarter cell. Of all meshes, along ``mesh``, the variables of
+        `largest_differences`.
     """
     contact = slab_contact(points, APPROACH)
     compared = [_on_mesh(across, up, contact) for across, up in meshes]
@@ -73,7 +74,7 @@ def _on_mesh(across: int, up: int, contact: Contact) -> xr.Dataset:
         "surface_displacement_elements": (("node_y", "axis_node"), moved[2, -1]),
         "rim_displacement_elements": (("component", "node_z", "axis_node"), moved[:, :, -1]),
     }
-    for name, component in FIELDS.items():
+    for name, component in COMPARED_FIELDS.items():
         kind = 0 if name.startswith("displacement") else 1
         variables[f"{name}_spectral"] = ("depth", "distance"), spectral[kind][..., component]
         variables[f"{name}_elements"] = ("depth", "distance"), by_elements[kind][order][..., component]
@@ -111,7 +112,7 @@ def largest_differences(dataset: xr.Dataset) -> xr.Dataset:
     """
     near = np.hypot(dataset.distance - dataset.contact_radius, dataset.depth) <= EDGE_DISTANCE
     found: dict[str, list[float]] = {"away": [], "edge": []}
-    for name in FIELDS:
+    for name in COMPARED_FIELDS:
         spectral, elements = dataset[f"{name}_spectral"], dataset[f"{name}_elements"]
         relative = np.abs(spectral - elements) / np.abs(spectral).max()
         found["away"].append(float(relative.where(~near).max()))
@@ -121,5 +122,5 @@ def largest_differences(dataset: xr.Dataset) -> xr.Dataset:
             **{f"difference_{where}": ("field", differences) for where, differences in found.items()},
             "difference_load": float(dataset.load_elements / dataset.load_spectral - 1),
         },
-        coords={"field": list(FIELDS)},
+        coords={"field": list(COMPARED_FIELDS)},
     )
