@@ -39,7 +39,7 @@ from asperity.stress.peaks.finder import (
 from asperity.stress.peaks.maxima import Maxima, maxima_in_rows
 from asperity.stress.planes.fields import FIELDS, MARGIN
 from asperity.stress.planes.planes import depth_grid
-from asperity.stress.planes.stream import LinearPlane, PlaneStream, uniform_part
+from asperity.stress.planes.stream import PLANE_TOLERANCE, LinearPlane, PlaneStream, uniform_part
 from asperity.stress.statistics.covariance import References, row_sums
 
 QUANTITIES = ("pressure", *FIELDS)
@@ -64,7 +64,7 @@ def analyse_stress(
     poisson: float | Sequence[float] | None = None,
     quantities: Sequence[str] = ("pressure", "von_mises", "xx", "zz", "xz"),
     *,
-    tolerance: float = 1e-6,
+    tolerance: float = PLANE_TOLERANCE,
     floor: float = 0.01,
     threads: int = 1,
     progress: Progress | None = None,
@@ -143,7 +143,7 @@ def analyse_lateral_conditions(
     poisson: float | Sequence[float] | None = None,
     quantities: Sequence[str] = ("pressure", "von_mises", "xx", "zz", "xz"),
     *,
-    tolerance: float = 1e-6,
+    tolerance: float = PLANE_TOLERANCE,
     progress: Progress | None = None,
 ) -> dict[str, xr.Dataset]:
     """The analysis of `analyse_stress` for several conditions of the mean mode, in one stream of planes.

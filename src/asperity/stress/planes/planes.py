@@ -31,7 +31,7 @@ from asperity.core.arguments import number, require_finite
 from asperity.core.types import Array, Progress
 from asperity.elasticity.loaded_solid import ContactLike
 from asperity.fourier.grid import Grid, Work
-from asperity.stress.planes.stream import MAX_PLANES, PlaneStream
+from asperity.stress.planes.stream import MAX_PLANES, PLANE_TOLERANCE, PlaneStream
 
 
 @dataclass(frozen=True, repr=False)
@@ -67,7 +67,7 @@ def stress_planes(
     depths: ArrayLike,
     poisson: float | Sequence[float] | None = None,
     fields: Sequence[str] = ("von_mises",),
-    tolerance: float = 1e-6,
+    tolerance: float = PLANE_TOLERANCE,
     threads: int = 1,
     progress: Progress | None = None,
     work: Work | None = None,

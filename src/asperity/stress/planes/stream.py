@@ -45,6 +45,9 @@ from asperity.stress.planes.free_boundary import FreePlanes
 from asperity.stress.planes.periodic import PeriodicPlanes
 from asperity.stress.planes.truncation import envelope_of
 
+PLANE_TOLERANCE = 1e-6
+"""Default error of a deep plane on a coarser grid, relative to the rms of σ_zz in it."""
+
 SINGLE_PRECISION_TOLERANCE = 3e-5
 """Smallest tolerance for which single precision will do: its transforms round to a few 1e-7 of the root mean
 square."""
@@ -161,7 +164,7 @@ class PlaneStream:
         depths: ArrayLike,
         poisson: float | Sequence[float] | None,
         fields: Sequence[str],
-        tolerance: float = 1e-6,
+        tolerance: float = PLANE_TOLERANCE,
         threads: int = 1,
         work: Work | None = None,
         friction: float = 0.0,
