@@ -11,9 +11,7 @@ import numpy as np
 from asperity.core.data import packaged_yaml
 from asperity.paper.claims import closed_forms
 from asperity.paper.claims.numbers import Measure, Number, Options
-
-ALIKE = 0.05
-"""Relative difference up to which numbers are *the same*: the study's own option of ``alike``."""
+from asperity.paper.claims.sources import CHOICES
 
 
 class Region(NamedTuple):
@@ -84,7 +82,7 @@ class Claim:
         """Where the sentence wants the number under an interpretation."""
         if self.region != "alike":
             return REGIONS[self.region]
-        share = options.get("alike", ALIKE)
+        share = options.get("alike", CHOICES["alike"][0])
         return Region(1 - share, 1 + share)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 DATASETS = ("load_area", "slab_load_area", "grid_convergence", "elements", "punch")
 """Datasets of stage validation on which claims are decided."""
 
-CHOICES = {
+CHOICES: dict[str, tuple[Any, ...]] = {
     "lateral": ("confined", "free"),
     "patches": ("every_peak", "highest_of_patch", "large_patches"),
     "shear": ("xz", "xy"),

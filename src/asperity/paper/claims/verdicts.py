@@ -2,12 +2,12 @@
 
 A claim is judged under every interpretation that the paper's text admits: every combination of the options of
 its choices (`asperity.paper.claims.sources.CHOICES`), the study's own options first. Under one of them
-(`judge`) the 95 % interval of the mean over seeds (Student's t) lies inside the region of the claim: *holds*;
-outside: *does not hold*; across its edge, or with one seed only: *not decided*. A claim that our number
-cannot refute holds or is *not testable here*. Two surfaces are compared seed by seed, since one seed gives
-both the same random phases. The numbers are estimates at vanishing grid spacing, and the error that the grid
-leaves widens the interval in quadrature. A number that does not depend on a random surface has its numerical
-uncertainty as interval.
+(`judge`) the 95 % interval of the mean over seeds (Student's t) lies inside the region of the claim
+(`asperity.paper.claims.paper.REGIONS`): *holds*; outside: *does not hold*; across its edge, or with one seed
+only: *not decided*. A claim that our number cannot refute holds or is *not testable here*. Two surfaces are
+compared seed by seed, since one seed gives both the same random phases. The numbers are estimates at
+vanishing grid spacing, and the error that the grid leaves widens the interval in quadrature. A number that
+does not depend on a random surface has its numerical uncertainty as interval.
 
 The claim *holds* or *does not hold* if it does under every interpretation. It *depends on* choices if it
 holds under one and does not under another; it is *not decided* if one interpretation does not decide it and
