@@ -1,4 +1,4 @@
-"""True contact area against Nayak's parameter of the surface: writes docs/nayak.md with its figure and table.
+"""Real contact area against Nayak's parameter of the surface: writes docs/nayak.md with its figure and table.
 
     python studies/nayak/nayak.py studies/nayak/config.yaml
 
@@ -6,7 +6,7 @@ computes the contacts that are missing in the folder of results, then the table 
 configuration the page is written from the table that is kept. Run it in the project's folder.
 
 κ = A E* ḡ / p̄ and κ_r = A E* ḡ_r / p̄, with the area fraction A, the rms gradient ḡ of the whole surface and
-ḡ_r of the rough surface over the true contact, where it equals the deformed one.
+ḡ_r of the rough surface over the real contact, where it equals the deformed one.
 """
 
 from __future__ import annotations

@@ -48,7 +48,8 @@ class Contact:
     mean_pressure : float
         Load over the area of the map.
     approach : float
-        Position of the indenter; it first touches at ``height.min()``. See `asperity.contact.solve`.
+        Position δ of the indenter: depth of its plane of height 0 below the undeformed surface. It first
+        touches at ``height.min()``. See `asperity.contact.solve`.
     certificate : Certificate
         Violations of the conditions of contact, evaluated anew from the pressure, and the work spent.
     control_error : float

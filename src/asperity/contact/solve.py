@@ -108,9 +108,10 @@ def solve(
     force : float
         Mean pressure times the area of the map.
     approach : float
-        Position of the indenter, in the unit of `length`. The indenter first touches at the approach
-        ``height.min()``. With a free boundary it is measured from the solid's surface far from the map, so
-        that ``approach - height.min()`` is the displacement of the indenter from first touch.
+        Position δ of the indenter, in the unit of `length`: depth of its plane of height 0 below the
+        undeformed surface. It first touches at ``height.min()``, and ``approach - height.min()`` is the
+        approach since first touch. With a free boundary the undeformed surface is the solid's surface far
+        from the map, of a periodic half-space the mean plane of its deformed surface.
     boundary : "periodic" | "free"
         "periodic": the map repeats in both directions. "free": nothing surrounds the map, whose solid is a
         half-space, or each of two bodies is one; each node is a rectangle under uniform pressure.

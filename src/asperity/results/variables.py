@@ -3,7 +3,7 @@
 The dimension of a variable stands once, in `variables.yaml`; its unit follows from the system of units of the
 file, which the global attribute ``unit_system`` names. Results of the study have lengths in units of the edge
 of the cell and stresses in units of the effective modulus E* = E/(1 − ν²); results for given materials are in
-SI. A scaled stress is divided by E* and by the rms gradient of the deformed surface over the true contact,
+SI. A scaled stress is divided by E* and by the rms gradient of the deformed surface over the real contact,
 the paper's E* ḡ_r. Texts and truth values have no unit.
 """
 
@@ -56,7 +56,7 @@ SI_UNITS = "SI"
 UNIT_SYSTEMS = {
     STUDY_UNITS: "Units: cell_length is the longer edge of the periodic cell, effective_modulus is "
     "E/(1 - nu^2), scaled_stress is effective_modulus times the rms gradient of the deformed surface over "
-    "the true contact.",
+    "the real contact.",
     SI_UNITS: "Units: SI.",
 }
 """Systems of units of result files, and what the names of their units mean."""

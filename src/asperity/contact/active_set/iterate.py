@@ -1,4 +1,7 @@
-"""The iterate of the active-set solver: pressures on the contact nodes, and the gap that they cause."""
+"""The iterate of the active-set solver: pressures on the contact nodes, and the gap that they cause.
+
+The loop over the iterates is in `asperity.contact.active_set.outer_loop`.
+"""
 
 from __future__ import annotations
 

@@ -118,7 +118,7 @@ class Number:
     level : float, optional
         Share of the peaks below a quantile.
     unscaled : bool
-        Multiply by ḡ, the rms gradient over the true contact: of stresses in units of E* instead of E* ḡ.
+        Multiply by ḡ, the rms gradient over the real contact: of stresses in units of E* instead of E* ḡ.
     factor : float
     follows : tuple of str
         Choices of the interpretation that the number follows besides ``lateral`` and ``delta``.

@@ -19,7 +19,7 @@ does not make the others pale."""
 
 
 def draw(contact: Datasets) -> Figure:
-    """Draw the pressure over E* times the rms gradient of the true contact; white where there is no contact.
+    """Draw the pressure over E* times the rms gradient of the real contact; white where there is no contact.
 
     Notes
     -----

@@ -20,7 +20,7 @@ def draw(statistics: Datasets) -> Figure:
     Notes
     -----
     Persson: a = erf(√2 P₀ / E* ḡ), doi 10.1063/1.1388626; Bush, Gibson and Thomas: a = √(2π) P₀ / E* ḡ,
-    doi 10.1016/0043-1648(75)90145-3. Both are evaluated with the gradient of the true contact.
+    doi 10.1016/0043-1648(75)90145-3. Both are evaluated with the gradient of the real contact.
     """
     figure, (curve, peaks) = panels()
     _draw_load_area(curve, statistics)

@@ -32,8 +32,11 @@ MEASURES = ("von_mises", "largest_shear", "principal_1", "principal_2", "princip
 FIELDS = (*COMPONENTS, *MEASURES, "hydrostatic")
 """Names of the fields of the stress; their places are their numbers in the compiled functions."""
 
+# Places in `FIELDS`; those of the components are also places in `BASIS`, of their fields A.
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = range(6)
 _VON_MISES, _LARGEST_SHEAR, _PRINCIPAL_1, _PRINCIPAL_2, _PRINCIPAL_3, _HYDROSTATIC = range(6, 12)
+
+# Places in `BASIS` of the fields B.
 _SLOPE_XX, _SLOPE_YY, _SLOPE_XY = 6, 7, 8
 
 
@@ -78,7 +81,7 @@ class Basis(NamedTuple):
 
 
 class Fields(NamedTuple):
-    """Fields to compute from the basis fields of a plane; von Mises stresses come first.
+    """Fields to compute from the basis fields of a plane.
 
     Parameters
     ----------
@@ -98,7 +101,7 @@ class Fields(NamedTuple):
     def of(
         cls, names: Sequence[str], ratios: Sequence[float], uniforms: Sequence[float], real: np.dtype[Any]
     ) -> Fields:
-        """Fields of a plane in this precision."""
+        """Fields of a plane in this precision; all von Mises stresses stand before other names."""
         kinds = np.array([FIELDS.index(name) for name in names])
         return cls(kinds, np.array(ratios, real), np.array(uniforms, real))
 

@@ -1,7 +1,7 @@
 """Statistics of the peaks, profiles and decays of one surface, pooled over its seeds, with their uncertainty.
 
 Each seed is scaled before it is pooled: stresses are divided by E* ḡ, where ḡ is the rms gradient of the
-deformed surface over the true contact of that seed. Scaled variables are named ``scaled_…``. Counts are
+deformed surface over the real contact of that seed. Scaled variables are named ``scaled_…``. Counts are
 kept beside densities, so that other bins need no new analysis.
 
 Bands are percentile intervals of the bootstrap (Efron 1979, doi 10.1214/aos/1176344552) over seeds: whole

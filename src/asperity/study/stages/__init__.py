@@ -1,4 +1,5 @@
-"""The stages of the study, one module each: datasets in, dataset out, in the order of the method section.
+"""Stages of the study: surface → contact → stress → statistics, a module each; datasets in, dataset out.
 
-surface → contact → stress → statistics → figures. A stage composes the library and writes nothing.
+A stage composes the library and writes nothing. The modules `seed_numbers` and `verification` hold the
+numbers and checks of stage statistics. Stage validation is `asperity.study.validation`.
 """

@@ -1,6 +1,6 @@
 """Numbers of one seed of a surface: of the contact, of the peaks and of the decay of the stress.
 
-Stresses are divided by E* ḡ, ḡ being the rms gradient over the true contact. Lengths and depths are in units
+Stresses are divided by E* ḡ, ḡ being the rms gradient over the real contact. Lengths and depths are in units
 of the longer edge of the cell. Variables ``continuum_…`` are, along `kind`, the estimate of a number at
 vanishing grid spacing, and its relative error. NaN where there is nothing to measure or to estimate.
 """

@@ -39,7 +39,8 @@ class Format:
     holds : str
         Regular expression for a member of a ZIP archive.
     reader : str
-        Module of SurfaceTopography.IO that reads it; empty for those that asperity reads itself.
+        Module of SurfaceTopography.IO that reads it; empty for those that asperity reads itself. Of ``asc``
+        it reads matrices with a header that it understands, `number_table` all others.
     """
 
     name: str
