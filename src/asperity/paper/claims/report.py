@@ -118,7 +118,7 @@ def markdown(findings: Sequence[Finding]) -> str:
     """The findings as text: their counts, and a table for each section of the paper."""
     parts = [f"**Of {len(findings)} statements {counted(findings)}.**"]
     for heading, table in tables(findings).items():
-        parts += [f"### {heading}", markup.markdown(table)]
+        parts += [f"## {heading}", markup.markdown(table)]
     return "\n\n".join(parts) + "\n"
 
 
