@@ -111,7 +111,8 @@ def solve(
         Position δ of the indenter, in the unit of `length`: depth of its plane of height 0 below the
         undeformed surface. It first touches at ``height.min()``, and ``approach - height.min()`` is the
         approach since first touch. With a free boundary the undeformed surface is the solid's surface far
-        from the map, of a periodic half-space the mean plane of its deformed surface.
+        from the map; a periodic solid without uniform displacement, such as a half-space, has the mean plane
+        of its deformed surface in place of it.
     boundary : "periodic" | "free"
         "periodic": the map repeats in both directions. "free": nothing surrounds the map, whose solid is a
         half-space, or each of two bodies is one; each node is a rectangle under uniform pressure.
