@@ -155,7 +155,8 @@ class Bootstrap:
         # Number of times that each seed is drawn, (resamples, seeds).
         draws = np.random.default_rng(seed).multinomial(seeds, np.full(seeds, 1 / seeds), resamples)
         # A few seeds have few resamples that differ: four have 35.
-        different, self._which = np.unique(draws, axis=0, return_inverse=True)
+        different, which = np.unique(draws, axis=0, return_inverse=True)
+        self._which = which.reshape(-1)  # a column in numpy 2.0
         self._draws = different.astype(float) if seeds > 1 else np.zeros((0, 1))
 
     def banded(self, estimate: Callable[[Array, Array], Array], values: Array) -> Array:
