@@ -214,11 +214,17 @@ def fast_runs(hurst: float) -> pd.DataFrame:
     return table[chosen].sort_values("points")
 
 
+def largest_compared(table: pd.DataFrame) -> int:
+    """Nodes on an edge of the largest grid on which most programs ran."""
+    programs = table[table["error"].notna()].groupby("points")["solver"].nunique()
+    return int(programs.index[programs > programs.max() / 2].max())
+
+
 def compared() -> str:
     """All programs at equal true error, by grid."""
     table = contact_runs()
     others = table[~table["solver"].str.contains("float") & table["error"].notna()]
-    largest = others["points"].max()
+    largest = largest_compared(table)
     last = others[(others["points"] == largest) & (others["hurst"] == 0.8)]
     programs = [
         f"| {SOLVERS[solver][2]} | {run['program'].split()[1]} | {number(run['iterations'], '.0f')} "
@@ -281,11 +287,10 @@ def contact() -> str:
 
 
 def draw() -> None:
-    """Plot time against the grid, and true error against time on the largest grid of another program."""
+    """Plot time against the grid, and true error against time on the largest grid of most programs."""
     table = contact_runs()
     hursts = sorted(table["hurst"].unique())
-    compared = table.loc[table["solver"].isin(["aspher", "tamaas"]) & table["error"].notna(), "points"]
-    largest = compared.max() if len(compared) else table.loc[table["error"].notna(), "points"].max()
+    largest = largest_compared(table)
     figure = Figure(figsize=(8.6, 6.4), layout="constrained")
     axes = figure.subplots(2, len(hursts), sharey="row", squeeze=False)
     for (above, below), hurst in zip(axes.T, hursts, strict=True):
