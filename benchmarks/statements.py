@@ -19,10 +19,11 @@ from asperity.paper.claims.numbers import Evidence
 from asperity.paper.claims.paper import CLAIMS
 from asperity.paper.claims.report import WORDS
 from asperity.paper.claims.verdicts import decide
+from asperity.stress.analysis import SOUGHT
 from asperity.study.config.study import read_study
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.seed_numbers import seed_statistics
-from asperity.study.stages.stress import QUANTITIES, stress_of_seed
+from asperity.study.stages.stress import stress_of_seed
 from asperity.study.stages.surface import make_surface
 
 HURST = {"small_hurst": 0.2, "large_hurst": 0.8, "compressibility": 0.8}
@@ -39,7 +40,7 @@ def statistics(hurst: float, nodes: int, loads: dict[tuple[float, int], float]) 
         chosen = {name: config["contact"][name] for name in ("method", "tolerance", "precision")}
         contact = solve_contact(surface, config["layer"], chosen | load)
         loads.setdefault((hurst, seed), float(contact["mean_pressure"]))
-        quantities = [*QUANTITIES, "xy"]
+        quantities = [*SOUGHT, "xy"]
         stress = stress_of_seed(contact, config["layer"], config["stress"], ["free"], quantities)
         each.append(seed_statistics(surface, contact, stress))
     return xr.concat(each, "seed").assign_coords(seed=SEEDS).assign_attrs(stress.attrs)

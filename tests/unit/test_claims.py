@@ -32,9 +32,10 @@ from asperity.paper.claims.verdicts import (
     decide,
     judge,
 )
+from asperity.stress.analysis import SOUGHT
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.seed_numbers import LEVELS, seed_statistics
-from asperity.study.stages.stress import QUANTITIES, stress_of_seed
+from asperity.study.stages.stress import stress_of_seed
 from asperity.study.stages.surface import make_surface
 
 EMPTY = Evidence({})
@@ -277,7 +278,7 @@ def made_statistics(hurst, layer=LAYER, others=("free",)):
     for seed in SEEDS:
         surface = make_surface({"hurst": hurst, **band}, seed)
         contact = solve_contact(surface, layer, CONTACT | {"path_area_fractions": []})
-        stress = stress_of_seed(contact, layer, STRESS, others, [*QUANTITIES, "xy"])
+        stress = stress_of_seed(contact, layer, STRESS, others, [*SOUGHT, "xy"])
         found.append(seed_statistics(surface, contact, stress))
     return xr.concat(found, "seed").assign_coords(seed=[*SEEDS]).assign_attrs(stress.attrs)
 

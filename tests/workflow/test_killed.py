@@ -9,10 +9,11 @@ import numpy as np
 from project import TINY, copy_project, environment, snakemake
 
 from asperity.results import dataset
+from asperity.stress.analysis import SOUGHT
 from asperity.study.config.study import read_study
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.statistics import SeedResults, surface_statistics
-from asperity.study.stages.stress import QUANTITIES, stress_of_seed
+from asperity.study.stages.stress import stress_of_seed
 from asperity.study.stages.surface import make_surface
 
 SURFACE, CONTACT, STRESS = (
@@ -38,7 +39,7 @@ def computed(folder, monkeypatch):
     config = read_study(TINY[1:])
     surface = make_surface(config["surfaces"]["hurst_08"], 1)
     contact = solve_contact(surface, config["layer"], config["contact"])
-    quantities = [*QUANTITIES, "xy"]  # for the interpretations of the claims
+    quantities = [*SOUGHT, "xy"]  # for the interpretations of the claims
     stress = stress_of_seed(contact, config["layer"], config["stress"], ["free"], quantities)
     statistics = surface_statistics([SeedResults(1, surface, contact, stress)], **config["statistics"])
     return {SURFACE: surface, CONTACT: contact, STRESS: stress, STATISTICS: statistics}

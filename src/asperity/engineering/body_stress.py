@@ -16,22 +16,15 @@ from asperity.contact import Contact
 from asperity.core.types import Array, Progress
 from asperity.engineering.case import Body, Case
 from asperity.engineering.close_up import CloseUp
-from asperity.engineering.continuum import continuum
+from asperity.engineering.continuum import HalfGrid, estimates
 from asperity.fourier.grid import Grid
-from asperity.stress.analysis import analyse_stress
+from asperity.stress.analysis import SOUGHT, analyse_stress
 from asperity.stress.peaks.selection import peaks
-from asperity.stress.planes.planes import depth_grid
 from asperity.stress.planes.stream import LinearPlane
 from asperity.surface.treatment.treatment import TreatedMap
 
 STRESS_TOLERANCE = 1e-4
 """Error of a deep plane on a coarser grid, relative to the rms of σ_zz in it."""
-
-DEPTH_SPACING, DEPTH_GROWTH = 0.5, 0.125
-"""Distance of the planes near the surface in grid spacings, and farther down over their depth."""
-
-QUANTITIES = ("pressure", "von_mises", "xx", "zz", "xz")
-"""Quantities whose peaks are always found."""
 
 LIMITED = ("pressure", "von_mises")
 """Quantities whose peaks are estimated for vanishing pixels."""
@@ -117,15 +110,22 @@ class BodyAnswer:
 
 
 def body_answer(
-    contact: Contact, case: Case, name: str, face: TreatedMap, near: Sequence[CloseUp], progress: Progress
+    contact: Contact,
+    half: HalfGrid,
+    case: Case,
+    name: str,
+    face: TreatedMap,
+    near: Sequence[CloseUp],
+    progress: Progress,
 ) -> BodyAnswer:
     """Stress in one body under the contact pressure, with its own modulus and Poisson's ratio.
 
     Parameters
     ----------
     contact : Contact
+    half : HalfGrid
     case : Case
-        The peaks of its fields are found beside those of `QUANTITIES`.
+        The peaks of its fields are found beside those that are sought by default.
     name : "lower" or "upper"
     face : TreatedMap
     near : sequence of CloseUp
@@ -142,17 +142,15 @@ def body_answer(
 
     stress = analyse_stress(
         contact.in_body(name),
-        depth_grid(contact.grid, body.height, DEPTH_SPACING, DEPTH_GROWTH),
-        quantities=list(dict.fromkeys((*QUANTITIES, *case.fields))),
+        quantities=list(dict.fromkeys((*SOUGHT, *case.fields))),
         tolerance=STRESS_TOLERANCE,
         progress=lambda done, total: progress(0.7 * done, total),
         observe=observe,
         **case.sliding_of(name),
     )
     main = stress.sel(quantity=list(LIMITED))
-    limits = continuum(
-        contact, main, body=name, progress=lambda done, total: progress(0.7 + 0.3 * done / total, 1.0)
-    )
+    limits = estimates(contact, half, main, name)
+    progress(1.0, 1.0)
     volume, depths, fraction = None, None, None
     if body.yield_stress is not None:
         planes = stress["plane_depth"].values

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import xarray as xr
 
 from asperity.contact import Contact, solve
@@ -16,6 +18,24 @@ from asperity.stress.statistics.continuum import (
     on_half_the_nodes,
     reason_against,
 )
+
+
+@dataclass(frozen=True, eq=False)
+class HalfGrid:
+    """A contact solved again on half of the nodes along both edges, which serves the stress in both bodies.
+
+    Parameters
+    ----------
+    contact : Contact
+    lost : float
+        Share of the squared gradient of the surface that these nodes do not hold.
+    reason : str
+        Why the grid allows no estimate; empty if it does.
+    """
+
+    contact: Contact
+    lost: float
+    reason: str
 
 
 def continuum(
@@ -75,6 +95,17 @@ def continuum(
         raise TypeError(f"contact = {type(contact).__name__}: a Contact is needed")
     if stress is not None and "peak_quantity" not in stress:
         raise ValueError("stress: a result of analyse_stress is needed, it has no peaks")
+    half = solved_on_half(contact)
+    if progress is not None:
+        progress(0.2, 1.0)
+    found = estimates(contact, half, stress, body)
+    if progress is not None:
+        progress(1.0, 1.0)
+    return found
+
+
+def solved_on_half(contact: Contact) -> HalfGrid:
+    """The contact on half of the nodes, under the same load."""
     height, grid = contact.height, contact.grid
     reason, lost = "the boundary is free, and the estimate is made for periodic cells", 0.0
     if contact.boundary == "free":  # every second node
@@ -88,25 +119,26 @@ def continuum(
     half = solve(
         height, contact.solid, grid.length, boundary=contact.boundary, mean_pressure=pressure, rtol=TOLERANCE
     )
-    if progress is not None:
-        progress(0.2, 1.0)
+    return HalfGrid(half, lost, reason)
+
+
+def estimates(contact: Contact, half: HalfGrid, stress: xr.Dataset | None, body: str) -> xr.Dataset:
+    """The result of `continuum`, given the contact on half of the nodes."""
     coarse = None
     if stress is not None:
         planes = stress["plane_depth"].values
         spacing = planes[1] / min(contact.grid.spacing)  # the same on both grids, in their spacings
         coarse = analyse_stress(
-            half.in_body(body),
-            depth_grid(half.grid, planes[-1], spacing, spacing / 4),
+            half.contact.in_body(body),
+            depth_grid(half.contact.grid, planes[-1], spacing, spacing / 4),
             poisson=stress["poisson"].values.tolist(),
             quantities=[str(name) for name in stress["quantity"].values],
             tolerance=TOLERANCE,
             friction=stress.attrs["friction"],
             sliding_direction=stress.attrs["sliding_direction"],
         )
-    if progress is not None:
-        progress(1.0, 1.0)
-    found = extrapolate(_on_grid(contact, stress), _on_grid(half, coarse), lost, reason)
-    return found.assign_attrs(lost_gradient=lost)
+    both = _on_grid(contact, stress), _on_grid(half.contact, coarse)
+    return extrapolate(*both, half.lost, half.reason).assign_attrs(lost_gradient=half.lost)
 
 
 def _on_grid(contact: Contact, stress: xr.Dataset | None) -> OnGrid:

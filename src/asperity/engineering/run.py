@@ -19,6 +19,7 @@ from asperity.engineering.answer_numbers import Neighbours, contact_numbers
 from asperity.engineering.body_stress import body_answer
 from asperity.engineering.case import Body, Case, CounterMap, Load
 from asperity.engineering.close_up import close_ups
+from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
 from asperity.engineering.spots import contact_spots
 from asperity.fourier.grid import Grid
@@ -136,10 +137,13 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         face.part(contact.pressure), Grid(face.map_shape, face.map_length), periodic and not face.is_mirrored
     )
     form_repeats = periodic and case.options.radius is not None
+    half = solved_on_half(contact)
     share, bodies = 0.5 / len(case.different_bodies), {}
     for number, name in enumerate(case.different_bodies):
         begin, near = 0.5 + share * number, close_ups(face, contact, spots)
-        bodies[name] = body_answer(contact, case, name, face, near, _part(progress, begin, begin + share))
+        bodies[name] = body_answer(
+            contact, half, case, name, face, near, _part(progress, begin, begin + share)
+        )
     answer = Answer(
         case,
         rough,

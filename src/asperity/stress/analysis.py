@@ -45,6 +45,9 @@ from asperity.stress.statistics.covariance import References, row_sums
 QUANTITIES = ("pressure", *FIELDS)
 """Quantities whose peaks can be sought."""
 
+SOUGHT = ("pressure", "von_mises", "xx", "zz", "xz")
+"""Quantities whose peaks are sought by default."""
+
 INDEPENDENT_OF_POISSON = ("zz", "yz", "xz")
 """Fields that are the same for every Poisson's ratio in a half-space."""
 
@@ -62,7 +65,7 @@ def analyse_stress(
     contact: ContactLike,
     depths: ArrayLike | None = None,
     poisson: float | Sequence[float] | None = None,
-    quantities: Sequence[str] = ("pressure", "von_mises", "xx", "zz", "xz"),
+    quantities: Sequence[str] = SOUGHT,
     *,
     tolerance: float = PLANE_TOLERANCE,
     floor: float = 0.01,
@@ -141,7 +144,7 @@ def analyse_lateral_conditions(
     laterals: Sequence[str],
     depths: ArrayLike,
     poisson: float | Sequence[float] | None = None,
-    quantities: Sequence[str] = ("pressure", "von_mises", "xx", "zz", "xz"),
+    quantities: Sequence[str] = SOUGHT,
     *,
     tolerance: float = PLANE_TOLERANCE,
     progress: Progress | None = None,

@@ -10,14 +10,11 @@ import xarray as xr
 from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.results.dataset import grid_of
-from asperity.stress.analysis import analyse_lateral_conditions
+from asperity.stress.analysis import SOUGHT, analyse_lateral_conditions
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.statistics.continuum import TOLERANCE
 from asperity.study.stages.contact import SOLID_ATTRIBUTES, contact_on_half_the_nodes, solid
 from asperity.study.stages.seed_numbers import stress_numbers
-
-QUANTITIES = ("pressure", "von_mises", "xx", "zz", "xz")
-"""Quantities whose peaks the study seeks."""
 
 GROWTH_PER_SPACING = 0.25
 """`growth` over `spacing` of `depth_grid`: the setting ``depth_spacing`` scales all distances of planes."""
@@ -59,7 +56,7 @@ def stress_of_seed(
     layer_settings: Mapping[str, Any],
     stress_settings: Mapping[str, Any],
     laterals: Sequence[str] = (),
-    quantities: Sequence[str] = QUANTITIES,
+    quantities: Sequence[str] = SOUGHT,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Stress of one seed of the study with its numbers, and their estimates at vanishing grid spacing.
@@ -90,7 +87,7 @@ def compute_stresses(
     layer_settings: Mapping[str, Any],
     stress_settings: Mapping[str, Any],
     laterals: Sequence[str] = (),
-    quantities: Sequence[str] = QUANTITIES,
+    quantities: Sequence[str] = SOUGHT,
     progress: Progress | None = None,
 ) -> dict[str, xr.Dataset]:
     """Stress under several conditions of the mean (q = 0) mode, which the same contact serves.
