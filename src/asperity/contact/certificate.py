@@ -1,7 +1,7 @@
 """Certificate of a solution: violations of the conditions of contact, evaluated from the pressure alone.
 
 A solution has p ≥ 0, g = h + u − δ ≥ 0 and p g = 0 at every node, where u is the displacement of the solid
-under p. `verify_contact` evaluates u anew in double precision, so that the certificate does not depend on any
+under p. With a hardness H, p ≤ H, and the bodies overlap, g ≤ 0, only where p = H. `verify_contact` evaluates u anew in double precision, so that the certificate does not depend on any
 intermediate result of a solver.
 """
 
@@ -35,15 +35,15 @@ class Certificate:
     Attributes
     ----------
     penetration : float
-        Largest overlap, max(−g).
+        Largest overlap, max(−g), where p is below the hardness.
     contact_gap : float
-        Largest gap |g| where p > 0.
+        Largest gap |g| where p > 0, and g > 0 where p is at the hardness.
     tension : float
-        Largest tension max(−p), relative to the largest pressure.
+        Largest tension max(−p), or excess of the pressure over the hardness, relative to the largest pressure.
     load_imbalance : float
         Relative difference between the mean pressure and the one imposed; 0 if the load is not imposed.
     complementarity : float
-        Σ p |g| / Σ p.
+        Σ p |g| / Σ p, without the overlap of nodes at the hardness.
     iterations : int
         Applications of the compliance, on all grids.
     pairs : float
@@ -112,6 +112,7 @@ def verify_contact(
     *,
     approach: float | None = None,
     mean_pressure: float | None = None,
+    hardness: float | None = None,
     boundary: str = "periodic",
     threads: int = 1,
 ) -> Certificate:
@@ -124,9 +125,11 @@ def verify_contact(
     length : float or (length_y, length_x)
         Edges of the map.
     approach : float, optional
-        The approach claimed; without it the mean of h + u over the contact.
+        The approach claimed; without it the mean of h + u over the contact below the hardness.
     mean_pressure : float, optional
         The load imposed, if it was.
+    hardness : float, optional
+        Largest pressure, see `asperity.contact.solve`.
     boundary : "periodic" | "free"
         As for `asperity.contact.solve`.
     threads : int
@@ -164,13 +167,15 @@ def verify_contact(
         mean_pressure = number("mean_pressure", mean_pressure, "a finite number", np.isfinite)
     gap = response_on(boundary, solid, grid, "float64", threads).displacement(pressure)
     gap += height
-    contact = pressure > 0
+    limit = math.inf
+    if hardness is not None:
+        limit = number("hardness", hardness, "a number > 0", lambda value: value > 0)
     if approach is None:
-        approach = float(gap[contact].mean()) if contact.any() else float(gap.min())
+        elastic, plastic = (pressure > 0) & (pressure < limit), pressure >= limit
+        approach = float(gap[elastic].mean() if elastic.any() else gap.max(where=plastic, initial=gap.min()))
     gap -= approach
-    return certificate_of_fields(
-        height, pressure, gap, min(grid.spacing) / solid.effective_modulus, mean_pressure, threads
-    )
+    nodal_compliance = min(grid.spacing) / solid.effective_modulus
+    return certificate_of_fields(height, pressure, gap, nodal_compliance, mean_pressure, threads, limit)
 
 
 def certificate_of_fields(
@@ -180,6 +185,7 @@ def certificate_of_fields(
     nodal_compliance: float,
     mean_pressure: float | None,
     threads: int = 1,
+    hardness: float = math.inf,
 ) -> Certificate:
     """Certificate of a pressure whose gap is known.
 
@@ -192,8 +198,10 @@ def certificate_of_fields(
     mean_pressure : float, optional
         The load imposed, if it was.
     threads : int
+    hardness : float
     """
-    found = np.array(results(_measures_of_contact, threads, pressure.reshape(-1), gap.reshape(-1)))
+    fields = pressure.reshape(-1), gap.reshape(-1)
+    found = np.array(results(_measures_of_contact, threads, *fields, hardness))
     least, least_gap = found[:, :2].min(axis=0).tolist()
     largest, contact_gap = found[:, 2:4].max(axis=0).tolist()
     total_pressure, total_gap, work, support = found[:, 4:].sum(axis=0).tolist()
@@ -208,7 +216,7 @@ def certificate_of_fields(
     return Certificate(
         penetration=max(0.0, -least_gap) / scale,
         contact_gap=contact_gap / scale,
-        tension=max(0.0, -least) / (largest or 1.0),
+        tension=max(0.0, -least, largest - hardness) / (largest or 1.0),
         load_imbalance=imbalance,
         complementarity=work / (support or 1.0) / scale,
     )
@@ -239,10 +247,11 @@ def _squared_deviation(values: Any, mean: float) -> float:
 
 
 @compiled
-def _measures_of_contact(pressure: Any, gap: Any) -> tuple[float, ...]:
+def _measures_of_contact(pressure: Any, gap: Any, hardness: float) -> tuple[float, ...]:
     """Least p, least g, largest p, largest |g| of the contact, Σ p, Σ g, and Σ p |g| and Σ p of the contact.
 
-    What is not a number in the fields makes Σ p or Σ g not a number either.
+    What is not a number in the fields makes Σ p or Σ g not a number either. Overlaps where p is at the hardness
+    do not count as gaps.
     """
     least, largest = pressure[0], pressure[0]
     least_gap, contact_gap = gap[0], 0.0
@@ -252,6 +261,8 @@ def _measures_of_contact(pressure: Any, gap: Any) -> tuple[float, ...]:
         total += p
         total_gap += g
         least, largest = min(least, p), max(largest, p)
+        if p >= hardness:
+            g = max(g, 0.0)
         least_gap = min(least_gap, g)
         if p > 0:
             contact_gap = max(contact_gap, abs(g))

@@ -46,6 +46,8 @@ class State:
         Applications of the compliance, on all grids.
     displacement : (ny, nx) array, optional
         That of the pressure, if the method knows it.
+    reached_hardness : bool
+        True if a pressure was at the hardness on the way.
     """
 
     pressure: Array
@@ -54,6 +56,7 @@ class State:
     error: float = 0.0
     iterations: int = 0
     displacement: Array | None = None
+    reached_hardness: bool = False
 
 
 class Problem:
@@ -65,14 +68,19 @@ class Problem:
     response : Response
     datum : float
         Level from which the heights are measured: approach and gaps on this grid are relative to it.
+    hardness : float
+        Largest pressure, rounded to the precision of the fields.
     """
 
-    def __init__(self, height: Array, response: Response, datum: float = 0.0) -> None:
+    def __init__(
+        self, height: Array, response: Response, datum: float = 0.0, hardness: float = math.inf
+    ) -> None:
         self.response = response
         self.fourier = response.fourier
         self.grid = response.grid
         self.height = np.ascontiguousarray(height, dtype=response.fourier.real)
         self.datum = datum
+        self.hardness = float(response.fourier.real.type(hardness))
 
     @cached_property
     def height_range(self) -> tuple[float, float]:
@@ -93,7 +101,7 @@ class Problem:
         if (ny, nx) == self.grid.shape:
             return None
         response, height = self.response.coarsened(self.height, (ny, nx))
-        return Problem(height, response, self.datum)
+        return Problem(height, response, self.datum, self.hardness)
 
     def in_single_precision(self) -> Problem:
         """The same problem in single precision, with heights measured from the middle of their range."""
@@ -101,7 +109,7 @@ class Problem:
         height = np.empty(self.grid.shape, np.float32)
         heights = self.height.reshape(-1)
         apply(_write_from_datum, self.fourier.threads, heights, datum, height.reshape(-1))
-        return Problem(height, self.response.in_precision("float32"), self.datum + datum)
+        return Problem(height, self.response.in_precision("float32"), self.datum + datum, self.hardness)
 
 
 class ConvergenceProgress:

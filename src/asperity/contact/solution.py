@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
@@ -58,6 +59,11 @@ class Contact:
         node is more than the area asked for. Then the area is the nearest that the surface allows.
     method : str
     rtol : float
+    hardness : float
+        Largest pressure, infinite in an elastic contact.
+    plastic_depth : (ny, nx) array or None
+        Depth by which the surface is flattened where the pressure is the hardness, zero elsewhere: the overlap
+        of the bodies. The gap is that of the flattened surface. None in an elastic contact.
     fft_engine : str
         Library of the Fourier transforms, its version and plans.
 
@@ -92,6 +98,8 @@ class Contact:
     control_error: float
     method: str
     rtol: float
+    hardness: float = math.inf
+    plastic_depth: Array | None = None
     fft_engine: str = field(default_factory=lambda: current_engine().description)
 
     def __repr__(self) -> str:
@@ -117,6 +125,7 @@ class Contact:
                 f"{self.mean_pressure:.4g}, {self.mean_contact_pressure:.4g}, {self.max_pressure:.4g}",
             ),
             ("approach", f"{self.approach:.4g}"),
+            *([("plastic", f"{100 * self.plastic_area:.4g} %")] if math.isfinite(self.hardness) else []),
             ("largest violation", f"{self.certificate.worst:.2g}"),
         ]
         return table("Contact", rows, picture(self.pressure, "contact pressure"))
@@ -153,6 +162,14 @@ class Contact:
         settings: dict[str, Any] = {"layer": _settings(lower)}
         if upper is not None:
             settings["upper"] = _settings(upper)
+        plastic: dict[str, Any] = {}
+        if self.plastic_depth is not None:
+            plastic = {
+                "plastic_depth": (plane, self.plastic_depth),
+                "plastic_area": self.plastic_area,
+                "plastic_load": self.plastic_load,
+                "hardness": self.hardness,
+            }
         return xr.Dataset(
             {
                 "pressure": (plane, self.pressure),
@@ -162,6 +179,7 @@ class Contact:
                 "mean_pressure": self.mean_pressure,
                 "approach": self.approach,
                 "gradient_rms_contact": self.gradient_rms_contact,
+                **plastic,
             },
             coords=self.grid.dataset_coordinates(),
             attrs={
@@ -220,6 +238,23 @@ class Contact:
     def mean_contact_pressure(self) -> float:
         """Mean pressure of the nodes under pressure, load over contact area; NaN without contact."""
         return self.mean_pressure / self.area_fraction if self.area_fraction else float("nan")
+
+    @property
+    def plastic_area(self) -> float:
+        """Number of nodes at the hardness over the number of all nodes of the map."""
+        return float(np.mean(self.pressure >= self.hardness))
+
+    @property
+    def plastic_load(self) -> float:
+        """Share of the load on nodes at the hardness."""
+        return self.plastic_area * self.hardness / self.mean_pressure if self.plastic_area else 0.0
+
+    def flattened_height(self) -> Array:
+        """Height of the indenter [y, x] after this load: its plastic nodes are raised by the plastic depth.
+
+        Pressed elastically under the same load, it has the same pressure.
+        """
+        return self.height if self.plastic_depth is None else self.height + self.plastic_depth
 
     @cached_property
     def load_interval(self) -> tuple[float, float]:

@@ -79,6 +79,7 @@ def solve(
     mean_pressure: float | None = None,
     force: float | None = None,
     approach: float | None = None,
+    hardness: float | None = None,
     boundary: str = "periodic",
     method: str = "active_set",
     rtol: float = 1e-6,
@@ -113,6 +114,10 @@ def solve(
         approach since first touch. With a free boundary the undeformed surface is the solid's surface far
         from the map; a periodic solid without uniform displacement, such as a half-space, has the mean plane
         of its deformed surface in place of it.
+    hardness : float, optional
+        Largest pressure that the softer surface bears, in the unit of Young's modulus: where it is reached the
+        surface flows plastically, and the bodies overlap by the depth by which it is flattened. By default
+        the contact is elastic everywhere. With method "active_set".
     boundary : "periodic" | "free"
         "periodic": the map repeats in both directions. "free": nothing surrounds the map, whose solid is a
         half-space, or each of two bodies is one; each node is a rectangle under uniform pressure.
@@ -173,6 +178,11 @@ def solve(
     if not isinstance(solid, (Layer, TwoBodies)):
         raise TypeError(f"solid = {shown(solid)}: a Layer or TwoBodies is needed")
     choice("method", method, tuple(METHODS))
+    limit = math.inf
+    if hardness is not None:
+        limit = number("hardness", hardness, "a number > 0", lambda value: SMALLEST <= value <= LARGEST)
+        if method == "gfmd":
+            raise ValueError(f"method = 'gfmd': active_set is needed with hardness = {shown(hardness)}")
     given = {
         "area_fraction": area_fraction,
         "mean_pressure": mean_pressure,
@@ -180,6 +190,10 @@ def solve(
         "approach": approach,
     }
     control = _checked_control(given, grid)
+    if control.kind == "mean_pressure" and control.value >= limit:
+        raise ValueError(
+            f"hardness = {shown(hardness)}: more than the mean pressure {control.value:.6g} is needed"
+        )
     response = response_on(boundary, solid, grid, precision, threads)
     if method == "gfmd" and boundary != "periodic":
         raise ValueError(f"method = 'gfmd': active_set is needed for boundary = {boundary!r}")
@@ -202,7 +216,9 @@ def solve(
             "dtype = 'float32'"
         )
     heights, scaled = units.heights(values), (boundary, units.solid(solid), units.grid(grid))
-    problem = Problem(heights, response_on(*scaled, precision, threads, control.fixes_load))
+    problem = Problem(
+        heights, response_on(*scaled, precision, threads, control.fixes_load), hardness=limit / units.stress
+    )
     # A given start may overflow: the result is checked in the end.
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         state = None
@@ -213,11 +229,16 @@ def solve(
                 raise
         # Not in the block above, so that the fields of the first attempt are released.
         if state is None:
-            in_double = Problem(heights, response_on(*scaled, "float64", threads, control.fixes_load))
+            doubled = response_on(*scaled, "float64", threads, control.fixes_load)
+            in_double = Problem(heights, doubled, hardness=limit / units.stress)
             state = _state_of(in_double, imposed, method, rtol, progress, start)
             state = replace(state, pressure=state.pressure.astype(precision), displacement=None)
         displacement, gap, approach, nodes, mean_pressure = _fields_of(problem, imposed, state)
         certificate = _checked_certificate(problem, imposed, state, gap, approach, rtol, method)
+        plastic_depth = None
+        if limit < math.inf:
+            plastic_depth = np.where(state.pressure >= problem.hardness, np.maximum(-gap, 0), 0)
+            gap += plastic_depth
         pairs = problem.fourier.work.pairs(grid)
         reached = {"area_fraction": nodes / grid.size, "mean_pressure": mean_pressure}.get(imposed.kind)
         error = abs(reached / imposed.value - 1) if imposed.value and reached is not None else 0.0
@@ -236,6 +257,8 @@ def solve(
             control_error=error,
             method=method,
             rtol=rtol,
+            hardness=problem.hardness * units.stress,
+            plastic_depth=None if plastic_depth is None else _times(plastic_depth, units.height),
         )
     if units.change and (
         np.count_nonzero(contact.pressure) != nodes
@@ -381,9 +404,20 @@ def _state_of(
         control = replace(control, value=max(control.value, together))
         all_touch = round(control.value * problem.grid.size) == problem.grid.size
         if all_touch and problem.response.repeats and problem.height.any():
-            return _full_contact(problem)
+            full = _full_contact(problem)
+            if (largest := float(full.pressure.max())) > problem.hardness:
+                raise ValueError(
+                    f"area_fraction = {control.value:g}: less is needed, because full contact takes "
+                    f"{largest / problem.hardness:.4g} times the hardness"
+                )
+            return full
     start = None if initial is None else _near_start(problem, control, initial)
-    return METHODS[method](problem, control, rtol, progress, start)
+    state = METHODS[method](problem, control, rtol, progress, start)
+    if state.reached_hardness and not (state.pressure >= problem.hardness).any():
+        # The way to an elastic contact led through a plastic one: its rounding differs.
+        elastic = Problem(problem.height, problem.response, problem.datum)
+        return METHODS[method](elastic, control, rtol, progress, start)
+    return state
 
 
 def _full_contact(problem: Problem) -> State:
@@ -424,7 +458,10 @@ def _near_start(problem: Problem, control: Control, initial: Array) -> Array | N
 
 
 def _fields_of(problem: Problem, control: Control, state: State) -> tuple[Array, Array, float, int, float]:
-    """Displacement, gap, approach, number of contact nodes and mean pressure that follow from a pressure."""
+    """Displacement, gap, approach, number of contact nodes and mean pressure that follow from a pressure.
+
+    The gap of plastic nodes is negative.
+    """
     response, threads, displacement = problem.response, problem.fourier.threads, state.displacement
     if displacement is None:
         displacement = response.displacement(state.pressure)
@@ -435,10 +472,12 @@ def _fields_of(problem: Problem, control: Control, state: State) -> tuple[Array,
     pressure, height, displaced, out = (
         field.reshape(-1) for field in (state.pressure, problem.height, displacement, gap)
     )
-    total_level, nodes, total_pressure = total(_levels_of_contact, threads, pressure, height, displaced)
+    hardness = pressure.dtype.type(problem.hardness)
+    sums = total(_levels_of_contact, threads, pressure, height, displaced, hardness)
+    total_level, elastic, nodes, total_pressure = sums
     approach = state.approach
     if control.kind != "approach":
-        approach = state.approach + mean if nodes == 0 else total_level / nodes
+        approach = state.approach + mean if elastic == 0 else total_level / elastic
     apply(_write_gap, threads, height, displaced, gap.dtype.type(approach), out)
     return displacement, gap, approach, nodes, total_pressure / problem.grid.size
 
@@ -459,7 +498,8 @@ def _checked_certificate(
     threads = problem.fourier.threads
     load = state.load if control.kind == "mean_pressure" else None
     if pressure.dtype == np.float64:
-        certificate = certificate_of_fields(height, pressure, gap, problem.unit, load, threads)
+        fields = height, pressure, gap
+        certificate = certificate_of_fields(*fields, problem.unit, load, threads, problem.hardness)
     else:
         certificate = verify_contact(
             height,
@@ -468,6 +508,7 @@ def _checked_certificate(
             problem.grid.length,
             approach=approach,
             mean_pressure=load,
+            hardness=problem.hardness if problem.hardness < math.inf else None,
             boundary=problem.response.boundary,
             threads=threads,
         )
@@ -500,12 +541,16 @@ def _write_gap(height: Any, displacement: Any, approach: Any, out: Any) -> None:
 
 
 @compiled
-def _levels_of_contact(pressure: Any, height: Any, displacement: Any) -> tuple[float, int, float]:
-    """Sum of h + u over the nodes under pressure, their number, and the sum of the pressure."""
-    total_level, count, total = 0.0, 0, 0.0
+def _levels_of_contact(
+    pressure: Any, height: Any, displacement: Any, hardness: Any
+) -> tuple[float, int, int, float]:
+    """Sum of h + u over the elastic nodes, their number, that of contact nodes, and the sum of the pressure."""
+    total_level, elastic, count, total = 0.0, 0, 0, 0.0
     for i in range(pressure.size):
         total += np.float64(pressure[i])
         if pressure[i] > 0:
-            total_level += np.float64(height[i] + displacement[i])
             count += 1
-    return total_level, count, total
+            if pressure[i] < hardness:
+                total_level += np.float64(height[i] + displacement[i])
+                elastic += 1
+    return total_level, elastic, count, total

@@ -139,8 +139,8 @@ def extended(
         None if the load stays.
     """
     unit, load = iterate.problem.unit, iterate.load
-    after = iterate.pressure + correction.pressure
-    count = int(np.count_nonzero(after > 0) + np.count_nonzero(entering.overlap > 0))
+    after = iterate.pressure[system.elastic] + correction.pressure
+    count = int(np.count_nonzero(after > 0) + np.count_nonzero(entering.enter)) + system.plastic.size
     if not converged:
         near = abs(count - area.target) <= max(AREA_TOLERANCE * area.target, 0.5)
         if near or not area.may_change():
@@ -152,11 +152,13 @@ def extended(
     up = MAX_LOAD_CHANGE * load / slope
     down = 0.999 * load / slope if converged else up
     near_nodes = EntryCandidates.after(iterate, system, correction, unit * up)
-    rate = 1 - system.linear.operators.displacement(tangent.pressure, near_nodes.nodes)
+    rate = 1 - system.linear.operators.displacement(tangent.pressure, near_nodes.held.nodes)
+    closing = near_nodes.held.side > 0
     edges = np.concatenate(
         (
-            _divided(-near_nodes.overlap, rate, np.inf),
+            _divided(-near_nodes.overlap[closing], rate[closing], np.inf),
             _divided(-after, tangent.pressure, -np.inf),
+            np.full(system.plastic.size, -np.inf),
         )
     )
     # Nodes that touch at the same load do so at slightly different ones before the pressure has converged.
@@ -183,7 +185,7 @@ def _tangent(iterate: Iterate, system: ContactSystem, inner: InnerSolver) -> Cor
 
     Its approach is 1, or 0 in full contact of a solid without uniform displacement.
     """
-    nodes = iterate.nodes
+    nodes = system.linear.operators.nodes
     if nodes.size == iterate.problem.grid.size and iterate.problem.response.uniform_compliance == 0:
         return Correction(np.ones(nodes.size, np.float32), np.zeros(nodes.size, np.float32), 0.0, 0)
     found = inner.solve_uniform(system.linear.operators, TANGENT_DROP)

@@ -1,9 +1,10 @@
 """Assembly of the linear system of the present contact, and estimate of the error of its pressure.
 
 The solution p* of the contact problem and a pressure p differ by the pressure that removes what is wrong with
-p: the residual on the contact nodes, and the penetration of nodes without pressure. The error estimate is the
-norm of that pressure, as the preconditioner M gives it, relative to the norm of p; a node that penetrates
-counts with penetration / nodal compliance. Two lower bounds hold it up:
+p: the residual on the contact nodes, the penetration of nodes without pressure, and the gap of plastic nodes,
+those at the hardness. The error estimate is the norm of that pressure, as the preconditioner M gives it,
+relative to the norm of p; a node that penetrates counts with penetration / nodal compliance, and so does a gap
+of a plastic node. Two lower bounds hold it up:
 
 - A layer that is much stiffer than the half-space answers a residual by a much larger pressure than M, which
   is made for the half-space. There the norm of the pressure is used with which the whole layer, all nodes in
@@ -21,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from asperity.contact.active_set.inner_solve import InnerSolver, Operators, System
-from asperity.contact.active_set.iterate import Iterate
+from asperity.contact.active_set.iterate import HeldNodes, Iterate
 from asperity.contact.compliance.response import Response
 from asperity.contact.compliance.vectors import added, dot
 from asperity.contact.problem import Control
@@ -44,24 +45,29 @@ class ContactSystem:
     Attributes
     ----------
     linear : System
-        For the correction of the pressure.
+        For the correction of the pressure of the elastic nodes, those in contact below the hardness.
+    elastic : slice or (count,) array
+        Indices of these nodes in those of the iterate.
+    plastic : (count,) array
+        Indices of the plastic nodes, at the hardness.
     approach : float
         Imposed, or the one for which the first correction leaves the load as it is.
     error, rounding : float
         Estimated error of the pressure, and the part of it that is rounding, relative to its norm.
     bound : float
         Level h + u below which the nodes out of contact are known.
-    free_nodes, free_level : (count,) arrays
-        These nodes, and their levels.
+    held : HeldNodes
+        These nodes, and the plastic ones.
     """
 
     linear: System
+    elastic: Array | slice
+    plastic: Array
     approach: float
     error: float
     rounding: float
     bound: float
-    free_nodes: Array
-    free_level: Array
+    held: HeldNodes
 
 
 class Assembler:
@@ -80,9 +86,10 @@ class Assembler:
         self._unit, self._threads = response.nodal_compliance, response.fourier.threads
 
     def assemble(self, iterate: Iterate, control: Control, before: Operators | None = None) -> ContactSystem:
-        """Linear system of the nodes under pressure, and the estimated error of the pressure."""
-        level, unit = iterate.level, self._unit
-        operators = self._inner.operators(iterate.nodes, before)
+        """Linear system of the elastic nodes, and the estimated error of the pressure."""
+        elastic, plastic = iterate.elastic_and_plastic(control.fixes_load)
+        level, unit = iterate.level[elastic], self._unit
+        operators = self._inner.operators(iterate.nodes[elastic], before)
         approach = control.value - iterate.problem.datum
         if control.fixes_load:
             approach = float(level[0])
@@ -94,12 +101,12 @@ class Assembler:
         system = System(operators, residual, operators.precondition(residual), control.fixes_load)
         # A correction moves no node upward by much more than the contact nodes are to move.
         bound = approach + 1.25 * unit * max(0.0, -float(residual.min(initial=0)))
-        nodes, free_level = iterate.free_nodes_below(bound)
-        error, rounding = self._error(iterate, system, free_level, approach)
-        return ContactSystem(system, approach, error, rounding, bound, nodes, free_level)
+        held = iterate.held_nodes(bound, plastic)
+        error, rounding = self._error(iterate, system, held, approach)
+        return ContactSystem(system, elastic, plastic, approach, error, rounding, bound, held)
 
     def _error(
-        self, iterate: Iterate, system: System, free_level: Array, approach: float
+        self, iterate: Iterate, system: System, held: HeldNodes, approach: float
     ) -> tuple[float, float]:
         """Estimated error of the pressure, and the part of it that is rounding, relative to its norm."""
         operators, threads = system.operators, self._threads
@@ -108,12 +115,12 @@ class Assembler:
         if system.has_free_approach:
             shift = total(added, threads, system.preconditioned) / operators.uniform_sum
         corrected = total(_projected_square, threads, system.preconditioned, operators.uniform, shift)
-        penetration = np.maximum(approach - free_level.astype(float), 0) / self._unit
+        penetration = np.maximum(held.side * (approach - held.level.astype(float)), 0) / self._unit
         error = math.hypot(math.sqrt(corrected), float(np.linalg.norm(penetration)))
         if self._stiffness is not None:
             error = max(error, self._response_of_layer(iterate, system))
         # Fewer gaps than contact nodes are uncertain if one of them is fixed by the approach.
-        uncertain = max(iterate.nodes.size - system.fixed_load, 0)
+        uncertain = max(operators.nodes.size - system.fixed_load, 0)
         rounding = self._rounding(iterate) * math.sqrt(uncertain)
         error = max(error, rounding)
         return (error / norm, rounding / norm) if norm else (math.inf if error else 0.0, 0.0)
@@ -130,7 +137,7 @@ class Assembler:
 
     def _response_of_layer(self, iterate: Iterate, system: System) -> float:
         """Norm of the pressure with which the whole layer would remove the residual of the contact nodes."""
-        fourier, grid, nodes = iterate.problem.fourier, iterate.problem.grid, iterate.nodes
+        fourier, grid, nodes = iterate.problem.fourier, iterate.problem.grid, system.operators.nodes
         overlap = np.zeros(grid.size, fourier.real)
         overlap[nodes] = system.residual
         coefficients = fourier.forward(overlap.reshape(grid.shape)) * self._stiffness

@@ -5,9 +5,10 @@ The loop over the iterates is in `asperity.contact.active_set.outer_loop`.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -30,17 +31,20 @@ class Pressure:
         Non-negative.
     load : float
         Mean pressure to which they are scaled at a given load.
+    reached_hardness : bool
+        True if one was at the hardness in an iterate before.
     """
 
     nodes: Array
     values: Array
     load: float
+    reached_hardness: bool = False
 
     @classmethod
-    def of_field(cls, field: Array, load: float) -> Pressure:
+    def of_field(cls, field: Array, load: float, reached_hardness: bool = False) -> Pressure:
         """The positive values of a field [y, x]."""
         nodes = np.flatnonzero(field > 0).astype(np.uint32)
-        return cls(nodes, field.reshape(-1)[nodes], load)
+        return cls(nodes, field.reshape(-1)[nodes], load, reached_hardness)
 
 
 @dataclass(frozen=True)
@@ -53,7 +57,7 @@ class Iterate:
     nodes : (count,) array of unsigned integers
         Sorted indices in the flattened grid.
     pressure : (count,) array
-    load : float
+    load, reached_hardness
         As in `Pressure`.
     level : (count,) array
         h + u of the nodes: the approach at which a node just touches.
@@ -66,6 +70,7 @@ class Iterate:
     load: float
     level: Array
     displacement: Array
+    reached_hardness: bool
 
     def without_free_nodes(self) -> Iterate:
         """The same without the nodes that bear no pressure."""
@@ -74,7 +79,32 @@ class Iterate:
             return self
         return replace(self, nodes=self.nodes[left], pressure=self.pressure[left], level=self.level[left])
 
-    def free_nodes_below(self, bound: float) -> tuple[Array, Array]:
+    def elastic_and_plastic(self, fixed_load: bool) -> tuple[Array | slice, Array]:
+        """Indices in `nodes` of pressures below the hardness, and of those at it.
+
+        At a given load one node has to fix the approach: the plastic one with the least overlap, if all are
+        plastic.
+        """
+        if not self.reached_hardness:
+            return slice(None), np.empty(0, np.int64)
+        plastic = self.pressure >= self.problem.hardness
+        if fixed_load and plastic.all():
+            plastic[np.argmax(self.level)] = False
+        return np.flatnonzero(~plastic), np.flatnonzero(plastic)
+
+    def held_nodes(self, bound: float, plastic: Array) -> HeldNodes:
+        """Nodes out of contact with a level below a bound, and the plastic ones."""
+        nodes, level = self._free_nodes_below(bound)
+        side = np.ones(nodes.size + plastic.size, np.float32)
+        if not plastic.size:
+            return HeldNodes(nodes, level, side)
+        side[nodes.size :] = -1
+        nodes = np.concatenate((nodes, self.nodes[plastic]))
+        order = np.argsort(nodes)
+        level = np.concatenate((level, self.level[plastic]))
+        return HeldNodes(nodes[order], level[order], side[order])
+
+    def _free_nodes_below(self, bound: float) -> tuple[Array, Array]:
         """Sorted nodes out of contact with a level below a bound, and their levels."""
         height, displacement = self.problem.height.reshape(-1), self.displacement.reshape(-1)
         real_bound = height.dtype.type(bound)
@@ -108,21 +138,49 @@ class Iterate:
         out = self.problem.response.interpolated(field, finer.response)
         threads = finer.fourier.threads
         apply(_subtract_gap, threads, finer.height.reshape(-1), level, stiffness, out.reshape(-1))
-        return Pressure.of_field(out, load)
+        return Pressure.of_field(out, load, self.reached_hardness)
+
+
+class HeldNodes(NamedTuple):
+    """Nodes whose pressure is at its lower bound, zero, or at its upper bound, the hardness.
+
+    Parameters
+    ----------
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened grid.
+    level : (count,) array
+        As in `Iterate`.
+    side : (count,) array
+        1 at zero pressure, −1 at the hardness. Overlap × side > 0 is against the conditions of contact.
+    """
+
+    nodes: Array
+    level: Array
+    side: Array
 
 
 def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
     """Iterate of a pressure, after scaling it to its load, or to the least energy at a given approach.
 
-    At a given load, the node that touches first bears a pressure that has vanished everywhere.
+    At a given load, the node that touches first bears a pressure that has vanished everywhere. No pressure
+    exceeds the hardness.
     """
     nodes, values = start.nodes, start.values.astype(problem.fourier.real, copy=False)
+    hardness, reached = problem.hardness, start.reached_hardness
+    is_plastic = False
+    if hardness < math.inf and values.size:
+        plastic = start.values >= start.values.dtype.type(hardness)
+        is_plastic = bool(plastic.any())
+        values = np.where(plastic, values.dtype.type(hardness), values)
     if control.fixes_load:
         mean = total(added, problem.fourier.threads, values) / problem.grid.size
         if not mean > 0:
             nodes = np.array([np.argmin(problem.height)], np.uint32)
             values, mean = np.ones(1, values.dtype), 1 / problem.grid.size
-        values = values * (start.load / mean)
+        scaled = values * (start.load / mean)
+        if is_plastic or (hardness < math.inf and scaled.max() > hardness):
+            nodes, scaled = with_load(problem, nodes, values, start.load)
+        values = scaled
     field = field_of(problem.grid.shape, nodes, values, problem.fourier.threads)
     displacement = problem.response.displacement(field, field)
     if not control.fixes_load:
@@ -130,15 +188,54 @@ def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
         overlap = control.value - problem.datum - problem.height.reshape(-1)[nodes]
         work = float(pressure @ overlap)
         energy = float(pressure @ displacement.reshape(-1)[nodes])
-        if work > 0 and energy > 0:
-            values = values * (work / energy)
-            displacement *= work / energy
+        if work > 0 and energy > 0 and not is_plastic:
+            factor = min(work / energy, hardness / values.max())
+            values = values * factor
+            displacement *= factor
     level = np.empty_like(values)
     fields = problem.height.reshape(-1), displacement.reshape(-1)
     in_parts(
         lambda part: _write_levels(*fields, nodes[part], level[part]), nodes.size, problem.fourier.threads
     )
-    return Iterate(problem, nodes, values, start.load, level, displacement)
+    if hardness < math.inf and values.size:
+        reached |= is_plastic or bool(values.max() >= hardness)
+    return Iterate(problem, nodes, values, start.load, level, displacement, reached)
+
+
+def with_load(problem: Problem, nodes: Array, values: Array, load: float) -> tuple[Array, Array]:
+    """Pressures of a given mean, none above the hardness.
+
+    Those below the hardness are scaled. If that does not suffice, all are raised by the same amount, and if
+    the nodes cannot bear the load at the hardness, the lowest of the surface are added.
+    """
+    hardness, wanted = problem.hardness, float(load) * problem.grid.size
+    missing = math.ceil(wanted / hardness * (1 - 4 * float(np.finfo(values.dtype).eps))) - nodes.size
+    if missing > 0:
+        heights = problem.height.reshape(-1).copy()
+        heights[nodes] = np.inf
+        others = np.argpartition(heights, missing - 1)[:missing].astype(nodes.dtype)
+        nodes, values = np.concatenate((nodes, others)), np.concatenate((values, np.zeros(missing, values.dtype)))
+        order = np.argsort(nodes)
+        nodes, values = nodes[order], values[order]
+    plastic = values >= hardness
+    while True:
+        left = wanted - hardness * int(np.count_nonzero(plastic))
+        elastic = float(values[~plastic].sum(dtype=float))
+        if not (left > 0 and elastic > 0):
+            break
+        scaled = np.where(plastic, values.dtype.type(hardness), values * (left / elastic))
+        beyond = scaled > hardness
+        if not beyond.any():
+            return nodes, scaled
+        plastic |= beyond
+    low, high = -hardness, hardness
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if np.clip(values + middle, 0, hardness).sum(dtype=float) < wanted:
+            low = middle
+        else:
+            high = middle
+    return nodes, np.clip(values + high, 0, hardness).astype(values.dtype)
 
 
 @compiled

@@ -52,7 +52,8 @@ def solve(
     ConvergenceError
         If the outer loop on the finest grid gives up.
     """
-    tiny = control.kind == "mean_pressure" and control.value < SMALLEST_SINGLE_LOAD
+    load = control.value if control.kind == "mean_pressure" else math.inf
+    tiny = min(load, problem.hardness) < SMALLEST_SINGLE_LOAD
     problems = [problem]
     if not tiny and problem.height.dtype == np.float64:
         problems = [problem.in_single_precision(), problem]
@@ -80,6 +81,7 @@ def solve(
         system.error,
         iterations,
         iterate.displacement,
+        iterate.reached_hardness,
     )
 
 
@@ -102,15 +104,17 @@ def first_guess(problem: Problem, control: Control) -> Pressure:
 
     The factor is the stiffness of the longest wave of the cell. At an imposed approach the pressure is zero.
     """
-    height, load = problem.height, math.nan
+    height, hardness, load = problem.height, problem.hardness, math.nan
     stiffness = problem.response.solid.effective_modulus * 2 * math.pi / max(problem.grid.length)
     if control.kind == "approach":
         pressure = np.zeros_like(height)
     elif control.kind == "mean_pressure":
         load = control.value
-        pressure = np.maximum(_level_of_load(height, load, stiffness) - height, 0) * stiffness
+        level = _level_of_load(height, load, stiffness, hardness)
+        pressure = np.minimum(np.maximum(level - height, 0) * stiffness, hardness)
     else:
-        pressure = np.maximum(_level_of_area(height, control.value) - height, 0) * stiffness
+        level = _level_of_area(height, control.value)
+        pressure = np.minimum(np.maximum(level - height, 0) * stiffness, hardness)
         if not pressure.any():
             pressure[:] = stiffness * min(problem.grid.spacing) * 1e-3
         load = float(pressure.mean(dtype=float))
@@ -123,13 +127,13 @@ def _level_of_area(height: Array, area_fraction: float) -> float:
     return float(max(np.quantile(height, fraction), height.min() + 1e-3 * np.std(height, dtype=float)))
 
 
-def _level_of_load(height: Array, mean_pressure: float, stiffness: float) -> float:
-    """Level at which the overlap times a stiffness has a given mean, by bisection."""
+def _level_of_load(height: Array, mean_pressure: float, stiffness: float, hardness: float) -> float:
+    """Level at which the overlap times a stiffness, at most the hardness, has a given mean, by bisection."""
     low = float(height.min())
     high = float(height.max()) + mean_pressure / stiffness
     for _ in range(60):
         level = 0.5 * (low + high)
-        if np.maximum(level - height, 0).mean() * stiffness > mean_pressure:
+        if np.clip(level - height, 0, hardness / stiffness).mean() * stiffness > mean_pressure:
             high = level
         else:
             low = level

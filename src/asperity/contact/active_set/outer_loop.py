@@ -1,15 +1,16 @@
-"""The outer loop of the fast solver: an active-set method for pressures that are not negative.
+"""The outer loop of the fast solver: an active-set method for pressures between zero and the hardness.
 
-The pressure p ≥ 0 minimises the energy ½ p·G p + p·(h − δ), with the compliance G, over all p at an approach
-δ, or over those of a given mean. One step of the loop
+The pressure 0 ≤ p ≤ H minimises the energy ½ p·G p + p·(h − δ), with the compliance G, over all p at an
+approach δ, or over those of a given mean. The hardness H is infinite in an elastic contact. Contact nodes below
+it are *elastic*, those at it *plastic*. One step of the loop
 
 1. evaluates the gap in the precision of the fields, and shortens the step to where the energy is least,
-2. assembles the linear system of the *contact nodes*, those with p > 0, and estimates the error of p from it,
+2. assembles the linear system of the elastic nodes, those with 0 < p < H, and estimates the error of p from it,
 3. solves the system approximately by conjugate gradients (`asperity.contact.active_set.inner_solve`),
 4. adds to the correction a change of the load, if an area is imposed and the correction would miss it
    (`asperity.contact.active_set.area`),
-5. adds the correction: nodes that it would make penetrate enter the contact, and nodes in tension are
-   released (`asperity.contact.active_set.step`).
+5. adds the correction: nodes that it would make penetrate enter the contact, nodes in tension are released,
+   those above H become plastic, and plastic ones with a gap elastic (`asperity.contact.active_set.step`).
 
 It is kin to the conjugate gradients of Polonsky & Keer (1999, 10.1016/S0043-1648(99)00113-1), which change
 the set of contact nodes in every iteration, to the bound-constrained conjugate gradients of Vollebregt (2014,
@@ -130,7 +131,7 @@ def iterate_on(
         misses = area is not None and area.misses(iterate.nodes.size)
         if converged and not misses:
             balance, work = None, 0
-            if not control.fixes_load and iterate.nodes.size:
+            if not control.fixes_load and system.linear.operators.nodes.size:
                 # Both errors add up.
                 balance, work = balanced(iterate, system, inner, 0.5 * rule.tolerance)
             iterations += work

@@ -1,8 +1,8 @@
-"""One step of the outer loop: nodes enter and leave the contact, and the energy does not grow.
+"""One step of the outer loop: nodes enter and leave the contact or yield, and the energy does not grow.
 
 Nodes that enter the contact are chosen by the gap to which a correction leads, before nodes in tension are
 released: afterwards the pressure is out of equilibrium, and nodes around every patch that lost tension seem
-to penetrate.
+to penetrate. Plastic nodes whose gap the correction opens are chosen likewise: their pressure falls.
 
 Adding nodes to the contact and releasing nodes in tension can raise the energy, which a correction on a fixed
 set of contact nodes cannot. The iterates before and after are both admissible (no tension), and so are those
@@ -37,21 +37,28 @@ MAX_TRIALS = 10
 
 @dataclass(frozen=True)
 class EntryCandidates:
-    """Nodes out of contact whose gap a correction may close.
+    """Nodes out of contact whose gap a correction may close, and plastic ones whose gap it may open.
 
     Attributes
     ----------
-    nodes : (count,) array of unsigned integers
-        Sorted indices in the flattened grid.
-    level : (count,) array
-        h + u before the correction: the approach at which a node just touches.
+    held : HeldNodes
+        Their levels are those before the correction.
     overlap : (count,) array
-        δ − (h + u) after the correction, in units of `Problem.unit`; nodes enter where it is positive.
+        δ − (h + u) after the correction, in units of `Problem.unit`.
     """
 
-    nodes: Array
-    level: Array
+    held: HeldNodes
     overlap: Array
+
+    @property
+    def change(self) -> Array:
+        """True where a node enters the contact, or a plastic one becomes elastic."""
+        return self.held.side * self.overlap > 0
+
+    @property
+    def enter(self) -> Array:
+        """True where a node enters the contact."""
+        return self.change & (self.held.side > 0)
 
     @classmethod
     def after(
@@ -61,13 +68,11 @@ class EntryCandidates:
         unit, approach = iterate.problem.unit, system.approach + correction.approach
         # No node moves upward by more than the contact nodes do, which the pressure displaces.
         bound = approach + unit * max(0.0, -float(correction.displacement.min(initial=0))) + further
-        nodes, level = system.free_nodes, system.free_level
-        if bound > system.bound:
-            nodes, level = iterate.free_nodes_below(bound)
-        overlap = np.empty(level.size, np.float32)
-        write_overlap(level, approach, unit, overlap)
-        overlap -= system.linear.operators.displacement(correction.pressure, nodes)
-        return cls(nodes, level, overlap)
+        held = system.held if bound <= system.bound else iterate.held_nodes(bound, system.plastic)
+        overlap = np.empty(held.level.size, np.float32)
+        write_overlap(held.level, approach, unit, overlap)
+        overlap -= system.linear.operators.displacement(correction.pressure, held.nodes)
+        return cls(held, overlap)
 
 
 @dataclass(frozen=True)
@@ -79,44 +84,60 @@ class Step:
     nodes, pressure, level : (count,) arrays
         Before the step.
     change : (count,) array
-        Change of the pressure; a node enters with the pressure overlap / nodal compliance.
-    enters : (count,) array
-        True for nodes that enter.
-    approach : float
+        Change of the pressure; that of a node that enters, or is plastic no longer, is overlap / nodal
+        compliance.
+    changes_state : (count,) array
+        True for these nodes.
+    approach, hardness : float
+    reached_hardness : bool
+        As in `Pressure`.
     """
 
     nodes: Array
     pressure: Array
     level: Array
     change: Array
-    enters: Array
+    changes_state: Array
     approach: float
+    hardness: float
+    reached_hardness: bool
 
     @classmethod
     def of(
         cls, iterate: Iterate, system: ContactSystem, correction: Correction, entering: EntryCandidates
     ) -> Step:
         """The step that a correction leads to."""
-        enter, real = entering.overlap > 0, iterate.pressure.dtype
-        new = entering.nodes[enter]
+        enter, real, held = entering.enter, iterate.pressure.dtype, entering.held
+        new = held.nodes[enter]
         indices = np.searchsorted(iterate.nodes, new) + np.arange(new.size)
-        enters = np.zeros(iterate.nodes.size + new.size, np.bool_)
-        enters[indices] = True
+        changes_state = np.zeros(iterate.nodes.size + new.size, np.bool_)
+        changes_state[indices] = True
+        change = correction.pressure.astype(real)
+        if system.plastic.size:
+            change = np.zeros(iterate.nodes.size, real)
+            change[system.elastic] = correction.pressure
+            overlap, relieved = entering.overlap[held.side < 0], entering.change[held.side < 0]
+            change[system.plastic[relieved]] = overlap[relieved]
+        nodes = _inserted(indices, iterate.nodes, new)
+        changes_state[np.searchsorted(nodes, held.nodes[entering.change & ~enter])] = True
         return cls(
-            _inserted(indices, iterate.nodes, new),
+            nodes,
             _inserted(indices, iterate.pressure, np.zeros(new.size, real)),
-            _inserted(indices, iterate.level, entering.level[enter]),
-            _inserted(indices, correction.pressure.astype(real), entering.overlap[enter].astype(real)),
-            enters,
+            _inserted(indices, iterate.level, held.level[enter]),
+            _inserted(indices, change, entering.overlap[enter].astype(real)),
+            changes_state,
             system.approach,
+            iterate.problem.hardness,
+            iterate.reached_hardness,
         )
 
-    def pressure_after(self, fraction: float, load: float, enter: bool = True) -> Pressure:
-        """Pressure after a fraction of the correction, with nodes that enter or without."""
+    def pressure_after(self, fraction: float, load: float, change_state: bool = True) -> Pressure:
+        """Pressure after a fraction of the correction, with nodes that change their state or without."""
         out = np.empty_like(self.pressure)
         real = out.dtype.type
-        _add_and_release(self.pressure, self.change, self.enters, real(fraction), real(enter), out)
-        return Pressure(self.nodes, out, load)
+        factors = real(fraction), real(change_state), real(self.hardness)
+        _add_and_bound(self.pressure, self.change, self.changes_state, *factors, out)
+        return Pressure(self.nodes, out, load, self.reached_hardness)
 
     def fraction_of_least_energy(self, after: Iterate) -> float:
         """Fraction of the step to an iterate at which the energy is least."""
@@ -150,11 +171,11 @@ def taken(
     fraction, evaluations = step.fraction_of_least_energy(iterate), 1
     while fraction == 0 and evaluations <= MAX_TRIALS:
         length /= SHORTENING
-        iterate = evaluate(problem, control, step.pressure_after(length, load, enter=False))
+        iterate = evaluate(problem, control, step.pressure_after(length, load, change_state=False))
         fraction, evaluations = step.fraction_of_least_energy(iterate), evaluations + 1
     if fraction < WHOLE_STEP:
         between = step.pressure + fraction * (iterate.pressure - step.pressure)
-        iterate = evaluate(problem, control, Pressure(step.nodes, between, load))
+        iterate = evaluate(problem, control, Pressure(step.nodes, between, load, iterate.reached_hardness))
         evaluations += 1
     if fraction < 0.1:
         return iterate, length / SHORTENING, evaluations
@@ -177,13 +198,16 @@ def _inserted(indices: Any, values: Any, others: Any) -> Any:
 
 
 @compiled
-def _add_and_release(pressure: Any, change: Any, enters: Any, fraction: Any, enter: Any, out: Any) -> None:
-    """Write the pressure with a fraction of a change added; nodes in tension are released, to zero pressure.
+def _add_and_bound(
+    pressure: Any, change: Any, changes_state: Any, fraction: Any, other: Any, hardness: Any, out: Any
+) -> None:
+    """Write the pressure with a fraction of a change added, bounded by zero and the hardness.
 
-    For nodes that enter the fraction is `enter` instead.
+    For nodes that change their state the fraction is `other` instead.
     """
     for k in range(pressure.size):
-        out[k] = max(pressure[k] + (enter if enters[k] else fraction) * change[k], 0.0)
+        value = max(pressure[k] + (other if changes_state[k] else fraction) * change[k], 0.0)
+        out[k] = min(value, hardness)
 
 
 @sums
