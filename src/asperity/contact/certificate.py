@@ -254,7 +254,7 @@ def _measures_of_contact(pressure: Any, gap: Any, hardness: float) -> tuple[floa
     do not count as gaps.
     """
     least, largest = pressure[0], pressure[0]
-    least_gap, contact_gap = gap[0], 0.0
+    least_gap, contact_gap = np.inf, 0.0
     total, total_gap, work, support = 0.0, 0.0, 0.0, 0.0
     for i in range(pressure.size):
         p, g = pressure[i], gap[i]

@@ -165,11 +165,21 @@ def extended(
     shortest = area.resolution if converged else max(area.resolution, 0.02 / area.target)
     factor = _change_to(area.target, edges, -down, up, shortest * load / slope)
     factor = min(max(factor, -up), up)
+    new_load = load + factor * slope
+    if system.plastic.size and factor:
+        # Nodes that enter bear much of the load if the elastic ones are few.
+        hardness = iterate.problem.hardness
+        overlap = near_nodes.held.side * (near_nodes.overlap + np.float32(factor) * rate)
+        borne = np.clip(after + np.float32(factor) * tangent.pressure, 0, hardness).sum(dtype=float)
+        borne += np.clip(overlap, 0, hardness)[closing].sum(dtype=float)
+        borne += (hardness - np.clip(overlap, 0, hardness)[~closing]).sum(dtype=float)
+        change = borne / iterate.problem.grid.size - load
+        new_load = load + min(max(change, -MAX_LOAD_CHANGE * load), MAX_LOAD_CHANGE * load)
     if converged:
-        new_load = area.bracketed(load, iterate.nodes.size, load + factor * slope)
+        guess, new_load = new_load, area.bracketed(load, iterate.nodes.size, new_load)
         if new_load is None:
             return None
-        factor = (new_load - load) / slope
+        factor = factor * (new_load - load) / (guess - load) if system.plastic.size else (new_load - load) / slope
     moved = Correction(
         correction.pressure + np.float32(factor) * tangent.pressure,
         correction.displacement + np.float32(factor) * tangent.displacement,
@@ -177,7 +187,7 @@ def extended(
         correction.iterations + tangent.iterations,
     )
     overlap = near_nodes.overlap + np.float32(factor) * rate
-    return moved, replace(near_nodes, overlap=overlap), load + factor * slope
+    return moved, replace(near_nodes, overlap=overlap), load + factor * slope if not system.plastic.size else new_load
 
 
 def _tangent(iterate: Iterate, system: ContactSystem, inner: InnerSolver) -> Correction:

@@ -127,14 +127,18 @@ class Iterate:
         """Start for a finer grid: the interpolated pressure less the interpolated gap / nodal compliance.
 
         Outside the contact, where an interpolated pressure may not vanish, the gap is positive: subtracting
-        it before negative values are set to zero keeps those nodes free. The gap that is left at contact
+        it before negative values are set to zero keeps those nodes free. The gap that is left at elastic
         nodes is not subtracted: where it varies over long distances, it stands for a far smaller pressure.
+        The overlap of plastic nodes is added, which keeps them at the hardness.
         """
         real = finer.height.dtype.type
         stiffness, level = real(1 / finer.unit), real(approach)
         field = self.displacement * -stiffness
-        heights = self.problem.height.reshape(-1)[self.nodes]
-        field.reshape(-1)[self.nodes] = self.pressure - stiffness * (level - heights)
+        displaced = level - self.problem.height.reshape(-1)[self.nodes]
+        if self.reached_hardness:
+            plastic = self.pressure >= self.problem.hardness
+            displaced[plastic] = self.displacement.reshape(-1)[self.nodes[plastic]]
+        field.reshape(-1)[self.nodes] = self.pressure - stiffness * displaced
         out = self.problem.response.interpolated(field, finer.response)
         threads = finer.fourier.threads
         apply(_subtract_gap, threads, finer.height.reshape(-1), level, stiffness, out.reshape(-1))
