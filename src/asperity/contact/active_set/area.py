@@ -179,7 +179,9 @@ def extended(
         guess, new_load = new_load, area.bracketed(load, iterate.nodes.size, new_load)
         if new_load is None:
             return None
-        factor = factor * (new_load - load) / (guess - load) if system.plastic.size else (new_load - load) / slope
+        factor = (
+            factor * (new_load - load) / (guess - load) if system.plastic.size else (new_load - load) / slope
+        )
     moved = Correction(
         correction.pressure + np.float32(factor) * tangent.pressure,
         correction.displacement + np.float32(factor) * tangent.displacement,
@@ -187,7 +189,11 @@ def extended(
         correction.iterations + tangent.iterations,
     )
     overlap = near_nodes.overlap + np.float32(factor) * rate
-    return moved, replace(near_nodes, overlap=overlap), load + factor * slope if not system.plastic.size else new_load
+    return (
+        moved,
+        replace(near_nodes, overlap=overlap),
+        load + factor * slope if not system.plastic.size else new_load,
+    )
 
 
 def _tangent(iterate: Iterate, system: ContactSystem, inner: InnerSolver) -> Correction:

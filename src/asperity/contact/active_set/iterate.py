@@ -19,9 +19,15 @@ from asperity.core.parallel import STRIP, apply, in_parts, results_of, total
 from asperity.core.types import Array
 
 
+# Pressure of nodes that bear none, over the hardness, when the others cannot bear the load: any small number.
+LIGHT = 1e-6
+
+
 @dataclass(frozen=True)
 class Pressure:
     """Pressures on a few nodes, zero on all others.
+
+    Those of plastic nodes may exceed the hardness, by what their overlap stands for.
 
     Attributes
     ----------
@@ -175,7 +181,8 @@ def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
     if hardness < math.inf and values.size:
         plastic = start.values >= start.values.dtype.type(hardness)
         is_plastic = bool(plastic.any())
-        values = np.where(plastic, values.dtype.type(hardness), values)
+        bounded = np.where(plastic, values.dtype.type(hardness), values)
+        values = np.maximum(values, bounded) if control.fixes_load else bounded
     if control.fixes_load:
         mean = total(added, problem.fourier.threads, values) / problem.grid.size
         if not mean > 0:
@@ -207,39 +214,29 @@ def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
 
 
 def with_load(problem: Problem, nodes: Array, values: Array, load: float) -> tuple[Array, Array]:
-    """Pressures of a given mean, none above the hardness.
+    """Nodes and pressures of a given mean: multiples of values, none above the hardness.
 
-    Those below the hardness are scaled. If that does not suffice, all are raised by the same amount, and if
-    the nodes cannot bear the load at the hardness, the lowest of the surface are added.
+    Nodes without pressure, and then the lowest of the surface, bear what the others cannot at the hardness.
     """
     hardness, wanted = problem.hardness, float(load) * problem.grid.size
-    missing = math.ceil(wanted / hardness * (1 - 4 * float(np.finfo(values.dtype).eps))) - nodes.size
-    if missing > 0:
-        heights = problem.height.reshape(-1).copy()
-        heights[nodes] = np.inf
-        others = np.argpartition(heights, missing - 1)[:missing].astype(nodes.dtype)
-        nodes, values = np.concatenate((nodes, others)), np.concatenate((values, np.zeros(missing, values.dtype)))
-        order = np.argsort(nodes)
-        nodes, values = nodes[order], values[order]
-    plastic = values >= hardness
-    while True:
-        left = wanted - hardness * int(np.count_nonzero(plastic))
-        elastic = float(values[~plastic].sum(dtype=float))
-        if not (left > 0 and elastic > 0):
-            break
-        scaled = np.where(plastic, values.dtype.type(hardness), values * (left / elastic))
-        beyond = scaled > hardness
-        if not beyond.any():
-            return nodes, scaled
-        plastic |= beyond
-    low, high = -hardness, hardness
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if np.clip(values + middle, 0, hardness).sum(dtype=float) < wanted:
-            low = middle
-        else:
-            high = middle
-    return nodes, np.clip(values + high, 0, hardness).astype(values.dtype)
+    rounding = 4 * float(np.finfo(values.dtype).eps)
+    needed = math.ceil(wanted / hardness * (1 - rounding))
+    if needed > np.count_nonzero(values):
+        values = np.where(values > 0, values, values.dtype.type(LIGHT * hardness))
+        more = needed - nodes.size
+        if more > 0:
+            heights = problem.height.reshape(-1).copy()
+            heights[nodes] = np.inf
+            others = np.argpartition(heights, more - 1)[:more].astype(nodes.dtype)
+            order = np.argsort(np.concatenate((nodes, others)))
+            nodes = np.concatenate((nodes, others))[order]
+            values = np.concatenate((values, np.full(more, LIGHT * hardness, values.dtype)))[order]
+    falling = -np.sort(-values[values > 0].astype(float))
+    left = wanted - hardness * np.arange(falling.size)
+    factors = left / np.cumsum(falling[::-1])[::-1]
+    fits = factors * falling <= hardness * (1 + rounding)
+    scaled = values * float(factors[fits.argmax()] if fits.any() else math.inf)
+    return nodes, np.where(scaled < hardness * (1 - rounding), scaled, values.dtype.type(hardness))
 
 
 @compiled

@@ -88,7 +88,9 @@ class Step:
         compliance.
     changes_state : (count,) array
         True for these nodes.
-    approach, hardness : float
+    excess : (count,) array or 0
+        Overlap / nodal compliance of the nodes that stay plastic.
+    approach : float
     reached_hardness : bool
         As in `Pressure`.
     """
@@ -98,8 +100,8 @@ class Step:
     level: Array
     change: Array
     changes_state: Array
+    excess: Array | int
     approach: float
-    hardness: float
     reached_hardness: bool
 
     @classmethod
@@ -112,22 +114,24 @@ class Step:
         indices = np.searchsorted(iterate.nodes, new) + np.arange(new.size)
         changes_state = np.zeros(iterate.nodes.size + new.size, np.bool_)
         changes_state[indices] = True
-        change = correction.pressure.astype(real)
-        if system.plastic.size:
-            change = np.zeros(iterate.nodes.size, real)
-            change[system.elastic] = correction.pressure
-            overlap, relieved = entering.overlap[held.side < 0], entering.change[held.side < 0]
-            change[system.plastic[relieved]] = overlap[relieved]
         nodes = _inserted(indices, iterate.nodes, new)
-        changes_state[np.searchsorted(nodes, held.nodes[entering.change & ~enter])] = True
+        change, excess = correction.pressure.astype(real), 0
+        if system.plastic.size:
+            change, excess = np.zeros(iterate.nodes.size, real), np.zeros(nodes.size, real)
+            change[system.elastic] = correction.pressure
+            at_hardness = held.side < 0
+            overlap, plastic = entering.overlap[at_hardness], np.searchsorted(nodes, held.nodes[at_hardness])
+            change[system.plastic] = np.minimum(overlap, 0)
+            excess[plastic] = np.maximum(overlap, 0)
+            changes_state[plastic] = overlap < 0
         return cls(
             nodes,
             _inserted(indices, iterate.pressure, np.zeros(new.size, real)),
             _inserted(indices, iterate.level, held.level[enter]),
             _inserted(indices, change, entering.overlap[enter].astype(real)),
             changes_state,
+            excess,
             system.approach,
-            iterate.problem.hardness,
             iterate.reached_hardness,
         )
 
@@ -135,8 +139,9 @@ class Step:
         """Pressure after a fraction of the correction, with nodes that change their state or without."""
         out = np.empty_like(self.pressure)
         real = out.dtype.type
-        factors = real(fraction), real(change_state), real(self.hardness)
-        _add_and_bound(self.pressure, self.change, self.changes_state, *factors, out)
+        factors = real(fraction), real(change_state)
+        _add_and_release(self.pressure, self.change, self.changes_state, *factors, out)
+        out += self.excess
         return Pressure(self.nodes, out, load, self.reached_hardness)
 
     def fraction_of_least_energy(self, after: Iterate) -> float:
@@ -198,16 +203,15 @@ def _inserted(indices: Any, values: Any, others: Any) -> Any:
 
 
 @compiled
-def _add_and_bound(
-    pressure: Any, change: Any, changes_state: Any, fraction: Any, other: Any, hardness: Any, out: Any
+def _add_and_release(
+    pressure: Any, change: Any, changes_state: Any, fraction: Any, other: Any, out: Any
 ) -> None:
-    """Write the pressure with a fraction of a change added, bounded by zero and the hardness.
+    """Write the pressure with a fraction of a change added; nodes in tension are released, to zero pressure.
 
     For nodes that change their state the fraction is `other` instead.
     """
     for k in range(pressure.size):
-        value = max(pressure[k] + (other if changes_state[k] else fraction) * change[k], 0.0)
-        out[k] = min(value, hardness)
+        out[k] = max(pressure[k] + (other if changes_state[k] else fraction) * change[k], 0.0)
 
 
 @sums
