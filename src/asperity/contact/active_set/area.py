@@ -173,7 +173,7 @@ def extended(
         borne = np.clip(after + np.float32(factor) * tangent.pressure, 0, hardness).sum(dtype=float)
         borne += np.clip(overlap, 0, hardness)[closing].sum(dtype=float)
         borne += (hardness - np.clip(overlap, 0, hardness)[~closing]).sum(dtype=float)
-        change = borne / iterate.problem.grid.size - load
+        change = float(borne) / iterate.problem.grid.size - load
         new_load = load + min(max(change, -MAX_LOAD_CHANGE * load), MAX_LOAD_CHANGE * load)
     if converged:
         guess, new_load = new_load, area.bracketed(load, iterate.nodes.size, new_load)
