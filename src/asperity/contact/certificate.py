@@ -1,8 +1,8 @@
 """Certificate of a solution: violations of the conditions of contact, evaluated from the pressure alone.
 
 A solution has p ≥ 0, g = h + u − δ ≥ 0 and p g = 0 at every node, where u is the displacement of the solid
-under p. With a hardness H, p ≤ H, and the bodies overlap, g ≤ 0, only where p = H. `verify_contact` evaluates u anew in double precision, so that the certificate does not depend on any
-intermediate result of a solver.
+under p. With a hardness H, p ≤ H, and the bodies overlap, g ≤ 0, only where p = H. `verify_contact` evaluates
+u anew in double precision, so that the certificate does not depend on any intermediate result of a solver.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Certificate:
     contact_gap : float
         Largest gap |g| where p > 0, and g > 0 where p is at the hardness.
     tension : float
-        Largest tension max(−p), or excess of the pressure over the hardness, relative to the largest pressure.
+        Largest tension max(−p), or excess over the hardness, relative to the largest pressure.
     load_imbalance : float
         Relative difference between the mean pressure and the one imposed; 0 if the load is not imposed.
     complementarity : float
@@ -250,8 +250,8 @@ def _squared_deviation(values: Any, mean: float) -> float:
 def _measures_of_contact(pressure: Any, gap: Any, hardness: float) -> tuple[float, ...]:
     """Least p, least g, largest p, largest |g| of the contact, Σ p, Σ g, and Σ p |g| and Σ p of the contact.
 
-    What is not a number in the fields makes Σ p or Σ g not a number either. Overlaps where p is at the hardness
-    do not count as gaps.
+    What is not a number in the fields makes Σ p or Σ g not a number either. Where p is at the hardness an
+    overlap counts as no gap.
     """
     least, largest = pressure[0], pressure[0]
     least_gap, contact_gap = np.inf, 0.0

@@ -62,8 +62,8 @@ class Contact:
     hardness : float
         Largest pressure, infinite in an elastic contact.
     plastic_depth : (ny, nx) array or None
-        Depth by which the surface is flattened where the pressure is the hardness, zero elsewhere: the overlap
-        of the bodies. The gap is that of the flattened surface. None in an elastic contact.
+        Depth by which the surface is flattened where the pressure is the hardness: the overlap of the bodies,
+        zero elsewhere. The gap is that of the flattened surface. None without a hardness.
     fft_engine : str
         Library of the Fourier transforms, its version and plans.
 

@@ -115,9 +115,9 @@ def solve(
         from the map; a periodic solid without uniform displacement, such as a half-space, has the mean plane
         of its deformed surface in place of it.
     hardness : float, optional
-        Largest pressure that the softer surface bears, in the unit of Young's modulus: where it is reached the
-        surface flows plastically, and the bodies overlap by the depth by which it is flattened. By default
-        the contact is elastic everywhere. With method "active_set".
+        Largest pressure that the softer surface bears, in the unit of Young's modulus. Where it is reached
+        that surface is flattened by the depth of the overlap. By default the contact is elastic everywhere.
+        Needs method "active_set".
     boundary : "periodic" | "free"
         "periodic": the map repeats in both directions. "free": nothing surrounds the map, whose solid is a
         half-space, or each of two bodies is one; each node is a rectangle under uniform pressure.
@@ -544,7 +544,7 @@ def _write_gap(height: Any, displacement: Any, approach: Any, out: Any) -> None:
 def _levels_of_contact(
     pressure: Any, height: Any, displacement: Any, hardness: Any
 ) -> tuple[float, int, int, float]:
-    """Sum of h + u over the elastic nodes, their number, that of contact nodes, and the sum of the pressure."""
+    """Sum of h + u over the elastic nodes, their number, that of contact nodes, and the sum of p."""
     total_level, elastic, count, total = 0.0, 0, 0, 0.0
     for i in range(pressure.size):
         total += np.float64(pressure[i])

@@ -21,6 +21,7 @@ from asperity.contact.active_set.assembly import ContactSystem
 from asperity.contact.active_set.inner_solve import Correction, InnerSolver
 from asperity.contact.active_set.iterate import Iterate
 from asperity.contact.active_set.step import EntryCandidates
+from asperity.contact.problem import Problem
 from asperity.core.types import Array
 
 # Contact nodes may differ from the number asked for by one half, or by this fraction of it.
@@ -167,21 +168,17 @@ def extended(
     factor = min(max(factor, -up), up)
     new_load = load + factor * slope
     if system.plastic.size and factor:
-        # Nodes that enter bear much of the load if the elastic ones are few.
-        hardness = iterate.problem.hardness
-        overlap = near_nodes.held.side * (near_nodes.overlap + np.float32(factor) * rate)
-        borne = np.clip(after + np.float32(factor) * tangent.pressure, 0, hardness).sum(dtype=float)
-        borne += np.clip(overlap, 0, hardness)[closing].sum(dtype=float)
-        borne += (hardness - np.clip(overlap, 0, hardness)[~closing]).sum(dtype=float)
-        change = float(borne) / iterate.problem.grid.size - load
-        new_load = load + min(max(change, -MAX_LOAD_CHANGE * load), MAX_LOAD_CHANGE * load)
-    if converged:
-        guess, new_load = new_load, area.bracketed(load, iterate.nodes.size, new_load)
-        if new_load is None:
-            return None
-        factor = (
-            factor * (new_load - load) / (guess - load) if system.plastic.size else (new_load - load) / slope
+        # Nodes that enter bear much of the load where few nodes are elastic.
+        borne = _borne(
+            after + np.float32(factor) * tangent.pressure, near_nodes, factor * rate, iterate.problem
         )
+        new_load = load + min(max(borne - load, -MAX_LOAD_CHANGE * load), MAX_LOAD_CHANGE * load)
+    if converged:
+        found = area.bracketed(load, iterate.nodes.size, new_load)
+        if found is None:
+            return None
+        per_load = factor / (new_load - load) if system.plastic.size and new_load != load else 1 / slope
+        factor, new_load = (found - load) * per_load, found
     moved = Correction(
         correction.pressure + np.float32(factor) * tangent.pressure,
         correction.displacement + np.float32(factor) * tangent.displacement,
@@ -189,11 +186,15 @@ def extended(
         correction.iterations + tangent.iterations,
     )
     overlap = near_nodes.overlap + np.float32(factor) * rate
-    return (
-        moved,
-        replace(near_nodes, overlap=overlap),
-        load + factor * slope if not system.plastic.size else new_load,
-    )
+    return moved, replace(near_nodes, overlap=overlap), new_load
+
+
+def _borne(elastic: Array, candidates: EntryCandidates, further: Array, problem: Problem) -> float:
+    """Mean pressure on elastic nodes, on nodes that enter, and on plastic ones, whose overlap grows further."""
+    plastic = candidates.held.side < 0
+    overlap = candidates.overlap + further + np.where(plastic, problem.hardness, 0)
+    pressure = np.clip(np.concatenate((elastic, overlap)), 0, problem.hardness)
+    return float(pressure.sum(dtype=float)) / problem.grid.size
 
 
 def _tangent(iterate: Iterate, system: ContactSystem, inner: InnerSolver) -> Correction:

@@ -3,8 +3,8 @@
 The solution p* of the contact problem and a pressure p differ by the pressure that removes what is wrong with
 p: the residual on the contact nodes, the penetration of nodes without pressure, and the gap of plastic nodes,
 those at the hardness. The error estimate is the norm of that pressure, as the preconditioner M gives it,
-relative to the norm of p; a node that penetrates counts with penetration / nodal compliance, and so does a gap
-of a plastic node. Two lower bounds hold it up:
+relative to the norm of p; a node that penetrates, or a plastic one with a gap, counts with that length over
+the nodal compliance. Two lower bounds hold it up:
 
 - A layer that is much stiffer than the half-space answers a residual by a much larger pressure than M, which
   is made for the half-space. There the norm of the pressure is used with which the whole layer, all nodes in

@@ -18,9 +18,9 @@ from asperity.core.compiled import compiled, makes_arrays
 from asperity.core.parallel import STRIP, apply, in_parts, results_of, total
 from asperity.core.types import Array
 
-
-# Pressure of nodes that bear none, over the hardness, when the others cannot bear the load: any small number.
-LIGHT = 1e-6
+# The amount by which the pressures change together is found by Newton's method, which takes a few steps.
+MAX_SHIFTS = 100
+LOAD_ROUNDING = 1e-14
 
 
 @dataclass(frozen=True)
@@ -214,29 +214,39 @@ def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
 
 
 def with_load(problem: Problem, nodes: Array, values: Array, load: float) -> tuple[Array, Array]:
-    """Nodes and pressures of a given mean: multiples of values, none above the hardness.
+    """Nodes and pressures of a given mean: values less a common amount, between zero and the hardness.
 
-    Nodes without pressure, and then the lowest of the surface, bear what the others cannot at the hardness.
+    A change of the approach does that to nodes far apart: the energy falls along the way. Nodes without
+    pressure, and then the lowest of the surface, bear what the others cannot at the hardness.
     """
     hardness, wanted = problem.hardness, float(load) * problem.grid.size
     rounding = 4 * float(np.finfo(values.dtype).eps)
     needed = math.ceil(wanted / hardness * (1 - rounding))
-    if needed > np.count_nonzero(values):
-        values = np.where(values > 0, values, values.dtype.type(LIGHT * hardness))
-        more = needed - nodes.size
-        if more > 0:
-            heights = problem.height.reshape(-1).copy()
-            heights[nodes] = np.inf
-            others = np.argpartition(heights, more - 1)[:more].astype(nodes.dtype)
-            order = np.argsort(np.concatenate((nodes, others)))
-            nodes = np.concatenate((nodes, others))[order]
-            values = np.concatenate((values, np.full(more, LIGHT * hardness, values.dtype)))[order]
-    falling = -np.sort(-values[values > 0].astype(float))
-    left = wanted - hardness * np.arange(falling.size)
-    factors = left / np.cumsum(falling[::-1])[::-1]
-    fits = factors * falling <= hardness * (1 + rounding)
-    scaled = values * float(factors[fits.argmax()] if fits.any() else math.inf)
-    return nodes, np.where(scaled < hardness * (1 - rounding), scaled, values.dtype.type(hardness))
+    if needed > nodes.size:
+        heights = problem.height.reshape(-1).copy()
+        heights[nodes] = np.inf
+        missing = needed - nodes.size
+        lowest = np.argpartition(heights, missing - 1)[:missing].astype(nodes.dtype)
+        order = np.argsort(np.concatenate((nodes, lowest)))
+        nodes = np.concatenate((nodes, lowest))[order]
+        values = np.concatenate((values, np.zeros(missing, values.dtype)))[order]
+    given, released = values.astype(float), values <= 0
+    if needed <= np.count_nonzero(values):
+        given[released] = -math.inf
+    low, high = float(given.min(where=given > -math.inf, initial=hardness)) - hardness, float(given.max())
+    shift, pressure = 0.0, np.clip(given, 0, hardness)
+    for _ in range(MAX_SHIFTS):
+        excess = float(pressure.sum()) - wanted
+        if abs(excess) <= LOAD_ROUNDING * wanted:
+            break
+        low, high = (shift, high) if excess > 0 else (low, shift)
+        elastic = np.count_nonzero((pressure > 0) & (pressure < hardness))
+        shift += excess / elastic if elastic else math.inf
+        if not low < shift < high:
+            shift = 0.5 * (low + high)
+        pressure = np.clip(given - shift, 0, hardness)
+    pressure = pressure.astype(values.dtype)
+    return nodes, np.where(pressure < hardness * (1 - rounding), pressure, values.dtype.type(hardness))
 
 
 @compiled

@@ -1,11 +1,11 @@
 """The outer loop of the fast solver: an active-set method for pressures between zero and the hardness.
 
 The pressure 0 ≤ p ≤ H minimises the energy ½ p·G p + p·(h − δ), with the compliance G, over all p at an
-approach δ, or over those of a given mean. The hardness H is infinite in an elastic contact. Contact nodes below
-it are *elastic*, those at it *plastic*. One step of the loop
+approach δ, or over those of a given mean. Contact nodes below the hardness H are *elastic*, those at it
+*plastic*; by default H is infinite. One step of the loop
 
 1. evaluates the gap in the precision of the fields, and shortens the step to where the energy is least,
-2. assembles the linear system of the elastic nodes, those with 0 < p < H, and estimates the error of p from it,
+2. assembles the linear system of the elastic nodes, 0 < p < H, and estimates the error of p from it,
 3. solves the system approximately by conjugate gradients (`asperity.contact.active_set.inner_solve`),
 4. adds to the correction a change of the load, if an area is imposed and the correction would miss it
    (`asperity.contact.active_set.area`),

@@ -20,7 +20,7 @@ import numpy as np
 
 from asperity.contact.active_set.assembly import ContactSystem, write_overlap
 from asperity.contact.active_set.inner_solve import Correction
-from asperity.contact.active_set.iterate import Iterate, Pressure, evaluate
+from asperity.contact.active_set.iterate import HeldNodes, Iterate, Pressure, evaluate
 from asperity.contact.problem import Control, Problem
 from asperity.core.compiled import compiled, makes_arrays, sums
 from asperity.core.parallel import total
@@ -88,7 +88,7 @@ class Step:
         compliance.
     changes_state : (count,) array
         True for these nodes.
-    excess : (count,) array or 0
+    excess : (count,) or (1,) array
         Overlap / nodal compliance of the nodes that stay plastic.
     approach : float
     reached_hardness : bool
@@ -100,7 +100,7 @@ class Step:
     level: Array
     change: Array
     changes_state: Array
-    excess: Array | int
+    excess: Array
     approach: float
     reached_hardness: bool
 
@@ -115,7 +115,7 @@ class Step:
         changes_state = np.zeros(iterate.nodes.size + new.size, np.bool_)
         changes_state[indices] = True
         nodes = _inserted(indices, iterate.nodes, new)
-        change, excess = correction.pressure.astype(real), 0
+        change, excess = correction.pressure.astype(real), np.zeros(1, real)
         if system.plastic.size:
             change, excess = np.zeros(iterate.nodes.size, real), np.zeros(nodes.size, real)
             change[system.elastic] = correction.pressure
