@@ -169,16 +169,18 @@ def extended(
     new_load = load + factor * slope
     if system.plastic.size and factor:
         # Nodes that enter bear much of the load where few nodes are elastic.
-        borne = _borne(
-            after + np.float32(factor) * tangent.pressure, near_nodes, factor * rate, iterate.problem
-        )
+        elastic = after + np.float32(factor) * tangent.pressure
+        borne = _borne(elastic, near_nodes, factor * rate, iterate.problem)
         new_load = load + min(max(borne - load, -MAX_LOAD_CHANGE * load), MAX_LOAD_CHANGE * load)
     if converged:
         found = area.bracketed(load, iterate.nodes.size, new_load)
         if found is None:
             return None
-        per_load = factor / (new_load - load) if system.plastic.size and new_load != load else 1 / slope
-        factor, new_load = (found - load) * per_load, found
+        if system.plastic.size and new_load != load:
+            factor, new_load = factor * (found - load) / (new_load - load), found
+        else:
+            factor = (found - load) / slope
+            new_load = load + factor * slope
     moved = Correction(
         correction.pressure + np.float32(factor) * tangent.pressure,
         correction.displacement + np.float32(factor) * tangent.displacement,
@@ -190,7 +192,7 @@ def extended(
 
 
 def _borne(elastic: Array, candidates: EntryCandidates, further: Array, problem: Problem) -> float:
-    """Mean pressure on elastic nodes, on nodes that enter, and on plastic ones, whose overlap grows further."""
+    """Mean pressure on elastic nodes, on nodes that enter and on plastic ones, whose overlap grows."""
     plastic = candidates.held.side < 0
     overlap = candidates.overlap + further + np.where(plastic, problem.hardness, 0)
     pressure = np.clip(np.concatenate((elastic, overlap)), 0, problem.hardness)
