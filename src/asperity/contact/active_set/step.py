@@ -29,6 +29,9 @@ from asperity.core.types import Array
 # A step is taken whole unless the energy is least at less than this fraction of it.
 WHOLE_STEP = 0.9
 
+# With a hardness a shortened step leaves no node plastic: whole steps are taken as long as the energy falls.
+WHOLE_STEP_BOUNDED = 0.5
+
 # A step that raises the energy from its start is tried again without nodes that enter, shortened by this
 # factor before nodes are released, so many times. Later steps are shortened too, and lengthened step by step.
 SHORTENING = 4
@@ -178,7 +181,7 @@ def taken(
         length /= SHORTENING
         iterate = evaluate(problem, control, step.pressure_after(length, load, change_state=False))
         fraction, evaluations = step.fraction_of_least_energy(iterate), evaluations + 1
-    if fraction < WHOLE_STEP:
+    if fraction < (WHOLE_STEP_BOUNDED if iterate.reached_hardness else WHOLE_STEP):
         between = step.pressure + fraction * (iterate.pressure - step.pressure)
         iterate = evaluate(problem, control, Pressure(step.nodes, between, load, iterate.reached_hardness))
         evaluations += 1

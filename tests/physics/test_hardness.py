@@ -1,0 +1,153 @@
+"""Contact with a hardness, against direct solutions, its exact identities and another program."""
+
+import numpy as np
+import pytest
+from samples import HALF_SPACE, difference, load_of, rough
+from scipy.optimize import lsq_linear
+
+import asperity as asp
+from asperity.elasticity.loaded_rectangle import rectangle_compliance
+
+LAYER = asp.Layer(1.0, 0.3, height=0.2)
+
+
+def love_matrix(grid, modulus):
+    """Displacement of every node under a unit pressure on every other one, by the closed form of Love (1929)."""
+    y, x = (np.subtract.outer(axis, axis) for axis in grid.coordinates())
+    matrix = rectangle_compliance(
+        np.abs(y)[:, None, :, None], np.abs(x)[None, :, None, :], grid.spacing, modulus
+    )
+    return matrix.reshape(grid.size, grid.size)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.6])
+def test_pressure_is_that_of_a_bounded_quadratic_program(share):
+    """Solver error: ½ p·G p + p·(h − δ) over 0 ≤ p ≤ H, by scipy on a dense matrix."""
+    height, grid = rough((24, 24)), asp.Grid((24, 24))
+    elastic = asp.solve(height, HALF_SPACE, mean_pressure=load_of(height), boundary="free")
+    hardness = share * elastic.max_pressure
+    contact = asp.solve(
+        height, HALF_SPACE, mean_pressure=load_of(height), hardness=hardness, boundary="free", rtol=1e-11
+    )
+    assert 0.05 < contact.plastic_load < 1
+    # With G = R·Rᵀ the energy is half the square of R p − R⁻¹(δ − h), less a constant.
+    root = np.linalg.cholesky(love_matrix(grid, HALF_SPACE.effective_modulus)).T
+    target = np.linalg.solve(root.T, contact.approach - height.ravel())
+    found = lsq_linear(root, target, (0, hardness), method="bvls", tol=1e-14)
+    np.testing.assert_allclose(contact.pressure.ravel(), found.x, rtol=0, atol=1e-7 * hardness)
+
+
+@pytest.mark.parametrize("dtype", ["float64", "float32"])
+@pytest.mark.parametrize(
+    ("solid", "boundary"), [(HALF_SPACE, "periodic"), (HALF_SPACE, "free"), (LAYER, "periodic")]
+)
+def test_out_of_reach_it_changes_no_bit(solid, boundary, dtype):
+    height = rough()
+    loads = {"mean_pressure": load_of(height), "area_fraction": 0.1, "approach": 0.5 * height.min()}
+    for kind, value in loads.items():
+        settings = {kind: value, "boundary": boundary, "dtype": dtype}
+        elastic = asp.solve(height, solid, **settings)
+        # Just above the largest pressure an iterate, not the solution, reaches the hardness.
+        for factor in (1.0001, 1e6):
+            contact = asp.solve(height, solid, hardness=factor * elastic.max_pressure, **settings)
+            for name in ("pressure", "gap", "displacement"):
+                np.testing.assert_array_equal(getattr(contact, name), getattr(elastic, name))
+            assert contact.approach == elastic.approach
+            assert contact.plastic_area == contact.plastic_load == contact.plastic_depth.max() == 0
+
+
+@pytest.mark.parametrize("share", [0.9, 0.3, 0.05])
+@pytest.mark.parametrize(
+    ("solid", "boundary"), [(HALF_SPACE, "periodic"), (HALF_SPACE, "free"), (LAYER, "periodic")]
+)
+def test_flattened_map_pressed_elastically_has_the_same_pressure(solid, boundary, share):
+    """An exact identity; solver error of both solutions."""
+    height = rough((96, 80))
+    for imposed in ({"mean_pressure": load_of(height)}, {"area_fraction": 0.2}):
+        elastic = asp.solve(height, solid, boundary=boundary, **imposed)
+        hardness = max(share * elastic.max_pressure, 1.2 * elastic.mean_pressure)
+        contact = asp.solve(height, solid, hardness=hardness, boundary=boundary, **imposed)
+        assert contact.pressure.max() == contact.hardness
+        assert contact.certificate.worst < 1e-5
+        assert contact.gap.min() > -1e-5 * height.std()
+        load = contact.mean_pressure
+        again = asp.solve(contact.flattened_height(), solid, mean_pressure=load, boundary=boundary)
+        assert difference(again.pressure, contact.pressure) < 5 * contact.rtol
+        assert again.approach == pytest.approx(contact.approach, abs=1e-5 * height.std())
+
+
+def test_soft_limit_is_the_bearing_area():
+    """All contact is plastic: its area is load over hardness, to one node, and its nodes are the lowest."""
+    height = rough() * 1e3
+    hardness = 1e-3
+    for share in (0.1, 0.37, 0.5):
+        contact = asp.solve(height, HALF_SPACE, mean_pressure=share * hardness, hardness=hardness)
+        nodes = np.count_nonzero(contact.pressure)
+        assert abs(nodes - share * height.size) <= 1
+        lowest = np.sort(height, axis=None)[nodes]
+        assert height[contact.pressure > 0].max() < lowest + 1e-2 * height.std()
+
+
+def test_area_grows_and_approach_too_as_the_hardness_falls():
+    height = rough()
+    load = load_of(height)
+    largest = asp.solve(height, HALF_SPACE, mean_pressure=load).max_pressure
+    found = [
+        asp.solve(height, HALF_SPACE, mean_pressure=load, hardness=share * largest)
+        for share in (1.5, 0.7, 0.5, 0.3, 0.2, 0.1)
+    ]
+    for quantity in ("area_fraction", "plastic_area", "plastic_load", "approach"):
+        values = np.array([getattr(contact, quantity) for contact in found])
+        assert np.all(np.diff(values) >= 0), quantity
+        assert np.all(np.diff(values)[1:] > 0), quantity
+
+
+def test_approach_and_load_give_the_same_contact():
+    """Solver error of both solutions."""
+    height = rough((64, 96))
+    settings = {"hardness": 0.3 * asp.solve(height, LAYER, mean_pressure=load_of(height)).max_pressure}
+    by_load = asp.solve(height, LAYER, mean_pressure=load_of(height), **settings, rtol=1e-9)
+    by_approach = asp.solve(height, LAYER, approach=by_load.approach, **settings, rtol=1e-9)
+    assert difference(by_approach.pressure, by_load.pressure) < 1e-7
+
+
+def test_certificate_knows_the_hardness():
+    height = rough()
+    load = load_of(height)
+    largest = asp.solve(height, HALF_SPACE, mean_pressure=load).max_pressure
+    contact = asp.solve(height, HALF_SPACE, mean_pressure=load, hardness=0.5 * largest)
+
+    def worst(**given):
+        return asp.verify_contact(height, contact.pressure, HALF_SPACE, mean_pressure=load, **given).worst
+
+    assert worst(hardness=contact.hardness) < 1e-5
+    assert worst() > 1e-2  # the overlap of plastic nodes is a penetration without a hardness
+    assert worst(hardness=0.9 * contact.hardness) > 0.05  # pressures above it
+    assert worst(hardness=1.1 * contact.hardness) > 1e-2  # nodes below it must not overlap
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"mean_pressure": 1e-3, "hardness": 1e-3}, "hardness = 0.001: more than the mean pressure 0.001"),
+        ({"force": 1.0, "hardness": 0.5}, "hardness = 0.5: more than the mean pressure 1 is needed"),
+        ({"mean_pressure": 1e-3, "hardness": 0.0}, "hardness = 0.0: a number > 0"),
+        ({"mean_pressure": 1e-3, "hardness": -1.0}, "hardness = -1.0: a number > 0"),
+        ({"mean_pressure": 1e-3, "hardness": 1.0, "method": "gfmd"}, "active_set is needed"),
+        ({"area_fraction": 1.0, "hardness": 1e-3}, "area_fraction = 1: less is needed"),
+    ],
+)
+def test_bad_input(settings, message):
+    with pytest.raises(ValueError, match=message):
+        asp.solve(rough(), HALF_SPACE, **settings)
+
+
+def test_results_know_the_hardness(tmp_path):
+    height = rough()
+    contact = asp.solve(height, HALF_SPACE, area_fraction=0.1, hardness=0.05)
+    contact.to_netcdf(tmp_path / "contact.nc")
+    stored = asp.read_result(tmp_path / "contact.nc")
+    np.testing.assert_array_equal(stored["plastic_depth"], contact.plastic_depth)
+    assert float(stored["hardness"]) == 0.05
+    assert float(stored["plastic_area"]) == contact.plastic_area > 0
+    assert "plastic_depth" not in asp.solve(height, HALF_SPACE, area_fraction=0.1).to_dataset()
