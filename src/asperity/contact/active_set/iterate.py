@@ -104,11 +104,12 @@ class Iterate:
         side = np.ones(nodes.size + plastic.size, np.float32)
         if not plastic.size:
             return HeldNodes(nodes, level, side)
-        side[nodes.size :] = -1
-        nodes = np.concatenate((nodes, self.nodes[plastic]))
-        order = np.argsort(nodes)
-        level = np.concatenate((level, self.level[plastic]))
-        return HeldNodes(nodes[order], level[order], side[order])
+        indices = np.searchsorted(nodes, self.nodes[plastic]) + np.arange(plastic.size)
+        side[indices] = -1
+        merged = np.empty(side.size, nodes.dtype), np.empty(side.size, level.dtype)
+        for out, free, own in zip(merged, (nodes, level), (self.nodes, self.level), strict=True):
+            out[side > 0], out[indices] = free, own[plastic]
+        return HeldNodes(*merged, side)
 
     def _free_nodes_below(self, bound: float) -> tuple[Array, Array]:
         """Sorted nodes out of contact with a level below a bound, and their levels."""
