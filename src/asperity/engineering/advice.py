@@ -16,6 +16,7 @@ from asperity.elasticity.two_bodies import sliding_coupling
 from asperity.engineering.answer import LIMITS, Advice, Answer, limit_of
 from asperity.engineering.answer_numbers import sampling_error
 from asperity.engineering.body_stress import BodyAnswer
+from asperity.engineering.plastic import HARDNESS_OVER_YIELD, suggested_hardness
 
 WARNING, NOTE = "warning", "note"
 
@@ -87,7 +88,7 @@ def advise(answer: Answer) -> tuple[Advice, ...]:
     shown = answer.case.different_bodies
     for name in shown:
         where = f" of the {name} body" if len(shown) > 1 else ""
-        part = _on_body(answer.bodies[name])
+        part = _on_body(answer.bodies[name], answer.case.hardness)
         found += [(warns, key, values | {"where": where}) for warns, key, values in part]
     found += [*_on_pixels(answer), *_on_map(answer), *_on_neighbours(answer)]
     made = []
@@ -117,6 +118,9 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
         yield True, "pressure_on_spike", {"count": len(answer.rough.spikes), "size": SPIKE_SIZE}
     if numbers.largest_pressure > young:
         yield True, "beyond_modulus", {"young": young}
+    suggested = suggested_hardness(case)
+    if suggested is not None and numbers.nominal_pressure >= suggested:
+        yield True, "beyond_hardness", {"hardness": suggested, "times": HARDNESS_OVER_YIELD}
     edge = min(face.grid.length)
     if numbers.peak_to_valley > 0.5 * edge:
         yield True, "large_heights", {"edge": edge}
@@ -134,7 +138,7 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
         yield change[most] > NEGLECTED_COUPLING, key, values
 
 
-def _on_body(part: BodyAnswer) -> Iterator[Found]:
+def _on_body(part: BodyAnswer, hardness: float | None) -> Iterator[Found]:
     """Constants that hardly a material has; stress above yield, or above what any material stands."""
     body, stress = part.body, part.largest_von_mises
     young, ratio, limit = body.young, body.poisson, body.yield_stress
@@ -160,8 +164,9 @@ def _on_body(part: BodyAnswer) -> Iterator[Found]:
             first, last = (shown_si(depth, "m", 3) for depth in part.depths_above_yield)
             first = first if part.depths_above_yield[0] else "the surface"
             depths = f"; depths from {first} to {last} are affected"
-        values |= {"times": stress / limit, "hardness": 3 * limit, "depths": depths}
-        yield True, "yielding", values | {"size": stress / limit - 1}
+        values |= {"times": stress / limit, "hardness": HARDNESS_OVER_YIELD * limit, "depths": depths}
+        key = "yielding" if hardness is None else "yielding_under_hardness"
+        yield True, key, values | {"size": stress / limit - 1}
 
 
 def _on_pixels(answer: Answer) -> Iterator[Found]:

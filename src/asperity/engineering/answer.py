@@ -19,6 +19,7 @@ from asperity.engineering.answer_numbers import ContactNumbers, Neighbours, gap_
 from asperity.engineering.body_stress import DIRECTION, BodyAnswer
 from asperity.engineering.case import CONTROL_UNITS, Body, Case
 from asperity.engineering.face import RoughFace
+from asperity.engineering.plastic import HARDNESS_OVER_YIELD, PlasticContact
 from asperity.engineering.spots import gap_table
 from asperity.stress.peaks.selection import peaks
 from asperity.surface.treatment.treatment import TreatedMap
@@ -109,6 +110,8 @@ class Answer:
         ``lower`` and, if it is elastic, ``upper`` → `BodyAnswer`.
     neighbours : Neighbours or None
         None without the form of a ball or cylinder, and with a free boundary.
+    plastic : PlasticContact or None
+        What the hardness, or 3 times the yield stress, makes of the contact.
     advice : tuple of Advice
         Warnings and notes, warnings first.
     """
@@ -120,6 +123,7 @@ class Answer:
     numbers: ContactNumbers
     bodies: dict[str, BodyAnswer]
     neighbours: Neighbours | None = None
+    plastic: PlasticContact | None = None
     advice: tuple[Advice, ...] = ()
 
     @property
@@ -135,7 +139,12 @@ class Answer:
     @cached_property
     def rows(self) -> list[Row]:
         """All numbers, line by line."""
-        shown = [*_contact_rows(self.numbers, self.bodies["lower"].limits)]
+        limits = self.bodies["lower"].limits
+        if self.contact.plastic_area:  # the largest pressure is known
+            limits = limits.assign(largest=limits["largest"].where(limits["quantity"] != "pressure"))
+        shown = [*_contact_rows(self.numbers, limits)]
+        if self.plastic is not None:
+            shown += _plastic_rows(self.plastic)
         for name in self.case.different_bodies:
             shown += _body_rows(body_title(self.case, name), self.bodies[name])
         return shown
@@ -236,6 +245,24 @@ def _contact_rows(numbers: ContactNumbers, limits: xr.Dataset) -> Iterator[Row]:
         if field.metadata:
             name, unit, value = field.metadata["name"], field.metadata["unit"], getattr(numbers, field.name)
             yield _row("contact", name, value, unit, words.get(field.name) or shown_si(value, unit), limits)
+
+
+def _plastic_rows(found: PlasticContact) -> Iterator[Row]:
+    hardness = shown_si(found.hardness, "Pa")
+    group = f"plastic contact, hardness {hardness}"
+    if not found.is_given:
+        times = f"{HARDNESS_OVER_YIELD:g} times the yield stress"
+        group = f"plastic contact under the same load, if the hardness were {times}, {hardness}"
+        yield Row(group, "plastic real contact", found.area_fraction, "1", _per_cent(found.area_fraction))
+    yield Row(group, "area at the hardness", found.plastic_area, "1", _per_cent(found.plastic_area))
+    yield Row(group, "load at the hardness", found.plastic_load, "1", _per_cent(found.plastic_load))
+    yield Row(group, "largest plastic depth", found.plastic_depth, "m", shown_si(found.plastic_depth, "m"))
+    index = found.plasticity_index
+    yield Row(group, "plasticity index", index, "1", f"{index:.3g}, E* × rms gradient / hardness")
+
+
+def _per_cent(share: float) -> str:
+    return f"{100 * share:.4g} %"
 
 
 def _body_rows(group: str, body: BodyAnswer) -> Iterator[Row]:

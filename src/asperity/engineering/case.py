@@ -33,6 +33,7 @@ BODY = {
     "young": ("young", "pressure"),
     "poisson": ("poisson", ""),
     "yield": ("yield_stress", "pressure"),
+    "hardness": ("hardness", "pressure"),
     "layer_height": ("height", "length"),
     "bottom": ("bottom", ""),
 }
@@ -54,6 +55,9 @@ class Body:
         Poisson's ratio.
     yield_stress : float, optional
         In Pa; without it nothing is said about yielding.
+    hardness : float, optional
+        Largest pressure in Pa that its surface bears; without it the contact is elastic. See
+        `asperity.contact.solve`.
     height : float, optional
         Height in m of a layer on a rigid base; without it the body is a half-space.
     bottom : "bonded", "frictionless" or "free"
@@ -70,6 +74,7 @@ class Body:
     young: float
     poisson: float
     yield_stress: float | None = None
+    hardness: float | None = None
     height: float | None = None
     bottom: str = "bonded"
 
@@ -77,6 +82,8 @@ class Body:
         _ = self.layer  # which checks its constants
         if self.yield_stress is not None:
             magnitude("yield_stress", self.yield_stress)
+        if self.hardness is not None:
+            magnitude("hardness", self.hardness)
 
     @property
     def layer(self) -> Layer:
@@ -165,6 +172,11 @@ class Case:
                 raise TypeError(f"{name} = {shown(body)}: a Body is needed")
             shear_traction(self.friction, self.sliding_direction, body.layer)
         object.__setattr__(self, "fields", choices("fields", self.fields, FIELDS))
+        if self.load.kind == "mean_pressure" and self.hardness and not self.load.value < self.hardness:
+            raise ValueError(
+                f"hardness = {shown_si(self.hardness, 'Pa')}: more than the pressure "
+                f"{shown_si(self.load.value, 'Pa')} is needed, the mean over the nominal area"
+            )
 
     @classmethod
     def of(cls, settings: Mapping[str, Any]) -> Case:
@@ -240,6 +252,11 @@ class Case:
     def different_bodies(self) -> dict[str, Body]:
         """The elastic bodies by name; of two with the same stress, without friction, only the lower one."""
         return {"lower": self.lower} if self.lower == self.upper and not self.friction else self.bodies
+
+    @property
+    def hardness(self) -> float | None:
+        """The smaller hardness of the bodies; None if they have none."""
+        return min((body.hardness for body in self.bodies.values() if body.hardness), default=None)
 
     @property
     def solid(self) -> Layer | TwoBodies:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import xarray as xr
@@ -117,7 +118,13 @@ def solved_on_half(contact: Contact) -> HalfGrid:
         height, grid, lost = on_half_the_nodes(height, grid)
     pressure = contact.force / grid.area
     half = solve(
-        height, contact.solid, grid.length, boundary=contact.boundary, mean_pressure=pressure, rtol=TOLERANCE
+        height,
+        contact.solid,
+        grid.length,
+        boundary=contact.boundary,
+        mean_pressure=pressure,
+        hardness=contact.hardness if math.isfinite(contact.hardness) else None,
+        rtol=TOLERANCE,
     )
     return HalfGrid(half, lost, reason)
 

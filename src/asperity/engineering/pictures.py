@@ -14,7 +14,7 @@ from asperity.engineering.answer import Answer, body_title
 from asperity.engineering.close_up import CloseUp
 from asperity.fourier.grid import Grid
 from asperity.results.variables import SI_UNITS
-from asperity.views.maps import HEIGHT, PRESSURE, Map, draw_maps, map_of
+from asperity.views.maps import HEIGHT, PLASTIC_DEPTH, PRESSURE, Map, draw_maps, map_of
 from asperity.views.peak_plot import plot_peaks
 from asperity.views.scales import Look
 from asperity.views.section_plot import draw_sections, until_faded
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 MAPS = {
     "height": (HEIGHT, "Heights as pressed face down, lowest first, with the outlines of the contact"),
     "pressure": (PRESSURE, "Contact pressure, white where there is no contact"),
+    "plastic_depth": (PLASTIC_DEPTH, "Plastic depth, by which the surface is flattened at the hardness"),
 }
 """Field of the contact → its colours, and the caption of its picture."""
 
@@ -61,8 +62,10 @@ def pictures(answer: Answer) -> Iterator[Picture]:
     (source,) = sources({plain_text(answer.face.name): answer.contact}, SI_UNITS)
     near = _close_up(answer, "lower", answer.case.fields[0])
     for name, (look, caption) in MAPS.items():
+        if name == "plastic_depth" and not answer.contact.plastic_area:
+            continue
         maps = [map_of(source, name, _whole(answer, source.grid))]
-        if near is not None:
+        if near is not None and name != "plastic_depth":
             maps.append(map_of(source, name, near.part, FRAMED))
             caption += f"; {BESIDE}"
         yield Picture(name, f"{caption}.", _drawn(maps, look))

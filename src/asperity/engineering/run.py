@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from asperity.engineering.case import Body, Case, CounterMap, Load
 from asperity.engineering.close_up import close_ups
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
+from asperity.engineering.plastic import plastic_contact
 from asperity.engineering.spots import contact_spots
 from asperity.fourier.grid import Grid
 from asperity.surface.reading.height_map import HeightMap, MapOptions
@@ -144,14 +146,16 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         bodies[name] = body_answer(
             contact, half, case, name, face, near, _part(progress, begin, begin + share)
         )
+    numbers = contact_numbers(rough, contact, spots)
     answer = Answer(
         case,
         rough,
         contact,
         spots,
-        contact_numbers(rough, contact, spots),
+        numbers,
         {name: bodies.get(name, bodies["lower"]) for name in case.bodies},
         neighbours_of(face, case, contact) if form_repeats and len(spots) else None,
+        plastic_contact(case, contact, numbers.rms_gradient, partial(press_to, face, case)),
     )
     values = {f"{row.group}, {row.name}": row.value for row in answer.rows}
     require_finite("run", values)
@@ -179,9 +183,22 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
         face.height,
         case.solid,
         face.grid.length,
+        hardness=case.hardness,
         boundary=face.boundary,
         progress=progress,
         **imposed,
+    )
+
+
+def press_to(face: TreatedMap, case: Case, mean_pressure: float, hardness: float) -> Contact:
+    """The contact of the case under another load, with another hardness."""
+    return solve(
+        face.height,
+        case.solid,
+        face.grid.length,
+        mean_pressure=mean_pressure,
+        hardness=hardness,
+        boundary=face.boundary,
     )
 
 

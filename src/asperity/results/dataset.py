@@ -147,6 +147,12 @@ def _encoding(name: str, dtype: np.dtype[Any]) -> dict[str, Any]:
     return packed if dtype.kind in "fiub" else packed | {"dtype": "S1"}
 
 
+def height_of(contact: xr.Dataset) -> xr.DataArray:
+    """Height of the indenter [y, x] of a stored contact, before it was flattened."""
+    height = contact["gap"] - contact["displacement"] + contact["approach"]
+    return height - contact["plastic_depth"] if "plastic_depth" in contact else height
+
+
 def settings_of(dataset: xr.Dataset) -> dict[str, Any]:
     """The settings from which a result was made."""
     return json.loads(dataset.attrs["settings"])

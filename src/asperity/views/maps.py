@@ -52,6 +52,7 @@ class View(TypedDict, total=False):
 
 HEIGHT = Look("height, lowest touches first", "length", SEQUENTIAL, "white", np.mean)
 PRESSURE = Look("contact pressure", "stress", ON_WHITE, "", np.fmax.reduce, low=0.0)
+PLASTIC_DEPTH = Look("plastic depth", "length", ON_WHITE, "", np.fmax.reduce, low=0.0)
 GAP = Look("gap", "length", SEQUENTIAL, "white", np.mean, low=0.0)
 
 
@@ -132,9 +133,10 @@ def _plot(
 
 
 def map_of(source: Source, name: str, part: Part, note: str = "") -> Map:
-    """Map of one of the fields of a result; the pressure is missing where there is none."""
+    """Map of one of the fields of a result; pressure and plastic depth are missing where there is none."""
     values = source.field(name)[part]
-    return Map(source, part, np.where(values > 0, values, np.nan) if name == "pressure" else values, note)
+    shown = np.where(values > 0, values, np.nan) if name in ("pressure", "plastic_depth") else values
+    return Map(source, part, shown, note)
 
 
 def draw_maps(

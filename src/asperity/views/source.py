@@ -16,11 +16,11 @@ from asperity.elasticity.layer import Layer
 from asperity.elasticity.loaded_solid import LoadedSolid, Sliding, layer_of, traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.fourier.grid import Grid, grid_of
-from asperity.results.dataset import settings_of, unit_system
+from asperity.results.dataset import height_of, settings_of, unit_system
 from asperity.results.variables import SI_UNITS
 from asperity.views.style import label, plain_text
 
-SURFACE_FIELDS = ("height", "pressure", "gap", "displacement")
+SURFACE_FIELDS = ("height", "pressure", "gap", "displacement", "plastic_depth")
 
 Span = tuple[float, float]
 """First and last position of a part of an axis."""
@@ -218,7 +218,8 @@ def _source(result: Any, unit_system: str | None, title: str | None) -> Source:
     if isinstance(result, xr.Dataset):
         return _source_of_dataset(result, title)
     grid = getattr(result, "grid", None)
-    fields = {name: getattr(result, name) for name in SURFACE_FIELDS if hasattr(result, name)}
+    held = {name: getattr(result, name, None) for name in SURFACE_FIELDS}
+    fields = {name: values for name, values in held.items() if values is not None}
     if not isinstance(grid, Grid) or not fields:
         raise TypeError(
             f"result = {shown(result)}: a result of stage surface or contact, or an object with grid and "
@@ -237,7 +238,7 @@ def _source_of_dataset(data: xr.Dataset, title: str | None) -> Source:
         raise TypeError("result: a dataset of stage surface or contact, with fields over y and x, is needed")
     found = {name: data[name].transpose("y", "x") for name in SURFACE_FIELDS if name in data}
     if "height" not in found and {"gap", "displacement", "approach"} <= set(data.variables):
-        height = found["gap"] - found["displacement"] + data["approach"]
+        height = height_of(data).transpose("y", "x")
         found = {"height": height - height.mean(), **found}
     layers, sliding = {}, Sliding()
     if "settings" in data.attrs:

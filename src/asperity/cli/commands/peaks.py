@@ -10,7 +10,7 @@ from asperity.cli.files import check_out, read_stage
 from asperity.cli.parser import section
 from asperity.core.errors import one_line
 from asperity.results import write_result
-from asperity.results.dataset import grid_of, settings_of
+from asperity.results.dataset import grid_of, height_of, settings_of
 from asperity.results.variables import in_cell_lengths
 from asperity.stress.peaks.selection import selection_for
 from asperity.study.runtime.job import ProgressBar
@@ -50,7 +50,7 @@ def run(options: argparse.Namespace) -> None:
 
 def _surface(contact: xr.Dataset) -> xr.Dataset:
     """Surface that a contact was solved for, and its moments: height = gap − displacement + approach."""
-    height = contact["gap"] - contact["displacement"] + contact["approach"]
+    height = height_of(contact)
     height = height - height.mean()
     measured = roughness_parameters(height.values, grid_of(contact).length)
     names = ("rms_height", "rms_gradient", "skewness", "kurtosis")

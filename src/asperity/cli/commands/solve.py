@@ -30,6 +30,9 @@ from asperity.surface.reading.map_file import path_problem
 DIMENSIONS_OF_LOADS = {kind: dimension for kind, dimension in LOAD_QUANTITIES.values() if dimension}
 """Quantities that can be imposed in place of the area, and their dimensions."""
 
+DIMENSIONS = {**DIMENSIONS_OF_LOADS, "hardness": "pressure"}
+"""Quantities that are given with a unit, or in units of the study, and their dimensions."""
+
 
 def run(options: argparse.Namespace) -> None:
     """Solve the contact, write it, and print its area, load and approach."""
@@ -50,7 +53,8 @@ def run(options: argparse.Namespace) -> None:
             f"--young: missing; {options.surface} is in SI units, a pressure with its unit is needed"
         )
     modulus = young and young / (1 - layer["poisson"] ** 2)
-    for name, text in loads.items():
+    quantities = loads if options.hardness is None else {**loads, "hardness": options.hardness}
+    for name, text in quantities.items():
         images = 4 if settings["surface"].get("periodic") == "mirrored" else 1
         area = grid_of(surface).area / images
         load = _load(name, text, (edge, modulus) if edge and modulus else None, area)
@@ -102,12 +106,12 @@ def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, A
 
 
 def _load(name: str, text: str, scale: tuple[float, float] | None, area: float) -> float:
-    """The load as a setting of section ``contact``, in the units of the study.
+    """A load or the hardness as a setting of section ``contact``, in the units of the study.
 
     Parameters
     ----------
     name, text : str
-        Imposed quantity, and its value as the user gives it.
+        Quantity, and its value as the user gives it.
     scale : (length, modulus) or None
         Edge of the cell in m and effective modulus in Pa; None without them.
     area : float
@@ -116,7 +120,7 @@ def _load(name: str, text: str, scale: tuple[float, float] | None, area: float) 
     if name != "force":
         with suppress(ValueError):
             return float(text)
-    value = to_si(text, DIMENSIONS_OF_LOADS[name], flag(name))
+    value = to_si(text, DIMENSIONS[name], flag(name))
     if not value > 0:
         raise ValueError(f"{flag(name)} = {shown(text)}: more than 0 is needed")
     if scale is None:

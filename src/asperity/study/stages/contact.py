@@ -13,7 +13,7 @@ from asperity.contact import solve, solve_path
 from asperity.core.types import Progress
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.simplest_solid import simplest_solid
-from asperity.results.dataset import grid_of
+from asperity.results.dataset import grid_of, height_of
 from asperity.stress.statistics.continuum import TOLERANCE, on_half_the_nodes, reason_against
 from asperity.study.config.defaults import imposed_load
 
@@ -114,6 +114,7 @@ def solve_contact(
         method=contact_settings["method"],
         rtol=contact_settings["tolerance"],
         dtype=contact_settings["precision"],
+        hardness=contact_settings.get("hardness"),
     )
     curve = []
     for fraction, step in zip(path, press(area_fractions=path, progress=progress), strict=True):
@@ -155,10 +156,17 @@ def contact_on_half_the_nodes(contact: xr.Dataset, layer_settings: Mapping[str, 
         Pressure and numbers of the contact, with the attribute ``lost_gradient`` of `asperity.continuum`;
         None where the contact allows no estimate.
     """
-    height = (contact["gap"] - contact["displacement"] + contact["approach"]).values
+    height = height_of(contact).values
     if reason_against(contact["pressure"].values, height):
         return None
     layer, record = solid(layer_settings)
     height, grid, lost = on_half_the_nodes(height, grid_of(contact))
-    half = solve(height, layer, grid.length, mean_pressure=float(contact["mean_pressure"]), rtol=TOLERANCE)
+    half = solve(
+        height,
+        layer,
+        grid.length,
+        mean_pressure=float(contact["mean_pressure"]),
+        hardness=float(contact["hardness"]) if "hardness" in contact else None,
+        rtol=TOLERANCE,
+    )
     return half.to_dataset().assign_attrs(record, lost_gradient=lost)
