@@ -36,6 +36,7 @@ def an_answer(
     imposed_area=0.05,
     doubts=(),
     friction=0.0,
+    hardness=None,
     **material,
 ):
     """An answer about which nothing is to be said, with some of its values replaced."""
@@ -51,6 +52,7 @@ def an_answer(
         "load_on_edges": 0.0,
         "violation": 1e-7,
         "largest_pressure": 3e9,
+        "nominal_pressure": 1e8,
     }
     shown = {
         "grid": Grid((128, 128), 128e-6),
@@ -75,6 +77,8 @@ def an_answer(
             friction=friction,
             solid=asp.Layer(1e6, 0.5, height=20.37e-6),
             different_bodies=("lower", "upper")[:bodies],
+            bodies={"lower": part["body"]},
+            hardness=hardness,
             options=asp.MapOptions(),
         ),
         rough=SimpleNamespace(doubts=doubts, spikes=[(0, 0)] * 3),
@@ -96,6 +100,8 @@ def test_nothing_is_warned_of_in_a_sound_answer():
     ("changed", "subject"),
     [
         ({"body": {"largest_von_mises": 2.1e9}}, "stress beyond yield"),
+        ({"body": {"largest_von_mises": 2.1e9}, "hardness": 6e9}, "stress beyond yield"),
+        ({"numbers": {"nominal_pressure": 6.1e9}}, "load beyond the hardness"),
         ({"body": {"largest_von_mises": 5e9}, "yield_stress": None}, "stress beyond any yield stress"),
         ({"estimates": limits(largest=1.2e9)}, "limited by the resolution of the map"),
         ({"numbers": {"rms_gradient": 1.5}}, "steep slopes"),

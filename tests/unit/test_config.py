@@ -85,8 +85,8 @@ def test_the_paper_names_every_setting_that_decides_about_the_study_itself():
     for section in ("layer", "contact", "statistics"):
         preset = {key.split(".")[1] for key in KEYS if key.startswith(section)}
         known = schema()["properties"][section]["properties"].keys()
-        alternatives = set(LOAD_LABELS) - PAPER[section].keys() if section == "contact" else set()
-        assert PAPER[section].keys() | preset == known - alternatives
+        others = {*LOAD_LABELS, "hardness"} - PAPER[section].keys() if section == "contact" else set()
+        assert PAPER[section].keys() | preset == known - others
 
 
 @pytest.mark.parametrize("load", [{"mean_pressure": 0.002}, {"approach": 0.001}])

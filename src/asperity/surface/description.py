@@ -48,7 +48,7 @@ DIRECTED = 0.5
 
 NOT_IN_FILE = "not in the file"
 
-NEED_EDGES = ("tilt", "Sdq", "Sal", "Str", "tip", "waves")
+NEED_EDGES = ("tilt", "Sdq", "plasticity", "Sal", "Str", "tip", "waves")
 """Properties that depend on the edges of a map."""
 
 ORIENTATION_WORDS = {
@@ -215,6 +215,7 @@ def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) ->
     spikes = _share(int(np.count_nonzero(measures.spikes)), surface)
     if measures.spike_count:
         spikes += f" in {measures.spike_count} spikes of up to {length(measures.highest_spike)}"
+    slope = math.sqrt(sum(steps))
     found = {
         "spikes": f"{spikes}, beyond {DESPIKE:g} robust standard deviations from the local median",
         "tilt": f"{math.degrees(measures.tilt):.3g}°",
@@ -225,7 +226,8 @@ def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) ->
         "Sz": f"{length(float(np.ptp(level)))}, from lowest to highest point",
         "Ssk": f"{skewness:.3g}, skewness",
         "Sku": f"{kurtosis:.3g}, kurtosis",
-        "Sdq": f"{math.sqrt(sum(steps)):.3g}, rms gradient between neighbouring points",
+        "Sdq": f"{slope:.3g}, rms gradient between neighbouring points",
+        "plasticity": f"index {slope:.3g} × E*/H, modulus over hardness; far below 1 the contact is elastic",
         "Sal": f"{length(shortest)}, shortest length over which the autocorrelation falls to 0.2",
         "Str": f"{ratio:.2g}, shortest over longest such length{lay}",
         "tip": f"the sharpest peaks fit a tip of radius up to {length(tip)}; a blunter one has rounded them",
