@@ -67,6 +67,7 @@ contacts = st.fixed_dictionaries(
             {},
             optional={
                 "length": lengths,
+                "hardness": number(1e-3, 10.0),
                 "method": choice("active_set", "gfmd"),
                 "boundary": boundaries,
                 "rtol": st.sampled_from([1e-2, 1e-4, 1e-6]) | number(1e-8, 1e-2),
@@ -102,8 +103,10 @@ def require_kept(contact, kind, value):
         contact.solid,
         contact.grid.length,
         approach=contact.approach,
+        hardness=contact.hardness if math.isfinite(contact.hardness) else None,
         boundary=contact.boundary,
     )
+    require(contact.pressure.max() <= contact.hardness, "a pressure is above the hardness")
     allowed = WORST_NODE * contact.rtol * max(1.0, reach(contact)) + rounding(contact)
     require(certificate.worst <= allowed, "the certificate does not hold")
     if kind in ("mean_pressure", "force"):
