@@ -14,7 +14,8 @@ import numpy as np
 
 from asperity.contact.certificate import Certificate
 from asperity.contact.compliance import response_on
-from asperity.contact.load_interval import load_interval
+from asperity.contact.tangent import Tangent, load_interval, tangent
+from asperity.core.arguments import magnitude
 from asperity.core.errors import shown
 from asperity.core.markup import picture, table
 from asperity.core.types import Array
@@ -260,9 +261,61 @@ class Contact:
     def load_interval(self) -> tuple[float, float]:
         """Least and largest mean pressure under which the same nodes touch.
 
-        An imposed area fixes the load no closer than this. The largest one is infinite in full contact.
+        An imposed area fixes the load no closer than this. The largest one is infinite in full contact. With a
+        hardness the same nodes are plastic, too.
         """
-        return load_interval(self.pressure, self.gap, self.grid, self.solid, self.boundary)
+        gap = self.gap if self.plastic_depth is None else self.gap - self.plastic_depth
+        return load_interval(self.pressure, gap, self.hardness, self._tangent)
+
+    @cached_property
+    def _tangent(self) -> Tangent | None:
+        """Change under further loading; None if no node moves."""
+        moving = (self.pressure > 0) & (self.pressure < self.hardness)
+        return tangent(moving, self.grid, self.solid, self.boundary) if moving.any() else None
+
+    @property
+    def stiffness(self) -> float:
+        """Change dp̄/dδ of the mean pressure per approach under further loading, in stress per length.
+
+        Nodes at the hardness keep their pressure. Zero without contact, and infinite in full contact of a
+        periodic solid without uniform displacement.
+        """
+        return _inverse(self._tangent)
+
+    def conductance(self, resistivity: float) -> float:
+        """Conductance of the real contact per nominal area, electrical or thermal, between two half-spaces.
+
+        It follows from the stiffness K of all nodes in contact as 2 K / (E* ρ) (J. R. Barber, Proc. R. Soc. A
+        459 (2003) 53, DOI 10.1098/rspa.2002.1038). Films, and what flows through the gap, are left out.
+
+        Parameters
+        ----------
+        resistivity : float
+            Sum ρ of those of both bodies; that of heat is one over the conductivity.
+
+        Raises
+        ------
+        ValueError
+            If it is not above 0, or the solid is a layer, whose stiffness contains that of its height.
+
+        Examples
+        --------
+        A circle of radius a between two half-spaces conducts 4 a / ρ:
+
+        >>> ball = asp.add_sphere(np.zeros((64, 64)), 1.0, radius=10.0)
+        >>> contact = asp.solve(ball, asp.Layer(1.0, 0.3), force=2e-3, boundary="free")
+        >>> radius = np.sqrt(contact.area_fraction / np.pi)
+        >>> bool(abs(contact.conductance(2.0) / (4 * radius / 2.0) - 1) < 0.03)
+        True
+        """
+        resistivity = magnitude("resistivity", resistivity)
+        if self.solid.height is not None:
+            raise ValueError(f"solid = {self.solid!r}: half-spaces are needed for a conductance")
+        touching = self.pressure > 0
+        moves = self._tangent
+        if touching.any() and self.plastic_area:
+            moves = tangent(touching, self.grid, self.solid, self.boundary)
+        return 2 * _inverse(moves) / (self.solid.effective_modulus * resistivity)
 
     def in_body(self, body: str) -> LoadedSolid:
         """One body under the contact pressure, for the stress inside it.
@@ -302,6 +355,13 @@ class Contact:
         response = response_on(self.boundary, self.solid, self.grid, self.displacement.dtype)
         slope_y, slope_x = response.gradient(self.pressure, self.displacement)
         return float(np.sqrt((slope_y[touching] ** 2 + slope_x[touching] ** 2).mean(dtype=float)))
+
+
+def _inverse(found: Tangent | None) -> float:
+    """Stiffness of a tangent."""
+    if found is None:
+        return 0.0
+    return 1 / found.approach if found.approach > 0 else math.inf
 
 
 def _settings(layer: Layer) -> dict[str, Any]:
