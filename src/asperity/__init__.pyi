@@ -9,6 +9,7 @@ from .elasticity.loaded_solid import LoadedSolid as LoadedSolid
 from .elasticity.two_bodies import TwoBodies as TwoBodies
 from .engineering.case import Body as Body
 from .engineering.continuum import continuum as continuum
+from .engineering.load_curve import load_curve as load_curve
 from .engineering.output import write_answer as write_answer
 from .engineering.run import run as run
 from .fourier import fft_engine as fft_engine

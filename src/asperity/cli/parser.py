@@ -123,11 +123,11 @@ def _of_setting(key: str, without: str | None, words: str | None, as_text: bool)
     items = entry.get("items", entry)
     value = None if without or as_text else default(key)
     made: dict[str, Any] = {"dest": key, "default": value, "metavar": _placeholder(items)}
-    if entry.get("type") == "array":
+    is_list = "items" in entry
+    if is_list:
         fixed = entry.get("minItems") if entry.get("minItems") == entry.get("maxItems") else None
         made["nargs"] = fixed or "+"
     if not as_text:
-        is_list = entry.get("type") == "array"
         made |= {"action": _StoreList} if is_list else {"type": partial(converted, entry)}
     facts = [] if "enum" in entry else [words or accepted(items)]
     if "unit" in entry and not words:

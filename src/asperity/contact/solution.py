@@ -261,8 +261,8 @@ class Contact:
     def load_interval(self) -> tuple[float, float]:
         """Least and largest mean pressure under which the same nodes touch.
 
-        An imposed area fixes the load no closer than this. The largest one is infinite in full contact. With a
-        hardness the same nodes are plastic, too.
+        An imposed area fixes the load no closer than this. The largest one is infinite in full contact. With
+        a hardness the same nodes are plastic, too.
         """
         gap = self.gap if self.plastic_depth is None else self.gap - self.plastic_depth
         return load_interval(self.pressure, gap, self.hardness, self._tangent)

@@ -19,8 +19,7 @@ from asperity.core.types import Array
 from asperity.elasticity.two_bodies import Solid
 from asperity.fourier.grid import Grid
 
-# Residual, relative to the change of the pressure, at which the inner solves end; each leaves a few per cent of
-# it. Contacts of the tests take 4 to 9 of them.
+# Residual, relative to the change of the pressure, at which the inner solves end; each leaves a few per cent.
 RESIDUAL = 1e-9
 MAX_SOLVES = 60
 

@@ -19,6 +19,7 @@ from asperity.engineering.answer_numbers import ContactNumbers, Neighbours, gap_
 from asperity.engineering.body_stress import DIRECTION, BodyAnswer
 from asperity.engineering.case import CONTROL_UNITS, Body, Case
 from asperity.engineering.face import RoughFace
+from asperity.engineering.load_curve import YIELD_LOAD_ERROR, AnswerCurve
 from asperity.engineering.plastic import HARDNESS_OVER_YIELD, PlasticContact
 from asperity.engineering.spots import gap_table
 from asperity.stress.peaks.selection import peaks
@@ -44,6 +45,9 @@ LIMITS = {
 
 PERCENTS = (50, 90, 99)
 """Percentiles of the von Mises peaks below the contacts that are listed."""
+
+CONDUCTANCE_UNITS = {"thermal_conductance": "W/(m² K)", "electrical_conductance": "S/m²"}
+"""Conductance per nominal area → its unit."""
 
 UNCERTAINTIES = 3
 """Largest uncertainties that stand above the answer."""
@@ -112,6 +116,8 @@ class Answer:
         None without the form of a ball or cylinder, and with a free boundary.
     plastic : PlasticContact or None
         What the hardness, or 3 times the yield stress, makes of the contact.
+    curve : AnswerCurve or None
+        Of several loads.
     advice : tuple of Advice
         Warnings and notes, warnings first.
     """
@@ -124,6 +130,7 @@ class Answer:
     bodies: dict[str, BodyAnswer]
     neighbours: Neighbours | None = None
     plastic: PlasticContact | None = None
+    curve: AnswerCurve | None = None
     advice: tuple[Advice, ...] = ()
 
     @property
@@ -145,6 +152,12 @@ class Answer:
         shown = [*_contact_rows(self.numbers, limits)]
         if self.plastic is not None:
             shown += _plastic_rows(self.plastic)
+        for name, resistivity in self.case.resistivities.items():
+            value, unit = self.contact.conductance(resistivity), CONDUCTANCE_UNITS[name]
+            words = name.replace("_", " contact ")
+            shown.append(Row("contact", words, value, unit, f"{value:.4g} {unit}, without films and gap"))
+        if self.curve is not None:
+            shown += _curve_rows(self.curve, len(self.case.bodies) > 1)
         for name in self.case.different_bodies:
             shown += _body_rows(body_title(self.case, name), self.bodies[name])
         return shown
@@ -245,6 +258,23 @@ def _contact_rows(numbers: ContactNumbers, limits: xr.Dataset) -> Iterator[Row]:
         if field.metadata:
             name, unit, value = field.metadata["name"], field.metadata["unit"], getattr(numbers, field.name)
             yield _row("contact", name, value, unit, words.get(field.name) or shown_si(value, unit), limits)
+
+
+def _curve_rows(curve: AnswerCurve, several: bool) -> Iterator[Row]:
+    loads = curve.numbers["mean_pressure"].values
+    group = f"load curve, {loads.size} loads"
+    stiffness = float(curve.numbers["stiffness"][-1])
+    if np.isfinite(stiffness):
+        yield Row(
+            group, "stiffness", stiffness, "Pa/m", f"{shown_si(stiffness * 1e-6, 'Pa')}/µm at the last load"
+        )
+    for name, load in curve.yield_loads.items():
+        value = min(max(load, float(loads[0])), float(loads[-1]))
+        words = f"{shown_si(value, 'Pa', 3)} ± {100 * YIELD_LOAD_ERROR:g} %"
+        if not 0 < load < np.inf:
+            words = f"{'below' if load == 0 else 'above'} {shown_si(value, 'Pa', 3)}, beyond the curve"
+        of_body = f" of the {name} body" if several else ""
+        yield Row(group, f"mean pressure where yield begins{of_body}", value, "Pa", words)
 
 
 def _plastic_rows(found: PlasticContact) -> Iterator[Row]:

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from itertools import pairwise
 from typing import Any
+
+import numpy as np
 
 from asperity.core.arguments import choice, choices, magnitude, number
 from asperity.core.errors import shown
@@ -34,10 +38,18 @@ BODY = {
     "poisson": ("poisson", ""),
     "yield": ("yield_stress", "pressure"),
     "hardness": ("hardness", "pressure"),
+    "conductivity": ("conductivity", ""),
+    "resistivity": ("resistivity", ""),
     "layer_height": ("height", "length"),
     "bottom": ("bottom", ""),
 }
 """Setting → field of `Body`, and its dimension; settings of the upper body begin with ``counter_``."""
+
+MAX_LOADS, RISING = 100, "a list of rising values"
+"""Most loads of a load curve, and what they are."""
+
+CONDUCTION = ("conductivity", "resistivity")
+"""Fields of `Body` that the conductance of a contact needs of both bodies."""
 
 LENGTHS = dict.fromkeys(("physical_size", "wavelength_short", "radius"), "length")
 """Fields of `MapOptions` that are lengths."""
@@ -58,6 +70,9 @@ class Body:
     hardness : float, optional
         Largest pressure in Pa that its surface bears; without it the contact is elastic. See
         `asperity.contact.solve`.
+    conductivity, resistivity : float, optional
+        Thermal conductivity in W/(m K) and electrical resistivity in Ω m. With those of the other body, too,
+        the contact conductance follows.
     height : float, optional
         Height in m of a layer on a rigid base; without it the body is a half-space.
     bottom : "bonded", "frictionless" or "free"
@@ -75,6 +90,8 @@ class Body:
     poisson: float
     yield_stress: float | None = None
     hardness: float | None = None
+    conductivity: float | None = None
+    resistivity: float | None = None
     height: float | None = None
     bottom: str = "bonded"
 
@@ -82,8 +99,9 @@ class Body:
         _ = self.layer  # which checks its constants
         if self.yield_stress is not None:
             magnitude("yield_stress", self.yield_stress)
-        if self.hardness is not None:
-            magnitude("hardness", self.hardness)
+        for name in ("hardness", "conductivity", "resistivity"):
+            if getattr(self, name) is not None:
+                magnitude(name, getattr(self, name))
 
     @property
     def layer(self) -> Layer:
@@ -101,26 +119,39 @@ class Load:
         Load over the nominal area in Pa; load in N; approach of the bodies since their first touch in m; real
         over nominal contact area.
     value : float
+    path : tuple of float
+        Rising loads of a load curve, of which the value is the last; empty without one.
     """
 
     kind: str
     value: float
+    path: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
         choice("load", self.kind, tuple(CONTROL_UNITS))
-        if self.kind == "area_fraction":
-            number(self.kind, self.value, "a number > 0 and ≤ 1", lambda value: 0 < value <= 1)
-        else:
-            magnitude(self.kind, self.value)
+        for value in self.path or (self.value,):
+            if self.kind == "area_fraction":
+                number(self.kind, value, "a number > 0 and ≤ 1", lambda value: 0 < value <= 1)
+            else:
+                magnitude(self.kind, value)
+        if any(after <= before for before, after in pairwise(self.path)):
+            raise ValueError(
+                f"{self.kind} = {', '.join(f'{value:g}' for value in self.path)}: {RISING} is needed"
+            )
 
     @classmethod
-    def chosen(cls, **given: float | None) -> Load:
-        """The load from keyword arguments of which exactly one is given."""
+    def chosen(cls, **given: float | Sequence[float] | None) -> Load:
+        """The load from keyword arguments of which exactly one is given; several values are a load curve."""
         named = {kind: value for kind, value in given.items() if value is not None}
         if len(named) != 1:
             known, found = ", ".join(CONTROL_UNITS), ", ".join(named) or "none"
             raise ValueError(f"exactly one of {known} is needed, got {found}")
-        return cls(*named.popitem())
+        kind, value = named.popitem()
+        if isinstance(value, str) or not isinstance(value, Sequence):
+            return cls(kind, value)  # type: ignore[arg-type]
+        if not 1 <= len(value) <= MAX_LOADS:
+            raise ValueError(f"{kind} has {len(value)} values: 1 to {MAX_LOADS} are needed")
+        return cls(kind, value[-1], tuple(value) if len(value) > 1 else ())
 
 
 @dataclass(frozen=True)
@@ -172,6 +203,14 @@ class Case:
                 raise TypeError(f"{name} = {shown(body)}: a Body is needed")
             shear_traction(self.friction, self.sliding_direction, body.layer)
         object.__setattr__(self, "fields", choices("fields", self.fields, FIELDS))
+        for name in CONDUCTION:
+            values = [getattr(body, name) for body in self.bodies.values()]
+            if any(values) and not (len(values) == 2 and all(values)):
+                raise ValueError(
+                    f"{name} = {max(filter(None, values)):g}: that of a second elastic body is needed"
+                )
+            if any(values) and self.solid.height is not None:
+                raise ValueError(f"{name} = {values[0]:g}: half-spaces are needed, not layers")
         if self.load.kind == "mean_pressure" and self.hardness and not self.load.value < self.hardness:
             raise ValueError(
                 f"hardness = {shown_si(self.hardness, 'Pa')}: more than the pressure "
@@ -190,8 +229,9 @@ class Case:
             known = {prefix + name: entry for name, entry in BODY.items() if prefix + name in settings}
             return Body(**{field: si(name, dimension) for name, (field, dimension) in known.items()})
 
-        given = {name: kind for name, kind in LOAD_QUANTITIES.items() if name in settings}
-        loads = {kind: si(name, dimension) for name, (kind, dimension) in given.items()}
+        loads = {
+            kind: loads_of(name, settings) for name, (kind, _) in LOAD_QUANTITIES.items() if name in settings
+        }
         direction = settings.get("sliding_direction", "x")
         return cls(
             settings["map"],
@@ -217,7 +257,8 @@ class Case:
             for name, (field, dimension) in BODY.items() if body else ():
                 add(prefix + name, getattr(body, field), "bonded" if name == "bottom" else None, dimension)
         for name, (kind, dimension) in LOAD_QUANTITIES.items():
-            add(name, self.load.value if kind == self.load.kind else None, dimension=dimension)
+            value = self.load.path or self.load.value
+            add(name, value if kind == self.load.kind else None, dimension=dimension)
         add("friction", self.friction, 0.0)
         direction = self.sliding_direction
         add("sliding_direction", direction if isinstance(direction, str) else f"{direction:.15g}", "x")
@@ -259,9 +300,42 @@ class Case:
         return min((body.hardness for body in self.bodies.values() if body.hardness), default=None)
 
     @property
+    def resistivities(self) -> dict[str, float]:
+        """Name of a conductance → sum of the resistivities of both bodies, thermal or electrical."""
+        bodies, found = self.bodies.values(), {}
+        if self.lower.conductivity:
+            found["thermal_conductance"] = sum(1 / (body.conductivity or math.inf) for body in bodies)
+        if self.lower.resistivity:
+            found["electrical_conductance"] = sum(body.resistivity or 0.0 for body in bodies)
+        return found
+
+    @property
     def solid(self) -> Layer | TwoBodies:
         """What the solver presses."""
         return self.lower.layer if self.upper is None else TwoBodies(self.lower.layer, self.upper.layer)
+
+
+def loads_of(name: str, settings: Mapping[str, Any]) -> float | list[float]:
+    """The load, or the rising loads, of a setting of `LOAD_QUANTITIES`, in SI units.
+
+    Raises
+    ------
+    ValueError
+        If several do not rise, or ``steps`` is given without two of them.
+    """
+    given, dimension = settings[name], LOAD_QUANTITIES[name][1]
+    listed = given if isinstance(given, (list, tuple)) else [given]
+    loads = [to_si(value, dimension, name) if dimension else value for value in listed]
+    shown_loads = " ".join(map(str, listed))
+    if any(after <= before for before, after in pairwise(loads)):
+        raise ValueError(f"{name} {shown_loads}: {RISING} is needed")
+    if (steps := settings.get("steps")) is not None:
+        if len(loads) != 2:
+            raise ValueError(
+                f"{name} {shown_loads}: two values, the first and the last, are needed with steps"
+            )
+        loads = np.geomspace(*loads, steps).tolist()
+    return loads if len(loads) > 1 else loads[0]
 
 
 def _name_of(source: Source) -> str:

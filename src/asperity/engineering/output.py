@@ -94,6 +94,8 @@ def _write_results(answer: Answer, folder: Path) -> None:
         title = f"Stress under {surface}{suffix.replace('_', ', ')}"
         dataset.write(stress_dataset(answer, body), folder / f"stress{suffix}.nc", title, settings)
     tables = {"peaks": answer.peaks(), "spots": answer.spots, "gaps": answer.gaps()}
+    if answer.curve is not None:
+        tables["curve"] = answer.curve.frame()
     for name, table in tables.items():
         write_table(table, f"answer_{name}", folder / f"{name}.csv", float_format="%.8g")
     write_table(answer.frame(), "answer", folder / "answer.csv", float_format="%.8g")

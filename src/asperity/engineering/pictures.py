@@ -12,9 +12,11 @@ import xarray as xr
 from asperity.core.units import shown_si
 from asperity.engineering.answer import Answer, body_title
 from asperity.engineering.close_up import CloseUp
+from asperity.engineering.load_curve import AnswerCurve
 from asperity.fourier.grid import Grid
 from asperity.results.variables import SI_UNITS
 from asperity.views.maps import HEIGHT, PLASTIC_DEPTH, PRESSURE, Map, draw_maps, map_of
+from asperity.views.panels import canvas
 from asperity.views.peak_plot import plot_peaks
 from asperity.views.scales import Look
 from asperity.views.section_plot import draw_sections, until_faded
@@ -32,6 +34,11 @@ MAPS = {
     "plastic_depth": (PLASTIC_DEPTH, "Plastic depth, by which the surface is flattened at the hardness"),
 }
 """Field of the contact → its colours, and the caption of its picture."""
+
+CURVE_CAPTION = (
+    "Load curve: real contact, mean gap, largest pressure, stiffness and largest von Mises stress against the "
+    "mean pressure; the dotted line is the load where yield begins."
+)
 
 FADED = 0.1
 """Share of the largest stress below which, and below the yield stress, a section ends."""
@@ -69,9 +76,37 @@ def pictures(answer: Answer) -> Iterator[Picture]:
             maps.append(map_of(source, name, near.part, FRAMED))
             caption += f"; {BESIDE}"
         yield Picture(name, f"{caption}.", _drawn(maps, look))
+    if answer.curve is not None:
+        yield Picture("curve", CURVE_CAPTION, _of_curve(answer.curve))
     for body in answer.case.different_bodies:
         for field in answer.case.fields:
             yield from _of_stress(answer, source, body, field)
+
+
+def _of_curve(curve: AnswerCurve) -> Figure:
+    """Numbers of a load curve against the mean pressure."""
+    numbers = curve.numbers
+    loads = numbers["mean_pressure"].values
+    panels = {
+        "area_fraction": ("real contact", 1.0),
+        "mean_gap": ("mean gap (nm)", 1e9),
+        "largest_pressure": ("largest pressure (GPa)", 1e-9),
+        "stiffness": ("stiffness (GPa/µm)", 1e-15),
+        "largest_von_mises_stress": ("largest von Mises stress (GPa)", 1e-9),
+    }
+    with canvas([0.8] * len(panels), None) as (figure, axes):
+        for axis, (name, (label, factor)) in zip(axes, panels.items(), strict=True):
+            values = factor * numbers[name].values.reshape(loads.size, -1)
+            for column, marker in zip(values.T, "os", strict=False):
+                axis.loglog(1e-6 * loads, column, f"-{marker}", ms=3)
+            axis.set(xlabel="mean pressure (MPa)", ylabel=label)
+        bodies = [str(body) for body in numbers["body"].values]
+        if len(bodies) > 1:
+            axis.legend([f"{body} body" for body in bodies])
+        for name, load in curve.yield_loads.items():
+            if 0 < load < np.inf:
+                axis.axvline(1e-6 * load, color=f"C{bodies.index(name)}", ls=":", lw=1)
+    return figure
 
 
 def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterator[Picture]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -22,6 +22,7 @@ from asperity.engineering.case import Body, Case, CounterMap, Load
 from asperity.engineering.close_up import close_ups
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
+from asperity.engineering.load_curve import AnswerCurve, largest_von_mises, load_curve, yield_load
 from asperity.engineering.plastic import plastic_contact
 from asperity.engineering.spots import contact_spots
 from asperity.fourier.grid import Grid
@@ -34,10 +35,10 @@ def run(
     lower: Body,
     upper: Body | None = None,
     *,
-    mean_pressure: float | None = None,
-    force: float | None = None,
-    approach: float | None = None,
-    area_fraction: float | None = None,
+    mean_pressure: float | Sequence[float] | None = None,
+    force: float | Sequence[float] | None = None,
+    approach: float | Sequence[float] | None = None,
+    area_fraction: float | Sequence[float] | None = None,
     friction: float = 0.0,
     sliding_direction: str | float = "x",
     counter_map: str | os.PathLike[str] | HeightMap | CounterMap | None = None,
@@ -47,8 +48,8 @@ def run(
 ) -> Answer:
     """Press a measured surface against a flat or rough body and analyse the stress in every elastic body.
 
-    Exactly one of `mean_pressure`, `force`, `approach` and `area_fraction` is given. All numbers are in SI
-    units.
+    Exactly one of `mean_pressure`, `force`, `approach` and `area_fraction` is given. Several rising values make
+    a load curve, and the answer is that of the last one. All numbers are in SI units.
 
     Parameters
     ----------
@@ -140,7 +141,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     )
     form_repeats = periodic and case.options.radius is not None
     half = solved_on_half(contact)
-    share, bodies = 0.5 / len(case.different_bodies), {}
+    share, bodies = (0.1 if case.load.path else 0.5) / len(case.different_bodies), {}
     for number, name in enumerate(case.different_bodies):
         begin, near = 0.5 + share * number, close_ups(face, contact, spots)
         bodies[name] = body_answer(
@@ -157,6 +158,8 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         neighbours_of(face, case, contact) if form_repeats and len(spots) else None,
         plastic_contact(case, contact, numbers.rms_gradient, partial(press_to, face, case)),
     )
+    if case.load.path:
+        answer = replace(answer, curve=answer_curve(answer, _part(progress, 0.6, 1.0)))
     values = {f"{row.group}, {row.name}": row.value for row in answer.rows}
     require_finite("run", values)
     if progress is not None:
@@ -190,7 +193,34 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
     )
 
 
-def press_to(face: TreatedMap, case: Case, mean_pressure: float, hardness: float) -> Contact:
+def answer_curve(answer: Answer, progress: Progress) -> AnswerCurve:
+    """The load curve of an answer, and the loads where yield begins."""
+    case, face = answer.case, answer.face
+    path, last = case.load.path, case.load.value
+
+    def contacts() -> Iterator[Contact]:
+        for number, load in enumerate(path):
+            part = _part(progress, number / len(path), (number + 1) / len(path))
+            one = replace(case, load=Load(case.load.kind, load))
+            yield answer.contact if load == last else press(face, one, part)
+
+    names = list(case.different_bodies)
+    sliding: dict[str, Any] = {"friction": case.friction, "sliding_direction": case.sliding_direction}
+    curve = load_curve(contacts(), names, case.resistivities, **sliding)
+    begins = {}
+    for name in names:
+        if (limit := case.bodies[name].yield_stress) is not None:
+
+            def stress_under(load: float, name: str = name) -> float:
+                return largest_von_mises(press_to(face, case, load, case.hardness), name, **sliding)
+
+            stresses = curve["largest_von_mises_stress"].sel(body=name).values
+            begins[name] = yield_load(curve["mean_pressure"].values, stresses, limit, stress_under)
+    lowest = float(answer.contact.height.min())
+    return AnswerCurve(curve.assign(approach=curve["approach"] - lowest), begins)
+
+
+def press_to(face: TreatedMap, case: Case, mean_pressure: float, hardness: float | None) -> Contact:
     """The contact of the case under another load, with another hardness."""
     return solve(
         face.height,
