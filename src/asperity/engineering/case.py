@@ -148,7 +148,7 @@ class Load:
             raise ValueError(f"exactly one of {known} is needed, got {found}")
         kind, value = named.popitem()
         if isinstance(value, str) or not isinstance(value, Sequence):
-            return cls(kind, value)  # type: ignore[arg-type]
+            return cls(kind, value)
         if not 1 <= len(value) <= MAX_LOADS:
             raise ValueError(f"{kind} has {len(value)} values: 1 to {MAX_LOADS} are needed")
         return cls(kind, value[-1], tuple(value) if len(value) > 1 else ())
@@ -334,7 +334,7 @@ def loads_of(name: str, settings: Mapping[str, Any]) -> float | list[float]:
             raise ValueError(
                 f"{name} {shown_loads}: two values, the first and the last, are needed with steps"
             )
-        loads = np.geomspace(*loads, steps).tolist()
+        loads = np.geomspace(loads[0], loads[1], steps).tolist()
     return loads if len(loads) > 1 else loads[0]
 
 

@@ -94,7 +94,7 @@ def load_curve(
     >>> path = asp.solve_path(height, asp.Layer(1.0, 0.3), mean_pressures=[1e-4, 1e-3])
     >>> curve = asp.load_curve(path, ["lower"])
     >>> print(curve["area_fraction"].values.round(3), curve["stiffness"].values.round(2))
-    [0.016 0.105] [0.25 1.45]
+    [0.016 0.103] [0.46 2.19]
     """
     rows, stresses = [], []
     for contact in contacts:

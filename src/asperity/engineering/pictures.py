@@ -36,8 +36,8 @@ MAPS = {
 """Field of the contact → its colours, and the caption of its picture."""
 
 CURVE_CAPTION = (
-    "Load curve: real contact, mean gap, largest pressure, stiffness and largest von Mises stress against the "
-    "mean pressure; the dotted line is the load where yield begins."
+    "Load curve: real contact, mean gap, largest pressure, stiffness and largest von Mises stress against "
+    "the mean pressure; the dotted line is the load where yield begins."
 )
 
 FADED = 0.1

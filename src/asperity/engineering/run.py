@@ -48,8 +48,8 @@ def run(
 ) -> Answer:
     """Press a measured surface against a flat or rough body and analyse the stress in every elastic body.
 
-    Exactly one of `mean_pressure`, `force`, `approach` and `area_fraction` is given. Several rising values make
-    a load curve, and the answer is that of the last one. All numbers are in SI units.
+    Exactly one of `mean_pressure`, `force`, `approach` and `area_fraction` is given. Several rising values
+    are a load curve, and the answer is that of the last one. All numbers are in SI units.
 
     Parameters
     ----------

@@ -161,6 +161,8 @@ def _contradictions(
     options: argparse.Namespace, values: Mapping[str, Any], known: Mapping[str, Any]
 ) -> Iterator[str]:
     """What is missing, or does not go together; `known` are all settings given, also refused ones."""
+    from asperity.engineering.case import loads_of
+
     for name in ("young", "poisson"):
         if name not in known:
             yield f"{flag(name)}: missing; {accepted(setting(f'engineering.{name}'))} is needed"
@@ -168,6 +170,11 @@ def _contradictions(
     if len(loads) != 1:
         given = " and ".join(loads) or "none"
         yield f"{', '.join(map(flag, _LOADS))}: exactly one of them is needed, {given} given"
+    for name in set(_LOADS) & values.keys():
+        try:
+            loads_of(name, values)
+        except ValueError as error:
+            yield f"{flag(name)}{str(error).removeprefix(name)}"
     if options.rigid and "counter_young" in known:
         yield f"--rigid: not accepted together with {flag('counter_young')}"
     for name, option in OPTIONS.items():

@@ -1,0 +1,96 @@
+"""Load curves of answers, the load where yield begins, and conductances."""
+
+import numpy as np
+import pytest
+from test_engineering import AS_IT_IS, EDGE, a_rough_map, a_sphere, hertz
+
+import asperity as asp
+from asperity.engineering import Body, run
+from asperity.engineering.case import loads_of
+from asperity.engineering.load_curve import yield_load
+
+STEEL = Body(210e9, 0.3)
+
+
+def test_answer_is_that_of_the_last_load():
+    curve = run(a_rough_map(), STEEL, mean_pressure=[1e6, 10e6, 100e6])
+    alone = run(a_rough_map(), STEEL, mean_pressure=100e6)
+    np.testing.assert_array_equal(curve.contact.pressure, alone.contact.pressure)
+    assert alone.curve is None
+    table = curve.curve.frame()
+    assert table["mean_pressure_Pa"].to_numpy() == pytest.approx([1e6, 10e6, 100e6])
+    for name in ("area_fraction", "approach_m", "largest_pressure_Pa", "stiffness_Pa_m"):
+        assert np.all(np.diff(table[name]) > 0)
+    assert np.all(np.diff(table["mean_gap_m"]) < 0)
+    last = table.iloc[-1]
+    assert last["area_fraction"] == alone.numbers.area_fraction
+    assert last["approach_m"] == alone.numbers.approach
+    assert last["mean_gap_m"] == pytest.approx(alone.numbers.mean_gap)
+    assert last["largest_von_mises_lower_Pa"] == pytest.approx(
+        alone.bodies["lower"].largest_von_mises, rel=1e-6
+    )
+
+
+def test_yield_of_a_sphere_begins_where_hertz_says():
+    """Von Mises stress 0.62 p₀ at ν = 0.3 (Johnson 1985, Sec. 6.1); errors of the grid and the cell."""
+    _, largest = hertz(STEEL)
+    limit = 0.62 * largest / 2 ** (1 / 3)  # half of the load of the sphere: p₀ grows as its third root
+    body = Body(STEEL.young, STEEL.poisson, yield_stress=limit)
+    answer = run(a_sphere(), body, force=[0.2, 0.8], map_options=AS_IT_IS)
+    assert answer.curve.yield_loads["lower"] == pytest.approx(0.5 / EDGE**2, rel=0.05)
+    (row,) = (row for row in answer.rows if row.name.startswith("mean pressure where yield"))
+    assert row.shown.endswith("± 0.5 %")
+
+
+def test_yield_beyond_the_curve_is_a_bound():
+    loads, stresses = np.array([1.0, 2.0, 4.0]), np.array([1.0, 2.0, 4.0])
+    never = pytest.fail
+    assert yield_load(loads, stresses, 0.5, never) == 0
+    assert yield_load(loads, stresses, 5.0, never) == np.inf
+    assert yield_load(loads, stresses, 3.0, lambda load: load) == pytest.approx(3.0, rel=0.005)
+
+
+def test_conductances_are_those_of_the_contact():
+    bodies = (
+        Body(210e9, 0.3, conductivity=50.0, resistivity=1e-7),
+        Body(70e9, 0.33, conductivity=200.0, resistivity=3e-8),
+    )
+    answer = run(a_rough_map(), *bodies, mean_pressure=[10e6, 50e6])
+    rows = {row.name: row.value for row in answer.rows}
+    thermal = answer.contact.conductance(1 / 50 + 1 / 200)
+    assert rows["thermal contact conductance"] == pytest.approx(thermal)
+    assert rows["electrical contact conductance"] == pytest.approx(answer.contact.conductance(1.3e-7))
+    assert answer.curve.frame()["thermal_conductance_W_m2_K"].iloc[-1] == pytest.approx(thermal)
+    with pytest.raises(ValueError, match="conductivity = 50: that of a second elastic body is needed"):
+        run(a_rough_map(), bodies[0], mean_pressure=1e6)
+
+
+def test_curve_of_a_path():
+    height = asp.self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
+    path = asp.solve_path(height, asp.Layer(1.0, 0.3), mean_pressures=[1e-4, 1e-3], hardness=0.02)
+    curve = asp.load_curve(path)
+    assert set(curve) >= {"mean_gap", "stiffness", "plastic_area"}
+    assert "body" not in curve.dims
+    with pytest.raises(ValueError, match="at least one is needed"):
+        asp.load_curve([])
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ({"pressure": ["5 MPa", "1 MPa"]}, "pressure 5 MPa 1 MPa: a list of rising values is needed"),
+        ({"pressure": ["5 MPa"], "steps": 3}, "pressure 5 MPa: two values, the first and the last"),
+        ({"area_fraction": [0.1, 0.1]}, "area_fraction 0.1 0.1: a list of rising values is needed"),
+    ],
+)
+def test_loads_that_do_not_rise_are_refused(settings, message):
+    (name,) = settings.keys() - {"steps"}
+    with pytest.raises(ValueError, match=message):
+        loads_of(name, settings)
+
+
+def test_steps_are_in_equal_ratios():
+    loads = loads_of("pressure", {"pressure": ["1 MPa", "100 MPa"], "steps": 3})
+    assert loads == pytest.approx([1e6, 10e6, 100e6])
+    with pytest.raises(ValueError, match="rising"):
+        run(a_rough_map(), STEEL, mean_pressure=[2e6, 1e6])
