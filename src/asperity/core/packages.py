@@ -11,38 +11,21 @@ from importlib.util import find_spec
 BASE = ""
 """Name that stands for no extra: packages that ``pip install asperity`` brings."""
 
+_MODULES = {
+    BASE: "ducc0 jinja2 jsonschema lazy_loader netCDF4 numba llvmlite numpy pandas pint psutil scipy tqdm "
+    "xarray yaml",
+    "plot": "matplotlib",
+    "maps": "SurfaceTopography h5py olefile tifffile",
+    "study": "docutils mpmath pygments skfem snakemake",
+}
+"""Extra → modules that are imported."""
+
+_OTHER_NAMES = {"lazy_loader": "lazy-loader", "skfem": "scikit-fem", "yaml": "pyyaml"}
+"""Module → package that provides it, if that has another name."""
+
 PACKAGES = {
-    BASE: {
-        "ducc0": "ducc0",
-        "jinja2": "jinja2",
-        "jsonschema": "jsonschema",
-        "lazy_loader": "lazy-loader",
-        "netCDF4": "netCDF4",
-        "numba": "numba",
-        "llvmlite": "llvmlite",
-        "numpy": "numpy",
-        "pandas": "pandas",
-        "pint": "pint",
-        "psutil": "psutil",
-        "scipy": "scipy",
-        "tqdm": "tqdm",
-        "xarray": "xarray",
-        "yaml": "pyyaml",
-    },
-    "plot": {"matplotlib": "matplotlib"},
-    "maps": {
-        "SurfaceTopography": "SurfaceTopography",
-        "h5py": "h5py",
-        "olefile": "olefile",
-        "tifffile": "tifffile",
-    },
-    "study": {
-        "docutils": "docutils",
-        "mpmath": "mpmath",
-        "pygments": "pygments",
-        "skfem": "scikit-fem",
-        "snakemake": "snakemake",
-    },
+    extra: {module: _OTHER_NAMES.get(module, module) for module in modules.split()}
+    for extra, modules in _MODULES.items()
 }
 """Extra → module that is imported → package that provides it. Each extra holds those before it."""
 
@@ -50,9 +33,7 @@ ALTERNATIVES = {"fftw": {"pyfftw": "pyfftw"}}
 """The same for extras by themselves, which nobody needs who does not choose them."""
 
 NAMES = {
-    module: name
-    for modules in (*PACKAGES.values(), *ALTERNATIVES.values())
-    for module, name in modules.items()
+    module: name for names in (*PACKAGES.values(), *ALTERNATIVES.values()) for module, name in names.items()
 }
 """Module → package that provides it."""
 
