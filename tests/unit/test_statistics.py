@@ -78,9 +78,14 @@ def test_lengths_are_interpolated_between_nodes():
     """They count from the reference plane."""
     assert half_length(np.array([0.0, 1.0, 2.0]), np.array([1.0, 0.75, 0.25])) == pytest.approx(1.5)
     assert np.isnan(half_length(np.array([0.0, 1.0]), np.array([1.0, 0.9])))
-    depth, lag = np.array([0.0, 0.1, 0.3, 0.5]), np.array([0.0, 0.2])
-    lengths = decay_lengths(depth, np.array([9.0, 2.0, 1.5, 0.5]), lag, np.array([2.0, 0.0]), reference=0.1)
-    assert lengths == pytest.approx((0.3, 0.1))
+    profiles = {
+        "covariance_depth": (("poisson", "plane"), [[9.0, 2.0, 1.5, 0.5]]),
+        "covariance_plane": (("poisson", "lag"), [[2.0, 0.0]]),
+        "plane_depth": ("plane", [0.0, 0.1, 0.3, 0.5]),
+        "reference_depth": ("poisson", [0.1]),
+    }
+    lengths = decay_lengths(xr.Dataset(profiles, {"lag": [0.0, 0.2]}))
+    assert [length.item() for length in lengths] == pytest.approx([0.3, 0.1])
 
 
 def test_patches_are_joined_across_edges_and_corners():

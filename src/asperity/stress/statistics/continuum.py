@@ -32,7 +32,7 @@ import xarray as xr
 
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, mean_square, resample
-from asperity.stress.statistics.covariance import decay_lengths_of
+from asperity.stress.statistics.covariance import decay_lengths
 from asperity.stress.statistics.peak_numbers import peak_numbers
 
 TOLERANCE = 1e-4
@@ -225,7 +225,7 @@ def numbers_on(results: OnGrid, levels: Sequence[float] | Array = LEVELS) -> xr.
     )
     if results.stress is None:
         return numbers
-    along_depth, in_plane = decay_lengths_of(results.stress)
+    along_depth, in_plane = decay_lengths(results.stress)
     numbers["largest_von_mises"] = results.stress["largest_von_mises"].max("plane")
     numbers["decay_length_depth"] = "poisson", along_depth
     numbers["decay_length_plane"] = "poisson", in_plane

@@ -320,49 +320,35 @@ def _add_to_rings(values: Any, along_y: Any, along_x: Any, sums: Any) -> None:
                 sums[1, ring] += weight
 
 
-def half_length(distance: Array, correlation: Array, share: float = 0.5) -> float:
-    """Distance at which a correlation first falls to a share, by linear interpolation; NaN if never."""
-    fallen = np.flatnonzero(correlation <= share)
+def half_length(distance: Array, correlation: Array) -> float:
+    """Distance at which a correlation first falls to one half, by linear interpolation; NaN if never."""
+    fallen = np.flatnonzero(correlation <= 0.5)
     if not fallen.size or fallen[0] == 0:
         return float("nan")
     i = int(fallen[0])
-    return float(np.interp(share, correlation[[i, i - 1]], distance[[i, i - 1]]))
+    return float(np.interp(0.5, correlation[[i, i - 1]], distance[[i, i - 1]]))
 
 
-def decay_lengths(
-    depth: Array, along_depth: Array, lag: Array, in_plane: Array, reference: float, share: float = 0.5
-) -> tuple[float, float]:
-    """Distances over which the covariance of Eq. 22 falls to a share, below the reference plane and in it.
+def decay_lengths(profiles: xr.Dataset, prefix: str = "") -> tuple[Array, Array]:
+    """Distances over which the covariance of Eq. 22 falls to half, below the reference plane and in it.
 
     Parameters
     ----------
-    depth, along_depth : (planes,) arrays
-        Depth of each plane and its covariance with the reference plane.
-    lag, in_plane : (lags,) arrays
-        Distance in the reference plane and the covariance there; the first is the variance.
-    reference : float
-        Depth of the reference plane.
-    share : float
+    profiles : dataset
+        An analysis of the stress, or means of several.
+    prefix : str
+        Of the names of its covariances.
+
+    Returns
+    -------
+    along_depth, in_plane : (ratios,) arrays
     """
-    below = depth >= reference
-    variance = in_plane[0]
-    return (
-        half_length(depth[below] - reference, along_depth[below] / variance, share),
-        half_length(lag, in_plane / variance, share),
-    )
-
-
-def decay_lengths_of(stress: xr.Dataset) -> tuple[Array, Array]:
-    """Decay lengths along depth and in the plane, (ratios,) each, for the Poisson's ratios of an analysis."""
-    lengths = [
-        decay_lengths(
-            one["plane_depth"].values,
-            one["covariance_depth"].values,
-            one["lag"].values,
-            one["covariance_plane"].values,
-            float(one["reference_depth"]),
-        )
-        for one in (stress.sel(poisson=ratio) for ratio in stress["poisson"].values)
-    ]
-    along_depth, in_plane = np.array(lengths).T
-    return along_depth, in_plane
+    depth, lag = profiles["plane_depth"].values, profiles["lag"].values
+    names = f"{prefix}covariance_depth", f"{prefix}covariance_plane", "reference_depth"
+    lengths = []
+    for along_depth, in_plane, reference in zip(*(profiles[name].values for name in names), strict=True):
+        below = depth >= reference
+        below_reference = half_length(depth[below] - reference, along_depth[below] / in_plane[0])
+        lengths.append((below_reference, half_length(lag, in_plane / in_plane[0])))
+    found = np.array(lengths).T
+    return found[0], found[1]

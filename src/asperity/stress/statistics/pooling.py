@@ -115,6 +115,8 @@ def pool_peaks(
         },
         attrs={"bootstrap_resamples": resamples, "bootstrap_confidence": confidence},
     )
+    lengths = decay_lengths(pooled, "scaled_")
+    pooled["decay_length_depth"], pooled["decay_length_plane"] = (("poisson", length) for length in lengths)
     require_finite("pool_peaks", pooled.data_vars, undefined=True)
     return pooled
 
@@ -226,24 +228,14 @@ def _quantity_edges(stresses: Sequence[xr.Dataset], scale: Array, quantity: str,
 
 
 def _pooled_profiles(stresses: Sequence[xr.Dataset], scale: Array, bootstrap: Bootstrap) -> dict[str, tuple]:
-    """Covariances and depth profiles, means over seeds, and the decay lengths of the mean covariances."""
+    """Covariances and depth profiles, means over seeds."""
     result: dict[str, tuple] = {}
     for name, power in _PROFILES.items():
         each = np.stack([s[name].values / g**power for s, g in zip(stresses, scale, strict=True)])
         result |= with_bounds(f"scaled_{name}", stresses[0][name].dims, bootstrap.banded(mean, each))
-    depth, lag = stresses[0]["plane_depth"].values, stresses[0]["lag"].values
     reference = np.stack([stress["reference_depth"].values for stress in stresses])
     result |= with_bounds("reference_depth", ("poisson",), bootstrap.banded(mean, reference))
-    result["plane_depth"] = ("plane", depth)
-    along_depth, in_plane, at = (
-        result[name][1] for name in ("scaled_covariance_depth", "scaled_covariance_plane", "reference_depth")
-    )
-    lengths = [
-        decay_lengths(depth, along_depth[n], lag, in_plane[n], at[n]) for n in range(len(reference[0]))
-    ]
-    result["decay_length_depth"], result["decay_length_plane"] = (
-        ("poisson", values) for values in np.transpose(lengths)
-    )
+    result["plane_depth"] = ("plane", stresses[0]["plane_depth"].values)
     return result
 
 
