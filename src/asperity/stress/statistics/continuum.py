@@ -32,8 +32,8 @@ import xarray as xr
 
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, mean_square, resample
+from asperity.stress.peaks.selection import peak_numbers
 from asperity.stress.statistics.covariance import decay_lengths
-from asperity.stress.statistics.peak_numbers import peak_numbers
 
 TOLERANCE = 1e-4
 """Of the second solution and of the planes of its stress: far below the error of the grid."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pandas as pd
 from scipy import ndimage
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
@@ -59,10 +60,4 @@ def depth_patch_correlation(depth: Array, row: Array, column: Array, patches: Ar
     depth, radius = depth[touched], radii[above[touched] - 1]
     if np.unique(depth).size < 2 or np.unique(radius).size < 2:
         return float("nan")
-    return float(np.corrcoef(_ranks(radius), _ranks(depth))[0, 1])
-
-
-def _ranks(values: Array) -> Array:
-    """Rank of each value; equal values share the mean of their ranks."""
-    _, number, counts = np.unique(values, return_inverse=True, return_counts=True)
-    return (np.cumsum(counts) - 0.5 * (counts - 1))[number]
+    return float(np.corrcoef(pd.Series(radius).rank(), pd.Series(depth).rank())[0, 1])

@@ -20,10 +20,9 @@ import xarray as xr
 
 from asperity.core.arguments import number, real_array, require_finite, whole_number
 from asperity.core.types import Array
-from asperity.stress.peaks.selection import SELECTIONS, is_selected, peaks
+from asperity.stress.peaks.selection import HIGHEST_SHARE, SELECTIONS, is_selected, peaks
 from asperity.stress.statistics.covariance import decay_lengths
 from asperity.stress.statistics.density import bin_edges, normalised
-from asperity.stress.statistics.peak_numbers import HIGHEST_SHARE
 
 PERCENTS = (50.0, 90.0, 99.0, 99.9)
 """Percentiles of the magnitude of the pooled peaks."""
