@@ -173,12 +173,7 @@ class Intruder:
 MIRRORED = "--periodic mirrored"
 MAPS = [
     ("map.asc", matrix(ROWS), "", "set it to declared, mirrored or windowed"),
-    (
-        "nan.asc",
-        matrix([*ROWS[:7], ["nan", *ROWS[7][1:]]]),
-        MIRRORED,
-        "--undefined: 1 points of the map have no data; set it to harmon",
-    ),
+    ("nan.asc", matrix([*ROWS[:7], ["nan", *ROWS[7][1:]]]), MIRRORED, "--undefined: 1 points of the map"),
     ("bare.asc", matrix(ROWS, ""), MIRRORED, "--physical-size: the file does not say"),
     ("pickle.npy", saved(np.array([[Intruder()] * 4] * 4)), MIRRORED, "pickle.npy: not a height map"),
     ("short.asc", matrix(ROWS), MIRRORED + " --wavelength-short 1e-4", "--wavelength-short = 0.0001: a numb"),

@@ -221,10 +221,7 @@ def test_peaks_are_those_of_the_ratio_asked_for():
         ((two_ratios(), "f", 0.1, -1.0), r"floor = -1\.0: a finite number ≥ 0"),
         ((two_ratios()[:1] * 2, "f", 0.1), r"depth = 0\.0: planes rising in depth are needed"),
         ((two_ratios(np.full((2, 8, 8), np.nan)), "f", 0.1), "field: 64 of 64 nodes are not finite"),
-        (
-            (two_ratios(np.ones((2, 8, 9))), "f", 0.1),
-            r"field has the shape \(8, 9\): that of its grid, \(8, ",
-        ),
+        ((two_ratios(np.ones((2, 8, 9))), "f", 0.1), r"field has the shape \(8, 9\): that of its grid, \(8,"),
         ((np.zeros((8, 9)), Grid((8, 8))), r"field has the shape \(8, 9\)"),
         ((np.zeros((2, 9)), Grid((2, 9))), r"grid\.shape = \(2, 9\): at least three nodes"),
         ((np.diag([np.inf, *np.zeros(7)]), Grid((8, 8))), "field: 1 of 64 nodes are not finite"),

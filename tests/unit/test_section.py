@@ -88,11 +88,7 @@ def test_box_is_streamed_and_too_large_refused(monkeypatch):
         (stress_section, {"at": 0.9}, r"at = 0\.9: a position from 0 to 0\.8 is needed"),
         (stress_section, {"fields": ("mises",)}, "fields = 'mises': names from xx"),
         (stress_section, {"depths": [0.1, 0.1]}, r"depths\[1\] = 0\.1: more than"),
-        (
-            stress_box,
-            {"y": (0.5, 0.1)},
-            r"y = \(0\.5, 0\.1\): a pair \(first, last\) of rising positions from",
-        ),
+        (stress_box, {"y": (0.5, 0.1)}, r"y = \(0\.5, 0\.1\): a pair \(first, last\) of rising positions"),
         (stress_box, {"x": 0.5}, r"x = 0\.5: a pair"),
         (stress_box, {"x": (0.0, 2.0)}, r"x = 2\.0: a pair"),
         (stress_box, {"spacing": 0.0}, r"spacing = 0\.0: a number of at least"),

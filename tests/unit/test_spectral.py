@@ -128,10 +128,7 @@ FOURIER = Fourier(Grid((4, 6)))
         (lambda: Fourier(FOURIER.grid, "float16"), "dtype = 'float16': float64 or float32 is needed"),
         (lambda: FOURIER.forward(np.ones((6, 4))), r"values of shape \(6, 4\)"),
         (lambda: FOURIER.inverse(np.ones((4, 6), complex)), r"coefficients of shape \(4, 6\)"),
-        (
-            lambda: resample(np.ones((4, 4), complex), FOURIER.grid, Grid((4, 6), 2.0)),
-            "target of length",
-        ),
+        (lambda: resample(np.ones((4, 4), complex), FOURIER.grid, Grid((4, 6), 2.0)), "target of length"),
     ],
 )
 def test_array_of_another_grid_or_type_is_refused(call, words):

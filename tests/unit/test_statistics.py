@@ -237,10 +237,7 @@ def test_nothing_to_count_gives_nan():
         ({"seed": -1}, "seed = -1: a whole number ≥ 0 is needed"),
         ({"bins": 0}, "bins"),
         ({"stresses": [stress(), stress().assign_coords(lag=[0.0, 0.1, 0.3])]}, "stresses.*lag"),
-        (
-            {"stresses": [stress(1), stress(1)]},
-            "stresses: numbers 1 and 2 have the same peaks; every seed is",
-        ),
+        ({"stresses": [stress(1), stress(1)]}, "stresses: numbers 1 and 2 have the same peaks; every seed"),
     ],
 )
 def test_pooling_refuses_wrong_arguments(changes, message):

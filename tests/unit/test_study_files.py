@@ -87,10 +87,7 @@ def test_a_result_that_lacks_something_is_one_line(tmp_path, capsys):
     paths = {name: str(tmp_path / f"{name}.nc") for name in (*files, "out")}
     for words, line in (
         (["stress", paths["without"]], "KeyError: 'solid'"),
-        (
-            ["peaks", paths["stress"], "--contact", paths["unloaded"]],
-            "ZeroDivisionError: Weights sum to zero",
-        ),
+        (["peaks", paths["stress"], "--contact", paths["unloaded"]], "ZeroDivisionError: Weights sum to"),
     ):
         assert main([*words, "--out", paths["out"]]) == 1
         said = capsys.readouterr().err

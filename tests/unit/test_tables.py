@@ -70,11 +70,7 @@ def test_verdicts_have_their_columns():
         (["of"], "t.csv", "table verification: column 'surface' is missing; columns surface, of,"),
         (["of", "speed"], "t.csv", "table verification: column 'speed' is not among its columns"),
         (["of", "surface", "check", "value", "bound"], "t.csv", "out of order"),
-        (
-            ["surface", "of", "check", "value", "bound"],
-            "t.xlsx",
-            r"t\.xlsx: a name that ends in \.csv or \.p",
-        ),
+        (["surface", "of", "check", "value", "bound"], "t.xlsx", r"t\.xlsx: a name that ends in \.csv or"),
     ],
 )
 def test_other_columns_and_suffixes_are_refused(columns, name, message, tmp_path):
