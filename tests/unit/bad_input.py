@@ -2,6 +2,7 @@
 
 import contextlib
 import io
+import re
 from pathlib import Path
 
 import numpy as np
@@ -111,6 +112,17 @@ def make_chain(folder):
 
 HUGE = "9" * 5000
 SPECTRUM = '{"hurst":0.8,"wavelength_long":0.125,"wavelength_short":0.01}'
+SOLVE = "solve {surface} --out {folder}/c.nc"
+SURFACE = "surface --out {folder}/s.nc"
+BAND = "--hurst 0.8 --wavelength-long 0.25 --wavelength-short 0.05 --rms-height 0.001"
+SI_BAND = "--hurst 0.8 --wavelength-long 20um --wavelength-short 4000nm --rms-height 8e-5mm --length 80um"
+
+
+def shortest(wavelength, band=BAND):
+    """Options of a surface with another shortest wavelength."""
+    return re.sub(r"(?<=short )\S+", wavelength, band)
+
+
 COMMANDS = [
     ("", 2, "the following arguments are required: COMMAND"),
     ("polish", 2, "invalid choice: 'polish'"),
@@ -145,6 +157,49 @@ COMMANDS = [
     (f"plan {SPECTRUM} --error 1e-9", 1, "error = 1e-09: 0."),
     (f'plan {SPECTRUM} {{"wavelength_short":0.5}}', 1, "wavelength_short = 0.5: at most wavelength_long = 0"),
     ('plan {"hurst":!!python/name:os.system\n0}', 1, "YAML is needed; could not determine a constructor"),
+    ('plan {"hurst":0.8}', 1, "surfaces.surface.wavelength_long: missing; a number"),
+    ("plan none.yaml", 1, "'none.yaml': a file, or keys and values such as"),
+    ('plan {"hurst":[', 1, "YAML is needed; "),
+    # options and loads of solve
+    ("run map.x3p --poison 0.3", 2, "--poison 0.3: not accepted; did you mean --poisson?"),
+    (f"{SOLVE} --mean-pressure 50MPa", 1, "--mean-pressure = '50MPa': needs --young and a surface with a"),
+    (f"{SOLVE} --mean-pressure -1", 1, "--mean-pressure = -1.0: a number > 0 and ≤ 1000 is needed"),
+    (f"{SOLVE} --force 3", 1, "--force = '3': a number with a unit of force (mN, N, kN) is needed, such as"),
+    (f"{SOLVE} --approach 0.9", 1, "approach = 0.9: less than 0.0"),
+    (f"{SOLVE} --approach 0.001 --area-fraction 0.2", 1, "--approach: not accepted together with --area-"),
+    # surfaces
+    (f"{SURFACE} {BAND} --length 80", 1, "--length = '80': a number with a unit of length"),
+    (f"{SURFACE} {BAND} --length 80um", 1, "--wavelength-long = '0.25': a number with a unit of length"),
+    (f"{SURFACE} {shortest('2um')}", 1, "--wavelength-short = '2um': a number in cell lengths is needed, or"),
+    (f"{SURFACE} {shortest('0')}", 1, "--wavelength-short = '0': a number ≥ 6.103515625e-05 and ≤ 1, in"),
+    (f"{SURFACE} {shortest('nan')}", 1, "--wavelength-short = 'nan': a number ≥"),
+    (f"{SURFACE} {shortest('0.5')}", 1, "wavelength_short = 0.5: at most 0.25, the longest, is needed"),
+    (f"{SURFACE} {shortest('1e-4')}", 1, "--points = 80000, the default: a whole number"),
+    (f"{SURFACE} {shortest('1nm', SI_BAND)}", 1, "--wavelength-short = '1nm', 1.25e-05 of --length: a"),
+    (f"{SURFACE} {SI_BAND} --points 16", 1, "--points = 16: at least 40 are needed, two on"),
+    (f"{SURFACE} {BAND} --skewness 1", 1, "--skewness, --kurtosis: both are needed, or none of them"),
+    (f"{SURFACE} {BAND} --skewness 1 --kurtosis 2", 1, "skewness = 1.0, kurtosis = 2.0: no Johnson curve"),
+    # exports
+    ("export {contact}", 1, "nothing to export: --peaks FILE.csv, --surface FILE.vti,"),
+    ("export {contact} --peaks p.csv", 1, "--peaks: a stress file (of asperity stress) is needed, none is"),
+    ("export {stress} --field xx:0-1 f.vti", 1, "--field: a contact file (of asperity solve) is needed"),
+    ("export {stress} --peaks p.xlsx", 1, "p.xlsx: a name that ends in .csv or .parquet is needed"),
+    ("export {contact} --field xx:0-1 f.vtk", 1, "f.vtk: a name that ends in .vti is needed"),
+    ("export {contact} --field xx f.vti", 1, "--field 'xx': NAMES:DEPTHS, such as von_mises,xx:0-40um, is"),
+    ("export {contact} --field xx:1 f.vti", 1, "--field = '1': a range such as 0-0.1 is needed"),
+    ("export {contact} --field xx:0-1 f.vti --x 0-3", 1, "x = 0 to 3: rising positions from 0 to 1 are"),
+    ("export {contact} --field xx:0-1 f.vti --spacing 0", 1, "spacing = 0: a distance > 0 is needed"),
+    # pictures
+    ("view {contact}", 1, "result files and one of height, pressure, gap, section, plane, peaks are needed"),
+    ("view {contact} {contact} gap", 1, "contact.nc: given twice"),
+    ("view {stress} gap", 1, "a result of stress, one of contact is needed"),
+    ("view {contact} section y=0.1 x=0.1", 1, "y, x: a number for one of them"),
+    ("view {contact} section z=1", 1, "'z=1': one of y=..., x=..., depth=... is needed"),
+    ("view {contact} section depth=0", 1, "depth = 0: a depth > 0 is needed"),
+    ("view {contact} plane depth=-1", 1, "depth = -1: max or a depth from 0 to 100 is needed"),
+    ("view {contact} height x=3", 1, "x = '3': a range such as 0-0.1 is needed"),
+    ("view {contact} height --field xx", 1, "--field: not for height, only for section, plane and peaks"),
+    ("view {contact_in_si} section y=205", 1, "y = '205': a number with a unit of length"),
 ]
 
 HEADER = "# Channel: Height\n# Width: 8 m\n# Height: 8 m\n# Value units: m\n"

@@ -41,13 +41,14 @@ def test_wrong_configuration_is_answered(folder, content, line):
 
 
 @pytest.mark.parametrize(("arguments", "expected", "line"), COMMANDS, ids=short)
-def test_wrong_command_line_is_answered(chain, folder, arguments, expected, line):
-    before = {path: Path(path).read_bytes() for path in chain.values()}
-    code, said = answer_to_command(arguments, chain, folder)
+def test_wrong_command_line_is_answered(chain, chain_in_si, folder, arguments, expected, line):
+    files = chain | {"contact_in_si": chain_in_si["contact"]}
+    before = {path: Path(path).read_bytes() for path in files.values()}
+    code, said = answer_to_command(arguments, files, folder)
     assert code == expected
     require_one_line(said, "asperity: ", line)
     assert not os.listdir(folder)
-    assert {path: Path(path).read_bytes() for path in chain.values()} == before
+    assert {path: Path(path).read_bytes() for path in files.values()} == before
 
 
 # Its reader leaves files open.

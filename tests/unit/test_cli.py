@@ -6,7 +6,7 @@ import sys
 
 import numpy as np
 import pytest
-from bad_input import SMALL, make_chain
+from bad_input import SMALL
 from project import ROOT, hide
 
 from asperity.cli.main import main
@@ -25,17 +25,11 @@ WAVES = "".join(" ".join(f"{0.01 * (a + b):.9f}" for b in COSINE) + "\n" for a i
 STEEL = ROOT / "tests/data/steel.x3p"
 
 
-@pytest.fixture(scope="module")
-def files(tmp_path_factory):
-    """Results of one surface, contact, stress and statistics."""
-    return make_chain(tmp_path_factory.mktemp("chain"))
-
-
-def test_the_results_are_files_of_the_study(files):
-    contact, stress = dataset.read(files["contact"]), dataset.read(files["stress"])
+def test_the_results_are_files_of_the_study(chain):
+    contact, stress = dataset.read(chain["contact"]), dataset.read(chain["stress"])
     assert float(contact["area_fraction"]) == pytest.approx(0.2, abs=1e-3)  # one node of 64²
     assert stress["poisson"].values.tolist() == [0.0, 0.33]
-    settings = dataset.settings_of(dataset.read(files["statistics"]))
+    settings = dataset.settings_of(dataset.read(chain["statistics"]))
     assert settings["surface"] == SMALL
     assert settings["contact"]["area_fraction"] == 0.2
     assert settings["seed"] == [1]
@@ -49,9 +43,9 @@ def test_the_results_are_files_of_the_study(files):
         ("14", ["statistics"]),
     ],
 )
-def test_the_figures_of_the_study_are_drawn_from_them(files, tmp_path, figure, stages):
+def test_the_figures_of_the_study_are_drawn_from_them(chain, tmp_path, figure, stages):
     pictures = [tmp_path / "figure.png", tmp_path / "figure.pdf"]
-    code = main(["plot", figure, *(files[stage] for stage in stages), "--out", *map(str, pictures)])
+    code = main(["plot", figure, *(chain[stage] for stage in stages), "--out", *map(str, pictures)])
     assert code == 0
     assert all(picture.stat().st_size > 3000 for picture in pictures)
 
@@ -72,9 +66,9 @@ def test_a_height_map_is_pressed_face_down(tmp_path, capsys):
     assert float(dataset.read(out)["mean_pressure"]) == pytest.approx(1e3, rel=1e-4)
 
 
-def test_a_layer_has_only_the_ratio_of_its_contact(files, tmp_path, capsys):
+def test_a_layer_has_only_the_ratio_of_its_contact(chain, tmp_path, capsys):
     thin = str(tmp_path / "thin.nc")
-    assert main(["solve", files["surface"], "--layer-height", "0.1", "--out", thin]) == 0
+    assert main(["solve", chain["surface"], "--layer-height", "0.1", "--out", thin]) == 0
     assert dataset.read(thin).attrs["solid"] == "layer, bonded bottom"
     assert main(["stress", thin, "--poisson", "0.2", "--out", str(tmp_path / "stress.nc")]) == 1
     assert "--poisson 0.2: only 0.33 is accepted" in capsys.readouterr().err
@@ -149,21 +143,6 @@ def test_solve_imposes_pressure_force_and_approach_alike(tmp_path, capsys):
     assert f"approach since first touch {1e9 * approach:.4g} nm" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("load", "said"),
-    [
-        (["--mean-pressure", "50 MPa"], "--mean-pressure = '50 MPa': needs --young and a surface with a uni"),
-        (["--mean-pressure", "-1"], "--mean-pressure = -1.0: a number > 0 and ≤ 1000 is needed"),
-        (["--force", "3"], "--force = '3': a number with a unit of force (mN, N, kN) is needed, such as '3"),
-        (["--approach", "0.9"], "approach = 0.9: less than 0.0"),
-        (["--approach", "0.001", "--area-fraction", "0.2"], "--approach: not accepted together with --area-"),
-    ],
-)
-def test_loads_that_solve_does_not_accept(files, tmp_path, capsys, load, said):
-    assert main(["solve", files["surface"], *load, "--out", str(tmp_path / "c.nc")]) == 1
-    assert said in capsys.readouterr().err
-
-
 def test_compilation_is_announced_once(tmp_path):
     code = (
         "import asperity as asp; "
@@ -177,12 +156,6 @@ def test_compilation_is_announced_once(tmp_path):
     )
     assert found.returncode == 0
     assert found.stderr == f"{NOTICE}\n"
-
-
-def test_a_misspelt_option_is_answered_with_the_nearest(capsys):
-    with pytest.raises(SystemExit):
-        main(["run", "map.x3p", "--poison", "0.3"])
-    assert "--poison 0.3: not accepted; did you mean --poisson?" in capsys.readouterr().err
 
 
 def test_a_closed_pipe_is_no_error():

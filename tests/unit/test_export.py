@@ -162,24 +162,3 @@ def test_table_holds_every_peak_with_its_unit(chain, tmp_path):
     assert list(plain) == list(table)
     np.testing.assert_allclose(si["value_MPa"] * 1e6, plain["value_effective_modulus"])
     np.testing.assert_allclose(si["depth_um"] * 1e-6, plain["depth_cell_length"])
-
-
-@pytest.mark.parametrize(
-    ("command", "message"),
-    [
-        ("{contact}", "nothing to export: --peaks FILE.csv, --surface FILE.vti,"),
-        ("{contact} --peaks p.csv", "--peaks: a stress file (of asperity stress) is needed, none is given"),
-        ("{stress} --field xx:0-1 f.vti", "--field: a contact file (of asperity solve) is needed"),
-        ("{stress} --peaks p.xlsx", "p.xlsx: a name that ends in .csv or .parquet is needed"),
-        ("{contact} --field xx:0-1 f.vtk", "f.vtk: a name that ends in .vti is needed"),
-        ("{contact} --field xx f.vti", "--field 'xx': NAMES:DEPTHS, such as von_mises,xx:0-40um, is needed"),
-        ("{contact} --field xx:1 f.vti", "--field = '1': a range such as 0-0.1 is needed"),
-        ("{contact} --field xx:0-0.1 f.vti --x 0-3", "x = 0 to 3: rising positions from 0 to 1 are needed"),
-        ("{contact} --field xx:0-0.1 f.vti --spacing 0", "spacing = 0: a distance > 0 is needed"),
-    ],
-)
-def test_command_refuses_in_one_line(chain, capsys, command, message):
-    assert main(["export", *command.format(**chain).split()]) == 1
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1

@@ -153,21 +153,6 @@ def test_command_states_the_cost_of_a_configuration(capsys):
     assert "decay_length_plane" in printed
 
 
-@pytest.mark.parametrize(
-    ("text", "line"),
-    [
-        ("{hurst: 0.8}", "surfaces.surface.wavelength_long: missing; a number"),
-        ("none.yaml", "'none.yaml': a file, or keys and values such as"),
-        ("{hurst: [", "YAML is needed; "),
-    ],
-)
-def test_wrong_spectrum_is_one_line(capsys, text, line):
-    assert main(["plan", text]) == 1
-    error = capsys.readouterr().err
-    assert line in error
-    assert error.count("\n") == 1
-
-
 def test_loads_count_where_a_figure_shows_the_contact():
     band = "hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.03125, rms_height: 0.001"
     text = f"surfaces: {{ground: {{label: a, {band}}}, lapped: {{label: b, {band}}}}}"

@@ -2,15 +2,13 @@
 
 import numpy as np
 import pytest
+from bad_input import BAND, SI_BAND
 
 import asperity as asp
 from asperity.cli.commands.surface import LENGTHS
 from asperity.cli.main import main
 from asperity.results import dataset
 from asperity.results.variables import DIMENSIONS, VARIABLES
-
-BAND = "--hurst 0.8 --wavelength-long 0.25 --wavelength-short 0.05 --rms-height 0.001"
-SI_BAND = "--hurst 0.8 --wavelength-long 20um --wavelength-short 4000nm --rms-height 8e-5mm --length 80um"
 
 
 def make(folder, words):
@@ -63,27 +61,3 @@ def test_stages_in_si_are_those_of_the_study(tmp_path, monkeypatch):
         assert si.attrs["unit_system"] == ("SI" if stage != "peaks" else study.attrs["unit_system"])
         for variable, unit in units.items():  # the tolerance of the contact is 1e-6
             np.testing.assert_allclose(si[variable] / unit, study[variable], rtol=1e-5, atol=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        (f"{BAND} --length 80", "--length = '80': a number with a unit of length"),
-        (f"{BAND} --length 80um", "--wavelength-long = '0.25': a number with a unit of length"),
-        (BAND.replace("0.05", "2um"), "--wavelength-short = '2um': a number in cell lengths is needed, or"),
-        (BAND.replace("0.05", "0"), "--wavelength-short = '0': a number ≥ 6.103515625e-05 and ≤ 1, in cell"),
-        (BAND.replace("0.05", "nan"), "--wavelength-short = 'nan': a number ≥"),
-        (BAND.replace("0.05", "0.5"), "wavelength_short = 0.5: at most 0.25, the longest, is needed"),
-        (SI_BAND.replace("4000nm", "1nm"), "--wavelength-short = '1nm', 1.25e-05 of --length: a number ≥"),
-        (f"{SI_BAND} --points 16", "--points = 16: at least 40 are needed, two on --wavelength-short = 4000"),
-        (f"{BAND} --skewness 1", "--skewness, --kurtosis: both are needed, or none of them"),
-        (f"{BAND} --skewness 1 --kurtosis 2", "skewness = 1.0, kurtosis = 2.0: no Johnson curve"),
-        (BAND.replace("0.05", "1e-4"), "--points = 80000, the default: a whole number"),
-    ],
-)
-def test_the_command_refuses_in_one_line(tmp_path, capsys, words, message):
-    assert main(["surface", *words.split(), "--out", str(tmp_path / "s.nc")]) == 1
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1
-    assert not list(tmp_path.iterdir())

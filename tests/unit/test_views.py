@@ -235,26 +235,3 @@ def test_command_puts_the_picture_beside_the_result(chain_in_si, capsys, tmp_pat
     picture = tmp_path / f"mine_{words.split()[0]}.png"
     assert capsys.readouterr().out.splitlines()[-1] == str(picture)
     assert picture.read_bytes().startswith(b"\x89PNG")
-
-
-@pytest.mark.parametrize(
-    ("command", "message"),
-    [
-        ("{contact}", "result files and one of height, pressure, gap, section, plane, peaks are needed"),
-        ("{contact} {contact} gap", "contact.nc: given twice"),
-        ("{stress} gap", "a result of stress, one of contact is needed"),
-        ("{contact} section y=0.1 x=0.1", "y, x: a number for one of them"),
-        ("{contact} section z=1", "'z=1': one of y=..., x=..., depth=... is needed"),
-        ("{contact} section depth=0", "depth = 0: a depth > 0 is needed"),
-        ("{contact} plane depth=-1", "depth = -1: max or a depth from 0 to 100 is needed"),
-        ("{contact} height x=3", "x = '3': a range such as 0-0.1 is needed"),
-        ("{contact} height --field xx", "--field: not for height, only for section, plane and peaks"),
-        ("{si} section y=205", "y = '205': a number with a unit of length"),
-    ],
-)
-def test_command_refuses_in_one_line(chain, chain_in_si, capsys, command, message):
-    words = command.format(**chain, si=chain_in_si["contact"]).split()
-    assert main(["view", *words]) == 1
-    error = capsys.readouterr().err
-    assert message in error
-    assert error.count("\n") == 1
