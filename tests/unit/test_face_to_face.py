@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-import asperity as asp
 from asperity.surface.reading.height_map import LOWER_FACE, HeightMap, MapError
 from asperity.surface.treatment.face_to_face import face_to_face
 
@@ -77,23 +76,6 @@ def test_periodic_maps_stay_periodic(shape, shift):
     expected = -lower.height - wave(ky=1, kx=-3, phase=phase).height
     np.testing.assert_allclose(found.map.height, expected - expected.mean(), atol=1e-20)
     assert found.map.periodic
-
-
-def test_two_crossed_waves_are_a_bisinusoid():
-    """Full contact needs a mean pressure above the largest tension, E* q a/2 of each of the two waves.
-
-    K. L. Johnson, Contact Mechanics, 1985, Eq. 13.7 for one wave; in full contact the waves superpose.
-    """
-    edge = (32e-6, 32e-6)
-    lower, upper = (wave((32, 32), ky, 1 - ky, 0.0, edge, periodic=True) for ky in (0, 1))
-    face = face_to_face(lower, upper).map
-    solid = asp.TwoBodies(asp.Layer(210e9, 0.3), asp.Layer(70e9, 0.2))
-    stiffness = solid.effective_modulus * np.pi / edge[0]
-    load = 1.02 * 2 * stiffness * 1e-7
-    full = asp.solve(face.height, solid, edge, mean_pressure=load)
-    np.testing.assert_allclose(full.pressure, load - stiffness * face.height, rtol=1e-4, atol=1)
-    assert full.area_fraction == 1.0
-    assert asp.solve(face.height, solid, edge, mean_pressure=0.9 * load).area_fraction < 1.0
 
 
 @pytest.mark.parametrize(

@@ -31,15 +31,6 @@ def source(request, stress, tmp_path_factory):
     return asp.read_result(path) if request.param == "file by asperity" else xr.open_dataset(path)
 
 
-def test_table_has_the_peaks_asked_for(source):
-    frame = asp.peaks(source, "von_mises", poisson=0.33, selection="under_contact").to_dataframe()
-    assert {"peak_value", "peak_depth", "peak_y", "peak_x"} < set(frame.columns)
-    assert len(frame) > 5
-    assert (frame["quantity"] == "von_mises").all()
-    assert (frame["poisson"] == 0.33).all()
-    assert ((frame["peak_depth"] > 0) & frame["peak_interior"] & frame["peak_under_contact"]).all()
-
-
 def test_every_peak_is_under_one_quantity_and_ratio(source):
     """Those that do not depend on Poisson's ratio are found under each; all are in the layout of the file."""
     total = 0

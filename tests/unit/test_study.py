@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 from scipy.stats import spearmanr
 from small_study import CONTACT, LAYER, STRESS
 
@@ -10,7 +9,7 @@ import asperity as asp
 from asperity.study.stages.contact import SOLID_ATTRIBUTES, solid, solve_contact
 from asperity.study.stages.seed_numbers import seed_statistics
 from asperity.study.stages.statistics import SeedResults, surface_statistics
-from asperity.study.stages.stress import compute_stress, compute_stresses, stress_of_seed
+from asperity.study.stages.stress import compute_stress, stress_of_seed
 from asperity.study.stages.surface import make_surface
 
 SURFACE = {
@@ -139,20 +138,6 @@ def test_correlations_are_those_of_a_search_by_patch(monkeypatch):
     for name, some in (("highest_of_patch", highest), ("large_patches", large)):
         expected = spearmanr(depth[some], size[patch[some]]).statistic
         assert float(found.sel(patches=name)) == pytest.approx(expected)
-
-
-def test_a_contact_serves_both_mean_modes():
-    own = run(1)
-    free = compute_stress(own.contact, LAYER | {"lateral": "free"}, STRESS)
-    both = compute_stresses(own.contact, LAYER, STRESS, ("free",))
-    assert list(both) == ["confined", "free"]
-    xr.testing.assert_equal(both["confined"], own.stress)
-    xr.testing.assert_equal(both["free"], free)
-    assert both["free"].attrs["uniform_mode"] == "laterally free"
-    found = stress_of_seed(own.contact, LAYER, STRESS, ("free",)).sel(lateral="free")
-    expected = seed_statistics(own.surface, own.contact, free)
-    on_grid = [name for name in expected if name in found and name.startswith("seed_")]
-    xr.testing.assert_equal(found[on_grid].drop_vars("lateral"), expected[on_grid])
 
 
 def test_estimates_of_the_study_are_those_of_the_library():
