@@ -138,15 +138,3 @@ def test_peaks_are_found_across_grids_of_planes():
     assert int(coarse["plane_points"].min()) < 160
     highest = [np.sort(asp.peaks(data, "von_mises")["peak_value"])[-40:] for data in (full, coarse)]
     np.testing.assert_allclose(highest[1], highest[0], rtol=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("layer", "boundary", "message"),
-    [
-        (asp.Layer(1.0, 0.3, 0.5), "free", r"^boundary = 'free': a half-space is needed"),
-        (HALF_SPACE, "open", r"^boundary = 'open': one of periodic, free is needed"),
-    ],
-)
-def test_solid_without_free_boundary_is_refused(layer, boundary, message):
-    with pytest.raises(ValueError, match=message):
-        asp.LoadedSolid(np.ones((8, 8)), asp.Grid((8, 8)), layer, boundary)

@@ -101,21 +101,3 @@ def test_envelope_bounds_every_field_of_a_mode(poisson, friction, height):
     largest = largest_of_every_field(poisson, friction, height)
     assert largest <= envelope * (1 + 1e-12)
     assert height or largest > 0.5 * envelope
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"friction": -0.1}, r"friction = -0\.1: a number from 0 to 1000 is needed"),
-        ({"sliding_direction": "z"}, 'sliding_direction = \'z\': "x", "y" or an angle in degrees'),
-        ({"sliding_direction": None}, 'sliding_direction = None: "x", "y" or an angle in degrees'),
-        (
-            {"contact": spots((8, 8), layer=asp.Layer(1.0, 0.3, 0.5, "frictionless"))},
-            r"friction = 0\.2: 0 is needed in a layer with a frictionless bottom",
-        ),
-    ],
-)
-def test_wrong_sliding_is_refused(changes, message):
-    arguments = {"contact": spots((8, 8)), "depths": [0.0], "friction": 0.2} | changes
-    with pytest.raises((ValueError, TypeError), match=f"^{message}"):
-        asp.stress_planes(**arguments)

@@ -36,15 +36,3 @@ def test_half_space_is_chosen_within_the_tolerance():
     assert simplest_solid(half_space, 1.0, 0.0).layer is half_space
     assert simplest_solid(half_space, 1.0, 0.0).difference == 0
     assert simplest_solid(sheet, 1.0, 0.5).layer is sheet
-
-
-@pytest.mark.parametrize(
-    ("q_min", "tolerance", "words"),
-    [
-        (0.0, 0.1, "q_min = 0.0: a number > 0"),
-        (1.0, -0.1, "tolerance = -0.1: a finite number ≥ 0"),
-    ],
-)
-def test_wrong_argument_is_refused(q_min, tolerance, words):
-    with pytest.raises(ValueError, match=words):
-        simplest_solid(Layer(1.0, 0.3, 0.4), q_min, tolerance)

@@ -166,44 +166,6 @@ def test_stress_is_proportional_to_the_pressure(scale):
             np.testing.assert_allclose(found, plane.fields[name], rtol=0, atol=1e-13 * largest)
 
 
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"depths": [0.1, 0.1]}, r"depths\[1\] = 0.1: more than depths\[0\] = 0.1 is needed"),
-        ({"depths": [0.0, 1e308]}, r"depths\[1\] = 1e\+308: a depth from 0"),
-        ({"depths": np.linspace(0, 1, 10**6)}, r"depths has the shape \(1000000,\): 1 to 10000"),
-        ({"poisson": 0.6}, r"poisson = 0.6: a number > -1 and ≤ 0.5"),
-        ({"poisson": [0.1, 0.1]}, "poisson = 0.1: given 2 times"),
-        ({"poisson": np.linspace(0, 0.5, 10**6)}, ".*one number or a list of 1 to 1000"),
-        ({"contact": spots(layer=BONDED), "poisson": 0.3}, r"poisson = 0\.3: 0\.4, that of the contact"),
-        ({"contact": spots(layer=BONDED), "depths": [0.31]}, r"depths\[0\] = 0\.31: a depth from 0 to 0\.3"),
-        ({"contact": np.ones((8, 8))}, "contact = array.*: an object with pressure, grid and layer"),
-        ({"fields": ("von mises",)}, "fields = 'von mises': names from xx, yy"),
-        ({"tolerance": 1.0}, "tolerance = 1.0: a number"),
-        ({"threads": 10**9}, r"threads = 1000000000: a whole number from 1"),
-    ],
-)
-def test_wrong_argument_is_refused(changes, message):
-    with pytest.raises((ValueError, TypeError), match=f"^{message}"):
-        stress_planes(**({"contact": spots(), "depths": [0.0]} | changes))
-
-
-@pytest.mark.parametrize(
-    ("pressure", "length", "message"),
-    [
-        (np.full((8, 8), 1e70), 1, r"pressure: its largest magnitude is 1e\+70; 0 or a value from 1e-60"),
-        (np.full((8, 8), 1e-200), 1, "pressure: its largest magnitude is 1e-200"),
-        (np.diag([np.nan, np.inf, *range(6)]), 1, "pressure: 2 of 64 nodes are not finite"),
-        (np.ones((8, 9)), 1, r"pressure has the shape \(8, 9\): that of its grid, \(8, 8\)"),
-        (np.ones((8, 8), complex), 1, "pressure = .*: real numbers"),
-        (np.ones((8, 8)), 1e70, r"grid\.length = 1e\+70: an edge from"),
-    ],
-)
-def test_load_without_a_finite_stress_is_refused(pressure, length, message):
-    with pytest.raises((ValueError, TypeError), match=f"^{message}"):
-        asp.LoadedSolid(pressure, asp.Grid((8, 8), length), HALF_SPACE)
-
-
 @settings(max_examples=25)
 @given(st.integers(8, 4096), st.floats(0.01, 10.0), st.floats(0.1, 2.0), st.floats(0.02, 0.5))
 def test_depth_grid_has_the_spacing_promised(points, height, spacing, growth):
@@ -215,15 +177,55 @@ def test_depth_grid_has_the_spacing_promised(points, height, spacing, growth):
     assert np.all(steps <= 1.5 * np.maximum(spacing / points, growth * depths[:-1]) * (1 + 1e-12))
 
 
+EIGHT = np.ones((8, 8))
+SLIDING = asp.Layer(1.0, 0.3, 0.5, "frictionless")
+
+
+def planes(contact=None, depths=(0.0,), **settings):
+    return stress_planes(spots((8, 8)) if contact is None else contact, depths, **settings)
+
+
+def loaded(pressure=EIGHT, length=1.0, layer=HALF_SPACE, boundary="periodic"):
+    return asp.LoadedSolid(pressure, asp.Grid((8, 8), length), layer, boundary)
+
+
+def grid_of_depths(**settings):
+    return depth_grid(asp.Grid((8, 8)), **settings)
+
+
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("call", "message"),
     [
-        ({"spacing": 0.0}, "spacing = 0.0: a positive finite"),
-        ({"growth": np.nan}, "growth = nan: a positive finite"),
-        ({"height": "1"}, "height = '1': a positive finite"),
-        ({"spacing": 1e-5, "growth": 1e-5}, "spacing = 1e-05, growth = 1e-05: larger values are needed"),
+        (lambda: planes(depths=[0.1, 0.1]), r"depths\[1\] = 0.1: more than depths\[0\] = 0.1 is needed"),
+        (lambda: planes(depths=[0.0, 1e308]), r"depths\[1\] = 1e\+308: a depth from 0"),
+        (lambda: planes(depths=np.linspace(0, 1, 10**6)), r"depths has the shape \(1000000,\): 1 to 10000"),
+        (lambda: planes(poisson=0.6), r"poisson = 0.6: a number > -1 and ≤ 0.5"),
+        (lambda: planes(poisson=[0.1, 0.1]), "poisson = 0.1: given 2 times"),
+        (lambda: planes(poisson=np.linspace(0, 0.5, 10**6)), ".*one number or a list of 1 to 1000"),
+        (lambda: planes(spots(layer=BONDED), poisson=0.3), r"poisson = 0\.3: 0\.4, that of the contact"),
+        (lambda: planes(spots(layer=BONDED), [0.31]), r"depths\[0\] = 0\.31: a depth from 0 to 0\.3"),
+        (lambda: planes(EIGHT), "contact = array.*: an object with pressure, grid and layer"),
+        (lambda: planes(fields=("von mises",)), "fields = 'von mises': names from xx, yy"),
+        (lambda: planes(tolerance=1.0), "tolerance = 1.0: a number"),
+        (lambda: planes(threads=10**9), r"threads = 1000000000: a whole number from 1"),
+        (lambda: planes(friction=-0.1), r"friction = -0\.1: a number from 0 to 1000 is needed"),
+        (lambda: planes(friction=1, sliding_direction="z"), 'sliding_direction = \'z\': "x", "y" or an'),
+        (lambda: planes(friction=1, sliding_direction=None), 'sliding_direction = None: "x", "y" or an'),
+        (lambda: planes(loaded(layer=SLIDING), friction=0.2), r"friction = 0\.2: 0 is needed in a layer"),
+        (lambda: loaded(1e70 * EIGHT), r"pressure: its largest magnitude is 1e\+70; 0 or a value from 1e-60"),
+        (lambda: loaded(1e-200 * EIGHT), "pressure: its largest magnitude is 1e-200"),
+        (lambda: loaded(np.diag([np.nan, np.inf, *range(6)])), "pressure: 2 of 64 nodes are not finite"),
+        (lambda: loaded(np.ones((8, 9))), r"pressure has the shape \(8, 9\): that of its grid, \(8, 8\)"),
+        (lambda: loaded(1j * EIGHT), "pressure = .*: real numbers"),
+        (lambda: loaded(length=1e70), r"grid\.length = 1e\+70: an edge from"),
+        (lambda: loaded(layer=SLIDING, boundary="free"), "boundary = 'free': a half-space is needed"),
+        (lambda: loaded(boundary="open"), "boundary = 'open': one of periodic, free is needed"),
+        (lambda: grid_of_depths(spacing=0.0), "spacing = 0.0: a positive finite"),
+        (lambda: grid_of_depths(growth=np.nan), "growth = nan: a positive finite"),
+        (lambda: grid_of_depths(height="1"), "height = '1': a positive finite"),
+        (lambda: grid_of_depths(spacing=1e-5, growth=1e-5), "spacing = 1e-05, growth = 1e-05: larger values"),
     ],
 )
-def test_depth_grid_refuses_wrong_arguments(changes, message):
+def test_wrong_argument_is_refused(call, message):
     with pytest.raises((ValueError, TypeError), match=f"^{message}"):
-        depth_grid(asp.Grid((8, 8)), **changes)
+        call()

@@ -28,11 +28,6 @@ def test_layers_add_their_compliances():
     assert both.height == 0.1
 
 
-def test_anything_else_than_layers_is_refused():
-    with pytest.raises(TypeError, match=r"^upper = None: a Layer is needed"):
-        TwoBodies(STEEL, None)
-
-
 @pytest.mark.parametrize("poisson", [-0.3, 0.3, 0.5])
 @pytest.mark.parametrize("height", [0.2, 1.0, 4.0])
 def test_sliding_displaces_a_layer_as_state_space(height, poisson):
