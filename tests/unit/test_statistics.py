@@ -36,21 +36,6 @@ def test_density_within_limits_counts_only_inside():
     assert probability_density(np.empty(0), 3, (0.0, 1.0)).density.tolist() == [0, 0, 0]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (([1.0, np.nan],), "values"),
-        (([1.0], 0), "bins"),
-        (([1.0], 2.5), "bins"),
-        (([1.0], 2, (1.0, 1.0)), "limits"),
-        (([1.0], 2, (0.0, np.inf)), "limits"),
-    ],
-)
-def test_density_refuses_wrong_arguments(arguments, message):
-    with pytest.raises(ValueError, match=f"^{message}"):
-        probability_density(*arguments)
-
-
 def test_autocorrelation_is_the_ring_average_of_products():
     grid = asp.Grid((20, 26), (1.0, 1.3))
     field = np.random.default_rng(2).standard_normal(grid.shape) + 3.0
@@ -225,21 +210,33 @@ def test_nothing_to_count_gives_nan():
     assert (none["peak_density"] == 0).all()
 
 
+TWO = [stress(), stress(1)]
+
+
+def pooled(stresses=TWO, gradients=(1.0, 1.0), **settings):
+    return pool_peaks(stresses, gradients, **settings)
+
+
 @pytest.mark.parametrize(
-    ("changes", "message"),
+    ("call", "message"),
     [
-        ({"stresses": []}, "gradients"),
-        ({"gradients": [1.0]}, "gradients"),
-        ({"gradients": [1.0, 0.0]}, "gradients"),
-        ({"resamples": 0}, "resamples = 0: a whole number from 1 to 1000000 is needed"),
-        ({"resamples": 2**60}, "resamples = 1152921504606846976"),
-        ({"confidence": 1.0}, r"confidence = 1\.0: a number between 0 and 1 is needed"),
-        ({"seed": -1}, "seed = -1: a whole number ≥ 0 is needed"),
-        ({"bins": 0}, "bins"),
-        ({"stresses": [stress(), stress().assign_coords(lag=[0.0, 0.1, 0.3])]}, "stresses.*lag"),
-        ({"stresses": [stress(1), stress(1)]}, "stresses: numbers 1 and 2 have the same peaks; every seed"),
+        (lambda: probability_density([1.0, np.nan]), "values"),
+        (lambda: probability_density([1.0], 0), "bins"),
+        (lambda: probability_density([1.0], 2.5), "bins"),
+        (lambda: probability_density([1.0], 2, (1.0, 1.0)), "limits"),
+        (lambda: probability_density([1.0], 2, (0.0, np.inf)), "limits"),
+        (lambda: pooled(stresses=[]), "gradients"),
+        (lambda: pooled(gradients=[1.0]), "gradients"),
+        (lambda: pooled(gradients=[1.0, 0.0]), "gradients"),
+        (lambda: pooled(resamples=0), "resamples = 0: a whole number from 1 to 1000000 is needed"),
+        (lambda: pooled(resamples=2**60), "resamples = 1152921504606846976"),
+        (lambda: pooled(confidence=1.0), r"confidence = 1\.0: a number between 0 and 1 is needed"),
+        (lambda: pooled(seed=-1), "seed = -1: a whole number ≥ 0 is needed"),
+        (lambda: pooled(bins=0), "bins"),
+        (lambda: pooled([stress(), stress().assign_coords(lag=[0.0, 0.1, 0.3])]), "stresses.*lag"),
+        (lambda: pooled([stress(1), stress(1)]), "stresses: numbers 1 and 2 have the same peaks; every seed"),
     ],
 )
-def test_pooling_refuses_wrong_arguments(changes, message):
+def test_wrong_arguments_are_refused(call, message):
     with pytest.raises((ValueError, TypeError), match=f"^{message}"):
-        pool_peaks(**({"stresses": [stress(), stress(1)], "gradients": [1.0, 1.0]} | changes))
+        call()
