@@ -57,6 +57,7 @@ CONFIGS = [
     ('measured: {fault: {file: "a\\0b"}}', "measured.fault.file = 'a\\x00b': no such file"),
     # what contradicts itself
     ("layer: {poisson: 0.2}\nstress: {poisson: [0.3]}", "layer.poisson = 0.2 must be one of them"),
+    ("contact: {area_fraction: 0.1, approach: 0.1}", "contact.approach = 0.1: not accepted together with"),
     ("contact: {precision: float32, tolerance: 1.0e-9}", "contact.tolerance = 1e-09: a number ≥ 1e-6 with p"),
     # what is no configuration
     ("", "overlay.yaml: keys with values are needed"),

@@ -1,4 +1,4 @@
-"""The schema of the settings, and what is made from it: the check, defaults, the README."""
+"""The schema of the settings, and what is made from it: check, defaults, presets of accuracy, README."""
 
 import copy
 import os
@@ -13,7 +13,16 @@ from project import hide
 from asperity.core.errors import ConfigError
 from asperity.study.config.__main__ import main, with_settings
 from asperity.study.config.check import check, needed_instead
-from asperity.study.config.defaults import KEYS, LOAD_LABELS, complete, default, imposed_load
+from asperity.study.config.defaults import (
+    KEYS,
+    LOAD_LABELS,
+    PRESETS,
+    accuracy_of,
+    complete,
+    default,
+    imposed_load,
+    overlay,
+)
 from asperity.study.config.reader import merged, parse
 from asperity.study.config.schema import accepted, schema, setting, settings
 from asperity.study.config.study import read_study
@@ -113,13 +122,6 @@ def test_two_nodes_on_the_shortest_wave_suffice():
         check(config)
 
 
-def test_two_loads_are_refused():
-    config = copy.deepcopy(PAPER)
-    config["contact"]["mean_pressure"] = 0.01
-    with pytest.raises(ConfigError, match=r"contact.mean_pressure = 0.01: not accepted together with area_"):
-        check(config)
-
-
 def test_settings_that_are_left_out_get_their_defaults():
     config = copy.deepcopy(PAPER)
     del config["layer"], config["measured"]["fault"]["detrend"], config["contact"]["path_area_fractions"]
@@ -164,3 +166,62 @@ def test_a_missing_package_is_one_line(tmp_path):
     assert found.returncode == 1
     assert found.stderr.startswith("config: not installed: pyyaml; install with: pip install")
     assert found.stderr.count("\n") == 1
+
+
+FREE = copy.deepcopy(PAPER)
+"""The paper's configuration without what it gives itself of the presets."""
+del FREE["seeds"], FREE["surfaces"]["cutoff_512"]["points"]
+
+
+def test_the_schema_knows_the_presets():
+    assert setting("accuracy")["enum"] == list(PRESETS)
+
+
+def test_the_paper_has_the_settings_its_figures_were_made_with():
+    whole = complete(PAPER)
+    points = {name: surface["points"] for name, surface in whole["surfaces"].items()}
+    assert points["hurst_02"] == points["hurst_08"] == 2048
+    assert (points["cutoff_64"], points["gaussian"], points["cutoff_512"]) == (512, 1024, 2048)
+    assert whole["measured"]["fault"]["points"] == 512
+    assert whole["seeds"] == [1, 2, 3, 4]
+    assert (whole["contact"]["tolerance"], whole["contact"]["precision"]) == (1e-6, "float64")
+    assert (whole["stress"]["tolerance"], whole["stress"]["depth_spacing"]) == (1e-4, 0.5)
+    assert whole["layer"]["half_space_tolerance"] == 0.05
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_every_preset_gives_a_configuration_that_is_accepted_and_stays_as_it_is(name):
+    before = FREE | {"accuracy": name}
+    whole = complete(before)
+    check(whole)
+    assert complete(whole) == whole
+    assert accuracy_of(whole, "gaussian") == PRESETS[name]
+    assert "tolerance" not in before["contact"]
+
+
+def test_a_setting_that_is_given_overrides_the_preset():
+    config = copy.deepcopy(PAPER) | {"accuracy": "draft", "seeds": [7]}
+    config["contact"]["precision"] = "float32"
+    config["surfaces"]["gaussian"]["points"] = 300
+    whole = complete(config)
+    assert whole["seeds"] == [7]
+    assert (whole["contact"]["precision"], whole["contact"]["tolerance"]) == ("float32", 1e-4)
+    assert whole["surfaces"]["gaussian"]["points"] == 300
+    assert whole["surfaces"]["hurst_02"]["points"] == 1024
+
+
+def test_a_map_without_a_shortest_wavelength_keeps_its_points():
+    config = copy.deepcopy(PAPER)
+    del config["measured"]["fault"]["wavelength_short"]
+    assert "points" not in complete(config)["measured"]["fault"]
+
+
+def test_the_overlay_of_a_preset_gives_what_the_preset_gives():
+    wavelengths = {name: surface["wavelength_short"] for name, surface in PAPER["surfaces"].items()}
+    config = merged(FREE, overlay(PRESETS["reference"], wavelengths))
+    expected = complete(FREE | {"accuracy": "reference"})
+    assert complete(config) | {"accuracy": "reference", "measured": expected["measured"]} == expected
+
+
+def test_points_are_fast_to_transform():
+    assert PRESETS["paper"].points(0.03) == 270

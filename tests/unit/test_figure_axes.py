@@ -1,10 +1,12 @@
-"""Axes of figures show the curves although a few values are far away."""
+"""Figures of extreme values: a few that are far away, and contacts under which nothing can be counted."""
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from asperity.paper.figures import fig10_14_18
 from asperity.paper.figures.densities import finish_densities, folded_density
+from asperity.results import dataset
 
 
 def density_axis(*lines):
@@ -42,3 +44,14 @@ def test_a_folded_density_is_that_of_the_magnitude():
     np.testing.assert_allclose(result[:10], 0.625, rtol=1e-12)
     np.testing.assert_allclose(result[10:], 0.375, rtol=1e-12)
     assert float(np.sum(result * np.diff(folded))) == pytest.approx(1)
+
+
+@pytest.mark.parametrize("bins_with_peaks", [0, 1])
+def test_joint_densities_are_drawn_without_peaks(chain, tmp_path, bins_with_peaks):
+    statistics = dataset.read(chain["statistics"])
+    few = statistics.assign(joint_counts=statistics["joint_counts"] * 0)
+    few["joint_counts"][..., 3, 3] = bins_with_peaks
+    figure = fig10_14_18.draw({"one": few}, "surfaces")
+    figure.savefig(tmp_path / "figure.png")
+    texts = [text.get_text() for text in figure.axes[0].texts]
+    assert ("no peaks" in texts) == (bins_with_peaks == 0)

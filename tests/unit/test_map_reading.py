@@ -1,7 +1,6 @@
 """Reading of maps: every file family gives one surface; orientation, units, points, sizes, all problems."""
 
 import gzip
-import importlib.util
 import os
 import re
 import struct
@@ -11,6 +10,7 @@ import tracemalloc
 import zipfile
 from pathlib import Path
 
+import make_maps
 import numpy as np
 import pytest
 import xarray as xr
@@ -29,10 +29,6 @@ tifffile = pytest.importorskip("tifffile")
 Image = pytest.importorskip("PIL.Image")
 
 DATA = Path(__file__).parents[1] / "data"
-_spec = importlib.util.spec_from_file_location("make_maps", DATA / "make_maps.py")
-make_maps = importlib.util.module_from_spec(_spec)
-_spec.loader.exec_module(make_maps)
-
 HEIGHT, VALID = make_maps.ground_steel()
 EDGES = tuple(make_maps.PIXEL * n for n in make_maps.SHAPE)
 ARRAY = {"physical_size": ("80 um", "96 um"), "unit": "um", "orientation": "peaks up"}
