@@ -1,4 +1,18 @@
-"""Settings of a study small enough to run in a test."""
+"""Settings and results of a study small enough to run in a test."""
+
+from asperity.study.stages.contact import solve_contact
+from asperity.study.stages.statistics import SeedResults
+from asperity.study.stages.stress import compute_stress
+from asperity.study.stages.surface import make_surface
+
+SURFACE = {
+    "label": "small",
+    "hurst": 0.8,
+    "wavelength_long": 0.25,
+    "wavelength_short": 0.125,
+    "rms_height": 1e-3,
+    "points": 64,
+}
 
 LAYER = {
     "height": 1.0,
@@ -15,3 +29,12 @@ CONTACT = {
     "precision": "float64",
 }
 STRESS = {"poisson": [0.0, 0.33], "tolerance": 1e-4, "depth_spacing": 0.5}
+SETTINGS = {"name": "small", "seed": 1, "surface": SURFACE, "layer": LAYER, "contact": CONTACT}
+"""Settings of the contact of a seed."""
+
+
+def results_of(seed, layer=LAYER, surface=SURFACE):
+    """Surface, contact and stress of a seed."""
+    made = make_surface(surface, seed)
+    contact = solve_contact(made, layer, CONTACT)
+    return SeedResults(seed, made, contact, compute_stress(contact, layer, STRESS))

@@ -3,30 +3,16 @@
 import numpy as np
 import pytest
 from scipy.stats import spearmanr
-from small_study import CONTACT, LAYER, STRESS
+from small_study import CONTACT, LAYER, STRESS, SURFACE, results_of
 
 import asperity as asp
 from asperity.study.stages.contact import SOLID_ATTRIBUTES, solid, solve_contact
 from asperity.study.stages.seed_numbers import seed_statistics
-from asperity.study.stages.statistics import SeedResults, surface_statistics
+from asperity.study.stages.statistics import surface_statistics
 from asperity.study.stages.stress import compute_stress, stress_of_seed
 from asperity.study.stages.surface import make_surface
 
-SURFACE = {
-    "label": "test",
-    "hurst": 0.8,
-    "wavelength_long": 0.25,
-    "wavelength_short": 0.125,
-    "rms_height": 0.001,
-    "points": 64,
-}
 STATISTICS = {"bins": 10, "resamples": 50, "confidence": 0.9}
-
-
-def run(seed, layer=LAYER):
-    surface = make_surface(SURFACE, seed)
-    contact = solve_contact(surface, layer, CONTACT)
-    return SeedResults(seed, surface, contact, compute_stress(contact, layer, STRESS))
 
 
 def test_a_half_space_replaces_a_tall_layer_but_not_a_thin_one():
@@ -70,9 +56,9 @@ def test_an_approach_of_full_contact_is_refused():
 
 
 def test_a_layer_is_analysed_for_the_poissons_ratio_of_its_contact_alone():
-    half_space = run(1).stress
+    half_space = results_of(1).stress
     assert half_space.poisson.values.tolist() == [0.0, 0.33]
-    layer = run(1, LAYER | {"height": 0.2}).stress
+    layer = results_of(1, LAYER | {"height": 0.2}).stress
     assert layer.poisson.values.tolist() == [0.33]
     assert layer.plane_depth.values[-1] == pytest.approx(0.2)
 
@@ -87,14 +73,14 @@ def test_a_ratio_at_which_the_half_space_does_not_stand_for_the_layer_is_refused
 
 
 def test_bins_follow_the_number_of_peaks():
-    found = surface_statistics([run(1)], **STATISTICS | {"bins": 100})
+    found = surface_statistics([results_of(1)], **STATISTICS | {"bins": 100})
     fewest = int(found["seed_peak_count"].min())
     assert found.sizes["bin"] == max(10, fewest // 20) < 100
     assert found.sizes["height_bin"] == 100
 
 
 def test_two_seeds_have_bands_and_one_has_none():
-    results = [run(seed) for seed in (1, 2)]
+    results = [results_of(seed) for seed in (1, 2)]
     two = surface_statistics(results, **STATISTICS)
     one = surface_statistics(results[:1], **STATISTICS)
     assert np.isnan(one.scaled_covariance_depth_low.values).all()
@@ -125,7 +111,7 @@ def filled(contact):
 
 def test_correlations_are_those_of_a_search_by_patch(monkeypatch):
     monkeypatch.setattr("asperity.study.stages.seed_numbers.LARGE_PATCH", 4)
-    results = run(1)
+    results = results_of(1)
     statistics = seed_statistics(results.surface, results.contact, results.stress)
     found = statistics["seed_patch_correlation"].sel(poisson=0.33)
     number = filled(results.contact["pressure"].values > 0)

@@ -6,15 +6,12 @@ import shutil
 from hashlib import sha256
 
 import pytest
-from small_study import CONTACT, LAYER, STRESS
+from small_study import SETTINGS, STRESS, results_of
 
 from asperity.cli.main import main
 from asperity.results import dataset
 from asperity.study.runtime.manifest import MANIFEST, write_manifest
 from asperity.study.runtime.study_folder import PARTS
-from asperity.study.stages.contact import solve_contact
-from asperity.study.stages.stress import compute_stress
-from asperity.study.stages.surface import make_surface
 
 
 @pytest.fixture
@@ -70,19 +67,14 @@ def test_a_later_run_keeps_damage_visible(results):
     assert "one.nc" not in (results / MANIFEST).read_text()
 
 
-SURFACE = {"hurst": 0.8, "wavelength_long": 0.5, "wavelength_short": 0.25, "rms_height": 1e-3, "points": 16}
-
-
 def test_a_result_that_lacks_something_is_one_line(tmp_path, capsys):
     """Made by someone who can compute a fingerprint; a damaged file is refused before."""
-    contact = solve_contact(make_surface(SURFACE, 1), LAYER, CONTACT)
-    settings = {"name": "a", "seed": 1, "surface": SURFACE, "layer": LAYER, "contact": CONTACT}
-    stress = compute_stress(contact, LAYER, STRESS)
+    _, _, contact, stress = results_of(1)
     without = contact.copy(deep=False)
     del without.attrs["solid"]
     files = {"stress": stress, "without": without, "unloaded": contact.assign(pressure=0 * contact.pressure)}
     for name, data in files.items():
-        own = settings | {"stress": STRESS} if name == "stress" else settings
+        own = SETTINGS | {"stress": STRESS} if name == "stress" else SETTINGS
         dataset.write(data, tmp_path / f"{name}.nc", name, own)
     paths = {name: str(tmp_path / f"{name}.nc") for name in (*files, "out")}
     for words, line in (

@@ -2,13 +2,10 @@ import json
 
 import numpy as np
 import pytest
-from small_study import CONTACT, LAYER, STRESS
+from small_study import SETTINGS, results_of
 
-from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.seed_numbers import LEVELS, seed_statistics
 from asperity.study.stages.statistics import SeedResults, surface_statistics
-from asperity.study.stages.stress import compute_stress
-from asperity.study.stages.surface import make_surface
 from asperity.study.stages.verification import (
     VerificationError,
     table,
@@ -16,24 +13,11 @@ from asperity.study.stages.verification import (
     verify_statistics,
 )
 
-SURFACE = {"hurst": 0.8, "wavelength_long": 0.5, "wavelength_short": 0.125, "rms_height": 1e-3, "points": 64}
-SETTINGS = {
-    "name": "small",
-    "seed": 1,
-    "surface": SURFACE,
-    "layer": LAYER,
-    "contact": CONTACT,
-    "stress": STRESS,
-}
-
 
 @pytest.fixture(scope="module")
 def chain():
     """Surface, contact and stress of one seed, with the settings of their files."""
-    surface = make_surface(SURFACE, 1)
-    contact = solve_contact(surface, LAYER, CONTACT)
-    stress = compute_stress(contact, LAYER, STRESS)
-    return [data.assign_attrs(settings=json.dumps(SETTINGS)) for data in (surface, contact, stress)]
+    return [data.assign_attrs(settings=json.dumps(SETTINGS)) for data in results_of(1)[1:]]
 
 
 def broken(checks):
