@@ -54,12 +54,8 @@ class Format:
 @cache
 def known_formats() -> dict[str, Format]:
     """Name → format."""
-    table = packaged_yaml("asperity.surface.reading", "formats.yaml")
-    containers, formats = table["containers"], {}
-    for name, entry in table["formats"].items():
-        begins = entry.get("begins", "")
-        formats[name] = Format(name, **entry | {"begins": containers.get(begins, begins)})
-    return formats
+    table = packaged_yaml("asperity.surface.reading", "formats.yaml")["formats"]
+    return {name: Format(name, **entry) for name, entry in table.items()}
 
 
 def possible_formats(begin: bytes, file: BinaryIO, name: str, wanted: str | None) -> list[Format]:
