@@ -18,7 +18,7 @@ Peaks of a signed field are those of its magnitude; the value keeps the sign.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -28,14 +28,14 @@ from asperity.core.arguments import choice, number, require_finite
 from asperity.core.types import Array
 from asperity.elasticity.loaded_solid import BOUNDARIES
 from asperity.fourier.grid import Grid
-from asperity.stress.peaks.maxima import Maxima, maxima_in_rows, refine_in_plane, refine_in_solid
+from asperity.stress.peaks.maxima import Entries, Maxima, maxima_in_rows, refine_in_plane, refine_in_solid
 from asperity.stress.peaks.selection import checked_ratio
 from asperity.stress.planes.fields import BASIS, MARGIN, Basis, Fields, field_at, field_in, field_rows
 from asperity.stress.planes.planes import StressPlane
 
 
 @dataclass(frozen=True)
-class Peaks:
+class Peaks(Entries):
     """Local maxima, one entry each in arrays of the same length.
 
     Parameters
@@ -57,11 +57,6 @@ class Peaks:
     node_value: Array
     interior: Array
 
-    @property
-    def size(self) -> int:
-        """Number of peaks."""
-        return self.value.size
-
     def under_contact(self, pressure: Array, grid: Grid, boundary: str = "periodic") -> Array:
         """True where the surface node nearest above a peak carries pressure."""
         row, column = (
@@ -74,16 +69,9 @@ class Peaks:
             row, column = np.clip(row, 0, grid.shape[0] - 1), np.clip(column, 0, grid.shape[1] - 1)
         return np.asarray(pressure)[row, column] > 0
 
-    def select(self, chosen: Array) -> Peaks:
-        """Some of the peaks."""
-        return Peaks(*(getattr(self, f.name)[chosen] for f in fields(self)))
 
-    @classmethod
-    def join(cls, parts: Iterable[Peaks]) -> Peaks:
-        """All peaks of several sets, in their order."""
-        nothing = np.empty(0)
-        every = [cls(nothing, nothing, nothing, nothing, nothing, np.empty(0, bool)), *parts]
-        return cls(*(np.concatenate([getattr(part, f.name) for part in every]) for f in fields(cls)))
+_NOTHING = np.empty(0)
+NO_PEAKS = Peaks(_NOTHING, _NOTHING, _NOTHING, _NOTHING, _NOTHING, np.empty(0, bool))
 
 
 @dataclass(frozen=True)
@@ -161,7 +149,8 @@ class PeakFinder:
 
     def peaks(self, field: int = 0) -> Peaks:
         """Peaks of a field found so far: those of every plane but the last."""
-        return Peaks.join(peaks.select(np.flatnonzero(own == field)) for own, peaks in self._found)
+        of_field = [peaks.select(np.flatnonzero(own == field)) for own, peaks in self._found]
+        return Peaks.join([NO_PEAKS, *of_field])
 
     def add(self, plane: SearchedPlane, maxima: Maxima) -> None:
         """Add the next plane downward.

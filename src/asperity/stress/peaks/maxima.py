@@ -9,8 +9,9 @@ Offsets are in grid spacings from the node.
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -22,8 +23,27 @@ MIN_DETERMINANT = 1e-12
 """A smaller determinant of the second derivatives, over the product of those along the axes, is rounding."""
 
 
+class Entries:
+    """Arrays of the same length, an entry for every maximum; None for an array that is not known."""
+
+    @property
+    def size(self) -> int:
+        """Number of entries."""
+        return len(next(iter(vars(self).values())))
+
+    def select(self, chosen: Array) -> Self:
+        """Some of the entries."""
+        return type(self)(*(None if array is None else array[chosen] for array in vars(self).values()))
+
+    @classmethod
+    def join(cls, parts: Iterable[Self]) -> Self:
+        """All entries of several sets, in their order."""
+        arrays = zip(*(vars(part).values() for part in parts), strict=True)
+        return cls(*(None if each[0] is None else np.concatenate(each) for each in arrays))
+
+
 @dataclass
-class Maxima:
+class Maxima(Entries):
     """Maxima of fields of one plane over their neighbours in it; those of a field by rising rows and columns.
 
     Parameters
@@ -45,25 +65,9 @@ class Maxima:
     above: Array | None = None
 
     @property
-    def size(self) -> int:
-        """Number of maxima."""
-        return self.field.size
-
-    @property
     def magnitude(self) -> Array:
         """Magnitudes at the nodes."""
         return np.abs(self.here[:, 1, 1])
-
-    def select(self, chosen: Array) -> Maxima:
-        """Some of the maxima."""
-        above = None if self.above is None else self.above[chosen]
-        return Maxima(self.field[chosen], self.row[chosen], self.column[chosen], self.here[chosen], above)
-
-    @classmethod
-    def join(cls, strips: list[Maxima]) -> Maxima:
-        """Maxima in all strips of rows of a plane."""
-        names = ("field", "row", "column", "here")
-        return cls(*(np.concatenate([getattr(strip, name) for strip in strips]) for name in names))
 
 
 def maxima_in_rows(values: Array, columns: int, first: int, floor: float) -> Maxima:
