@@ -51,11 +51,9 @@ _NUMBER_AND_UNIT = re.compile(
 _USUAL = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([pnuµμmkMGT]?)(m|Pa|N)")
 """A number, a prefix and an SI unit."""
 
-_EXPONENTS = {"": 0, "p": -12, "n": -9, "u": -6, "µ": -6, "μ": -6, "m": -3, "k": 3, "M": 6, "G": 9, "T": 12}
-
 _PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T"}
-_POWERS = {"m": 1, "m^2": 2, "m^3": 3, "Pa": 1, "N": 1}
-_SUPERSCRIPTS = {1: "", 2: "²", 3: "³"}
+_EXPONENTS = {prefix: exponent for exponent, prefix in _PREFIXES.items()} | {"u": -6, "μ": -6}
+_SUPERSCRIPTS = {"": "", "2": "²", "3": "³"}
 
 
 def to_si(value: Any, dimension: str, name: str = "value") -> float:
@@ -142,7 +140,7 @@ def scaled_unit(values: ArrayLike, unit: str) -> tuple[float, str]:
     array = np.abs(np.asarray(values, dtype=float)).ravel()
     array = array[np.isfinite(array)]
     largest = float(array.max()) if array.size else 0.0
-    power = _POWERS[unit]
+    power = int(unit.partition("^")[2] or 1)
     exponent = 0
     if largest > 0:
         # Of an area from 0.1 and of a volume from 0.01 of the next larger unit, that unit is taken.
@@ -154,8 +152,8 @@ def scaled_unit(values: ArrayLike, unit: str) -> tuple[float, str]:
 
 
 def _symbol(exponent: int, unit: str) -> str:
-    base = unit.split("^")[0]
-    return f"{_PREFIXES[exponent]}{base}{_SUPERSCRIPTS[_POWERS[unit]]}"
+    base, _, power = unit.partition("^")
+    return f"{_PREFIXES[exponent]}{base}{_SUPERSCRIPTS[power]}"
 
 
 def _is_number(value: Any) -> bool:

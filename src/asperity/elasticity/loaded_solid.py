@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from asperity.core.arguments import choice
+from asperity.core.arguments import choice, number
 from asperity.core.errors import shown
 from asperity.core.markup import picture, table
 from asperity.core.types import Array
@@ -42,6 +42,8 @@ BOUNDARIES = ("periodic", "free")
 SMALLEST, LARGEST = 1e-60, 1e60
 """Accepted edges of the cell and largest pressures: squares of wavenumbers and third powers of stresses stay
 within double precision."""
+
+RANGE = f"from {SMALLEST:g} to {LARGEST:g}"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -85,16 +87,12 @@ class LoadedSolid:
         if self.boundary == "free" and self.layer.height is not None:
             raise ValueError("boundary = 'free': a half-space is needed, the solid is a layer")
         for edge in self.grid.length:
-            if not SMALLEST <= edge <= LARGEST:
-                raise ValueError(
-                    f"grid.length = {edge:g}: an edge from {SMALLEST:g} to {LARGEST:g} is needed"
-                )
+            number("grid.length", edge, f"an edge {RANGE}", lambda size: SMALLEST <= size <= LARGEST)
         pressure = self.grid.field("pressure", self.pressure)
         highest = float(np.abs(pressure).max())
         if highest and not SMALLEST <= highest <= LARGEST:
             raise ValueError(
-                f"pressure: its largest magnitude is {highest:g}; 0 or a value from {SMALLEST:g} to "
-                f"{LARGEST:g} is needed"
+                f"pressure: its largest magnitude is {highest:g}; 0 or a value {RANGE} is needed"
             )
         object.__setattr__(self, "pressure", pressure)
 

@@ -30,11 +30,8 @@ AGREEMENT = 1e-3
 """Relative difference up to which what the caller says is what the file says: one pixel of a map of 1000."""
 
 
-# Units of files, some of which pint reads as something else; for these it need not be imported (0.3 s).
-_METRES = {
-    **{"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "\u03bcm": 1e-6, "~m": 1e-6, "nm": 1e-9, "pm": 1e-12},
-    **{"A": 1e-10, "Å": 1e-10, "\u212b": 1e-10},
-}
+# Units of files that pint reads as something else, or not at all.
+_METRES = {"~m": 1e-6, **dict.fromkeys(("A", "Å", "\u212b"), 1e-10)}
 
 
 class Channel(NamedTuple):

@@ -11,7 +11,6 @@ import io
 import math
 import os
 import re
-import stat
 import sys
 import warnings
 import zipfile
@@ -123,13 +122,11 @@ def open_map(path: str | os.PathLike[str], options: MapOptions) -> MapFile:
 
 def path_problem(path: str | os.PathLike[str]) -> str:
     """Reason why a path is not that of a file with a map, empty if it may be."""
-    try:
-        mode = os.stat(path).st_mode
-    except (OSError, ValueError):  # also for names that are too long, or with a null character
+    if not os.path.exists(path):  # also of names that are too long, or with a null character
         return "no such file"
-    if stat.S_ISDIR(mode):
+    if os.path.isdir(path):
         return "a folder, a file is needed"
-    return "" if stat.S_ISREG(mode) else "not a regular file"
+    return "" if os.path.isfile(path) else "not a regular file"
 
 
 def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
