@@ -1,6 +1,7 @@
-"""Surfaces, loaded solids and measures that several tests share."""
+"""Surfaces, loaded solids, measures and a test of refused arguments that several modules of tests share."""
 
 import numpy as np
+import pytest
 
 import asperity as asp
 
@@ -43,3 +44,15 @@ def order(points, errors):
 def difference(found, exact):
     """Norm of the difference of two fields over that of the second."""
     return np.linalg.norm(found - exact) / np.linalg.norm(exact)
+
+
+def refuses(*rows):
+    """A test that calls are refused with messages that begin as given, from pairs of call and message."""
+
+    @pytest.mark.parametrize(("call", "message"), rows)
+    def test(call, message):
+        with pytest.raises((ValueError, TypeError), match=f"^{message}") as caught:
+            call()
+        assert all(line.isprintable() for line in str(caught.value).splitlines())
+
+    return test

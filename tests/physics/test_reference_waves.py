@@ -3,6 +3,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
+from samples import refuses
 
 from asperity.elasticity.layer import Layer
 from asperity.fourier.grid import Grid
@@ -96,32 +97,26 @@ def test_gap_around_a_valley_has_its_volume():
 SPHERE = Hertz(1.0, 1.0)
 
 
-@pytest.mark.parametrize(
-    ("make", "named"),
-    [
-        (lambda: Hertz(np.nan, 1.0), "contact_radius"),
-        (lambda: Hertz.from_load(-1.0, 1.0), "load"),
-        (lambda: Hertz.from_approach(1.0, 0.0), "curvature_radius"),
-        (lambda: SPHERE.stress(0.1, -0.1, 0.3), "depth"),
-        (lambda: PeriodicHertz(0.5, 1.0), "below half the period"),
-        (lambda: EllipticHertz(1.0, 0.5, -1.0), "largest_pressure"),
-        (lambda: EllipticHertz(1.0, 2.0, 1.0), "semi_minor = 2"),
-        (lambda: EllipticHertz.from_load(0.0, 2.0, 1.0), "load"),
-        (lambda: EllipticHertz.from_load(1.0, 2.0, 3.0), "curvature_radius_y = 3"),
-        (lambda: EllipticHertz.from_load(1.0, 1e30, 1.0), "curvature_radius_x = 1e"),
-        (lambda: EllipticHertz(2.0, 1.0, 1.0).stress_on_axis(-0.1, 0.3), "depth"),
-        (lambda: SlidingSphere(SPHERE, np.nan), "friction = nan"),
-        (lambda: SlidingSphere(SPHERE, 0.1).stress(0.0, 0.0, -0.1, 0.3), "depth"),
-        (lambda: WAVE.stress(0.2, 0.1, 0.3, "loose"), "lateral"),
-        (lambda: Bisinusoid(1.0, wavelength=0.0), "wavelength"),
-        (lambda: BondedLayer(0.0, 0.3), "height"),
-        (lambda: BondedLayer(1.0, -1.0), "poisson"),
-        (lambda: BondedLayer(1.0, 0.51), "poisson"),
-        (lambda: BondedLayer(1.0, 0.3, order=0), "order"),
-        (lambda: BondedLayer(1.0, 0.3).paraboloid(-1.0, 1.0), "contact_radius"),
-        (lambda: Slab(graded(0.5, 2, 1.0), graded(1.0, 2, 1.0), YOUNG, 0.5), "poisson"),
-    ],
+test_bad_values_are_named = refuses(
+    (lambda: Hertz(np.nan, 1.0), "contact_radius"),
+    (lambda: Hertz.from_load(-1.0, 1.0), "load"),
+    (lambda: Hertz.from_approach(1.0, 0.0), "curvature_radius"),
+    (lambda: SPHERE.stress(0.1, -0.1, 0.3), ".*depth"),
+    (lambda: PeriodicHertz(0.5, 1.0), "contact_radius = 0.5: below half the period"),
+    (lambda: EllipticHertz(1.0, 0.5, -1.0), "largest_pressure"),
+    (lambda: EllipticHertz(1.0, 2.0, 1.0), "semi_minor = 2"),
+    (lambda: EllipticHertz.from_load(0.0, 2.0, 1.0), "load"),
+    (lambda: EllipticHertz.from_load(1.0, 2.0, 3.0), "curvature_radius_y = 3"),
+    (lambda: EllipticHertz.from_load(1.0, 1e30, 1.0), "curvature_radius_x = 1e"),
+    (lambda: EllipticHertz(2.0, 1.0, 1.0).stress_on_axis(-0.1, 0.3), ".*depth"),
+    (lambda: SlidingSphere(SPHERE, np.nan), "friction = nan"),
+    (lambda: SlidingSphere(SPHERE, 0.1).stress(0.0, 0.0, -0.1, 0.3), ".*depth"),
+    (lambda: WAVE.stress(0.2, 0.1, 0.3, "loose"), "lateral"),
+    (lambda: Bisinusoid(1.0, wavelength=0.0), "wavelength"),
+    (lambda: BondedLayer(0.0, 0.3), "height"),
+    (lambda: BondedLayer(1.0, -1.0), "poisson"),
+    (lambda: BondedLayer(1.0, 0.51), "poisson"),
+    (lambda: BondedLayer(1.0, 0.3, order=0), "order"),
+    (lambda: BondedLayer(1.0, 0.3).paraboloid(-1.0, 1.0), "contact_radius"),
+    (lambda: Slab(graded(0.5, 2, 1.0), graded(1.0, 2, 1.0), YOUNG, 0.5), "poisson"),
 )
-def test_bad_values_are_named(make, named):
-    with pytest.raises(ValueError, match=named):
-        make()

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from samples import refuses
 from scipy.stats import norm
 
 from asperity.fourier.grid import Fourier, Grid
@@ -159,39 +160,33 @@ def fitted(skewness, kurtosis, points=8):
 FLAT = np.full((5, 7), 0.1)
 
 
-@pytest.mark.parametrize(
-    ("call", "words"),
-    [
-        (lambda: drawn(hurst=1.5), "hurst = 1.5: a number from 0 to 1"),
-        (lambda: drawn(hurst="0.8"), "hurst = '0.8': .* needed$"),
-        (lambda: drawn(rms_height=None), "rms_height = None: .* needed$"),
-        (lambda: drawn(seed=True), "seed = True: .* needed$"),
-        (lambda: drawn(wavelength_long=-1), "wavelength_long = -1: a number > 0"),
-        (lambda: drawn(wavelength_short=0.5), "at most 0.25"),
-        (lambda: drawn(wavelength_short=1 / 40), "at least two nodes"),
-        (lambda: drawn(rms_height=1e308), r"rms_height = 1e\+308: 0 or a number from 1e-75"),
-        (lambda: drawn(length=5e-324), "length = 5e-324"),
-        (lambda: drawn(seed=-1), "seed = -1"),
-        (lambda: drawn(wavelength_long=0.26, wavelength_short=0.255), "no wave of this band"),
-        (lambda: bounded(delta=0), "delta = 0"),
-        (lambda: bounded(lam=-8.0), "lam = -8.0"),
-        (lambda: bounded(gamma=float("nan")), "gamma = nan"),
-        (lambda: bounded(zeta=float("inf")), "zeta = inf"),
-        (lambda: bounded(delta=1e300), r"delta = 1e\+300: a number > 0, from 1e-75 to 1e\+06"),
-        (lambda: bounded(1e3, 0.01), "gamma = 1000.0, delta = 0.01: .* all heights are mapped to one"),
-        (lambda: fitted(1, 1.5), r"skewness = 1\.0, kurtosis = 1\.5: no Johnson curve .* from about 2\.3 to"),
-        (lambda: fitted(0, 0.5), r"kurtosis = 0\.5: a number from 1 to 1e\+06"),
-        (lambda: fitted(0, 1e9), "kurtosis = 1000000000.0: a number from 1 to"),
-        (lambda: fitted(float("inf"), 3), "skewness = inf: a number from -1000 to 1000"),
-        (lambda: fitted(0, 1e4, 1024), "height: a surface without extreme peaks"),
-        (lambda: johnson(np.arange(4.0), 1.25, 1.0), r"height of shape \(4,\)"),
-        (lambda: roughness_parameters(np.eye(4) * 1j), "height = .*: real numbers are needed"),
-        (lambda: with_moments(np.diag([1.0, np.nan]), 0.5, 3.0), "height: 1 of 4 nodes are not finite"),
-        (lambda: roughness_parameters(FLAT), "heights that differ by at least 1e-75 are needed, this"),
-        (lambda: johnson(FLAT, 1.25, 1.0), "this surface is flat"),
-        (lambda: with_moments(FLAT, 0.5, 3.0), "this surface is flat"),
-    ],
+test_a_wrong_argument_is_named = refuses(
+    (lambda: drawn(hurst=1.5), "hurst = 1.5: a number from 0 to 1"),
+    (lambda: drawn(hurst="0.8"), "hurst = '0.8': .* needed$"),
+    (lambda: drawn(rms_height=None), "rms_height = None: .* needed$"),
+    (lambda: drawn(seed=True), "seed = True: .* needed$"),
+    (lambda: drawn(wavelength_long=-1), "wavelength_long = -1: a number > 0"),
+    (lambda: drawn(wavelength_short=0.5), ".*at most 0.25"),
+    (lambda: drawn(wavelength_short=1 / 40), ".*at least two nodes"),
+    (lambda: drawn(rms_height=1e308), r"rms_height = 1e\+308: 0 or a number from 1e-75"),
+    (lambda: drawn(length=5e-324), "length = 5e-324"),
+    (lambda: drawn(seed=-1), "seed = -1"),
+    (lambda: drawn(wavelength_long=0.26, wavelength_short=0.255), ".*no wave of this band"),
+    (lambda: bounded(delta=0), "delta = 0"),
+    (lambda: bounded(lam=-8.0), "lam = -8.0"),
+    (lambda: bounded(gamma=float("nan")), "gamma = nan"),
+    (lambda: bounded(zeta=float("inf")), "zeta = inf"),
+    (lambda: bounded(delta=1e300), r"delta = 1e\+300: a number > 0, from 1e-75 to 1e\+06"),
+    (lambda: bounded(1e3, 0.01), "gamma = 1000.0, delta = 0.01: .* all heights are mapped to one"),
+    (lambda: fitted(1, 1.5), r"skewness = 1\.0, kurtosis = 1\.5: no Johnson curve .* from about 2\.3 to"),
+    (lambda: fitted(0, 0.5), r"kurtosis = 0\.5: a number from 1 to 1e\+06"),
+    (lambda: fitted(0, 1e9), "kurtosis = 1000000000.0: a number from 1 to"),
+    (lambda: fitted(float("inf"), 3), "skewness = inf: a number from -1000 to 1000"),
+    (lambda: fitted(0, 1e4, 1024), "height: a surface without extreme peaks"),
+    (lambda: johnson(np.arange(4.0), 1.25, 1.0), r"height of shape \(4,\)"),
+    (lambda: roughness_parameters(np.eye(4) * 1j), "height = .*: real numbers are needed"),
+    (lambda: with_moments(np.diag([1.0, np.nan]), 0.5, 3.0), "height: 1 of 4 nodes are not finite"),
+    (lambda: roughness_parameters(FLAT), ".*heights that differ by at least 1e-75 are needed, this"),
+    (lambda: johnson(FLAT, 1.25, 1.0), ".*this surface is flat"),
+    (lambda: with_moments(FLAT, 0.5, 3.0), ".*this surface is flat"),
 )
-def test_a_wrong_argument_is_named(call, words):
-    with pytest.raises((ValueError, TypeError), match=words):
-        call()
