@@ -1,0 +1,151 @@
+"""The smallest sphere that encloses points in five dimensions, its centre anywhere or in a subspace.
+
+With the centre c in the subspace of the first coordinates, the squared distance of a point is that to its
+projection x plus the constant w of its other coordinates: minimise max (|x − c|² + w). The optimum is fixed
+by at most one point more than the subspace has dimensions (E. Welzl, LNCS 555 (1991) 359, DOI
+10.1007/BFb0038202). It is reached by exchange, as in P. Wolfe, Math. Program. 11 (1976) 128, DOI
+10.1007/BF01580381: the farthest point is added to those that fix the sphere, and the centre walks towards the
+point equally far from all of them; a point whose weight in the centre falls to 0 on the way is dropped. The
+radius rises with every point, so that no set of points returns.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from asperity.core.compiled import compiled, inlined, makes_arrays
+
+DIMENSIONS = 5
+"""Dimensions of the space, that of the stress deviators."""
+
+ROUNDING = 1e-13
+"""Share of the squared radius by which a point may lie outside, or the radius must rise."""
+
+MAX_EXCHANGES = 1000
+"""Most points that are added; about ten are."""
+
+
+@makes_arrays
+def smallest_sphere(points: Any, free: int, centre: Any) -> float:
+    """Squared radius of the smallest sphere around points, exact to rounding.
+
+    Parameters
+    ----------
+    points : (n, 5) array of double precision
+    free : 1 to 5
+        Number of the first coordinates along which the centre may move; the others are 0.
+    centre : (5,) array
+        Is filled with the centre.
+    """
+    support = np.empty(DIMENSIONS + 2, np.int64)
+    weight, wanted = np.empty(DIMENSIONS + 2), np.empty(DIMENSIONS + 2)
+    support[0], weight[0], count = 0, 1.0, 1
+    centre[:] = 0.0
+    centre[:free] = points[0, :free]
+    radius = -1.0
+    for _ in range(MAX_EXCHANGES):
+        here = _squared_distance(points, support[0], centre)
+        farthest, distance = 0, -1.0
+        for n in range(points.shape[0]):
+            this = _squared_distance(points, n, centre)
+            if this > distance:
+                farthest, distance = n, this
+        if distance <= here * (1 + ROUNDING) or here <= radius * (1 + 1e-3 * ROUNDING):
+            return distance
+        radius = here
+        support[count], weight[count] = farthest, 0.0
+        count += 1
+        while True:
+            is_end = _wanted_weights(points, free, support, count, weight, wanted)
+            step, leaving = 1.0, -1
+            for n in range(count):
+                if wanted[n] < 0:
+                    until = weight[n] / (weight[n] - wanted[n]) if is_end else -weight[n] / wanted[n]
+                    if leaving < 0 or until < step:
+                        step, leaving = until, n
+            for n in range(count):
+                change = wanted[n] - weight[n] if is_end else wanted[n]
+                weight[n] += step * change
+            if leaving < 0:
+                break
+            for n in range(leaving, count - 1):
+                support[n], weight[n] = support[n + 1], weight[n + 1]
+            count -= 1
+        for k in range(free):
+            centre[k] = 0.0
+            for n in range(count):
+                centre[k] += weight[n] * points[support[n], k]
+    return distance
+
+
+@inlined
+def _squared_distance(points: Any, n: int, centre: Any) -> float:
+    total = 0.0
+    for k in range(DIMENSIONS):
+        total += (points[n, k] - centre[k]) ** 2
+    return total
+
+
+@makes_arrays
+def _wanted_weights(points: Any, free: int, support: Any, count: int, weight: Any, wanted: Any) -> bool:
+    """Weights of the points in the centre equally far from all; False if there is none, as one depends.
+
+    `wanted` is then the direction in which the weight of the last point rises while the centre stays.
+    """
+    first, size = points[support[0]], count - 1
+    lower, right = np.empty((size, size)), np.empty(size)
+    for n in range(size):
+        point = points[support[n + 1]]
+        right[n] = 0.0
+        for k in range(DIMENSIONS):
+            right[n] += 0.5 * (point[k] - first[k]) ** 2
+            if k >= free:
+                right[n] += (point[k] - first[k]) * first[k]
+        for m in range(n + 1):
+            other, total = points[support[m + 1]], 0.0
+            for k in range(free):
+                total += (point[k] - first[k]) * (other[k] - first[k])
+            gram = total
+            for k in range(m):
+                total -= lower[n, k] * lower[m, k]
+            if m < n:
+                lower[n, m] = total / lower[m, m]
+            elif total > 1e-14 * gram:
+                lower[n, n] = np.sqrt(total)
+            elif n == size - 1:
+                return _dependence(lower, size, wanted)
+            else:
+                lower[n, n] = np.sqrt(max(total, 1e-300))
+    for n in range(size):
+        for k in range(n):
+            right[n] -= lower[n, k] * right[k]
+        right[n] /= lower[n, n]
+    _solve_upper(lower, right, size)
+    wanted[0] = 1.0
+    for n in range(size):
+        wanted[n + 1] = right[n]
+        wanted[0] -= right[n]
+    return True
+
+
+@makes_arrays
+def _dependence(lower: Any, size: int, wanted: Any) -> bool:
+    """Direction of the weights in which that of the last point rises and the centre stays."""
+    shares = lower[size - 1, : size - 1].copy()
+    _solve_upper(lower, shares, size - 1)
+    wanted[0], wanted[size] = -1.0, 1.0
+    for n in range(size - 1):
+        wanted[n + 1] = -shares[n]
+        wanted[0] += shares[n]
+    return False
+
+
+@compiled
+def _solve_upper(lower: Any, right: Any, size: int) -> None:
+    """Solve with the transpose of a lower triangle, in place."""
+    for n in range(size - 1, -1, -1):
+        for k in range(n + 1, size):
+            right[n] -= lower[k, n] * right[k]
+        right[n] /= lower[n, n]
