@@ -43,6 +43,14 @@ LIMITS = {
 }
 """Number that is estimated for vanishing pixels → its variable and quantity in `asperity.continuum`."""
 
+CYCLE_WORDS = {
+    "dang_van": ("largest Dang Van stress over limit", "1"),
+    "shear_range": ("largest range of σ_xz", "Pa"),
+    "shakedown_lower": ("shakedown factor, at least", "1"),
+    "shakedown_upper": ("shakedown factor, at most", "1"),
+}
+"""Variable of the cycles → name of its worst value among the numbers, and its unit."""
+
 PERCENTS = (50, 90, 99)
 """Percentiles of the von Mises peaks below the contacts that are listed."""
 
@@ -160,6 +168,7 @@ class Answer:
             shown += _curve_rows(self.curve, len(self.case.bodies) > 1)
         for name in self.case.different_bodies:
             shown += _body_rows(body_title(self.case, name), self.bodies[name])
+            shown += _cycle_rows(self, name)
         return shown
 
     @property
@@ -327,6 +336,28 @@ def _body_rows(group: str, body: BodyAnswer) -> Iterator[Row]:
     yield row("volume above yield", volume, "m^3", shown_si(volume, "m^3", 3))
     yield row("share above yield", fraction, "1", share)
     yield row("deepest point above yield", last, "m", between)
+
+
+def _cycle_rows(answer: Answer, name: str) -> Iterator[Row]:
+    """The worst cycles of a body, as if it were the smooth one."""
+    cycles, group = answer.bodies[name].cycles, cycles_title(answer.case, name)
+    if cycles is None:
+        return
+    for variable, (words, unit) in CYCLE_WORDS.items():
+        if variable in cycles:
+            value, depth, y = cycles.attrs[f"worst_{variable}"]
+            y = float(answer.face.on_map(y, 0.0)[0])
+            place = f"at depth {shown_si(depth, 'm')}, y = {shown_si(y, 'm')}"
+            yield Row(group, words, value, unit, f"{shown_si(value, unit)} {place}")
+            if variable == "dang_van":
+                yield Row(group, f"{words}, depth", depth, "m", shown_si(depth, "m"))
+                yield Row(group, f"{words}, y", y, "m", shown_si(y, "m"))
+
+
+def cycles_title(case: Case, name: str) -> str:
+    """Heading of the cycles of one body."""
+    of = body_title(case, name).removeprefix("stress in ").removeprefix("both bodies")
+    return f"cycles as the rough body moves along x, in {of or 'either body'} as if it were the smooth one"
 
 
 def _row(group: str, name: str, value: float, unit: str, shown: str, limits: xr.Dataset) -> Row:

@@ -19,6 +19,7 @@ from asperity.engineering.close_up import CloseUp
 from asperity.engineering.continuum import HalfGrid, estimates
 from asperity.fourier.grid import Grid
 from asperity.stress.analysis import SOUGHT, analyse_stress
+from asperity.stress.cycles import Cycles
 from asperity.stress.peaks.selection import peaks
 from asperity.stress.planes.stream import LinearPlane
 from asperity.surface.treatment.treatment import TreatedMap
@@ -76,6 +77,8 @@ class BodyAnswer:
     planes : dict
         Field to be drawn → plane of its extreme value at the nodes: depth, grid, values.
     close_ups : sequence of CloseUp
+    cycles : dataset or None
+        As of `asperity.stress_cycles`; None without fatigue limits.
     """
 
     body: Body
@@ -87,6 +90,7 @@ class BodyAnswer:
     fraction_above_yield: float | None
     planes: dict[str, tuple[float, Grid, Array]]
     close_ups: Sequence[CloseUp]
+    cycles: xr.Dataset | None = None
 
     @property
     def largest_von_mises(self) -> float:
@@ -134,22 +138,28 @@ def body_answer(
     """
     body = case.bodies[name]
     watch = _Extremes(case.fields, body.poisson, body.yield_stress)
+    loaded, sliding, cycles = contact.in_body(name), case.sliding_of(name), None
+    if body.fatigue_torsion is not None:
+        limits = body.fatigue_torsion, body.fatigue_bending, body.yield_stress
+        cycles = Cycles(loaded, *limits, sliding["sliding_direction"], body.poisson)
 
     def observe(plane: LinearPlane) -> None:
         watch.add(plane)
+        if cycles is not None:
+            cycles.add(plane)
         for each in near:
             each.add(plane, case.fields, body.poisson, contact.boundary == "periodic")
 
     stress = analyse_stress(
-        contact.in_body(name),
+        loaded,
         quantities=list(dict.fromkeys((*SOUGHT, *case.fields))),
         tolerance=STRESS_TOLERANCE,
         progress=lambda done, total: progress(0.7 * done, total),
         observe=observe,
-        **case.sliding_of(name),
+        **sliding,
     )
     main = stress.sel(quantity=list(LIMITED))
-    limits = estimates(contact, half, main, name)
+    estimated = estimates(contact, half, main, name)
     progress(1.0, 1.0)
     volume, depths, fraction = None, None, None
     if body.yield_stress is not None:
@@ -163,7 +173,10 @@ def body_answer(
         found = _between_nodes(field, at_nodes, stress)
         y, x = map(float, face.on_map(found.y, found.x))
         largest[field] = found._replace(y=y, x=x)
-    return BodyAnswer(body, stress, limits, largest, volume, depths, fraction, watch.planes, near)
+    found_cycles = None if cycles is None else cycles.dataset()
+    return BodyAnswer(
+        body, stress, estimated, largest, volume, depths, fraction, watch.planes, near, found_cycles
+    )
 
 
 def _depths_above(limit: float, largest: Array, depths: Array) -> tuple[float, float] | None:

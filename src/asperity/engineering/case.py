@@ -18,6 +18,7 @@ from asperity.elasticity.layer import Layer
 from asperity.elasticity.loaded_solid import traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.engineering.face import CounterMap, Source, counter_map_of, options_of
+from asperity.stress.cycles import check_motion, hydrostatic_factor
 from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.stream import shear_traction
 from asperity.surface.reading.height_map import HeightMap, MapOptions
@@ -40,6 +41,8 @@ BODY = {
     "hardness": ("hardness", "pressure"),
     "conductivity": ("conductivity", ""),
     "resistivity": ("resistivity", ""),
+    "fatigue_torsion": ("fatigue_torsion", "pressure"),
+    "fatigue_bending": ("fatigue_bending", "pressure"),
     "layer_height": ("height", "length"),
     "bottom": ("bottom", ""),
 }
@@ -77,6 +80,9 @@ class Body:
         Height in m of a layer on a rigid base; without it the body is a half-space.
     bottom : "bonded", "frictionless" or "free"
         Lower face of the layer.
+    fatigue_torsion, fatigue_bending : float, optional
+        Fatigue limits in Pa in fully reversed torsion and bending, both or none. With them the cycles of the
+        stress are analysed, as if this body were the smooth one; see `asperity.stress_cycles`.
 
     Examples
     --------
@@ -94,6 +100,8 @@ class Body:
     resistivity: float | None = None
     height: float | None = None
     bottom: str = "bonded"
+    fatigue_torsion: float | None = None
+    fatigue_bending: float | None = None
 
     def __post_init__(self) -> None:
         _ = self.layer  # which checks its constants
@@ -102,6 +110,8 @@ class Body:
         for name in ("hardness", "conductivity", "resistivity"):
             if getattr(self, name) is not None:
                 magnitude(name, getattr(self, name))
+        if self.fatigue_torsion is not None or self.fatigue_bending is not None:
+            hydrostatic_factor(self.fatigue_torsion, self.fatigue_bending)
 
     @property
     def layer(self) -> Layer:
@@ -202,6 +212,13 @@ class Case:
             if not isinstance(body, Body):
                 raise TypeError(f"{name} = {shown(body)}: a Body is needed")
             shear_traction(self.friction, self.sliding_direction, body.layer)
+            if body.fatigue_torsion is not None:
+                check_motion(self.sliding_direction)
+                if self.counter_map is not None:
+                    raise ValueError(
+                        f"counter_map = {shown(_name_of(self.counter_map.source))}: none is needed for "
+                        "stress cycles, those of a smooth body under a rough one"
+                    )
         object.__setattr__(self, "fields", choices("fields", self.fields, FIELDS))
         for name in CONDUCTION:
             values = [getattr(body, name) for body in self.bodies.values()]

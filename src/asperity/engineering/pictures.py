@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from asperity.core.units import shown_si
-from asperity.engineering.answer import Answer, body_title
+from asperity.engineering.answer import Answer, body_title, cycles_title
 from asperity.engineering.close_up import CloseUp
 from asperity.engineering.load_curve import AnswerCurve
 from asperity.fourier.grid import Grid
@@ -18,7 +18,7 @@ from asperity.results.variables import SI_UNITS
 from asperity.views.maps import HEIGHT, PLASTIC_DEPTH, PRESSURE, Map, draw_maps, map_of
 from asperity.views.panels import canvas
 from asperity.views.peak_plot import plot_peaks
-from asperity.views.scales import Look
+from asperity.views.scales import STRESS, Look
 from asperity.views.section_plot import draw_sections, until_faded
 from asperity.views.source import Part, Source, sources
 from asperity.views.stress_field import field_look, field_words
@@ -81,6 +81,8 @@ def pictures(answer: Answer) -> Iterator[Picture]:
     for body in answer.case.different_bodies:
         for field in answer.case.fields:
             yield from _of_stress(answer, source, body, field)
+        if answer.bodies[body].cycles is not None:
+            yield _of_cycles(answer, source, body)
 
 
 def _of_curve(curve: AnswerCurve) -> Figure:
@@ -137,6 +139,25 @@ def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterato
         images = ", with those of the mirror images of the map" if answer.face.is_mirrored else ""
         figure = plot_peaks({source.title: stress}, field, yield_stress=level)
         yield Picture(f"peaks{suffix}", f"Peaks of the {word} and their depth{images}{end}", figure, body)
+
+
+def _of_cycles(answer: Answer, source: Source, body: str) -> Picture:
+    """The largest Dang Van stress of the cycles over (y, depth); a contour is the fatigue limit."""
+    cycles, limit = answer.bodies[body].cycles, answer.case.bodies[body].fatigue_torsion
+    assert cycles is not None
+    assert limit is not None
+    rows = _whole(answer, source.grid)[0]
+    section = (cycles["dang_van"] * limit).rename(cycle_depth="depth", cycle_y="y").isel(y=rows)
+    touching = (source.field("pressure")[rows] > 0).any(axis=1)
+    section = section.assign_coords(contact=("y", touching)).rename(source.title)
+    look = Look("largest Dang Van stress of a cycle", "stress", STRESS, "white", np.max, low=0.0)
+    faded = min(FADED * float(section.max()), limit)
+    figure = draw_sections(until_faded([section], faded), look, source.system, None, limit)
+    caption = (
+        f"Largest Dang Van stress of each row along x; bars are rows with contact, the line is the "
+        f"fatigue limit in torsion, {shown_si(limit, 'Pa')}; {cycles_title(answer.case, body)}."
+    )
+    return Picture(f"cycles{suffix_of(answer, body)}", caption, figure, body)
 
 
 def suffix_of(answer: Answer, body: str) -> str:

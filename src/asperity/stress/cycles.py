@@ -47,8 +47,8 @@ from asperity.stress.planes.stream import PLANE_TOLERANCE, LinearPlane, PlaneStr
 from asperity.stress.smallest_sphere import DIMENSIONS, smallest_sphere
 
 FATIGUE_RATIOS = (0.5, 1.0)
-"""Accepted fatigue limits in torsion over bending: at 1/2 the hydrostatic stress has no effect, at 1 (α = 3/2)
-the limit in pulsating tension is two thirds of that in bending; ductile metals have 0.55 to 0.75."""
+"""Accepted fatigue limits in torsion over bending: at 1/2 (α = 0) the hydrostatic stress has no effect, and at
+1 (α = 3/2) it has that of the largest tensile stress; ductile metals have 0.55 to 0.75."""
 
 RESIDUALS = {"shakedown_upper": 5, "shakedown_line": 3, "shakedown_lower": 1}
 """Shakedown factor → number of coordinates that the residual stress can change."""
@@ -157,7 +157,8 @@ def hydrostatic_factor(fatigue_torsion: float | None, fatigue_bending: float | N
     low, high = FATIGUE_RATIOS
     if not low * (1 - 1e-12) <= torsion / bending <= high * (1 + 1e-12):
         raise ValueError(
-            f"fatigue_torsion = {torsion:g}: {low:g} to {high:g} times fatigue_bending = {bending:g} is needed"
+            f"fatigue_torsion = {torsion:g}: {low:g} to {high:g} times fatigue_bending = {bending:g} "
+            "is needed"
         )
     return 3 * (torsion / bending - 0.5)
 
@@ -282,8 +283,10 @@ def _reduce_rows(states: Any, unloaded: bool, fatigue: bool, shakedown: bool, al
 
 @makes_arrays
 def _dang_van(states: Any, row: int, points: Any, centre: Any, alpha: float) -> float:
-    """Largest τ_a + α σ_H of a row. A shear stress is at most 1/√2 of the norm: few principal stresses are
-    needed."""
+    """Largest τ_a + α σ_H of a row.
+
+    A shear stress is at most 1/√2 of the norm, so that few principal stresses are needed.
+    """
     count = points.shape[0]
     mean = np.zeros(count)
     bound = np.empty(count)
@@ -294,7 +297,7 @@ def _dang_van(states: Any, row: int, points: Any, centre: Any, alpha: float) -> 
         for k in range(3 if n < states.shape[2] else 0):
             mean[n] += states[k, row, n] / 3.0
         bound[n] = np.sqrt(0.5 * squared) + alpha * mean[n]
-    first = bound.argmax()
+    first = int(bound.argmax())
     largest = _shear(points, first, centre) + alpha * mean[first]
     for n in range(count):
         if bound[n] > largest:

@@ -180,11 +180,37 @@ def _contradictions(
     for name, option in OPTIONS.items():
         if name in known and (needed := option.get("needs", name)) not in known:
             yield f"{flag(name)}: needs {flag(needed)}"
+    yield from _contradictions_of_cycles(values, known)
     if "cylinder_axis" in known and values.get("form") != "cylinder":
         yield "--cylinder-axis: needs --form cylinder"
     if values.get("boundary") == "free":
         excluded = [name for name in ("periodic", "layer_height", "counter_layer_height") if name in known]
         yield from (f"--boundary free: not accepted together with {flag(name)}" for name in excluded)
+
+
+def _contradictions_of_cycles(values: Mapping[str, Any], known: Mapping[str, Any]) -> Iterator[str]:
+    from asperity.core.units import to_si
+    from asperity.stress.cycles import check_motion, hydrostatic_factor
+
+    for prefix in ("", "counter_"):
+        torsion, bending = (f"{prefix}fatigue_{kind}" for kind in ("torsion", "bending"))
+        if torsion not in values or bending not in values:
+            continue
+        try:
+            hydrostatic_factor(*(to_si(values[name], "pressure", name) for name in (torsion, bending)))
+        except ValueError as error:
+            wanted = str(error).partition(": ")[2].partition(" times ")[0]
+            limits = f"{flag(bending)} {values[bending]}"
+            yield f"{flag(torsion)} {values[torsion]}: {wanted} times {limits} is needed"
+        if prefix and "counter_young" not in known:
+            yield f"{flag(torsion)}: needs {flag('counter_young')}"
+        try:
+            direction = values.get("sliding_direction", "x")
+            check_motion(direction if direction in ("x", "y") else float(direction))
+        except ValueError as error:
+            yield f"{flag('sliding_direction')} {direction}: {str(error).partition(': ')[2]}"
+        if "counter_map" in known:
+            yield f"{flag(torsion)}: not accepted together with {flag('counter_map')}; one body must be smooth"
 
 
 def _problems_of(out: Path, values: Mapping[str, Any], names: Sequence[str] = ()) -> Iterator[str]:
