@@ -47,8 +47,8 @@ from asperity.stress.planes.stream import PLANE_TOLERANCE, LinearPlane, PlaneStr
 from asperity.stress.smallest_sphere import DIMENSIONS, smallest_sphere
 
 FATIGUE_RATIOS = (0.5, 1.0)
-"""Accepted fatigue limits in torsion over bending: at 1/2 (α = 0) the hydrostatic stress has no effect, and at
-1 (α = 3/2) it has that of the largest tensile stress; ductile metals have 0.55 to 0.75."""
+"""Accepted fatigue limits in torsion over bending: at 1/2 (α = 0) the hydrostatic stress has no effect, and at 1
+(α = 3/2) it has that of the largest tensile stress; ductile metals have 0.55 to 0.75."""
 
 RESIDUALS = {"shakedown_upper": 5, "shakedown_line": 3, "shakedown_lower": 1}
 """Shakedown factor → number of coordinates that the residual stress can change."""
@@ -217,13 +217,13 @@ class Cycles:
         fields = plane.fields(COMPONENTS, [self._poisson] * count, [uniform] * count)
         ny, nx = plane.grid.shape
         rows = max(1, 2**13 // nx)
+        fatigue, shakedown = "dang_van" in self._names, "shakedown_upper" in self._names
 
         def reduced(first: int) -> Array:
             values = field_rows(plane.basis, fields, first, min(first + rows, ny))
             states = values[:, :, MARGIN : MARGIN + nx]
-            asked = ["dang_van" in self._names, "shakedown_upper" in self._names]
             out = np.empty((5, states.shape[1]))
-            _reduce_rows(states, self._is_unloaded, *asked, self._alpha, out)
+            _reduce_rows(states, self._is_unloaded, fatigue, shakedown, self._alpha, out)
             return out
 
         strips = results_of([partial(reduced, first) for first in range(0, ny, rows)], self._threads)

@@ -2,11 +2,10 @@
 
 With the centre c in the subspace of the first coordinates, the squared distance of a point is that to its
 projection x plus the constant w of its other coordinates: minimise max (|x − c|² + w). The optimum is fixed
-by at most one point more than the subspace has dimensions (E. Welzl, LNCS 555 (1991) 359, DOI
-10.1007/BFb0038202). It is reached by exchange, as in P. Wolfe, Math. Program. 11 (1976) 128, DOI
-10.1007/BF01580381: the farthest point is added to those that fix the sphere, and the centre walks towards the
-point equally far from all of them; a point whose weight in the centre falls to 0 on the way is dropped. The
-radius rises with every point, so that no set of points returns.
+by at most one point more than the subspace has dimensions (E. Welzl, LNCS 555 (1991) 359). It is reached by
+exchange, as in P. Wolfe, Math. Program. 11 (1976) 128: the farthest point is added to those that fix the
+sphere, and the centre walks towards the point equally far from all of them; a point whose weight in the
+centre falls to 0 on the way is dropped. The radius rises with every point, so that no set of points returns.
 """
 
 from __future__ import annotations

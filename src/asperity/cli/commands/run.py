@@ -210,7 +210,7 @@ def _contradictions_of_cycles(values: Mapping[str, Any], known: Mapping[str, Any
         except ValueError as error:
             yield f"{flag('sliding_direction')} {direction}: {str(error).partition(': ')[2]}"
         if "counter_map" in known:
-            yield f"{flag(torsion)}: not accepted together with {flag('counter_map')}; one body must be smooth"
+            yield f"{flag(torsion)}: not accepted together with {flag('counter_map')}, one must be smooth"
 
 
 def _problems_of(out: Path, values: Mapping[str, Any], names: Sequence[str] = ()) -> Iterator[str]:
