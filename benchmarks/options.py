@@ -1,26 +1,75 @@
-"""Time of options of an analysis over the time without them."""
+"""Cost of a hardness, of load curves and of stress cycles, as multiples of what they are added to.
+
+python benchmarks/options.py --grid 1024 --out options.csv
+"""
 
 from __future__ import annotations
 
+import argparse
 import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
 
 import asperity as asp
+from asperity.stress.cycles import Cycles
+
+HARDNESSES = (3.0, 1.0, 0.5, 0.2, 0.1, 0.06)
+"""Hardness over E* times the rms gradient."""
+
+TOLERANCE = 1e-4
+"""Of the planes of stress, as in `asperity run`."""
 
 
-def cycles(points: int) -> float:
-    """Time of a stress analysis with cycles in its stream over that of one without, at points² nodes."""
-    from asperity.stress.cycles import Cycles
-
-    height = asp.self_affine((points, points), 0.8, 0.25, 8 / points, rms_height=1e-3, seed=1)
-    contact = asp.solve(height, asp.Layer(1.0, 0.3), area_fraction=0.1)
+def seconds(call: Callable[[], Any]) -> float:
+    """Least processor time of three calls after a first one, which compiles."""
     times = []
-    for asked in (False, True, False, True):  # the first pair compiles
-        watch = Cycles(asp.LoadedSolid.of(contact), 0.3, 0.48, 0.1, "x", 0.3) if asked else None
-        start = time.perf_counter()
-        asp.analyse_stress(contact, tolerance=1e-4, observe=watch and watch.add)
-        times.append(time.perf_counter() - start)
-    return times[3] / times[2]
+    for _ in range(4):
+        begin = time.process_time()
+        call()
+        times.append(time.process_time() - begin)
+    return min(times[1:])
+
+
+def rows(points: int) -> Iterator[tuple[str, str, float]]:
+    """Option, what its time is divided by, and the ratio."""
+    height = asp.self_affine((points, points), 0.8, 0.25, 8 / points, rms_height=1e-3, seed=1)
+    solid, gradient = asp.Layer(1.0, 0.0), asp.roughness_parameters(height).rms_gradient
+    load = 0.02 * gradient
+    contact = asp.solve(height, solid, mean_pressure=load)
+    elastic = seconds(lambda: asp.solve(height, solid, mean_pressure=load))
+    for scaled in HARDNESSES:
+        hardness = scaled * gradient
+        ratio = seconds(lambda: asp.solve(height, solid, mean_pressure=load, hardness=hardness)) / elastic
+        yield f"contact with a hardness of {scaled:g} E* ḡ", "elastic contact", ratio
+    moving = seconds(lambda: asp.load_curve([asp.solve(height, solid, mean_pressure=load)])) / elastic - 1
+    yield "stiffness", "elastic contact", moving
+    loads = np.geomspace(load / 10, load, 12)
+    for bodies in ((), ("lower",)):
+        begin = time.process_time()
+        asp.load_curve(asp.solve_path(height, solid, mean_pressures=loads), bodies)
+        ratio = (time.process_time() - begin) / elastic
+        yield f"curve of 12 loads{', with the largest stress' if bodies else ''}", "elastic contact", ratio
+    pressed = asp.LoadedSolid.of(contact)
+    watch = Cycles(pressed, 0.3, 0.48, 0.1, "x", 0.3)
+    alone = seconds(lambda: asp.analyse_stress(contact, tolerance=TOLERANCE))
+    both = seconds(lambda: asp.analyse_stress(contact, tolerance=TOLERANCE, observe=watch.add))
+    yield "stress with cycles", "stress", both / alone
+
+
+def main() -> None:
+    """Measure, print and write the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--grid", type=int, default=1024, help="nodes on an edge")
+    parser.add_argument("--out", type=Path, required=True)
+    given = parser.parse_args()
+    table = pd.DataFrame(rows(given.grid), columns=["option", "over", "ratio"]).assign(points=given.grid)
+    print(table.to_string(index=False))
+    table.to_csv(given.out, index=False, float_format="%.3g")
 
 
 if __name__ == "__main__":
-    print(f"stress with cycles over stress without, 512²: {cycles(512):.2f}")
+    main()

@@ -120,6 +120,15 @@ before the analysis began.
 
 {runs}"""
 
+OPTIONS = """
+## Options
+
+{command}
+Hardness, load curves and cycles on {points}² nodes under a mean pressure of 0.02 E\\* ḡ: processor time over that
+of what they are added to.
+
+{runs}"""
+
 STUDY = """
 ## The study
 
@@ -139,6 +148,7 @@ def commands(grids: list[int]) -> dict[str, str]:
         "free": f"python benchmarks/contact.py --boundary free --points {min(1024, max(grids))} {out}",
         "threads": f"python benchmarks/contact.py --threads --points {min(4096, max(grids))} {out}",
         "stress": f"python benchmarks/stress.py --points {some} {out}",
+        "options": f"python benchmarks/options.py --grid {min(1024, max(grids))} {out}/options.csv",
         "study": f"python benchmarks/study.py {out}",
     }
 
@@ -351,6 +361,17 @@ def stress() -> str:
     return STRESS.format(command=command_of("stress"), runs=table_of(runs))
 
 
+def options() -> str:
+    """Cost of the options."""
+    table = read("options")
+    runs = [
+        {"option": option, "over": over, "ratio": number(ratio)}
+        for option, over, ratio in table[["option", "over", "ratio"]].itertuples(index=False)
+    ]
+    command = command_of("options")
+    return OPTIONS.format(command=command, points=table["points"].iloc[0], runs=table_of(runs))
+
+
 def study() -> str:
     """Cost of the study."""
     runs = [
@@ -376,9 +397,9 @@ def main() -> None:
     parser.add_argument("--grids", type=int, nargs="+", default=GRIDS, help="nodes on an edge")
     parser.add_argument("--parts", nargs="+", choices=commands(GRIDS), help="all by default")
     parser.add_argument("--page", action="store_true", help="write the page from the numbers that there are")
-    options = parser.parse_args()
-    every = commands(options.grids)
-    for part in [] if options.page else options.parts or every:
+    given = parser.parse_args()
+    every = commands(given.grids)
+    for part in [] if given.page else given.parts or every:
         measure(part, every[part])
     draw()
     method = METHOD.format(
@@ -386,7 +407,7 @@ def main() -> None:
         contact=command_of("contact"),
         free=command_of("free"),
     )
-    page = "".join([compared(), contact(), threads(), stress(), study(), method])
+    page = "".join([compared(), contact(), threads(), stress(), options(), study(), method])
     (ROOT / "docs/performance.md").write_text(page, encoding="utf-8")
     print("docs/performance.md written")
 

@@ -50,8 +50,8 @@ figure.colorbar(mesh, ax=axes, label="Dang Van stress over fatigue limit")
 plt.show()
 
 # %%
-# **Check**: under a cylinder, σ_xz changes by half of the largest pressure, at half of the half-width below the
-# surface, and elastic shakedown ends at 4 k, k being the yield stress in shear (Johnson 1985, section 9.3).
+# **Check**: under a cylinder, σ_xz changes by half of the largest pressure, at half of the half-width below
+# the surface, and elastic shakedown ends at 4 k, with the yield stress k in shear (Johnson 1985, Sec. 9.3).
 cell = (1e-3 / 64, 1e-3)
 roller = asp.add_cylinder(np.zeros((16, 1024)), cell, 0.01, axis="y")
 line = asp.solve(roller, steel, cell, area_fraction=0.1)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import minimize
+from scipy.optimize import minimize, nnls
 
 import asperity as asp
 from asperity.stress.cycles import Cycles, _reduce_rows, hydrostatic_factor
@@ -13,7 +13,7 @@ EDGE, NODES = 1.0, 1024
 
 def sphere(points, free=5):
     centre = np.empty(5)
-    return smallest_sphere(np.ascontiguousarray(points, dtype=float), free, centre), centre
+    return smallest_sphere(np.array(np.transpose(points), dtype=float, order="C"), free, centre), centre
 
 
 def reduced(states, alpha=0.0):
@@ -48,8 +48,6 @@ def test_centre_lies_in_the_hull_of_the_farthest_points(free, kind):
     distance = ((points - centre) ** 2).sum(axis=1)
     assert distance.max() == pytest.approx(radius, rel=1e-12)
     assert not centre[free:].any()
-    from scipy.optimize import nnls
-
     far = points[distance > radius * (1 - 1e-10), :free]
     rest = nnls(np.vstack([far.T, np.ones(len(far))]), np.append(centre[:free], 1.0))[1]
     assert rest < 1e-9
@@ -72,8 +70,12 @@ def test_reversed_torsion_and_bending_reach_their_limits(ratio):
 
 @pytest.mark.parametrize(
     ("torsion", "bending", "match"),
-    [(1.0, None, "fatigue_bending: missing"), (None, 1.0, "fatigue_torsion: missing")]
-    + [(0.49, 1.0, "fatigue_torsion = 0.49: 0.5 to 1 times"), (1.01, 1.0, "fatigue_torsion = 1.01")],
+    [
+        (1.0, None, "fatigue_bending: missing"),
+        (None, 1.0, "fatigue_torsion: missing"),
+        (0.49, 1.0, "fatigue_torsion = 0.49: 0.5 to 1 times"),
+        (1.01, 1.0, "fatigue_torsion = 1.01"),
+    ],
 )
 def test_refused_limits(torsion, bending, match):
     with pytest.raises(ValueError, match=match):
@@ -109,7 +111,7 @@ def test_agreement_with_brute_force(boundary):
             basis -= np.trace(basis, axis1=1, axis2=2)[:, None, None] / 3 * np.eye(3)
             size = np.abs(deviator).max()
 
-            def squared(c, basis=basis[:parts], size=size):
+            def squared(c, basis=basis[:parts], size=size, deviator=deviator):
                 rest = deviator / size - np.tensordot(c, basis, 1)
                 return 1.5 * (rest**2).sum(axis=(1, 2))
 
@@ -173,7 +175,7 @@ def closed_form(x, z, friction, poisson):
 
 @pytest.mark.parametrize("friction", [0.1, 0.2, 0.3])
 def test_line_contact_with_friction(line, friction):
-    """Factors against those of McEwen's closed form in the same depths; the cell changes 0.25 % of stresses."""
+    """Factors against those of McEwen's closed form in the same depths; images change 0.25 %."""
     contact, largest, half = line
     depths = half * np.linspace(0.2, 0.6, 9)
     cycles = asp.stress_cycles(contact, depths, yield_stress=np.sqrt(3), friction=friction)

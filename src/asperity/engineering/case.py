@@ -95,11 +95,11 @@ class Body:
     young: float
     poisson: float
     yield_stress: float | None = None
+    height: float | None = None
+    bottom: str = "bonded"
     hardness: float | None = None
     conductivity: float | None = None
     resistivity: float | None = None
-    height: float | None = None
-    bottom: str = "bonded"
     fatigue_torsion: float | None = None
     fatigue_bending: float | None = None
 

@@ -47,8 +47,9 @@ from asperity.stress.planes.stream import PLANE_TOLERANCE, LinearPlane, PlaneStr
 from asperity.stress.smallest_sphere import DIMENSIONS, smallest_sphere
 
 FATIGUE_RATIOS = (0.5, 1.0)
-"""Accepted fatigue limits in torsion over bending: at 1/2 (α = 0) the hydrostatic stress has no effect, and at 1
-(α = 3/2) it has that of the largest tensile stress; ductile metals have 0.55 to 0.75."""
+"""Accepted fatigue limits in torsion over bending: at 1/2 (α = 0) the hydrostatic stress has no effect, and
+at 1 (α = 3/2) that of a tensile stress is as large as that of its shear stress; ductile metals have 0.55 to
+0.75."""
 
 RESIDUALS = {"shakedown_upper": 5, "shakedown_line": 3, "shakedown_lower": 1}
 """Shakedown factor → number of coordinates that the residual stress can change."""
@@ -258,17 +259,17 @@ class Cycles:
 def _reduce_rows(states: Any, unloaded: bool, fatigue: bool, shakedown: bool, alpha: float, out: Any) -> None:
     """Fill `out`, (5, rows), from stresses (6, rows, nodes): range of σ_xz, Dang Van, squared radii."""
     nodes = states.shape[2]
-    points = np.zeros((nodes + (1 if unloaded else 0), DIMENSIONS))
+    points = np.zeros((DIMENSIONS, nodes + (1 if unloaded else 0)))
     centre = np.empty(DIMENSIONS)
     for row in range(states.shape[1]):
         low = high = 0.0 if unloaded else states[4, row, 0]
         for n in range(nodes):
             xx, yy, zz = float(states[0, row, n]), float(states[1, row, n]), float(states[2, row, n])
-            points[n, 0] = np.sqrt(1.5) * (xx - (xx + yy + zz) / 3)
-            points[n, 1] = np.sqrt(0.5) * (yy - zz)
-            points[n, 2] = np.sqrt(2.0) * states[5, row, n]
-            points[n, 3] = np.sqrt(2.0) * states[4, row, n]
-            points[n, 4] = np.sqrt(2.0) * states[3, row, n]
+            points[0, n] = np.sqrt(1.5) * (xx - (xx + yy + zz) / 3)
+            points[1, n] = np.sqrt(0.5) * (yy - zz)
+            points[2, n] = np.sqrt(2.0) * states[5, row, n]
+            points[3, n] = np.sqrt(2.0) * states[4, row, n]
+            points[4, n] = np.sqrt(2.0) * states[3, row, n]
             low, high = min(low, states[4, row, n]), max(high, states[4, row, n])
         out[:, row] = 0.0
         out[0, row] = high - low
@@ -287,13 +288,13 @@ def _dang_van(states: Any, row: int, points: Any, centre: Any, alpha: float) -> 
 
     A shear stress is at most 1/√2 of the norm, so that few principal stresses are needed.
     """
-    count = points.shape[0]
+    count = points.shape[1]
     mean = np.zeros(count)
     bound = np.empty(count)
     for n in range(count):
         squared = 0.0
         for k in range(DIMENSIONS):
-            squared += (points[n, k] - centre[k]) ** 2
+            squared += (points[k, n] - centre[k]) ** 2
         for k in range(3 if n < states.shape[2] else 0):
             mean[n] += states[k, row, n] / 3.0
         bound[n] = np.sqrt(0.5 * squared) + alpha * mean[n]
@@ -308,9 +309,9 @@ def _dang_van(states: Any, row: int, points: Any, centre: Any, alpha: float) -> 
 @compiled
 def _shear(points: Any, n: int, centre: Any) -> float:
     """Tresca shear stress of a deviator less the centre."""
-    along = np.sqrt(2 / 3) * (points[n, 0] - centre[0])
-    across = np.sqrt(0.5) * (points[n, 1] - centre[1])
-    xy, xz, yz = points[n, 2] - centre[2], points[n, 3] - centre[3], points[n, 4] - centre[4]
+    along = np.sqrt(2 / 3) * (points[0, n] - centre[0])
+    across = np.sqrt(0.5) * (points[1, n] - centre[1])
+    xy, xz, yz = points[2, n] - centre[2], points[3, n] - centre[3], points[4, n] - centre[4]
     half = np.sqrt(0.5)
     first, _, third = principal_stresses(
         along, across - along / 2, -across - along / 2, half * yz, half * xz, half * xy

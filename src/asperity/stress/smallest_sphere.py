@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.core.compiled import compiled, inlined, makes_arrays
+from asperity.core.compiled import compiled, makes_arrays
 
 DIMENSIONS = 5
 """Dimensions of the space, that of the stress deviators."""
@@ -32,7 +32,7 @@ def smallest_sphere(points: Any, free: int, centre: Any) -> float:
 
     Parameters
     ----------
-    points : (n, 5) array of double precision
+    points : (5, n) array of double precision
     free : 1 to 5
         Number of the first coordinates along which the centre may move; the others are 0.
     centre : (5,) array
@@ -42,15 +42,13 @@ def smallest_sphere(points: Any, free: int, centre: Any) -> float:
     weight, wanted = np.empty(DIMENSIONS + 2), np.empty(DIMENSIONS + 2)
     support[0], weight[0], count = 0, 1.0, 1
     centre[:] = 0.0
-    centre[:free] = points[0, :free]
+    centre[:free] = points[:free, 0]
+    squared = np.empty(points.shape[1])
     radius = -1.0
     for _ in range(MAX_EXCHANGES):
-        here = _squared_distance(points, support[0], centre)
-        farthest, distance = 0, -1.0
-        for n in range(points.shape[0]):
-            this = _squared_distance(points, n, centre)
-            if this > distance:
-                farthest, distance = n, this
+        _fill_distances(points, centre, squared)
+        here, farthest = squared[support[0]], squared.argmax()
+        distance = squared[farthest]
         if distance <= here * (1 + ROUNDING) or here <= radius * (1 + 1e-3 * ROUNDING):
             return distance
         radius = here
@@ -75,16 +73,22 @@ def smallest_sphere(points: Any, free: int, centre: Any) -> float:
         for k in range(free):
             centre[k] = 0.0
             for n in range(count):
-                centre[k] += weight[n] * points[support[n], k]
+                centre[k] += weight[n] * points[k, support[n]]
     return distance
 
 
-@inlined
-def _squared_distance(points: Any, n: int, centre: Any) -> float:
-    total = 0.0
-    for k in range(DIMENSIONS):
-        total += (points[n, k] - centre[k]) ** 2
-    return total
+@compiled
+def _fill_distances(points: Any, centre: Any, squared: Any) -> None:
+    first, second, third, fourth, fifth = points[0], points[1], points[2], points[3], points[4]
+    u, v, w, x, y = centre[0], centre[1], centre[2], centre[3], centre[4]
+    for n in range(squared.size):
+        squared[n] = (
+            (first[n] - u) ** 2
+            + (second[n] - v) ** 2
+            + (third[n] - w) ** 2
+            + (fourth[n] - x) ** 2
+            + (fifth[n] - y) ** 2
+        )
 
 
 @makes_arrays
@@ -93,17 +97,17 @@ def _wanted_weights(points: Any, free: int, support: Any, count: int, weight: An
 
     `wanted` is then the direction in which the weight of the last point rises while the centre stays.
     """
-    first, size = points[support[0]], count - 1
+    first, size = points[:, support[0]], count - 1
     lower, right = np.empty((size, size)), np.empty(size)
     for n in range(size):
-        point = points[support[n + 1]]
+        point = points[:, support[n + 1]]
         right[n] = 0.0
         for k in range(DIMENSIONS):
             right[n] += 0.5 * (point[k] - first[k]) ** 2
             if k >= free:
                 right[n] += (point[k] - first[k]) * first[k]
         for m in range(n + 1):
-            other, total = points[support[m + 1]], 0.0
+            other, total = points[:, support[m + 1]], 0.0
             for k in range(free):
                 total += (point[k] - first[k]) * (other[k] - first[k])
             gram = total
