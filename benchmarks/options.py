@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -42,8 +43,8 @@ def rows(points: int) -> Iterator[tuple[str, str, float]]:
     contact = asp.solve(height, solid, mean_pressure=load)
     elastic = seconds(lambda: asp.solve(height, solid, mean_pressure=load))
     for scaled in HARDNESSES:
-        hardness = scaled * gradient
-        ratio = seconds(lambda: asp.solve(height, solid, mean_pressure=load, hardness=hardness)) / elastic
+        plastic = partial(asp.solve, height, solid, mean_pressure=load, hardness=scaled * gradient)
+        ratio = seconds(plastic) / elastic
         yield f"contact with a hardness of {scaled:g} E* ḡ", "elastic contact", ratio
     moving = seconds(lambda: asp.load_curve([asp.solve(height, solid, mean_pressure=load)])) / elastic - 1
     yield "stiffness", "elastic contact", moving

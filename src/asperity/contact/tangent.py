@@ -20,7 +20,7 @@ from asperity.elasticity.two_bodies import Solid
 from asperity.fourier.grid import Grid
 
 # Residual, relative to the change of the pressure, at which the inner solves end; each leaves a few per cent.
-RESIDUAL = 1e-9
+RESIDUAL = 1e-7
 MAX_SOLVES = 60
 
 
