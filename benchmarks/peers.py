@@ -60,19 +60,25 @@ def iterations_of_tamaas(printed: str) -> float:
     return float(rows[-1]) if rows else np.nan
 
 
-def contact_mechanics(height: Array, load: float, tolerance: float, boundary: str) -> tuple[Array, float]:
+def contact_mechanics(
+    height: Array, load: float, tolerance: float, boundary: str, hardness: float | None = None
+) -> tuple[Array, float]:
     """Pressure by the conjugate gradients of Polonsky and Keer in ContactMechanics.
 
     The tolerance is that of the penetration, relative to the rms height.
     """
     import ContactMechanics
-    from SurfaceTopography import Topography
+    from SurfaceTopography import PlasticTopography, Topography
 
     free = boundary == "free"
     half_spaces = ContactMechanics.PeriodicFFTElasticHalfSpace, ContactMechanics.FreeFFTElasticHalfSpace
     substrate = half_spaces[free](height.shape, 1.0, (1.0, 1.0))
     surface = Topography(-height, physical_sizes=(1.0, 1.0), periodic=not free)
-    system = ContactMechanics.make_system(substrate=substrate, surface=surface)
+    if hardness is None:
+        system = ContactMechanics.make_system(substrate=substrate, surface=surface)
+    else:
+        surface = PlasticTopography(surface, hardness)
+        system = ContactMechanics.make_plastic_system(substrate=substrate, surface=surface)
     result = system.minimize_proxy(
         external_force=load, pentol=tolerance * height.std(), thermotol=tolerance, maxiter=20_000
     )

@@ -1,5 +1,8 @@
 """Contact with a hardness, against direct solutions, its exact identities and another program."""
 
+import runpy
+from pathlib import Path
+
 import numpy as np
 import pytest
 from samples import HALF_SPACE, difference, load_of, rough
@@ -74,6 +77,20 @@ def test_flattened_map_pressed_elastically_has_the_same_pressure(solid, boundary
         again = asp.solve(contact.flattened_height(), solid, mean_pressure=load, boundary=boundary)
         assert difference(again.pressure, contact.pressure) < 5 * contact.rtol
         assert again.approach == pytest.approx(contact.approach, abs=1e-5 * height.std())
+
+
+def test_pressure_is_that_of_contact_mechanics():
+    """Another program; tolerances of both."""
+    pytest.importorskip("ContactMechanics")
+    peers = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks/peers.py"))
+    height, unit = rough((256, 256)), asp.Layer(1.0, 0.0)
+    load = load_of(height, 0.02)
+    largest = asp.solve(height, unit, mean_pressure=load).max_pressure
+    for share in (0.5, 0.2):
+        hardness = share * largest
+        ours = asp.solve(height, unit, mean_pressure=load, hardness=hardness, rtol=1e-10).pressure
+        theirs, _ = peers["contact_mechanics"](height, load, 1e-11, "periodic", hardness)
+        np.testing.assert_allclose(ours, theirs, atol=1e-7 * hardness)
 
 
 def test_soft_limit_is_the_bearing_area():

@@ -84,6 +84,7 @@ def an_answer(
         rough=SimpleNamespace(doubts=doubts, spikes=[(0, 0)] * 3),
         bodies=dict.fromkeys(("lower", "upper")[:bodies], stress),
         neighbours=None,
+        plastic=None,
     )
 
 

@@ -121,6 +121,8 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
     suggested = suggested_hardness(case)
     if suggested is not None and numbers.nominal_pressure >= suggested:
         yield True, "beyond_hardness", {"hardness": suggested, "times": HARDNESS_OVER_YIELD}
+    if answer.plastic is not None and answer.plastic.is_given and answer.plastic.plastic_area:
+        yield False, "clipped_pressure", {"size": 0.0}
     edge = min(face.grid.length)
     if numbers.peak_to_valley > 0.5 * edge:
         yield True, "large_heights", {"edge": edge}

@@ -59,6 +59,8 @@ class AnswerCurve:
         for body in self.numbers["body"].values:
             values = self.numbers["largest_von_mises_stress"].sel(body=body).values
             found[f"largest_von_mises_{body}_Pa"] = values
+            if body in self.yield_loads:
+                found[f"yield_begins_{body}_Pa"] = np.full(values.size, self.yield_loads[body])
         return pd.DataFrame(found)
 
 

@@ -22,6 +22,7 @@ from asperity.reference.elliptic_hertz import EllipticHertz
 from asperity.reference.hertz import Hertz, von_mises
 from asperity.reference.periodic_hertz import PeriodicHertz
 from asperity.reference.westergaard import Westergaard
+from asperity.stress.cycles import stress_cycles
 from asperity.stress.planes.planes import stress_planes
 from asperity.study.validation.indenter import (
     CURVATURE_RADIUS,
@@ -33,6 +34,7 @@ from asperity.study.validation.indenter import (
     paraboloid,
     slab_contact,
 )
+from asperity.surface.self_affine import self_affine
 
 RTOL = 1e-8
 """Tolerance of the solver where it must not matter."""
@@ -417,6 +419,50 @@ def wave_asymptotes(points: int = 512) -> xr.Dataset:
         },
         points,
         {"small_load": small, "nearly_complete_load": nearly_complete},
+    )
+
+
+def metal_contacts(points: int = 128) -> xr.Dataset:
+    """Hardness, stiffness and stress cycles: a flattened map, a sphere and a cylinder.
+
+    A map that was flattened under a load, pressed elastically under it, has the same pressure. A sphere has
+    the stiffness 2 E* a. As a cylinder moves, σ_xz changes by p₀/2, and elastic shakedown ends at
+    p₀ = 4 k (K. L. Johnson, Contact Mechanics, 1985, Sec. 9.3).
+
+    Parameters
+    ----------
+    points : int
+        Nodes on an edge of the map; across the cylinder four times as many.
+
+    Returns
+    -------
+    Dataset
+        ``flattened_error``, and ``solved_`` and ``exact_`` stiffness, shear_range and shakedown_pressure.
+    """
+    solid = Layer(1 - 0.3**2, 0.3)
+    height = self_affine((points, points), 0.8, 1 / 4, 8 / points, rms_height=1e-3, seed=1)
+    rough = solve(height, solid, mean_pressure=1e-3, hardness=0.03, rtol=RTOL)
+    again = solve(rough.flattened_height(), solid, mean_pressure=1e-3, rtol=RTOL)
+    error = np.linalg.norm(again.pressure - rough.pressure) / np.linalg.norm(rough.pressure)
+    exact = Hertz(contact_radius=0.32, curvature_radius=2.0, effective_modulus=1.0)
+    x = (np.arange(points) - points / 2 + 0.5) / points
+    sphere = solve((x[:, None] ** 2 + x**2) / 4, solid, force=exact.load, boundary="free", rtol=RTOL)
+    edges = (0.0625, 1.0)
+    x = (np.arange(4 * points) - 2 * points) / (4 * points)
+    line = solve(np.tile(x**2 / 2, (16, 1)), solid, edges, area_fraction=0.1, rtol=RTOL)
+    cycles = stress_cycles(line, yield_stress=np.sqrt(3.0)).attrs
+    pressure = line.max_pressure
+    return xr.Dataset(
+        {
+            "flattened_error": error,
+            "solved_stiffness": sphere.stiffness * sphere.grid.area / exact.contact_radius,
+            "exact_stiffness": 2.0,
+            "solved_shear_range": cycles["worst_shear_range"][0] / pressure,
+            "exact_shear_range": 0.5,
+            "solved_shakedown_pressure": cycles["worst_shakedown_line"][0] * pressure,
+            "exact_shakedown_pressure": 4.0,
+        },
+        attrs={"grid_points": points},
     )
 
 
