@@ -158,12 +158,12 @@ class Answer:
         if self.contact.plastic_area:  # the largest pressure is known
             limits = limits.assign(largest=limits["largest"].where(limits["quantity"] != "pressure"))
         shown = [*_contact_rows(self.numbers, limits)]
-        if self.plastic is not None:
-            shown += _plastic_rows(self.plastic)
         for name, resistivity in self.case.resistivities.items():
             value, unit = self.contact.conductance(resistivity), CONDUCTANCE_UNITS[name]
             words = name.replace("_", " contact ")
             shown.append(Row("contact", words, value, unit, f"{value:.4g} {unit}, without films and gap"))
+        if self.plastic is not None:
+            shown += _plastic_rows(self.plastic)
         if self.curve is not None:
             shown += _curve_rows(self.curve, len(self.case.bodies) > 1)
         for name in self.case.different_bodies:
@@ -282,8 +282,8 @@ def _curve_rows(curve: AnswerCurve, several: bool) -> Iterator[Row]:
         words = f"{shown_si(value, 'Pa', 3)} ± {100 * YIELD_LOAD_ERROR:g} %"
         if not 0 < load < np.inf:
             words = f"{'below' if load == 0 else 'above'} {shown_si(value, 'Pa', 3)}, beyond the curve"
-        of_body = f" of the {name} body" if several else ""
-        yield Row(group, f"mean pressure where yield begins{of_body}", value, "Pa", words)
+        subject = f"the {name} body yields" if several else "yield begins"
+        yield Row(group, f"mean pressure where {subject}", value, "Pa", words)
 
 
 def _plastic_rows(found: PlasticContact) -> Iterator[Row]:
