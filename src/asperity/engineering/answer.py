@@ -288,10 +288,13 @@ def _curve_rows(curve: AnswerCurve, several: bool) -> Iterator[Row]:
 
 def _plastic_rows(found: PlasticContact) -> Iterator[Row]:
     hardness = shown_si(found.hardness, "Pa")
-    group = f"plastic contact, hardness {hardness}"
+    group = "plastic contact"
     if not found.is_given:
-        times = f"{HARDNESS_OVER_YIELD:g} times the yield stress"
-        group = f"plastic contact under the same load, if the hardness were {times}, {hardness}"
+        hardness += (
+            f", if it were {HARDNESS_OVER_YIELD:g} times the yield stress; all other groups are elastic"
+        )
+    yield Row(group, "hardness", found.hardness, "Pa", hardness)
+    if not found.is_given:
         yield Row(group, "plastic real contact", found.area_fraction, "1", _per_cent(found.area_fraction))
     yield Row(group, "area at the hardness", found.plastic_area, "1", _per_cent(found.plastic_area))
     yield Row(group, "load at the hardness", found.plastic_load, "1", _per_cent(found.plastic_load))
