@@ -286,10 +286,13 @@ def _reduce_rows(states: Any, unloaded: bool, fatigue: bool, shakedown: bool, al
 def _dang_van(states: Any, row: int, points: Any, centre: Any, alpha: float) -> float:
     """Largest τ_a + α σ_H of a row.
 
-    A shear stress is at most 1/√2 of the norm, so that few principal stresses are needed.
+    A shear stress is √3/2 to 1 of the root of J₂. In between it is above t where the polynomial of Tresca's
+    criterion, the product of (σ_i − σ_j)² − 4t² over the three pairs, is positive: principal stresses are
+    needed only where the largest value rises.
     """
     count = points.shape[1]
     mean = np.zeros(count)
+    second = np.empty(count)
     bound = np.empty(count)
     for n in range(count):
         squared = 0.0
@@ -297,23 +300,41 @@ def _dang_van(states: Any, row: int, points: Any, centre: Any, alpha: float) -> 
             squared += (points[k, n] - centre[k]) ** 2
         for k in range(3 if n < states.shape[2] else 0):
             mean[n] += states[k, row, n] / 3.0
-        bound[n] = np.sqrt(0.5 * squared) + alpha * mean[n]
+        second[n] = 0.5 * squared
+        bound[n] = np.sqrt(second[n]) + alpha * mean[n]
     first = int(bound.argmax())
     largest = _shear(points, first, centre) + alpha * mean[first]
     for n in range(count):
-        if bound[n] > largest:
+        if bound[n] > largest and _may_exceed(points, n, centre, second[n], largest - alpha * mean[n]):
             largest = max(largest, _shear(points, n, centre) + alpha * mean[n])
     return largest
 
 
 @compiled
-def _shear(points: Any, n: int, centre: Any) -> float:
-    """Tresca shear stress of a deviator less the centre."""
+def _may_exceed(points: Any, n: int, centre: Any, second: float, limit: float) -> bool:
+    """Whether the Tresca shear stress of a deviator less the centre, with J₂ `second`, exceeds `limit`."""
+    share = limit * limit / second
+    if limit < 0 or share <= 0.75:
+        return True
+    xx, yy, zz, xy, xz, yz = _deviator(points, n, centre)
+    third = xx * (yy * zz - yz * yz) - xy * (xy * zz - yz * xz) + xz * (xy * yz - yy * xz)
+    criterion = 4.0 - 27.0 * third * third / second**3 - share * (36.0 - share * (96.0 - 64.0 * share))
+    return criterion > -1e-12
+
+
+@compiled
+def _deviator(points: Any, n: int, centre: Any) -> Any:
+    """Components xx, yy, zz, xy, xz, yz of a deviator less the centre."""
     along = np.sqrt(2 / 3) * (points[0, n] - centre[0])
     across = np.sqrt(0.5) * (points[1, n] - centre[1])
-    xy, xz, yz = points[2, n] - centre[2], points[3, n] - centre[3], points[4, n] - centre[4]
     half = np.sqrt(0.5)
-    first, _, third = principal_stresses(
-        along, across - along / 2, -across - along / 2, half * yz, half * xz, half * xy
-    )
+    xy, xz, yz = points[2, n] - centre[2], points[3, n] - centre[3], points[4, n] - centre[4]
+    return along, across - along / 2, -across - along / 2, half * xy, half * xz, half * yz
+
+
+@compiled
+def _shear(points: Any, n: int, centre: Any) -> float:
+    """Tresca shear stress of a deviator less the centre."""
+    xx, yy, zz, xy, xz, yz = _deviator(points, n, centre)
+    first, _, third = principal_stresses(xx, yy, zz, yz, xz, xy)
     return 0.5 * (first - third)
