@@ -18,7 +18,7 @@ import pandas as pd
 import asperity as asp
 from asperity.stress.cycles import Cycles
 
-HARDNESSES = (3.0, 1.0, 0.5, 0.2, 0.1, 0.06)
+HARDNESSES = (3.0, 1.0, 0.5, 0.2, 0.1, 0.05)
 """Hardness over E* times the rms gradient."""
 
 TOLERANCE = 1e-4
