@@ -168,3 +168,16 @@ def test_results_know_the_hardness(tmp_path):
     assert float(stored["hardness"]) == 0.02
     assert float(stored["plastic_area"]) == contact.plastic_area > 0
     assert "plastic_depth" not in asp.solve(height, HALF_SPACE, area_fraction=0.1).to_dataset()
+
+
+def test_peaks_on_plateaus_are_those_at_the_nodes():
+    """Quadratics through the nodes give pressures of 1.3 times the hardness on this grid."""
+    height = asp.self_affine((128, 128), 0.8, 1 / 4, 1 / 16, rms_height=1e-3, seed=1)
+    load = 0.02 * asp.roughness_parameters(height).rms_gradient
+    contact = asp.solve(height, asp.Layer(1.0, 0.3), mean_pressure=load, hardness=20 * load)
+    stress = asp.analyse_stress(contact, quantities=("pressure", "von_mises"))
+    largest = stress["peak_value"].groupby(stress["peak_quantity"]).max()
+    assert largest.sel(peak_quantity="pressure") == contact.hardness
+    assert largest.sel(peak_quantity="von_mises") == pytest.approx(
+        float(stress["largest_von_mises"].max()), rel=1e-6
+    )

@@ -340,7 +340,7 @@ class Contact:
             layers, accepted = {"lower": self.solid}, "'lower', because the indenter is rigid,"
         if not isinstance(body, str) or body not in layers:
             raise ValueError(f"body = {shown(body)}: {accepted} is needed")
-        return LoadedSolid(self.pressure, self.grid, layers[body], self.boundary)
+        return LoadedSolid(self.pressure, self.grid, layers[body], self.boundary, self.hardness)
 
     @cached_property
     def gradient_rms_contact(self) -> float:

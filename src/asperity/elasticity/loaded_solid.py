@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -58,6 +59,9 @@ class LoadedSolid:
     layer : Layer
     boundary : "periodic" | "free"
         The cell repeats sideways, or lies alone on a half-space, with a uniform pressure on every pixel.
+    hardness : float
+        That of the contact. A pressure that reaches it has plateaus: peaks of the stress are then those at
+        the nodes, because quadratics through the nodes overshoot.
 
     Examples
     --------
@@ -77,6 +81,7 @@ class LoadedSolid:
     grid: Grid
     layer: Layer
     boundary: str = "periodic"
+    hardness: float = math.inf
 
     def __post_init__(self) -> None:
         if not isinstance(self.grid, Grid) or not isinstance(self.layer, Layer):
@@ -112,7 +117,8 @@ class LoadedSolid:
                 f"contact = {shown(contact)}: an object with pressure, grid and layer is needed, such as a "
                 "Contact or a LoadedSolid"
             )
-        return cls(contact.pressure, contact.grid, contact.layer, getattr(contact, "boundary", "periodic"))
+        boundary, hardness = getattr(contact, "boundary", "periodic"), getattr(contact, "hardness", math.inf)
+        return cls(contact.pressure, contact.grid, contact.layer, boundary, hardness)
 
     @classmethod
     def from_dataset(cls, contact: xr.Dataset) -> LoadedSolid:
@@ -129,6 +135,11 @@ class LoadedSolid:
         return cls(
             pressure, grid_of(contact), layer_of(contact), str(contact.attrs.get("boundary", "periodic"))
         )
+
+    @property
+    def is_plastic(self) -> bool:
+        """True if the pressure reaches the hardness."""
+        return bool(self.pressure.max() >= self.hardness)
 
     def __repr__(self) -> str:
         ny, nx = self.grid.shape

@@ -181,6 +181,8 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
         yield True, "few_pixels", {"enough": FEW_PIXELS_ACROSS}
     if reason := limits.attrs.get("reason"):
         yield False, "no_estimate", {"reason": reason}
+    else:
+        yield False, "vanishing_pixels", {}
     known = {}
     for name in LIMITS:
         values = limit_of(limits, name)

@@ -154,10 +154,7 @@ class Answer:
     @cached_property
     def rows(self) -> list[Row]:
         """All numbers, line by line."""
-        limits = self.bodies["lower"].limits
-        if self.contact.plastic_area:  # the largest pressure is known
-            limits = limits.assign(largest=limits["largest"].where(limits["quantity"] != "pressure"))
-        shown = [*_contact_rows(self.numbers, limits)]
+        shown = [*_contact_rows(self.numbers, self.bodies["lower"].limits)]
         for name, resistivity in self.case.resistivities.items():
             value, unit = self.contact.conductance(resistivity), CONDUCTANCE_UNITS[name]
             words = name.replace("_", " contact ")

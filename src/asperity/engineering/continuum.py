@@ -114,7 +114,7 @@ def solved_on_half(contact: Contact) -> HalfGrid:
         edges = [2 * step * nodes for step, nodes in zip(grid.spacing, height.shape, strict=True)]
         grid = Grid((height.shape[0], height.shape[1]), (edges[0], edges[1]))
     else:
-        reason = reason_against(contact.pressure, height)
+        reason = reason_against(contact.pressure, height, contact.plastic_area)
         height, grid, lost = on_half_the_nodes(height, grid)
     pressure = contact.force / grid.area
     half = solve(

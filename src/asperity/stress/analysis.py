@@ -313,7 +313,7 @@ class _Analysis:
         profiles = ("poisson", "plane")
         return xr.Dataset(
             {
-                "peak_value": ("peak", every.value),
+                "peak_value": ("peak", every.node_value if solid.is_plastic else every.value),
                 "peak_depth": ("peak", every.depth),
                 "peak_y": ("peak", every.y),
                 "peak_x": ("peak", every.x),

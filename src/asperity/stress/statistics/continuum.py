@@ -119,8 +119,12 @@ class OnGrid(NamedTuple):
     stress: xr.Dataset | None = None
 
 
-def reason_against(pressure: Array, height: Array) -> str:
+def reason_against(pressure: Array, height: Array, plastic_area: float) -> str:
     """Why a periodic contact allows no estimate; empty if it does."""
+    if plastic_area > 0:
+        return (
+            "the pressure reaches the hardness, and the errors of the estimate are known for elastic contacts"
+        )
     touching = pressure > 0
     nodes = np.count_nonzero(touching)
     if nodes < LEAST_NODES:

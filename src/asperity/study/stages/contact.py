@@ -157,16 +157,9 @@ def contact_on_half_the_nodes(contact: xr.Dataset, layer_settings: Mapping[str, 
         None where the contact allows no estimate.
     """
     height = height_of(contact).values
-    if reason_against(contact["pressure"].values, height):
+    if reason_against(contact["pressure"].values, height, float(contact.get("plastic_area", 0))):
         return None
     layer, record = solid(layer_settings)
     height, grid, lost = on_half_the_nodes(height, grid_of(contact))
-    half = solve(
-        height,
-        layer,
-        grid.length,
-        mean_pressure=float(contact["mean_pressure"]),
-        hardness=float(contact["hardness"]) if "hardness" in contact else None,
-        rtol=TOLERANCE,
-    )
+    half = solve(height, layer, grid.length, mean_pressure=float(contact["mean_pressure"]), rtol=TOLERANCE)
     return half.to_dataset().assign_attrs(record, lost_gradient=lost)
