@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import minimize, nnls
 
 import asperity as asp
-from asperity.stress.cycles import Cycles, _reduce_rows, hydrostatic_factor
+from asperity.stress.cycles import LARGEST_FACTOR, Cycles, _reduce_rows, hydrostatic_factor
 from asperity.stress.smallest_sphere import smallest_sphere
 
 EDGE, NODES = 1.0, 1024
@@ -227,3 +227,10 @@ def test_cycles_of_a_plastic_contact():
     )
     ranges = [asp.stress_cycles(each).attrs["worst_shear_range"][0] for each in (elastic, plastic)]
     assert ranges[1] < ranges[0]
+
+
+def test_a_stress_that_does_not_change_shakes_down_under_any_load():
+    """In Pa, where a yield stress over the change of the stress overflows."""
+    pressed = asp.LoadedSolid(np.full((8, 8), 1e9), asp.Grid((8, 8)), asp.Layer(210e9, 0.3))
+    cycles = asp.stress_cycles(pressed, [0.1], yield_stress=1e9)
+    assert (cycles["shakedown_upper"] == LARGEST_FACTOR).all()

@@ -8,6 +8,7 @@ import pytest
 import asperity as asp
 from asperity import MapOptions
 from asperity.engineering import Body, run
+from asperity.engineering.case import Case
 from asperity.fourier.grid import Fourier, resample
 from asperity.reference.hertz import Hertz
 from asperity.reference.sliding_sphere import SlidingSphere
@@ -329,3 +330,9 @@ def test_close_ups_hold_the_stress_of_the_solid(rough):
     kept = np.array([plane["von_mises"] for plane in boxes[0].planes])
     error = np.abs(kept - exact.squeeze("poisson").values)
     assert error.max() < 1e-3 * kept.max()  # tolerance of the planes, and splines between their nodes
+
+
+def test_a_case_keeps_edges_in_the_unit_of_the_heights():
+    settings = {"map": "steel.txt", "young": "210 GPa", "poisson": 0.3, "pressure": ["50 MPa"]}
+    case = Case.of(settings | {"physical_size": [80.0, 120.0], "unit": "um"})
+    assert list(Case.of(case.settings()).options.physical_size) == [80.0, 120.0]

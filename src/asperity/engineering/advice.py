@@ -137,7 +137,8 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
         most = int(change.argmax())
         key = "friction_in_short_waves" if most == 0 else "neglected_friction"
         values = {"wave": wave[most], "size": float(change[most]), "shortest": wave[0], "least": change[0]}
-        yield change[most] > NEGLECTED_COUPLING, key, values
+        if change[most] > 0:  # it is 0 between equal bodies
+            yield change[most] > NEGLECTED_COUPLING, key, values
 
 
 def _on_body(part: BodyAnswer, hardness: float | None) -> Iterator[Found]:

@@ -349,9 +349,6 @@ def _cycle_rows(answer: Answer, name: str) -> Iterator[Row]:
             y = float(answer.face.on_map(y, 0.0)[0])
             place = f"at depth {shown_si(depth, 'm')}, y = {shown_si(y, 'm')}"
             yield Row(group, words, value, unit, f"{shown_si(value, unit)} {place}")
-            if variable == "dang_van":
-                yield Row(group, f"{words}, depth", depth, "m", shown_si(depth, "m"))
-                yield Row(group, f"{words}, y", y, "m", shown_si(y, "m"))
 
 
 def cycles_title(case: Case, name: str) -> str:

@@ -54,8 +54,8 @@ MAX_LOADS, RISING = 100, "a list of rising values"
 CONDUCTION = ("conductivity", "resistivity")
 """Fields of `Body` that the conductance of a contact needs of both bodies."""
 
-LENGTHS = dict.fromkeys(("physical_size", "wavelength_short", "radius"), "length")
-"""Fields of `MapOptions` that are lengths."""
+LENGTHS = dict.fromkeys(("wavelength_short", "radius"), "length")
+"""Fields of `MapOptions` that are lengths; numbers in `physical_size` are in the unit of the heights."""
 
 
 @dataclass(frozen=True)

@@ -37,8 +37,11 @@ MAPS = {
 
 CURVE_CAPTION = (
     "Load curve: real contact, mean gap, largest pressure, stiffness and largest von Mises stress against "
-    "the mean pressure; the dotted line is the load where yield begins."
+    "the mean pressure. A dotted line marks a load where yield begins."
 )
+
+WIDE = 10
+"""Largest over smallest value of a number of a load curve above which its axis is logarithmic."""
 
 FADED = 0.1
 """Share of the largest stress below which, and below the yield stress, a section ends."""
@@ -72,7 +75,7 @@ def pictures(answer: Answer) -> Iterator[Picture]:
         if name == "plastic_depth" and not answer.contact.plastic_area:
             continue
         maps = [map_of(source, name, _whole(answer, source.grid))]
-        if near is not None and name != "plastic_depth":
+        if near is not None:
             maps.append(map_of(source, name, near.part, FRAMED))
             caption += f"; {BESIDE}"
         yield Picture(name, f"{caption}.", _drawn(maps, look))
@@ -94,14 +97,18 @@ def _of_curve(curve: AnswerCurve) -> Figure:
         "mean_gap": ("mean gap (nm)", 1e9),
         "largest_pressure": ("largest pressure (GPa)", 1e-9),
         "stiffness": ("stiffness (GPa/µm)", 1e-15),
-        "largest_von_mises_stress": ("largest von Mises stress (GPa)", 1e-9),
+        "largest_von_mises_stress": ("von Mises stress (GPa)", 1e-9),
     }
     with canvas([0.8] * len(panels), None) as (figure, axes):
         for axis, (name, (label, factor)) in zip(axes, panels.items(), strict=True):
             values = factor * numbers[name].values.reshape(loads.size, -1)
             for column, marker in zip(values.T, "os", strict=False):
-                axis.loglog(1e-6 * loads, column, f"-{marker}", ms=3)
+                axis.semilogx(1e-6 * loads, column, f"-{marker}", ms=3)
             axis.set(xlabel="mean pressure (MPa)", ylabel=label)
+            if values.max() > WIDE * values.min() > 0:
+                axis.set_yscale("log")
+            else:
+                axis.set_ylim(0, 1.1 * values.max())
         bodies = [str(body) for body in numbers["body"].values]
         if len(bodies) > 1:
             axis.legend([f"{body} body" for body in bodies])

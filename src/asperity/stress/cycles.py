@@ -51,6 +51,9 @@ FATIGUE_RATIOS = (0.5, 1.0)
 at 1 (α = 3/2) that of a tensile stress is as large as that of its shear stress; ductile metals have 0.55 to
 0.75."""
 
+LARGEST_FACTOR = 1e12
+"""Factor of shakedown of a row whose stress hardly changes, where it would be infinite."""
+
 RESIDUALS = {"shakedown_upper": 5, "shakedown_line": 3, "shakedown_lower": 1}
 """Shakedown factor → number of coordinates that the residual stress can change."""
 
@@ -230,7 +233,7 @@ class Cycles:
         strips = results_of([partial(reduced, first) for first in range(0, ny, rows)], self._threads)
         found = np.concatenate(list(strips), axis=1)
         found[1] /= self._torsion
-        found[2:] = self._yield / np.maximum(np.sqrt(1.5 * found[2:]), 1e-300)
+        found[2:] = self._yield / np.maximum(np.sqrt(1.5 * found[2:]), self._yield / LARGEST_FACTOR)
         nodes = self._grid.shape[0]
         nearest = np.rint(np.arange(nodes) * (ny / nodes)).astype(int) % ny
         self._depths.append(plane.depth)
