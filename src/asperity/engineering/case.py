@@ -224,14 +224,20 @@ class Case:
             values = [getattr(body, name) for body in self.bodies.values()]
             if any(values) and not (len(values) == 2 and all(values)):
                 raise ValueError(
-                    f"{name} = {max(filter(None, values)):g}: that of a second elastic body is needed"
+                    f"{name} = {max(filter(None, values)):g}: a second elastic body (counter_young), with "
+                    f"its own {name}, is needed"
                 )
             if any(values) and self.solid.height is not None:
                 raise ValueError(f"{name} = {values[0]:g}: half-spaces are needed, not layers")
-        if self.load.kind == "mean_pressure" and self.hardness and not self.load.value < self.hardness:
+        if self.load.kind == "mean_pressure":
+            self.check_hardness(self.load.value)
+
+    def check_hardness(self, mean_pressure: float) -> None:
+        """Raise `ValueError` if the bodies do not bear a mean pressure."""
+        if self.hardness and not mean_pressure < self.hardness:
             raise ValueError(
                 f"hardness = {shown_si(self.hardness, 'Pa')}: more than the pressure "
-                f"{shown_si(self.load.value, 'Pa')} is needed, the mean over the nominal area"
+                f"{shown_si(mean_pressure, 'Pa')} is needed, the mean over the nominal area"
             )
 
     @classmethod

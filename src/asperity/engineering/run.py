@@ -173,6 +173,7 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
     imposed: dict[str, Any] = {load.kind: load.value}
     if load.kind == "force":
         imposed = {"mean_pressure": load.value / face.map_area}
+        case.check_hardness(imposed["mean_pressure"])
     elif load.kind == "approach":
         most = float(face.height.mean()) - lowest
         if face.boundary == "periodic" and case.solid.uniform_compliance() == 0 and load.value >= most:
