@@ -214,7 +214,13 @@ def test_cycles_of_the_stream_of_the_analysis():
     assert coarse.attrs["worst_dang_van"][0] == pytest.approx(alone.attrs["worst_dang_van"][0], rel=1e-3)
 
 
-def test_motion_across_x_is_refused():
+def test_motion_is_along_x():
+    """Twice reversed, as the traction on an upper body is, it is the same; across x it is refused."""
+    once, twice = (
+        asp.stress_cycles(rough(32), [0.01], friction=0.3, sliding_direction=angle)["shear_range"]
+        for angle in ("x", 360.0)
+    )
+    np.testing.assert_allclose(once, twice, rtol=1e-12)
     with pytest.raises(ValueError, match="sliding_direction = 'y': x, 0 or 180 is needed"):
         asp.stress_cycles(rough(32), sliding_direction="y")
 

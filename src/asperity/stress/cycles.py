@@ -169,7 +169,9 @@ def hydrostatic_factor(fatigue_torsion: float | None, fatigue_bending: float | N
 
 def check_motion(sliding_direction: Any) -> None:
     """Raise `ValueError` for a direction of sliding that is not along x."""
-    along = sliding_direction == "x" or sliding_direction in (0, 180, -180)
+    along = sliding_direction == "x" or (
+        not isinstance(sliding_direction, str) and sliding_direction % 180 == 0
+    )
     if not along:
         raise ValueError(
             f"sliding_direction = {shown(sliding_direction)}: x, 0 or 180 is needed for stress cycles, whose "
