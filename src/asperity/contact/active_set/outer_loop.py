@@ -43,7 +43,8 @@ from asperity.contact.problem import Control, ConvergenceProgress, Problem
 from asperity.core.types import Progress
 
 # Below this error rounding matters in single precision, and the set of contact nodes hardly changes any more:
-# fields are in double precision, and inner solves are longer.
+# fields are in double precision, and inner solves are longer. Fields are so, too, if all of the error is
+# rounding.
 FINAL_ERROR = 2e-3
 FINAL_RESIDUAL_DROP = 2e-3
 
@@ -160,7 +161,7 @@ def iterate_on(
             smallest = math.inf
         iterations += correction.iterations
         step = Step.of(iterate, system, correction, entering)
-        if system.error <= FINAL_ERROR:
+        if system.error <= max(FINAL_ERROR, system.rounding):
             problem = last
         if extension is not None or problem is not iterate.problem:
             # Energies at two loads, or in two precisions, do not compare.
