@@ -181,3 +181,14 @@ def test_peaks_on_plateaus_are_those_at_the_nodes():
     assert largest.sel(peak_quantity="von_mises") == pytest.approx(
         float(stress["largest_von_mises"].max()), rel=1e-6
     )
+
+
+def test_area_that_many_loads_have_keeps_the_pressure_below_the_hardness():
+    """Of two equal lowest nodes; without a hardness the solver takes a load above it."""
+    height = np.zeros((7, 3))
+    height[6, [0, 2]], height[0, 0] = -2, 1
+    settings = {"area_fraction": 0.001}
+    above = asp.solve(height, HALF_SPACE, **settings).max_pressure
+    contact = asp.solve(height, HALF_SPACE, **settings, hardness=0.5 * above)
+    assert contact.area_fraction == 2 / 21
+    assert 0 < contact.max_pressure <= contact.hardness

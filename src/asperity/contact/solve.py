@@ -414,9 +414,12 @@ def _state_of(
     start = None if initial is None else _near_start(problem, control, initial)
     state = METHODS[method](problem, control, rtol, progress, start)
     if state.reached_hardness and not (state.pressure >= problem.hardness).any():
-        # The way to an elastic contact led through a plastic one: its rounding differs.
-        elastic = Problem(problem.height, problem.response, problem.datum)
-        return METHODS[method](elastic, control, rtol, progress, start)
+        # The way to an elastic contact led through a plastic one: its rounding differs. Its load may, too, if
+        # many loads have the imposed area.
+        unbounded = Problem(problem.height, problem.response, problem.datum)
+        elastic = METHODS[method](unbounded, control, rtol, progress, start)
+        if elastic.pressure.max() <= problem.hardness:
+            return elastic
     return state
 
 
