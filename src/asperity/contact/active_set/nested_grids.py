@@ -116,7 +116,7 @@ def first_guess(problem: Problem, control: Control) -> Pressure:
         level = _level_of_area(height, control.value)
         pressure = np.minimum(np.maximum(level - height, 0) * stiffness, hardness)
         if not pressure.any():
-            pressure[:] = stiffness * min(problem.grid.spacing) * 1e-3
+            pressure[:] = min(stiffness * min(problem.grid.spacing) * 1e-3, 0.5 * hardness)
         load = float(pressure.mean(dtype=float))
     return Pressure.of_field(pressure, load)
 
