@@ -132,9 +132,9 @@ class LoadedSolid:
         if "pressure" not in contact or "solid" not in contact.attrs:
             raise ValueError("contact: the result of a contact, with its pressure and its solid, is needed")
         pressure = contact["pressure"].transpose("y", "x").values.astype(float)
-        return cls(
-            pressure, grid_of(contact), layer_of(contact), str(contact.attrs.get("boundary", "periodic"))
-        )
+        boundary = str(contact.attrs.get("boundary", "periodic"))
+        hardness = float(contact.get("hardness", math.inf))
+        return cls(pressure, grid_of(contact), layer_of(contact), boundary, hardness)
 
     @property
     def is_plastic(self) -> bool:

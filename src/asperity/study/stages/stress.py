@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from asperity.core.types import Progress
@@ -119,9 +119,8 @@ def compute_stresses(
         poisson = stress_settings["poisson"]
         _check_half_space(layer_settings, poisson)
     spacing = stress_settings["depth_spacing"]
-    hardness = float(contact.get("hardness", np.inf))
     found = analyse_lateral_conditions(
-        LoadedSolid(contact["pressure"].values.astype(float), grid, layer, hardness=hardness),
+        replace(LoadedSolid.from_dataset(contact), layer=layer),
         [layer.lateral, *(name for name in laterals if name != layer.lateral)],
         depth_grid(grid, layer_settings["height"], spacing, GROWTH_PER_SPACING * spacing),
         poisson,
