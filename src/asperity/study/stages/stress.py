@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import Any
 
 import xarray as xr
@@ -119,8 +119,9 @@ def compute_stresses(
         poisson = stress_settings["poisson"]
         _check_half_space(layer_settings, poisson)
     spacing = stress_settings["depth_spacing"]
+    hardness = float(contact.get("hardness", math.inf))
     found = analyse_lateral_conditions(
-        replace(LoadedSolid.from_dataset(contact), layer=layer),
+        LoadedSolid(contact["pressure"].values.astype(float), grid, layer, hardness=hardness),
         [layer.lateral, *(name for name in laterals if name != layer.lateral)],
         depth_grid(grid, layer_settings["height"], spacing, GROWTH_PER_SPACING * spacing),
         poisson,
