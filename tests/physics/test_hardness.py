@@ -143,22 +143,6 @@ def test_certificate_knows_the_hardness():
     assert worst(hardness=1.1 * contact.hardness) > 1e-2  # nodes below it must not overlap
 
 
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"mean_pressure": 1e-3, "hardness": 1e-3}, "hardness = 0.001: more than the mean pressure 0.001"),
-        ({"force": 1.0, "hardness": 0.5}, "hardness = 0.5: more than the mean pressure 1 is needed"),
-        ({"mean_pressure": 1e-3, "hardness": 0.0}, "hardness = 0.0: a number > 0"),
-        ({"mean_pressure": 1e-3, "hardness": -1.0}, "hardness = -1.0: a number > 0"),
-        ({"mean_pressure": 1e-3, "hardness": 1.0, "method": "gfmd"}, "active_set is needed"),
-        ({"area_fraction": 1.0, "hardness": 1e-3}, "area_fraction = 1: less is needed"),
-    ],
-)
-def test_bad_input(settings, message):
-    with pytest.raises(ValueError, match=message):
-        asp.solve(rough(), HALF_SPACE, **settings)
-
-
 def test_results_know_the_hardness(tmp_path):
     height = rough()
     contact = asp.solve(height, HALF_SPACE, area_fraction=0.1, hardness=0.02)

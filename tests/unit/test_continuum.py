@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from samples import refuses, rough
 
 import asperity as asp
 from asperity.stress.statistics.continuum import BOUNDARY_SHARE
@@ -117,9 +118,10 @@ def test_two_bodies_are_one_under_the_same_pressure():
     xr.testing.assert_allclose(of_pair, asp.continuum(one, stress_of(one)), rtol=1e-5)
 
 
-def test_other_arguments_are_refused():
-    contact = contact_on(8, area_fraction=0.08)
-    with pytest.raises(ValueError, match="stress: a result of analyse_stress is needed"):
-        asp.continuum(contact, contact.to_dataset())
-    with pytest.raises(TypeError, match="contact = ndarray: a Contact is needed"):
-        asp.continuum(np.zeros((4, 4)))
+CONTACT = asp.solve(rough(), LAYER, area_fraction=0.1)
+
+
+test_wrong_argument_is_refused = refuses(
+    (lambda: asp.continuum(CONTACT, CONTACT.to_dataset()), "stress: a result of analyse_stress is needed"),
+    (lambda: asp.continuum(np.zeros((4, 4))), "contact = ndarray: a Contact is needed"),
+)
