@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import numpy as np
+from small_study import SURFACE
 
 from asperity.cli import main as cli
 from asperity.results import dataset
@@ -79,14 +80,7 @@ CONFIGS = [
 ]
 
 
-SMALL = {
-    "label": "small",
-    "hurst": 0.8,
-    "wavelength_long": 0.5,
-    "wavelength_short": 0.125,
-    "rms_height": 1e-3,
-    "points": 64,
-}
+SMALL = SURFACE | {"wavelength_long": 0.5}
 STAGES = ("surface", "contact", "stress", "statistics")
 
 
@@ -99,15 +93,12 @@ def make_chain(folder):
         title="Rough surface",
         settings={"name": "small", "seed": 1, "surface": SMALL},
     )
-    with contextlib.redirect_stdout(io.StringIO()):
-        assert cli.main(["solve", paths["surface"], "--area-fraction", "0.2", "--out", paths["contact"]]) == 0
-        assert (
-            cli.main(["stress", paths["contact"], "--poisson", "0.0", "0.33", "--out", paths["stress"]]) == 0
-        )
-        assert (
-            cli.main(["peaks", paths["stress"], "--contact", paths["contact"], "--out", paths["statistics"]])
-            == 0
-        )
+    for command in (
+        ["solve", paths["surface"], "--area-fraction", "0.2", "--out", paths["contact"]],
+        ["stress", paths["contact"], "--poisson", "0.0", "0.33", "--out", paths["stress"]],
+        ["peaks", paths["stress"], "--contact", paths["contact"], "--out", paths["statistics"]],
+    ):
+        assert answer(cli.main, command)[0] == 0
     return paths
 
 

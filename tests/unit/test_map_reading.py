@@ -79,12 +79,9 @@ def test_a_surface_of_asperity_is_a_lower_face(tmp_path):
     np.testing.assert_array_equal(found.as_indenter(), height)
     with pytest.raises(MapError, match="the file holds the lower face of an indenter; leave it out"):
         read_map(tmp_path / "s.nc", orientation="peaks up")
-    with xr.open_dataset(tmp_path / "s.nc") as surface:
-        surface.load()
-    for part in (surface.isel(y=slice(4, 12)), surface.isel(x=slice(None, None, -1))):
-        part.to_netcdf(tmp_path / "part.nc")
-        with pytest.raises(MapError, match=r"[yx]: the nodes of a whole cell are needed"):
-            read_map(tmp_path / "part.nc")
+    xr.load_dataset(tmp_path / "s.nc").isel(y=slice(4, 12)).to_netcdf(tmp_path / "part.nc")
+    with pytest.raises(MapError, match="y: the nodes of a whole cell are needed"):
+        read_map(tmp_path / "part.nc")
 
 
 @pytest.mark.parametrize(
