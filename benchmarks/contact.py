@@ -244,10 +244,7 @@ def compare_threads(points: int, hurst: float, pairs: int = 9) -> dict[str, Any]
                 asp.solve(height, LAYER, mean_pressure=load, rtol=1e-6, threads=threads)
                 walls[threads - 1, number] = time.perf_counter() - start
             transforms[threads - 1, number] = spent.wall
-    walls, transforms = (
-        walls[:, 1:],
-        transforms[:, 1:],
-    )  # the first pair compiles and finds no memory to reuse
+    walls, transforms = walls[..., 1:], transforms[..., 1:]  # the first compiles and finds no memory to reuse
     return {
         "points": points,
         "hurst": hurst,

@@ -79,16 +79,13 @@ def compared(surface: dict[str, float]) -> Iterator[dict[str, object]]:
                 kinds = "on_grid", "estimate", "error"
                 on_grid, estimate, error = (values.sel(kind=kind).values[index] for kind in kinds)
                 best = truth[name].sel(kind="estimate").values[index]
-                label = [
-                    str(values[dimension].values[i])
-                    for dimension, i in zip(values.dims[1:], index, strict=True)
-                ]
                 if not np.isfinite(best) or best == 0:
                     continue
+                of = f" {values['quantity'].values[index[0]]}" if "quantity" in values.dims else ""
                 yield {
                     **surface,
                     "nodes": nodes,
-                    "output": " ".join([name, *label[:1]] if "quantity" in values.dims else [name]),
+                    "output": f"{name}{of}",
                     "on_grid": on_grid / best - 1,
                     "estimate": estimate / best - 1,
                     "stated": error,

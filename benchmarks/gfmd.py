@@ -78,9 +78,8 @@ def eq17(points=128):
     slowest = [min(softest, load * gradient / (0.5 * height.std())) for load in LOADS]
     best, fewest = [], []
     for load, stiffness in zip(LOADS, slowest, strict=True):
-        found = np.array(
-            [steps_to_rest(height, HALF_SPACE, Control("mean_pressure", load * gradient), f) for f in factors]
-        )
+        control = Control("mean_pressure", load * gradient)
+        found = np.array([steps_to_rest(height, HALF_SPACE, control, factor) for factor in factors])
         # The middle of the factors with the fewest steps, known to within one check of the residual.
         good = factors[found <= np.nanmin(found) + gfmd.STEPS_BETWEEN_CHECKS]
         best.append(np.sqrt(good[0] * good[-1]) * 2 * np.sqrt(stiffness))
@@ -106,9 +105,8 @@ def grids(sizes=(64, 128, 256, 512, 1024)):
         for points in sizes:
             height = make(points)
             pressure = load or 0.05 * asp.roughness_parameters(height).rms_gradient
-            found.append(
-                steps_to_rest(height, HALF_SPACE, Control("mean_pressure", pressure), gfmd.DAMPING_FRACTION)
-            )
+            control = Control("mean_pressure", pressure)
+            found.append(steps_to_rest(height, HALF_SPACE, control, gfmd.DAMPING_FRACTION))
         print_row(name, found)
         print(f"{'':32}exponent {np.polyfit(np.log(sizes), np.log(found), 1)[0]:.2f}")
 

@@ -22,16 +22,7 @@ from asperity import MapOptions
 from asperity.engineering import Body, run
 
 DATA = Path(__file__).parents[1] / "tests" / "data"
-FILES = (
-    "steel.x3p",
-    "steel.gwy",
-    "steel.sdf",
-    "steel_bcr.sdf",
-    "steel.asc",
-    "steel.nc",
-    "steel.xyz",
-    "steel.npy",
-)
+FILES = sorted(path.name for path in DATA.glob("steel*"))
 NEEDED = {"steel.npy": {"unit": "um", "physical_size": ("80 um", "96 um"), "orientation": "peaks up"}}
 """What a file does not say."""
 

@@ -364,10 +364,7 @@ def stress() -> str:
 def options() -> str:
     """Cost of the options."""
     table = read("options")
-    runs = [
-        {"option": option, "over": over, "ratio": number(ratio)}
-        for option, over, ratio in table[["option", "over", "ratio"]].itertuples(index=False)
-    ]
+    runs = [{**run, "ratio": number(run["ratio"])} for run in table.drop(columns="points").to_dict("records")]
     command = command_of("options")
     return OPTIONS.format(command=command, points=table["points"].iloc[0], runs=table_of(runs))
 

@@ -109,9 +109,8 @@ def stress_difference(contact: asp.LoadedSolid, depths: Array) -> float:
     factors = {"yy": 1, "xx": 1, "zz": 1, "xy": root, "yz": -root, "xz": -root}
     worst = 0.0
     for depth in depths:
-        model = tamaas.ModelFactory.createModel(
-            tamaas.model_type.volume_2d, [depth, *grid.length], [2, *grid.shape]
-        )
+        size = [depth, *grid.length], [2, *grid.shape]
+        model = tamaas.ModelFactory.createModel(tamaas.model_type.volume_2d, *size)
         tamaas.ModelFactory.registerVolumeOperators(model)
         model.E, model.nu = layer.young, layer.poisson
         model.traction[...] = 0

@@ -56,12 +56,10 @@ def main():
             setattr(module, name, type(value)(value * factor))
             try:
                 pairs, iterations = cost()
-                print(
-                    f"{name:22} {value * factor:8g} {pairs:7.2f} pairs {iterations:6.0f} iterations",
-                    flush=True,
-                )
+                found = f"{pairs:7.2f} pairs {iterations:6.0f} iterations"
             except asp.ConvergenceError as error:
-                print(f"{name:22} {value * factor:8g} {error}", flush=True)
+                found = str(error)
+            print(f"{name:22} {value * factor:8g} {found}", flush=True)
         setattr(module, name, value)
 
 

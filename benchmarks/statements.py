@@ -58,18 +58,11 @@ def table() -> pd.DataFrame:
     for one, other in zip(*decided, strict=True):
         for found, truth in zip(one.judgements, other.judgements, strict=True):
             if found.grid_error > 0:
-                options = ", ".join(
-                    WORDS[option] for option in found.interpretation.values() if option in WORDS
-                )
-                rows.append(
-                    {
-                        "statement": one.claim.sentence + (f" ({options})" if options else ""),
-                        "8 nodes": f"{found.value_on_grid:.4g}",
-                        "corrected": markup.with_error(found.value, found.grid_error),
-                        "32 nodes, corrected": f"{truth.value:.4g}",
-                    }
-                )
-    return pd.DataFrame(rows)
+                options = [WORDS[option] for option in found.interpretation.values() if option in WORDS]
+                statement = one.claim.sentence + (f" ({', '.join(options)})" if options else "")
+                corrected = markup.with_error(found.value, found.grid_error)
+                rows.append((statement, f"{found.value_on_grid:.4g}", corrected, f"{truth.value:.4g}"))
+    return pd.DataFrame(rows, columns=["statement", "8 nodes", "corrected", "32 nodes, corrected"])
 
 
 if __name__ == "__main__":

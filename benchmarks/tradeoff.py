@@ -225,11 +225,8 @@ def tables(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
         errors = [percent(row.loc[output, "error"]) for output in SHOWN]
         seconds = at.loc[("accuracy", name, "seconds"), "error"]
         presets[f"`{name}`"] = [*values, f"{seconds:.2g}", *errors]
-    return {
-        "grids": pd.DataFrame(grids),
-        "settings": pd.DataFrame(settings),
-        "presets": pd.DataFrame(presets),
-    }
+    found = {"grids": grids, "settings": settings, "presets": presets}
+    return {mark: pd.DataFrame(rows) for mark, rows in found.items()}
 
 
 def write_pages(table: pd.DataFrame) -> None:
@@ -249,9 +246,8 @@ def draw(table: pd.DataFrame) -> Any:
     """Errors of three outputs against the processor time, on the grid and corrected."""
     figure, axes = panels(columns=3, height=60)
     at = table[(table["area_fraction"] == max(AREAS)) & (table["parameter"] == "points_per_wavelength")]
-    by_grid = at.pivot(index="setting", columns="output", values=["on_grid", "error"]).loc[
-        list(map(str, GRIDS))
-    ]
+    by_grid = at.pivot(index="setting", columns="output", values=["on_grid", "error"])
+    by_grid = by_grid.loc[[str(nodes) for nodes in GRIDS]]
     for axis, name in zip(axes, ("area_fraction", "von_mises_p99", "peak_depth"), strict=True):
         for kind, text, marker in (("on_grid", "on the grid", "o"), ("error", "corrected", "s")):
             seconds, errors = by_grid[kind, "seconds"], 100 * by_grid[kind, name]
