@@ -84,7 +84,7 @@ def searched(name, number, ends, outcomes):
             signal.setitimer(signal.ITIMER_REAL, SECONDS)
         try:
             with np.errstate(all="ignore"):
-                outcomes[function(case)] += 1
+                outcomes[function(case) or "kept"] += 1
         except Exception as error:
             outcomes[type(error).__name__] += 1
             if not is_refusal(error):

@@ -9,7 +9,7 @@ import copy
 from pathlib import Path
 
 import yaml
-from bad_input import PAPER, answer, answer_to_config
+from bad_input import PAPER, answer
 from hypothesis import strategies as st
 
 from asperity.cli import main as cli
@@ -110,22 +110,12 @@ def require_checked(config):
     assert len(message) < MAX_MESSAGE
 
 
-def require_overlay_checked(content, folder):
-    """The content of an overlay is accepted or refused with one line."""
-    code, said = answer_to_config(content, folder)
-    assert code in (0, 1)
-    assert code == 0 or said[:-1].isprintable()
-
-
 def require_answered(words, files, folder):
     """The command line is carried out or answered with one line."""
     for name, path in {**files, "folder": str(folder)}.items():
         words = [word.replace(f"{{{name}}}", path) for word in words]
     with contextlib.chdir(folder):
-        _require_answer(*answer(cli.main, words))
-
-
-def _require_answer(code, said):
+        code, said = answer(cli.main, words)
     assert code in (0, 1, 2)
     for line in said.splitlines() if code else ():
         assert line.startswith("asperity: "), said

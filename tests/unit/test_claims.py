@@ -48,6 +48,10 @@ def claim(values, region="larger", grid_error=0.0):
     return Claim("name", "5.2", "sentence", "quantity", region, lambda evidence: numbers)
 
 
+def fixed(value, *untestable):
+    return Claim("n", "4.2", "s", "q", "one percent", lambda evidence: Fixed(value, 0.001), *untestable)
+
+
 def statistics(**variables):
     """Statistics of one surface with these variables, each a list over seeds."""
     seeds = len(next(iter(variables.values())))
@@ -68,17 +72,22 @@ def quantiles(*curves):
 
 
 @pytest.mark.parametrize(
-    ("values", "verdict"),
+    ("measured", "seeds", "verdict"),
     [
-        ([1.2, 1.3, 1.25, 1.22], HOLDS),
-        ([0.8, 0.7, 0.75, 0.78], FAILS),
-        ([0.8, 1.3, 0.9, 1.1], UNDECIDED),
-        ([1.2], UNDECIDED),
-        ([1.2, float("nan")], NO_DATA),
+        (claim([1.2, 1.3, 1.25, 1.22]), 4, HOLDS),
+        (claim([0.8, 0.7, 0.75, 0.78]), 4, FAILS),
+        (claim([0.8, 1.3, 0.9, 1.1]), 4, UNDECIDED),
+        (claim([1.2]), 1, UNDECIDED),
+        (claim([1.2, math.nan]), 0, NO_DATA),
+        (fixed(0.008), 0, HOLDS),
+        (fixed(0.0095), 0, UNDECIDED),
+        (fixed(0.02), 0, FAILS),
     ],
 )
-def test_the_whole_interval_decides(values, verdict):
-    assert judge(claim(values), EMPTY).verdict == verdict
+def test_the_whole_interval_decides(measured, seeds, verdict):
+    """Of the scatter of seeds, or of the uncertainty of a fixed number."""
+    found = judge(measured, EMPTY)
+    assert (found.seeds, found.verdict) == (seeds, verdict)
 
 
 def test_the_interval_is_that_of_student_and_of_the_grid():
@@ -87,14 +96,7 @@ def test_the_interval_is_that_of_student_and_of_the_grid():
     half = 4.302653 / math.sqrt(3)  # printed table
     assert narrow.interval_high - narrow.value == pytest.approx(half, rel=1e-6)
     assert wide.interval_high - wide.value == pytest.approx(math.hypot(half, 1.0), rel=1e-6)
-    assert (narrow.seeds, wide.grid_error) == (3, 1.0)
-
-
-@pytest.mark.parametrize(("value", "verdict"), [(0.008, HOLDS), (0.0095, UNDECIDED), (0.02, FAILS)])
-def test_a_fixed_number_is_decided_by_its_uncertainty(value, verdict):
-    one = Claim("n", "4.2", "s", "q", "one percent", lambda evidence: Fixed(value, 0.001))
-    assert judge(one, EMPTY).verdict == verdict
-    assert judge(one, EMPTY).seeds == 0
+    assert wide.grid_error == 1.0
 
 
 def test_claims_without_evidence_stay_in_the_table():
@@ -205,9 +207,6 @@ def judged(verdict, **options):
     )
 
 
-ANY = Claim("name", "5.2", "sentence", "quantity", "larger", lambda evidence: Fixed(1.0))
-
-
 @pytest.mark.parametrize(
     ("verdicts", "verdict", "choices"),
     [
@@ -221,7 +220,7 @@ ANY = Claim("name", "5.2", "sentence", "quantity", "larger", lambda evidence: Fi
     ],
 )
 def test_a_claim_holds_only_if_all_interpretations_agree(verdicts, verdict, choices):
-    finding = conclude(ANY, [judged(one, lateral=lateral) for lateral, one in verdicts.items()])
+    finding = conclude(claim([1.0]), [judged(one, lateral=lateral) for lateral, one in verdicts.items()])
     assert (finding.verdict, finding.choices) == (verdict, choices)
 
 
@@ -233,7 +232,7 @@ def test_the_nearest_interpretations_tell_verdicts_apart():
         ("free", "below"): UNDECIDED,
         ("free", "with"): HOLDS,
     }
-    finding = conclude(ANY, [judged(v, lateral=a, peaks=b) for (a, b), v in table.items()])
+    finding = conclude(claim([1.0]), [judged(v, lateral=a, peaks=b) for (a, b), v in table.items()])
     assert (finding.verdict, finding.choices) == (DEPENDS, ("peaks",))
     assert [one.verdict for one in finding.shown] == [FAILS, HOLDS]
     assert frame([finding])["verdict"].item() == DEPENDS
@@ -250,11 +249,7 @@ def test_the_size_of_the_same_is_a_choice():
 
 
 def test_untestable_claims_can_hold_but_not_fail():
-    def edge(value):
-        number = Fixed(value, 0.001)
-        return Claim("n", "4.2", "s", "q", "one percent", lambda evidence: number, "our mesh")
-
-    refuted, held = decide([edge(0.04), edge(0.005)], EMPTY)
+    refuted, held = decide([fixed(0.04, "our mesh"), fixed(0.005, "our mesh")], EMPTY)
     assert (refuted.verdict, held.verdict) == (UNTESTABLE, HOLDS)
     assert found_in_words(refuted) == "0.04 (0.039 to 0.041); our mesh"
     # the same verdict in both tables

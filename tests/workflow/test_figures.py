@@ -1,15 +1,6 @@
 """The list of figures and the results that each is drawn from."""
 
-import subprocess
-import sys
-
 from asperity.paper.figures import figures_of
-
-
-def test_figures_are_listed_without_matplotlib():
-    code = "import sys, asperity.paper.figures as f; f.known(); print('matplotlib' in sys.modules)"
-    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert found.stdout.strip() == "False"
 
 
 def test_results_are_a_tree_of_stages_studies_surfaces():
