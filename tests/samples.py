@@ -36,6 +36,17 @@ def spots(shape=(64, 64), length=1.0, layer=HALF_SPACE, boundary="periodic", see
     return asp.LoadedSolid(0.1 * pressure, grid, layer, boundary)
 
 
+def invariants(stress):
+    """Fields of a stress (..., 6), from the eigenvalues of its tensor by numpy."""
+    xx, yy, zz, yz, xz, xy = np.moveaxis(stress, -1, 0)
+    tensor = np.stack([xx, xy, xz, xy, yy, yz, xz, yz, zz], axis=-1).reshape(*xx.shape, 3, 3)
+    third, second, first = np.moveaxis(np.linalg.eigvalsh(tensor), -1, 0)
+    squares = (first - second) ** 2 + (second - third) ** 2 + (third - first) ** 2
+    fields = {"principal_1": first, "principal_2": second, "principal_3": third}
+    fields |= {"largest_shear": (first - third) / 2, "von_mises": np.sqrt(squares / 2)}
+    return fields | {"hydrostatic": (xx + yy + zz) / 3}
+
+
 def order(points, errors):
     """Order of convergence: minus the exponent of the number of points in the error."""
     return -np.polyfit(np.log(points), np.log(errors), 1)[0]

@@ -12,6 +12,7 @@ import asperity as asp
 from asperity.elasticity.loaded_rectangle import rectangle_compliance
 
 LAYER = asp.Layer(1.0, 0.3, height=0.2)
+SOLIDS = [(HALF_SPACE, "periodic"), (HALF_SPACE, "free"), (LAYER, "periodic")]
 
 
 def love_matrix(grid, modulus):
@@ -41,9 +42,7 @@ def test_pressure_is_that_of_a_bounded_quadratic_program(share):
 
 
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
-@pytest.mark.parametrize(
-    ("solid", "boundary"), [(HALF_SPACE, "periodic"), (HALF_SPACE, "free"), (LAYER, "periodic")]
-)
+@pytest.mark.parametrize(("solid", "boundary"), SOLIDS)
 def test_out_of_reach_it_changes_no_bit(solid, boundary, dtype):
     height = rough()
     loads = {"mean_pressure": load_of(height), "area_fraction": 0.1, "approach": 0.5 * height.min()}
@@ -60,9 +59,7 @@ def test_out_of_reach_it_changes_no_bit(solid, boundary, dtype):
 
 
 @pytest.mark.parametrize("share", [0.9, 0.3, 0.05])
-@pytest.mark.parametrize(
-    ("solid", "boundary"), [(HALF_SPACE, "periodic"), (HALF_SPACE, "free"), (LAYER, "periodic")]
-)
+@pytest.mark.parametrize(("solid", "boundary"), SOLIDS)
 def test_flattened_map_pressed_elastically_has_the_same_pressure(solid, boundary, share):
     """An exact identity; solver error of both solutions."""
     height = rough((96, 80))

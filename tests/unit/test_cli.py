@@ -12,6 +12,7 @@ from project import ROOT, hide
 from asperity.cli.main import main
 from asperity.cli.parser import make_parser
 from asperity.core.compiled import NOTICE
+from asperity.core.packages import message
 from asperity.results import dataset
 from asperity.study.config.defaults import default
 from asperity.study.config.schema import setting
@@ -90,32 +91,19 @@ def test_help_and_the_list_of_figures_do_not_wait_for_libraries(code, library):
 
 
 @pytest.mark.parametrize(
-    ("name", "command", "line"),
+    ("name", "command", "said"),
     [
-        ("numba", "asperity --version", "asperity: not installed: numba; install with: pip install asperity"),
-        (
-            "yaml",
-            "asperity.study.config check config/config.yaml",
-            "config: not installed: pyyaml; install wi",
-        ),
-        (
-            "matplotlib",
-            "asperity plot 9 a.nc --out b.png",
-            "asperity: not installed: matplotlib; install with",
-        ),
-        (
-            "SurfaceTopography",
-            f"asperity info {STEEL}",
-            "asperity: not installed: SurfaceTopography; install",
-        ),
+        ("numba", "asperity --version", "asperity"),
+        ("yaml", "asperity.study.config check config/config.yaml", "config"),
+        ("matplotlib", "asperity plot 9 a.nc --out b.png", "asperity"),
+        ("SurfaceTopography", f"asperity info {STEEL}", "asperity"),
     ],
 )
-def test_a_missing_package_is_one_line(tmp_path, name, command, line):
+def test_a_missing_package_is_one_line(tmp_path, name, command, said):
     path = os.pathsep.join([str(hide(name, tmp_path / "dark")), str(ROOT / "src")])
     command, environment = [sys.executable, "-m", *command.split()], os.environ | {"PYTHONPATH": path}
     found = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
-    assert (found.returncode, found.stdout, found.stderr.count("\n")) == (1, "", 1)
-    assert found.stderr.startswith(line)
+    assert (found.returncode, found.stdout, found.stderr) == (1, "", f"{said}: {message([name])}\n")
 
 
 def test_solve_imposes_pressure_force_and_approach_alike(tmp_path, capsys):

@@ -122,11 +122,12 @@ def test_two_nodes_on_the_shortest_wave_suffice():
 def test_settings_that_are_left_out_get_their_defaults():
     config = copy.deepcopy(PAPER)
     del config["layer"], config["measured"]["fault"]["detrend"], config["contact"]["path_area_fractions"]
-    del config["stress"]["poisson"]
+    del config["stress"]["poisson"], config["measured"]["fault"]["wavelength_short"]
     check(config)
     whole = complete(config)
     assert whole["layer"] == {**PAPER["layer"], "half_space_tolerance": 0.05}
     assert whole["measured"]["fault"]["detrend"] == "tilt"
+    assert "points" not in whole["measured"]["fault"]
     assert whole["contact"]["path_area_fractions"] == [whole["contact"]["area_fraction"]]
     assert whole["stress"]["poisson"] == [whole["layer"]["poisson"]]
 
@@ -191,12 +192,6 @@ def test_a_setting_that_is_given_overrides_the_preset():
     assert (whole["contact"]["precision"], whole["contact"]["tolerance"]) == ("float32", 1e-4)
     assert whole["surfaces"]["gaussian"]["points"] == 300
     assert whole["surfaces"]["hurst_02"]["points"] == 1024
-
-
-def test_a_map_without_a_shortest_wavelength_keeps_its_points():
-    config = copy.deepcopy(PAPER)
-    del config["measured"]["fault"]["wavelength_short"]
-    assert "points" not in complete(config)["measured"]["fault"]
 
 
 def test_the_overlay_of_a_preset_gives_what_the_preset_gives():

@@ -34,10 +34,7 @@ def on_two_grids():
 
 
 @pytest.mark.parametrize(
-    (
-        "output",
-        "tolerance",
-    ),  # bounds the grid error of one small surface, some times the medians of docs/continuum.md
+    ("output", "tolerance"),
     [
         ("area_fraction", 0.01),
         ("gradient_rms_contact", 0.009),
@@ -48,6 +45,7 @@ def on_two_grids():
     ],
 )
 def test_estimate_is_that_of_a_finer_grid(on_two_grids, output, tolerance):
+    """Bounds: the grid error of one small surface, some times the medians of docs/continuum.md."""
     coarse, fine = (grid[output] for grid in on_two_grids)
     truth = fine.sel(kind="estimate")
     error = abs(coarse.sel(kind="estimate") / truth - 1).fillna(0)  # pressure has no depth

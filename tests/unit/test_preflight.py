@@ -4,6 +4,7 @@ import re
 import tomllib
 from pathlib import Path
 
+import psutil
 import pytest
 
 from asperity.core import packages, system
@@ -60,6 +61,7 @@ def test_memory_is_that_of_the_largest_job_against_the_limit_or_the_machine(monk
 
 def test_a_control_group_limits_the_memory(monkeypatch, tmp_path):
     machine = system.available_memory()
+    assert 0 < machine <= psutil.virtual_memory().total / 1e6
     path = tmp_path / "memory.max"
     monkeypatch.setattr(system, "GROUP_LIMITS", (str(path),))
     path.write_text("max\n")

@@ -10,9 +10,6 @@ import pytest
 import asperity as asp
 from asperity.core import markup
 from asperity.engineering import Body, run
-from asperity.paper.claims.paper import CLAIMS
-from asperity.paper.claims.report import findings_of, frame_of_interpretations
-from asperity.paper.claims.report import frame as frame_of_verdicts
 from asperity.results.tables import check_columns, describe_tables, units, write_table
 from asperity.study.cost.benchmark import cost_table, job_costs
 from asperity.views.export import peak_table
@@ -56,12 +53,6 @@ def test_costs_add_up_and_keep_the_largest_memory(costs):
     minutes = costs.set_index("job")["processor_minutes"].to_dict()
     assert minutes == pytest.approx({"claims": 0.1, "stress a": 1.5, "all": 1.6})
     assert costs["largest_memory_MB"].tolist() == [50, 300, 300]
-
-
-def test_verdicts_have_their_columns():
-    found = findings_of(pd.read_csv(DOCS / "claims.csv"), CLAIMS)
-    check_columns(frame_of_verdicts(found), "claims")
-    check_columns(frame_of_interpretations(found), "claims_interpretations")
 
 
 @pytest.mark.parametrize(

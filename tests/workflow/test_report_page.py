@@ -13,22 +13,25 @@ class Page(html.parser.HTMLParser):
 
     def __init__(self, text):
         super().__init__()
-        self.text, self.open, self.figures, self.links, self.sources, self.headings = text, [], [], [], [], []
+        self.text, self.open, self.found = text, [], []
         self.feed(text)
+        self.figures, self.headings, self.links = (
+            self.all("id", "figure"),
+            self.all("id", "h2"),
+            self.all("href", "a"),
+        )
 
     def handle_starttag(self, tag, attrs):
-        found = dict(attrs)
-        if tag == "figure" and "id" in found:
-            self.figures.append(found["id"])
-        if tag == "h2":
-            self.headings.append(found.get("id"))
-        self.links += [found["href"]] if tag == "a" else []
-        self.sources += [found["src"]] if "src" in found else []
+        self.found += [(tag, *attribute) for attribute in attrs]
         if tag not in ("img", "meta", "br", "link"):
             self.open.append(tag)
 
     def handle_endtag(self, tag):
         assert self.open.pop() == tag
+
+    def all(self, name, *tags):
+        """Values of an attribute of some tags, by default of all."""
+        return [value for tag, key, value in self.found if key == name and tag in (tags or (tag,))]
 
 
 def made(study, folder, *arguments):
@@ -66,20 +69,14 @@ def test_claims_stand_with_their_verdicts(page, quick_study):
 
 
 def test_every_part_has_its_heading(page):
-    assert {
-        "Figures-of-the-paper",
-        "Supplement",
-        "claims",
-        "validation",
-        "verification",
-        "cost",
-    } <= set(page.headings)
+    parts = {"claims", "validation", "verification", "cost"}
+    assert {"Figures-of-the-paper", "Supplement", *parts} <= set(page.headings)
     assert page.text.count("<table") >= 6
 
 
 def test_the_page_needs_the_results_alone(page, quick_study):
-    assert len(page.sources) > 10
-    assert all(source.startswith("data:image/png;base64,") for source in page.sources)
+    assert len(page.all("src")) > 10
+    assert all(source.startswith("data:image/png;base64,") for source in page.all("src"))
     results = quick_study.folder / "results/quick"
     for link in page.links:
         anchor = link.removeprefix("#")
