@@ -32,12 +32,17 @@ def steel():
     return height
 
 
+def save(height, file):
+    """Write a map of pixels of 1 µm, heights in µm, as text; its path."""
+    ny, nx = height.shape
+    head = f"# Channel: Height\n# Width: {nx} um\n# Height: {ny} um\n# Value units: um"
+    np.savetxt(file, height, header=head, comments="", fmt="%.6f")
+    return file
+
+
 @pytest.fixture(scope="module")
 def path(steel, tmp_path_factory):
-    file = tmp_path_factory.mktemp("maps") / "steel.asc"
-    head = "# Channel: Height\n# Width: 128 um\n# Height: 128 um\n# Value units: um"
-    np.savetxt(file, steel, header=head, comments="", fmt="%.6f")
-    return file
+    return save(steel, tmp_path_factory.mktemp("maps") / "steel.asc")
 
 
 COMMAND = ["--young", "210 GPa", "--poisson", "0.3", "--pressure", "50 MPa", "--yield", "1.5 GPa"]
@@ -160,8 +165,7 @@ def test_the_name_of_a_map_is_text(tmp_path, capsys, monkeypatch):
     """Not mathematics, no control of the terminal, and no longer than a title."""
     monkeypatch.chdir(tmp_path)
     name = r"$\frac{1}$" + "\x1b[31m" + 230 * "m" + ".asc"
-    header = "# Width: 16 um\n# Height: 16 um\n# Value units: nm\n"
-    np.savetxt(name, np.random.default_rng(1).normal(size=(16, 16)), header=header, comments="")
+    save(1e-3 * np.random.default_rng(1).normal(size=(16, 16)), name)
     assert main(["info", name]) == 0
     assert main(["run", name, *COMMAND, "--out", "answer"]) == 0
     assert main(["view", "answer/contact.nc", "pressure"]) == 0
@@ -248,9 +252,8 @@ def test_a_saved_case_is_repeated(path, tmp_path, refused):
 
 def test_several_maps_are_compared(steel, path, tmp_path, capsys, refused):
     """Twice the heights: the second of two columns; the page shows the pictures of both."""
-    header = "# Width: 128 um\n# Height: 128 um\n# Value units: um"
-    np.savetxt(tmp_path / "rough.asc", 2 * steel, header=header, comments="", fmt="%.6f")
-    command = ["run", str(path), str(tmp_path / "rough.asc"), *COMMAND, "--out", str(tmp_path / "both")]
+    rough = save(2 * steel, tmp_path / "rough.asc")
+    command = ["run", str(path), str(rough), *COMMAND, "--out", str(tmp_path / "both")]
     assert main(command) == 0
     assert capsys.readouterr().out.splitlines()[-1].startswith("stress in the elastic body")
     frame = pd.read_csv(tmp_path / "both/comparison.csv")

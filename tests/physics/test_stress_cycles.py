@@ -104,13 +104,8 @@ def test_agreement_with_brute_force(boundary):
 
             start = np.append(np.zeros(parts), squared(np.zeros(parts)).max())
             bound = {"type": "ineq", "fun": lambda v: v[-1] - squared(v[:-1])}
-            found = minimize(
-                lambda v: v[-1],
-                start,
-                constraints=bound,
-                method="SLSQP",
-                options={"ftol": 1e-14, "maxiter": 500},
-            )
+            options = {"ftol": 1e-14, "maxiter": 500}
+            found = minimize(lambda v: v[-1], start, constraints=bound, method="SLSQP", options=options)
             factor = 0.1 / (size * np.sqrt(found.x[-1]))
             assert float(cycles[f"shakedown_{name}"][0, row]) == pytest.approx(factor, rel=1e-5)
             if parts == 5:

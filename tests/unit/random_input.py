@@ -70,7 +70,7 @@ def command_lines(draw):
 def configurations(draw):
     """The paper's configuration with a random value at a random place, under its key or a new one."""
     config = copy.deepcopy(CONFIGURATION)
-    group, key = draw(st.sampled_from(list(_places(config))))
+    group, key = draw(st.sampled_from(list(places(config))))
     group[draw(st.just(key) | st.text(max_size=8))] = draw(values)
     return config
 
@@ -79,19 +79,19 @@ def configurations(draw):
 def unknown_keys(draw):
     """The paper's configuration with a key that does not exist, in a random group."""
     config = copy.deepcopy(CONFIGURATION)
-    groups = [config, *(group[key] for group, key in _places(config) if isinstance(group[key], dict))]
+    groups = [config, *(group[key] for group, key in places(config) if isinstance(group[key], dict))]
     closed = [group for group in groups if group not in (config["surfaces"], config["measured"])]
     group = draw(st.sampled_from(closed))
     group[draw(st.text(min_size=1, max_size=12).filter(lambda key: key not in group))] = 1
     return config
 
 
-def _places(tree):
+def places(tree):
     """Every group of keys in a configuration, with each of its keys."""
     for key, value in tree.items():
         yield tree, key
         if isinstance(value, dict):
-            yield from _places(value)
+            yield from places(value)
 
 
 def refusal(config):

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from random_input import places, refusal
 
 from asperity.core.errors import ConfigError
 from asperity.study.config.__main__ import main, with_settings
@@ -35,31 +36,20 @@ def test_the_configurations_of_the_repository_are_accepted(name, monkeypatch):
     read_study([ROOT / "config" / name], {"results": "any"})
 
 
-def paths_of(tree, path=()):
-    """Path to every key of a configuration."""
-    for key, value in tree.items():
-        yield (*path, key)
-        if isinstance(value, dict):
-            yield from paths_of(value, (*path, key))
-
-
 def test_whatever_is_left_out_or_emptied_is_accepted_or_named():
     """One key at a time: no other error than the line that names a setting."""
-    named = 0
-    for path in paths_of(PAPER):
-        for value in (None, {}, "text"):
-            config = copy.deepcopy(PAPER)
-            tree = config
-            for key in path[:-1]:
-                tree = tree[key]
-            if value is None:
-                del tree[path[-1]]
-            else:
-                tree[path[-1]] = value
-            try:
-                check(config)
-            except ConfigError:
-                named += 1
+    named, config = 0, copy.deepcopy(PAPER)
+    for group, key in list(places(config)):
+        kept = group.copy()
+        for changed in (
+            {name: kept[name] for name in kept if name != key},
+            kept | {key: {}},
+            kept | {key: "text"},
+        ):
+            group.clear()
+            group.update(changed)
+            named += bool(refusal(config))
+        group.update(kept)
     assert named > 100
 
 

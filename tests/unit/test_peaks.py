@@ -80,12 +80,8 @@ def bumps(count):
     side = int(np.ceil(np.sqrt(count)))
     cells = np.argwhere(np.ones((side, side)))[:count]
     centre = (cells + 0.5 + draw.uniform(-0.12, 0.12, cells.shape)) / side
-    return (
-        centre,
-        draw.uniform(0.02, 0.5, count),
-        draw.uniform(0.1, 0.18, count) / side,
-        draw.uniform(0.5, 2.0, count),
-    )
+    depth, width, height = (draw.uniform(*ends, count) for ends in ((0.02, 0.5), (0.1, 0.18), (0.5, 2.0)))
+    return centre, depth, width / side, height
 
 
 def bumps_on(shapes, depths, centre, depth, width, height):

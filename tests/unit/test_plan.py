@@ -31,15 +31,11 @@ def corrected(nodes, **load):
     contact = asp.solve(height, asp.Layer(1.0, 0.33), **load)
     stress = asp.analyse_stress(contact, quantities=("pressure", "von_mises"), tolerance=1e-4)
     found = asp.continuum(contact, stress).sel(kind="estimate").squeeze("poisson")
-    of_peaks = {
-        f"{kind}_{name}": found[name].sel(quantity=kind)
-        for kind in ("pressure", "von_mises")
-        for name in ("p90", "p99")
-    }
-    numbers = {
-        name: found[name] for name in ("area_fraction", "proportionality", "decay_length_plane")
-    } | of_peaks
-    return {name: float(value) for name, value in numbers.items()}, contact.mean_pressure
+    names = ("area_fraction", "proportionality", "decay_length_plane")
+    numbers = {name: float(found[name]) for name in names}
+    for kind in ("pressure", "von_mises"):
+        numbers |= {f"{kind}_{name}": float(found[name].sel(quantity=kind)) for name in ("p90", "p99")}
+    return numbers, contact.mean_pressure
 
 
 @pytest.mark.parametrize("name", ["draft", "paper"])
@@ -47,11 +43,8 @@ def test_errors_stay_within_bounds_elsewhere(name):
     truth, load = corrected(24, area_fraction=0.06)
     found, _ = corrected(PRESETS[name].points_per_wavelength, mean_pressure=load)
     bounds = error_bounds(UNSEEN, PRESETS[name], one_surface=True).sum(axis=1)
-    assert not {
-        name: found[name] / truth[name] - 1
-        for name in truth
-        if abs(found[name] / truth[name] - 1) > bounds[name]
-    }
+    for output, value in truth.items():
+        assert abs(found[output] / value - 1) <= bounds[output], output
 
 
 def test_proposal_is_the_cheapest_within_the_error():

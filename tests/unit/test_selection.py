@@ -70,24 +70,12 @@ def test_selections_are_what_they_are_called(source, quantity):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (
-            lambda stress: asp.peaks(stress, "yy"),
-            "quantity = 'yy': one of pressure, von_mises, xx, zz, xz is",
-        ),
-        (
-            lambda stress: asp.peaks(stress, "von_mises"),
-            r"poisson: one of 0, 0\.33, 0\.5 is needed, there are",
-        ),
-        (lambda stress: asp.peaks(stress, "zz", 0.3), r"poisson = 0\.3: one of 0, 0\.33, 0\.5 is needed"),
-        (
-            lambda stress: asp.peaks(stress, "xz", 0, "inside"),
-            "selection = 'inside': one of all, at_contact,",
-        ),
-        (
-            lambda stress: asp.peaks(stress.drop_vars("peak_quantity"), "xx"),
-            "stress = .*: the result of a str",
-        ),
-        (lambda stress: asp.peaks(numbered(stress), "xx"), "stress: made by another version"),
+        (lambda data: asp.peaks(data, "yy"), "quantity = 'yy': one of pressure, von_mises, xx, zz, xz is"),
+        (lambda data: asp.peaks(data, "von_mises"), r"poisson: one of 0, 0\.33, 0\.5 is needed, there are"),
+        (lambda data: asp.peaks(data, "zz", 0.3), r"poisson = 0\.3: one of 0, 0\.33, 0\.5 is needed"),
+        (lambda data: asp.peaks(data, "xz", 0, "inside"), "selection = 'inside': one of all, at_contact,"),
+        (lambda data: asp.peaks(data.drop_vars("peak_quantity"), "xx"), "stress = .*: the result of a str"),
+        (lambda data: asp.peaks(numbered(data), "xx"), "stress: made by another version"),
     ],
 )
 def test_wrong_name_or_dataset_is_refused(stress, call, message):

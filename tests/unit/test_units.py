@@ -1,5 +1,6 @@
 """Units of the interfaces: text to SI and back."""
 
+import pint
 import pytest
 
 from asperity.core.units import scaled_unit, shown_si, to_si
@@ -16,15 +17,11 @@ from asperity.core.units import scaled_unit, shown_si, to_si
         ("1 µm", "length", 1e-6),
         ("-.5 mm", "length", -5e-4),
         ("12 kN", "force", 12e3),
+        (pint.UnitRegistry().Quantity(2, "um"), "length", 2e-6),
     ],
 )
 def test_number_with_a_unit_becomes_si(text, dimension, expected):
     assert to_si(text, dimension) == pytest.approx(expected, rel=1e-14)
-
-
-def test_quantity_of_pint_becomes_si():
-    pint = pytest.importorskip("pint")
-    assert to_si(pint.UnitRegistry().Quantity(2, "um"), "length") == pytest.approx(2e-6)
 
 
 @pytest.mark.parametrize(
