@@ -1,5 +1,7 @@
 """Surfaces, loaded solids, measures and a test of refused arguments that several modules of tests share."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,23 @@ def rough(shape=(64, 64), seed=1):
 def load_of(height, fraction=0.05):
     """Mean pressure that is a fraction of the rms gradient, on a solid with E* near 1."""
     return fraction * asp.roughness_parameters(height).rms_gradient
+
+
+def hardened(height, share, solid=HALF_SPACE, **settings):
+    """A contact whose hardness is a share of its largest pressure without one."""
+    settings = {"mean_pressure": load_of(height)} | settings
+    largest = asp.solve(height, solid, **settings).max_pressure
+    return asp.solve(height, solid, hardness=share * largest, **settings)
+
+
+def memory_of(call):
+    """Most memory that a call takes at once, in bytes."""
+    tracemalloc.start()
+    try:
+        call()
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
 
 
 def centred(grid):

@@ -64,9 +64,8 @@ def test_fit_finds_the_costs_of_a_study(tmp_path):
     for job in ("contact", "stress"):
         for name, value in found.loc[job].items():
             assert value == pytest.approx(coefficients()[job][name], rel=1e-2, abs=1e-3), (job, name)
-    worse = job_costs(tmp_path).assign(
-        memory_MB=lambda all_jobs: all_jobs["memory_MB"] * (1 + all_jobs.index % 2)
-    )
+    worse = job_costs(tmp_path)
+    worse["memory_MB"] *= 1 + worse.index % 2
     fit = fitted(worse).loc["stress"]
     for job in worse[worse["rule"] == "stress"].itertuples():
         further = job.grid_nodes * (job.repetitions - 1)
