@@ -83,6 +83,8 @@ def refuses(*rows):
     def test(call, message):
         with pytest.raises((ValueError, TypeError), match=f"^{message}") as caught:
             call()
-        assert all(line.isprintable() for line in str(caught.value).splitlines())
+        statement = str(caught.traceback[-1].statement).lstrip()
+        assert statement.startswith("raise"), "an exception of Python's or NumPy's own"
+        assert all(line.isprintable() and len(line) < 300 for line in str(caught.value).splitlines())
 
     return test

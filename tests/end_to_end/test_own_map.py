@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from project import ROOT
 
 import asperity as asp
 from asperity.cli.main import main
@@ -18,7 +19,6 @@ from asperity.engineering.face import read_face
 from asperity.results import dataset
 from asperity.study.config.study import read_study
 
-ROOT = Path(__file__).parents[2]
 DATA = ROOT / "tests/data"
 OWN_MAP = (ROOT / "docs/own_map.md").read_text(encoding="utf-8")
 OWN_STUDY = (ROOT / "docs/own_study.md").read_text(encoding="utf-8")

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+from project import ROOT
 from random_input import places, refusal
 
 from asperity.core.errors import ConfigError
@@ -25,7 +26,6 @@ from asperity.study.config.schema import accepted, schema, setting, settings
 from asperity.study.config.study import read_study
 from asperity.study.cost.plan import read
 
-ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
 SETTINGS = dict(settings(schema()))
 

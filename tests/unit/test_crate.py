@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
+from project import ROOT
 
 import asperity as asp
 
@@ -14,7 +14,6 @@ pytest.importorskip("rocrate")
 
 from asperity.paper.crate import METADATA, PROFILES, write_crate
 
-ROOT = Path(__file__).parents[2]
 STUDY = ROOT / "workflow/Snakefile", [ROOT / "config/config.yaml"]
 
 

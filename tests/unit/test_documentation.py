@@ -5,17 +5,16 @@ from __future__ import annotations
 import doctest
 import re
 import runpy
-from pathlib import Path
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from project import ROOT
 
 import asperity
 import asperity.engineering
 
-ROOT = Path(__file__).parents[2]
 PUBLIC = sorted(set(asperity.__all__) - {"__version__", "reference"})
 DOCSTRINGS = [
     *((asperity, name) for name in PUBLIC),

@@ -4,10 +4,10 @@ Times are those of the machine of the measurement (factor 1), so that no test de
 """
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 import yaml
+from project import ROOT
 
 import asperity as asp
 from asperity.cli.main import main
@@ -17,7 +17,6 @@ from asperity.study.config.check import check
 from asperity.study.config.defaults import PRESETS
 from asperity.study.cost.plan import Scene, Target, assess, error_bounds, outputs, propose, read, scenes
 
-ROOT = Path(__file__).parents[2]
 PAPER = yaml.safe_load((ROOT / "config/config.yaml").read_text())
 UNSEEN = Scene(hurst=0.5, wavelength_long=1 / 4, wavelength_short=1 / 16, area_fraction=0.06)
 SPECTRUM = "{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.03125}"

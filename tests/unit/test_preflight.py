@@ -2,17 +2,15 @@
 
 import re
 import tomllib
-from pathlib import Path
 
 import psutil
 import pytest
+from project import ROOT
 
 from asperity.core import packages, system
 from asperity.core.errors import PreflightError
 from asperity.study.runtime import preflight
 from asperity.study.runtime.preflight import require_memory, require_space
-
-ROOT = Path(__file__).parents[2]
 
 
 @pytest.mark.parametrize(

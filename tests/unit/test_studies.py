@@ -1,7 +1,5 @@
 """The studies beside the paper: moments, boundaries and lengths, regressions, and a tiny run of each."""
 
-from pathlib import Path
-
 import challenge
 import master_curve
 import nayak
@@ -10,12 +8,11 @@ import pandas as pd
 import pytest
 import xarray as xr
 import yaml
+from project import ROOT
 from scipy.special import erf
 
 from asperity import Grid, Layer, solve
 from asperity.study.config.study import read_study
-
-ROOT = Path(__file__).parents[2]
 
 
 def test_nayak_parameter_of_waves():
