@@ -321,10 +321,7 @@ test_wrong_argument_is_refused = refuses(
     (lambda: covering(1e60 * NOISE, dtype="float32"), "dtype = 'float32': cannot hold heights of .*float64"),
     (lambda: pressed(NOISE, mean_pressure=1e-100, dtype="float32"), "mean_pressure = 1e-100: at least 1e-20"),
     (lambda: pressed(hardness=0.1), "hardness = 0.1: more than the mean pressure 0.1"),
-    (
-        lambda: solve(FLAT, HALF_SPACE, force=1.0, hardness=0.5),
-        "hardness = 0.5: more than the mean pressure 1",
-    ),
+    (lambda: solve(FLAT, HALF_SPACE, force=1.0, hardness=0.5), ".*more than the mean pressure 1 is needed"),
     (lambda: pressed(hardness=0.0), "hardness = 0.0: a number > 0"),
     (lambda: pressed(hardness=-1.0), "hardness = -1.0: a number > 0"),
     (lambda: pressed(hardness=1.0, method="gfmd"), ".*active_set is needed"),

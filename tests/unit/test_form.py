@@ -46,10 +46,7 @@ test_wrong_argument_is_refused = refuses(
     (lambda: add_cylinder(FLAT, 1.0, 0.0), "radius = 0.0: a number > 0"),
     (lambda: add_cylinder(FLAT, 1.0, 1.0, centre=(1.0,)), r"centre = \(1.0,\): None or a pair"),
     (lambda: add_cylinder(FLAT, 1.0, 1.0, centre=(1.0, np.nan)), "centre = nan: None or a pair"),
-    (
-        lambda: add_cylinder(FLAT, asp.Grid((3, 3)), 1.0),
-        r"length = Grid.*: a grid of shape \(4, 4\) is needed",
-    ),
+    (lambda: add_cylinder(FLAT, asp.Grid((3, 3)), 1.0), r"length = Grid.*: a grid of shape \(4, 4\) is need"),
     (lambda: add_cylinder(np.zeros(4), 1.0, 1.0), r"height of shape \(4,\)"),
     (lambda: add_cylinder(FLAT, 1.0, 1.0, axis="z"), "axis = 'z': one of y, x is needed"),
 )

@@ -50,9 +50,6 @@ def test_yield_stress_suggests_a_hardness():
 
 
 test_wrong_hardness_is_refused = refuses(
-    (
-        lambda: run(a_rough_map(), Body(1e9, 0.3, hardness=50e6), **LOAD),
-        "hardness = 50 MPa: more than the pr",
-    ),
+    (lambda: run(a_rough_map(), Body(1e9, 0.3, hardness=50e6), **LOAD), "hardness = 50 MPa: more than the p"),
     (lambda: Body(210e9, 0.3, hardness=0.0), "hardness"),
 )

@@ -63,10 +63,7 @@ def incompressible():
 
 
 test_wrong_setting_is_refused = refuses(
-    (
-        lambda: solve_contact(ROUGH, LAYER, UNLOADED | {"approach": 0.5}),
-        r"contact.approach = 0.5: less than 0.0",
-    ),
+    (lambda: solve_contact(ROUGH, LAYER, UNLOADED | {"approach": 0.5}), r"contact.approach = 0.5: less than"),
     (incompressible, r"stress\.poisson = 0\.5: layer: .*beyond the tolerance 0\.03; leave"),
 )
 
