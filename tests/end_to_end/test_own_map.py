@@ -54,9 +54,7 @@ def test_every_interface_imposes_the_same_load(kind, answers, tmp_path):
     setting, text, value = LOADS[kind]
     steel = ["--young", "210 GPa", "--poisson", "0.3"]
     assert main([*COMMAND, *steel, f"--{setting.replace('_', '-')}", text]) == 0
-    (tmp_path / "steel.yaml").write_text(
-        f"engineering: {{young: 210 GPa, poisson: 0.3, {setting}: {text}}}", encoding="utf-8"
-    )
+    (tmp_path / "steel.yaml").write_text(f"engineering: {{young: 210 GPa, poisson: 0.3, {setting}: {text}}}")
     assert main([*COMMAND, "--config", "steel.yaml"]) == 0
     settings = asp.MapOptions(despike=8)
     answers.append(run(DATA / "steel.x3p", Body(210e9, 0.3), **{kind: value}, map_options=settings))
@@ -158,9 +156,8 @@ def test_results_of_the_python_example_are_drawn(monkeypatch, tmp_path, capsys):
 
 def test_the_studies_of_the_pages_are_accepted(monkeypatch, tmp_path):
     monkeypatch.chdir(ROOT)
-    own, changed = re.findall(r"```yaml\n(.*?)```", OWN_STUDY, re.DOTALL) + re.findall(
-        r"((?:^    (?:based_on|contact):.*\n?)+)", OWN_STUDY, re.MULTILINE
-    )
+    (own,) = re.findall(r"```yaml\n(.*?)```", OWN_STUDY, re.DOTALL)
+    (changed,) = re.findall(r"((?:^    (?:based_on|contact):.*\n?)+)", OWN_STUDY, re.MULTILINE)
     for name, text in {"mine": own, "half": re.sub("^    ", "", changed, flags=re.M)}.items():
         (tmp_path / f"{name}.yaml").write_text(text, encoding="utf-8")
     mine, half = (read_study([tmp_path / f"{name}.yaml"]) for name in ("mine", "half"))

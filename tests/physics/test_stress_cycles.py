@@ -174,9 +174,8 @@ def test_point_contact():
     height = asp.add_sphere(np.zeros((nodes, nodes)), EDGE, radius)
     contact = asp.solve(height, asp.Layer(1.0, 0.3), EDGE, boundary="free", area_fraction=0.02)
     largest, half = float(contact.pressure.max()), np.sqrt(0.02 / np.pi)
-    cycles = asp.stress_cycles(
-        contact, half * np.linspace(0.2, 0.7, 21), yield_stress=np.sqrt(3), tolerance=1e-4
-    )
+    depths = half * np.linspace(0.2, 0.7, 21)
+    cycles = asp.stress_cycles(contact, depths, yield_stress=np.sqrt(3), tolerance=1e-4)
     upper = cycles.attrs["worst_shakedown_upper"][0] * largest
     assert upper == pytest.approx(4.68, rel=2e-2)  # 20 nodes across the radius
     assert 2.8 < cycles.attrs["worst_shakedown_lower"][0] * largest <= upper

@@ -132,9 +132,8 @@ def test_peaks_are_found_across_grids_of_planes():
     pressure = np.zeros((160, 160))
     pressure[draw.integers(0, 160, 40), draw.integers(0, 160, 40)] = draw.uniform(0.5, 1, 40)
     solid = asp.LoadedSolid(pressure, asp.Grid(pressure.shape), HALF_SPACE, "free")
-    full, coarse = (
-        asp.analyse_stress(solid, poisson=0.3, quantities=("von_mises",), tolerance=t) for t in (0.0, 1e-6)
-    )
+    settings = {"poisson": 0.3, "quantities": ("von_mises",)}
+    full, coarse = (asp.analyse_stress(solid, tolerance=t, **settings) for t in (0.0, 1e-6))
     assert int(coarse["plane_points"].min()) < 160
     highest = [np.sort(asp.peaks(data, "von_mises")["peak_value"])[-40:] for data in (full, coarse)]
     np.testing.assert_allclose(highest[1], highest[0], rtol=1e-4)

@@ -121,8 +121,7 @@ def test_incompressible_solid_has_no_edge_tension():
 @group("wave_asymptotes")
 def test_asymptotes_of_a_wave_improve_towards_their_limit():
     found = compared("wave_asymptotes")
-    radius, gap = (
-        abs(found[f"solved_{n}"] / found[f"exact_{n}"] - 1) for n in ("contact_radius", "mean_gap")
-    )
+    names = ("contact_radius", "mean_gap")
+    radius, gap = (abs(found[f"solved_{name}"] / found[f"exact_{name}"] - 1) for name in names)
     assert radius[0] < 0.3 * radius[1]
     assert gap[-1] < 0.3 * gap[0]

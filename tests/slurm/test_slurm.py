@@ -52,9 +52,7 @@ def test_failed_job_is_named_with_its_log(slurm, tmp_path):
     folder = copy_project(tmp_path / "project")
     module = folder / "src/asperity/study/stages/statistics.py"
     text = module.read_text()
-    module.write_text(
-        text + "\n\ndef surface_statistics(*_, **settings):\n    raise ValueError('no peaks')\n"
-    )
+    module.write_text(text + "\n\ndef surface_statistics(*_, **settings):\n    raise ValueError('none')\n")
     said, code = on_slurm(slurm, folder, "--", STATISTICS)
     assert code != 0
     assert "results/tiny/log/statistics/hurst_08.log" in said

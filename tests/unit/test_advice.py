@@ -26,20 +26,9 @@ def limits(reason="", **on_grid):
     return found.assign_attrs(reason=reason)
 
 
-def an_answer(
-    numbers=(),
-    face=(),
-    record=(),
-    body=(),
-    bodies=1,
-    estimates=None,
-    imposed_area=0.05,
-    doubts=(),
-    friction=0.0,
-    hardness=None,
-    **material,
-):
+def an_answer(bodies=1, estimates=None, imposed_area=0.05, doubts=(), friction=0.0, hardness=None, **changed):
     """An answer about which nothing is to be said, with some of its values replaced."""
+    numbers, face, record, body = (changed.pop(name, {}) for name in ("numbers", "face", "record", "body"))
     plain = {
         "area_fraction": 0.05,
         "rms_gradient": 0.05,
@@ -61,17 +50,17 @@ def an_answer(
         "wavelength_short": 8e-6,
         "boundary": "periodic",
     }
-    treated = {"altered_fraction": 0.0, "filled_fraction": 0.0, "edge_step": 0.0} | dict(record)
+    treated = {"altered_fraction": 0.0, "filled_fraction": 0.0, "edge_step": 0.0} | record
     part = {
-        "body": Body(**({"young": 210e9, "poisson": 0.3, "yield_stress": 2e9} | material)),
+        "body": Body(**({"young": 210e9, "poisson": 0.3, "yield_stress": 2e9} | changed)),
         "largest_von_mises": 1e9,
         "depths_above_yield": (0.0, 2e-6),
         "limits": limits() if estimates is None else estimates,
     }
-    stress = SimpleNamespace(**(part | dict(body)))
+    stress = SimpleNamespace(**(part | body))
     return SimpleNamespace(
-        numbers=SimpleNamespace(**(plain | dict(numbers))),
-        face=SimpleNamespace(**(shown | dict(face)), treatment=SimpleNamespace(**treated)),
+        numbers=SimpleNamespace(**(plain | numbers)),
+        face=SimpleNamespace(**(shown | face), treatment=SimpleNamespace(**treated)),
         case=SimpleNamespace(
             load=SimpleNamespace(kind="area_fraction", value=imposed_area),
             friction=friction,

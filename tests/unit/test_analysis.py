@@ -125,9 +125,7 @@ def test_peaks_are_refined_alike_across_grids():
     settings = {"poisson": [0.0, 0.5], "quantities": ("von_mises",)}
     found = [asp.analyse_stress(spots((192, 192)), tolerance=t, **settings) for t in (0, 1e-4)]
     for nu in settings["poisson"]:
-        one, other = (
-            asp.peaks(each, "von_mises", nu, "under_contact").sortby("peak_value") for each in found
-        )
+        one, other = (asp.peaks(of, "von_mises", nu, "under_contact").sortby("peak_value") for of in found)
         np.testing.assert_allclose(other["peak_value"], one["peak_value"], rtol=2e-3)
         np.testing.assert_allclose(other["peak_depth"], one["peak_depth"], rtol=0.01)
 
@@ -143,9 +141,7 @@ def test_planes_not_kept_are_computed_again(contact, result, monkeypatch):
 
 def test_both_mean_modes_are_those_of_two_analyses(contact, result):
     conditions = "confined", "free"
-    both = analyse_lateral_conditions(
-        contact, conditions, result["plane_depth"], RATIOS, QUANTITIES, tolerance=1e-5
-    )
+    both = analyse_lateral_conditions(contact, conditions, result["plane_depth"], **SETTINGS)
     free = replace(contact, layer=replace(contact.layer, lateral="free"))
     xr.testing.assert_identical(both["confined"], result)
     xr.testing.assert_identical(both["free"], asp.analyse_stress(free, **SETTINGS))

@@ -215,15 +215,13 @@ def test_odd_and_oblong_grids_are_solved(shape, length, boundary):
     ],
 )
 def test_path_is_its_contacts_one_by_one(kind, values, settings):
-    height, seen = rough(), []
-    steps = solve_path(
-        height, HALF_SPACE, **{kind: values}, **settings, progress=lambda *now: seen.append(now)
-    )
+    height, shares = rough(), []
+    told = {"progress": lambda done, total: shares.append(done / total)}
+    steps = solve_path(height, HALF_SPACE, **{kind: values}, **settings, **told)
     kind = "approach" if kind == "approaches" else kind[:-1]
     for value, step in zip(values, steps, strict=True):
         alone = solve(height, HALF_SPACE, **{kind: value}, **settings)
         np.testing.assert_array_equal(step.pressure, alone.pressure)
-    shares = [done / total for done, total in seen]
     assert shares == sorted(shares)
     assert shares[-1] == 1
     assert len(shares) > 2 * len(values)

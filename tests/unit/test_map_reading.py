@@ -363,10 +363,7 @@ def test_texture_of_waves_and_tip_of_a_sphere():
 
 
 def test_the_spectrum_of_a_self_affine_map_has_its_exponent():
-    whole = self_affine(
-        (512, 512), seed=3, hurst=0.8, wavelength_long=0.25, wavelength_short=0.004, rms_height=1e-3
-    )
-    part = whole[:256, :256]  # not periodic
+    part = self_affine((512, 512), 0.8, 0.25, 0.004, rms_height=1e-3, seed=3)[:256, :256]  # not periodic
     *_, hurst = spectrum_summary(part, HeightMap(part, (0.5, 0.5)))
     assert hurst == pytest.approx(0.8, abs=0.1)  # scatter of one sample
 

@@ -32,9 +32,8 @@ class Terminal(io.StringIO):
 @pytest.mark.parametrize("fail", [False, True])
 def test_log_holds_everything_a_job_prints(tmp_path, fail):
     log = tmp_path / "logs/job.log"
-    run = subprocess.run(
-        [sys.executable, "-c", JOB.format(log=str(log), fail=fail)], capture_output=True, text=True
-    )
+    command = [sys.executable, "-c", JOB.format(log=str(log), fail=fail)]
+    run = subprocess.run(command, capture_output=True, text=True)
     text = log.read_text()
     for words in ("contact a 1: begun", "printed", "warned", "from a program"):
         assert words in text

@@ -68,8 +68,5 @@ def test_fit_finds_the_costs_of_a_study(tmp_path):
     worse["memory_MB"] *= 1 + worse.index % 2
     fit = fitted(worse).loc["stress"]
     for job in worse[worse["rule"] == "stress"].itertuples():
-        further = job.grid_nodes * (job.repetitions - 1)
-        memory = fit["memory"] + 1e-6 * (
-            job.grid_nodes * fit["memory_per_node"] + further * fit["memory_per_further"]
-        )
-        assert memory > 0.99 * job.memory_MB
+        per_node = fit["memory_per_node"] + (job.repetitions - 1) * fit["memory_per_further"]
+        assert fit["memory"] + 1e-6 * job.grid_nodes * per_node > 0.99 * job.memory_MB

@@ -35,9 +35,8 @@ def test_the_spectrum_follows_its_power_law_over_an_ensemble():
     """40 samples, rings of at least 25 waves; bound: four standard errors."""
     grid, samples = Grid((128, 128)), 40
     q, target = target_spectrum(grid, 0.3, 1 / 4, 1 / 32, 0.01)
-    mean = np.mean(
-        [spectrum(self_affine((128, 128), 0.3, 1 / 4, 1 / 32, 0.01, s))[1] for s in range(samples)], 0
-    )
+    surfaces = (self_affine((128, 128), 0.3, 1 / 4, 1 / 32, 0.01, seed) for seed in range(samples))
+    mean = np.mean([spectrum(height)[1] for height in surfaces], axis=0)
     number = q / (2 * np.pi)
     inside, outside = (number > 4.5) & (number < 31.5), (number < 3.4) | (number > 32.6)
     error = np.abs(mean[inside] / target[inside] - 1)

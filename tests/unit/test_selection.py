@@ -38,9 +38,8 @@ def test_every_peak_is_under_one_quantity_and_ratio(source):
         of_quantity = source["peak_quantity"] == quantity
         for nu in [None] if alike else RATIOS:
             ratio = source["peak_poisson"]
-            by_hand = source["peak_value"].values[
-                (of_quantity & (ratio.isnull() if alike else ratio == nu)).values
-            ]
+            chosen = of_quantity & (ratio.isnull() if alike else ratio == nu)
+            by_hand = source["peak_value"].values[chosen.values]
             found = asp.peaks(source, quantity, nu)
             np.testing.assert_array_equal(found["peak_value"], by_hand)
             total += found.sizes["peak"]

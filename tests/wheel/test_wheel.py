@@ -62,9 +62,8 @@ def test_the_version_is_the_same_everywhere(built):
     version = re.escape(asperity.__version__)
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     assert citation["version"] == asperity.__version__
-    assert re.search(r"^## (\S+)", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), re.M)[1] == (
-        asperity.__version__
-    )
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert re.search(r"^## (\S+)", changes, re.M)[1] == asperity.__version__
     assert all(re.match(rf"asperity-{version}(\.tar\.gz|-py3-none-any\.whl)$", path.name) for path in built)
 
 

@@ -64,6 +64,4 @@ def test_killed_study_continues_without_loss(tmp_path, monkeypatch):
         written = dataset.read(folder / name)
         assert set(written.variables) >= set(expected.variables), name
         for variable in expected.variables:
-            np.testing.assert_array_equal(
-                written[variable], expected[variable], err_msg=f"{name}: {variable}"
-            )
+            np.testing.assert_array_equal(written[variable], expected[variable], f"{name}: {variable}")

@@ -67,10 +67,8 @@ def test_two_surfaces_and_four_seeds_make_their_own_jobs_alone(project):
 
 def test_a_study_of_measured_maps_alone_reads_them_before_its_first_job(project):
     shutil.copy(ROOT / "tests/data/steel.npy", project)
-    options = config_in(
-        project, "maps.yaml", {"measured": {"steel": {"label": "steel", "file": "steel.npy"}}}
-    )
-    found = snakemake(project, *options)
+    config = {"measured": {"steel": {"label": "steel", "file": "steel.npy"}}}
+    found = snakemake(project, *config_in(project, "maps.yaml", config))
     assert found.returncode != 0
     lines = [line for line in found.stderr.splitlines() if line.startswith("config: ")]
     names = ("physical_size", "orientation", "periodic", "undefined")
