@@ -72,10 +72,8 @@ def direct_pressure(height, grid, **imposed):
     padded[:ny, :nx] = height
     if "mean_pressure" in imposed:
         imposed["mean_pressure"] /= 4
-    y, x = (
-        step * np.minimum(np.arange(2 * n), 2 * n - np.arange(2 * n))
-        for n, step in zip(height.shape, grid.spacing, strict=True)
-    )
+    apart = (np.minimum(np.arange(2 * n), 2 * n - np.arange(2 * n)) for n in height.shape)
+    y, x = (step * nodes for step, nodes in zip(grid.spacing, apart, strict=True))
     modes = np.fft.rfft2(rectangle_compliance(y[:, None], x, grid.spacing, 1.0)).real
     return pivot(padded, modes, guess=padded < np.median(height), **imposed)[:ny, :nx]
 

@@ -71,10 +71,9 @@ def test_exchanged_axes_exchange_the_stress():
     solid = ellipse(0.3, 0.1, (32, 40), (0.5, 1.0))
     solid.pressure[:20] *= 0.3
     other = asp.LoadedSolid(solid.pressure.T, asp.Grid((40, 32), (1.0, 0.5)), HALF_SPACE, "free")
-    one, two = (
-        next(asp.stress_planes(each, [0.07], RATIOS, COMPONENTS, friction=0.4, sliding_direction=degrees))
-        for each, degrees in ((solid, 25.0), (other, 65.0))
-    )
+    settings = {"fields": COMPONENTS, "friction": 0.4}
+    (one,) = asp.stress_planes(solid, [0.07], RATIOS, **settings, sliding_direction=25.0)
+    (two,) = asp.stress_planes(other, [0.07], RATIOS, **settings, sliding_direction=65.0)
     for name, exchanged in zip(COMPONENTS, ("yy", "xx", "zz", "xz", "yz", "xy"), strict=True):
         np.testing.assert_allclose(two.fields[exchanged].swapaxes(1, 2), one.fields[name], atol=1e-13)
 
@@ -116,10 +115,8 @@ def test_nodes_at_opposite_edges_are_no_neighbours():
     pressure, grid = np.zeros((48, 48)), asp.Grid((48, 48))
     pressure[24, 0], pressure[24, 47] = 1.0, 0.8
     names = ("pressure", "von_mises")
-    free, periodic = (
-        asp.analyse_stress(asp.LoadedSolid(pressure, grid, HALF_SPACE, kind), poisson=0.3, quantities=names)
-        for kind in ("free", "periodic")
-    )
+    solids = (asp.LoadedSolid(pressure, grid, HALF_SPACE, kind) for kind in ("free", "periodic"))
+    free, periodic = (asp.analyse_stress(solid, poisson=0.3, quantities=names) for solid in solids)
     for name in names:
         alone, hidden = (asp.peaks(each, name, selection="at_contact")["peak_x"] for each in (free, periodic))
         assert np.sort(alone)[[0, -1]] == pytest.approx([0.0, 47 / 48])

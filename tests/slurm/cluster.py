@@ -72,18 +72,16 @@ class Cluster(NamedTuple):
 
     def run(self, *command: str) -> str:
         """Output of a command of SLURM."""
-        return subprocess.run(
-            command, env=self.environment, check=True, capture_output=True, text=True
-        ).stdout
+        done = subprocess.run(command, env=self.environment, check=True, capture_output=True, text=True)
+        return done.stdout
 
 
 def missing() -> str:
     """Reason for which no cluster can be started here; empty if one can."""
     absent = [name for name in PROGRAMS if shutil.which(name, path=SYSTEM_PATH) is None]
     if absent:
-        return (
-            f"SLURM is not installed ({', '.join(absent)}): apt install slurmctld slurmd slurm-client munge"
-        )
+        packages = "slurmctld slurmd slurm-client munge"
+        return f"SLURM is not installed ({', '.join(absent)}): apt install {packages}"
     if os.geteuid() != 0:
         return "slurmd needs root"
     return ""
@@ -158,21 +156,15 @@ def _start(running: Cluster, daemons: list[subprocess.Popen[bytes]]) -> None:
         (["slurmd", "-D", "-N", "asperity", "-f", configuration], lambda: "idle" in _node_state(running)),
     ):
         with open(folder / f"{command[0]}.out", "wb") as output:
-            daemon = subprocess.Popen(
-                command, env=environment, stdout=output, stderr=output, start_new_session=True
-            )
+            streams = {"stdout": output, "stderr": output}
+            daemon = subprocess.Popen(command, env=environment, **streams, start_new_session=True)
         daemons.append(daemon)
         _await(ready, daemon, folder)
 
 
 def _node_state(running: Cluster) -> str:
-    found = subprocess.run(
-        ["sinfo", "--noheader", "--Node", "--format=%N %T"],
-        env=running.environment,
-        capture_output=True,
-        text=True,
-    )
-    return found.stdout
+    command = ["sinfo", "--noheader", "--Node", "--format=%N %T"]
+    return subprocess.run(command, env=running.environment, capture_output=True, text=True).stdout
 
 
 def _await(

@@ -24,13 +24,9 @@ def slurm():
 
 def on_slurm(slurm, folder, *arguments):
     """Run the workflow of a folder on the cluster; its output and exit status."""
-    found = subprocess.run(
-        ["snakemake", *SLURM, *TINY, *arguments],
-        cwd=folder,
-        env=slurm.environment | {"PYTHONPATH": str(folder / "src")},
-        capture_output=True,
-        text=True,
-    )
+    command = ["snakemake", *SLURM, *TINY, *arguments]
+    environment = slurm.environment | {"PYTHONPATH": str(folder / "src")}
+    found = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
     return found.stdout + found.stderr, found.returncode
 
 

@@ -87,12 +87,8 @@ STAGES = ("surface", "contact", "stress", "statistics")
 def make_chain(folder):
     """Results of one surface, contact, stress and statistics, made in a folder by the command line."""
     paths = {stage: str(folder / f"{stage}.nc") for stage in STAGES}
-    dataset.write(
-        make_surface(SMALL, 1),
-        paths["surface"],
-        title="Rough surface",
-        settings={"name": "small", "seed": 1, "surface": SMALL},
-    )
+    settings = {"name": "small", "seed": 1, "surface": SMALL}
+    dataset.write(make_surface(SMALL, 1), paths["surface"], "Rough surface", settings)
     for command in (
         ["solve", paths["surface"], "--area-fraction", "0.2", "--out", paths["contact"]],
         ["stress", paths["contact"], "--poisson", "0.0", "0.33", "--out", paths["stress"]],

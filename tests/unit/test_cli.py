@@ -134,11 +134,7 @@ def test_compilation_is_announced_once(tmp_path):
         "import asperity as asp; "
         "print(asp.Layer(1.0, 0.3).surface_compliance([1.0, 2.0]), asp.Layer(1.0, 0.3).kernels([1.0], 0.1))"
     )
-    found = subprocess.run(
-        [sys.executable, "-c", code],
-        env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)},
-        capture_output=True,
-        text=True,
-    )
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
+    found = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
     assert found.returncode == 0
     assert found.stderr == f"{NOTICE}\n"

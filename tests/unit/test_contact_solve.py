@@ -98,10 +98,8 @@ def test_fields_of_the_solution_are_consistent(method):
 @pytest.mark.parametrize(("solid", "boundary"), [(SLAB, "periodic"), (HALF_SPACE, "free")])
 def test_threads_change_no_bit(solid, boundary):
     height = rough((256, 130))
-    first, *others = (
-        solve(height, solid, mean_pressure=load_of(height), boundary=boundary, threads=threads)
-        for threads in (1, 1, 2)
-    )
+    settings = {"mean_pressure": load_of(height), "boundary": boundary}
+    first, *others = (solve(height, solid, **settings, threads=threads) for threads in (1, 1, 2))
     for again in others:
         np.testing.assert_array_equal(again.pressure, first.pressure)
 

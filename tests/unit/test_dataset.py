@@ -61,15 +61,8 @@ def test_newer_format_is_not_called_damaged(surface, path, monkeypatch):
 
 
 def test_units_have_the_powers_of_their_dimension():
-    powers = {
-        "m": (1, 0),
-        "m-1": (-1, 0),
-        "m2": (2, 0),
-        "m4": (4, 0),
-        "Pa": (0, 1),
-        "Pa2": (0, 2),
-        "N": (2, 1),
-    }
+    powers = {"m": (1, 0), "m-1": (-1, 0), "m2": (2, 0), "m4": (4, 0)}
+    powers |= {"Pa": (0, 1), "Pa2": (0, 2), "N": (2, 1)}
     for name, dimension in DIMENSIONS.items():
         assert (dimension.length, dimension.stress) == powers.get(dimension.si_unit, (0, 0)), name
     assert {variable.dimension for variable in VARIABLES.values()} <= set(DIMENSIONS)

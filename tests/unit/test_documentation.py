@@ -16,10 +16,7 @@ import asperity
 import asperity.engineering
 
 PUBLIC = sorted(set(asperity.__all__) - {"__version__", "reference"})
-DOCSTRINGS = [
-    *((asperity, name) for name in PUBLIC),
-    (asperity.engineering, "Case"),
-]
+DOCSTRINGS = [*((asperity, name) for name in PUBLIC), (asperity.engineering, "Case")]
 PAGES = ("README.md", "docs/index.md", "docs/contact.md", "docs/two_bodies.md", "docs/paraview.md")
 BLOCKS = {
     f"{page} {number}": block

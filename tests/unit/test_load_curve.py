@@ -51,11 +51,9 @@ def test_yield_beyond_the_curve_is_a_bound():
 
 
 def test_conductances_are_those_of_the_contact():
-    bodies = (
-        Body(210e9, 0.3, conductivity=50.0, resistivity=1e-7),
-        Body(70e9, 0.33, conductivity=200.0, resistivity=3e-8),
-    )
-    answer = run(a_rough_map(), *bodies, mean_pressure=[10e6, 50e6])
+    lower = Body(210e9, 0.3, conductivity=50.0, resistivity=1e-7)
+    upper = Body(70e9, 0.33, conductivity=200.0, resistivity=3e-8)
+    answer = run(a_rough_map(), lower, upper, mean_pressure=[10e6, 50e6])
     rows = {row.name: row.value for row in answer.rows}
     thermal = answer.contact.conductance(1 / 50 + 1 / 200)
     assert rows["thermal contact conductance"] == pytest.approx(thermal)

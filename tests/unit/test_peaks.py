@@ -126,13 +126,11 @@ def test_change_of_grid_touches_only_planes_beside(before, after):
     band = (coarsest.wavenumber() > 4 * 2 * np.pi) & (coarsest.wavenumber() < 10 * 2 * np.pi)
     modes, turn = (2 * np.pi * draw.random(band.shape) for _ in range(2))
     modes = band * np.exp(1j * modes)
-    fields = {
-        n: [
-            Fourier(Grid((n, n))).inverse(resample(modes * np.cos(9 * z + turn), coarsest, Grid((n, n))))
-            for z in depths
-        ]
-        for n in (before, after)
-    }
+
+    def plane(n, z):
+        return Fourier(Grid((n, n))).inverse(resample(modes * np.cos(9 * z + turn), coarsest, Grid((n, n))))
+
+    fields = {n: [plane(n, z) for z in depths] for n in (before, after)}
 
     def search(change):
         return find_peaks(stack(fields[before][:change] + fields[after][change:], depths), "f")

@@ -101,10 +101,8 @@ def test_what_was_not_measured_has_no_bound(scene, accuracy):
 
 
 def test_coarser_settings_have_larger_errors():
-    tight, loose = (
-        error_bounds(UNSEEN, replace(PRESETS["paper"], depth_spacing=spacing), one_surface=True)
-        for spacing in (0.5, 2.0)
-    )
+    chosen = (replace(PRESETS["paper"], depth_spacing=spacing) for spacing in (0.5, 2.0))
+    tight, loose = (error_bounds(UNSEEN, accuracy, one_surface=True) for accuracy in chosen)
     assert (loose["settings"] >= tight["settings"]).all()
     assert loose["settings"]["peak_depth"] > 0.5
 

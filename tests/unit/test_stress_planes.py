@@ -77,10 +77,9 @@ def test_single_precision_only_above_its_rounding(layer):
 
 def test_grid_is_coarser_with_depth_and_tolerance():
     contact = spots((128, 128))
-    sizes = [
-        [plane.grid.size for plane in stress_planes(contact, depth_grid(contact.grid), None, ("zz",), t)]
-        for t in (1e-2, 1e-4, 1e-8)
-    ]
+    depths = depth_grid(contact.grid)
+    streams = (stress_planes(contact, depths, None, ("zz",), tolerance) for tolerance in (1e-2, 1e-4, 1e-8))
+    sizes = [[plane.grid.size for plane in stream] for stream in streams]
     assert np.all(np.diff(sizes, axis=1) <= 0)
     assert np.all(np.diff(sizes, axis=0) >= 0)
 

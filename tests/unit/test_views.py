@@ -179,10 +179,8 @@ def test_pictures_show_body_boundary_and_sliding(body, degrees, boundary):
     solid = asp.TwoBodies(asp.Layer(210e9, 0.3), asp.Layer(70e9, 0.1))
     contact = asp.solve(height, solid, grid.length, force=200.0, boundary=boundary)
     settings = {"fields": ("xx",), "tolerance": 0, "friction": 0.4, "sliding_direction": degrees}
-    surface, below = (
-        plane.fields["xx"][0] / 1e6
-        for plane in asp.stress_planes(contact.in_body(body), [0.0, 1e-4], **settings)
-    )
+    planes = asp.stress_planes(contact.in_body(body), [0.0, 1e-4], **settings)
+    surface, below = (plane.fields["xx"][0] / 1e6 for plane in planes)
     chosen = {"field": "xx", "body": body, "friction": 0.4, "sliding_direction": "x", "unit_system": SI_UNITS}
     np.testing.assert_allclose(image(asp.plot_plane(contact, 1e-4, **chosen)), below, rtol=1e-6)
     section = asp.plot_section(contact, y=13 * grid.spacing[0], depth=2e-4, **chosen)

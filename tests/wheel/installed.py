@@ -39,14 +39,8 @@ class Environment:
         """Run a command of the environment, without anything of the project on its paths."""
         variables = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
         variables["PATH"] = f"{self.scripts}{os.pathsep}{os.environ['PATH']}"
-        return subprocess.run(
-            [self.scripts / command, *arguments],
-            cwd=folder or self.folder,
-            env=variables,
-            capture_output=True,
-            text=True,
-            encoding="utf-8",
-        )
+        settings = {"cwd": folder or self.folder, "env": variables, "encoding": "utf-8"}
+        return subprocess.run([self.scripts / command, *arguments], capture_output=True, **settings)
 
     def share_packages(self):
         """Let the environment import the packages of the environment of the tests, but not the project."""

@@ -78,10 +78,7 @@ def test_a_study_of_measured_maps_alone_reads_them_before_its_first_job(project)
 
 
 def test_validation_is_made_as_asked_for(project):
-    config = {
-        "surfaces": {"a": SURFACE},
-        "validation": {"punch": PAPER["validation"]["punch"]},
-    }
+    config = {"surfaces": {"a": SURFACE}, "validation": {"punch": PAPER["validation"]["punch"]}}
     found = jobs(project, *config_in(project, "some.yaml", config))
     made = {output.removeprefix("results/some/") for _, output, _ in found}
     assert {"validation/punch.nc", "figures/fig12.png"} <= made
