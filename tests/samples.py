@@ -7,7 +7,13 @@ import pytest
 
 import asperity as asp
 
-HALF_SPACE = asp.Layer(1.0, 0.3)
+HALF_SPACE, LAYER = asp.Layer(1.0, 0.3), asp.Layer(1.0, 0.3, height=0.2)
+PAIR = asp.TwoBodies(HALF_SPACE, asp.Layer(0.1, 0.4, height=0.02))
+
+every_solid = pytest.mark.parametrize(
+    ("solid", "boundary"),
+    [(HALF_SPACE, "periodic"), (HALF_SPACE, "free"), (LAYER, "periodic"), (PAIR, "periodic")],
+)
 
 
 def rough(shape=(64, 64), seed=1):

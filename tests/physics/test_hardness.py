@@ -5,14 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from samples import HALF_SPACE, difference, hardened, load_of, rough
+from samples import HALF_SPACE, LAYER, difference, every_solid, hardened, load_of, rough
 from scipy.optimize import lsq_linear
 
 import asperity as asp
 from asperity.elasticity.loaded_rectangle import rectangle_compliance
-
-LAYER = asp.Layer(1.0, 0.3, height=0.2)
-SOLIDS = [(HALF_SPACE, "periodic"), (HALF_SPACE, "free"), (LAYER, "periodic")]
 
 
 def love_matrix(grid, modulus):
@@ -36,7 +33,7 @@ def test_pressure_is_that_of_a_bounded_quadratic_program(share):
 
 
 @pytest.mark.parametrize("dtype", ["float64", "float32"])
-@pytest.mark.parametrize(("solid", "boundary"), SOLIDS)
+@every_solid
 def test_out_of_reach_it_changes_no_bit(solid, boundary, dtype):
     height = rough()
     loads = {"mean_pressure": load_of(height), "area_fraction": 0.1, "approach": 0.5 * height.min()}
@@ -53,7 +50,7 @@ def test_out_of_reach_it_changes_no_bit(solid, boundary, dtype):
 
 
 @pytest.mark.parametrize("share", [0.9, 0.3, 0.05])
-@pytest.mark.parametrize(("solid", "boundary"), SOLIDS)
+@every_solid
 def test_flattened_map_pressed_elastically_has_the_same_pressure(solid, boundary, share):
     """An exact identity; solver error of both solutions."""
     height = rough((96, 80))

@@ -2,13 +2,10 @@
 
 import numpy as np
 import pytest
-from samples import HALF_SPACE, hardened, load_of, rough
+from samples import HALF_SPACE, LAYER, every_solid, hardened, load_of, rough
 
 import asperity as asp
 from asperity.reference.hertz import Hertz
-
-LAYER = asp.Layer(1.0, 0.3, height=0.2)
-PAIR = asp.TwoBodies(HALF_SPACE, asp.Layer(0.5, 0.4))
 
 
 def test_sphere_has_the_stiffness_of_hertz():
@@ -35,10 +32,7 @@ def test_square_punch_has_the_capacitance_of_a_square():
 
 
 @pytest.mark.parametrize("share", [None, 0.4])
-@pytest.mark.parametrize(
-    ("solid", "boundary"),
-    [(HALF_SPACE, "periodic"), (HALF_SPACE, "free"), (LAYER, "periodic"), (PAIR, "periodic")],
-)
+@every_solid
 def test_stiffness_is_that_of_a_difference_quotient(solid, boundary, share):
     """Within the loads under which the same nodes touch pressure and approach are linear; solver error."""
     height = rough((64, 48))

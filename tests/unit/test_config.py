@@ -41,11 +41,8 @@ def test_whatever_is_left_out_or_emptied_is_accepted_or_named():
     named, config = 0, copy.deepcopy(PAPER)
     for group, key in list(places(config)):
         kept = group.copy()
-        for changed in (
-            {name: kept[name] for name in kept if name != key},
-            kept | {key: {}},
-            kept | {key: "text"},
-        ):
+        without = {name: value for name, value in kept.items() if name != key}
+        for changed in (without, kept | {key: {}}, kept | {key: "text"}):
             group.clear()
             group.update(changed)
             named += bool(refusal(config))

@@ -2,20 +2,15 @@
 
 import numpy as np
 import pytest
-from samples import HALF_SPACE
+from samples import HALF_SPACE, LAYER, every_solid
 
 import asperity as asp
 
-SLAB = asp.Layer(1.0, 0.3, height=0.1)
-PAIR = asp.TwoBodies(HALF_SPACE, asp.Layer(0.1, 0.4, height=0.02))
 HEIGHT = 1e-3 * np.random.default_rng(0).normal(size=(32, 32))
 
 
 @pytest.mark.parametrize("nodes", [1, 102, 1020, 1024])
-@pytest.mark.parametrize(
-    ("solid", "boundary"),
-    [(HALF_SPACE, "periodic"), (HALF_SPACE, "free"), (SLAB, "periodic"), (PAIR, "periodic")],
-)
+@every_solid
 def test_other_nodes_touch_beyond_the_interval(solid, boundary, nodes):
     """One node fewer below it, one more above it, or two that touch at nearly the same load."""
 
@@ -45,4 +40,4 @@ def test_loads_of_both_methods_are_within_one_interval():
 
 
 def test_nothing_in_contact_has_no_load():
-    assert asp.solve(HEIGHT, SLAB, mean_pressure=0.0).load_interval == (0.0, 0.0)
+    assert asp.solve(HEIGHT, LAYER, mean_pressure=0.0).load_interval == (0.0, 0.0)
