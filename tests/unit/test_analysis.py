@@ -125,7 +125,8 @@ def test_peaks_are_refined_alike_across_grids():
     settings = {"poisson": [0.0, 0.5], "quantities": ("von_mises",)}
     found = [asp.analyse_stress(spots((192, 192)), tolerance=t, **settings) for t in (0, 1e-4)]
     for nu in settings["poisson"]:
-        one, other = (asp.peaks(of, "von_mises", nu, "under_contact").sortby("peak_value") for of in found)
+        peaks = (asp.peaks(each, "von_mises", nu, "under_contact") for each in found)
+        one, other = (each.sortby("peak_value") for each in peaks)
         np.testing.assert_allclose(other["peak_value"], one["peak_value"], rtol=2e-3)
         np.testing.assert_allclose(other["peak_depth"], one["peak_depth"], rtol=0.01)
 

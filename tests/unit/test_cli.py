@@ -91,7 +91,7 @@ def test_help_and_the_list_of_figures_do_not_wait_for_libraries(code, library):
 
 
 @pytest.mark.parametrize(
-    ("name", "command", "said"),
+    ("name", "command", "program"),
     [
         ("numba", "asperity --version", "asperity"),
         ("yaml", "asperity.study.config check config/config.yaml", "config"),
@@ -99,11 +99,11 @@ def test_help_and_the_list_of_figures_do_not_wait_for_libraries(code, library):
         ("SurfaceTopography", f"asperity info {STEEL}", "asperity"),
     ],
 )
-def test_a_missing_package_is_one_line(tmp_path, name, command, said):
+def test_a_missing_package_is_one_line(tmp_path, name, command, program):
     path = os.pathsep.join([str(hide(name, tmp_path / "dark")), str(ROOT / "src")])
     command, environment = [sys.executable, "-m", *command.split()], os.environ | {"PYTHONPATH": path}
     found = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
-    assert (found.returncode, found.stdout, found.stderr) == (1, "", f"{said}: {message([name])}\n")
+    assert (found.returncode, found.stdout, found.stderr) == (1, "", f"{program}: {message([name])}\n")
 
 
 def test_solve_imposes_pressure_force_and_approach_alike(tmp_path, capsys):

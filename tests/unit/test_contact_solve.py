@@ -214,8 +214,8 @@ def test_odd_and_oblong_grids_are_solved(shape, length, boundary):
 )
 def test_path_is_its_contacts_one_by_one(kind, values, settings):
     height, shares = rough(), []
-    told = {"progress": lambda done, total: shares.append(done / total)}
-    steps = solve_path(height, HALF_SPACE, **{kind: values}, **settings, **told)
+    reported = {"progress": lambda done, total: shares.append(done / total)}
+    steps = solve_path(height, HALF_SPACE, **{kind: values}, **settings, **reported)
     assert not shares  # a contact is solved when it is asked for
     kind = "approach" if kind == "approaches" else kind[:-1]
     for value, step in zip(values, steps, strict=True):

@@ -147,11 +147,9 @@ def test_stress_is_proportional_to_the_pressure(scale):
     """Whatever the modulus; single precision would overflow, or round the small stresses to zero."""
     one = spots()
     other = asp.LoadedSolid(scale * one.pressure, one.grid, asp.Layer(210e9, 0.3))
-    for plane, scaled in zip(
-        stress_planes(one, [0.0, 0.02], fields=FIELDS, tolerance=1e-5),
-        stress_planes(other, [0.0, 0.02], fields=FIELDS, tolerance=1e-3),
-        strict=True,
-    ):
+    planes = stress_planes(one, [0.0, 0.02], fields=FIELDS, tolerance=1e-5)
+    others = stress_planes(other, [0.0, 0.02], fields=FIELDS, tolerance=1e-3)
+    for plane, scaled in zip(planes, others, strict=True):
         assert scaled.fields["zz"].dtype == np.float64
         largest = np.abs(plane.fields["zz"]).max()
         for name in FIELDS if plane.grid == scaled.grid else ():
