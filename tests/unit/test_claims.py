@@ -9,16 +9,10 @@ import xarray as xr
 from scipy.stats import ks_2samp
 from small_study import CONTACT, LAYER, STRESS
 
+from asperity.paper.claims import report
 from asperity.paper.claims.numbers import Evidence, Fixed, MissingEvidenceError, Number, OfSeeds
 from asperity.paper.claims.overview import draw
 from asperity.paper.claims.paper import CLAIMS, REGIONS, Claim
-from asperity.paper.claims.report import (
-    findings_of,
-    found_in_words,
-    frame,
-    frame_of_interpretations,
-    markdown,
-)
 from asperity.paper.claims.sources import deltas, roles
 from asperity.paper.claims.verdicts import (
     DEPENDS,
@@ -104,7 +98,7 @@ def test_claims_without_evidence_stay_in_the_table():
     findings = decide(wanting, EMPTY)
     assert {f.verdict for f in findings} == {NO_DATA}
     assert all(f.own.missing.startswith("no ") for f in findings)
-    assert markdown(findings).count(f"**{NO_DATA}**") == len(wanting) == 50
+    assert report.markdown(findings).count(f"**{NO_DATA}**") == len(wanting) == 50
 
 
 def test_comparisons_are_paired_by_seed():
@@ -235,8 +229,9 @@ def test_the_nearest_interpretations_tell_verdicts_apart():
     finding = conclude(claim([1.0]), [judged(v, lateral=a, peaks=b) for (a, b), v in table.items()])
     assert (finding.verdict, finding.choices) == (DEPENDS, ("peaks",))
     assert [one.verdict for one in finding.shown] == [FAILS, HOLDS]
-    assert frame([finding])["verdict"].item() == DEPENDS
-    assert found_in_words(finding) == "below: 0.5 (0.3 to 0.7) does not hold; with: 1.5 (1.3 to 1.7) holds"
+    assert report.frame([finding])["verdict"].item() == DEPENDS
+    words = report.found_in_words(finding)
+    assert words == "below: 0.5 (0.3 to 0.7) does not hold; with: 1.5 (1.3 to 1.7) holds"
 
 
 def test_the_size_of_the_same_is_a_choice():
@@ -251,10 +246,10 @@ def test_the_size_of_the_same_is_a_choice():
 def test_untestable_claims_can_hold_but_not_fail():
     refuted, held = decide([fixed(0.04, "our mesh"), fixed(0.005, "our mesh")], EMPTY)
     assert (refuted.verdict, held.verdict) == (UNTESTABLE, HOLDS)
-    assert found_in_words(refuted) == "0.04 (0.039 to 0.041); our mesh"
+    assert report.found_in_words(refuted) == "0.04 (0.039 to 0.041); our mesh"
     # the same verdict in both tables
-    assert frame([refuted])["verdict"].item() == UNTESTABLE
-    assert frame_of_interpretations([refuted])["verdict"].item() == UNTESTABLE
+    assert report.frame([refuted])["verdict"].item() == UNTESTABLE
+    assert report.frame_of_interpretations([refuted])["verdict"].item() == UNTESTABLE
 
 
 SEEDS = (1, 2)
@@ -325,9 +320,9 @@ def test_stresses_over_the_modulus_are_over_the_gradient_times_it(study):
 
 def test_tables_are_read_again_and_hold_every_claim(study, tmp_path):
     found = list(study.values())
-    frame_of_interpretations(found).to_csv(tmp_path / "interpretations.csv", index=False)
-    text = markdown(found)
-    assert markdown(findings_of(pd.read_csv(tmp_path / "interpretations.csv"), CLAIMS)) == text
+    report.frame_of_interpretations(found).to_csv(tmp_path / "interpretations.csv", index=False)
+    text = report.markdown(found)
+    assert report.markdown(report.findings_of(pd.read_csv(tmp_path / "interpretations.csv"), CLAIMS)) == text
     assert all(f.claim.compared.replace("|", "\\|") in text for f in found)
     assert len(draw(found).axes[0].get_yticks()) == len(CLAIMS)
 

@@ -13,15 +13,7 @@ from samples import memory_of
 import asperity as asp
 from asperity.cli.main import main
 from asperity.results import dataset
-from asperity.views.export import (
-    ExportUnits,
-    box_depths,
-    peak_table,
-    surface_fields,
-    write_box,
-    write_surface_image,
-    write_surface_table,
-)
+from asperity.views import export
 from asperity.views.source import sources
 
 EDGE, PRESSURE = (512e-6, 256e-6), 50e6
@@ -64,9 +56,9 @@ def read_image(path):
 
 def write(path, solid, depth, y=None, x=None, spacing=None, fields=("von_mises",)):
     """Write a box of a solid in SI; its size."""
-    depths = box_depths(sources(solid, "SI")[0], depth, spacing)
+    depths = export.box_depths(sources(solid, "SI")[0], depth, spacing)
     box = asp.stress_box(solid, depths, y, x, fields, tolerance=0.0)
-    return write_box(box, path, ExportUnits.of("SI"))
+    return export.write_box(box, path, export.ExportUnits.of("SI"))
 
 
 def test_image_holds_the_stress_of_a_wave(tmp_path):
@@ -106,8 +98,8 @@ def test_surface_fields_are_an_image_and_a_table(tmp_path):
     """The image has one layer."""
     solid, source = contact_in_si()
     image, table = tmp_path / "surface.vti", tmp_path / "surface.csv"
-    part = surface_fields(source, source.part(y=(64e-6, 320e-6)))
-    assert write_surface_image(image, part) == image.stat().st_size
+    part = export.surface_fields(source, source.part(y=(64e-6, 320e-6)))
+    assert export.write_surface_image(image, part) == image.stat().st_size
     (x, y, z), found = read_image(image)
     np.testing.assert_allclose(x, 8.0 * np.arange(32), rtol=1e-12)
     np.testing.assert_allclose(y, 32.0 * np.arange(2, 11), rtol=1e-12)
@@ -115,7 +107,7 @@ def test_surface_fields_are_an_image_and_a_table(tmp_path):
     assert list(found) == ["pressure_MPa", "gap_um"]
     np.testing.assert_allclose(found["pressure_MPa"][0], solid.pressure[2:11] / 1e6, rtol=1e-6)
     assert found["gap_um"] == pytest.approx(0.1)
-    count = write_surface_table(table, surface_fields(source, source.part()))
+    count = export.write_surface_table(table, export.surface_fields(source, source.part()))
     frame = pd.read_csv(table)
     assert len(frame) == count == solid.grid.size
     assert list(frame) == ["y_um", "x_um", "pressure_MPa", "gap_um"]
@@ -130,9 +122,9 @@ def test_a_contact_writes_what_the_command_exports(tmp_path):
     contact.to_netcdf(tmp_path / "contact.nc")
     contact.to_vtk(tmp_path / "surface.vti")
     contact.to_vtk(tmp_path / "box.vti", ("xx",), depth=(0, 2e-6), y=(0, 20e-6))
-    export = ["export", str(tmp_path / "contact.nc")]
-    assert main([*export, "--surface", str(tmp_path / "s.vti")]) == 0
-    assert main([*export, "--field", "xx:0-2um", str(tmp_path / "b.vti"), "--y", "0-20um"]) == 0
+    command = ["export", str(tmp_path / "contact.nc")]
+    assert main([*command, "--surface", str(tmp_path / "s.vti")]) == 0
+    assert main([*command, "--field", "xx:0-2um", str(tmp_path / "b.vti"), "--y", "0-20um"]) == 0
     for mine, its in (("surface", "s"), ("box", "b")):
         written = [read_image(tmp_path / f"{name}.vti")[1] for name in (mine, its)]
         assert list(written[0]) == list(written[1])
@@ -156,7 +148,7 @@ def test_table_holds_every_peak_with_its_unit(chain, tmp_path):
     assert mine["depth_cell_length"].iloc[0] == pytest.approx(float(first["peak_depth"]), rel=1e-6)
     assert mine["kind"].iloc[0] == ("interior" if first["peak_interior"] else "surface")
     assert mine["under_contact"].iloc[0] == bool(first["peak_under_contact"])
-    si, plain = peak_table(stress.assign_attrs(unit_system="SI")), peak_table(stress)
+    si, plain = export.peak_table(stress.assign_attrs(unit_system="SI")), export.peak_table(stress)
     assert list(plain) == list(table)
     np.testing.assert_allclose(si["value_MPa"] * 1e6, plain["value_effective_modulus"])
     np.testing.assert_allclose(si["depth_um"] * 1e-6, plain["depth_cell_length"])
