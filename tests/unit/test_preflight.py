@@ -9,8 +9,8 @@ from project import ROOT
 
 from asperity.core import packages, system
 from asperity.core.errors import PreflightError
-from asperity.study.runtime import preflight
-from asperity.study.runtime.preflight import require_memory, require_space
+from asperity.study import run
+from asperity.study.run import require_memory, require_space
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def test_extras_are_those_that_the_project_declares():
 
 def test_memory_is_that_of_the_largest_job_against_the_limit_or_the_machine(monkeypatch):
     require_memory({})
-    monkeypatch.setattr(preflight, "available_memory", lambda: 2000.0)
+    monkeypatch.setattr(run, "available_memory", lambda: 2000.0)
     with pytest.raises(PreflightError, match="needs about 4 GB of memory, this machine has 2 GB; choose"):
         require_memory({"c.nc": 4000})
 

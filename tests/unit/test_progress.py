@@ -7,13 +7,13 @@ import sys
 
 import pytest
 
-from asperity.study.runtime import job as runtime
-from asperity.study.runtime.job import ProgressBar
+from asperity.study import job as runtime
+from asperity.study.job import ProgressBar
 
 JOB = """
 import os, warnings
 from types import SimpleNamespace
-from asperity.study.runtime.job import job
+from asperity.study.job import job
 given = SimpleNamespace(rule="contact", wildcards=["a", "1"], log=[{log!r}], params={{"fft_engine": "ducc0"}})
 with job(given) as progress:
     print("printed", flush=True)

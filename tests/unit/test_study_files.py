@@ -8,10 +8,10 @@ from hashlib import sha256
 import pytest
 from small_study import SETTINGS, STRESS, results_of
 
+from asperity.cli.commands.study import PARTS
 from asperity.cli.main import main
 from asperity.results import dataset
-from asperity.study.runtime.manifest import MANIFEST, write_manifest
-from asperity.study.runtime.study_folder import PARTS
+from asperity.study.run import MANIFEST, write_manifest
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from asperity.core import system
 def test_package_imports_without_unix_modules():
     code = (
         "import sys; sys.modules |= dict.fromkeys(('fcntl', 'resource', 'grp', 'pwd', 'termios'));"
-        "import asperity.core.system, asperity.study.runtime.preflight"
+        "import asperity.core.system, asperity.study.run"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
 

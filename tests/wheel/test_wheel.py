@@ -16,9 +16,9 @@ import yaml
 from installed import ROOT, Environment, build
 
 import asperity
+from asperity.cli.commands.study import PARTS
 from asperity.cli.parser import COMMANDS as DESCRIBED
 from asperity.core.packages import ALTERNATIVES, PACKAGES
-from asperity.study.runtime.study_folder import PARTS
 
 SPECTRUM = "{hurst: 0.8, wavelength_long: 0.125, wavelength_short: 0.004}"
 SURFACE = "--hurst 0.8 --wavelength-long 0.5 --wavelength-short 0.125 --rms-height 1e-3 --points 64"

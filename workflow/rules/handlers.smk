@@ -4,8 +4,7 @@ import subprocess
 from snakemake.logging import logger
 
 from asperity.core.errors import PreflightError
-from asperity.study.runtime.manifest import write_manifest
-from asperity.study.runtime.preflight import require_memory, require_space
+from asperity.study.run import require_memory, require_space, write_manifest
 
 
 def require_maps(jobs):
@@ -43,7 +42,7 @@ onstart:
         at_once = workflow.cores if workflow.local_exec else workflow.nodes
         logger.info(announce([*costs.values()], at_once))
     if workflow.local_exec and {"contact", "stress"} & {job.rule.name for job in jobs}:
-        subprocess.run([sys.executable, "-m", "asperity.study.runtime.warm_up"], check=True)
+        subprocess.run([sys.executable, "-m", "asperity.study.warm_up"], check=True)
 
 
 onsuccess:

@@ -11,7 +11,7 @@ from asperity.paper.claims.verdicts import decide
 from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
-from asperity.study.runtime.job import job
+from asperity.study.job import job
 from asperity.views.style import save, style
 
 files, params, output = snakemake.input, snakemake.params, snakemake.output

@@ -3,7 +3,7 @@
 from asperity.paper.figures import Description, caption, draw
 from asperity.results import dataset
 from asperity.results.atomic import write_text
-from asperity.study.runtime.job import job
+from asperity.study.job import job
 from asperity.views.style import save, style
 
 

@@ -14,8 +14,8 @@ from asperity.cli.positions import is_si, length, positions, span
 from asperity.core.errors import one_line, shown
 from asperity.results.tables import SUFFIXES
 from asperity.stress.planes.fields import FIELDS
-from asperity.study.runtime.job import ProgressBar
-from asperity.study.runtime.preflight import require_space
+from asperity.study.job import ProgressBar
+from asperity.study.run import require_space
 from asperity.views.export import (
     ExportUnits,
     box_below,

@@ -13,7 +13,7 @@ from asperity.results import write_result
 from asperity.results.dataset import grid_of, height_of, settings_of
 from asperity.results.variables import in_cell_lengths
 from asperity.stress.peaks.selection import selection_for
-from asperity.study.runtime.job import ProgressBar
+from asperity.study.job import ProgressBar
 from asperity.study.stages.statistics import SeedResults, surface_statistics
 from asperity.surface.roughness import roughness_parameters
 

@@ -67,7 +67,7 @@ def run(options: argparse.Namespace) -> None:
 def _answered(job: Job, save: str | None) -> Any:
     """The answer of a case, printed and written."""
     from asperity.engineering import Case, answer_of, save_case, write_answer
-    from asperity.study.runtime.job import ProgressBar
+    from asperity.study.job import ProgressBar
 
     case = Case.of(job.settings)
     if save:

@@ -10,7 +10,7 @@ from asperity.cli.positions import in_words
 from asperity.core.errors import one_line
 from asperity.results import dataset, write_result
 from asperity.results.variables import cell_length, in_cell_lengths, in_si
-from asperity.study.runtime.job import ProgressBar
+from asperity.study.job import ProgressBar
 from asperity.study.stages.stress import compute_stress
 
 

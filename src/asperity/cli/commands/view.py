@@ -16,7 +16,7 @@ from asperity.cli.positions import is_si, length, length_or_span, positions, spa
 from asperity.core.errors import one_line, shown
 from asperity.stress.analysis import QUANTITIES
 from asperity.stress.planes.fields import FIELDS
-from asperity.study.runtime.job import ProgressBar
+from asperity.study.job import ProgressBar
 from asperity.views.maps import plot_gap, plot_height, plot_pressure
 from asperity.views.peak_plot import plot_peaks
 from asperity.views.plane_plot import plot_plane

@@ -1,4 +1,4 @@
-"""Compilation before the jobs of a study: ``python -m asperity.study.runtime.warm_up``.
+"""Compilation before the jobs of a study: ``python -m asperity.study.warm_up``.
 
 Numba compiles a function at its first call and keeps the machine code beside the module, where others
 find it: afterwards the jobs do not compile the same functions side by side.

@@ -1,0 +1,65 @@
+"""Before and after a run of the study: memory and disk space that it needs, manifest of its results."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import re
+import shutil
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from asperity.core.errors import PreflightError
+from asperity.core.system import available_memory
+from asperity.results.atomic import write_text
+
+MANIFEST = "SHA256SUMS"
+"""File in the folder of results with the SHA-256 hash of every file, as ``sha256sum --check`` reads it."""
+
+
+def require_memory(needs: Mapping[str, float]) -> None:
+    """Raise `PreflightError` if a job needs more memory than this machine has.
+
+    Parameters
+    ----------
+    needs : mapping
+        File to be made → memory in MB that its job needs.
+    """
+    largest = max(needs, key=lambda name: needs[name], default=None)
+    if largest is not None and needs[largest] > (available := available_memory()):
+        raise PreflightError(
+            f"{largest} needs about {needs[largest] / 1e3:.3g} GB of memory, this machine has "
+            f"{available / 1e3:.3g} GB; choose fewer points, or a machine with more"
+        )
+
+
+def require_space(folder: str | os.PathLike[str], need: float) -> None:
+    """Raise `PreflightError` if less than `need` MB are free on the disk of the folder."""
+    free = shutil.disk_usage(folder).free / 1e6
+    if need > free:
+        raise PreflightError(
+            f"{folder}: about {need:.3g} MB will be written, {free:.3g} MB are free; "
+            f"free some space, or set a folder on another disk as results"
+        )
+
+
+def write_manifest(folder: Path, outputs: Iterable[str | os.PathLike[str]]) -> None:
+    """Add files of a run to the manifest of its results, and drop those that are gone.
+
+    The hash of a file that has not been written since the manifest is kept, so that damage stays visible.
+    """
+    path = folder / MANIFEST
+    text = path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+    known = {name: digest for digest, name in re.findall(r"^([0-9a-f]{64})  (.+)$", text, re.MULTILINE)}
+    written = path.stat().st_mtime if path.is_file() else 0.0
+    names = {*known, *(os.path.relpath(output, folder) for output in outputs)}
+    lines = []
+    for name in sorted(names):
+        file = folder / name
+        if not file.is_file():
+            continue
+        if name not in known or file.stat().st_mtime >= written:
+            with open(file, "rb") as content:
+                known[name] = hashlib.file_digest(content, "sha256").hexdigest()
+        lines.append(f"{known[name]}  {name}\n")
+    write_text(path, "".join(lines))

@@ -1,1 +1,0 @@
-"""Services for running jobs: progress, logs, checks before a run, compilation, the operating system."""
