@@ -22,7 +22,7 @@ from asperity.paper.claims.verdicts import decide
 from asperity.stress.analysis import SOUGHT
 from asperity.study.config.study import read_study
 from asperity.study.stages.contact import solve_contact
-from asperity.study.stages.seed_numbers import seed_statistics
+from asperity.study.stages.statistics import seed_statistics
 from asperity.study.stages.stress import stress_of_seed
 from asperity.study.stages.surface import make_surface
 

@@ -35,7 +35,7 @@ from asperity.results.dataset import grid_of
 from asperity.stress.statistics.covariance import half_length
 from asperity.study.config.study import read_study
 from asperity.study.stages.contact import solve_contact
-from asperity.study.stages.seed_numbers import seed_statistics
+from asperity.study.stages.statistics import seed_statistics
 from asperity.study.stages.stress import compute_stress
 from asperity.study.stages.surface import make_surface
 from asperity.views.style import panels, save, style

@@ -28,7 +28,7 @@ from asperity.paper.claims.verdicts import (
 )
 from asperity.stress.analysis import SOUGHT
 from asperity.study.stages.contact import solve_contact
-from asperity.study.stages.seed_numbers import LEVELS, seed_statistics
+from asperity.study.stages.statistics import LEVELS, seed_statistics
 from asperity.study.stages.stress import stress_of_seed
 from asperity.study.stages.surface import make_surface
 

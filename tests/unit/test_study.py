@@ -8,8 +8,7 @@ from small_study import CONTACT, LAYER, STRESS, SURFACE, results_of
 
 import asperity as asp
 from asperity.study.stages.contact import SOLID_ATTRIBUTES, solid, solve_contact
-from asperity.study.stages.seed_numbers import seed_statistics
-from asperity.study.stages.statistics import surface_statistics
+from asperity.study.stages.statistics import seed_statistics, surface_statistics
 from asperity.study.stages.stress import compute_stress, stress_of_seed
 from asperity.study.stages.surface import make_surface
 
@@ -106,7 +105,7 @@ def filled(contact):
 
 
 def test_correlations_are_those_of_a_search_by_patch(monkeypatch):
-    monkeypatch.setattr("asperity.study.stages.seed_numbers.LARGE_PATCH", 4)
+    monkeypatch.setattr("asperity.study.stages.statistics.LARGE_PATCH", 4)
     results = results_of(1)
     statistics = seed_statistics(results.surface, results.contact, results.stress)
     found = statistics["seed_patch_correlation"].sel(poisson=0.33)

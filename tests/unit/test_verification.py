@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from small_study import SETTINGS, results_of
 
-from asperity.study.stages.seed_numbers import LEVELS, seed_statistics
-from asperity.study.stages.statistics import SeedResults, surface_statistics
+from asperity.study.stages.statistics import LEVELS, SeedResults, seed_statistics, surface_statistics
 from asperity.study.stages.verification import VerificationError, table, verify_seed, verify_statistics
 
 

@@ -1,8 +1,12 @@
 """Stage statistics: all numbers of the peaks, profiles and decays of one surface, in one dataset.
 
-`surface_statistics` joins the numbers of each seed (`asperity.study.stages.seed_numbers`) along `seed` and
-adds what is pooled over seeds. Figures, captions, claims and the drift check read this dataset; none of them
-computes such a number again.
+`surface_statistics` joins the numbers of each seed (`seed_statistics`) along `seed` and adds what is pooled
+over seeds. Figures, captions, claims and the drift check read this dataset; none of them computes such a
+number again.
+
+Stresses are divided by E* ḡ, ḡ being the rms gradient over the real contact. Lengths and depths are in units
+of the longer edge of the cell. Variables ``continuum_…`` are, along `kind`, the estimate of a number at
+vanishing grid spacing, and its relative error. NaN where there is nothing to measure or to estimate.
 """
 
 from __future__ import annotations
@@ -12,13 +16,19 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
+import pandas as pd
 import xarray as xr
 
+from asperity.core.types import Array
+from asperity.fourier.grid import Grid
 from asperity.results import dataset
+from asperity.results.dataset import grid_of
+from asperity.stress.peaks.selection import peaks, selection_for
+from asperity.stress.statistics.continuum import OnGrid, estimates, numbers_on
 from asperity.stress.statistics.density import bin_edges
+from asperity.stress.statistics.patches import contact_patches, depth_patch_correlation
 from asperity.stress.statistics.pooling import Bootstrap, mean, pool_peaks, pooled_density, with_bounds
 from asperity.study.stages.contact import SOLID_ATTRIBUTES
-from asperity.study.stages.seed_numbers import seed_statistics
 
 _HEIGHT_LIMITS = (-6.0, 6.0)
 """Heights over their rms that are counted: a Gaussian surface has one node in 10⁹ beyond."""
@@ -28,6 +38,20 @@ PEAKS_PER_BIN = 20
 
 FEWEST_BINS = 10
 """Bins of the densities of however few peaks."""
+
+LEVELS = np.concatenate([np.arange(100) / 100, np.arange(991, 1001) / 1000])
+"""Shares of the peaks at which quantiles are kept: every percent, above 99 % every tenth of a percent."""
+
+LARGE_PATCH = 30
+"""Nodes that a large patch of contact exceeds."""
+
+_SMALLEST_AREA = 0.01
+"""Area fraction from which the load-area curve is fitted: below it the contacts have few nodes."""
+
+_OF_CONTACT = ("area_fraction", "gradient_rms_contact", "proportionality")
+_STRESSES = ("peak_deviation", "peak_quantile", "largest_von_mises")
+_LENGTHS = ("mean_depth", "mean_depth_highest", "decay_length_depth", "decay_length_plane")
+"""Numbers that have continuum estimates: of the contact, stresses, and lengths."""
 
 
 class SeedResults(NamedTuple):
@@ -89,3 +113,141 @@ def surface_statistics(
         }
     )
     return pooled.merge(of_seeds).assign_attrs({name: stresses[0].attrs[name] for name in SOLID_ATTRIBUTES})
+
+
+def seed_statistics(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset) -> xr.Dataset:
+    """Numbers of one surface and one seed.
+
+    Parameters
+    ----------
+    surface, contact, stress : datasets
+        Results of the stages of these names. The numbers of the stress are taken from its dataset if it has
+        them.
+
+    Returns
+    -------
+    dataset
+        Variables ``seed_…`` of surface and contact, and those of `stress_numbers`.
+    """
+    gradient = float(surface["rms_gradient"])
+    numbers = {f"seed_{name}": float(surface[name]) for name in ("rms_gradient", "skewness", "kurtosis")}
+    _, radii = contact_patches(contact["pressure"].values > 0)
+    spacing = np.sqrt(np.prod(grid_of(contact).spacing))
+    numbers |= _of_contact(contact, gradient)
+    numbers |= {
+        "seed_patches": radii.size,
+        "seed_patch_radius": float(spacing * np.average(radii, weights=radii**2)),
+    }
+    of_stress = [name for name in stress if str(name).startswith(("seed_", "continuum_"))]
+    return xr.Dataset(numbers).merge(stress[of_stress] if of_stress else stress_numbers(contact, stress))
+
+
+def _of_contact(contact: xr.Dataset, whole_gradient: float) -> dict[str, float]:
+    """Load, area and slopes, and the shape of the load-area curve."""
+    area, pressure, gradient, approach = (
+        float(contact[name])
+        for name in ("area_fraction", "mean_pressure", "gradient_rms_contact", "approach")
+    )
+    outside = max(whole_gradient**2 - area * gradient**2, 0) / max(1 - area, 1e-12)
+    exponent, change = _load_area_curve(contact, area)
+    return {
+        "seed_area_fraction": area,
+        "seed_mean_pressure": pressure,
+        "seed_approach": approach,
+        "seed_gradient_rms_contact": gradient,
+        "seed_gradient_rms_outside": float(np.sqrt(outside)),
+        "seed_proportionality": area * gradient / pressure,
+        "seed_load_exponent": exponent,
+        "seed_proportionality_change": change,
+    }
+
+
+def _load_area_curve(contact: xr.Dataset, area: float) -> tuple[float, float]:
+    """Exponent of the area over the scaled load, and the change of their ratio, up to the area of the study.
+
+    NaN with fewer than three loads.
+    """
+    path = contact["path_area_fraction"].values
+    kept = (path >= _SMALLEST_AREA * (1 - 1e-3)) & (path <= 1.001 * area)
+    if kept.sum() < 3:
+        return np.nan, np.nan
+    load = (contact["path_mean_pressure"] / contact["path_gradient_rms_contact"]).values[kept]
+    ratio = path[kept] / load
+    exponent = np.polyfit(np.log(load), np.log(path[kept]), 1)[0]
+    return float(exponent), float(ratio[-1] / ratio[0])
+
+
+def stress_numbers(
+    contact: xr.Dataset, stress: xr.Dataset, half: tuple[xr.Dataset, xr.Dataset] | None = None
+) -> xr.Dataset:
+    """Numbers of the stress of one seed, and their continuum estimates with those of the contact.
+
+    Parameters
+    ----------
+    contact, stress : datasets
+        Results of the stages of these names.
+    half : pair of datasets, optional
+        Contact and stress on half the nodes. Without them there are no estimates.
+
+    Returns
+    -------
+    dataset
+        Along `quantity` and `poisson`, numbers of the peaks that figures and claims count; along `level`,
+        quantiles of their magnitude. Along `patches` and `poisson`, correlations that interpretations of the
+        claims take.
+    """
+    if half is not None:
+        lost = half[0].attrs["lost_gradient"]
+        found, best, error = estimates(_on_grid(contact, stress), numbers_on(_on_grid(*half)), lost, LEVELS)
+    else:
+        found = numbers_on(_on_grid(contact, stress), LEVELS)
+        best = error = found * np.nan
+    found[["peak_mean", *_STRESSES]] /= found["gradient_rms_contact"]
+    best[[*_STRESSES]] /= best["gradient_rms_contact"]
+    for name in _STRESSES:
+        error[name] = np.hypot(error[name], error["gradient_rms_contact"])
+    on_grid = found[["peak_count", "peak_mean", *_STRESSES, *_LENGTHS]]
+    continuum = xr.concat([kind[[*_OF_CONTACT, *_STRESSES, *_LENGTHS]] for kind in (best, error)], "kind")
+    numbers = on_grid.rename({name: f"seed_{name}" for name in on_grid}).merge(
+        continuum.rename({name: f"continuum_{name}" for name in continuum})
+    )
+    numbers["seed_reference_depth"] = stress["reference_depth"]
+    patches, radii = contact_patches(contact["pressure"].values > 0)
+    correlations = np.array(
+        [
+            _patch_correlations(stress, ratio, grid_of(contact), patches, radii)
+            for ratio in stress["poisson"].values.tolist()
+        ]
+    )
+    numbers["seed_depth_patch_correlation"] = ("poisson", correlations[:, 0])
+    numbers["seed_patch_correlation"] = (("patches", "poisson"), correlations[:, 1:].T)
+    return numbers.assign_coords(kind=["estimate", "error"], patches=["highest_of_patch", "large_patches"])
+
+
+def _on_grid(contact: xr.Dataset, stress: xr.Dataset) -> OnGrid:
+    """Results of the stages contact and stress, whose effective modulus is one."""
+    load, gradient = float(contact["mean_pressure"]), float(contact["gradient_rms_contact"])
+    return OnGrid(contact["pressure"].values, load, gradient, grid_of(contact), stress)
+
+
+def _patch_correlations(
+    stress: xr.Dataset, ratio: float, grid: Grid, patches: Array, radii: Array
+) -> list[float]:
+    """Rank correlations of the depth of von Mises peaks with the radius of the patch of contact above.
+
+    They are those of all peaks, of the highest below each patch, and of the latter below large patches.
+    """
+    found = peaks(stress, "von_mises", ratio, selection_for("von_mises"))
+    row, column = (
+        np.rint(found[f"peak_{axis}"].values / step).astype(int)
+        for axis, step in zip("yx", grid.spacing, strict=True)
+    )
+    patch = patches[row % grid.shape[0], column % grid.shape[1]]  # from 1; 0 outside contact
+    by_patch = pd.Series(np.abs(found["peak_value"].values)).groupby(patch)
+    highest = np.sort(by_patch.idxmax().drop(0, errors="ignore").to_numpy(int))
+    large = highest[radii[patch[highest] - 1] > np.sqrt(LARGE_PATCH / np.pi) * (1 + 1e-12)]
+    depth = found["peak_depth"].values
+    return [
+        depth_patch_correlation(depth[some], row[some], column[some], patches, radii) if some.size else np.nan
+        for some in (np.arange(depth.size), highest, large)
+    ]

@@ -15,7 +15,7 @@ from asperity.stress.analysis import SOUGHT, analyse_lateral_conditions
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.statistics.continuum import TOLERANCE
 from asperity.study.stages.contact import SOLID_ATTRIBUTES, contact_on_half_the_nodes, solid
-from asperity.study.stages.seed_numbers import stress_numbers
+from asperity.study.stages.statistics import stress_numbers
 
 GROWTH_PER_SPACING = 0.25
 """`growth` over `spacing` of `depth_grid`: the setting ``depth_spacing`` scales all distances of planes."""
@@ -67,7 +67,7 @@ def stress_of_seed(
     Returns
     -------
     dataset
-        As of `compute_stress`, with the variables of `asperity.study.stages.seed_numbers.stress_numbers`.
+        As of `compute_stress`, with the variables of `asperity.study.stages.statistics.stress_numbers`.
         With `laterals` these are along `lateral`, first under the condition of the layer.
     """
     found = compute_stresses(contact, layer_settings, stress_settings, laterals, quantities, progress)
