@@ -1,4 +1,4 @@
-"""Before and after a run of the study: memory and disk space that it needs, manifest of its results."""
+"""Before and after a run of the study: memory and disk space, compilation, and manifest of its results."""
 
 from __future__ import annotations
 
@@ -41,6 +41,24 @@ def require_space(folder: str | os.PathLike[str], need: float) -> None:
             f"{folder}: about {need:.3g} MB will be written, {free:.3g} MB are free; "
             f"free some space, or set a folder on another disk as results"
         )
+
+
+def warm_up() -> None:
+    """Solve a small contact and analyse the stress below it, in single and in double precision.
+
+    Numba compiles a function at its first call and keeps the machine code beside the module, where others
+    find it: afterwards the jobs do not compile the same functions side by side.
+    """
+    # Imported here as they take time: every job reads the rules that import this module.
+    from asperity.contact import solve
+    from asperity.elasticity.layer import Layer
+    from asperity.stress.analysis import analyse_stress
+    from asperity.surface.self_affine import self_affine
+
+    height = self_affine((64, 64), 0.8, 0.5, 0.125, 1e-3, seed=1)
+    for precision, tolerance in (("float32", 1e-2), ("float64", 1e-6)):
+        contact = solve(height, Layer(1.0, 0.33), area_fraction=0.1, rtol=1e-4, dtype=precision)
+        analyse_stress(contact, tolerance=tolerance)
 
 
 def write_manifest(folder: Path, outputs: Iterable[str | os.PathLike[str]]) -> None:
