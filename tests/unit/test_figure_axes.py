@@ -5,7 +5,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from asperity.paper.figures import fig10_14_18
-from asperity.paper.figures.densities import finish_densities, folded_density
+from asperity.paper.figures.cases import finish_densities, folded_density
 from asperity.results import dataset
 
 

@@ -10,8 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.cases import Datasets, bullets, name
-from asperity.paper.figures.densities import curve_with_band
+from asperity.paper.figures.cases import Datasets, bullets, curve_with_band, name
 from asperity.views.style import label, panels
 
 

@@ -7,8 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.special import erf
 
-from asperity.paper.figures.cases import Datasets, bullets, of_surfaces
-from asperity.paper.figures.densities import finish_densities, peak_density
+from asperity.paper.figures.cases import Datasets, bullets, finish_densities, of_surfaces, peak_density
 from asperity.views.style import label, panels
 
 

@@ -4,8 +4,17 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.cases import CASES, Case, Datasets, bullets, extreme_ratios, of_surfaces
-from asperity.paper.figures.densities import finish_densities, peak_density, von_mises_densities
+from asperity.paper.figures.cases import (
+    CASES,
+    Case,
+    Datasets,
+    bullets,
+    extreme_ratios,
+    finish_densities,
+    of_surfaces,
+    peak_density,
+    von_mises_densities,
+)
 from asperity.views.style import panels
 
 

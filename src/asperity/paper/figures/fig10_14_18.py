@@ -10,8 +10,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 
 from asperity.core.types import Array
-from asperity.paper.figures.cases import CASES, Case, Datasets, bullets
-from asperity.paper.figures.densities import LARGEST_OVER_MEDIAN, median
+from asperity.paper.figures.cases import CASES, LARGEST_OVER_MEDIAN, Case, Datasets, bullets, median
 from asperity.views.style import COLUMN, PAGE, panels
 
 LARGEST_DEPTH = 6.0

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.cases import CASES, Datasets, bullets
-from asperity.paper.figures.densities import curve_with_band
+from asperity.paper.figures.cases import CASES, Datasets, bullets, curve_with_band
 from asperity.views.style import panels
 
 LARGEST_DISTANCE = 6.0

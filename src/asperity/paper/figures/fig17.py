@@ -6,8 +6,7 @@ from collections.abc import Mapping
 
 from matplotlib.figure import Figure
 
-from asperity.paper.figures.cases import Case, Datasets, bullets, of_surfaces
-from asperity.paper.figures.densities import von_mises_densities
+from asperity.paper.figures.cases import Case, Datasets, bullets, of_surfaces, von_mises_densities
 from asperity.views.style import panels
 
 
