@@ -164,11 +164,22 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
     for name in measured.keys() & surfaces.keys():
         yield f"measured.{name}: another name is needed, surfaces.{name} has it"
     for name, surface in surfaces.items():
+        key, points = f"surfaces.{name}", surface["points"]
         short, long = surface["wavelength_short"], surface["wavelength_long"]
         if short > long:
-            key = f"surfaces.{name}.wavelength_short"
-            yield f"{key} = {short!r}: at most wavelength_long = {long!r} is needed"
-        yield from _in_surface(f"surfaces.{name}", surface)
+            yield f"{key}.wavelength_short = {short!r}: at most wavelength_long = {long!r} is needed"
+        if short * points < 2 - _ROUNDING:
+            yield (
+                f"{key}.points = {points!r}: at least {round(2 / short)} are needed, "
+                f"two on wavelength_short = {short!r}"
+            )
+        if "moments" in surface:
+            if "johnson" in surface:
+                yield f"{key}.moments: only one of moments and johnson is accepted"
+            least, kurtosis = 1 + surface["moments"]["skewness"] ** 2, surface["moments"]["kurtosis"]
+            if kurtosis <= least:
+                needed = f"a number > {number(least)}, 1 + skewness²,"
+                yield f"{key}.moments.kurtosis = {kurtosis!r}: {needed} is needed"
     most = setting("surfaces.NAME.points")["maximum"]
     for section in ("surfaces", "measured"):
         for name, surface in config[section].items():
@@ -199,23 +210,6 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
         )
     if layer["poisson"] not in (listed := config["stress"]["poisson"]):
         yield f"stress.poisson = {shown(listed)}: layer.poisson = {layer['poisson']!r} must be one of them"
-
-
-def _in_surface(key: str, surface: Mapping[str, Any]) -> Iterator[str]:
-    """What contradicts itself in the settings of a random surface."""
-    short, points = surface["wavelength_short"], surface["points"]
-    if short * points < 2 - _ROUNDING:
-        yield (
-            f"{key}.points = {points!r}: at least {round(2 / short)} are needed, "
-            f"two on wavelength_short = {short!r}"
-        )
-    if "moments" in surface:
-        if "johnson" in surface:
-            yield f"{key}.moments: only one of moments and johnson is accepted"
-        least = 1 + surface["moments"]["skewness"] ** 2
-        if (kurtosis := surface["moments"]["kurtosis"]) <= least:
-            needed = f"a number > {number(least)}, 1 + skewness²,"
-            yield f"{key}.moments.kurtosis = {kurtosis!r}: {needed} is needed"
 
 
 def _one_line(error: ValidationError) -> str:

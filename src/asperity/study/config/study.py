@@ -58,10 +58,11 @@ def read_study(files: Sequence[str | Path], given: Mapping[str, Any] | None = No
     elif "results" not in given:
         config["results"] = _folder_named_after(files[-1])
     config = check(config)
-    _check_engine(config)
+    if missing := absent([config["fft_engine"]]):
+        raise ConfigError(f"fft_engine = {shown(config['fft_engine'])}: {message(missing)}")
     if "results" in given:
         config["results"] = _folder_given(given["results"])
-    elif config["results"] == "results" and not _is_paper(files[-1]):
+    elif config["results"] == "results" and os.path.realpath(files[-1]) != os.path.realpath(PAPER):
         raise ConfigError(
             f"results = 'results': {files[-1]} needs a folder below it, such as results/mine; "
             f"this one holds the results of the paper"
@@ -156,12 +157,6 @@ def _most_surfaces(study: str) -> int:
     return studies["properties"].get(study, studies["additionalProperties"])["maxItems"]
 
 
-def _check_engine(config: Mapping[str, Any]) -> None:
-    """Raise `ConfigError` if the engine of the transforms is not installed."""
-    if missing := absent([config["fft_engine"]]):
-        raise ConfigError(f"fft_engine = {shown(config['fft_engine'])}: {message(missing)}")
-
-
 def _folder_named_after(path: str | Path) -> str:
     """Folder of the results of a configuration that names none: results/NAME for NAME.yaml."""
     folder = f"results/{Path(path).stem}"
@@ -180,10 +175,6 @@ def _folder_given(folder: Any) -> str:
             f"results = {shown(folder)}: a folder is needed, without braces, of at most 1000 characters"
         )
     return Path(os.path.normpath(os.path.expanduser(folder))).as_posix()  # as in a Snakefile, also on Windows
-
-
-def _is_paper(path: str | Path) -> bool:
-    return os.path.realpath(path) == os.path.realpath(PAPER)
 
 
 def _study_of_all(config: Mapping[str, Any]) -> dict[str, list[str]]:

@@ -17,7 +17,6 @@ from asperity.surface.roughness import spectrum, surface_dataset
 from asperity.surface.self_affine import self_affine, target_spectrum
 from asperity.surface.treatment.treatment import cell_edge, make_periodic, usable_map
 
-_BAND = ("hurst", "wavelength_long", "wavelength_short", "rms_height")
 _MAP_OPTIONS = {field.name for field in fields(MapOptions)}
 
 
@@ -39,8 +38,12 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
         before the transform.
     """
     grid = Grid((parameters["points"], parameters["points"]))
-    band = {name: parameters[name] for name in _BAND}
-    gaussian, height = random_heights(parameters, grid, seed)
+    band = {name: parameters[name] for name in ("hurst", "wavelength_long", "wavelength_short", "rms_height")}
+    gaussian = height = self_affine(grid.shape, seed=seed, **band)
+    if "johnson" in parameters:
+        height = johnson(gaussian, **parameters["johnson"])
+    elif "moments" in parameters:
+        height = with_moments(gaussian, **parameters["moments"])
     dataset = surface_dataset(height, grid)
     dataset["spectrum_target"] = ("wavenumber", target_spectrum(grid, **band)[1])
     if height is gaussian:
@@ -48,19 +51,6 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
     else:
         dataset["spectrum_before"] = ("wavenumber", spectrum(gaussian)[1])
     return dataset
-
-
-def random_heights(parameters: Mapping[str, Any], grid: Grid, seed: int) -> tuple[Array, Array]:
-    """Heights of a random surface before and after their transform, which are one array without a transform.
-
-    Parameters are those of `make_surface`, with the nodes of `grid`.
-    """
-    gaussian = self_affine(grid.shape, seed=seed, **{name: parameters[name] for name in _BAND})
-    if "johnson" in parameters:
-        return gaussian, johnson(gaussian, **parameters["johnson"])
-    if "moments" in parameters:
-        return gaussian, with_moments(gaussian, **parameters["moments"])
-    return gaussian, gaussian
 
 
 def read_surface(parameters: Mapping[str, Any]) -> xr.Dataset:
