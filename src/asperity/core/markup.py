@@ -9,40 +9,19 @@ import base64
 import html
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
 from importlib.util import find_spec
 from io import BytesIO
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from asperity.core.types import Array
+from asperity.core.units import shown_si
+from asperity.core.version import __version__
 
 if TYPE_CHECKING:
     import pandas as pd
-
-_STYLE = """\
-body { font: 14px sans-serif; margin: 2em; color: #222; }
-table { border-collapse: collapse; margin-bottom: 2em; }
-th, td { padding: 0.3em 0.8em; text-align: left; vertical-align: top; }
-th { border-bottom: 2px solid #888; }
-td { border-bottom: 1px solid #ddd; font-variant-numeric: tabular-nums; }"""
-
-_PAGE = """\
-<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<title>{title}</title>
-<style>
-{style}
-</style>
-</head>
-<body>
-<h1>{title}</h1>
-{content}
-</body>
-</html>
-"""
 
 
 def markdown(frame: pd.DataFrame) -> str:
@@ -60,12 +39,24 @@ def html_table(frame: pd.DataFrame) -> str:
 
 def page(title: str, tables: Mapping[str, pd.DataFrame]) -> str:
     """An HTML page with tables under their headings; an empty heading is left out."""
-    parts = []
-    for heading, frame in tables.items():
-        if heading:
-            parts.append(f"<h2>{html.escape(heading)}</h2>")
-        parts.append(html_table(frame))
-    return _PAGE.format(title=html.escape(title), style=_STYLE, content="\n".join(parts))
+    shown = {heading: html_table(frame) for heading, frame in tables.items()}
+    return rendered("asperity.core", "base.html.j2", title=title, tables=shown)
+
+
+def rendered(package: str, template: str, **values: Any) -> str:
+    """An HTML page from a template beside the modules of a package, which may extend `base.html.j2`."""
+    from jinja2 import ChoiceLoader, Environment, PackageLoader, StrictUndefined
+
+    folders = [PackageLoader(name, "") for name in (package, "asperity.core")]
+    environment = Environment(
+        loader=ChoiceLoader(folders),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {"inline": inline, "si": partial(shown_si, digits=3)}
+    return environment.get_template(template).render(version=__version__, **values)
 
 
 def inline(text: str) -> str:

@@ -6,13 +6,11 @@ import base64
 import platform
 from collections.abc import Sequence
 from datetime import datetime
-from functools import partial
 from importlib.metadata import version
-from importlib.resources import files
 from importlib.util import find_spec
 from itertools import groupby
 
-from asperity.core.units import shown_si
+from asperity.core.markup import rendered
 from asperity.core.version import __version__
 from asperity.engineering.advice import WARNING
 from asperity.engineering.answer import Answer, body_title, case_in_words
@@ -40,13 +38,6 @@ def report_page(answer: Answer, pictures: Sequence[tuple[Picture, bytes]], case_
     case_file : str
         Content of the case file that repeats the answer.
     """
-    from jinja2 import Environment, StrictUndefined
-
-    text = files("asperity.engineering").joinpath("report.html.j2").read_text(encoding="utf-8")
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters["si"] = partial(shown_si, digits=3)
     installed = [package for package in PACKAGES if find_spec(package)]
     versions = {"asperity": __version__, "Python": platform.python_version()}
     versions |= {package: version(package) for package in installed}
@@ -54,7 +45,10 @@ def report_page(answer: Answer, pictures: Sequence[tuple[Picture, bytes]], case_
     for picture, image in pictures:
         title = body_title(answer.case, picture.body) if picture.body and len(answer.bodies) > 1 else ""
         groups.setdefault(title, []).append((picture, base64.b64encode(image).decode()))
-    return environment.from_string(text).render(
+    return rendered(
+        "asperity.engineering",
+        "report.html.j2",
+        title=f"{answer.face.name}: contact and stress",
         answer=answer,
         case=case_in_words(answer.case),
         warnings=[advice for advice in answer.advice if advice.level == WARNING],
@@ -68,7 +62,6 @@ def report_page(answer: Answer, pictures: Sequence[tuple[Picture, bytes]], case_
         gaps=answer.gaps().set_index("share")["gap_m"],
         versions=versions,
         paper=PAPER,
-        version=__version__,
     )
 
 

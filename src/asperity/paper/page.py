@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Mapping
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from asperity.core.markup import html_table, inline
-from asperity.core.version import __version__
+from asperity.core.markup import html_table, rendered
 from asperity.paper.claims.paper import CLAIMS
 from asperity.paper.claims.report import counted, findings_of, tables
 from asperity.paper.claims.verdicts import tally
@@ -41,15 +39,10 @@ def write_page(
     config : mapping
         The configuration of the study.
     """
-    from jinja2 import Environment, StrictUndefined
-
-    text = files("asperity.paper").joinpath("page.html.j2").read_text(encoding="utf-8")
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    environment.filters |= {"inline": inline}
     jobs = job_costs(results)
-    page = environment.from_string(text).render(
+    page = rendered(
+        "asperity.paper",
+        "page.html.j2",
         title="Does the paper hold?" if config["claims"] else f"Study: {results.name}",
         config=config,
         groups=_groups(results, figures),
@@ -61,7 +54,6 @@ def write_page(
         memory=float(jobs["memory_MB"].max()) if len(jobs) else 0.0,
         jobs=len(jobs),
         paper=PAPER,
-        version=__version__,
     )
     write_text(path, page)
 
