@@ -39,7 +39,9 @@ def write_page(
     config : mapping
         The configuration of the study.
     """
-    jobs = job_costs(results)
+    jobs, validation = job_costs(results), ""
+    if (errors := results / "validation/table.csv").exists():
+        validation = html_table(for_reader(pd.read_csv(errors, keep_default_na=False)))
     page = rendered(
         "asperity.paper",
         "page.html.j2",
@@ -48,7 +50,7 @@ def write_page(
         groups=_groups(results, figures),
         claims=_claims(results),
         checks=_verification(results),
-        validation=_validation(results),
+        validation=validation,
         costs=_costs(jobs),
         minutes=float(jobs["processor_minutes"].sum()),
         memory=float(jobs["memory_MB"].max()) if len(jobs) else 0.0,
@@ -58,18 +60,13 @@ def write_page(
     write_text(path, page)
 
 
-def order(figures: Mapping[str, Description]) -> list[Description]:
-    """Figures as they are read: those of the paper by number, then those without, each with its variants."""
-    return sorted(
-        figures.values(),
-        key=lambda one: (GROUPS.index(one.category), not one.number, one.number or 0, one.name),
-    )
-
-
 def _groups(results: Path, figures: Mapping[str, Description]) -> dict[str, list[dict[str, str]]]:
-    """Heading → pictures, in their order: name, title and caption as HTML, and the file as a data URI."""
+    """Heading → pictures, in their order: name, title and caption as HTML, and the file as a data URI.
+
+    Those of the paper are sorted by number; those without a number follow, each with its variants.
+    """
     groups: dict[str, list[dict[str, str]]] = {name: [] for name in GROUPS}
-    for figure in order(figures):
+    for figure in sorted(figures.values(), key=lambda one: (not one.number, one.number or 0, one.name)):
         file = results / "figures" / f"{figure.name}.png"
         if file.exists():
             title, _, caption = file.with_suffix(".rst").read_text(encoding="utf-8").partition("\n\n")
@@ -118,15 +115,6 @@ def _verification(results: Path) -> dict[str, Any] | None:
         columns={"value": "largest value", "of": "seed"}
     )
     return {"count": len(checks), "surfaces": checks["surface"].nunique(), "table": html_table(shown)}
-
-
-def _validation(results: Path) -> str:
-    """The table of the validation, as HTML."""
-    path = results / "validation/table.csv"
-    if not path.exists():
-        return ""
-    table = pd.read_csv(path, keep_default_na=False)
-    return html_table(for_reader(table))
 
 
 def _costs(jobs: pd.DataFrame) -> str:

@@ -86,22 +86,18 @@ class Claim:
         return Region(1 - share, 1 + share)
 
 
-def _number(entry: Mapping[str, Any]) -> Number:
-    """A number from its entry, whose tuples may be single texts."""
+def _claim(identifier: str, number: Mapping[str, Any] | None = None, **fields: str) -> Claim:
+    """A claim from its entry, in which tuples may be single texts."""
+    if number is None:
+        return Claim(identifier, measure=getattr(closed_forms, identifier), **fields)
     pairs = {
-        name: (entry[name],) if isinstance(entry[name], str) else tuple(entry[name])
+        name: (number[name],) if isinstance(number[name], str) else tuple(number[name])
         for name in ("of", "quantity", "poisson", "follows")
-        if name in entry
+        if name in number
     }
-    return Number(**{**entry, **pairs})
-
-
-def _claim(identifier: str, entry: Mapping[str, Any]) -> Claim:
-    fields = {name: value for name, value in entry.items() if name != "number"}
-    measure = _number(entry["number"]) if "number" in entry else getattr(closed_forms, identifier)
-    return Claim(identifier, measure=measure, **fields)
+    return Claim(identifier, measure=Number(**{**number, **pairs}), **fields)
 
 
 _PAPER = packaged_yaml("asperity.paper.claims", "paper.yaml")
 
-CLAIMS = tuple(_claim(identifier, entry) for identifier, entry in _PAPER["statements"].items())
+CLAIMS = tuple(_claim(identifier, **entry) for identifier, entry in _PAPER["statements"].items())

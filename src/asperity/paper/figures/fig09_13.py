@@ -6,7 +6,6 @@ from matplotlib.figure import Figure
 
 from asperity.paper.figures.cases import (
     CASES,
-    Case,
     Datasets,
     bullets,
     extreme_ratios,
@@ -58,14 +57,11 @@ def caption(statistics: Datasets, cases: str) -> str:
         for case in CASES[cases](statistics)
     ]
     extremes = extreme_ratios(statistics)
-    return bullets([*lines, _compared(extremes[-1], extremes[0])])
-
-
-def _compared(low: Case, high: Case) -> str:
-    """The von Mises peaks at the smallest Poisson's ratio over those at the largest, for each percentile."""
+    low, high = extremes[-1], extremes[0]
     above, below = (case.peaks("von_mises")["peak_percentile"] for case in (low, high))
     values = ", ".join(
         f"{one:.2f} at the {percent:g}th percentile"
         for one, percent in zip(above.values / below.values, above["percent"].values, strict=True)
     )
-    return f"von Mises peaks at ν = {low.poisson:g} over those at ν = {high.poisson:g}: {values}"
+    lines.append(f"von Mises peaks at ν = {low.poisson:g} over those at ν = {high.poisson:g}: {values}")
+    return bullets(lines)

@@ -129,28 +129,16 @@ def seed_statistics(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset
     dataset
         Variables ``seed_…`` of surface and contact, and those of `stress_numbers`.
     """
-    gradient = float(surface["rms_gradient"])
-    numbers = {f"seed_{name}": float(surface[name]) for name in ("rms_gradient", "skewness", "kurtosis")}
-    _, radii = contact_patches(contact["pressure"].values > 0)
-    spacing = np.sqrt(np.prod(grid_of(contact).spacing))
-    numbers |= _of_contact(contact, gradient)
-    numbers |= {
-        "seed_patches": radii.size,
-        "seed_patch_radius": float(spacing * np.average(radii, weights=radii**2)),
-    }
-    of_stress = [name for name in stress if str(name).startswith(("seed_", "continuum_"))]
-    return xr.Dataset(numbers).merge(stress[of_stress] if of_stress else stress_numbers(contact, stress))
-
-
-def _of_contact(contact: xr.Dataset, whole_gradient: float) -> dict[str, float]:
-    """Load, area and slopes, and the shape of the load-area curve."""
     area, pressure, gradient, approach = (
         float(contact[name])
         for name in ("area_fraction", "mean_pressure", "gradient_rms_contact", "approach")
     )
-    outside = max(whole_gradient**2 - area * gradient**2, 0) / max(1 - area, 1e-12)
+    outside = max(float(surface["rms_gradient"]) ** 2 - area * gradient**2, 0) / max(1 - area, 1e-12)
     exponent, change = _load_area_curve(contact, area)
-    return {
+    _, radii = contact_patches(contact["pressure"].values > 0)
+    spacing = np.sqrt(np.prod(grid_of(contact).spacing))
+    numbers = {
+        **{f"seed_{name}": float(surface[name]) for name in ("rms_gradient", "skewness", "kurtosis")},
         "seed_area_fraction": area,
         "seed_mean_pressure": pressure,
         "seed_approach": approach,
@@ -159,7 +147,11 @@ def _of_contact(contact: xr.Dataset, whole_gradient: float) -> dict[str, float]:
         "seed_proportionality": area * gradient / pressure,
         "seed_load_exponent": exponent,
         "seed_proportionality_change": change,
+        "seed_patches": radii.size,
+        "seed_patch_radius": float(spacing * np.average(radii, weights=radii**2)),
     }
+    of_stress = [name for name in stress if str(name).startswith(("seed_", "continuum_"))]
+    return xr.Dataset(numbers).merge(stress[of_stress] if of_stress else stress_numbers(contact, stress))
 
 
 def _load_area_curve(contact: xr.Dataset, area: float) -> tuple[float, float]:

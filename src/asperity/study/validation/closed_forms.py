@@ -452,18 +452,12 @@ def metal_contacts(points: int = 128) -> xr.Dataset:
     line = solve(np.tile(x**2 / 2, (16, 1)), solid, edges, area_fraction=0.1, rtol=RTOL)
     cycles = stress_cycles(line, yield_stress=np.sqrt(3.0)).attrs
     pressure = line.max_pressure
-    return xr.Dataset(
-        {
-            "flattened_error": error,
-            "solved_stiffness": sphere.stiffness * sphere.grid.area / exact.contact_radius,
-            "exact_stiffness": 2.0,
-            "solved_shear_range": cycles["worst_shear_range"][0] / pressure,
-            "exact_shear_range": 0.5,
-            "solved_shakedown_pressure": cycles["worst_shakedown_line"][0] * pressure,
-            "exact_shakedown_pressure": 4.0,
-        },
-        attrs={"grid_points": points},
-    )
+    pairs = {
+        "stiffness": ((), sphere.stiffness * sphere.grid.area / exact.contact_radius, 2.0),
+        "shear_range": ((), cycles["worst_shear_range"][0] / pressure, 0.5),
+        "shakedown_pressure": ((), cycles["worst_shakedown_line"][0] * pressure, 4.0),
+    }
+    return _dataset(pairs, points, {}).assign(flattened_error=error)
 
 
 def _dataset(pairs: dict[str, Any], points: int, coordinates: dict[str, Any]) -> xr.Dataset:
