@@ -98,20 +98,12 @@ def counted(findings: Sequence[Finding]) -> str:
 
 def tables(findings: Sequence[Finding]) -> dict[str, pd.DataFrame]:
     """The findings for a reader: a heading for each section of the paper → a table."""
-    rows: dict[str, list[dict[str, str]]] = {}
-    for f in findings:
-        names = f.claim.section.split(", ")
-        section = next((name for name in names if name[0].isdigit()), names[0])
-        rows.setdefault(f"Section {section}", []).append(
-            {
-                "the paper says": f.claim.sentence,
-                "compared": f.claim.compared,
-                "wanted": str(f.own.region),
-                "found": found_in_words(f),
-                "verdict": f"**{f.verdict.removesuffix(' on the interpretation')}**",
-            }
-        )
-    return {heading: pd.DataFrame(rows[heading]) for heading in sorted(rows)}
+    table = frame(findings)
+    names = table["section"].str.split(", ")
+    sections = names.map(lambda each: next((name for name in each if name[0].isdigit()), each[0]))
+    table["verdict"] = "**" + table["verdict"].str.removesuffix(" on the interpretation") + "**"
+    shown = table[["the paper says", "compared", "wanted", "found", "verdict"]]
+    return {f"Section {name}": rows for name, rows in shown.groupby(sections)}
 
 
 def markdown(findings: Sequence[Finding]) -> str:
@@ -127,9 +119,7 @@ def found_in_words(finding: Finding) -> str:
     if finding.verdict not in (DEPENDS, UNDECIDED) or not finding.choices:
         reason = finding.own.missing or (finding.claim.untestable if finding.verdict == UNTESTABLE else "")
         return "; ".join(filter(None, (_number(finding.own), reason)))
-    return "; ".join(
-        f"{_interpretation(finding, one)}: {_number(one)} {one.verdict}" for one in finding.shown
-    )
+    return "; ".join(f"{_in_words(finding, one)}: {_number(one)} {one.verdict}" for one in finding.shown)
 
 
 def _number(one: Judgement) -> str:
@@ -141,17 +131,17 @@ def _number(one: Judgement) -> str:
     return f"{one.value:.4g} ({one.interval_low:.4g} to {one.interval_high:.4g})"
 
 
-def _interpretation(finding: Finding, one: Judgement) -> str:
+def _in_words(finding: Finding, one: Judgement) -> str:
     """The options of the choices of a verdict, and those that are not the study's own, in words."""
     own = finding.own.interpretation
     return ", ".join(
-        _in_words(name, option)
-        for name, option in one.interpretation.items()
-        if name in finding.choices or option != own[name]
+        _option(choice, option)
+        for choice, option in one.interpretation.items()
+        if choice in finding.choices or option != own[choice]
     )
 
 
-def _in_words(choice: str, option: Any) -> str:
+def _option(choice: str, option: Any) -> str:
     if choice == "alike":
         return f"the same up to {100 * option:g} %"
     return f"δ = {option:g}" if choice == "delta" else WORDS.get(option, str(option))

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from functools import partial
 from typing import Any
 
 import jsonschema
@@ -121,27 +123,21 @@ def _is_label(text: object) -> bool:
     return True
 
 
-def _is_quantity(dimension: str) -> Callable[[object], bool]:
-    """Check of a positive number with a unit of a dimension; its `ValueError` says what is needed instead."""
+def _is_quantity(dimension: str, text: object) -> bool:
+    """True for a positive number with a unit of a dimension; a `ValueError` says what is needed instead."""
+    if not isinstance(text, str):
+        return True
+    from asperity.core.units import DIMENSIONS, to_si  # which needs numpy; the help of a command does not
 
-    def check(text: object) -> bool:
-        if not isinstance(text, str):
+    with suppress(ValueError):
+        if to_si(text, dimension) > 0:
             return True
-        from asperity.core.units import DIMENSIONS, to_si  # which needs numpy; the help of a command does not
-
-        try:
-            if to_si(text, dimension) > 0:
-                return True
-        except ValueError:
-            pass
-        units = ", ".join(DIMENSIONS[dimension].examples)
-        raise ValueError(f"a {dimension} > 0 with its unit ({units})")
-
-    return check
+    units = ", ".join(DIMENSIONS[dimension].examples)
+    raise ValueError(f"a {dimension} > 0 with its unit ({units})")
 
 
 for _dimension in ("pressure", "force", "length"):
-    _FORMATS.checks(_dimension, raises=ValueError)(_is_quantity(_dimension))
+    _FORMATS.checks(_dimension, raises=ValueError)(partial(_is_quantity, _dimension))
 
 
 def _check_schema(config: Mapping[str, Any]) -> None:

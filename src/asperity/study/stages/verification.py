@@ -55,16 +55,12 @@ def table(surface: str, parts: dict[str, Checks]) -> pd.DataFrame:
     VerificationError
         If a check does not hold.
     """
-    rows = [
-        (surface, part, name, value, bound)
-        for part, checks in parts.items()
-        for name, (value, bound) in checks.items()
-    ]
-    broken = [
-        f"{part}, {name} {value:.3g} > {bound:.3g}"
-        for _, part, name, value, bound in rows
-        if not value <= bound
-    ]
+    rows, broken = [], []
+    for part, checks in parts.items():
+        for name, (value, bound) in checks.items():
+            rows.append((surface, part, name, value, bound))
+            if not value <= bound:
+                broken.append(f"{part}, {name} {value:.3g} > {bound:.3g}")
     if broken:
         raise VerificationError(f"{surface}: {'; '.join(broken)}")
     return pd.DataFrame(rows, columns=["surface", "of", "check", "value", "bound"])
