@@ -59,9 +59,9 @@ def lines(axis: Axes3D, segments: Sequence[Array], **look: Any) -> None:
     axis.add_collection3d(Line3DCollection(segments, **look))
 
 
-def ground(axis: Axes3D, half: float = 0.5) -> None:
+def ground(axis: Axes3D) -> None:
     """Draw the rigid ground to which the block is bonded."""
-    reach, thick = half + 0.06, 0.05
+    reach, thick = 0.56, 0.05
     corners = np.array([[-reach, -reach], [reach, -reach], [reach, reach], [-reach, reach]])
     front = [(x, -reach, z) for x, z in ((-reach, 0), (reach, 0), (reach, -thick), (-reach, -thick))]
     right = [(reach, y, z) for y, z in ((-reach, 0), (reach, 0), (reach, -thick), (-reach, -thick))]

@@ -46,12 +46,7 @@ WAVE_AMPLITUDE = 1e-5
 """Amplitude of the waves over their wavelength; all errors are independent of it."""
 
 
-def load_area(
-    points: int = 128,
-    method: str = "gfmd",
-    poisson: Sequence[float] = (0.0, 0.33, 0.5),
-    contact_radii: Sequence[float] = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3),
-) -> xr.Dataset:
+def load_area(points: int = 128, method: str = "gfmd") -> xr.Dataset:
     """Contact area under the loads of the periodic Hertz contact, for several Poisson's ratios (figure 2a).
 
     Young's modulus is the same for all ratios and the unit of the pressures. The closed form assumes Hertz's
@@ -63,9 +58,6 @@ def load_area(
         Nodes on an edge of the grid.
     method : str
         Solver.
-    poisson : sequence of float
-    contact_radii : sequence of float
-        Radii of the closed form, whose loads are imposed.
 
     Returns
     -------
@@ -75,8 +67,8 @@ def load_area(
     """
     grid = Grid((points, points))
     height = paraboloid(grid, CURVATURE_RADIUS)
-    radii = np.asarray(contact_radii)
-    curve = np.linspace(0.0, max(contact_radii) + 0.02, 61)[1:]
+    poisson, radii = (0.0, 0.33, 0.5), np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.3])
+    curve = np.linspace(0.0, radii.max() + 0.02, 61)[1:]
     layers = [Layer(1.0, nu) for nu in poisson]
     imposed, along_curve = (
         np.array([_periodic_pressures(some, layer.effective_modulus) for layer in layers])

@@ -123,7 +123,7 @@ def face_to_face(
         lower,
         height=height - height.mean(),
         length=(height.shape[0] * pixel[0], height.shape[1] * pixel[1]),
-        periodic=_is_period(lower, upper),
+        periodic=lower.periodic and upper.periodic,
         orientation=LOWER_FACE,
         channel="",
     )
@@ -157,11 +157,6 @@ def _require_comparable(lower: HeightMap, upper: HeightMap) -> None:
         raise MapError(upper.name, [f"periodic maps of equal edges are needed, not {mine} and {its}"])
 
 
-def _is_period(lower: HeightMap, upper: HeightMap) -> bool:
-    """True if both maps are one period of the same edges."""
-    return lower.periodic and upper.periodic
-
-
 def _common_nodes(lower: HeightMap, upper: HeightMap, axis: int, shift: float) -> tuple[slice, Array, bool]:
     """Nodes of the lower map that the upper one covers, their places in it, and if these are its nodes.
 
@@ -172,7 +167,7 @@ def _common_nodes(lower: HeightMap, upper: HeightMap, axis: int, shift: float) -
     position = (np.arange(nodes) + 0.5) * step - lower.length[axis] / 2 - shift
     place = (position + upper.length[axis] / 2) / pixel - 0.5
     inside = np.arange(nodes)
-    if not _is_period(lower, upper):
+    if not (lower.periodic and upper.periodic):
         inside = np.flatnonzero((place > -0.5 - ON_A_NODE) & (place < count - 0.5 + ON_A_NODE))
     if inside.size < FEWEST_NODES:
         common = f"the maps have {inside.size} nodes in common, at least {FEWEST_NODES} are needed"
@@ -193,7 +188,7 @@ def _interpolation(lower: HeightMap, upper: HeightMap, axis: int, place: Array) 
     from scipy.special import diric
 
     nodes = upper.height.shape[axis]
-    if _is_period(lower, upper):
+    if lower.periodic and upper.periodic:
         waves = 2 * ((min(nodes, lower.height.shape[axis]) - 1) // 2) + 1
         return waves / nodes * diric(2 * np.pi / nodes * (place[:, None] - np.arange(nodes)), waves)
     order = np.arange(nodes)
