@@ -117,7 +117,13 @@ def compute_stresses(
     poisson = [layer.poisson]
     if layer.height is None:
         poisson = stress_settings["poisson"]
-        _check_half_space(layer_settings, poisson)
+        for ratio in poisson:
+            other, record = solid({**layer_settings, "poisson": ratio})
+            if other.height is not None:
+                raise ValueError(
+                    f"stress.poisson = {ratio}: {record['solid_reason']}; "
+                    f"leave this ratio out or allow a larger layer.half_space_tolerance"
+                )
     spacing = stress_settings["depth_spacing"]
     hardness = float(contact.get("hardness", math.inf))
     found = analyse_lateral_conditions(
@@ -135,14 +141,3 @@ def compute_stresses(
         lateral: dataset.assign_attrs(kept, uniform_mode=f"laterally {lateral}")
         for lateral, dataset in found.items()
     }
-
-
-def _check_half_space(layer_settings: Mapping[str, Any], ratios: Sequence[float]) -> None:
-    """Raise `ValueError` if the half-space does not stand for the layer at one of the Poisson's ratios."""
-    for poisson in ratios:
-        layer, record = solid({**layer_settings, "poisson": poisson})
-        if layer.height is not None:
-            raise ValueError(
-                f"stress.poisson = {poisson}: {record['solid_reason']}; "
-                f"leave this ratio out or allow a larger layer.half_space_tolerance"
-            )

@@ -100,14 +100,10 @@ def verify_statistics(statistics: xr.Dataset) -> Checks:
     heights = np.sum(statistics["height_density"].values * np.diff(statistics["height_edge"].values))
     found = statistics["seed_peak_count"]
     found = found.isel(lateral=0) if "lateral" in found.dims else found
-    lost = sum(
-        float(
-            np.abs(
-                counts.sel(quantity=name, selection=selection_for(str(name))) - found.sel(quantity=name)
-            ).sum()
-        )
-        for name in statistics["quantity"].values
-    )
+    lost = 0.0
+    for name in statistics["quantity"].values:
+        counted = counts.sel(quantity=name, selection=selection_for(str(name)))
+        lost += float(np.abs(counted - found.sel(quantity=name)).sum())
     unlike = np.abs(statistics["joint_counts"].sum(("bin", "depth_bin")) - counts.sum("seed")).sum()
     return {
         "densities of the peaks against an integral of one": (float(np.abs(integral - 1).max()), ROUNDING),
