@@ -59,14 +59,8 @@ def _draw_half_space(axis: Axes, data: xr.Dataset) -> None:
     for marker, nu in zip(MARKERS, data.poisson.values, strict=False):
         one = data.sel(poisson=nu)
         line = axis.plot(scale * one.curve_mean_pressure_young, 100 * one.curve_area_fraction)[0]
-        axis.plot(
-            scale * one.imposed_mean_pressure_young,
-            100 * one.solved_area_fraction,
-            ls="",
-            marker=marker,
-            color=line.get_color(),
-            label=rf"$\nu = {nu:g}$",
-        )
+        look: dict[str, Any] = {"marker": marker, "color": line.get_color(), "label": rf"$\nu = {nu:g}$"}
+        axis.plot(scale * one.imposed_mean_pressure_young, 100 * one.solved_area_fraction, ls="", **look)
     axis.set(xlabel=r"mean pressure $\bar{p} R / (E L)$", ylabel="contact area (% of cell)")
     axis.set(xlim=(0, None), ylim=(0, None))
     axis.legend(title="line: closed form")

@@ -22,15 +22,8 @@ def draw(surface: Datasets) -> Figure:
     largest = max(float(data["spectrum"].max()) for data in surface.values())
     for number, data in enumerate(surface.values()):
         waves = data["wavenumber"] / (2 * np.pi)
-        shown = data["spectrum"] > SMALLEST_POWER * largest
-        axis.loglog(
-            waves.where(shown),
-            data["spectrum"].where(shown),
-            ".",
-            ms=3,
-            color=f"C{number}",
-            label=label(data),
-        )
+        power = data["spectrum"].where(data["spectrum"] > SMALLEST_POWER * largest)
+        axis.loglog(waves, power, ".", ms=3, color=f"C{number}", label=label(data))
         if "spectrum_target" in data:
             target = data["spectrum_target"]
             axis.loglog(waves, target.where(target > 0), lw=0.7, color=f"C{number}")
