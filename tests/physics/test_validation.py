@@ -14,7 +14,7 @@ from asperity.study.validation.indenter import displacement_and_stress, fitted_c
 from asperity.study.validation.table import CHECKS, comparison, for_reader, frame
 
 SETTINGS = {
-    "load_area": {"contact_radii": (0.1, 0.2, 0.3), "method": "active_set"},
+    "load_area": {"method": "active_set"},
     "grid_convergence": {"points": (32, 64, 128)},
     "elements": {"meshes": ((8, 7), (20, 16))},
     "punch": {"points": 256, "samples": 5},
