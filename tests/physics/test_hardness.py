@@ -154,3 +154,11 @@ def test_area_that_many_loads_have_keeps_the_pressure_below_the_hardness():
     contact = asp.solve(height, HALF_SPACE, **settings, hardness=0.5 * above)
     assert contact.area_fraction == 2 / 21
     assert 0 < contact.max_pressure <= contact.hardness
+
+
+def test_start_above_the_hardness_finds_the_area():
+    height = 1e-3 * np.random.default_rng(6).normal(size=(2, 2))
+    start = np.random.default_rng(0).normal(size=(2, 2))
+    contact = asp.solve(height, asp.Layer(402.0, 0.0), area_fraction=0.75, initial=start, hardness=1.0)
+    assert contact.area_fraction == 0.75
+    assert contact.max_pressure <= 1.0

@@ -254,6 +254,14 @@ def test_start_on_one_sphere_finds_the_other():
     assert difference(warm.pressure, cold.pressure) < 2e-4
 
 
+def test_nearly_uniform_start_does_not_count():
+    """Scaled until its rounding displaces the surface like the heights, it would be a million moduli."""
+    height = np.random.default_rng(1).normal(size=(2, 4))
+    start = 1e6 + np.random.default_rng(0).normal(size=(2, 4))
+    fractions = [covering(height, 0.8125, initial=initial).area_fraction for initial in (None, start)]
+    assert fractions[0] == fractions[1] == 6 / 8
+
+
 # Two bodies
 
 

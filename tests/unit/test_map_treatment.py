@@ -148,6 +148,7 @@ def treated(**changes):
 
 test_wrong_option_is_refused = refuses(
     (lambda: made(detrend="slope"), "detrend = 'slope': one of none, tilt, curvature is needed"),
+    (lambda: made(detrend=None), "detrend = None: one of none, tilt, curvature is needed"),
     (lambda: made(periodic="none"), "periodic = 'none': one of declared, mirrored, windowed is needed"),
     (lambda: made(periodic=None), ".*set it to declared, mirrored or windowed"),
     (lambda: made(wavelength_short=0.01), r"wavelength_short = 0\.01: a number ≥ 0\.0625"),

@@ -54,6 +54,9 @@ MAX_ROUNDINGS = 10.0
 # imposed one by less than this fraction: beyond, the coarse grids give a better one.
 NEAR_START = 0.3
 
+# Least square of the correlation between the heights and what a given start displaces them by.
+LEAST_FIT = 0.5
+
 # Most threads: more than any machine has cores, few enough to be started.
 MAX_THREADS = 1024
 
@@ -447,9 +450,10 @@ def _near_start(problem: Problem, control: Control, initial: Array) -> Array | N
     heights = problem.height[contact].astype(float)
     displaced = problem.response.displacement(pressure)[contact].astype(float)
     variance, lowest = float(np.var(displaced)), problem.height_range[0]
-    if not variance > 0:
+    covariance = -float(np.mean(displaced * (heights - heights.mean())))
+    if not covariance**2 > LEAST_FIT * variance * float(np.var(heights)):
         return None
-    factor = -float(np.mean(displaced * (heights - heights.mean()))) / variance
+    factor = covariance / variance
     now, wanted = {
         "mean_pressure": (factor * float(pressure.mean(dtype=float)), control.value),
         "area_fraction": (heights.size / problem.grid.size, control.value),

@@ -178,6 +178,7 @@ def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
     """
     nodes, values = start.nodes, start.values.astype(problem.fourier.real, copy=False)
     hardness, reached = problem.hardness, start.reached_hardness
+    load = min(start.load, hardness)  # of which control by area may ask for more
     is_plastic = False
     if hardness < math.inf and values.size:
         plastic = start.values >= start.values.dtype.type(hardness)
@@ -189,9 +190,9 @@ def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
         if not mean > 0:
             nodes = np.array([np.argmin(problem.height)], np.uint32)
             values, mean = np.ones(1, values.dtype), 1 / problem.grid.size
-        scaled = values * (start.load / mean)
+        scaled = values * (load / mean)
         if is_plastic or (hardness < math.inf and scaled.max() > hardness):
-            nodes, scaled = with_load(problem, nodes, values, start.load)
+            nodes, scaled = with_load(problem, nodes, values, load)
         values = scaled
     field = field_of(problem.grid.shape, nodes, values, problem.fourier.threads)
     displacement = problem.response.displacement(field, field)
@@ -211,7 +212,7 @@ def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
     )
     if hardness < math.inf and values.size:
         reached |= is_plastic or bool(values.max() >= hardness)
-    return Iterate(problem, nodes, values, start.load, level, displacement, reached)
+    return Iterate(problem, nodes, values, load, level, displacement, reached)
 
 
 def with_load(problem: Problem, nodes: Array, values: Array, load: float) -> tuple[Array, Array]:

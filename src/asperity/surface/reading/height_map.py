@@ -176,9 +176,9 @@ class MapOptions:
                 accepts=lambda n: 2 <= n <= MOST_POINTS,
             ),
         }
-        problems = []
+        problems, optional = [], {entry.name for entry in fields(self) if entry.default is None}
         for name, check in checks.items():
-            if (value := getattr(self, name)) is not None:
+            if (value := getattr(self, name)) is not None or name not in optional:
                 try:
                     check(name, value)
                 except (TypeError, ValueError) as error:
