@@ -12,17 +12,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from asperity.contact import gfmd
 from asperity.contact.active_set import nested_grids
-from asperity.contact.certificate import (
-    Certificate,
-    certificate_of_fields,
-    rms_deviation,
-    verify_contact,
-)
+from asperity.contact.certified_state import METHODS, Fields, checked_certificate, fields_of, state_of
 from asperity.contact.compliance import response_on
-from asperity.contact.compliance.vectors import dot
-from asperity.contact.problem import Control, Problem, State
+from asperity.contact.problem import Control, Problem
 from asperity.contact.solution import Contact
 from asperity.contact.units import Units
 from asperity.core.arguments import (
@@ -35,27 +28,12 @@ from asperity.core.arguments import (
     require_finite,
     whole_number,
 )
-from asperity.core.compiled import compiled
 from asperity.core.errors import ConvergenceError, shown
-from asperity.core.parallel import apply, extremes, total
+from asperity.core.parallel import extremes
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
 from asperity.fourier.grid import Grid, real_type
-
-METHODS = {"active_set": nested_grids.solve, "gfmd": gfmd.solve}
-
-# Largest violation of the conditions of contact at a single node, in units of the tolerance, which bounds the
-# norm over all nodes, and in units of the rounding of the heights.
-MAX_VIOLATION = 100.0
-MAX_ROUNDINGS = 10.0
-
-# A given start is used if its load, its area, or its approach measured from first contact differs from the
-# imposed one by less than this fraction: beyond, the coarse grids give a better one.
-NEAR_START = 0.3
-
-# Least square of the correlation between the heights and what a given start displaces them by.
-LEAST_FIT = 0.5
 
 # Most threads: more than any machine has cores, few enough to be started.
 MAX_THREADS = 1024
@@ -181,11 +159,6 @@ def solve(
     if not isinstance(solid, (Layer, TwoBodies)):
         raise TypeError(f"solid = {shown(solid)}: a Layer or TwoBodies is needed")
     choice("method", method, tuple(METHODS))
-    limit = math.inf
-    if hardness is not None:
-        limit = number("hardness", hardness, "a number > 0", lambda value: SMALLEST <= value <= LARGEST)
-        if method == "gfmd":
-            raise ValueError(f"method = 'gfmd': active_set is needed with hardness = {shown(hardness)}")
     given = {
         "area_fraction": area_fraction,
         "mean_pressure": mean_pressure,
@@ -193,90 +166,65 @@ def solve(
         "approach": approach,
     }
     control = _checked_control(given, grid)
-    if control.kind == "mean_pressure" and control.value >= limit:
-        raise ValueError(
-            f"hardness = {shown(hardness)}: more than the mean pressure {control.value:.6g} is needed"
-        )
+    limit = math.inf if hardness is None else _checked_hardness(hardness, control)
     response = response_on(boundary, solid, grid, precision, threads)
-    if method == "gfmd" and boundary != "periodic":
-        raise ValueError(f"method = 'gfmd': active_set is needed for boundary = {boundary!r}")
+    _check_method(method, boundary, hardness)
     if control.kind == "approach" and response.uniform_compliance == 0 and control.value >= values.mean():
         raise ValueError(
             f"approach = {shown(approach)}: less than the mean height {values.mean():.6g} is needed, because "
             "this solid has no uniform displacement"
         )
+    units = Units.of(lowest, highest, solid, grid, control)
+    imposed = units.control(control)
+    _check_single_load(precision, imposed, units)
     start = None
     if initial is not None:
         start = grid.field("initial", initial.pressure if isinstance(initial, Contact) else initial)
-        start = start.astype(float)
-    units = Units.of(lowest, highest, solid, grid, control)
-    start = None if start is None else start / units.stress
-    imposed = units.control(control)
-    least = nested_grids.SMALLEST_SINGLE_LOAD
-    if precision == np.float32 and imposed.kind == "mean_pressure" and 0 < imposed.value < least:
-        raise ValueError(
-            f"mean_pressure = {control.value:g}: at least {least * units.stress:.1g} is needed with "
-            "dtype = 'float32'"
-        )
+        start = start.astype(float) / units.stress
     heights, scaled = units.heights(values), (boundary, units.solid(solid), units.grid(grid))
-    problem = Problem(
-        heights, response_on(*scaled, precision, threads, control.fixes_load), hardness=limit / units.stress
-    )
+
+    def problem_in(kind: DTypeLike) -> Problem:
+        scaled_response = response_on(*scaled, kind, threads, control.fixes_load)
+        return Problem(heights, scaled_response, hardness=limit / units.stress)
+
     # A given start may overflow: the result is checked in the end.
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-        state = None
+        problem, state = problem_in(precision), None
         try:
-            state = _state_of(problem, imposed, method, rtol, progress, start)
+            state = state_of(problem, imposed, method, rtol, progress, start)
         except ConvergenceError:
             if precision == np.float64 or rtol < np.finfo(precision).eps:
                 raise
         # Not in the block above, so that the fields of the first attempt are released.
         if state is None:
-            doubled = response_on(*scaled, "float64", threads, control.fixes_load)
-            in_double = Problem(heights, doubled, hardness=limit / units.stress)
-            state = _state_of(in_double, imposed, method, rtol, progress, start)
+            state = state_of(problem_in("float64"), imposed, method, rtol, progress, start)
             state = replace(state, pressure=state.pressure.astype(precision), displacement=None)
-        displacement, gap, approach, nodes, mean_pressure = _fields_of(problem, imposed, state)
-        certificate = _checked_certificate(problem, imposed, state, gap, approach, rtol, method)
+        fields = fields_of(problem, imposed, state)
+        certificate = checked_certificate(problem, imposed, state, fields, rtol, method)
         plastic_depth = None
-        if limit < math.inf:
-            plastic_depth = np.where(state.pressure >= problem.hardness, np.maximum(-gap, 0), 0)
-            gap += plastic_depth
+        if hardness is not None:
+            plastic_depth = np.where(state.pressure >= problem.hardness, np.maximum(-fields.gap, 0), 0)
+            fields.gap[:] += plastic_depth
         pairs = problem.fourier.work.pairs(grid)
-        reached = {"area_fraction": nodes / grid.size, "mean_pressure": mean_pressure}.get(imposed.kind)
-        error = abs(reached / imposed.value - 1) if imposed.value and reached is not None else 0.0
         contact = Contact(
             height=values.astype(precision, copy=False),
             pressure=_times(state.pressure, units.stress),
-            displacement=_times(displacement, units.height),
-            gap=_times(gap, units.height),
+            displacement=_times(fields.displacement, units.height),
+            gap=_times(fields.gap, units.height),
             grid=grid,
             solid=solid,
             boundary=boundary,
-            area_fraction=nodes / grid.size,
-            mean_pressure=mean_pressure * units.stress,
-            approach=approach * units.height + units.datum,
+            area_fraction=fields.nodes / grid.size,
+            mean_pressure=fields.mean_pressure * units.stress,
+            approach=fields.approach * units.height + units.datum,
             certificate=replace(certificate, pairs=pairs, seconds=time.perf_counter() - begin),
-            control_error=error,
+            control_error=_control_error(imposed, fields, grid),
             method=method,
             rtol=rtol,
             hardness=problem.hardness * units.stress,
             plastic_depth=None if plastic_depth is None else _times(plastic_depth, units.height),
         )
-    if units.change and (
-        np.count_nonzero(contact.pressure) != nodes
-        or not is_finite(contact.pressure)
-        or bool(np.ptp(contact.height)) != (lowest < highest)
-    ):
-        other = "float64 or other units" if precision == np.float32 else "other units"
-        raise ValueError(
-            f"dtype = {precision.name!r}: cannot hold heights of about {units.height:.0e} and pressures of "
-            f"about {units.stress:.0e}; {other} are needed"
-        )
-    # The certificate is finite only if the fields are, which a change of units may undo.
-    fields = ("pressure", "displacement", "gap") if units.change else ()
-    numbers = ("mean_pressure", "approach", "area_fraction", "control_error")
-    require_finite("solve", {name: getattr(contact, name) for name in (*fields, *numbers)})
+    _require_held(contact, units, fields.nodes, lowest < highest)
     return contact
 
 
@@ -378,186 +326,66 @@ def _checked_control(imposed: dict[str, float | None], grid: Grid) -> Control:
     return Control("mean_pressure", value / grid.area) if kind == "force" else Control(kind, value)
 
 
+def _checked_hardness(hardness: float, control: Control) -> float:
+    """Return the hardness, above an imposed mean pressure."""
+    value = number("hardness", hardness, "a number > 0", lambda value: SMALLEST <= value <= LARGEST)
+    if control.kind == "mean_pressure" and control.value >= value:
+        raise ValueError(
+            f"hardness = {shown(hardness)}: more than the mean pressure {control.value:.6g} is needed"
+        )
+    return value
+
+
+def _check_method(method: str, boundary: str, hardness: float | None) -> None:
+    """Require the active set where the paper's dynamics has no form."""
+    if method == "gfmd" and hardness is not None:
+        raise ValueError(f"method = 'gfmd': active_set is needed with hardness = {shown(hardness)}")
+    if method == "gfmd" and boundary != "periodic":
+        raise ValueError(f"method = 'gfmd': active_set is needed for boundary = {boundary!r}")
+
+
+def _check_single_load(precision: DTypeLike, imposed: Control, units: Units) -> None:
+    """Require a load that single precision tells from none; it is given in the units of the solution."""
+    least = nested_grids.SMALLEST_SINGLE_LOAD
+    if precision == np.float32 and imposed.kind == "mean_pressure" and 0 < imposed.value < least:
+        raise ValueError(
+            f"mean_pressure = {imposed.value * units.stress:g}: at least {least * units.stress:.1g} is "
+            "needed with dtype = 'float32'"
+        )
+
+
+# The result
+
+
+def _control_error(imposed: Control, fields: Fields, grid: Grid) -> float:
+    """Relative difference between the imposed load or area and the one reached."""
+    reached = {"area_fraction": fields.nodes / grid.size, "mean_pressure": fields.mean_pressure}
+    if imposed.kind not in reached or imposed.value == 0:
+        return 0.0
+    return abs(reached[imposed.kind] / imposed.value - 1)
+
+
+def _require_held(contact: Contact, units: Units, nodes: int, is_rough: bool) -> None:
+    """Require that a result is finite, and that its precision holds it in the units given."""
+    if units.change and (
+        np.count_nonzero(contact.pressure) != nodes
+        or not is_finite(contact.pressure)
+        or bool(np.ptp(contact.height)) != is_rough
+    ):
+        precision = contact.pressure.dtype
+        other = "float64 or other units" if precision == np.float32 else "other units"
+        raise ValueError(
+            f"dtype = {precision.name!r}: cannot hold heights of about {units.height:.0e} and pressures of "
+            f"about {units.stress:.0e}; {other} are needed"
+        )
+    # The certificate is finite only if the fields are, which a change of units may undo.
+    fields = ("pressure", "displacement", "gap") if units.change else ()
+    numbers = ("mean_pressure", "approach", "area_fraction", "control_error")
+    require_finite("solve", {name: getattr(contact, name) for name in (*fields, *numbers)})
+
+
 def _times(field: Array, unit: float) -> Array:
     """A field times a unit, in place."""
     if unit != 1:
         field *= field.dtype.type(unit)
     return field
-
-
-# The solution
-
-
-def _state_of(
-    problem: Problem,
-    control: Control,
-    method: str,
-    rtol: float,
-    progress: Progress | None,
-    initial: Array | None,
-) -> State:
-    """The state under a load; an imposed area is at least that of the lowest nodes, which touch together."""
-    lowest, _ = problem.height_range
-    if control.kind == "approach" and control.value <= lowest:
-        return State(np.zeros_like(problem.height), control.value, 0.0)
-    if control.kind == "mean_pressure" and control.value == 0:
-        return State(np.zeros_like(problem.height), lowest, 0.0)
-    if control.kind == "area_fraction":
-        together = np.count_nonzero(problem.height == lowest) / problem.grid.size
-        control = replace(control, value=max(control.value, together))
-        all_touch = round(control.value * problem.grid.size) == problem.grid.size
-        if all_touch and problem.response.repeats and problem.height.any():
-            full = _full_contact(problem)
-            if (largest := float(full.pressure.max())) > problem.hardness:
-                raise ValueError(
-                    f"area_fraction = {control.value:g}: less is needed, because full contact takes "
-                    f"{largest / problem.hardness:.4g} times the hardness"
-                )
-            return full
-    start = None if initial is None else _near_start(problem, control, initial)
-    state = METHODS[method](problem, control, rtol, progress, start)
-    if state.reached_hardness and not (state.pressure >= problem.hardness).any():
-        # The way to an elastic contact led through a plastic one: its rounding differs. Its load may, too, if
-        # many loads have the imposed area.
-        unbounded = Problem(problem.height, problem.response, problem.datum)
-        elastic = METHODS[method](unbounded, control, rtol, progress, start)
-        if elastic.pressure.max() <= problem.hardness:
-            return elastic
-    return state
-
-
-def _full_contact(problem: Problem) -> State:
-    """The least load at which all nodes touch: every mode but the uniform one has û = −ĥ."""
-    compliance, fourier = problem.response.compliance, problem.fourier
-    coefficients = fourier.forward(problem.height)
-    np.divide(coefficients, -compliance, out=coefficients, where=compliance > 0)
-    coefficients[0, 0] = 0
-    pressure = fourier.inverse(coefficients, overwrite=True)
-    # The last node to touch bears a pressure just above rounding.
-    pressure += np.ptp(pressure) * 4 * np.finfo(pressure.dtype).eps - pressure.min()
-    return State(pressure, 0.0, float(pressure.mean(dtype=float)))
-
-
-def _near_start(problem: Problem, control: Control, initial: Array) -> Array | None:
-    """A given pressure without tension, so large that the deformed surface in contact fits the indenter.
-
-    None if its load, area or approach is then far from the imposed one.
-    """
-    contact = initial > 0
-    if not contact.any():
-        return None
-    pressure = (np.maximum(initial, 0) / initial.max()).astype(problem.fourier.real)
-    heights = problem.height[contact].astype(float)
-    displaced = problem.response.displacement(pressure)[contact].astype(float)
-    variance, lowest = float(np.var(displaced)), problem.height_range[0]
-    covariance = -float(np.mean(displaced * (heights - heights.mean())))
-    if not covariance**2 > LEAST_FIT * variance * float(np.var(heights)):
-        return None
-    factor = covariance / variance
-    now, wanted = {
-        "mean_pressure": (factor * float(pressure.mean(dtype=float)), control.value),
-        "area_fraction": (heights.size / problem.grid.size, control.value),
-        "approach": (float(np.mean(heights + factor * displaced)) - lowest, control.value - lowest),
-    }[control.kind]
-    if not (factor > 0 and abs(now - wanted) < NEAR_START * wanted):
-        return None
-    return pressure * pressure.dtype.type(factor)
-
-
-def _fields_of(problem: Problem, control: Control, state: State) -> tuple[Array, Array, float, int, float]:
-    """Displacement, gap, approach, number of contact nodes and mean pressure that follow from a pressure.
-
-    The gap of plastic nodes is negative.
-    """
-    response, threads, displacement = problem.response, problem.fourier.threads, state.displacement
-    if displacement is None:
-        displacement = response.displacement(state.pressure)
-    mean = response.omitted_compliance * state.load if response.omits_mean else 0.0
-    if mean:
-        displacement = displacement + displacement.dtype.type(mean)
-    gap = np.empty_like(problem.height)
-    pressure, height, displaced, out = (
-        field.reshape(-1) for field in (state.pressure, problem.height, displacement, gap)
-    )
-    hardness = pressure.dtype.type(problem.hardness)
-    sums = total(_levels_of_contact, threads, pressure, height, displaced, hardness)
-    total_level, elastic, nodes, total_pressure = sums
-    approach = state.approach
-    if control.kind != "approach":
-        approach = state.approach + mean if elastic == 0 else total_level / elastic
-    apply(_write_gap, threads, height, displaced, gap.dtype.type(approach), out)
-    return displacement, gap, approach, nodes, total_pressure / problem.grid.size
-
-
-def _checked_certificate(
-    problem: Problem, control: Control, state: State, gap: Array, approach: float, rtol: float, method: str
-) -> Certificate:
-    """The certificate of a state.
-
-    Raises
-    ------
-    ConvergenceError
-        If a field is not finite, or the certificate exceeds what the tolerance allows: a relative error of
-        the pressure changes the gap by that fraction of the displacement that the pressure can cause, which
-        is largest for the longest wave.
-    """
-    pressure, height, solid = state.pressure, problem.height, problem.response.solid
-    threads = problem.fourier.threads
-    load = state.load if control.kind == "mean_pressure" else None
-    if pressure.dtype == np.float64:
-        fields = height, pressure, gap
-        certificate = certificate_of_fields(*fields, problem.unit, load, threads, problem.hardness)
-    else:
-        certificate = verify_contact(
-            height,
-            pressure,
-            solid,
-            problem.grid.length,
-            approach=approach,
-            mean_pressure=load,
-            hardness=problem.hardness if problem.hardness < math.inf else None,
-            boundary=problem.response.boundary,
-            threads=threads,
-        )
-    worst, allowed, finite = certificate.worst, MAX_VIOLATION * rtol, True
-    if worst > allowed:
-        finite = is_finite(pressure) and is_finite(gap)
-        if finite and (rms_height := rms_deviation(height, threads)):
-            values = pressure.reshape(-1)
-            longest = float(solid.surface_compliance(2 * np.pi / max(problem.grid.length)))
-            allowed *= max(1.0, math.sqrt(dot(values, values) / values.size) * longest / rms_height)
-            largest = max(map(abs, problem.height_range))
-            allowed += MAX_ROUNDINGS * float(np.finfo(pressure.dtype).eps) * largest / rms_height
-    if not finite or worst > allowed:
-        raise ConvergenceError(
-            f"{method} on {problem.grid.shape} nodes ended with a pressure that "
-            + ("violates the conditions of contact" if finite else "is not finite"),
-            worst,
-            rtol,
-            state.iterations,
-            float(pressure.mean(dtype=float)),
-        )
-    return replace(certificate, iterations=state.iterations)
-
-
-@compiled
-def _write_gap(height: Any, displacement: Any, approach: Any, out: Any) -> None:
-    """Write the gap h + u − δ."""
-    for i in range(height.size):
-        out[i] = (height[i] + displacement[i]) - approach
-
-
-@compiled
-def _levels_of_contact(
-    pressure: Any, height: Any, displacement: Any, hardness: Any
-) -> tuple[float, int, int, float]:
-    """Sum of h + u over the elastic nodes, their number, that of contact nodes, and the sum of p."""
-    total_level, elastic, count, total = 0.0, 0, 0, 0.0
-    for i in range(pressure.size):
-        total += np.float64(pressure[i])
-        if pressure[i] > 0:
-            count += 1
-            if pressure[i] < hardness:
-                total_level += np.float64(height[i] + displacement[i])
-                elastic += 1
-    return total_level, elastic, count, total
