@@ -10,12 +10,7 @@ import numpy as np
 
 from asperity.contact import gfmd
 from asperity.contact.active_set import nested_grids
-from asperity.contact.certificate import (
-    Certificate,
-    certificate_of_fields,
-    rms_deviation,
-    verify_contact,
-)
+from asperity.contact.certificate import Certificate, certificate_of_fields, rms_deviation, verify_contact
 from asperity.contact.compliance.vectors import dot
 from asperity.contact.problem import Control, Problem, State
 from asperity.core.arguments import is_finite
