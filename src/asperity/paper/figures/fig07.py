@@ -44,7 +44,10 @@ def draw(contact: Datasets) -> Figure:
             cmap="viridis_r",
         )
         axis.set(xlabel="$x / L$", ylabel="$y / L$")
-        axis.set_title(label(contact[name]), loc="center")
+        title = label(contact[name])
+        if ", " in title:  # on lines above that of the letter of the panel, which it would run into
+            title = title.replace(", ", ",\n") + "\n"
+        axis.set_title(title, loc="center")
         axis.spines[["top", "right"]].set_visible(True)
     figure.colorbar(image, ax=axes, label=r"$t_3 / E^* \bar{g}_r$", extend="max", shrink=0.8)
     return figure
