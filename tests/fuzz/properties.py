@@ -261,14 +261,21 @@ def try_treatment(case):
     require(abs(float(np.mean(height))) <= 1e-9 * float(np.abs(height).max()), "the mean height is not zero")
 
 
+strengths = st.none() | number(1e-3, 1e12)
 elastic = st.fixed_dictionaries(
     {
         "young": number(1e-3, 1e12),
         "poisson": number(-0.99, 0.5),
-        "yield_stress": st.none() | number(1e-3, 1e12),
+        "yield_stress": strengths,
         "height": st.none() | number(1e-6, 10),
         "bottom": choice("bonded", "frictionless", "free"),
-    }
+    },
+    optional={"hardness": strengths, "conductivity": strengths, "resistivity": strengths},
+)
+fatigue_limits = st.builds(
+    lambda torsion, ratio: {"fatigue_torsion": torsion, "fatigue_bending": ratio * torsion},
+    st.floats(1e-3, 1e12),
+    st.floats(1.0, 2.0),
 )
 cases = st.fixed_dictionaries(
     {
@@ -276,8 +283,10 @@ cases = st.fixed_dictionaries(
         "lower": elastic,
         "upper": st.none() | elastic,
         "kind": st.sampled_from(list(PLURALS)),
-        "value": number(1e-3, 1),
+        "value": number(1e-3, 1) | st.lists(st.floats(1e-3, 1), min_size=1, max_size=3).map(sorted),
         "friction": st.just(0.0) | number(0, 2),
+        "direction": st.just("x") | choice("x", "y") | number(-180, 360),
+        "fatigue": st.just({}) | fatigue_limits,
         "settings": st.fixed_dictionaries(
             {},
             optional={
@@ -295,10 +304,11 @@ def try_run(case):
     upper = None if case["upper"] is None else engineering.Body(**case["upper"])
     answer = engineering.run(
         asp.HeightMap(**case["map"]),
-        engineering.Body(**case["lower"]),
+        engineering.Body(**case["lower"], **case["fatigue"]),
         upper,
         **{case["kind"]: case["value"]},
         friction=case["friction"],
+        sliding_direction=case["direction"],
         map_options=asp.MapOptions(**case["settings"]),
     )
     numbers = asdict(answer.numbers)
