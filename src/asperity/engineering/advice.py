@@ -16,7 +16,7 @@ from asperity.elasticity.two_bodies import sliding_coupling
 from asperity.engineering.answer import LIMITS, Advice, Answer, limit_of
 from asperity.engineering.answer_numbers import sampling_error
 from asperity.engineering.body_stress import BodyAnswer
-from asperity.engineering.plastic import HARDNESS_OVER_YIELD, suggested_hardness
+from asperity.engineering.case import HARDNESS_OVER_YIELD, suggested_hardness
 
 WARNING, NOTE = "warning", "note"
 

@@ -15,13 +15,11 @@ import xarray as xr
 from asperity.contact import Contact
 from asperity.core.markup import picture, table, with_error
 from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.answer_numbers import ContactNumbers, Neighbours, gap_of
+from asperity.engineering.answer_numbers import ContactNumbers, Neighbours, PlasticContact, gap_of
 from asperity.engineering.body_stress import DIRECTION, BodyAnswer
-from asperity.engineering.case import CONTROL_UNITS, Body, Case
+from asperity.engineering.case import CONTROL_UNITS, HARDNESS_OVER_YIELD, Body, Case
 from asperity.engineering.face import RoughFace
 from asperity.engineering.load_curve import YIELD_LOAD_ERROR, AnswerCurve
-from asperity.engineering.plastic import HARDNESS_OVER_YIELD, PlasticContact
-from asperity.engineering.spots import gap_table
 from asperity.stress.peaks.selection import peaks
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -53,6 +51,9 @@ CYCLE_WORDS = {
 
 PERCENTS = (50, 90, 99)
 """Percentiles of the von Mises peaks below the contacts that are listed."""
+
+GAP_SHARES = np.linspace(0, 1, 101)
+"""Shares of the area for which the gap is listed."""
 
 CONDUCTANCE_UNITS = {"thermal_conductance": "W/(m² K)", "electrical_conductance": "S/m²"}
 """Conductance per nominal area → its unit."""
@@ -180,7 +181,8 @@ class Answer:
 
     def gaps(self) -> pd.DataFrame:
         """Gap below which a share of the area of the map lies: share, gap_m."""
-        return gap_table(gap_of(self.face, self.contact))
+        gaps = np.quantile(gap_of(self.face, self.contact), GAP_SHARES)
+        return pd.DataFrame({"share": GAP_SHARES, "gap_m": gaps})
 
     def peaks(self) -> pd.DataFrame:
         """Peaks of the contact pressure and of the fields of the answer, those of largest magnitude first.

@@ -137,6 +137,35 @@ def sampling_error(face: TreatedMap) -> float:
 
 
 @dataclass(frozen=True)
+class PlasticContact:
+    """What a hardness makes of a contact.
+
+    Parameters
+    ----------
+    hardness : float
+        In Pa.
+    is_given : bool
+        False if it follows from the yield stress, and the answer is that of the elastic contact.
+    plasticity_index : float
+        E* ḡ / H, with the rms gradient ḡ of the surface that was pressed.
+    area_fraction, plastic_area : float
+        Real contact and area at the hardness over the nominal area.
+    plastic_load : float
+        Share of the load at the hardness.
+    plastic_depth : float
+        Largest depth by which the surface is flattened, in m.
+    """
+
+    hardness: float
+    is_given: bool
+    plasticity_index: float
+    area_fraction: float
+    plastic_area: float
+    plastic_load: float
+    plastic_depth: float
+
+
+@dataclass(frozen=True)
 class Neighbours:
     """Effect of the periodic images of a ball or cylinder.
 

@@ -51,6 +51,9 @@ BODY = {
 MAX_LOADS, RISING = 100, "a list of rising values"
 """Most loads of a load curve, and what they are."""
 
+HARDNESS_OVER_YIELD = 3.0
+"""Indentation hardness over yield stress (D. Tabor, The Hardness of Metals, 1951)."""
+
 CONDUCTION = ("conductivity", "resistivity")
 """Fields of `Body` that the conductance of a contact needs of both bodies."""
 
@@ -359,6 +362,12 @@ def loads_of(name: str, settings: Mapping[str, Any]) -> float | list[float]:
             )
         loads = np.geomspace(loads[0], loads[1], steps).tolist()
     return loads if len(loads) > 1 else loads[0]
+
+
+def suggested_hardness(case: Case) -> float | None:
+    """Hardness that the yield stresses of a case without hardness suggest; None without a yield stress."""
+    limits = [body.yield_stress for body in case.bodies.values() if body.yield_stress is not None]
+    return HARDNESS_OVER_YIELD * min(limits) if limits and case.hardness is None else None
 
 
 def _name_of(source: Source) -> str:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -16,14 +15,13 @@ from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.engineering.advice import advise
 from asperity.engineering.answer import Answer
-from asperity.engineering.answer_numbers import Neighbours, contact_numbers
+from asperity.engineering.answer_numbers import Neighbours, PlasticContact, contact_numbers
 from asperity.engineering.body_stress import body_answer
-from asperity.engineering.case import Body, Case, CounterMap, Load
+from asperity.engineering.case import Body, Case, CounterMap, Load, suggested_hardness
 from asperity.engineering.close_up import close_ups
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
 from asperity.engineering.load_curve import AnswerCurve, largest_von_mises, load_curve, yield_load
-from asperity.engineering.plastic import plastic_contact
 from asperity.engineering.spots import contact_spots
 from asperity.fourier.grid import Grid
 from asperity.surface.reading.height_map import HeightMap, MapOptions
@@ -156,7 +154,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         numbers,
         {name: bodies.get(name, bodies["lower"]) for name in case.bodies},
         neighbours_of(face, case, contact) if form_repeats and len(spots) else None,
-        plastic_contact(case, contact, numbers.rms_gradient, partial(press_to, face, case)),
+        plastic_contact(face, case, contact, numbers.rms_gradient),
     )
     if case.load.path:
         answer = replace(answer, curve=answer_curve(answer, _part(progress, 0.6, 1.0)))
@@ -213,7 +211,8 @@ def answer_curve(answer: Answer, progress: Progress) -> AnswerCurve:
         if (limit := case.bodies[name].yield_stress) is not None:
 
             def stress_under(load: float, name: str = name) -> float:
-                return largest_von_mises(press_to(face, case, load, case.hardness), name, **sliding)
+                under_load = press(face, replace(case, load=Load("mean_pressure", load)))
+                return largest_von_mises(under_load, name, **sliding)
 
             stresses = curve["largest_von_mises_stress"].sel(body=name).values
             begins[name] = yield_load(curve["mean_pressure"].values, stresses, limit, stress_under)
@@ -221,15 +220,30 @@ def answer_curve(answer: Answer, progress: Progress) -> AnswerCurve:
     return AnswerCurve(curve.assign(approach=curve["approach"] - lowest), begins)
 
 
-def press_to(face: TreatedMap, case: Case, mean_pressure: float, hardness: float | None) -> Contact:
-    """The contact of the case under another load, with another hardness."""
-    return solve(
-        face.height,
-        case.solid,
-        face.grid.length,
-        mean_pressure=mean_pressure,
+def plastic_contact(
+    face: TreatedMap, case: Case, contact: Contact, rms_gradient: float
+) -> PlasticContact | None:
+    """What the hardness of a case, or the one that its yield stresses suggest, makes of its contact.
+
+    None without a hardness, and if the elastic pressure stays below the suggested one or no contact bears the
+    load.
+    """
+    if (suggested := suggested_hardness(case)) is not None:
+        if not contact.mean_pressure < suggested < contact.max_pressure:
+            return None
+        lower, load = replace(case.lower, hardness=suggested), Load("mean_pressure", contact.mean_pressure)
+        contact = press(face, replace(case, lower=lower, load=load))
+    hardness = case.hardness or suggested
+    if hardness is None:
+        return None
+    return PlasticContact(
         hardness=hardness,
-        boundary=face.boundary,
+        is_given=case.hardness is not None,
+        plasticity_index=contact.solid.effective_modulus * rms_gradient / hardness,
+        area_fraction=contact.area_fraction,
+        plastic_area=contact.plastic_area,
+        plastic_load=contact.plastic_load,
+        plastic_depth=0.0 if contact.plastic_depth is None else float(contact.plastic_depth.max()),
     )
 
 

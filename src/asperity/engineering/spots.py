@@ -1,4 +1,4 @@
-"""Spots of contact on a map, and the distribution of the gap around them, as tables."""
+"""Spots of contact on a map, as a table."""
 
 from __future__ import annotations
 
@@ -8,9 +8,6 @@ import pandas as pd
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
 from asperity.stress.statistics.patches import contact_patches
-
-SHARES = np.linspace(0, 1, 101)
-"""Shares of the area for which the gap is listed."""
 
 
 def contact_spots(pressure: Array, grid: Grid, periodic: bool) -> pd.DataFrame:
@@ -68,8 +65,3 @@ def contact_spots(pressure: Array, grid: Grid, periodic: bool) -> pd.DataFrame:
         }
     )
     return table.sort_values("load_N", ascending=False, ignore_index=True)
-
-
-def gap_table(gap: Array) -> pd.DataFrame:
-    """Gap below which a share of the area lies."""
-    return pd.DataFrame({"share": SHARES, "gap_m": np.quantile(gap, SHARES)})
