@@ -53,15 +53,12 @@ class AnswerCurve:
 
     def frame(self) -> pd.DataFrame:
         """The curve as a table; the columns are described in ``docs/tables.md``."""
-        found = {
-            COLUMNS[str(name)]: values.values for name, values in self.numbers.items() if name in COLUMNS
-        }
+        found = self.numbers.drop_dims("body").to_dataframe().rename(columns=COLUMNS)
         for body in self.numbers["body"].values:
-            values = self.numbers["largest_von_mises_stress"].sel(body=body).values
-            found[f"largest_von_mises_{body}_Pa"] = values
+            found[f"largest_von_mises_{body}_Pa"] = self.numbers["largest_von_mises_stress"].sel(body=body)
             if body in self.yield_loads:
-                found[f"yield_begins_{body}_Pa"] = np.full(values.size, self.yield_loads[body])
-        return pd.DataFrame(found)
+                found[f"yield_begins_{body}_Pa"] = self.yield_loads[body]
+        return found
 
 
 def load_curve(
