@@ -9,7 +9,7 @@ import signal
 import sys
 import threading
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from importlib import import_module
 from types import FrameType
 from typing import NoReturn
@@ -89,14 +89,8 @@ def _run(arguments: Sequence[str] | None) -> None:
     from asperity.cli.parser import parse
 
     options = parse(arguments)
-    with _engine(getattr(options, "fft_engine", None)):
+    from asperity.fourier import fft_engine  # takes time, for which help and wrong usage do not wait
+
+    engine = getattr(options, "fft_engine", None)
+    with fft_engine(engine) if engine else nullcontext():
         import_module(f"asperity.cli.commands.{options.command}").run(options)
-
-
-def _engine(name: str | None) -> AbstractContextManager[object]:
-    """Block in which a named engine computes the Fourier transforms."""
-    if name is None:
-        return nullcontext()
-    from asperity.fourier import fft_engine
-
-    return fft_engine(name)

@@ -11,11 +11,13 @@ import os
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 from typing import Any
 
 from tqdm import tqdm
+
+from asperity.fourier import fft_engine
 
 logger = logging.getLogger("asperity")
 
@@ -74,14 +76,12 @@ def job(snakemake: Any) -> Iterator[ProgressBar]:
         What Snakemake gives to a script: the job has a log, and may have a parameter ``fft_engine``.
     """
     log_to(snakemake.log[0])
-    with ProgressBar(" ".join([snakemake.rule, *snakemake.wildcards])) as progress:
-        if engine := snakemake.params.get("fft_engine"):
-            from asperity.fourier import fft_engine  # takes time, and figures need no transforms
-
-            with fft_engine(engine):
-                yield progress
-        else:
-            yield progress
+    engine = snakemake.params.get("fft_engine")
+    with (
+        ProgressBar(" ".join([snakemake.rule, *snakemake.wildcards])) as progress,
+        fft_engine(engine) if engine else nullcontext(),
+    ):
+        yield progress
 
 
 def log_to(path: str | os.PathLike[str]) -> None:
