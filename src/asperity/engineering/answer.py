@@ -117,7 +117,7 @@ class Answer:
     contact : Contact
         In SI units.
     spots : DataFrame
-        Patches of contact on the map; see `asperity.engineering.spots.contact_spots`.
+        Patches of contact on the map; see `asperity.engineering.answer_numbers.contact_spots`.
     numbers : ContactNumbers
     bodies : dict
         ``lower`` and, if it is elastic, ``upper`` → `BodyAnswer`.

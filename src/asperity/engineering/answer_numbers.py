@@ -1,4 +1,4 @@
-"""Numbers of the contact in an answer, in SI units."""
+"""Patches and numbers of the contact in an answer, in SI units."""
 
 from __future__ import annotations
 
@@ -11,7 +11,8 @@ import pandas as pd
 from asperity.contact import Contact
 from asperity.core.types import Array
 from asperity.engineering.face import RoughFace
-from asperity.fourier.grid import Fourier, mean_square
+from asperity.fourier.grid import Fourier, Grid, mean_square
+from asperity.stress.statistics.patches import contact_patches
 from asperity.surface.roughness import roughness_parameters
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -74,6 +75,56 @@ class ContactNumbers:
     load_on_small_patches: float
     load_on_edges: float
     violation: float
+
+
+def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:
+    """Connected patches of contact on the map, those of largest load first.
+
+    Returns
+    -------
+    DataFrame
+        Columns as ``docs/tables.md`` describes them. Length and width are the axes of the ellipse with the
+        area of the spot and the ratio of its principal second moments.
+    """
+    pressure, grid = face.part(contact.pressure), Grid(face.map_shape, face.map_length)
+    periodic = face.boundary == "periodic" and not face.is_mirrored  # opposite edges of the map meet
+    number, _ = contact_patches(pressure > 0, periodic)
+    node = np.flatnonzero(number)
+    spot, carried = number.ravel()[node] - 1, pressure.ravel()[node].astype(float)
+    _, first, nodes = np.unique(spot, return_index=True, return_counts=True)
+
+    def mean(values: Array) -> Array:
+        return np.bincount(spot, values, nodes.size) / nodes
+
+    place, offset = [], []
+    for index, count, step in zip(np.divmod(node, grid.shape[1]), grid.shape, grid.spacing, strict=True):
+        away = index - index[first][spot]
+        if periodic:
+            away = (away + count // 2) % count - count // 2
+        middle = mean(away)
+        place.append((index[first] + middle) % count * step)
+        offset.append((away - middle[spot]) * step)
+    yy, xx = (mean(own**2) + step**2 / 12 for own, step in zip(offset, grid.spacing, strict=True))
+    yx = mean(offset[0] * offset[1])
+    spread = np.hypot((xx - yy) / 2, yx)
+    ratio = np.sqrt(((xx + yy) / 2 + spread) / ((xx + yy) / 2 - spread))
+    area = nodes * grid.area / grid.size
+    largest = np.zeros(nodes.size)
+    np.maximum.at(largest, spot, carried)
+    table = pd.DataFrame(
+        {
+            "area_m2": area,
+            "load_N": np.bincount(spot, carried, nodes.size) * grid.area / grid.size,
+            "y_m": place[0],
+            "x_m": place[1],
+            "length_m": np.sqrt(4 / np.pi * area * ratio),
+            "width_m": np.sqrt(4 / np.pi * area / ratio),
+            "angle_deg": np.degrees(np.arctan2(2 * yx, xx - yy) / 2) % 180,
+            "largest_pressure_Pa": largest,
+            "nodes": nodes,
+        }
+    )
+    return table.sort_values("load_N", ascending=False, ignore_index=True)
 
 
 def contact_numbers(rough: RoughFace, contact: Contact, spots: pd.DataFrame) -> ContactNumbers:

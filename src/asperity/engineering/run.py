@@ -15,15 +15,13 @@ from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.engineering.advice import advise
 from asperity.engineering.answer import Answer
-from asperity.engineering.answer_numbers import Neighbours, PlasticContact, contact_numbers
+from asperity.engineering.answer_numbers import Neighbours, PlasticContact, contact_numbers, contact_spots
 from asperity.engineering.body_stress import body_answer
 from asperity.engineering.case import Body, Case, CounterMap, Load, suggested_hardness
 from asperity.engineering.close_up import close_ups
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
 from asperity.engineering.load_curve import AnswerCurve, largest_von_mises, load_curve, yield_load
-from asperity.engineering.spots import contact_spots
-from asperity.fourier.grid import Grid
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 from asperity.surface.treatment.treatment import TreatedMap
 
@@ -133,11 +131,8 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     rough = rough or read_face(case.source, case.options, case.counter_map)
     face = rough.face
     contact = press(face, case, _part(progress, 0.1, 0.5))
-    periodic = face.boundary == "periodic"
-    spots = contact_spots(
-        face.part(contact.pressure), Grid(face.map_shape, face.map_length), periodic and not face.is_mirrored
-    )
-    form_repeats = periodic and case.options.radius is not None
+    spots = contact_spots(face, contact)
+    form_repeats = face.boundary == "periodic" and case.options.radius is not None
     half = solved_on_half(contact)
     share, bodies = (0.1 if case.load.path else 0.5) / len(case.different_bodies), {}
     for number, name in enumerate(case.different_bodies):
