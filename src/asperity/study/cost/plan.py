@@ -22,6 +22,7 @@ import numpy as np
 import pandas as pd
 import yaml
 
+from asperity.core.arguments import choice
 from asperity.core.errors import ConfigError, PlanError, shown
 from asperity.study.config.check import check
 from asperity.study.config.defaults import (
@@ -188,8 +189,7 @@ def outputs() -> list[str]:
 def check_outputs(names: Iterable[str]) -> None:
     """Raise `ValueError` for the first name that is not an output."""
     for name in names:
-        if name not in outputs():
-            raise ValueError(f"output = {name!r}: one of {', '.join(outputs())} is needed")
+        choice("output", name, outputs())
 
 
 def spacing_of(points: float) -> float:
@@ -314,10 +314,10 @@ def error_bounds(scene: Scene, accuracy: AccuracySettings, one_surface: bool = F
         return pd.DataFrame(math.inf, outputs(), ["grid", "settings", "seeds"])
     table = table[table["area_fraction"] == areas.max()].set_index("output")
 
-    def largest(parameter: str, limit: float, coarser_is_more: bool) -> pd.Series:
+    def largest(parameter: str, limit: float) -> pd.Series:
         """Errors at the next coarser setting that was measured; infinite if there is none."""
         rows = table[table["parameter"] == parameter]
-        sign = 1 if coarser_is_more else -1
+        sign = -1 if parameter == "points_per_wavelength" else 1
         values = sign * rows["setting"].astype(float)
         coarser = values[values >= sign * limit * (1 - sign * 1e-9)]
         if coarser.empty:
@@ -331,15 +331,14 @@ def error_bounds(scene: Scene, accuracy: AccuracySettings, one_surface: bool = F
             # It was varied on the grid of the paper; the errors of the grids hold that of the spacing there.
             value *= PRESETS["paper"].points_per_wavelength / accuracy.points_per_wavelength
         if value > (PRESETS["paper"].depth_spacing if parameter == "depth_spacing" else 0):
-            settings += largest(parameter, value, coarser_is_more=True)
+            settings += largest(parameter, value)
     if accuracy.precision == "float32":
         settings += table["error"][table["parameter"] == "precision"]
     spread = table["error"][table["parameter"] == "seeds"]
     interval = STUDENT_95 * scene.wavelength_long / MEASURED_WAVELENGTH / math.sqrt(accuracy.seeds)
     return pd.DataFrame(
         {
-            "grid": MARGIN
-            * largest("points_per_wavelength", accuracy.points_per_wavelength, coarser_is_more=False),
+            "grid": MARGIN * largest("points_per_wavelength", accuracy.points_per_wavelength),
             "settings": MARGIN * settings,
             "seeds": (0.0 if one_surface else interval) * spread,
         },
