@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import base64
 import json
 import os
+import platform
 import shutil
 from dataclasses import asdict
+from datetime import datetime
+from importlib.metadata import version
+from importlib.util import find_spec
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -13,17 +19,28 @@ import xarray as xr
 import yaml
 
 from asperity.core.errors import DatasetError
-from asperity.engineering.answer import Answer
+from asperity.core.markup import rendered
+from asperity.core.version import __version__
+from asperity.engineering.advice import WARNING
+from asperity.engineering.answer import Answer, body_title, case_in_words
 from asperity.engineering.case import Case
 from asperity.engineering.folder import UNFINISHED, move_complete, names_in, replacing
-from asperity.engineering.pictures import pictures, suffix_of
-from asperity.engineering.report import report_page
+from asperity.engineering.pictures import Picture, pictures, suffix_of
 from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 from asperity.results.variables import SI_UNITS
 from asperity.surface.reading.height_map import HeightMap
 from asperity.surface.roughness import surface_dataset
+
+HEADLINE = ("real contact", "largest pressure", "largest von Mises stress", "at depth", "volume above yield")
+"""Numbers at the top of the report."""
+
+SPOTS = 10
+"""Patches of contact in the report."""
+
+PACKAGES = ("numpy", "numba", "ducc0", "xarray", "SurfaceTopography")
+"""Packages whose versions the report names."""
 
 
 def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
@@ -106,17 +123,51 @@ def _write_results(answer: Answer, folder: Path) -> None:
 
 
 def _write_report(answer: Answer, folder: Path) -> None:
-    """Write the pictures of an answer and the report into an empty folder."""
+    """Write the pictures of an answer, and the report as one page that holds them, into an empty folder."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 
-    shown = []
+    groups: dict[str, list[tuple[Picture, str]]] = {}
     for picture in pictures(answer):
         path = folder / f"{picture.name}.png"
         # Draws once, where savefig draws twice, and compresses in half the time into files larger by a fifth.
         canvas = FigureCanvasAgg(picture.figure)
         canvas.print_png(path, metadata={"Software": None}, pil_kwargs={"compress_level": 2})
-        shown.append((picture, path.read_bytes()))
-    write_text(folder / "report.html", report_page(answer, shown, case_text(answer.case, folder.parent)))
+        title = body_title(answer.case, picture.body) if picture.body and len(answer.bodies) > 1 else ""
+        groups.setdefault(title, []).append((picture, base64.b64encode(path.read_bytes()).decode()))
+    versions = {"asperity": __version__, "Python": platform.python_version()}
+    versions |= {package: version(package) for package in PACKAGES if find_spec(package)}
+    page = rendered(
+        "asperity.engineering",
+        "report.html.j2",
+        title=f"{answer.face.name}: contact and stress",
+        answer=answer,
+        case=case_in_words(answer.case),
+        warnings=[advice for advice in answer.advice if advice.level == WARNING],
+        notes=[advice for advice in answer.advice if advice.level != WARNING],
+        headline=headline(answer),
+        groups=groupby(answer.rows, key=lambda row: row.group),
+        picture_groups=groups,
+        case_file=case_text(answer.case, folder.parent),
+        date=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
+        spots=answer.spots.head(SPOTS),
+        gaps=answer.gaps().set_index("share")["gap_m"],
+        versions=versions,
+        paper=dataset.PAPER,
+    )
+    write_text(folder / "report.html", page)
+
+
+def headline(answer: Answer) -> list[tuple[str, str, str]]:
+    """The numbers that are asked for first: name, value and estimate."""
+    several = len(answer.case.different_bodies) > 1
+    found = []
+    for row in answer.rows:
+        if row.name in HEADLINE:
+            value, _, estimate = row.shown.partition("; ")
+            body = row.group.removeprefix("stress in the ").partition(" (")[0]
+            of_body = several and row.group != "contact"
+            found.append((f"{row.name}, {body}" if of_body else row.name, value, estimate))
+    return found
 
 
 def settings_of(answer: Answer) -> dict[str, Any]:
