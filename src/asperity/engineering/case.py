@@ -108,9 +108,7 @@ class Body:
 
     def __post_init__(self) -> None:
         _ = self.layer  # which checks its constants
-        if self.yield_stress is not None:
-            magnitude("yield_stress", self.yield_stress)
-        for name in ("hardness", "conductivity", "resistivity"):
+        for name in ("yield_stress", "hardness", "conductivity", "resistivity"):
             if getattr(self, name) is not None:
                 magnitude(name, getattr(self, name))
         if self.fatigue_torsion is not None or self.fatigue_bending is not None:

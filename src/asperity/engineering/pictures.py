@@ -84,8 +84,7 @@ def pictures(answer: Answer) -> Iterator[Picture]:
     for body in answer.case.different_bodies:
         for field in answer.case.fields:
             yield from _of_stress(answer, source, body, field)
-        if answer.bodies[body].cycles is not None:
-            yield _of_cycles(answer, source, body)
+        yield from _of_cycles(answer, source, body)
 
 
 def _of_curve(curve: AnswerCurve) -> Figure:
@@ -148,11 +147,11 @@ def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterato
         yield Picture(f"peaks{suffix}", f"Peaks of the {word} and their depth{images}{end}", figure, body)
 
 
-def _of_cycles(answer: Answer, source: Source, body: str) -> Picture:
+def _of_cycles(answer: Answer, source: Source, body: str) -> Iterator[Picture]:
     """The largest Dang Van stress of the cycles over (y, depth); a contour is the fatigue limit."""
     cycles, limit = answer.bodies[body].cycles, answer.case.bodies[body].fatigue_torsion
-    assert cycles is not None
-    assert limit is not None
+    if cycles is None or limit is None:
+        return
     rows = _whole(answer, source.grid)[0]
     section = (cycles["dang_van"] * limit).rename(cycle_depth="depth", cycle_y="y").isel(y=rows)
     touching = (source.field("pressure")[rows] > 0).any(axis=1)
@@ -164,7 +163,7 @@ def _of_cycles(answer: Answer, source: Source, body: str) -> Picture:
         f"Largest Dang Van stress of each row along x; bars are rows with contact, the line is the "
         f"fatigue limit in torsion, {shown_si(limit, 'Pa')}; {cycles_title(answer.case, body)}."
     )
-    return Picture(f"cycles{suffix_of(answer, body)}", caption, figure, body)
+    yield Picture(f"cycles{suffix_of(answer, body)}", caption, figure, body)
 
 
 def suffix_of(answer: Answer, body: str) -> str:
