@@ -206,14 +206,9 @@ def section(options: argparse.Namespace, name: str) -> dict[str, Any]:
 def sliding(options: argparse.Namespace) -> dict[str, Any]:
     """Friction and direction of sliding that are given, as arguments of `asperity.plot_section`."""
     given = section(options, "engineering")
-    if "sliding_direction" in given:
-        given["sliding_direction"] = direction(given["sliding_direction"])
+    if given.get("sliding_direction", "x") not in ("x", "y"):
+        given["sliding_direction"] = float(given["sliding_direction"])  # degrees
     return given
-
-
-def direction(text: str) -> str | float:
-    """Direction of sliding from text that the schema accepts: ``x``, ``y`` or degrees."""
-    return text if text in ("x", "y") else float(text)
 
 
 def flag(name: str) -> str:

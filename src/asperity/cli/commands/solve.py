@@ -15,7 +15,7 @@ from asperity.cli.positions import in_words
 from asperity.contact.solution import SHOWN_ERROR
 from asperity.core.errors import one_line, shown
 from asperity.core.units import to_si
-from asperity.engineering.case import LOAD_QUANTITIES
+from asperity.engineering.case import CONTROL_UNITS, LOAD_QUANTITIES
 from asperity.results import dataset, write_result
 from asperity.results.dataset import grid_of
 from asperity.results.variables import SI_UNITS, cell_length, in_cell_lengths, in_si
@@ -27,11 +27,8 @@ from asperity.study.stages.surface import read_surface
 from asperity.surface.reading.height_map import MapError
 from asperity.surface.reading.map_file import path_problem
 
-DIMENSIONS_OF_LOADS = {kind: dimension for kind, dimension in LOAD_QUANTITIES.values() if dimension}
-"""Quantities that can be imposed in place of the area, and their dimensions."""
-
-DIMENSIONS = {**DIMENSIONS_OF_LOADS, "hardness": "pressure"}
-"""Quantities that are given with a unit, or in units of the study, and their dimensions."""
+DIMENSIONS = {kind: name for kind, name in LOAD_QUANTITIES.values() if name} | {"hardness": "pressure"}
+"""Quantities that can be imposed in place of the area, and the hardness → dimension of their unit."""
 
 
 def run(options: argparse.Namespace) -> None:
@@ -39,8 +36,8 @@ def run(options: argparse.Namespace) -> None:
     check_out([options.out], [options.surface])
     layer, contact = section(options, "layer"), section(options, "contact")
     young = options.young and to_si(options.young, "pressure", "--young")
-    loads = {name: text for name in DIMENSIONS_OF_LOADS if (text := getattr(options, name)) is not None}
-    names = [*map(flag, loads), *(["--area-fraction"] if "area_fraction" in contact else [])]
+    given = {name: text for name in DIMENSIONS if (text := getattr(options, name)) is not None}
+    names = [flag(name) for name in (*given, *contact) if name in CONTROL_UNITS]
     if len(names) > 1:
         raise ValueError(f"{names[0]}: not accepted together with {names[1]}; one load is imposed")
     if not names:
@@ -53,8 +50,7 @@ def run(options: argparse.Namespace) -> None:
             f"--young: missing; {options.surface} is in SI units, a pressure with its unit is needed"
         )
     modulus = young and young / (1 - layer["poisson"] ** 2)
-    quantities = loads if options.hardness is None else {**loads, "hardness": options.hardness}
-    for name, text in quantities.items():
+    for name, text in given.items():
         images = 4 if settings["surface"].get("periodic") == "mirrored" else 1
         area = grid_of(surface).area / images
         load = _load(name, text, (edge, modulus) if edge and modulus else None, area)
