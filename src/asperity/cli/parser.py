@@ -33,7 +33,10 @@ EPILOG = """\
 From a map to an answer: run. The steps of a calculation: surface, solve, stress, peaks, plot. Its cost and
 error beforehand: plan. Pictures and tables of its results: view, export. The study of the paper: study."""
 
-_PLACEHOLDERS = {"number": "NUMBER", "integer": "INTEGER", "string": "TEXT"}
+_PLACEHOLDERS = {"number": "NUMBER", "integer": "INTEGER", "string": "TEXT"} | {
+    quantity: quantity.upper() for quantity in ("pressure", "force", "length")
+}
+"""Format or type of a setting → its value in the usage of a command."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -141,7 +144,7 @@ def _of_setting(key: str, without: str | None, words: str | None, as_text: bool)
 def _placeholder(entry: Entry) -> str:
     if "enum" in entry:
         return f"{{{','.join(entry['enum'])}}}"
-    return "LENGTH" if entry.get("format") == "length" else _PLACEHOLDERS[entry["type"]]
+    return _PLACEHOLDERS.get(entry.get("format", "")) or _PLACEHOLDERS[entry["type"]]
 
 
 class _StoreList(argparse.Action):
