@@ -15,7 +15,7 @@ from asperity.results.variables import in_cell_lengths
 from asperity.stress.peaks.selection import selection_for
 from asperity.study.job import ProgressBar
 from asperity.study.stages.statistics import SeedResults, surface_statistics
-from asperity.surface.roughness import roughness_parameters
+from asperity.surface.roughness import surface_dataset
 
 _PERCENTS = (50.0, 90.0, 99.0)
 
@@ -49,12 +49,9 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _surface(contact: xr.Dataset) -> xr.Dataset:
-    """Surface that a contact was solved for, and its moments: height = gap − displacement + approach."""
+    """Surface that a contact was solved for, with its moments: height = gap − displacement + approach."""
     height = height_of(contact)
-    height = height - height.mean()
-    measured = roughness_parameters(height.values, grid_of(contact).length)
-    names = ("rms_height", "rms_gradient", "skewness", "kurtosis")
-    return xr.Dataset({"height": height, **{name: getattr(measured, name) for name in names}})
+    return surface_dataset((height - height.mean()).values, grid_of(contact))
 
 
 def _percentiles(result: xr.Dataset) -> str:
