@@ -29,8 +29,6 @@ OPTIONS = {
 PATHS = ("map", "counter_map", "out")
 """Settings that are names of files, relative to the folder of the case file that gives them."""
 
-_LOADS = ("pressure", "force", "approach", "area_fraction")
-
 
 class Job(NamedTuple):
     """A case as options and files describe it: settings, face that is pressed, folder, and what is wrong."""
@@ -161,16 +159,16 @@ def _contradictions(
     options: argparse.Namespace, values: Mapping[str, Any], known: Mapping[str, Any]
 ) -> Iterator[str]:
     """What is missing, or does not go together; `known` are all settings given, also refused ones."""
-    from asperity.engineering.case import loads_of
+    from asperity.engineering.case import LOAD_QUANTITIES, loads_of
 
     for name in ("young", "poisson"):
         if name not in known:
             yield f"{flag(name)}: missing; {accepted(setting(f'engineering.{name}'))} is needed"
-    loads = [flag(name) for name in _LOADS if name in known]
+    loads = [flag(name) for name in LOAD_QUANTITIES if name in known]
     if len(loads) != 1:
         given = " and ".join(loads) or "none"
-        yield f"{', '.join(map(flag, _LOADS))}: exactly one of them is needed, {given} given"
-    for name in set(_LOADS) & values.keys():
+        yield f"{', '.join(map(flag, LOAD_QUANTITIES))}: exactly one of them is needed, {given} given"
+    for name in LOAD_QUANTITIES.keys() & values.keys():
         try:
             loads_of(name, values)
         except ValueError as error:

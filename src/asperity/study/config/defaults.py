@@ -47,9 +47,8 @@ class AccuracySettings:
 
     def points(self, wavelength_short: float) -> int:
         """Nodes on an edge of a unit cell, an even number whose Fourier transform is fast."""
-        from asperity.fourier.grid import (
-            good_size,  # numerical libraries, which the help of a command does not wait for
-        )
+        # Needs numerical libraries, for which the help of a command does not wait.
+        from asperity.fourier.grid import good_size
 
         return good_size(round(self.points_per_wavelength / wavelength_short - 1e-6))
 
