@@ -67,6 +67,22 @@ def test_flattened_map_pressed_elastically_has_the_same_pressure(solid, boundary
         assert again.approach == pytest.approx(contact.approach, abs=1e-5 * height.std())
 
 
+@pytest.mark.parametrize("size", [1e-6, 1e-3, 1.0])
+@pytest.mark.parametrize("share", [0.6, 0.1])
+def test_certificate_bounds_the_error_of_any_pressure_up_to_the_hardness(share, size):
+    """Energy of the error, against the solution of the same load and hardness; that one's solver error."""
+    height, grid, random = rough((48, 32)), asp.Grid((48, 32)), np.random.default_rng(3)
+    near, modes = hardened(height, share), HALF_SPACE.surface_compliance(grid.wavenumber())
+    limit, changed = near.hardness, near.pressure * (1 + size * random.standard_normal(grid.shape))
+    for pressure in (changed, np.where(near.pressure == limit, limit, changed), changed[:, ::-1]):
+        pressure = np.clip(pressure, 0, limit)
+        exact = asp.solve(height, HALF_SPACE, hardness=limit, mean_pressure=pressure.mean(), rtol=1e-11)
+        wrong = pressure - exact.pressure
+        energy = np.vdot(wrong, np.fft.irfft2(modes * np.fft.rfft2(wrong), grid.shape))
+        bound = asp.verify_contact(height, pressure, HALF_SPACE, hardness=limit).error_bound
+        assert 0 < energy / (pressure.sum() * height.std()) <= bound < np.inf
+
+
 def test_pressure_is_that_of_contact_mechanics():
     """Another program; tolerances of both."""
     pytest.importorskip("ContactMechanics")

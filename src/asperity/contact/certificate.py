@@ -76,10 +76,11 @@ class Certificate:
 
     @property
     def error_bound(self) -> float:
-        """Upper bound of the error of a pressure p ≥ 0, (p − p*)·G (p − p*) / (Σ p × rms height).
+        """Upper bound of the error of a pressure 0 ≤ p ≤ H, (p − p*)·G (p − p*) / (Σ p × rms height).
 
-        p* is the exact pressure of the same load, and G the compliance: the energy of the error over the load
-        times the length to which the violations are relative. The proof is in ``docs/contact.md``.
+        p* is the exact pressure of the same load and hardness H, and G the compliance: the energy of the
+        error over the load times the length to which the violations are relative. The proof is in
+        ``docs/contact.md``.
         """
         return self.penetration + self.complementarity if self.tension == 0 else math.inf
 
