@@ -1,4 +1,4 @@
-"""Stress close to a patch of contact, kept from the stream of planes for pictures."""
+"""Stress close to the highest pressures, kept from the stream of planes for pictures."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-import pandas as pd
 
 from asperity.contact import Contact
 from asperity.core.types import Array
@@ -14,11 +13,11 @@ from asperity.fourier.grid import Grid
 from asperity.stress.planes.stream import LinearPlane
 from asperity.surface.treatment.treatment import TreatedMap
 
-PATCHES = 4
-"""Patches of the highest pressures that are kept: the largest stress is under one of them."""
+BOXES = 4
+"""Close-ups, around the highest pressures: the largest stress is in one of them, but for exceptions."""
 
-WIDTHS, LENGTHS = 4, 1
-"""Half of the edge of a close-up over the width and, if that is less, over the length of its patch."""
+WIDTHS = 2
+"""Half of the edge of a close-up over the typical width of a patch."""
 
 FEWEST_PIXELS, MOST_PIXELS = 12, 64
 """Half of the edge of a close-up, in pixels."""
@@ -32,7 +31,7 @@ MARGIN = 3
 
 @dataclass(frozen=True)
 class CloseUp:
-    """Fields of the stress in a box of the solid around a patch of contact.
+    """Fields of the stress in a box of the solid below a high pressure.
 
     Parameters
     ----------
@@ -41,7 +40,7 @@ class CloseUp:
     part : (rows, columns)
         Nodes of the box.
     along : "x" or "y"
-        Axis across the patch.
+        Axis across the contact.
     depths : list of float
     planes : list of dict
         Of each depth, field → its values at the nodes.
@@ -89,15 +88,37 @@ class CloseUp:
         return (row, column) if 0 <= row < rows and 0 <= column < columns else None
 
 
-def close_ups(face: TreatedMap, contact: Contact, spots: pd.DataFrame) -> list[CloseUp]:
-    """Empty close-ups of the patches that bear the highest pressures, on the map."""
-    pressure, found = face.part(contact.pressure), []
-    for spot in spots.nlargest(PATCHES, "largest_pressure_Pa").itertuples():
-        pixels = min(WIDTHS * spot.width_m, LENGTHS * spot.length_m) / max(face.grid.spacing)
-        half = round(min(max(pixels, FEWEST_PIXELS), MOST_PIXELS))
-        middle = np.argwhere(pressure == spot.largest_pressure_Pa)[0]
-        ends = zip(middle.tolist(), face.map_shape, strict=True)
+def close_ups(face: TreatedMap, contact: Contact, width: float) -> list[CloseUp]:
+    """Empty close-ups around the highest pressures on the map, none of them in the box of a higher one.
+
+    Parameters
+    ----------
+    face : TreatedMap
+    contact : Contact
+    width : float
+        Typical width of a patch of contact, in pixels.
+    """
+    found: list[CloseUp] = []
+    weight = face.part(contact.pressure) / max(contact.max_pressure, 1e-300)
+    depth = contact.plastic_depth
+    if depth is not None and depth.any():  # of the nodes at the hardness those that overlap most
+        weight = weight + face.part(depth) / depth.max()
+    half = round(min(max(WIDTHS * width, FEWEST_PIXELS), MOST_PIXELS))
+    while len(found) < BOXES and weight.any():
+        middle = np.unravel_index(weight.argmax(), weight.shape)
+        ends = zip(map(int, middle), face.map_shape, strict=True)
         rows, columns = (slice(max(0, node - half), min(count, node + half + 1)) for node, count in ends)
-        along = "x" if 45 <= spot.angle_deg <= 135 else "y"
-        found.append(CloseUp(face.grid, (rows, columns), along))
+        box = weight[rows, columns]
+        found.append(CloseUp(face.grid, (rows, columns), _axis_across(box, face.grid)))
+        box[:] = 0
     return found
+
+
+def _axis_across(weight: Array, grid: Grid) -> str:
+    """Axis along which the weight extends least."""
+    spread = {}
+    for name, axis, step in zip("yx", (0, 1), grid.spacing, strict=True):
+        sums = weight.sum(axis=1 - axis)
+        place = np.arange(sums.size) * step
+        spread[name] = np.average((place - np.average(place, weights=sums)) ** 2, weights=sums)
+    return min(spread, key=lambda name: spread[name])

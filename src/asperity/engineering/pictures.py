@@ -46,8 +46,8 @@ WIDE = 10
 FADED = 0.1
 """Share of the largest stress below which, and below the yield stress, a section ends."""
 
-FRAMED, BESIDE = "framed part", "on the right close to the largest stress"
-"""Title and caption of the second map."""
+FRAMED = "framed part"
+"""Title of the second map."""
 
 
 class Picture(NamedTuple):
@@ -70,14 +70,15 @@ def pictures(answer: Answer) -> Iterator[Picture]:
     peaks.
     """
     (source,) = sources({plain_text(answer.face.name): answer.contact}, SI_UNITS)
-    near = _close_up(answer, "lower", answer.case.fields[0])
+    field = answer.case.fields[0]
+    near = _close_up(answer, "lower", field)
     for name, (look, caption) in MAPS.items():
         if name == "plastic_depth" and not answer.contact.plastic_area:
             continue
         maps = [map_of(source, name, _whole(answer, source.grid))]
         if near is not None:
             maps.append(map_of(source, name, near.part, FRAMED))
-            caption += f"; {BESIDE}"
+            caption += f"; on the right close to {_shown(answer, 'lower', field, near)}"
         yield Picture(name, f"{caption}.", _drawn(maps, look))
     if answer.curve is not None:
         yield Picture("curve", CURVE_CAPTION, _of_curve(answer.curve))
@@ -133,12 +134,14 @@ def _of_stress(answer: Answer, source: Source, body: str, field: str) -> Iterato
         close = near.planes[int(np.abs(np.subtract(near.depths, depth)).argmin())][field]
         overview = Map(replace(source, grid=grid, fields={}), whole, values[whole])
         figure = _drawn([overview, Map(source, near.part, close, FRAMED)], look, level)
-        caption = f"{capital} at the depth of its largest magnitude, {shown_si(depth, 'm', 3)}; {BESIDE}"
+        place = _shown(answer, body, field, near)
+        at_depth = f"at the depth of its largest magnitude, {shown_si(depth, 'm', 3)}"
+        caption = f"{capital} {at_depth}; on the right close to {place}"
         yield Picture(f"plane{suffix}", caption + end, figure, body)
         section = _section(answer, source, body, field, near)
         faded = min(FADED * float(np.abs(section.values).max()), level or np.inf)
         figure = draw_sections(until_faded([section], faded), look, source.system, None, level)
-        caption = f"{capital} close to its largest magnitude in a section; bars are the contact"
+        caption = f"{capital} in a section close to {place}; bars are the contact"
         yield Picture(f"section{suffix}", caption + end, figure, body)
     stress = answer.bodies[body].stress.assign_attrs(unit_system=source.system)
     if (stress["peak_quantity"] == field).any():
@@ -180,6 +183,12 @@ def _close_up(answer: Answer, body: str, field: str) -> CloseUp | None:
         return box.node(found.y, found.x) is not None, largest
 
     return max(answer.bodies[body].close_ups, key=rank, default=None)
+
+
+def _shown(answer: Answer, body: str, field: str, near: CloseUp) -> str:
+    """What a close-up is close to, in words."""
+    found = answer.bodies[body].largest[field]
+    return "one of the highest pressures" if near.node(found.y, found.x) is None else "the largest stress"
 
 
 def _whole(answer: Answer, grid: Grid) -> Part:

@@ -132,15 +132,15 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     face = rough.face
     contact = press(face, case, _part(progress, 0.1, 0.5))
     spots = contact_spots(face, contact)
+    numbers = contact_numbers(rough, contact, spots)
     form_repeats = face.boundary == "periodic" and case.options.radius is not None
     half = solved_on_half(contact)
     share, bodies = (0.1 if case.load.path else 0.5) / len(case.different_bodies), {}
     for number, name in enumerate(case.different_bodies):
-        begin, near = 0.5 + share * number, close_ups(face, contact, spots)
+        begin, near = 0.5 + share * number, close_ups(face, contact, numbers.typical_patch_width)
         bodies[name] = body_answer(
             contact, half, case, name, face, near, _part(progress, begin, begin + share)
         )
-    numbers = contact_numbers(rough, contact, spots)
     answer = Answer(
         case,
         rough,
