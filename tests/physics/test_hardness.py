@@ -154,6 +154,10 @@ def test_peaks_on_plateaus_are_those_at_the_nodes():
     load = 0.02 * asp.roughness_parameters(height).rms_gradient
     contact = asp.solve(height, asp.Layer(1.0, 0.3), mean_pressure=load, hardness=20 * load)
     stress = asp.analyse_stress(contact, quantities=("pressure", "von_mises"))
+    assert "without plastic strain" in stress.attrs["plastic_contact"]
+    assert (
+        "plastic_contact" not in asp.analyse_stress(asp.solve(height, HALF_SPACE, mean_pressure=load)).attrs
+    )
     largest = stress["peak_value"].groupby(stress["peak_quantity"]).max()
     assert largest.sel(peak_quantity="pressure") == contact.hardness
     assert largest.sel(peak_quantity="von_mises") == pytest.approx(

@@ -57,6 +57,9 @@ INDEPENDENT_OF_LATERAL = ("zz", "yz", "xz", "xy")
 ROUNDING = 1e-12
 """Maxima below this share of the root mean square of σ_zz of their plane are rounding."""
 
+PLASTIC_CONTACT = "the stress is elastic, without plastic strain, under a pressure that the hardness limits"
+"""Attribute ``plastic_contact`` of a stress under a contact that reaches its hardness."""
+
 NODES_AT_ONCE = 2**14
 """Nodes of a strip of rows whose fields are computed, searched and summed while they are in the cache."""
 
@@ -105,7 +108,7 @@ def analyse_stress(
         and Poisson's ratio: `asperity.peaks` selects from them. Along `plane`, the mean and largest von Mises
         stress, and the covariance with the plane of the largest. Along `lag`, the covariance in that plane.
         The attribute ``effective_modulus`` is E* in the same unit, ``friction`` and ``sliding_direction`` are
-        the arguments.
+        the arguments; ``plastic_contact``, where the pressure reaches the hardness, says what that means.
 
     Raises
     ------
@@ -339,5 +342,6 @@ class _Analysis:
                 "friction": stream.friction,
                 "sliding_direction": stream.sliding_direction,
                 "fft_engine": current_engine().description,
+                **({"plastic_contact": PLASTIC_CONTACT} if solid.is_plastic else {}),
             },
         )

@@ -69,11 +69,14 @@ def run(options: argparse.Namespace) -> None:
     pressure, approach = float(result["mean_pressure"]), float(result["approach"]) - lowest
     reached = float(result["area_fraction"])
     wanted = contact.get("area_fraction", reached)
+    plastic = ""
+    if "plastic_load" in result:
+        plastic = f"{100 * float(result['plastic_load']):.4g} % of the load at the hardness, "
     missed = f" ({wanted:g} was asked for, the surface allows no nearer area)"
     print(
         f"area fraction {reached:.6g}{missed if abs(reached - wanted) > SHOWN_ERROR * wanted else ''}, "
         f"mean pressure {in_words(pressure, 'Pa', si)}, "
-        f"approach since first touch {in_words(approach, 'm', si)}, "
+        f"{plastic}approach since first touch {in_words(approach, 'm', si)}, "
         f"rms gradient in contact {float(result['gradient_rms_contact']):.6g}; {result.attrs['solid']}"
     )
 

@@ -40,3 +40,5 @@ def run(options: argparse.Namespace) -> None:
             f"poisson {nu:g}: largest von Mises stress {in_words(largest, 'Pa', si)} "
             f"at depth {in_words(depth, 'm', si)}"
         )
+    if note := result.attrs.get("plastic_contact"):
+        print(note)
