@@ -90,7 +90,7 @@ def test_a_surface_of_asperity_is_a_lower_face(tmp_path):
         ({"unit": "mm"}, "unit = 'mm': the file says nm; leave it out"),
         ({"unit": "kg"}, "unit = 'kg': a unit of length is needed (nm, um, mm, m)"),
         ({"physical_size": ("1 mm", "1 mm")}, "physical_size: the file itself says 80000 x 96000 nm (y, x)"),
-        ({"physical_size": (80000, -1)}, "physical_size = (80000, -1): two lengths > 0 (y, x) are needed"),
+        ({"physical_size": (80000, -1)}, "physical_size = -1: a number > 0, from 1e-75 to 1e+75"),
         ({"physical_size": ("80 um", "2 s")}, "physical_size = '2 s': a number with a unit of length"),
         ({"height_factor": 2.0}, "height_factor = 2: the file says heights in nm; leave it out"),
         ({"height_factor": -2.0}, "height_factor = -2.0: a number > 0"),

@@ -11,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from asperity.core.errors import shown
 from asperity.core.types import Array
 from asperity.core.units import to_si
 from asperity.surface.reading.height_map import (
@@ -58,9 +57,10 @@ class FileContent(NamedTuple):
     ----------
     height : (ny, nx) array
         In `unit`; NaN where there are no data.
-    channels : tuple of Channel
     channel : str
         The one that the heights are of.
+    channels : tuple of Channel
+        All of them, if there are others.
     length : (length_y, length_x), optional
         Edges in `unit`.
     unit : str, optional
@@ -74,8 +74,8 @@ class FileContent(NamedTuple):
     """
 
     height: Array
-    channels: tuple[Channel, ...]
-    channel: str
+    channel: str = "Default"
+    channels: tuple[Channel, ...] = ()
     length: tuple[float, float] | None = None
     unit: str | None = None
     factor: float | None = None
@@ -108,7 +108,13 @@ def combined(content: FileContent, name: str, options: MapOptions) -> MapFile:
     factor = _height_factor(content, options, problems)
     unit, metre = _unit(content, options, problems)
     length = _length(content, options, metre, problems)
-    orientation = _orientation(content, options, problems)
+    orientation = options.orientation or content.orientation
+    if orientation is None:
+        problems.append(ORIENTATION_NEEDED)
+    elif content.orientation == LOWER_FACE != orientation:
+        problems.append(
+            f"orientation = {orientation!r}: the file holds the lower face of an indenter; leave it out"
+        )
     scale = factor * (metre or 1.0)
     height = content.height if scale == 1 else content.height * scale
     edges = length or (float(height.shape[0]), float(height.shape[1]))
@@ -121,18 +127,7 @@ def combined(content: FileContent, name: str, options: MapOptions) -> MapFile:
             "correct the file"
         )
     found = HeightMap(height, edges, content.periodic, orientation, unit, name, content.channel)
-    return MapFile(found, content.channels, problems)
-
-
-def _orientation(content: FileContent, options: MapOptions, problems: list[str]) -> str | None:
-    own, given = content.orientation, options.orientation
-    if own is None and given is None:
-        problems.append(ORIENTATION_NEEDED)
-    elif own == LOWER_FACE and given not in (None, own):
-        problems.append(
-            f"orientation = {given!r}: the file holds the lower face of an indenter; leave it out"
-        )
-    return given or own
+    return MapFile(found, content.channels or (Channel(content.channel, found.height.shape),), problems)
 
 
 def _height_factor(content: FileContent, options: MapOptions, problems: list[str]) -> float:
@@ -170,9 +165,6 @@ def _length(
     """Edges in metres, or in the unknown unit of the file; None if nobody says them."""
     scale = metre or 1.0
     own = None if content.length is None else (content.length[0] * scale, content.length[1] * scale)
-    if own is not None and not all(math.isfinite(edge) and edge > 0 for edge in own):
-        problems.append(f"edges > 0 are needed, not {own[0]:g} and {own[1]:g}")
-        return None
     size = options.physical_size
     if size is None:
         if own is None:
@@ -181,14 +173,7 @@ def _length(
     if metre is None and any(isinstance(edge, str) for edge in size):
         problems.append(UNIT_NEEDED)
         return own
-    try:
-        y, x = (to_si(e, "length", "physical_size") if isinstance(e, str) else e * scale for e in size)
-    except ValueError as error:
-        problems.append(str(error))
-        return own
-    if not (0 < y < math.inf and 0 < x < math.inf):
-        problems.append(f"physical_size = {shown(size)}: two lengths > 0 (y, x) are needed")
-        return own
+    y, x = (to_si(edge, "length") if isinstance(edge, str) else edge * scale for edge in size)
     if own is None:
         return y, x
     if not np.allclose((y, x), own, rtol=AGREEMENT, atol=0):

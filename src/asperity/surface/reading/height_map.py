@@ -10,14 +10,14 @@ numbers (NPY, MATLAB, HDF5, text without a header) can be either, and its reader
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields, replace
+from collections.abc import Callable
+from dataclasses import dataclass, fields
 from functools import partial
 from typing import Any
 
 import numpy as np
 
-from asperity.core.arguments import choice, finite_array, magnitude, number, real_array, whole_number
+from asperity.core.arguments import choice, finite_array, magnitude, number, pair, real_array, whole_number
 from asperity.core.errors import InputError, shown
 from asperity.core.markup import picture, table
 from asperity.core.types import Array
@@ -168,6 +168,7 @@ class MapOptions:
         checks: dict[str, Callable[[str, Any], Any]] = {
             **{name: partial(choice, known=known) for name, known in words.items()},
             **dict.fromkeys(("wavelength_short", "radius"), _length),
+            "physical_size": _edges,
             **dict.fromkeys(("height_factor", "max_memory"), magnitude),
             "despike": partial(number, accepted="a number ≥ 3", accepts=lambda n: n >= 3),
             "points": partial(
@@ -186,14 +187,14 @@ class MapOptions:
         if problems:
             raise MapError("", problems)
 
-    @classmethod
-    def chosen(cls, options: MapOptions | None, given: Mapping[str, Any]) -> MapOptions:
-        """The options with those given as keywords."""
-        return replace(options or cls(), **given)
+
+def _length(name: str, value: Any) -> None:
+    magnitude(name, to_si(value, "length", name) if isinstance(value, str) else value)
 
 
-def _length(name: str, value: Any) -> Any:
-    return value if isinstance(value, str) else magnitude(name, value)
+def _edges(name: str, value: Any) -> None:
+    for edge in pair(name, value, "a pair of lengths > 0 (y, x)"):
+        _length(name, edge)
 
 
 @dataclass(frozen=True, repr=False)
@@ -308,11 +309,11 @@ class HeightMap:
 
         Raises
         ------
-        ValueError
+        MapError
             If it has a unit, and the map none.
         """
         if not isinstance(value, str):
             return value
         if self.unit is None:
-            raise ValueError(UNIT_NEEDED)
+            raise MapError(self.name, [UNIT_NEEDED])
         return to_si(value, "length", name)

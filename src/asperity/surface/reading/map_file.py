@@ -17,6 +17,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from importlib import import_module
 from importlib.util import find_spec
 from types import ModuleType
@@ -93,7 +94,7 @@ def read_map(path: str | os.PathLike[str], options: MapOptions | None = None, **
     >>> surface.height.shape, [round(edge, 9) for edge in surface.length], surface.periodic
     ((40, 60), [8e-05, 0.00012], False)
     """
-    found = open_map(path, MapOptions.chosen(options, given))
+    found = open_map(path, replace(options or MapOptions(), **given))
     if found.problems:
         raise MapError(os.fspath(path), found.problems)
     return found.map
@@ -218,8 +219,7 @@ def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileCon
     units = table.units()
     if options.format == matrix.name or (table.columns > 3 and options.format is None):
         heights, unit = table.heights(), units[0] if len(units) == 1 else None
-        channel = Channel("Default", heights.shape)
-        return matrix, FileContent(heights, (channel,), channel.name, unit=unit, orientation=None)
+        return matrix, FileContent(heights, unit=unit, orientation=None)
     try:
         height, length = grid_points(table.numbers()[:, :3])
     except ValueError as error:
@@ -230,7 +230,7 @@ def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileCon
         factor = metres(units[0]) / metres(units[2])
         length = length[0] * factor, length[1] * factor
     unit = units[-1] if units else None
-    return points, FileContent(height, (Channel("z", height.shape),), "z", length, unit)
+    return points, FileContent(height, "z", length=length, unit=unit)
 
 
 def _array(file: BinaryIO, options: MapOptions) -> FileContent:
@@ -244,7 +244,7 @@ def _array(file: BinaryIO, options: MapOptions) -> FileContent:
     channels = tuple(Channel(name, array.shape) for name, array in arrays.items())
     chosen = channels[_channel_index(channels, options.channel, 0)].name
     _require_size(8.0 * arrays[chosen].size, options.max_memory)
-    return FileContent(arrays[chosen].astype(float), channels, chosen, orientation=None)
+    return FileContent(arrays[chosen].astype(float), chosen, channels, orientation=None)
 
 
 def _picture(form: Format, file: BinaryIO, options: MapOptions) -> FileContent:
@@ -267,9 +267,7 @@ def _picture(form: Format, file: BinaryIO, options: MapOptions) -> FileContent:
         raise ValueError(f"{UNREADABLE} ({_first_line(error)})") from error
     if values.ndim != 2 or values.dtype.kind not in "fiu":
         raise ValueError("one picture of heights or grey levels is needed, not one in colours or several")
-    channel = Channel("Default", values.shape)
-    is_grey = values.dtype.kind != "f"
-    return FileContent(values.astype(float), (channel,), channel.name, orientation=None, is_grey=is_grey)
+    return FileContent(values.astype(float), orientation=None, is_grey=values.dtype.kind != "f")
 
 
 def _own_surface(path: str) -> FileContent | None:
@@ -291,7 +289,6 @@ def _own_surface(path: str) -> FileContent | None:
     units = height.attrs.get("units", "")
     return FileContent(
         height=np.asarray(surface["height"].values, dtype=float),
-        channels=(Channel("height", (height.shape[0], height.shape[1])),),
         channel="height",
         length=grid_of(surface).length,
         unit=None if units.startswith("cell") or not units else units,

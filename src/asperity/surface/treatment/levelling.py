@@ -128,22 +128,17 @@ def fill_harmonic(height: Array, missing: Array) -> Array:
     from scipy.sparse import coo_array, diags_array
     from scipy.sparse.linalg import spsolve
 
-    points = np.argwhere(missing)
-    number = np.zeros(missing.shape, dtype=int)
-    number[missing] = np.arange(len(points))
-    neighbours, right = np.zeros(len(points)), np.zeros(len(points))
-    rows, columns = [], []
-    for step in ((0, 1), (0, -1), (1, 0), (-1, 0)):
-        beside = points + step
-        inside = np.flatnonzero(np.all((beside >= 0) & (beside < missing.shape), axis=1))
-        place = tuple(beside[inside].T)
-        unknown = missing[place]
-        neighbours[inside] += 1
-        right[inside] += np.where(unknown, 0.0, height[place])
-        rows.append(inside[unknown])
-        columns.append(number[place][unknown])
-    pairs = np.concatenate(rows), np.concatenate(columns)
-    coupling = coo_array((np.ones(pairs[0].size), pairs), shape=(len(points),) * 2)
+    y, x = np.nonzero(np.pad(missing, 1))
+    beside = (y, x + 1), (y, x - 1), (y + 1, x), (y - 1, x)
+    number = np.full(np.add(missing.shape, 2), -1)
+    number[y, x] = np.arange(y.size)
+    known = np.pad(np.where(missing, 0.0, height), 1)
+    inside = np.pad(np.ones(missing.shape), 1)
+    right, neighbours = (np.sum([values[place] for place in beside], axis=0) for values in (known, inside))
+    columns = np.stack([number[place] for place in beside])
+    rows = np.broadcast_to(np.arange(y.size), columns.shape)
+    pairs = rows[columns >= 0], columns[columns >= 0]
+    coupling = coo_array((np.ones(pairs[0].size), pairs), shape=(y.size, y.size))
     filled = np.array(height, dtype=float)
     filled[missing] = spsolve((diags_array(neighbours) - coupling).tocsr(), right)
     return filled

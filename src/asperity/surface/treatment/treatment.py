@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -23,7 +22,6 @@ from asperity.surface.reading.agreement import MapFile
 from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATION_NEEDED,
-    PEAKS_UP,
     PERIODICITIES,
     UNIT_NEEDED,
     HeightMap,
@@ -31,16 +29,7 @@ from asperity.surface.reading.height_map import (
     MapOptions,
 )
 from asperity.surface.reading.map_file import open_map
-from asperity.surface.treatment.levelling import (
-    edge_step,
-    fill_harmonic,
-    find_spikes,
-    low_pass_bounded,
-    low_pass_periodic,
-    mirrored,
-    subtract_trend,
-    tukey_window,
-)
+from asperity.surface.treatment import levelling
 
 DESPIKE = 8.0
 """Threshold that is proposed for spikes, in robust standard deviations from the local median. No point of
@@ -198,7 +187,7 @@ def prepare_map(path: str | os.PathLike[str], options: MapOptions | None = None,
     >>> made.height.shape, [round(edge, 9) for edge in made.grid.length]
     ((40, 40), [8e-05, 8e-05])
     """
-    options = MapOptions.chosen(options, given)
+    options = replace(options or MapOptions(), **given)
     return treat_map(usable_map(path, options), options)
 
 
@@ -243,94 +232,90 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     >>> made.height.shape, bool(np.isfinite(made.height).all())
     ((80, 80), True)
     """
-    options = MapOptions.chosen(options, given)
+    options = replace(options or MapOptions(), **given)
     if problems := _missing(surface, options):
         raise MapError(surface.name, problems)
+
+    def share(points: Array) -> str:
+        count = np.count_nonzero(points)
+        return f"{count} points ({100 * count / surface.height.size:.2g} %)"
+
     grid, target = _grids(surface, options)
     shortest, radius = _lengths(surface, options, grid, target)
+    is_lower_face, periodic = surface.orientation == LOWER_FACE, options.periodic
+    done = ["turned upside down: the peaks of the map touch first"]
+    if is_lower_face:
+        done = ["used as it is: the heights are those of an indenter's lower face"]
+
     missing = ~np.isfinite(surface.height)
     spikes = np.zeros_like(missing)
     if options.despike is not None:
-        spikes = find_spikes(surface.height, options.despike)
-    filled = fill_harmonic(surface.height, missing | spikes)
-    level, slope, bow = subtract_trend(filled, options.detrend, surface.length)
+        spikes = levelling.find_spikes(surface.height, options.despike)
+        done.append(
+            f"spikes: {share(spikes)} beyond {options.despike:g} robust standard deviations from the local "
+            "median replaced"
+        )
+    if missing.any():
+        done.append(f"without data: {share(missing)} filled by a harmonic function")
+    filled = levelling.fill_harmonic(surface.height, missing | spikes)
+
+    level, slope, bow = levelling.subtract_trend(filled, options.detrend, surface.length)
     if np.ptp(level) <= _ROUNDING * np.abs(filled).max():
         raise MapError(surface.name, ["a surface that varies is needed, this one is flat"])
-    step, altered = edge_step(level), 0.0
-    if options.periodic == "mirrored":
-        level = mirrored(level)
-    elif options.periodic == "windowed":
-        window = tukey_window(level.shape)
+    tilt = math.atan(math.hypot(*slope))
+    degrees = f"tilt of {math.degrees(tilt):.3g}°"
+    curvature = f"{degrees} and curvature of {surface.shown_length(bow)} height"
+    trends = {"none": "mean height", "tilt": degrees, "curvature": curvature}
+    done.append(f"levelled: {trends[options.detrend]} removed")
+
+    step, altered = levelling.edge_step(level), 0.0
+    if periodic == "mirrored":
+        level = levelling.mirrored(level)
+    elif periodic == "windowed":
+        window = levelling.tukey_window(level.shape)
         level, altered = level * window, float(np.mean(window < 1))
-    lower = level - np.mean(level) if surface.orientation == LOWER_FACE else np.mean(level) - level
-    low_pass = low_pass_bounded if options.periodic == "none" else low_pass_periodic
+    stepped = f"edge step {step:.3g} times that between neighbouring points"
+    ways = {
+        None: f"taken as one period, as the file states: {stepped}",
+        "declared": f"taken as one period, as declared: {stepped}",
+        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*target.length)}",
+        "windowed": f"windowed: {100 * altered:.3g} % of the area lowered towards the mean",
+        "none": "not made periodic: for a free boundary",
+    }
+    done.append(ways[periodic])
+
+    lower = level - np.mean(level) if is_lower_face else np.mean(level) - level
+    low_pass = levelling.low_pass_bounded if periodic == "none" else levelling.low_pass_periodic
     height = low_pass(lower, grid, target, shortest)
     if np.ptp(height) <= _ROUNDING * np.ptp(lower):
         problem = "wavelength_short: a smaller one is needed, the map has no waves of this length or longer"
         raise MapError(surface.name, [problem])
-    require_finite("treat_map", {"height": height})
-    record = MapTreatment(
+    if shortest is not None:
+        done.append(f"waves shorter than {surface.shown_length(shortest)} removed")
+    if target.shape != grid.shape:
+        done.append(f"resampled to {target.shape[0]} x {target.shape[1]} points")
+    treatment = MapTreatment(
         missing=int(np.count_nonzero(missing)),
         spikes=int(np.count_nonzero(spikes)),
         filled_fraction=np.count_nonzero(missing | spikes) / surface.height.size,
-        tilt=math.atan(math.hypot(*slope)),
+        tilt=tilt,
         bow=bow,
         altered_fraction=altered,
         edge_step_before=step,
-        edge_step=edge_step(height),
+        edge_step=levelling.edge_step(height),
     )
+    require_finite("treat_map", {"height": height})
     treated = TreatedMap(
         height,
         target,
         shortest or _two_nodes(grid, target),
-        record,
-        tuple(_steps(surface, options, record, grid, target, shortest)),
+        treatment,
+        tuple(done),
         surface.name,
         grid.shape[0] // surface.height.shape[0],
-        "free" if options.periodic == "none" else "periodic",
+        "free" if periodic == "none" else "periodic",
     )
     return treated if radius is None else _with_form(treated, options, radius, surface)
-
-
-def _steps(
-    surface: HeightMap,
-    options: MapOptions,
-    record: MapTreatment,
-    grid: Grid,
-    target: Grid,
-    shortest: float | None,
-) -> Iterator[str]:
-    """What is done to a map, one sentence a step; `grid` is that of the cell before it is resampled."""
-
-    def share(count: int) -> str:
-        return f"{count} points ({100 * count / surface.height.size:.2g} %)"
-
-    if surface.orientation == PEAKS_UP:
-        yield "turned upside down: the peaks of the map touch first"
-    else:
-        yield "used as it is: the heights are those of an indenter's lower face"
-    if options.despike:
-        yield (
-            f"spikes: {share(record.spikes)} beyond {options.despike:g} robust standard deviations from the "
-            "local median replaced"
-        )
-    if record.missing:
-        yield f"without data: {share(record.missing)} filled by a harmonic function"
-    tilt, bow = f"tilt of {math.degrees(record.tilt):.3g}°", surface.shown_length(record.bow)
-    levels = {"none": "mean height", "tilt": tilt, "curvature": f"{tilt} and curvature of {bow} height"}
-    yield f"levelled: {levels[options.detrend]} removed"
-    step = f"edge step {record.edge_step_before:.3g} times that between neighbouring points"
-    yield {
-        None: f"taken as one period, as the file states: {step}",
-        "declared": f"taken as one period, as declared: {step}",
-        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*target.length)}",
-        "windowed": f"windowed: {100 * record.altered_fraction:.3g} % of the area lowered towards the mean",
-        "none": "not made periodic: for a free boundary",
-    }[options.periodic]
-    if shortest is not None:
-        yield f"waves shorter than {surface.shown_length(shortest)} removed"
-    if target.shape != grid.shape:
-        yield f"resampled to {target.shape[0]} x {target.shape[1]} points"
 
 
 def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given: Any) -> TreatedMap:
@@ -364,7 +349,7 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
     >>> made.height.shape, made.grid.length  # four mirror images; the longer edge is 1
     ((80, 120), (0.6666666666666667, 1.0))
     """
-    options = MapOptions.chosen(options, given)
+    options = replace(options or MapOptions(), **given)
     if options.periodic == "none":
         known = ", ".join(PERIODICITIES[:-1])
         raise MapError(surface.name, [f"periodic = 'none': one of {known} is needed"])
@@ -407,11 +392,10 @@ def _lengths(
 ) -> tuple[float | None, float | None]:
     """Shortest wavelength and radius of the form in the unit of the map, checked; None if not given."""
     given = ("wavelength_short", options.wavelength_short), ("radius", options.radius)
-    try:
-        lengths = [None if length is None else surface.in_map_unit(name, length) for name, length in given]
-    except ValueError as error:
-        raise MapError(surface.name, [str(error)]) from error
-    (wavelength, radius), problem = lengths, ""
+    wavelength, radius = (
+        None if length is None else surface.in_map_unit(name, length) for name, length in given
+    )
+    problem = ""
     shortest, longest = _two_nodes(grid, target), max(grid.length)
     if radius is not None and options.periodic == "mirrored" and any(n % 2 for n in target.shape):
         problem = f"points: even numbers are needed for a form on a mirrored map, not {target.shape}"
@@ -444,7 +428,7 @@ def _two_nodes(grid: Grid, target: Grid) -> float:
 
 def _with_form(treated: TreatedMap, options: MapOptions, radius: float, surface: HeightMap) -> TreatedMap:
     """The surface with the form of a sphere or cylinder, on every mirror image of the map."""
-    part = Grid(treated.map_shape, treated.map_length)
+    part = treated.map_alone().grid
     flat, word = np.zeros(part.shape), "a sphere"
     if options.form == "sphere":
         form = add_sphere(flat, part, radius)
@@ -452,6 +436,6 @@ def _with_form(treated: TreatedMap, options: MapOptions, radius: float, surface:
         form = add_cylinder(flat, part, radius, axis=options.cylinder_axis)
         word = f"a cylinder along {options.cylinder_axis}"
     if treated.is_mirrored:
-        form = mirrored(form)
+        form = levelling.mirrored(form)
     line = f"form of {word} of radius {surface.shown_length(radius, digits=4)} added"
     return replace(treated, height=treated.height + form, done=(*treated.done, line))
