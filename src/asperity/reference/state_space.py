@@ -110,22 +110,19 @@ class StateSpace:
             columns.append(linear * mp.exp(eigenvalue * distance))
         return np.hstack(columns)
 
-    def solve(self, top: Any, lower: Any = (0, 0, 0)) -> Array:
-        """Amplitudes of the general solution under boundary conditions, (6,) or, for the half-space, (3,).
+    def solve(self, top: Any) -> Array:
+        """Amplitudes of the general solution, (6,) or, for the half-space, (3,).
 
         Parameters
         ----------
         top : three numbers
-            σ_xz, σ_yz, σ_zz at the top.
-        lower : three numbers
-            Values of what the bottom prescribes: u_x, u_y, u_z if bonded; σ_xz, σ_yz, u_z if frictionless;
-            σ_xz, σ_yz, σ_zz if free.
+            σ_xz, σ_yz, σ_zz at the top. What the bottom prescribes is zero.
         """
         with mp.workdps(self.digits):
             rows, values = self._states(0)[_TRACTIONS], list(top)
             if self.height is not None:
                 rows = np.vstack([rows, self._states(self.height)[_HELD[self.bottom]]])
-                values += list(lower)
+                values += [0, 0, 0]
             return np.array(list(mp.lu_solve(mp.matrix(rows.tolist()), mp.matrix(values))), object)
 
     def state(self, depth: Any, amplitudes: Array | None = None) -> Array:
@@ -137,21 +134,18 @@ class StateSpace:
         """u_x, u_y, u_z at a depth."""
         return self.state(depth)[_DISPLACEMENTS]
 
-    def stress(self, depth: Any) -> Array:
-        """σ_xx, σ_yy, σ_zz, σ_yz, σ_xz, σ_xy at a depth."""
+    def stress(self, depth: Any, amplitudes: Array | None = None) -> Array:
+        """σ_xx, σ_yy, σ_zz, σ_yz, σ_xz, σ_xy at a depth, by Hooke's law, for the amplitudes of `solve`."""
         with mp.workdps(self.digits):
-            return self.stress_of(self.state(depth))
-
-    def stress_of(self, state: Any) -> Array:
-        """σ_xx, σ_yy, σ_zz, σ_yz, σ_xz, σ_xy of a state, by Hooke's law."""
-        nu = self.poisson
-        plane = self.young / (1 - nu**2)
-        ux, uy, _, xz, yz, zz = state
-        strain_x, strain_y = 1j * self.qx * ux, 1j * self.qy * uy
-        confined = nu / (1 - nu) * zz
-        xx, yy = plane * (strain_x + nu * strain_y) + confined, plane * (strain_y + nu * strain_x) + confined
-        xy = self.young / (2 * (1 + nu)) * 1j * (self.qx * uy + self.qy * ux)
-        return np.array([xx, yy, zz, yz, xz, xy], object)
+            ux, uy, _, xz, yz, zz = self.state(depth, amplitudes)
+            nu = self.poisson
+            plane, shear = self.young / (1 - nu**2), self.young / (2 * (1 + nu))
+            strain_x, strain_y = 1j * self.qx * ux, 1j * self.qy * uy
+            confined = nu / (1 - nu) * zz
+            xx = plane * (strain_x + nu * strain_y) + confined
+            yy = plane * (strain_y + nu * strain_x) + confined
+            xy = shear * 1j * (self.qx * uy + self.qy * ux)
+            return np.array([xx, yy, zz, yz, xz, xy], object)
 
     def compliance(self) -> Array:
         """Compliance of a layer with free faces, (6, 6): displacements of both faces per traction on both.

@@ -95,8 +95,7 @@ def describe_map(path: str | os.PathLike[str], options: MapOptions) -> MapDescri
     properties, warnings = _of_file(found), []
     if np.isfinite(found.map.height).any():
         measures = measure_map(found.map)
-        edges_known = properties["size"] != NOT_IN_FILE
-        properties |= _of_heights(found.map, measures, edges_known)
+        properties |= _of_heights(found.map, measures, found.edges_known)
         warnings = map_warnings(found.map, options, measures)
     return MapDescription(properties, needed, choices, warnings)
 
@@ -177,21 +176,19 @@ def map_warnings(surface: HeightMap, options: MapOptions, measures: MapMeasures 
 
 def _of_file(found: MapFile) -> dict[str, str]:
     """What the file holds."""
-    surface = found.map
-    edges_known = not any("does not say the edges" in problem for problem in found.problems)
-    size, pixel = (
-        surface.shown_length(*edges, digits=4) if edges_known else NOT_IN_FILE
-        for edges in (surface.length, surface.spacing)
-    )
+    surface, size, pixel = found.map, NOT_IN_FILE, NOT_IN_FILE
+    if found.edges_known:
+        size = f"{surface.shown_length(*surface.length, digits=4)} (y, x)"
+        pixel = surface.shown_length(*surface.spacing, digits=4)
     return {
         "file": surface.name,
         "channels": _channels(found),
         "heights": ORIENTATION_WORDS[surface.orientation],
         "unit": f"{surface.unit} in the file" if surface.unit else NOT_IN_FILE,
         "points": f"{surface.height.shape[0]} x {surface.height.shape[1]} (y, x)",
-        "size": f"{size} (y, x)" if edges_known else size,
+        "size": size,
         "pixel": pixel,
-        "without data": _share(surface.missing, surface),
+        "without data": surface.shown_share(surface.missing) if surface.missing else "no points",
     }
 
 
@@ -212,9 +209,12 @@ def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) ->
     step = edge_step(level)
     stated = "says" if surface.periodic else "does not say"
     verdict = "" if surface.periodic or step <= PERIODIC_STEP else ": it is not"
-    spikes = _share(int(np.count_nonzero(measures.spikes)), surface)
+    spikes = "no points"
     if measures.spike_count:
-        spikes += f" in {measures.spike_count} spikes of up to {length(measures.highest_spike)}"
+        spikes = (
+            f"{surface.shown_share(int(np.count_nonzero(measures.spikes)))} in {measures.spike_count} spikes "
+        )
+        spikes += f"of up to {length(measures.highest_spike)}"
     slope = math.sqrt(sum(steps))
     found = {
         "spikes": f"{spikes}, beyond {DESPIKE:g} robust standard deviations from the local median",
@@ -239,10 +239,6 @@ def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) ->
         f"neighbouring points{verdict}",
     }
     return found if edges_known else {name: text for name, text in found.items() if name not in NEED_EDGES}
-
-
-def _share(count: int, surface: HeightMap) -> str:
-    return f"{count} points ({100 * count / surface.height.size:.2g} %)" if count else "no points"
 
 
 def _channels(found: MapFile) -> str:

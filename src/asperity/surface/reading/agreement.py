@@ -95,11 +95,13 @@ class MapFile:
     channels : tuple of Channel
     problems : list of str
         What is missing or contradicts the file; empty if the map can be used.
+    edges_known : bool
     """
 
     map: HeightMap
     channels: tuple[Channel, ...]
     problems: list[str]
+    edges_known: bool
 
 
 def combined(content: FileContent, name: str, options: MapOptions) -> MapFile:
@@ -127,7 +129,8 @@ def combined(content: FileContent, name: str, options: MapOptions) -> MapFile:
             "correct the file"
         )
     found = HeightMap(height, edges, content.periodic, orientation, unit, name, content.channel)
-    return MapFile(found, content.channels or (Channel(content.channel, found.height.shape),), problems)
+    channels = content.channels or (Channel(content.channel, found.height.shape),)
+    return MapFile(found, channels, problems, length is not None)
 
 
 def _height_factor(content: FileContent, options: MapOptions, problems: list[str]) -> float:

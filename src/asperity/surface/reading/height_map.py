@@ -23,6 +23,7 @@ from asperity.core.markup import picture, table
 from asperity.core.types import Array
 from asperity.core.units import shown_si, to_si
 from asperity.fourier.grid import Grid
+from asperity.surface.form import AXES
 
 PEAKS_UP, LOWER_FACE = "peaks up", "lower face"
 ORIENTATIONS = (PEAKS_UP, LOWER_FACE)
@@ -36,8 +37,6 @@ PERIODICITIES = ("declared", "mirrored", "windowed", "none")
 
 FORMS = ("sphere", "cylinder")
 """Forms that can be added to the roughness."""
-
-AXES = ("y", "x")
 
 MOST_POINTS = 2**16
 """Most nodes on the longer edge of a map that is resampled: 34 GB."""
@@ -303,6 +302,10 @@ class HeightMap:
         return " x ".join(
             shown_si(value, "m", digits) if self.unit else f"{value:.{digits}g}" for value in values
         )
+
+    def shown_share(self, count: int) -> str:
+        """A number of points and their share of the map as text."""
+        return f"{count} points ({100 * count / self.height.size:.2g} %)"
 
     def in_map_unit(self, name: str, value: float | str) -> float:
         """An option that is a length, in the unit of the map.

@@ -211,13 +211,14 @@ def _require_size(size: float, limit: float) -> None:
 def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileContent]:
     """A matrix of heights, or points, and which of them a table is."""
     matrix, points = (formats.known_formats()[found] for found in TEXT_FORMATS)
-    if table.columns < 3:
-        raise ValueError(f"a rectangular map is needed, not a line scan of {table.columns} columns")
+    columns = len(table.rows[0])
+    if columns < 3:
+        raise ValueError(f"a rectangular map is needed, not a line scan of {columns} columns")
     if options.format != points.name and any(map(_MATRIX_HEADER.search, table.header)):
         lines = io.StringIO("\n".join([*table.header, *table.lines]))
         return matrix, _instrument_map(matrix, lines, options)
     units = table.units()
-    if options.format == matrix.name or (table.columns > 3 and options.format is None):
+    if options.format == matrix.name or (columns > 3 and options.format is None):
         heights, unit = table.heights(), units[0] if len(units) == 1 else None
         return matrix, FileContent(heights, unit=unit, orientation=None)
     try:

@@ -90,11 +90,6 @@ class NumberTable(NamedTuple):
     lines: list[str]
     rows: list[list[float]]
 
-    @property
-    def columns(self) -> int:
-        """Numbers in the first row."""
-        return len(self.rows[0])
-
     def numbers(self) -> Array:
         """The numbers as an array, if all rows have the same number of them.
 
@@ -104,7 +99,7 @@ class NumberTable(NamedTuple):
             If they have not.
         """
         if len({len(row) for row in self.rows}) > 1:
-            raise ValueError(f"{self.columns} numbers in each line are needed")
+            raise ValueError(f"{len(self.rows[0])} numbers in each line are needed")
         return np.array(self.rows)
 
     def heights(self) -> Array:

@@ -235,11 +235,6 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     options = replace(options or MapOptions(), **given)
     if problems := _missing(surface, options):
         raise MapError(surface.name, problems)
-
-    def share(points: Array) -> str:
-        count = np.count_nonzero(points)
-        return f"{count} points ({100 * count / surface.height.size:.2g} %)"
-
     grid, target = _grids(surface, options)
     shortest, radius = _lengths(surface, options, grid, target)
     is_lower_face, periodic = surface.orientation == LOWER_FACE, options.periodic
@@ -247,17 +242,17 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     if is_lower_face:
         done = ["used as it is: the heights are those of an indenter's lower face"]
 
-    missing = ~np.isfinite(surface.height)
-    spikes = np.zeros_like(missing)
+    removed, spikes = ~np.isfinite(surface.height), 0
     if options.despike is not None:
-        spikes = levelling.find_spikes(surface.height, options.despike)
+        found = levelling.find_spikes(surface.height, options.despike)
+        removed, spikes = removed | found, int(np.count_nonzero(found))
         done.append(
-            f"spikes: {share(spikes)} beyond {options.despike:g} robust standard deviations from the local "
-            "median replaced"
+            f"spikes: {surface.shown_share(spikes)} beyond {options.despike:g} robust standard deviations "
+            "from the local median replaced"
         )
-    if missing.any():
-        done.append(f"without data: {share(missing)} filled by a harmonic function")
-    filled = levelling.fill_harmonic(surface.height, missing | spikes)
+    if surface.missing:
+        done.append(f"without data: {surface.shown_share(surface.missing)} filled by a harmonic function")
+    filled = levelling.fill_harmonic(surface.height, removed)
 
     level, slope, bow = levelling.subtract_trend(filled, options.detrend, surface.length)
     if np.ptp(level) <= _ROUNDING * np.abs(filled).max():
@@ -295,9 +290,9 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     if target.shape != grid.shape:
         done.append(f"resampled to {target.shape[0]} x {target.shape[1]} points")
     treatment = MapTreatment(
-        missing=int(np.count_nonzero(missing)),
-        spikes=int(np.count_nonzero(spikes)),
-        filled_fraction=np.count_nonzero(missing | spikes) / surface.height.size,
+        missing=surface.missing,
+        spikes=spikes,
+        filled_fraction=(surface.missing + spikes) / surface.height.size,
         tilt=tilt,
         bow=bow,
         altered_fraction=altered,
