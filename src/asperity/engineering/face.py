@@ -14,7 +14,7 @@ import numpy as np
 from asperity.core.errors import one_line
 from asperity.core.types import Array
 from asperity.core.units import to_si
-from asperity.surface.description import map_warnings, measure_map
+from asperity.surface.description import MapMeasures, map_warnings
 from asperity.surface.reading.height_map import ORIENTATION_NEEDED, PEAKS_UP, HeightMap, MapError, MapOptions
 from asperity.surface.reading.map_file import open_map
 from asperity.surface.treatment.face_to_face import face_to_face
@@ -146,7 +146,7 @@ def _read(source: Source, options: MapOptions) -> tuple[str, HeightMap, tuple[st
         if problems := [text for text in problems if text != ORIENTATION_NEEDED]:
             raise MapError(os.fspath(source), problems)
         name, surface = Path(source).stem, found.map
-    measured = measure_map(surface)
+    measured = MapMeasures(surface)
     doubts = map_warnings(surface, options, measured)
     if surface.orientation is None:
         surface = replace(surface, orientation=PEAKS_UP)

@@ -28,6 +28,7 @@ from itertools import product
 import numpy as np
 import scipy.linalg
 from skfem import Basis, BilinearForm, ElementLineP2, MeshLine
+from skfem.models.poisson import laplace, mass
 
 from asperity.core.arguments import require_positive
 from asperity.core.types import Array
@@ -67,16 +68,12 @@ class Line:
         """∫φφ, ∫φφ′, ∫φ′φ and ∫φ′φ′, by whether test and trial function are differentiated."""
         basis = Basis(MeshLine(self.edges), ElementLineP2(), intorder=4)
         order = np.argsort(basis.doflocs[0])
-        mass, stiffness, convection = (
-            BilinearForm(form).assemble(basis).toarray()[np.ix_(order, order)]
-            for form in (
-                lambda u, v, _: u * v,
-                lambda u, v, _: u.grad[0] * v.grad[0],
-                lambda u, v, _: u.grad[0] * v,
-            )
+        masses, stiffness, convection = (
+            form.assemble(basis).toarray()[np.ix_(order, order)]
+            for form in (mass, laplace, BilinearForm(lambda u, v, _: u.grad[0] * v))
         )
         slopes = [(False, False), (False, True), (True, False), (True, True)]
-        return dict(zip(slopes, (mass, convection, convection.T, stiffness), strict=True))
+        return dict(zip(slopes, (masses, convection, convection.T, stiffness), strict=True))
 
     def modes(self, fixed: Sequence[int]) -> tuple[Array, Array]:
         """Eigenvalues of stiffness against mass and eigenvectors as columns, zero at fixed nodes."""

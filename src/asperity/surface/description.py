@@ -94,16 +94,21 @@ def describe_map(path: str | os.PathLike[str], options: MapOptions) -> MapDescri
     choices = [text for text in missing_options(found, MapOptions()) if text not in needed]
     properties, warnings = _of_file(found), []
     if np.isfinite(found.map.height).any():
-        measures = measure_map(found.map)
+        measures = MapMeasures(found.map)
         properties |= _of_heights(found.map, measures, found.edges_known)
         warnings = map_warnings(found.map, options, measures)
     return MapDescription(properties, needed, choices, warnings)
 
 
-class MapMeasures(NamedTuple):
+class MapMeasures:
     """Spikes, tilt and bow of a height map, and its rms height without them; lengths in the unit of the map.
 
     Parameters
+    ----------
+    surface : HeightMap
+        With at least one point that has data.
+
+    Attributes
     ----------
     spikes : (ny, nx) array of bool
         Points beyond `DESPIKE` robust standard deviations from the local median.
@@ -121,35 +126,18 @@ class MapMeasures(NamedTuple):
         Without tilt and spikes.
     """
 
-    spikes: Array
-    spike_count: int
-    highest_spike: float
-    level: Array
-    tilt: float
-    bow: float
-    rms_height: float
-    rms_height_without_bow: float
+    def __init__(self, surface: HeightMap) -> None:
+        from scipy.ndimage import label
 
-
-def measure_map(surface: HeightMap) -> MapMeasures:
-    """Spikes, tilt, bow and rms height of a height map with at least one point that has data."""
-    from scipy.ndimage import label
-
-    height = surface.height
-    spikes = find_spikes(height, DESPIKE)
-    filled = fill_harmonic(height, spikes | ~np.isfinite(height))
-    level, slope, _ = subtract_trend(filled, "tilt", surface.length)
-    flat, _, bow = subtract_trend(level, "curvature", surface.length)
-    return MapMeasures(
-        spikes=spikes,
-        spike_count=int(label(spikes, np.ones((3, 3)))[1]),
-        highest_spike=float(np.abs(height - filled).max(initial=0.0, where=spikes)),
-        level=level,
-        tilt=math.atan(math.hypot(*slope)),
-        bow=bow,
-        rms_height=float(np.std(level)),
-        rms_height_without_bow=float(np.std(flat)),
-    )
+        height = surface.height
+        self.spikes = find_spikes(height, DESPIKE)
+        self.spike_count = int(label(self.spikes, np.ones((3, 3)))[1])
+        filled = fill_harmonic(height, self.spikes | ~np.isfinite(height))
+        self.highest_spike = float(np.abs(height - filled).max(initial=0.0, where=self.spikes))
+        self.level, slope, _ = subtract_trend(filled, "tilt", surface.length)
+        self.tilt = math.atan(math.hypot(*slope))
+        flat, _, self.bow = subtract_trend(self.level, "curvature", surface.length)
+        self.rms_height, self.rms_height_without_bow = float(np.std(self.level)), float(np.std(flat))
 
 
 def map_warnings(surface: HeightMap, options: MapOptions, measures: MapMeasures | None = None) -> list[str]:
@@ -157,7 +145,7 @@ def map_warnings(surface: HeightMap, options: MapOptions, measures: MapMeasures 
 
     Each begins with the field of `MapOptions` that answers it.
     """
-    found = measures or measure_map(surface)
+    found = measures or MapMeasures(surface)
     rms, length, warnings = found.rms_height_without_bow, surface.shown_length, []
     if surface.unit is not None and rms and not SMALLEST_RMS <= rms <= LARGEST_RMS:
         warnings.append(f"unit: an rms height of {length(rms)}; is {surface.unit} the unit of the heights?")

@@ -135,14 +135,14 @@ def combined(content: FileContent, name: str, options: MapOptions) -> MapFile:
 
 def _height_factor(content: FileContent, options: MapOptions, problems: list[str]) -> float:
     """Factor that the caller applies to the heights; the file's own is applied by its reader."""
-    given, own, said = options.height_factor, content.factor, f"{content.factor or 1.0:g}"
-    if own is None and content.unit is not None:
-        own, said = 1.0, f"heights in {content.unit}"
-    if given is None and content.is_grey:
-        problems.append("height_factor: the file holds grey levels; set it to the height of one level")
-    elif given is not None and own is None:
+    given, own = options.height_factor, content.factor
+    if given is None:
+        if content.is_grey:
+            problems.append("height_factor: the file holds grey levels; set it to the height of one level")
+    elif own is None and content.unit is None:
         return float(given)
-    elif given is not None and not math.isclose(given, own or 1.0, rel_tol=AGREEMENT):
+    elif not math.isclose(given, own or 1.0, rel_tol=AGREEMENT):
+        said = f"heights in {content.unit}" if own is None else f"{own:g}"
         problems.append(f"height_factor = {given:g}: the file says {said}; leave it out")
     return 1.0
 

@@ -277,19 +277,18 @@ def _own_surface(path: str) -> FileContent | None:
 
     try:
         with xr.open_dataset(path, engine="netcdf4") as opened:
-            height = opened["height"]
-            orientation = height.attrs.get("orientation")
-            if orientation is None and "lower face" in height.attrs.get("long_name", ""):
-                orientation = LOWER_FACE
-            is_surface = height.dims == ("y", "x") and {"y", "x"} <= set(height.coords)
-            if orientation not in (PEAKS_UP, LOWER_FACE) or not is_surface or min(height.shape) < 2:
-                return None
             surface = opened[["height"]].load()
     except (OSError, RuntimeError, ValueError, KeyError, AttributeError):
         return None
+    height = surface["height"]
     units = height.attrs.get("units", "")
+    is_lower_face = "lower face" in height.attrs.get("long_name", "")
+    orientation = height.attrs.get("orientation", LOWER_FACE if is_lower_face else None)
+    is_surface = height.dims == ("y", "x") and {"y", "x"} <= set(height.coords) and min(height.shape) > 1
+    if orientation not in (PEAKS_UP, LOWER_FACE) or not is_surface:
+        return None
     return FileContent(
-        height=np.asarray(surface["height"].values, dtype=float),
+        height=height.values.astype(float),
         channel="height",
         length=grid_of(surface).length,
         unit=None if units.startswith("cell") or not units else units,

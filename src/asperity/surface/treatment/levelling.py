@@ -102,8 +102,6 @@ def _compact(marked: Array) -> Array:
     """The marked points whose connected group fits into a square of `LONGEST_SPIKE` points."""
     from scipy.ndimage import find_objects, label
 
-    if not marked.any():
-        return marked
     groups, count = label(marked, np.ones((3, 3)))
     small = np.zeros(count + 1, dtype=bool)
     for number, box in enumerate(find_objects(groups), 1):
