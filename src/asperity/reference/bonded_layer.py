@@ -97,77 +97,66 @@ class BondedLayer:
     def flat_punch(self, radius: float, approach: float) -> LayerContact:
         """Contact with a flat-ended cylindrical punch of a given radius at an approach."""
         require_positive(radius=radius, approach=approach)
-        return self._contact(radius, 0.0, approach)
+        return LayerContact(self, radius, 0.0, approach)
 
     def paraboloid(self, contact_radius: float, curvature_radius: float) -> LayerContact:
         """Contact with a paraboloid ``r²/(2R)`` at a given contact radius."""
         require_positive(contact_radius=contact_radius, curvature_radius=curvature_radius)
-        return self._contact(contact_radius, 1 / curvature_radius, None)
-
-    def _contact(self, radius: float, curvature: float, approach: float | None) -> LayerContact:
-        """Contact from the discrete Fredholm equation; without an approach at that with φ(a) = 0.
-
-        The kernel is separable, ``M(s, t) = Σ w_ξ cos ξs cos ξt``, with the nodes and weights of the integral
-        over ξ.
-        """
-        node, weight = np.polynomial.legendre.leggauss(self.order)
-        s, weights = 0.5 * radius * (node + 1), 0.5 * radius * weight
-        count = WAVENUMBERS + int(WAVENUMBERS_PER_RATIO * radius / self.height)
-        node, weight = np.polynomial.legendre.leggauss(count)
-        scaled = 0.5 * LARGEST_WAVENUMBER * (node + 1)
-        wavenumbers, step = scaled / self.height, 0.5 * LARGEST_WAVENUMBER * weight / self.height
-        correction = 2 / np.pi * (1 - self.compliance_ratio(scaled)) * step
-        cosines = np.cos(np.multiply.outer(s, wavenumbers))
-        system = np.eye(self.order) - ((cosines * correction) @ cosines.T) * weights
-        # φ is δ times the solution for the right-hand side E*/π, less that for E*/π s² times 1/R.
-        scale = self.effective_modulus / np.pi
-        sides = scale * np.stack([np.ones(self.order), s**2], axis=1)
-        flat, curved = np.linalg.solve(system, sides).T
-        if approach is None:
-            edge = correction * np.cos(wavenumbers * radius)
-            edge_flat = scale + edge @ (cosines.T @ (weights * flat))
-            edge_curved = scale * radius**2 + edge @ (cosines.T @ (weights * curved))
-            approach = float(curvature * edge_curved / edge_flat)
-        density = approach * flat - curvature * curved
-        return LayerContact(
-            contact_radius=radius,
-            approach=approach,
-            load=2 * np.pi * float(weights @ density),
-            curvature=curvature,
-            effective_modulus=self.effective_modulus,
-            wavenumbers=wavenumbers,
-            excess=correction * (cosines.T @ (weights * density)),
-        )
+        return LayerContact(self, contact_radius, 1 / curvature_radius)
 
 
-@dataclass(frozen=True, eq=False)
 class LayerContact:
-    """Contact with a bonded layer, a result of `BondedLayer`.
+    """Contact with a bonded layer, a result of `BondedLayer`, by the discrete Fredholm equation.
+
+    The kernel is separable, ``M(s, t) = Σ w_ξ cos ξs cos ξt``, with the nodes and weights of the integral
+    over ξ.
+
+    Parameters
+    ----------
+    layer : BondedLayer
+    contact_radius : float
+    curvature : float
+        1/R of the paraboloid, zero for the flat punch.
+    approach : float, optional
+        By default that with φ(a) = 0.
 
     Attributes
     ----------
-    contact_radius, approach, load : float
-    curvature : float
-        1/R of the paraboloid, zero for the flat punch.
-    effective_modulus : float
-    wavenumbers, excess : (n,) arrays
-        Wavenumbers ξ, and ``2/π (1 − K(ξh)) P(ξ) dξ`` there: the amplitudes of the cosines by which φ differs
-        from that of a half-space.
+    contact_radius, curvature, approach, load : float
     """
 
-    contact_radius: float
-    approach: float
-    load: float
-    curvature: float
-    effective_modulus: float
-    wavenumbers: Array
-    excess: Array
+    def __init__(
+        self, layer: BondedLayer, contact_radius: float, curvature: float, approach: float | None = None
+    ) -> None:
+        self.contact_radius, self.curvature = contact_radius, curvature
+        node, weight = np.polynomial.legendre.leggauss(layer.order)
+        s, weights = 0.5 * contact_radius * (node + 1), 0.5 * contact_radius * weight
+        count = WAVENUMBERS + int(WAVENUMBERS_PER_RATIO * contact_radius / layer.height)
+        node, weight = np.polynomial.legendre.leggauss(count)
+        scaled = 0.5 * LARGEST_WAVENUMBER * (node + 1)
+        self._wavenumbers, step = scaled / layer.height, 0.5 * LARGEST_WAVENUMBER * weight / layer.height
+        correction = 2 / np.pi * (1 - layer.compliance_ratio(scaled)) * step
+        cosines = np.cos(np.multiply.outer(s, self._wavenumbers))
+        system = np.eye(layer.order) - ((cosines * correction) @ cosines.T) * weights
+        # φ is δ times the solution for the right-hand side E*/π, less that for E*/π s² times 1/R.
+        self._scale = layer.effective_modulus / np.pi
+        sides = self._scale * np.stack([np.ones(layer.order), s**2], axis=1)
+        flat, curved = np.linalg.solve(system, sides).T
+        if approach is None:
+            edge = correction * np.cos(self._wavenumbers * contact_radius)
+            edge_flat = self._scale + edge @ (cosines.T @ (weights * flat))
+            edge_curved = self._scale * contact_radius**2 + edge @ (cosines.T @ (weights * curved))
+            approach = float(curvature * edge_curved / edge_flat)
+        density = approach * flat - curvature * curved
+        self.approach, self.load = approach, 2 * np.pi * float(weights @ density)
+        # 2/π (1 − K(ξh)) P(ξ) dξ: amplitudes of the cosines by which φ differs from that of a half-space.
+        self._excess = correction * (cosines.T @ (weights * density))
 
     def density(self, s: ArrayLike) -> Array:
         """φ at distances 0 ≤ s ≤ a from the axis."""
         s = np.asarray(s, float)
-        half_space = self.effective_modulus / np.pi * (self.approach - self.curvature * s**2)
-        return half_space + np.cos(np.multiply.outer(s, self.wavenumbers)) @ self.excess
+        half_space = self._scale * (self.approach - self.curvature * s**2)
+        return half_space + np.cos(np.multiply.outer(s, self._wavenumbers)) @ self._excess
 
     def pressure(self, r: ArrayLike) -> Array:
         """Contact pressure at distances `r` from the axis, zero outside the contact.
@@ -179,9 +168,9 @@ class LayerContact:
         node, weight = np.polynomial.legendre.leggauss(PRESSURE_NODES)
         t = np.sqrt(r[..., None] ** 2 + square[..., None] * (0.5 * (node + 1)) ** 2)
         # φ'(t)/t; np.sinc(x) is sin(πx)/(πx).
-        phase = np.multiply.outer(t, self.wavenumbers)
-        slope = -np.sinc(phase / np.pi) @ (self.wavenumbers**2 * self.excess)
-        slope -= 2 * self.effective_modulus / np.pi * self.curvature
+        phase = np.multiply.outer(t, self._wavenumbers)
+        slope = -np.sinc(phase / np.pi) @ (self._wavenumbers**2 * self._excess)
+        slope -= 2 * self._scale * self.curvature
         smooth = -np.sqrt(square) * (slope @ (0.5 * weight))
         if self.curvature:
             return smooth

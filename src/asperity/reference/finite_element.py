@@ -22,7 +22,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import product
 
 import numpy as np
@@ -46,7 +45,6 @@ def graded(length: float, elements: int, ratio: float) -> Array:
     return length * np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum()
 
 
-@dataclass(frozen=True, eq=False)
 class Line:
     """Quadratic elements on a line.
 
@@ -54,26 +52,26 @@ class Line:
     ----------
     edges : (elements + 1,) array
         Ends of the elements, rising.
+
+    Attributes
+    ----------
+    nodes : (2 elements + 1,) array
+        Positions of the nodes.
+    matrices : dict
+        ∫φφ, ∫φφ′, ∫φ′φ and ∫φ′φ′, by whether test and trial function are differentiated.
     """
 
-    edges: Array
-
-    @cached_property
-    def nodes(self) -> Array:
-        """Positions of the 2 elements + 1 nodes."""
-        return np.sort(np.concatenate([self.edges, 0.5 * (self.edges[1:] + self.edges[:-1])]))
-
-    @cached_property
-    def matrices(self) -> dict[tuple[bool, bool], Array]:
-        """∫φφ, ∫φφ′, ∫φ′φ and ∫φ′φ′, by whether test and trial function are differentiated."""
-        basis = Basis(MeshLine(self.edges), ElementLineP2(), intorder=4)
-        order = np.argsort(basis.doflocs[0])
+    def __init__(self, edges: Array) -> None:
+        self.edges = edges
+        self.nodes = np.sort(np.concatenate([edges, 0.5 * (edges[1:] + edges[:-1])]))
+        basis = Basis(MeshLine(edges), ElementLineP2(), intorder=4)
+        self._order = np.argsort(basis.doflocs[0])
         masses, stiffness, convection = (
-            form.assemble(basis).toarray()[np.ix_(order, order)]
+            form.assemble(basis).toarray()[np.ix_(self._order, self._order)]
             for form in (mass, laplace, BilinearForm(lambda u, v, _: u.grad[0] * v))
         )
         slopes = [(False, False), (False, True), (True, False), (True, True)]
-        return dict(zip(slopes, (masses, convection, convection.T, stiffness), strict=True))
+        self.matrices = dict(zip(slopes, (masses, convection, convection.T, stiffness), strict=True))
 
     def modes(self, fixed: Sequence[int]) -> tuple[Array, Array]:
         """Eigenvalues of stiffness against mass and eigenvectors as columns, zero at fixed nodes."""
@@ -96,7 +94,7 @@ class Line:
         """
         points = 0.5 + np.array([[-0.5, 0.5]]) / np.sqrt(3.0)
         basis = Basis(MeshLine(self.edges), ElementLineP2(), quadrature=(points, np.full(2, 0.5)))
-        fields = [basis.interpolate(unit) for unit in np.eye(basis.N)[np.argsort(basis.doflocs[0])]]
+        fields = [basis.interpolate(unit) for unit in np.eye(basis.N)[self._order]]
         value = np.stack([np.asarray(field).ravel() for field in fields], axis=-1)
         slope = np.stack([field.grad[0].ravel() for field in fields], axis=-1)
         return value @ self.nodes, value, slope

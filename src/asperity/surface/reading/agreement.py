@@ -6,7 +6,6 @@ The options must not contradict the file. Everything that is wrong or missing is
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -84,107 +83,105 @@ class FileContent(NamedTuple):
     is_grey: bool = False
 
 
-@dataclass(frozen=True)
 class MapFile:
-    """A file as far as it can be read.
+    """A file as far as it can be read: its contents, agreed with the options of the caller.
 
     Parameters
     ----------
+    content : FileContent
+    name : str
+        Name of the file.
+    options : MapOptions
+
+    Attributes
+    ----------
     map : HeightMap
-        Its edges are numbers of pixels if they are not known.
+        In metres if the unit is known. Its edges are numbers of pixels if they are not known.
     channels : tuple of Channel
     problems : list of str
         What is missing or contradicts the file; empty if the map can be used.
     edges_known : bool
     """
 
-    map: HeightMap
-    channels: tuple[Channel, ...]
-    problems: list[str]
-    edges_known: bool
+    def __init__(self, content: FileContent, name: str, options: MapOptions) -> None:
+        self._content, self._options = content, options
+        self.problems: list[str] = []
+        factor = self._height_factor()
+        unit, metre = self._unit()
+        length = self._length(metre)
+        orientation = options.orientation or content.orientation
+        if orientation is None:
+            self.problems.append(ORIENTATION_NEEDED)
+        elif content.orientation == LOWER_FACE != orientation:
+            self.problems.append(
+                f"orientation = {orientation!r}: the file holds the lower face of an indenter; leave it out"
+            )
+        scale = factor * (metre or 1.0)
+        height = content.height if scale == 1 else content.height * scale
+        edges = length or (float(height.shape[0]), float(height.shape[1]))
+        finite = np.isfinite(height)
+        if not finite.any():
+            self.problems.append("no point of the map has data")
+        elif length and np.abs(height).max(initial=0.0, where=finite) > LARGEST_HEIGHT * max(edges):
+            self.problems.append(
+                f"height_factor: heights up to {LARGEST_HEIGHT:g} times the longer edge are accepted; set it "
+                "or correct the file"
+            )
+        self.edges_known = length is not None
+        self.map = HeightMap(height, edges, content.periodic, orientation, unit, name, content.channel)
+        self.channels = content.channels or (Channel(content.channel, self.map.height.shape),)
 
+    def _height_factor(self) -> float:
+        """Factor that the caller applies to the heights; the file's own is applied by its reader."""
+        given, own, unit = self._options.height_factor, self._content.factor, self._content.unit
+        if given is None:
+            if self._content.is_grey:
+                self.problems.append(
+                    "height_factor: the file holds grey levels; set it to the height of one level"
+                )
+        elif own is None and unit is None:
+            return float(given)
+        elif not math.isclose(given, own or 1.0, rel_tol=AGREEMENT):
+            said = f"heights in {unit}" if own is None else f"{own:g}"
+            self.problems.append(f"height_factor = {given:g}: the file says {said}; leave it out")
+        return 1.0
 
-def combined(content: FileContent, name: str, options: MapOptions) -> MapFile:
-    """The map in a file of this name by its contents and the options, in metres if the unit is known."""
-    problems: list[str] = []
-    factor = _height_factor(content, options, problems)
-    unit, metre = _unit(content, options, problems)
-    length = _length(content, options, metre, problems)
-    orientation = options.orientation or content.orientation
-    if orientation is None:
-        problems.append(ORIENTATION_NEEDED)
-    elif content.orientation == LOWER_FACE != orientation:
-        problems.append(
-            f"orientation = {orientation!r}: the file holds the lower face of an indenter; leave it out"
-        )
-    scale = factor * (metre or 1.0)
-    height = content.height if scale == 1 else content.height * scale
-    edges = length or (float(height.shape[0]), float(height.shape[1]))
-    finite = np.isfinite(height)
-    if not finite.any():
-        problems.append("no point of the map has data")
-    elif length and np.abs(height).max(initial=0.0, where=finite) > LARGEST_HEIGHT * max(edges):
-        problems.append(
-            f"height_factor: heights up to {LARGEST_HEIGHT:g} times the longer edge are accepted; set it or "
-            "correct the file"
-        )
-    found = HeightMap(height, edges, content.periodic, orientation, unit, name, content.channel)
-    channels = content.channels or (Channel(content.channel, found.height.shape),)
-    return MapFile(found, channels, problems, length is not None)
+    def _unit(self) -> tuple[str | None, float | None]:
+        """Unit of the heights and its size in metres, None if nobody says it."""
+        known, own, given = {}, self._content.unit, self._options.unit
+        for name, unit in (("unit of the file", own), ("unit", given)):
+            try:
+                if unit is not None:
+                    known[unit] = metres(unit, name)
+            except ValueError as error:
+                self.problems.append(str(error))
+        sizes = list(known.values())
+        if len(sizes) == 2 and not math.isclose(*sizes, rel_tol=1e-9):
+            self.problems.append(f"unit = {given!r}: the file says {own}; leave it out")
+        return next(iter(known.items()), (None, None))
 
-
-def _height_factor(content: FileContent, options: MapOptions, problems: list[str]) -> float:
-    """Factor that the caller applies to the heights; the file's own is applied by its reader."""
-    given, own = options.height_factor, content.factor
-    if given is None:
-        if content.is_grey:
-            problems.append("height_factor: the file holds grey levels; set it to the height of one level")
-    elif own is None and content.unit is None:
-        return float(given)
-    elif not math.isclose(given, own or 1.0, rel_tol=AGREEMENT):
-        said = f"heights in {content.unit}" if own is None else f"{own:g}"
-        problems.append(f"height_factor = {given:g}: the file says {said}; leave it out")
-    return 1.0
-
-
-def _unit(content: FileContent, options: MapOptions, problems: list[str]) -> tuple[str | None, float | None]:
-    """Unit of the heights and its size in metres, None if nobody says it."""
-    known = {}
-    for name, unit in (("unit of the file", content.unit), ("unit", options.unit)):
-        try:
-            if unit is not None:
-                known[unit] = metres(unit, name)
-        except ValueError as error:
-            problems.append(str(error))
-    sizes = list(known.values())
-    if len(sizes) == 2 and not math.isclose(*sizes, rel_tol=1e-9):
-        problems.append(f"unit = {options.unit!r}: the file says {content.unit}; leave it out")
-    return next(iter(known.items()), (None, None))
-
-
-def _length(
-    content: FileContent, options: MapOptions, metre: float | None, problems: list[str]
-) -> tuple[float, float] | None:
-    """Edges in metres, or in the unknown unit of the file; None if nobody says them."""
-    scale = metre or 1.0
-    own = None if content.length is None else (content.length[0] * scale, content.length[1] * scale)
-    size = options.physical_size
-    if size is None:
+    def _length(self, metre: float | None) -> tuple[float, float] | None:
+        """Edges in metres, or in the unknown unit of the file; None if nobody says them."""
+        scale, own, size = metre or 1.0, self._content.length, self._options.physical_size
+        if own is not None:
+            own = own[0] * scale, own[1] * scale
+        if size is None:
+            if own is None:
+                self.problems.append(
+                    "physical_size: the file does not say the edges (y, x) of the map; set it"
+                )
+            return own
+        if metre is None and any(isinstance(edge, str) for edge in size):
+            self.problems.append(UNIT_NEEDED)
+            return own
+        y, x = (to_si(edge, "length") if isinstance(edge, str) else edge * scale for edge in size)
         if own is None:
-            problems.append("physical_size: the file does not say the edges (y, x) of the map; set it")
+            return y, x
+        if not np.allclose((y, x), own, rtol=AGREEMENT, atol=0):
+            stated = " x ".join(f"{edge / scale:.6g}" for edge in own)
+            stated += f" {self._content.unit}" if self._content.unit else ""
+            self.problems.append(f"physical_size: the file itself says {stated} (y, x); leave it out")
         return own
-    if metre is None and any(isinstance(edge, str) for edge in size):
-        problems.append(UNIT_NEEDED)
-        return own
-    y, x = (to_si(edge, "length") if isinstance(edge, str) else edge * scale for edge in size)
-    if own is None:
-        return y, x
-    if not np.allclose((y, x), own, rtol=AGREEMENT, atol=0):
-        stated = " x ".join(f"{edge / scale:.6g}" for edge in own) + (
-            f" {content.unit}" if content.unit else ""
-        )
-        problems.append(f"physical_size: the file itself says {stated} (y, x); leave it out")
-    return own
 
 
 def metres(unit: str, name: str = "unit") -> float:

@@ -30,10 +30,10 @@ from asperity.core.packages import require
 from asperity.core.types import Array
 from asperity.fourier.grid import grid_of
 from asperity.surface.reading import formats
-from asperity.surface.reading.agreement import Channel, FileContent, MapFile, combined, metres
+from asperity.surface.reading.agreement import Channel, FileContent, MapFile, metres
 from asperity.surface.reading.formats import TEXT_FORMATS, Format
 from asperity.surface.reading.height_map import LOWER_FACE, PEAKS_UP, HeightMap, MapError, MapOptions
-from asperity.surface.reading.number_table import NumberTable, find_dialect, grid_points, read_table
+from asperity.surface.reading.number_table import NumberTable, find_dialect, grid_points
 
 ROW_BY_ROW = ("h5", "mat")
 """Bare arrays of SurfaceTopography: element [i, j] is row i along y and column j along x."""
@@ -118,7 +118,7 @@ def open_map(path: str | os.PathLike[str], options: MapOptions) -> MapFile:
         raise MapError(name, [f"a file without damage is needed ({_first_line(error)})"]) from error
     except ValueError as error:
         raise MapError(name, [_first_line(error)]) from error
-    return combined(content, name, options)
+    return MapFile(content, name, options)
 
 
 def path_problem(path: str | os.PathLike[str]) -> str:
@@ -156,7 +156,7 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
     _require_size(size, options.max_memory)
     file.seek(0)
     if dialect is not None:
-        form, content = _table_map(read_table(_text(file.read()), dialect), options)
+        form, content = _table_map(NumberTable(_text(file.read()), dialect), options)
     else:
         form, content = _first_readable(possible, file, name, options)
     if content.orientation is None:

@@ -73,10 +73,15 @@ class Dialect(NamedTuple):
         return line.translate(_EXCHANGED) if self.mark == "," else line
 
 
-class NumberTable(NamedTuple):
-    """A table of numbers in a text.
+class NumberTable:
+    """The table of numbers in a text.
 
     Parameters
+    ----------
+    text : str
+    dialect : Dialect
+
+    Attributes
     ----------
     header : list of str
         Lines before the table.
@@ -84,11 +89,37 @@ class NumberTable(NamedTuple):
         Lines of the table and comments between them, with blanks between numbers.
     rows : list of list of float
         The numbers, NaN where one is missing. Rows on both sides of a comment may differ in length.
+
+    Raises
+    ------
+    ValueError
+        For the first line in the table with a word that is no number or with another length, and for a line
+        beside it that could be one of its rows; the message names the line.
     """
 
-    header: list[str]
-    lines: list[str]
-    rows: list[list[float]]
+    def __init__(self, text: str, dialect: Dialect) -> None:
+        written, columns = text.replace('"', "").splitlines(), dialect.columns
+        lines, rows = map(list, zip(*(_row(dialect.plain(line)) for line in written), strict=True))
+        whole = [number for number, row in enumerate(rows) if row and len(row) == columns]
+        if not whole:
+            raise ValueError(f"a table of {columns} columns of numbers is needed")
+        begin, end = whole[0], whole[-1] + 1
+        width = columns
+        for number, written_line in enumerate(written):
+            is_inside = begin <= number < end
+            if is_inside and not lines[number] and written_line.strip(" "):  # separators alone
+                lines[number], rows[number] = " ".join(["nan"] * columns), [math.nan] * columns
+            line, row = lines[number], rows[number]
+            if row is None:
+                wrong = [word for word in line.split() if _row(word)[1] is None]
+                if is_inside or (len(line.split()) == columns and 2 * len(wrong) <= columns):
+                    raise ValueError(f"line {number + 1}: {shown(wrong[0])} is no number")
+            elif row and len(row) != (width or len(row)):
+                raise ValueError(f"line {number + 1}: {width} numbers are needed, not {len(row)}")
+            elif is_inside:
+                width = 0 if _is_comment(line) else len(row) or width
+        self.header, self.lines = lines[:begin], lines[begin:end]
+        self.rows = [row for row in rows[begin:end] if row]
 
     def numbers(self) -> Array:
         """The numbers as an array, if all rows have the same number of them.
@@ -125,38 +156,6 @@ class NumberTable(NamedTuple):
         if len({*units}) == 1:
             return units[:1]
         return units if len(units) == 3 else []
-
-
-def read_table(text: str, dialect: Dialect) -> NumberTable:
-    """The table of numbers in a text.
-
-    Raises
-    ------
-    ValueError
-        For the first line in the table with a word that is no number or with another length, and for a line
-        beside it that could be one of its rows; the message names the line.
-    """
-    written, columns = text.replace('"', "").splitlines(), dialect.columns
-    lines, rows = map(list, zip(*(_row(dialect.plain(line)) for line in written), strict=True))
-    whole = [number for number, row in enumerate(rows) if row and len(row) == columns]
-    if not whole:
-        raise ValueError(f"a table of {columns} columns of numbers is needed")
-    begin, end = whole[0], whole[-1] + 1
-    width = columns
-    for number, written_line in enumerate(written):
-        is_inside = begin <= number < end
-        if is_inside and not lines[number] and written_line.strip(" "):  # separators alone
-            lines[number], rows[number] = " ".join(["nan"] * columns), [math.nan] * columns
-        line, row = lines[number], rows[number]
-        if row is None:
-            wrong = [word for word in line.split() if _row(word)[1] is None]
-            if is_inside or (len(line.split()) == columns and 2 * len(wrong) <= columns):
-                raise ValueError(f"line {number + 1}: {shown(wrong[0])} is no number")
-        elif row and len(row) != (width or len(row)):
-            raise ValueError(f"line {number + 1}: {width} numbers are needed, not {len(row)}")
-        elif is_inside:
-            width = 0 if _is_comment(line) else len(row) or width
-    return NumberTable(lines[:begin], lines[begin:end], [row for row in rows[begin:end] if row])
 
 
 def find_dialect(text: str) -> Dialect | None:
