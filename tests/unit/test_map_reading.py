@@ -44,9 +44,10 @@ def test_every_family_of_files_gives_one_surface(name):
     assert (found.missing, found.orientation, found.periodic) == (len(make_maps.MISSING), "peaks up", False)
 
 
-def test_a_gzip_file_is_read_like_its_content(tmp_path):
-    (tmp_path / "map.gz").write_bytes(gzip.compress((DATA / "steel.x3p").read_bytes()))
-    np.testing.assert_array_equal(read_map(tmp_path / "map.gz").height, read_map(DATA / "steel.x3p").height)
+@pytest.mark.parametrize("name", ["steel.x3p", "steel_bcr.sdf"])
+def test_a_gzip_file_is_read_like_its_content(tmp_path, name):
+    (tmp_path / "map.gz").write_bytes(gzip.compress((DATA / name).read_bytes()))
+    np.testing.assert_array_equal(read_map(tmp_path / "map.gz").height, read_map(DATA / name).height)
 
 
 def test_a_channel_is_chosen_by_name_or_number():

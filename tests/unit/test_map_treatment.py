@@ -211,6 +211,14 @@ def test_a_mirrored_map_is_symmetric_and_continuous():
     np.testing.assert_allclose(inside, (waves((24, 32)).mean() - waves((24, 32))) / 64, atol=1e-14)
 
 
+def test_a_length_with_its_unit_is_one_in_cell_edges():
+    surface = HeightMap(1e-6 * rough(), (24e-6, 32e-6), unit="m")
+    options = {"periodic": "declared", "wavelength_short": 8 / 32, "radius": 5.0}
+    texts = {"wavelength_short": "8 um", "radius": "160 um"}
+    by_number, by_text = (make_periodic(surface, **options | said).height for said in ({}, texts))
+    np.testing.assert_allclose(by_text, by_number, atol=1e-15)  # rounding
+
+
 def test_places_in_mirror_images_are_places_on_the_map():
     treated = treat_map(HeightMap(rough(), (24.0, 32.0)), periodic="mirrored")
     y, x = np.meshgrid(*treated.grid.coordinates(), indexing="ij")

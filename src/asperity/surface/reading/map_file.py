@@ -148,7 +148,7 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
     if is_packed:
         file = io.BytesIO(file.read(int(options.max_memory * GIB) + 1))
         size = file.getbuffer().nbytes
-    elif begin[:8] in _OLDER_SDF:
+    if begin[:8] in _OLDER_SDF:
         file = io.BytesIO(_OLDER_SDF[begin[:8]] + file.read()[8:])
     if zipfile.is_zipfile(file):
         with zipfile.ZipFile(file) as archive:
@@ -401,10 +401,8 @@ def _channel_index(channels: tuple[Channel, ...], wanted: str | int | None, defa
 
 
 def _require_map(shape: tuple[int, ...], options: MapOptions) -> None:
-    """Raise `ValueError` for a bare table with too few points, or that looks like a list."""
+    """Raise `ValueError` for a bare table that looks like a list."""
     rows, columns = shape
-    if min(shape) < 2:
-        raise ValueError(f"at least 2 x 2 points are needed, not {rows} x {columns}")
     narrow = columns <= FEW_COLUMNS and rows >= ELONGATED * columns
     if narrow and (columns == 3 or options.physical_size is None):
         raise ValueError(

@@ -320,8 +320,8 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
     ----------
     surface : HeightMap
     options : MapOptions, optional
-        ``periodic="none"`` is not accepted. A number for `wavelength_short` is in units of the longer edge of
-        the cell, which has twice the edges of the map if it is mirrored.
+        ``periodic="none"`` is not accepted. Numbers for `wavelength_short` and `radius` are in units of the
+        longer edge of the cell, which has twice the edges of the map if it is mirrored.
     **given
         Fields of `MapOptions`, in place of those of `options`.
 
@@ -349,9 +349,11 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
         known = ", ".join(PERIODICITIES[:-1])
         raise MapError(surface.name, [f"periodic = 'none': one of {known} is needed"])
     edge = cell_edge(surface, options)
-    if isinstance(options.wavelength_short, str):
-        length = surface.in_map_unit("wavelength_short", options.wavelength_short)
-        options = replace(options, wavelength_short=length / edge)
+    lengths: dict[str, Any] = {name: getattr(options, name) for name in ("wavelength_short", "radius")}
+    for name, length in lengths.items():
+        if isinstance(length, str):
+            lengths[name] = surface.in_map_unit(name, length) / edge
+    options = replace(options, **lengths)
     scale = 1 / edge
     scaled = replace(
         surface,
