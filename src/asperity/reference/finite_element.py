@@ -21,7 +21,6 @@ are in any unit, stresses in that of Young's modulus.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -255,27 +254,9 @@ class Slab:
         raise RuntimeError(f"finite elements: residual above {tolerance:g} after {max_iterations} iterations")
 
 
-@dataclass(frozen=True)
-class SlabContact:
-    """Contact of a paraboloid with the slab.
-
-    Attributes
-    ----------
-    displacement : (3, nz, ny, nx) array
-    push : (ny, nx) array
-        Forces of the indenter on the surface nodes of the quarter cell, downward.
-    """
-
-    displacement: Array
-    push: Array
-
-    @property
-    def load(self) -> float:
-        """Force on the whole indenter, four quarters."""
-        return 4 * float(self.push.sum())
-
-
-def press(slab: Slab, curvature_radius: float, approach: float, tolerance: float = 1e-8) -> SlabContact:
+def press(
+    slab: Slab, curvature_radius: float, approach: float, tolerance: float = 1e-8
+) -> tuple[Array, Array]:
     """Contact of a paraboloid ``r²/(2R)`` with the slab at an approach.
 
     Parameters
@@ -287,6 +268,13 @@ def press(slab: Slab, curvature_radius: float, approach: float, tolerance: float
         Downward displacement of the indenter from first touch.
     tolerance : float
         Tolerance of each linear solve, in the energy norm.
+
+    Returns
+    -------
+    displacement : (3, nz, ny, nx) array
+    push : (ny, nx) array
+        Forces of the indenter on the surface nodes of the quarter cell, downward; the load on the whole
+        indenter is four times their sum.
 
     Raises
     ------
@@ -306,7 +294,7 @@ def press(slab: Slab, curvature_radius: float, approach: float, tolerance: float
         penetration = depth + displacement[2, -1].ravel()
         settled = np.where(contact, push > 0, penetration > 0)
         if np.array_equal(settled, contact):
-            return SlabContact(displacement, np.where(contact, push, 0.0).reshape(slab.shape[1:]))
+            return displacement, np.where(contact, push, 0.0).reshape(slab.shape[1:])
         contact = settled
     raise RuntimeError(f"finite elements: contact not settled after {MAX_ACTIVE_SETS} active sets")
 

@@ -61,15 +61,14 @@ def _on_mesh(across: int, up: int, contact: Contact) -> xr.Dataset:
     slab = finite_element.Slab(
         graded(0.5, across, 3.0), 1 - graded(1.0, up, 10.0)[::-1], 1 - poisson**2, poisson
     )
-    pressed = finite_element.press(slab, CURVATURE_RADIUS, APPROACH)
-    x, z, *by_elements = slab.on_diagonal(pressed.displacement)
+    moved, push = finite_element.press(slab, CURVATURE_RADIUS, APPROACH)
+    x, z, *by_elements = slab.on_diagonal(moved)
     order = np.argsort(1 - z)
     depth = (1 - z)[order]
     spectral = displacement_and_stress(contact.pressure, contact.grid, contact.layer, x + 0.5, x + 0.5, depth)
-    moved = pressed.displacement
     variables: dict[str, object] = {
         "load_spectral": contact.mean_pressure,
-        "load_elements": pressed.load,
+        "load_elements": 4 * float(push.sum()),
         "contact_radius": fitted_contact_radius(contact.pressure, contact.grid),
         "surface_displacement_elements": (("node_y", "axis_node"), moved[2, -1]),
         "rim_displacement_elements": (("component", "node_z", "axis_node"), moved[:, :, -1]),

@@ -18,8 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from asperity.core.arguments import choice, number, require_finite
-from asperity.core.errors import shown
+from asperity.core.arguments import choice, number, pair, require_finite
 from asperity.core.types import Array
 from asperity.surface.reading.height_map import AXES, LOWER_FACE, PEAKS_UP, HeightMap, MapError
 
@@ -97,10 +96,9 @@ def face_to_face(
     [[20, 60]]
     """
     choice("turned_about", turned_about, AXES)
-    if np.shape(shift) != (2,):
-        raise ValueError(f"shift = {shown(shift)}: a pair (y, x) of finite numbers is needed")
+    accepted = "a pair (y, x) of finite numbers"
     shift_y, shift_x = (
-        number("shift", value, "a pair (y, x) of finite numbers", np.isfinite) for value in shift
+        number("shift", value, accepted, np.isfinite) for value in pair("shift", shift, accepted)
     )
     _require_comparable(lower, upper)
     turned = upper.orientation == PEAKS_UP
