@@ -104,11 +104,10 @@ class MapFile:
     """
 
     def __init__(self, content: FileContent, name: str, options: MapOptions) -> None:
-        self._content, self._options = content, options
         self.problems: list[str] = []
-        factor = self._height_factor()
-        unit, metre = self._unit()
-        length = self._length(metre)
+        factor = self._height_factor(content, options)
+        unit, metre = self._unit(content, options)
+        length = self._length(content, options, metre)
         orientation = options.orientation or content.orientation
         if orientation is None:
             self.problems.append(ORIENTATION_NEEDED)
@@ -131,11 +130,11 @@ class MapFile:
         self.map = HeightMap(height, edges, content.periodic, orientation, unit, name, content.channel)
         self.channels = content.channels or (Channel(content.channel, self.map.height.shape),)
 
-    def _height_factor(self) -> float:
+    def _height_factor(self, content: FileContent, options: MapOptions) -> float:
         """Factor that the caller applies to the heights; the file's own is applied by its reader."""
-        given, own, unit = self._options.height_factor, self._content.factor, self._content.unit
+        given, own, unit = options.height_factor, content.factor, content.unit
         if given is None:
-            if self._content.is_grey:
+            if content.is_grey:
                 self.problems.append(
                     "height_factor: the file holds grey levels; set it to the height of one level"
                 )
@@ -146,9 +145,9 @@ class MapFile:
             self.problems.append(f"height_factor = {given:g}: the file says {said}; leave it out")
         return 1.0
 
-    def _unit(self) -> tuple[str | None, float | None]:
+    def _unit(self, content: FileContent, options: MapOptions) -> tuple[str | None, float | None]:
         """Unit of the heights and its size in metres, None if nobody says it."""
-        known, own, given = {}, self._content.unit, self._options.unit
+        known, own, given = {}, content.unit, options.unit
         for name, unit in (("unit of the file", own), ("unit", given)):
             try:
                 if unit is not None:
@@ -160,9 +159,11 @@ class MapFile:
             self.problems.append(f"unit = {given!r}: the file says {own}; leave it out")
         return next(iter(known.items()), (None, None))
 
-    def _length(self, metre: float | None) -> tuple[float, float] | None:
+    def _length(
+        self, content: FileContent, options: MapOptions, metre: float | None
+    ) -> tuple[float, float] | None:
         """Edges in metres, or in the unknown unit of the file; None if nobody says them."""
-        scale, own, size = metre or 1.0, self._content.length, self._options.physical_size
+        scale, own, size = metre or 1.0, content.length, options.physical_size
         if own is not None:
             own = own[0] * scale, own[1] * scale
         if size is None:
@@ -179,7 +180,7 @@ class MapFile:
             return y, x
         if not np.allclose((y, x), own, rtol=AGREEMENT, atol=0):
             stated = " x ".join(f"{edge / scale:.6g}" for edge in own)
-            stated += f" {self._content.unit}" if self._content.unit else ""
+            stated += f" {content.unit}" if content.unit else ""
             self.problems.append(f"physical_size: the file itself says {stated} (y, x); leave it out")
         return own
 

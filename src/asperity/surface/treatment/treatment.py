@@ -242,17 +242,17 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     if is_lower_face:
         done = ["used as it is: the heights are those of an indenter's lower face"]
 
-    removed, spikes = ~np.isfinite(surface.height), 0
+    gaps, spikes = ~np.isfinite(surface.height), 0
     if options.despike is not None:
         found = levelling.find_spikes(surface.height, options.despike)
-        removed, spikes = removed | found, int(np.count_nonzero(found))
+        gaps, spikes = gaps | found, int(np.count_nonzero(found))
         done.append(
             f"spikes: {surface.shown_share(spikes)} beyond {options.despike:g} robust standard deviations "
             "from the local median replaced"
         )
     if surface.missing:
         done.append(f"without data: {surface.shown_share(surface.missing)} filled by a harmonic function")
-    filled = levelling.fill_harmonic(surface.height, removed)
+    filled = levelling.fill_harmonic(surface.height, gaps)
 
     level, slope, bow = levelling.subtract_trend(filled, options.detrend, surface.length)
     if np.ptp(level) <= _ROUNDING * np.abs(filled).max():
