@@ -130,9 +130,11 @@ def fill_harmonic(height: Array, missing: Array) -> Array:
     beside = (y, x + 1), (y, x - 1), (y + 1, x), (y - 1, x)
     number = np.full(np.add(missing.shape, 2), -1)
     number[y, x] = np.arange(y.size)
-    known = np.pad(np.where(missing, 0.0, height), 1)
-    inside = np.pad(np.ones(missing.shape), 1)
-    right, neighbours = (np.sum([values[place] for place in beside], axis=0) for values in (known, inside))
+    known, inside = np.pad(height.astype(float), 1), np.pad(np.ones(missing.shape, bool), 1)
+    known[y, x] = 0.0
+    right, neighbours = (
+        np.sum([values[place] for place in beside], axis=0, dtype=float) for values in (known, inside)
+    )
     columns = np.stack([number[place] for place in beside])
     rows = np.broadcast_to(np.arange(y.size), columns.shape)
     pairs = rows[columns >= 0], columns[columns >= 0]
