@@ -121,7 +121,7 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
     suggested = suggested_hardness(case)
     if suggested is not None and numbers.nominal_pressure >= suggested:
         yield True, "beyond_hardness", {"hardness": suggested, "times": HARDNESS_OVER_YIELD}
-    if answer.plastic is not None and answer.plastic.is_given and answer.plastic.plastic_area:
+    if case.hardness and answer.plastic is not None and answer.plastic.plastic_area:
         yield False, "clipped_pressure", {"size": 0.0}
     edge = min(face.grid.length)
     if numbers.peak_to_valley > 0.5 * edge:
@@ -237,14 +237,14 @@ def _on_map(answer: Answer) -> Iterator[Found]:
 
 def _on_neighbours(answer: Answer) -> Iterator[Found]:
     """Periodic images of a ball or cylinder, which press on the same body."""
-    alone, now = answer.neighbours, answer.numbers
+    if answer.neighbours is None:
+        return
+    span, alone = answer.neighbours
     if alone is None:
+        yield span > WIDE_SPAN, "neighbours", {"span": span}
         return
-    if math.isnan(alone.largest_pressure):
-        yield alone.span > WIDE_SPAN, "neighbours", {}
-        return
-    area = now.area_fraction / alone.area_fraction - 1
-    pressure = now.largest_pressure / alone.largest_pressure - 1
+    area = answer.numbers.area_fraction / alone.area_fraction - 1
+    pressure = answer.numbers.largest_pressure / alone.max_pressure - 1
     size = max(abs(area), abs(pressure))
-    found = {"area": 100 * area, "pressure": 100 * pressure, "size": size}
+    found = {"span": span, "area": 100 * area, "pressure": 100 * pressure, "size": size}
     yield size > NEIGHBOUR_CHANGE, "neighbours_compared", found

@@ -15,7 +15,7 @@ import xarray as xr
 from asperity.contact import Contact
 from asperity.core.markup import picture, table, with_error
 from asperity.core.units import scaled_unit, shown_si
-from asperity.engineering.answer_numbers import ContactNumbers, Neighbours, PlasticContact, gap_of
+from asperity.engineering.answer_numbers import ContactNumbers, gap_of
 from asperity.engineering.body_stress import DIRECTION, BodyAnswer
 from asperity.engineering.case import CONTROL_UNITS, HARDNESS_OVER_YIELD, Body, Case
 from asperity.engineering.face import RoughFace
@@ -121,10 +121,12 @@ class Answer:
     numbers : ContactNumbers
     bodies : dict
         ``lower`` and, if it is elastic, ``upper`` → `BodyAnswer`.
-    neighbours : Neighbours or None
-        None without the form of a ball or cylinder, and with a free boundary.
-    plastic : PlasticContact or None
-        What the hardness, or 3 times the yield stress, makes of the contact.
+    neighbours : (float, Contact or None) or None
+        Width of the contact of a ball or cylinder over the distance to its periodic images, the larger of
+        those along y and x; and the contact under the same load without images, None for layers. None without
+        such a form, and with a free boundary.
+    plastic : Contact or None
+        Under the hardness, which is 3 times the yield stress if none is given.
     curve : AnswerCurve or None
         Of several loads.
     advice : tuple of Advice
@@ -137,8 +139,8 @@ class Answer:
     spots: pd.DataFrame
     numbers: ContactNumbers
     bodies: dict[str, BodyAnswer]
-    neighbours: Neighbours | None = None
-    plastic: PlasticContact | None = None
+    neighbours: tuple[float, Contact | None] | None = None
+    plastic: Contact | None = None
     curve: AnswerCurve | None = None
     advice: tuple[Advice, ...] = ()
 
@@ -161,7 +163,7 @@ class Answer:
             words = name.replace("_", " contact ")
             shown.append(Row("contact", words, value, unit, f"{value:.4g} {unit}, without films and gap"))
         if self.plastic is not None:
-            shown += _plastic_rows(self.plastic)
+            shown += _plastic_rows(self.plastic, self.case.hardness is not None, self.numbers.rms_gradient)
         if self.curve is not None:
             shown += _curve_rows(self.curve, len(self.case.bodies) > 1)
         for name in self.case.different_bodies:
@@ -285,25 +287,22 @@ def _curve_rows(curve: AnswerCurve, several: bool) -> Iterator[Row]:
         yield Row(group, f"mean pressure where {subject}", value, "Pa", words)
 
 
-def _plastic_rows(found: PlasticContact) -> Iterator[Row]:
-    hardness = shown_si(found.hardness, "Pa")
-    group = "plastic contact"
-    if not found.is_given:
+def _plastic_rows(contact: Contact, is_given: bool, rms_gradient: float) -> Iterator[Row]:
+    """Numbers of a contact under a hardness, which is given or follows from the yield stress."""
+    group, hardness, shares = "plastic contact", shown_si(contact.hardness, "Pa"), {}
+    if not is_given:
         hardness += (
             f", if it were {HARDNESS_OVER_YIELD:g} times the yield stress; all other groups are elastic"
         )
-    yield Row(group, "hardness", found.hardness, "Pa", hardness)
-    if not found.is_given:
-        yield Row(group, "plastic real contact", found.area_fraction, "1", _per_cent(found.area_fraction))
-    yield Row(group, "area at the hardness", found.plastic_area, "1", _per_cent(found.plastic_area))
-    yield Row(group, "load at the hardness", found.plastic_load, "1", _per_cent(found.plastic_load))
-    yield Row(group, "largest plastic depth", found.plastic_depth, "m", shown_si(found.plastic_depth, "m"))
-    index = found.plasticity_index
+        shares["plastic real contact"] = contact.area_fraction
+    shares |= {"area at the hardness": contact.plastic_area, "load at the hardness": contact.plastic_load}
+    yield Row(group, "hardness", contact.hardness, "Pa", hardness)
+    for name, share in shares.items():
+        yield Row(group, name, share, "1", f"{100 * share:.4g} %")
+    depth = 0.0 if contact.plastic_depth is None else float(contact.plastic_depth.max())
+    yield Row(group, "largest plastic depth", depth, "m", shown_si(depth, "m"))
+    index = contact.solid.effective_modulus * rms_gradient / contact.hardness
     yield Row(group, "plasticity index", index, "1", f"{index:.3g}, E* × rms gradient / hardness")
-
-
-def _per_cent(share: float) -> str:
-    return f"{100 * share:.4g} %"
 
 
 def _body_rows(group: str, body: BodyAnswer) -> Iterator[Row]:

@@ -251,7 +251,11 @@ class Case:
 
         def body(prefix: str) -> Body:
             known = {prefix + name: entry for name, entry in BODY.items() if prefix + name in settings}
-            return Body(**{field: si(name, dimension) for name, (field, dimension) in known.items()})
+            constants = {field: si(name, dimension) for name, (field, dimension) in known.items()}
+            try:
+                return Body(**constants)
+            except ValueError as error:
+                raise ValueError(f"{prefix}{error}") from error
 
         loads = {
             kind: loads_of(name, settings) for name, (kind, _) in LOAD_QUANTITIES.items() if name in settings

@@ -15,7 +15,7 @@ from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.engineering.advice import advise
 from asperity.engineering.answer import Answer
-from asperity.engineering.answer_numbers import Neighbours, PlasticContact, contact_numbers, contact_spots
+from asperity.engineering.answer_numbers import contact_numbers, contact_spots
 from asperity.engineering.body_stress import body_answer
 from asperity.engineering.case import Body, Case, CounterMap, Load, suggested_hardness
 from asperity.engineering.close_up import close_ups
@@ -149,7 +149,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         numbers,
         {name: bodies.get(name, bodies["lower"]) for name in case.bodies},
         neighbours_of(face, case, contact) if form_repeats and len(spots) else None,
-        plastic_contact(face, case, contact, numbers.rms_gradient),
+        plastic_contact(face, case, contact),
     )
     if case.load.path:
         answer = replace(answer, curve=answer_curve(answer, _part(progress, 0.6, 1.0)))
@@ -215,41 +215,29 @@ def answer_curve(answer: Answer, progress: Progress) -> AnswerCurve:
     return AnswerCurve(curve.assign(approach=curve["approach"] - lowest), begins)
 
 
-def plastic_contact(
-    face: TreatedMap, case: Case, contact: Contact, rms_gradient: float
-) -> PlasticContact | None:
-    """What the hardness of a case, or the one that its yield stresses suggest, makes of its contact.
+def plastic_contact(face: TreatedMap, case: Case, contact: Contact) -> Contact | None:
+    """The contact of a case under its hardness, or under the one that its yield stresses suggest.
 
     None without a hardness, and if the elastic pressure stays below the suggested one or no contact bears the
     load.
     """
-    if (suggested := suggested_hardness(case)) is not None:
-        if not contact.mean_pressure < suggested < contact.max_pressure:
-            return None
-        lower, load = replace(case.lower, hardness=suggested), Load("mean_pressure", contact.mean_pressure)
-        contact = press(face, replace(case, lower=lower, load=load))
-    hardness = case.hardness or suggested
-    if hardness is None:
+    if case.hardness is not None:
+        return contact
+    hardness = suggested_hardness(case)
+    if hardness is None or not contact.mean_pressure < hardness < contact.max_pressure:
         return None
-    return PlasticContact(
-        hardness=hardness,
-        is_given=case.hardness is not None,
-        plasticity_index=contact.solid.effective_modulus * rms_gradient / hardness,
-        area_fraction=contact.area_fraction,
-        plastic_area=contact.plastic_area,
-        plastic_load=contact.plastic_load,
-        plastic_depth=0.0 if contact.plastic_depth is None else float(contact.plastic_depth.max()),
-    )
+    lower, load = replace(case.lower, hardness=hardness), Load("mean_pressure", contact.mean_pressure)
+    return press(face, replace(case, lower=lower, load=load))
 
 
-def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> Neighbours:
-    """Effect of the periodic images on the contact of a ball or cylinder, from a solution without them."""
+def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> tuple[float, Contact | None]:
+    """Width of a contact over the distance between its periodic images, and the contact without them.
+
+    None for layers, whose contact cannot be solved without images.
+    """
     widths = np.ptp(np.argwhere(face.part(contact.pressure) > 0), axis=0) + 1
-    span, unknown = float((widths / face.map_shape).max()), float("nan")
-    if any(body.height is not None for body in case.bodies.values()):
-        return Neighbours(span, unknown, unknown)
-    alone = press(face.map_alone(), case)
-    return Neighbours(span, alone.area_fraction, float(alone.pressure.max()))
+    has_layer = any(body.height is not None for body in case.bodies.values())
+    return float((widths / face.map_shape).max()), None if has_layer else press(face.map_alone(), case)
 
 
 def _part(progress: Progress | None, begin: float, end: float) -> Progress:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
@@ -31,9 +32,9 @@ PATHS = ("map", "counter_map", "out")
 
 
 class Job(NamedTuple):
-    """A case as options and files describe it: settings, face that is pressed, folder, and what is wrong."""
+    """A case as options and files describe it: case, face that is pressed, folder, and what is wrong."""
 
-    settings: dict[str, Any]
+    case: Any
     rough: Any
     out: Path
     problems: list[str]
@@ -64,14 +65,13 @@ def run(options: argparse.Namespace) -> None:
 
 def _answered(job: Job, save: str | None) -> Any:
     """The answer of a case, printed and written."""
-    from asperity.engineering import Case, answer_of, save_case, write_answer
+    from asperity.engineering import answer_of, save_case, write_answer
     from asperity.study.job import ProgressBar
 
-    case = Case.of(job.settings)
     if save:
-        save_case(case, Path(save), job.out)
-    with ProgressBar(one_line(f"run {case.source}")) as progress:
-        answer = answer_of(case, job.rough, progress)
+        save_case(job.case, Path(save), job.out)
+    with ProgressBar(one_line(f"run {job.case.source}")) as progress:
+        answer = answer_of(job.case, job.rough, progress)
     print(answer.text(), end="\n\n", flush=True)
     files = write_answer(answer, job.out)
     kinds = {"pictures": [".png"], "results": [".nc", ".csv", ".yaml"], "report": [".html"]}
@@ -86,6 +86,7 @@ def _job(options: argparse.Namespace, path: str, folder: Path | None) -> Job:
 
     A map that needs an option whose value is refused already is not blamed for it again.
     """
+    from asperity.engineering.case import Case
     from asperity.engineering.face import counter_map_of, options_of, read_face
     from asperity.surface.reading.height_map import MapError
 
@@ -93,8 +94,15 @@ def _job(options: argparse.Namespace, path: str, folder: Path | None) -> Job:
     stem = Path(values.get("map", path)).stem
     out = Path(values.pop("out", None) or f"{stem}_run") if folder is None else folder / stem
     known = {**values, **refused}
-    problems = [*refused.values(), *_contradictions(options, values, known), *_problems_of(out, values)]
-    rough = None
+    problems = [*refused.values(), *_contradictions(options, values, known)]
+    case, rough = None, None
+    if not problems:
+        try:
+            case = Case.of(values)
+        except ValueError as error:
+            option = re.compile(rf"^({'|'.join(OPTIONS)})\b")
+            problems.append(option.sub(lambda found: flag(found[0]), str(error)))
+    problems += _problems_of(out, values)
     if "map" in values:
         try:
             rough = read_face(values["map"], options_of(values), counter_map_of(values))
@@ -103,7 +111,7 @@ def _job(options: argparse.Namespace, path: str, folder: Path | None) -> Job:
             problems += MapError(error.source, texts).renamed(flag).lines
         except ValueError as error:
             problems.append(str(error))
-    return Job(values, rough, out, problems)
+    return Job(case, rough, out, problems)
 
 
 def _values(options: argparse.Namespace, given_map: str) -> tuple[dict[str, Any], dict[str, str]]:
@@ -159,7 +167,7 @@ def _contradictions(
     options: argparse.Namespace, values: Mapping[str, Any], known: Mapping[str, Any]
 ) -> Iterator[str]:
     """What is missing, or does not go together; `known` are all settings given, also refused ones."""
-    from asperity.engineering.case import LOAD_QUANTITIES, loads_of
+    from asperity.engineering.case import LOAD_QUANTITIES
 
     for name in ("young", "poisson"):
         if name not in known:
@@ -168,47 +176,16 @@ def _contradictions(
     if len(loads) != 1:
         given = " and ".join(loads) or "none"
         yield f"{', '.join(map(flag, LOAD_QUANTITIES))}: exactly one of them is needed, {given} given"
-    for name in LOAD_QUANTITIES.keys() & values.keys():
-        try:
-            loads_of(name, values)
-        except ValueError as error:
-            yield f"{flag(name)}{str(error).removeprefix(name)}"
     if options.rigid and "counter_young" in known:
         yield f"--rigid: not accepted together with {flag('counter_young')}"
     for name, option in OPTIONS.items():
         if name in known and (needed := option.get("needs", name)) not in known:
             yield f"{flag(name)}: needs {flag(needed)}"
-    yield from _contradictions_of_cycles(values, known)
     if "cylinder_axis" in known and values.get("form") != "cylinder":
         yield "--cylinder-axis: needs --form cylinder"
     if values.get("boundary") == "free":
         excluded = [name for name in ("periodic", "layer_height", "counter_layer_height") if name in known]
         yield from (f"--boundary free: not accepted together with {flag(name)}" for name in excluded)
-
-
-def _contradictions_of_cycles(values: Mapping[str, Any], known: Mapping[str, Any]) -> Iterator[str]:
-    from asperity.core.units import to_si
-    from asperity.stress.cycles import check_motion, hydrostatic_factor
-
-    for prefix in ("", "counter_"):
-        torsion, bending = (f"{prefix}fatigue_{kind}" for kind in ("torsion", "bending"))
-        if torsion not in values or bending not in values:
-            continue
-        try:
-            hydrostatic_factor(*(to_si(values[name], "pressure", name) for name in (torsion, bending)))
-        except ValueError as error:
-            wanted = str(error).partition(": ")[2].partition(" times ")[0]
-            limits = f"{flag(bending)} {values[bending]}"
-            yield f"{flag(torsion)} {values[torsion]}: {wanted} times {limits} is needed"
-        if prefix and "counter_young" not in known:
-            yield f"{flag(torsion)}: needs {flag('counter_young')}"
-        try:
-            direction = values.get("sliding_direction", "x")
-            check_motion(direction if direction in ("x", "y") else float(direction))
-        except ValueError as error:
-            yield f"{flag('sliding_direction')} {direction}: {str(error).partition(': ')[2]}"
-        if "counter_map" in known:
-            yield f"{flag(torsion)}: not accepted together with {flag('counter_map')}, one must be smooth"
 
 
 def _problems_of(out: Path, values: Mapping[str, Any], names: Sequence[str] = ()) -> Iterator[str]:
