@@ -33,28 +33,33 @@ FORMATS = {"peaks": SUFFIXES, "surface": (".vti", ".csv"), "profile": (".csv",),
 
 def run(options: argparse.Namespace) -> None:
     """Write the files that are asked for, and print what each holds."""
-    wanted = _wanted(options)
+    wanted = {option: getattr(options, option) or [] for option in FORMATS}
+    if not any(wanted.values()):
+        raise ValueError(
+            "nothing to export: --peaks FILE.csv, --surface FILE.vti, --profile y=PLACE FILE.csv or "
+            "--field NAMES:DEPTHS FILE.vti is needed"
+        )
     boxes = [_box_chosen(text) for text, _ in wanted["field"]]
     lines = [next(iter(positions("--profile", [text], ("y", "x")).items())) for text, _ in wanted["profile"]]
-    check_out([path for files in wanted.values() for _, path in files], options.results)
-    for option, files in wanted.items():
-        for _, path in files:
-            if Path(path).suffix not in FORMATS[option]:
-                raise ValueError(f"{path}: a name that ends in {' or '.join(FORMATS[option])} is needed")
-    given: dict[str, xr.Dataset] = {}
+    files = [(option, words[-1]) for option, given in wanted.items() for words in given]
+    check_out([path for _, path in files], options.results)
+    for option, path in files:
+        if Path(path).suffix not in FORMATS[option]:
+            raise ValueError(f"{path}: a name that ends in {' or '.join(FORMATS[option])} is needed")
+    results: dict[str, xr.Dataset] = {}
     for path in options.results:
         stage, data = read_result(path, ("surface", "contact", "stress"))
-        if stage in given:
+        if stage in results:
             raise ValueError(f"{path}: a second result of {stage}, one is needed")
-        given[stage] = data
-    for _, path in wanted["peaks"]:
-        count = write_peaks(required(given, "stress", "--peaks"), path)
+        results[stage] = data
+    for (path,) in wanted["peaks"]:
+        count = write_peaks(required(results, "stress", "--peaks"), path)
         print(f"{one_line(path)}: {count} peaks")
     if wanted["surface"] or lines:
-        stage = "contact" if "contact" in given else "surface"
-        data = required(given, stage, "--surface, --profile")
+        stage = "contact" if "contact" in results else "surface"
+        data = required(results, stage, "--surface, --profile")
         (source,), parts = sources(data), _parts(options, is_si(data))
-        for _, path in wanted["surface"]:
+        for (path,) in wanted["surface"]:
             fields, shape = _export_surface(source, source.part(**parts), path)
             print(f"{one_line(path)}: {fields} at {shape[1]} × {shape[0]} nodes along x, y")
         for (axis, text), (_, path) in zip(lines, wanted["profile"], strict=True):
@@ -65,23 +70,7 @@ def run(options: argparse.Namespace) -> None:
             exact = source.shown(float(node * source.grid.spacing["yx".index(axis)]))
             print(f"{one_line(path)}: {fields} at {math.prod(shape)} nodes of {axis} = {exact}")
     for (names, depths), (_, path) in zip(boxes, wanted["field"], strict=True):
-        _export_box(required(given, "contact", "--field"), names, depths, path, options)
-
-
-def _wanted(options: argparse.Namespace) -> dict[str, list[tuple[str, str]]]:
-    """Option → what is exported, and the file, of all that are given."""
-    wanted = {
-        "peaks": [("", path) for path in [options.peaks] if path],
-        "surface": [("", path) for path in options.surface or ()],
-        "profile": [(text, path) for text, path in options.profile or ()],
-        "field": [(text, path) for text, path in options.field or ()],
-    }
-    if not any(wanted.values()):
-        raise ValueError(
-            "nothing to export: --peaks FILE.csv, --surface FILE.vti, --profile y=PLACE FILE.csv or "
-            "--field NAMES:DEPTHS FILE.vti is needed"
-        )
-    return wanted
+        _export_box(required(results, "contact", "--field"), names, depths, path, options)
 
 
 def _box_chosen(text: str) -> tuple[list[str], str]:

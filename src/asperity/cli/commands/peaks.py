@@ -38,7 +38,9 @@ def run(options: argparse.Namespace) -> None:
             )
         stress, own = in_cell_lengths(stress, settings_of(stress))
         contact, _ = in_cell_lengths(contact, {})
-        seeds.append(SeedResults(own["seed"], _surface(contact), contact, stress))
+        height = height_of(contact)
+        surface = surface_dataset((height - height.mean()).values, grid_of(contact))
+        seeds.append(SeedResults(own["seed"], surface, contact, stress))
         all_settings.append(own)
     chosen = section(options, "statistics")
     settings = all_settings[0] | {"statistics": chosen, "seed": [own["seed"] for own in all_settings]}
@@ -46,12 +48,6 @@ def run(options: argparse.Namespace) -> None:
         result = surface_statistics(seeds, **chosen)
     write_result(result, options.out, f"Statistics of rough surface {settings['name']}", settings)
     print(_percentiles(result))
-
-
-def _surface(contact: xr.Dataset) -> xr.Dataset:
-    """Surface that a contact was solved for, with its moments: height = gap − displacement + approach."""
-    height = height_of(contact)
-    return surface_dataset((height - height.mean()).values, grid_of(contact))
 
 
 def _percentiles(result: xr.Dataset) -> str:
