@@ -22,7 +22,7 @@ COMMANDS: dict[str, Any] = packaged_yaml("asperity.cli", "commands.yaml")
 """Name → description, usage, arguments and groups of arguments of each command."""
 
 SHARED: dict[str, Any] = COMMANDS.pop("shared")
-"""Name → arguments that several commands share."""
+"""Name → a group of arguments that several commands share."""
 
 DESCRIPTION = """\
 Stress inside an elastic solid pressed against a rough surface. The command run takes a measured map,
@@ -86,9 +86,16 @@ def make_parser() -> Parser:
 
 def arguments(entry: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
     """Flag or name → description of all arguments of a command or group, without those of its groups."""
-    found = dict(entry["arguments"])
-    for shared in entry.get("with", ()):
-        found |= SHARED[shared]
+    found: dict[str, dict[str, Any]] = {}
+    for key, given in entry.items():
+        if key == "arguments":
+            found |= given
+        elif key == "settings":
+            pairs = ((section, name) for section, names in given.items() for name in names)
+            found |= {flag(name): {"setting": f"{section}.{name}"} for section, name in pairs}
+        elif key == "with":
+            for shared in given:
+                found |= arguments(SHARED[shared])
     return found
 
 
@@ -98,7 +105,6 @@ def _add_arguments(parser: argparse._ActionsContainer, entry: Mapping[str, Any],
         if isinstance(options.get("metavar"), list):
             options["metavar"] = tuple(options["metavar"])
         key, without, words = (options.pop(name, None) for name in ("setting", "without", "accepts"))
-        options.pop("needs", None)
         if "type" in options:
             options["type"] = TYPES[options["type"]]
         if key is not None:

@@ -191,11 +191,8 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
             known[name] = values["on_grid"] / values["on_half"] - 1
     if not known:
         return
-    pixel, wave, size = (
-        max(answer.face.grid.spacing),
-        answer.face.wavelength_short,
-        max(map(abs, known.values())),
-    )
+    pixel, wave = max(answer.face.grid.spacing), answer.face.wavelength_short
+    size = max(map(abs, known.values()))
     changed = ", ".join(f"{name} by {100 * change:+.0f} %" for name, change in known.items())
     if len(answer.case.different_bodies) > 1:
         changed += "; stresses are those of the lower body"
@@ -214,11 +211,8 @@ def _on_map(answer: Answer) -> Iterator[Found]:
     for doubt in answer.rough.doubts:
         subject = doubt.partition(":")[0]
         if subject != "despike" or not numbers.pressure_on_spike:
-            yield (
-                subject == "unit",
-                "doubt",
-                {"subject": subject, "doubt": doubt if doubt.endswith("?") else f"{doubt}."},
-            )
+            sentence = doubt if doubt.endswith("?") else f"{doubt}."
+            yield subject == "unit", "doubt", {"subject": subject, "doubt": sentence}
     slope = numbers.rms_gradient
     if slope > STEEP:
         yield slope > VERY_STEEP, "steep", {"angle": math.degrees(math.atan(slope)), "size": slope**2}

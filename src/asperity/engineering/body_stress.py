@@ -231,36 +231,24 @@ class _Extremes:
         invariants = {name: plane.field(name, self._poisson).ravel() for name in ("von_mises", "hydrostatic")}
         if self._limit is not None:
             self.above.append(float(np.mean(invariants["von_mises"] > self._limit)))
-        ends = [end for values in invariants.values() for end in (int(values.argmin()), int(values.argmax()))]
         for name in self._fields:
             if name in BOUNDS:
-                nodes = self._candidates(name, [*invariants.values()], ends, plane)
+                nodes = self._candidates(name, invariants["von_mises"], invariants["hydrostatic"], plane)
                 values = plane.field_at(name, self._poisson, nodes)
-            elif name in invariants:
-                nodes = np.array(ends)
-                values = invariants[name][nodes]
             else:
-                field = plane.field(name, self._poisson).ravel()
+                field = invariants.get(name)
+                field = plane.field(name, self._poisson).ravel() if field is None else field
                 nodes = np.array([field.argmax(), field.argmin()])
                 values = field[nodes]
             self._take(name, values, nodes, plane)
 
-    def _candidates(
-        self, name: str, invariants: Sequence[Array], ends: Sequence[int], plane: LinearPlane
-    ) -> Array:
-        """Nodes at which the upper bound of a field exceeds its extreme value so far.
-
-        `ends` are the nodes of the smallest and largest value of each invariant.
-        """
-        factors, start = BOUNDS[name], np.array(ends)
+    def _candidates(self, name: str, von_mises: Array, hydrostatic: Array, plane: LinearPlane) -> Array:
+        """Nodes at which the upper bound of a field exceeds its extreme value so far."""
+        bound = BOUNDS[name][0] * von_mises + BOUNDS[name][1] * hydrostatic
+        highest = bound.argmax()
         if name in self.found:
             known = self.found[name].value
-            sizes = [factor * values[start] for factor, values in zip(factors, invariants, strict=True)]
-            if sum(size.max() for size in sizes) < DIRECTION[name] * known:
-                return np.empty(0, np.int64)
-        bound = factors[0] * invariants[0] + factors[1] * invariants[1]
-        highest = bound.argmax()
-        if name not in self.found:
+        else:
             known = float(plane.field_at(name, self._poisson, np.array([highest]))[0])
         return np.flatnonzero(bound >= DIRECTION[name] * known - ROUNDING * abs(float(bound[highest])))
 

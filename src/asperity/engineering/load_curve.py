@@ -97,7 +97,19 @@ def load_curve(
     """
     rows, stresses = [], []
     for contact in contacts:
-        rows.append(_numbers(contact, resistivities or {}))
+        gap = np.where(contact.pressure > 0, 0, contact.gap)
+        row = {
+            "mean_pressure": contact.mean_pressure,
+            "area_fraction": contact.area_fraction,
+            "approach": contact.approach,
+            "mean_gap": float(gap.mean(dtype=float)),
+            "largest_pressure": contact.max_pressure,
+            "stiffness": contact.stiffness,
+        }
+        if math.isfinite(contact.hardness):
+            row["plastic_area"] = contact.plastic_area
+        row |= {name: contact.conductance(value) for name, value in (resistivities or {}).items()}
+        rows.append(row)
         stresses.append([largest_von_mises(contact, body, **sliding) for body in bodies])
     if not rows:
         raise ValueError("contacts: at least one is needed")
@@ -106,21 +118,6 @@ def load_curve(
         return found
     stress = (("load", "body"), np.array(stresses))
     return found.assign(largest_von_mises_stress=stress).assign_coords(body=list(bodies))
-
-
-def _numbers(contact: Contact, resistivities: Mapping[str, float]) -> dict[str, float]:
-    touching = contact.pressure > 0
-    found = {
-        "mean_pressure": contact.mean_pressure,
-        "area_fraction": contact.area_fraction,
-        "approach": contact.approach,
-        "mean_gap": float(np.where(touching, 0, contact.gap).mean(dtype=float)),
-        "largest_pressure": contact.max_pressure,
-        "stiffness": contact.stiffness,
-    }
-    if math.isfinite(contact.hardness):
-        found["plastic_area"] = contact.plastic_area
-    return found | {name: contact.conductance(value) for name, value in resistivities.items()}
 
 
 def largest_von_mises(

@@ -135,18 +135,17 @@ def _section(
     """Stress (depth, along), with the nodes in contact as coordinate ``contact``, and its title as name."""
     source, solid = stress.source, stress.solid
     given = {"y": y, "x": x}
-    numbers = [name for name, value in given.items() if isinstance(value, Real)]
-    pairs = [name for name, value in given.items() if value is not None and name not in numbers]
-    if len(numbers) == 2 or len(pairs) == 2:
-        raise ValueError("y, x: a number for one of them and at most a pair for the other are needed")
-    across = numbers[0] if numbers else "x" if pairs == ["y"] else "y"
+    across = "x" if isinstance(x, Real) or not (y is None or isinstance(y, Real)) else "y"
     along = "x" if across == "y" else "y"
+    place, span = given[across], given[along]
+    if isinstance(span, Real) or not (place is None or isinstance(place, Real)):
+        raise ValueError("y, x: a number for one of them and at most a pair for the other are needed")
     axis, other = "yx".index(across), "yx".index(along)
-    kept = source.part(**{along: given[along]})[other]  # type: ignore[arg-type]
-    if numbers:
-        node = source.node(across, given[across])  # type: ignore[arg-type]
-    else:
+    kept = source.part(**{along: span})[other]  # type: ignore[arg-type]
+    if place is None:
         node = int(np.unravel_index(source.field("pressure").argmax(), source.grid.shape)[axis])
+    else:
+        node = source.node(across, place)
     height = solid.layer.height or np.inf
     if depth is None:
         depth = min(MAX_SHAPE * solid.grid.spacing[other] * (kept.stop - kept.start - 1), height)

@@ -20,12 +20,12 @@ WRONG_USAGE = 2
 """Exit status for arguments that are not accepted, as argparse has it."""
 
 OPTIONS = {
-    entry["setting"].rpartition(".")[2]: entry
+    entry["setting"].rpartition(".")[2]: entry["setting"]
     for group in COMMANDS["run"]["groups"]
     for entry in arguments(group).values()
     if "setting" in entry
 }
-"""Name of a setting that is an option → description of the option."""
+"""Name of a setting that is an option → its dotted key."""
 
 PATHS = ("map", "counter_map", "out")
 """Settings that are names of files, relative to the folder of the case file that gives them."""
@@ -129,8 +129,8 @@ def _values(options: argparse.Namespace, given_map: str) -> tuple[dict[str, Any]
     values |= {} if options.out is None else {"out": options.out}
     if is_case and "map" not in values:
         refused["map"] = f"{given_map}: map: missing; the name of a height map is needed"
-    for name, option in OPTIONS.items():
-        given, entry = getattr(options, option["setting"]), setting(option["setting"])
+    for name, key in OPTIONS.items():
+        given, entry = getattr(options, key), setting(key)
         if given is None:
             continue
         values.pop(name, None)
@@ -157,7 +157,7 @@ def _add_file(path: Path, option: str, values: dict[str, Any], refused: dict[str
             refused[key] = (
                 f"{key}: unknown key{near or '; those of a case file are the options of asperity run'}"
             )
-        elif needed := needed_instead(value, text if name in PATHS else setting(OPTIONS[name]["setting"])):
+        elif needed := needed_instead(value, text if name in PATHS else setting(OPTIONS[name])):
             refused[name] = f"{key} = {shown(value)}: {needed} is needed"
         else:
             values[name] = str(path.parent / value) if name in PATHS else value
@@ -178,8 +178,8 @@ def _contradictions(
         yield f"{', '.join(map(flag, LOAD_QUANTITIES))}: exactly one of them is needed, {given} given"
     if options.rigid and "counter_young" in known:
         yield f"--rigid: not accepted together with {flag('counter_young')}"
-    for name, option in OPTIONS.items():
-        if name in known and (needed := option.get("needs", name)) not in known:
+    for name, needed in COMMANDS["run"]["needs"].items():
+        if name in known and needed not in known:
             yield f"{flag(name)}: needs {flag(needed)}"
     if "cylinder_axis" in known and values.get("form") != "cylinder":
         yield "--cylinder-axis: needs --form cylinder"
