@@ -203,6 +203,30 @@ def test_everything_wrong_is_named_at_once(tmp_path, refused):
     assert "(kPa, MPa, GPa, N/mm^2) is needed" in lines[0]
 
 
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        (
+            "--fatigue-torsion 3MPa --fatigue-bending 9MPa",
+            "--fatigue-torsion = 3e+06: 0.5 to 1 times",
+        ),
+        (
+            "--counter-young 1GPa --counter-poisson 0.3 --counter-fatigue-torsion 3MPa "
+            "--counter-fatigue-bending 9MPa",
+            "--counter-fatigue-torsion = 3e+06: 0.5 to 1 times",
+        ),
+        (
+            "--counter-fatigue-torsion 3MPa --counter-fatigue-bending 4MPa",
+            "--counter-fatigue-bending: needs",
+        ),
+        ("--hardness 1MPa", "--hardness = 1 MPa: more than the pressure"),
+    ],
+)
+def test_a_case_that_contradicts_itself_is_refused(words, line, path, tmp_path, refused):
+    assert line in refused("run", path, *COMMAND, *words.split(), "--out", tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_configuration_can_say_the_materials(path, tmp_path, capsys, refused):
     config = tmp_path / "steel.yaml"
     config.write_text(

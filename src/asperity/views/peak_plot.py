@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from asperity.core.types import Array
 from asperity.results.dataset import unit_system
 from asperity.stress.peaks.selection import SAME_RATIO, peaks
 from asperity.views.panels import canvas, finish_title
-from asperity.views.scales import Limits, Measure, measure, robust_limits
+from asperity.views.scales import Measure, measure, robust_limits
 from asperity.views.source import require_same_system, title_of, titled
 from asperity.views.stress_field import field_name
 
@@ -92,14 +91,12 @@ def plot_peaks(
     large = [
         depth[size >= LARGE_PEAK * size.max(initial=0.0)] for depth, size in zip(depths, sizes, strict=True)
     ]
-    deepest = robust_limits(large if any(depth.any() for depth in large) else depths, 0.0)
-    reached = [deepest.high]
+    deepest = robust_limits(large if any(depth.any() for depth in large) else depths, 0.0).high
     for _, profile in found:
         if yield_stress is not None and profile is not None:
-            reached.append(profile[0][profile[1] > yield_stress].max(initial=0.0))
-    deepest = replace(deepest, high=max(reached))
+            deepest = profile[0][profile[1] > yield_stress].max(initial=deepest)
     unit = measure(limits.high, "stress", system)
-    length = measure(deepest.high, "length", system)
+    length = measure(deepest, "length", system)
     in_surface = not any(depth.any() for depth in depths)
     with canvas([SHAPE] * len(given), axes) as (figure, panels):
         for axis, (title, result), (data, profile) in zip(panels, given, found, strict=True):
@@ -112,7 +109,7 @@ def plot_peaks(
             else:
                 if yield_stress is not None:
                     axis.axvline(yield_stress / unit.factor, color="C6", lw=0.8, label="yield stress")
-                _draw_points(axis, data, profile, limits, deepest, unit, length)
+                _draw_points(axis, data, profile, (limits.high, deepest), unit, length)
             axis.locator_params(axis="x", nbins=TICKS)
             axis.set_xlabel(unit.label(f"magnitude of peaks of {field_name(quantity)}"))
             finish_title(axis, title_of(result) if title is None else title, limits.beyond(values, unit))
@@ -139,11 +136,11 @@ def _draw_points(
     axis: Axes,
     data: xr.Dataset,
     profile: tuple[Array, Array] | None,
-    limits: Limits,
-    deepest: Limits,
+    shown: tuple[float, float],
     unit: Measure,
     length: Measure,
 ) -> None:
+    """Draw peaks and the profile on axes up to the magnitude and depth that are shown."""
     under = data["peak_under_contact"].values.astype(bool)
     values, depth = np.abs(data["peak_value"].values) / unit.factor, data["peak_depth"].values / length.factor
     for chosen, colour, name in ((~under, "C4", "elsewhere"), (under, "C0", "under a contact")):
@@ -164,8 +161,8 @@ def _draw_points(
             profile[1] / unit.factor, profile[0] / length.factor, color="C1", label="largest of each plane"
         )
     axis.set(
-        xlim=(0, 1.03 * limits.high / unit.factor),
-        ylim=(AXIS_DEPTH * deepest.high / length.factor, 0),
+        xlim=(0, 1.03 * shown[0] / unit.factor),
+        ylim=(AXIS_DEPTH * shown[1] / length.factor, 0),
         ylabel=length.label("depth"),
     )
     axis.legend(loc="lower right", markerscale=3)

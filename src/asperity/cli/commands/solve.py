@@ -51,10 +51,11 @@ def run(options: argparse.Namespace) -> None:
         )
     modulus = young and young / (1 - layer["poisson"] ** 2)
     for name, text in given.items():
-        images = 4 if settings["surface"].get("periodic") == "mirrored" else 1
-        area = grid_of(surface).area / images
-        load = _load(name, text, (edge, modulus) if edge and modulus else None, area)
-        contact["mean_pressure" if name == "force" else name] = load
+        load = _load(name, text, edge if name == "approach" else modulus, bool(edge and modulus))
+        if name == "force" and edge:
+            name, images = "mean_pressure", 4 if settings["surface"].get("periodic") == "mirrored" else 1
+            load /= grid_of(surface).area / images * edge**2
+        contact[name] = load
     check_section("contact", contact, flag)
     contact["path_area_fractions"] = sorted(contact.get("path_area_fractions", []))
     with ProgressBar(one_line(f"contact {settings['name']}")) as progress:
@@ -104,17 +105,17 @@ def _surface(path: Path, given: dict[str, Any]) -> tuple[xr.Dataset, dict[str, A
     return surface, settings, surface.attrs.get("map_cell_length")
 
 
-def _load(name: str, text: str, scale: tuple[float, float] | None, area: float) -> float:
-    """A load or the hardness as a setting of section ``contact``, in the units of the study.
+def _load(name: str, text: str, unit: float | None, si: bool) -> float:
+    """A load or the hardness in the units of the study; a force over the effective modulus.
 
     Parameters
     ----------
     name, text : str
         Quantity, and its value as the user gives it.
-    scale : (length, modulus) or None
-        Edge of the cell in m and effective modulus in Pa; None without them.
-    area : float
-        On which a force acts, that of the map, over the square of the edge of the cell.
+    unit : float or None
+        Edge of the cell in m, or effective modulus in Pa, if they are known.
+    si : bool
+        True if both are: a value with a unit is accepted.
     """
     if name != "force":
         with suppress(ValueError):
@@ -122,9 +123,6 @@ def _load(name: str, text: str, scale: tuple[float, float] | None, area: float) 
     value = to_si(text, DIMENSIONS[name], flag(name))
     if not value > 0:
         raise ValueError(f"{flag(name)} = {shown(text)}: more than 0 is needed")
-    if scale is None:
+    if not (si and unit):
         raise ValueError(f"{flag(name)} = {shown(text)}: needs --young and a surface with a unit")
-    length, modulus = scale
-    if name == "approach":
-        return value / length
-    return value / modulus / (area * length**2 if name == "force" else 1)
+    return value / unit
