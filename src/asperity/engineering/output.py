@@ -21,7 +21,6 @@ import yaml
 from asperity.core.errors import DatasetError
 from asperity.core.markup import rendered
 from asperity.core.version import __version__
-from asperity.engineering.advice import WARNING
 from asperity.engineering.answer import Answer, body_title, case_in_words
 from asperity.engineering.case import Case
 from asperity.engineering.folder import UNFINISHED, move_complete, names_in, replacing
@@ -142,8 +141,6 @@ def _write_report(answer: Answer, folder: Path) -> None:
         title=f"{answer.face.name}: contact and stress",
         answer=answer,
         case=case_in_words(answer.case),
-        warnings=[advice for advice in answer.advice if advice.level == WARNING],
-        notes=[advice for advice in answer.advice if advice.level != WARNING],
         headline=headline(answer),
         groups=groupby(answer.rows, key=lambda row: row.group),
         picture_groups=groups,
