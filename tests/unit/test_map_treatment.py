@@ -155,6 +155,10 @@ test_wrong_option_is_refused = refuses(
     (lambda: made(wavelength_short=2.0), "wavelength_short = 2"),
     (lambda: made(wavelength_short="8 um"), "unit: the file does not say the unit"),
     (lambda: made(points=1), "points = 1: a whole number from 2 to 65536"),
+    (
+        lambda: made(points=65, periodic="mirrored"),
+        "points = 65: an even number ≥ 4 is needed on the cell of a mirrored map",
+    ),
     (lambda: made(despike=1.0), r"despike = 1\.0: a number ≥ 3"),
     (lambda: treated(radius="1 kg"), "radius = '1 kg': a number with a unit of length"),
     (lambda: treated(wavelength_short=1e-6), r"wavelength_short = 1 µm: a number ≥ 8 µm \(two nodes\), ≤ 51"),
@@ -219,14 +223,19 @@ def test_a_length_with_its_unit_is_one_in_cell_edges():
     np.testing.assert_allclose(by_text, by_number, atol=1e-15)  # rounding
 
 
-def test_places_in_mirror_images_are_places_on_the_map():
-    treated = treat_map(HeightMap(rough(), (24.0, 32.0)), periodic="mirrored")
+@pytest.mark.parametrize("points", [None, 40, 90])
+def test_places_in_mirror_images_are_places_on_the_map(points):
+    """Also on other nodes than those of the map, to which the mirrors stand half a spacing away, too."""
+    treated = treat_map(HeightMap(rough(), (24.0, 32.0)), periodic="mirrored", points=points)
     y, x = np.meshgrid(*treated.grid.coordinates(), indexing="ij")
-    rows, columns = (np.rint(place).astype(int) for place in treated.on_map(y, x))
-    assert (rows.max(), columns.max()) == (23, 31)
+    ny, nx = treated.map_shape
+    assert nx == (points or 64) // 2
+    spacing = np.array(treated.grid.spacing)[:, None, None]
+    rows, columns = np.rint(treated.on_map(y, x) / spacing).astype(int)
+    assert (rows.max(), columns.max()) == (ny - 1, nx - 1)
     np.testing.assert_allclose(treated.height[rows, columns], treated.height, atol=1e-14)
-    assert treated.is_on_map(y[:24, :32], x[:24, :32]).all()
-    assert not treated.is_on_map(y[25:-1, 33:-1], x[25:-1, 33:-1]).any()
+    assert treated.is_on_map(y[:ny, :nx], x[:ny, :nx]).all()
+    assert not treated.is_on_map(y[ny + 1 : -1, nx + 1 : -1], x[ny + 1 : -1, nx + 1 : -1]).any()
 
 
 def test_a_windowed_map_is_level_at_its_edges_and_itself_inside():

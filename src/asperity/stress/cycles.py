@@ -160,9 +160,9 @@ def hydrostatic_factor(fatigue_torsion: float | None, fatigue_bending: float | N
     torsion, bending = map(float, given.values())  # type: ignore[arg-type]
     low, high = FATIGUE_RATIOS
     if not low * (1 - 1e-12) <= torsion / bending <= high * (1 + 1e-12):
+        share = torsion / bending
         raise ValueError(
-            f"fatigue_torsion = {torsion:g}: {low:g} to {high:g} times fatigue_bending = {bending:g} "
-            "is needed"
+            f"fatigue_torsion: {low:g} to {high:g} times fatigue_bending is needed, got {share:.4g} times"
         )
     return 3 * (torsion / bending - 0.5)
 

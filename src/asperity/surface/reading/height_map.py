@@ -118,8 +118,8 @@ class MapOptions:
     wavelength_short : float or str, optional
         Waves shorter than this are removed, from two nodes to the longer edge.
     points : int, optional
-        Number of nodes on the longer edge of the map, or of the cell if it is mirrored, at least 2. By
-        default that of the map.
+        Number of nodes on the longer edge of the map, at least 2, or of the cell if it is mirrored, then an
+        even number. By default that of the map.
     radius : float or str, optional
         Radius of a sphere or cylinder whose form is added to the roughness, its lowest point or line in the
         middle of the map.

@@ -235,8 +235,9 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     options = replace(options or MapOptions(), **given)
     if problems := _missing(surface, options):
         raise MapError(surface.name, problems)
-    grid, target = _grids(surface, options)
-    shortest, radius = _lengths(surface, options, grid, target)
+    images = 2 if options.periodic == "mirrored" else 1
+    grid, target = _grids(surface, options, images)
+    shortest, radius = _lengths(surface, options, grid, target, images)
     is_lower_face, periodic = surface.orientation == LOWER_FACE, options.periodic
     done = ["turned upside down: the peaks of the map touch first"]
     if is_lower_face:
@@ -264,24 +265,26 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     done.append(f"levelled: {trends[options.detrend]} removed")
 
     step, altered = levelling.edge_step(level), 0.0
-    if periodic == "mirrored":
-        level = levelling.mirrored(level)
-    elif periodic == "windowed":
+    if periodic == "windowed":
         window = levelling.tukey_window(level.shape)
         level, altered = level * window, float(np.mean(window < 1))
+    cell = images * grid.length[0], images * grid.length[1]
     stepped = f"edge step {step:.3g} times that between neighbouring points"
     ways = {
         None: f"taken as one period, as the file states: {stepped}",
         "declared": f"taken as one period, as declared: {stepped}",
-        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*target.length)}",
+        "mirrored": f"mirrored at two edges: the cell is {surface.shown_length(*cell)}",
         "windowed": f"windowed: {100 * altered:.3g} % of the area lowered towards the mean",
         "none": "not made periodic: for a free boundary",
     }
     done.append(ways[periodic])
 
     lower = level - np.mean(level) if is_lower_face else np.mean(level) - level
-    low_pass = levelling.low_pass_bounded if periodic == "none" else levelling.low_pass_periodic
+    has_edges = periodic in ("mirrored", "none")
+    low_pass = levelling.low_pass_bounded if has_edges else levelling.low_pass_periodic
     height = low_pass(lower, grid, target, shortest)
+    if images > 1:
+        height = levelling.mirrored(height)
     if np.ptp(height) <= _ROUNDING * np.ptp(lower):
         problem = "wavelength_short: a smaller one is needed, the map has no waves of this length or longer"
         raise MapError(surface.name, [problem])
@@ -302,12 +305,12 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     require_finite("treat_map", {"height": height})
     treated = TreatedMap(
         height,
-        target,
+        Grid(height.shape, cell),
         shortest or _two_nodes(grid, target),
         treatment,
         tuple(done),
         surface.name,
-        grid.shape[0] // surface.height.shape[0],
+        images,
         "free" if periodic == "none" else "periodic",
     )
     return treated if radius is None else _with_form(treated, options, radius, surface)
@@ -385,38 +388,36 @@ def _missing(surface: HeightMap, options: MapOptions) -> list[str]:
 
 
 def _lengths(
-    surface: HeightMap, options: MapOptions, grid: Grid, target: Grid
+    surface: HeightMap, options: MapOptions, grid: Grid, target: Grid, images: int
 ) -> tuple[float | None, float | None]:
     """Shortest wavelength and radius of the form in the unit of the map, checked; None if not given."""
     given = ("wavelength_short", options.wavelength_short), ("radius", options.radius)
     wavelength, radius = (
         None if length is None else surface.in_map_unit(name, length) for name, length in given
     )
-    problem = ""
-    shortest, longest = _two_nodes(grid, target), max(grid.length)
-    if radius is not None and options.periodic == "mirrored" and any(n % 2 for n in target.shape):
-        problem = f"points: even numbers are needed for a form on a mirrored map, not {target.shape}"
-    elif wavelength is not None and not shortest * (1 - 1e-9) <= wavelength <= longest * (1 + 1e-9):
+    shortest, longest = _two_nodes(grid, target), images * max(grid.length)
+    if wavelength is not None and not shortest * (1 - 1e-9) <= wavelength <= longest * (1 + 1e-9):
         low, high, value = (surface.shown_length(size, digits=6) for size in (shortest, longest, wavelength))
         problem = f"wavelength_short = {value}: a number ≥ {low} (two nodes), ≤ {high} is needed"
-    if problem:
         raise MapError(surface.name, [problem])
     return wavelength, radius
 
 
-def _grids(surface: HeightMap, options: MapOptions) -> tuple[Grid, Grid]:
-    """Grid of the cell before it is resampled, and after it, with about square pixels."""
-    images = 2 if options.periodic == "mirrored" else 1
-    ny, nx = surface.height.shape
-    grid = Grid((images * ny, images * nx), (images * surface.length[0], images * surface.length[1]))
+def _grids(surface: HeightMap, options: MapOptions, images: int) -> tuple[Grid, Grid]:
+    """Grid of the map before it is resampled, and after it, with about square pixels."""
+    grid = Grid(surface.height.shape, surface.length)
     if options.points is None:
         return grid, grid
+    points, odd = divmod(options.points, images)
+    if odd or points < 2:
+        problem = f"points = {options.points}: an even number ≥ 4 is needed on the cell of a mirrored map"
+        raise MapError(surface.name, [problem])
     longest = max(grid.length)
-    shape = [
-        int(options.points) if edge == longest else good_size(round(options.points * edge / longest))
+    ny, nx = (
+        points if edge == longest else good_size(round(options.points * edge / longest)) // images
         for edge in grid.length
-    ]
-    return grid, Grid((shape[0], shape[1]), grid.length)
+    )
+    return grid, Grid((ny, nx), grid.length)
 
 
 def _two_nodes(grid: Grid, target: Grid) -> float:
