@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from asperity.paper.figures import fig10_14_18
+from asperity.paper.figures import peaks
 from asperity.paper.figures.cases import finish_densities, folded_density
 from asperity.results import dataset
 
@@ -51,7 +51,7 @@ def test_joint_densities_are_drawn_without_peaks(chain, tmp_path, bins_with_peak
     statistics = dataset.read(chain["statistics"])
     few = statistics.assign(joint_counts=statistics["joint_counts"] * 0)
     few["joint_counts"][..., 3, 3] = bins_with_peaks
-    figure = fig10_14_18.draw({"one": few}, "surfaces")
+    figure = peaks.draw_depths({"one": few}, "surfaces")
     figure.savefig(tmp_path / "figure.png")
     texts = [text.get_text() for text in figure.axes[0].texts]
     assert ("no peaks" in texts) == (bins_with_peaks == 0)

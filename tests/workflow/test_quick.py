@@ -60,7 +60,7 @@ DRAWING = {"figure", "claims"}
     [
         ("contact/problem.py", COMPUTING | DRAWING),
         ("results/variables.yaml", COMPUTING | DRAWING),
-        ("paper/figures/fig10_14_18.py", DRAWING),
+        ("paper/figures/peaks.py", DRAWING),
         ("views/style.mplstyle", DRAWING),
         ("cli/commands.yaml", set()),
     ],

@@ -1,9 +1,9 @@
-"""The figures, one module for each kind of drawing; `figures.yaml` lists them and what each needs.
+"""The figures, a module for each kind of results; `figures.yaml` lists them and what each needs.
 
-A module has two functions with the same arguments, ``draw`` (returns a `matplotlib.figure.Figure`) and
-``caption`` (returns reStructuredText). The arguments are the results of the stages that the figure needs, and
-its options. A module is imported when its figure is drawn: libraries for plotting take a second to import,
-and the workflow asks in every job which files its figures need.
+A drawing is two functions of a module with the same arguments: ``draw_…`` returns a
+`matplotlib.figure.Figure`, ``caption_…`` reStructuredText. The arguments are the results of the stages that
+the figure needs, and its options. A module is imported when its figure is drawn: libraries for plotting take
+a second to import, and the workflow asks in every job which files its figures need.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ class Description:
         Of the figure and its files; with ``_study`` in the supplement.
     title : str
         First line of the caption, without the number.
+    drawing : str
+        Module and name of its two functions: ``peaks.decay`` stands for ``draw_decay`` and ``caption_decay``.
     stages : sequence of str
         Stages whose results are drawn.
-    module : str
-        In which it is drawn; by default that with its name.
     number : int, optional
         Of the figure in the paper.
     studies : sequence of str
@@ -51,8 +51,8 @@ class Description:
 
     name: str
     title: str
+    drawing: str
     stages: Sequence[str]
-    module: str = ""
     number: int | None = None
     studies: Sequence[str] = ()
     supplement: Sequence[str] = ()
@@ -101,7 +101,7 @@ def known() -> dict[str, Description]:
     found = {}
     for name, entry in packaged_yaml(__name__, "figures.yaml").items():
         number = re.fullmatch(r"fig(\d+)", name)
-        found[name] = Description(name, **{"module": name, **entry}, number=number and int(number[1]))
+        found[name] = Description(name, **entry, number=number and int(number[1]))
     return found
 
 
@@ -135,7 +135,7 @@ def figures_of(config: Mapping[str, Any]) -> dict[str, Description]:
 
 def surfaces_with_load_area(config: Mapping[str, Any]) -> set[str]:
     """Surfaces of which a figure shows the load-area curve."""
-    return _shown(config, lambda figure: figure.module == "fig08")
+    return _shown(config, lambda figure: figure.drawing == "peaks.load_area")
 
 
 def surfaces_with_ratios(config: Mapping[str, Any]) -> set[str]:
@@ -156,11 +156,17 @@ def draw(figure: Description, results: Mapping[str, Any]) -> Any:
     -------
     matplotlib.figure.Figure
     """
-    return import_module(f"{__name__}.{figure.module}").draw(**results, **figure.options)
+    return _function("draw", figure)(**results, **figure.options)
 
 
 def caption(figure: Description, results: Mapping[str, Any]) -> str:
     """Caption of a figure in reStructuredText: its title, and numbers taken from the results."""
-    text = import_module(f"{__name__}.{figure.module}").caption(**results, **figure.options)
+    text = _function("caption", figure)(**results, **figure.options)
     title = f"Figure {figure.number}: {figure.title}" if figure.number else figure.title
     return f"{title[0].upper()}{title[1:]}\n\n{text}\n"
+
+
+def _function(kind: str, figure: Description) -> Callable[..., Any]:
+    """The function ``draw_…`` or ``caption_…`` of a figure."""
+    module, _, name = figure.drawing.partition(".")
+    return getattr(import_module(f"{__name__}.{module}"), f"{kind}_{name}")

@@ -144,7 +144,7 @@ def peak_density(axis: Axes, case: Case, quantity: str, compression: bool = Fals
     """
     peaks = case.peaks(quantity)
     edges = peaks["bin_edge"].values
-    curves = [peaks[f"peak_density{end}"].values for end in ("", "_low", "_high")]
+    curves = with_band(peaks, "peak_density")
     if quantity in SHEAR_STRESSES:
         folded = np.linspace(0, np.abs(edges).max(), edges.size)
         curves = [folded_density(curve, edges, folded) for curve in curves]
@@ -184,6 +184,11 @@ def median(values: Array, weights: Array) -> float:
     if not cumulative.size or not cumulative[-1] > 0:
         return 0.0
     return float(values[order][np.searchsorted(cumulative, 0.5 * cumulative[-1])])
+
+
+def with_band(data: xr.Dataset, variable: str) -> list[Array]:
+    """Values of a variable, and the lower and the upper end of its confidence band."""
+    return [data[f"{variable}{end}"].values for end in ("", "_low", "_high")]
 
 
 def curve_with_band(axis: Axes, x: ArrayLike, values: Array, low: Array, high: Array, **look: Any) -> None:

@@ -1,0 +1,250 @@
+"""Statistics of rough surfaces: loads, and distributions and decay of the stress peaks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from scipy.special import erf
+
+from asperity.core.types import Array
+from asperity.paper.figures.cases import (
+    CASES,
+    LARGEST_OVER_MEDIAN,
+    Case,
+    Datasets,
+    bullets,
+    curve_with_band,
+    extreme_ratios,
+    finish_densities,
+    median,
+    of_surfaces,
+    peak_density,
+    von_mises_densities,
+    with_band,
+)
+from asperity.views.style import COLUMN, PAGE, label, panels
+
+LARGEST_DISTANCE = 6.0
+"""Largest depth or distance drawn, in units of the shortest wavelength."""
+
+SMALLEST_SHARE = 1e-4
+"""Smallest joint density drawn, over the largest: the range of the colours."""
+
+
+def draw_load_area(statistics: Datasets) -> Figure:
+    """Draw (a) the area fraction against load, with two theories, and (b) the density of the pressure peaks.
+
+    Both are means over seeds with their bands.
+
+    Notes
+    -----
+    Persson: a = erf(√2 P₀ / E* ḡ), doi 10.1063/1.1388626; Bush, Gibson and Thomas: a = √(2π) P₀ / E* ḡ,
+    doi 10.1016/0043-1648(75)90145-3. Both are evaluated with the gradient of the real contact.
+    """
+    figure, (curve, peaks) = panels()
+    reach = 0.0
+    for data, marker in zip(statistics.values(), "osD^", strict=False):
+        load, low, high = with_band(data, "path_scaled_load")
+        area = 100 * data["path_area_fraction"]
+        band = [load - low, high - load] if np.isfinite(low).all() else None
+        curve.errorbar(load, area, xerr=band, fmt=marker, mfc="none", capsize=2, label=label(data))
+        reach = max(reach, float(load.max()))
+    loads = np.linspace(0, reach, 200)
+    curve.plot(loads, 100 * erf(np.sqrt(2) * loads), "k-", lw=0.9, label="Persson")
+    curve.plot(loads, 100 * np.sqrt(2 * np.pi) * loads, "k--", lw=0.9, label="Bush, Gibson, Thomas")
+    curve.set(xlabel=r"$P_0 / E^* \bar{g}_r$", ylabel="contact area fraction $a_r$ (%)")
+    curve.set(xlim=(0, None), ylim=(0, None))
+    curve.legend()
+    for case in of_surfaces(statistics):
+        peak_density(peaks, case, "pressure", label=case.title)
+    finish_densities(peaks, "t_3")
+    return figure
+
+
+def caption_load_area(statistics: Datasets) -> str:
+    """Ratio of area and load along the curve, and percentiles of the pressure peaks."""
+    lines = []
+    for case in of_surfaces(statistics):
+        ratio = case.statistics["path_area_fraction"] / case.statistics["path_scaled_load"]
+        lines.append(
+            f"{case.name}: area fraction over scaled load from {float(ratio[0]):.3f} to "
+            f"{float(ratio[-1]):.3f} (Persson 1.596, Bush, Gibson and Thomas 2.507, at small load); "
+            f"{case.peak_percentiles('pressure')}"
+        )
+    return bullets(lines)
+
+
+def draw_stresses(statistics: Datasets, cases: str) -> Figure:
+    """Draw the densities of (a) the von Mises peaks and (b) the peaks of −σ_xx and of another component.
+
+    The other one is |σ_xz| of each surface, or −σ_zz of the only surface at several Poisson's ratios.
+
+    Notes
+    -----
+    A peak of a signed component is a maximum of its magnitude. σ_xx is compressive under a contact, so
+    −σ_xx is shown; σ_xz is as often positive as negative, so |σ_xz| is. σ_zz does not depend on Poisson's
+    ratio in a half-space and has one curve; in a layer that of the contact's ratio is shown.
+    """
+    compared = CASES[cases](statistics)
+    figure, (von_mises, components) = panels()
+    von_mises_densities(von_mises, compared)
+    for number, case in enumerate(compared):
+        name = rf"$-\sigma_{{xx}}$, {case.title}"
+        peak_density(components, case, "xx", compression=True, label=name, color=f"C{number}")
+        if cases == "surfaces":
+            name = rf"$|\sigma_{{xz}}|$, {case.title}"
+            peak_density(components, case, "xz", label=name, ls="--", color=f"C{number}")
+    if cases == "ratios":
+        (own,) = of_surfaces(statistics)
+        peak_density(components, own, "zz", compression=True, c="k", ls="--", label=r"$-\sigma_{zz}$")
+    finish_densities(components, r"\sigma_{ij}" if cases == "surfaces" else r"-\sigma_{ii}")
+    return figure
+
+
+def caption_stresses(statistics: Datasets, cases: str) -> str:
+    """Percentiles of the peaks of each case, and the ratio between the extreme Poisson's ratios."""
+    if cases == "surfaces":
+        return bullets(
+            f"{case.name}, {symbol}: {case.peak_percentiles(quantity)}"
+            for case in of_surfaces(statistics)
+            for quantity, symbol in (("von_mises", "σ_VM"), ("xx", "\\|σ_xx\\|"), ("xz", "\\|σ_xz\\|"))
+        )
+    lines = [
+        f"{case.name}, σ_VM: {case.peak_percentiles('von_mises')}; \\|σ_xx\\|: {case.peak_percentiles('xx')}"
+        for case in CASES[cases](statistics)
+    ]
+    extremes = extreme_ratios(statistics)
+    low, high = extremes[-1], extremes[0]
+    above, below = (case.peaks("von_mises")["peak_percentile"] for case in (low, high))
+    values = ", ".join(
+        f"{float(one):.2f} at the {float(one['percent']):g}th percentile" for one in above / below
+    )
+    lines.append(f"von Mises peaks at ν = {low.poisson:g} over those at ν = {high.poisson:g}: {values}")
+    return bullets(lines)
+
+
+def draw_von_mises(statistics: Mapping[str, Datasets]) -> Figure:
+    """Draw the densities of the von Mises peaks, a panel for each study."""
+    figure, axes = panels(columns=len(statistics))
+    for axis, study in zip(axes, statistics.values(), strict=True):
+        von_mises_densities(axis, of_surfaces(study))
+    return figure
+
+
+def caption_von_mises(statistics: Mapping[str, Datasets]) -> str:
+    """Percentiles over E* ḡ_r, and the gradients and medians that show what this scaling does."""
+    lines = []
+    for case in [case for study in statistics.values() for case in of_surfaces(study)]:
+        contact, outside = (
+            float(case.statistics[f"seed_gradient_rms_{where}"].mean()) for where in ("contact", "outside")
+        )
+        middle = contact * float(case.peaks("von_mises")["peak_percentile"].sel(percent=50.0))
+        lines.append(
+            f"{case.name}: {case.peak_percentiles('von_mises')}; "
+            f"rms gradient {contact:.4f} in contact, {outside:.4f} outside; "
+            f"median peak {1e3 * middle:.2f} · 10⁻³ E\\*"
+        )
+    return bullets(lines)
+
+
+def draw_depths(statistics: Datasets, cases: str) -> Figure:
+    """Draw the joint probability density of the von Mises peaks, on a logarithmic scale of colour.
+
+    The unit of depth is the shortest wavelength of each surface; of cases ``shortest waves`` that of the
+    first one, λ_sn, in all panels.
+    """
+    compared = CASES[cases](statistics)
+    symbol = r"\lambda_{sn}" if cases == "shortest waves" else r"\lambda_s"
+    figure, axes = panels(columns=len(compared), height=66, width=PAGE if len(compared) > 1 else COLUMN)
+    for axis, case in zip(axes, compared, strict=True):
+        axis.set_title(case.title, loc="center")
+    densities = [_joint_density(*each) for each in zip(compared, _units(compared, cases), strict=True)]
+    shown = [(value, depth, density) for value, depth, density in densities if density.count()]
+    if not shown:  # as under contacts of a few nodes
+        for axis in axes:
+            axis.text(0.5, 0.5, "no peaks", ha="center", transform=axis.transAxes)
+            axis.set(xticks=[], yticks=[])
+        return figure
+    highest = max(density.max() for _, _, density in shown)
+    lowest = min(density.min() for _, _, density in shown)
+    norm = LogNorm(max(highest * SMALLEST_SHARE, lowest if lowest < highest else 0), highest)
+    limit = LARGEST_OVER_MEDIAN * max(
+        median(value[1:], density.sum(axis=1).filled(0)) for value, _, density in shown
+    )
+    reached = [value[1:][density.any(axis=1)] for value, _, density in shown]
+    widest = max(float(values[values <= limit].max(initial=0.0)) for values in reached)
+    deepest = max(depth[1:][density.any(axis=0)].max() for _, depth, density in shown)
+    for axis, (value, depth, density) in zip(axes, densities, strict=True):
+        image = axis.pcolormesh(value, depth, density.T, norm=norm, cmap="viridis_r", rasterized=True)
+        axis.set(xlabel=r"$\sigma_\mathrm{VM}^\mathrm{lmax} / E^* \bar{g}_r$", ylabel=f"depth $/ {symbol}$")
+        axis.set(xlim=(0, widest), ylim=(min(deepest, LARGEST_DISTANCE), 0))
+    figure.colorbar(image, ax=axes, label="joint probability density")
+    return figure
+
+
+def caption_depths(statistics: Datasets, cases: str) -> str:
+    """Median depths of the peaks of each case."""
+    compared = CASES[cases](statistics)
+    symbol = "λ_sn" if cases == "shortest waves" else "λ_s"
+    lines = []
+    for case, unit in zip(compared, _units(compared, cases), strict=True):
+        peaks = case.peaks("von_mises")
+        every, highest = (float(peaks[f"median_depth{which}"]) / unit for which in ("", "_highest"))
+        lines.append(
+            f"{case.name}: median depth of the peaks {every:.3f} {symbol}, "
+            f"of the highest tenth {highest:.3f} {symbol}"
+        )
+    return bullets(lines)
+
+
+def draw_decay(statistics: Datasets, cases: str) -> Figure:
+    """Draw Eq. 22 (a) along depth and (b) in the plane of the largest peak, over the variance there."""
+    figure, axes = panels()
+    for case in CASES[cases](statistics):
+        profiles, unit = case.profiles, case.wavelength_short
+        factor = 1 / float(profiles["scaled_covariance_plane"][0])
+        for axis, distance, along in zip(axes, ("plane_depth", "lag"), ("depth", "plane"), strict=True):
+            curves = [factor * curve for curve in with_band(profiles, f"scaled_covariance_{along}")]
+            curve_with_band(axis, profiles[distance] / unit, *curves, label=case.title)
+    for axis, distance, place, peak in zip(
+        axes, ("depth", "distance"), "zr", (r"z_\mathrm{peak}", "0"), strict=True
+    ):
+        axis.axhline(0, color="k", lw=0.4)
+        axis.legend()
+        covariance = rf"$G_\mathrm{{VM}}({place}) / G_\mathrm{{VM}}({peak})$"
+        axis.set(xlabel=rf"{distance} $/ \lambda_s$", ylabel=covariance, xlim=(0, LARGEST_DISTANCE))
+    return figure
+
+
+def caption_decay(statistics: Datasets, cases: str) -> str:
+    """Depth of the largest von Mises stress, and where the covariance of Eq. 22 has fallen to half."""
+    lines = []
+    for case in CASES[cases](statistics):
+        reference, down, across = (
+            float(case.profiles[length]) / case.wavelength_short
+            for length in ("reference_depth", "decay_length_depth", "decay_length_plane")
+        )
+        lines.append(
+            f"{case.name}: largest von Mises stress at a depth of {reference:.3f} λ_s; covariance "
+            f"halved at a depth of {reference + down:.3f} λ_s, and at a distance of {across:.3f} λ_s "
+            f"in the plane"
+        )
+    return bullets(lines)
+
+
+def _units(compared: Sequence[Case], cases: str) -> list[float]:
+    """Unit of depth of each case."""
+    units = [case.wavelength_short for case in compared]
+    return units[:1] * len(units) if cases == "shortest waves" else units
+
+
+def _joint_density(case: Case, unit: float) -> tuple[Array, Array, np.ma.MaskedArray]:
+    """Edges of value and of depth in a unit, and the density of the von Mises peaks, masked where zero."""
+    peaks = case.peaks("von_mises")
+    value, depth = peaks["bin_edge"].values, peaks["depth_edge"].values / unit
+    counts = peaks["joint_counts"].values
+    area = np.diff(value)[:, None] * np.diff(depth)[None, :]
+    return value, depth, np.ma.masked_equal(counts / max(counts.sum(), 1) / area, 0)

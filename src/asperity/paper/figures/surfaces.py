@@ -1,0 +1,183 @@
+"""Rough surfaces: spectra, distributions of heights, cross-sections, and the pressure on them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import ScalarFormatter
+
+from asperity.paper.figures.cases import Datasets, bullets, contact_area, curve_with_band, name, with_band
+from asperity.results.dataset import grid_of
+from asperity.views.maps import blocks
+from asperity.views.style import COLUMN, PAGE, label, panels
+
+SMALLEST_POWER = 1e-8
+"""Smallest spectral density drawn, over the largest: below are rounding errors."""
+
+OFFSET = 7.0
+"""Distance between the sections of several surfaces in one panel, in rms heights."""
+
+PIXELS = 512
+"""Smallest number of pixels along an edge of a map, where the grid has as many nodes."""
+
+WIDEST = 4.0
+"""Largest end of the colours over that of the surface with the smallest pressure: one surface with spikes
+does not make the others pale."""
+
+
+def draw_spectrum(surface: Datasets) -> Figure:
+    """Draw the radially averaged spectrum of one seed over the number of waves in a cell length.
+
+    A thin line is the expected spectrum of a random surface before its heights are transformed.
+    """
+    figure, (axis,) = panels(columns=1, width=COLUMN)
+    largest = max(float(data["spectrum"].max()) for data in surface.values())
+    for number, data in enumerate(surface.values()):
+        waves = data["wavenumber"] / (2 * np.pi)
+        power = data["spectrum"].where(data["spectrum"] > SMALLEST_POWER * largest)
+        axis.loglog(waves, power, ".", ms=3, color=f"C{number}", label=label(data))
+        if "spectrum_target" in data:
+            target = data["spectrum_target"]
+            axis.loglog(waves, target.where(target > 0), lw=0.7, color=f"C{number}")
+    axis.set_xscale("log", base=2)
+    axis.xaxis.set_major_formatter(ScalarFormatter())
+    axis.set(xlabel=r"waves in a cell length, $L / \lambda$", ylabel=r"spectral density $/ L^4$")
+    axis.legend()
+    return figure
+
+
+def caption_spectrum(surface: Datasets) -> str:
+    """Root-mean-square height and gradient of each surface."""
+    return bullets(
+        f"{name(label(data))}: rms height {float(data['rms_height']):.4g} L, "
+        f"rms gradient {float(data['rms_gradient']):.4g}"
+        for data in surface.values()
+    )
+
+
+def draw_heights(surface: Datasets, statistics: Datasets) -> Figure:
+    """Draw the density of the heights of all seeds, and the section y = L/2 of one."""
+    figure, (heights, section) = panels()
+    _draw_densities(heights, statistics, [label(data) for data in statistics.values()])
+    heights.legend()
+    _draw_sections(section, surface, offset=0.0, lw=0.6)
+    section.set(ylabel=r"$h / h_\mathrm{rms}$")
+    section.legend(loc="upper right", ncols=len(surface))
+    section.set_ylim(top=1.25 * section.get_ylim()[1])
+    return figure
+
+
+def caption_heights(surface: Datasets, statistics: Datasets) -> str:
+    """Skewness and kurtosis of each surface, means over seeds."""
+    lines = []
+    for key, data in statistics.items():
+        one = surface[key]
+        skewness, kurtosis = (_mean(data[f"seed_{moment}"]) for moment in ("skewness", "kurtosis"))
+        text = f"{name(label(one))}: skewness {skewness}, kurtosis {kurtosis}"
+        if "kurtosis_error" in one:
+            text += (
+                f" (standard errors of one Gaussian sample of this spectrum: "
+                f"{float(one['skewness_error']):.3f} and {float(one['kurtosis_error']):.3f})"
+            )
+        lines.append(text)
+    return bullets(lines)
+
+
+def draw_studies(surface: Mapping[str, Datasets], statistics: Mapping[str, Datasets]) -> Figure:
+    """Draw the heights as `draw_heights` does, a column of panels for ``skewness`` and ``kurtosis`` each."""
+    figure, axes = panels(columns=len(statistics), rows=2, height=58)
+    for study, heights, section in zip(statistics, axes, axes[len(statistics) :], strict=False):
+        moment = "skewness" if study == "skewness" else "kurtosis"
+        titles = [
+            f"{label(data)}\n{moment} {float(data[f'seed_{moment}'].mean()):.2f}"
+            for data in statistics[study].values()
+        ]
+        _draw_densities(heights, statistics[study], titles)
+        heights.legend(fontsize=6)
+        heights.set_ylim(top=1.05 * heights.get_ylim()[1])
+        _draw_sections(section, surface[study], OFFSET, lw=0.5)
+        section.set(ylabel=r"$h / h_\mathrm{rms}$, shifted", yticks=[])
+    return figure
+
+
+def caption_studies(surface: Mapping[str, Datasets], statistics: Mapping[str, Datasets]) -> str:
+    """Moments of each surface, and the change of the kurtosis with the short waves."""
+    lines = [caption_heights(surface[study], statistics[study]) for study in statistics]
+    kurtosis = [float(data["seed_kurtosis"].mean()) for data in statistics["kurtosis"].values()]
+    errors = [
+        float(data["kurtosis_error"]) for data in surface["kurtosis"].values() if "kurtosis_error" in data
+    ]
+    change, scatter = max(kurtosis) - min(kurtosis), max(errors, default=float("nan"))
+    compared = "less" if change < scatter else "not less"
+    sentence = (
+        f"From one shortest wavelength to another the kurtosis changes by {change:.3f}, {compared} than the "
+        f"standard error of one sample ({scatter:.3f}): a Gaussian surface has a kurtosis of 3 "
+        f"whatever its shortest wavelength."
+    )
+    return "\n".join([*lines, bullets([sentence])])
+
+
+def draw_pressure(contact: Datasets) -> Figure:
+    """Draw the pressure over E* times the rms gradient of the real contact; white where there is no contact.
+
+    Notes
+    -----
+    A pixel shows the largest pressure of the nodes under it, so that the smallest contacts are seen.
+    """
+    maps = []
+    for data in contact.values():
+        size = max(1, data.sizes["y"] // PIXELS)
+        maps.append(
+            blocks(data["pressure"].values, (size, size), np.max) / float(data["gradient_rms_contact"])
+        )
+    figure, axes = panels(columns=len(maps), height=76, width=PAGE if len(maps) > 1 else COLUMN)
+    ends = [np.percentile(values[values > 0], 99.5) for values in maps]
+    largest = min(max(ends), WIDEST * min(ends))
+    for axis, data, values in zip(axes, contact.values(), maps, strict=True):
+        height, width = grid_of(data).length
+        shown, extent = np.ma.masked_equal(values, 0), (0, width, 0, height)
+        image = axis.imshow(shown, "viridis_r", origin="lower", extent=extent, vmin=0, vmax=largest)
+        axis.set(xlabel="$x / L$", ylabel="$y / L$")
+        title = label(data)
+        if ", " in title:  # on lines above that of the letter of the panel, which it would run into
+            title = title.replace(", ", ",\n") + "\n"
+        axis.set_title(title, loc="center")
+        axis.spines[["top", "right"]].set_visible(True)
+    figure.colorbar(image, ax=axes, label=r"$t_3 / E^* \bar{g}_r$", extend="max", shrink=0.8)
+    return figure
+
+
+def caption_pressure(contact: Datasets) -> str:
+    """Area in contact and load of each surface."""
+    return bullets(map(contact_area, contact.values()))
+
+
+def _draw_densities(axis: Axes, statistics: Datasets, titles: list[str]) -> None:
+    """Draw the probability density of the heights over their rms, all seeds, a curve for each surface."""
+    for title, data in zip(titles, statistics.values(), strict=True):
+        edges = data["height_edge"].values
+        middles = (edges[1:] + edges[:-1]) / 2
+        curve_with_band(axis, middles, *with_band(data, "height_density"), label=title)
+    axis.set(xlabel=r"$h / h_\mathrm{rms}$", ylabel="probability density", xlim=(-4.5, 4.5), ylim=(0, None))
+
+
+def _draw_sections(axis: Axes, surface: Datasets, offset: float, lw: float) -> None:
+    """Draw the section y = L/2 of each surface, each lower than the one before."""
+    for number, data in enumerate(surface.values()):
+        profile = data["height"].isel(y=data.sizes["y"] // 2) / data["rms_height"]
+        axis.plot(data["x"], profile - offset * number, lw=lw, label=label(data))
+        if offset:
+            axis.axhline(-offset * number, color="k", lw=0.3)
+    axis.set(xlabel="$x / L$", xlim=(0, 1))
+
+
+def _mean(seeds: xr.DataArray) -> str:
+    """Mean over seeds, with its standard error if there are several."""
+    values = np.asarray(seeds, dtype=float)
+    if values.size == 1:
+        return f"{values[0]:.3f}"
+    return f"{values.mean():.3f} ± {values.std(ddof=1) / np.sqrt(values.size):.3f} ({values.size} samples)"
