@@ -186,12 +186,6 @@ def outputs() -> list[str]:
     return measured()["output"].unique().tolist()
 
 
-def check_outputs(names: Iterable[str]) -> None:
-    """Raise `ValueError` for the first name that is not an output."""
-    for name in names:
-        choice("output", name, outputs())
-
-
 def spacing_of(points: float) -> float:
     """Distance of the planes, in grid spacings, with a number of nodes on the shortest wavelength.
 
@@ -222,7 +216,7 @@ class Target:
     Raises
     ------
     ValueError
-        If an output is unknown, or no limit is given.
+        If no limit is given.
     """
 
     outputs: Sequence[str] = PEAKS
@@ -232,7 +226,6 @@ class Target:
     one_surface: bool = False
 
     def __post_init__(self) -> None:
-        check_outputs(self.outputs)
         if self.error is None and self.seconds is None and self.memory is None:
             raise ValueError("a target is needed: an error, a time or a memory")
 
@@ -257,9 +250,15 @@ class Proposal:
     memory: float
     errors: pd.DataFrame
 
-    def error(self, outputs: Sequence[str]) -> float:
+    def of(self, names: Sequence[str]) -> pd.DataFrame:
+        """Error bounds of some outputs; `ValueError` for the first name that is not an output."""
+        for name in names:
+            choice("output", name, outputs())
+        return self.errors.loc[[*names]]
+
+    def error(self, names: Sequence[str]) -> float:
         """Largest total error bound of some outputs."""
-        return float(self.errors.loc[[*outputs]].sum(axis=1).max())
+        return float(self.of(names).sum(axis=1).max())
 
 
 def scene_cost(scene: Scene, accuracy: AccuracySettings) -> tuple[float, float]:
@@ -324,14 +323,14 @@ def error_bounds(scene: Scene, accuracy: AccuracySettings, one_surface: bool = F
             return pd.Series(math.inf, outputs())
         return rows["error"][values == coarser.min()]
 
-    settings = pd.Series(0.0, outputs())
-    for parameter in SETTINGS:
-        value = getattr(accuracy, parameter)
-        if parameter == "depth_spacing":
-            # It was varied on the grid of the paper; the errors of the grids hold that of the spacing there.
-            value *= PRESETS["paper"].points_per_wavelength / accuracy.points_per_wavelength
-        if value > (PRESETS["paper"].depth_spacing if parameter == "depth_spacing" else 0):
-            settings += largest(parameter, value)
+    paper = PRESETS["paper"]
+    limits = {name: getattr(accuracy, name) for name in SETTINGS}
+    # It was varied on the grid of the paper; the errors of the grids hold that of the spacing there.
+    limits["depth_spacing"] *= paper.points_per_wavelength / accuracy.points_per_wavelength
+    if limits["depth_spacing"] <= paper.depth_spacing:
+        limits["depth_spacing"] = 0
+    found = (largest(name, limit) for name, limit in limits.items() if limit > 0)
+    settings = sum(found, pd.Series(0.0, outputs()))
     if accuracy.precision == "float32":
         settings += table["error"][table["parameter"] == "precision"]
     spread = table["error"][table["parameter"] == "seeds"]
@@ -390,7 +389,7 @@ def _seeds_needed(single: Proposal, target: Target) -> int:
     """Number of seeds that the error requires, or that the time allows."""
     if target.error is None:
         return 1 if target.seconds is None else max(1, min(MAX_SEEDS, int(target.seconds / single.seconds)))
-    errors = single.errors.loc[[*target.outputs]]
+    errors = single.of(target.outputs)
     left = target.error - errors["grid"] - errors["settings"]
     if (left <= 0).any():
         return MAX_SEEDS
@@ -416,11 +415,10 @@ def report(
     ValueError
         If an output is unknown.
     """
-    check_outputs(outputs)
     accuracy = proposal.accuracy
     largest = max(accuracy.points(scene.wavelength_short) for scene in scenes.values())
     subject = "this very surface" if one_surface else "the mean of its kind, to 95 %"
-    bounds = proposal.errors.loc[[*outputs]]
+    bounds = proposal.of(outputs)
     bounds = bounds.drop(columns="seeds") if one_surface else bounds
     bounds["together"] = bounds.sum(axis=1)
     lines = [
@@ -451,10 +449,10 @@ def percent(value: float) -> str:
 
 def _range_warnings(scenes: Iterable[Scene]) -> list[str]:
     """YAML comments on properties of the scenes outside the measured range, where bounds are not reliable."""
-    warnings = {}
-    for scene in scenes:
-        for name, (low, high) in MEASURED_RANGES.items():
-            value = getattr(scene, name)
-            if not low <= value <= high:
-                warnings[name] = f"# {name} = {value:g} is outside what was measured, {low:g} to {high:g}"
+    warnings = {
+        name: f"# {name} = {getattr(scene, name):g} is outside what was measured, {low:g} to {high:g}"
+        for scene in scenes
+        for name, (low, high) in MEASURED_RANGES.items()
+        if not low <= getattr(scene, name) <= high
+    }
     return list(warnings.values())
