@@ -109,29 +109,29 @@ class Number:
     ----------
     variable : str
         Of stage statistics, along `seed`, without ``seed_`` or ``continuum_`` before it.
-    of : tuple of str
+    of : sequence of str
         Roles of surfaces.
-    quantity : tuple of str
+    quantity : sequence of str
         Quantities whose peaks are counted.
-    poisson : tuple of str
+    poisson : sequence of str
         ``"contact"``, ``"smallest"`` or ``"largest"``: the Poisson's ratios at which it is taken.
     level : float, optional
         Share of the peaks below a quantile.
     unscaled : bool
         Multiply by ḡ, the rms gradient over the real contact: of stresses in units of E* instead of E* ḡ.
     factor : float
-    follows : tuple of str
+    follows : sequence of str
         Choices of the interpretation that the number follows besides ``lateral`` and ``delta``.
     """
 
     variable: str
-    of: tuple[str, ...]
-    quantity: tuple[str, ...] = ()
-    poisson: tuple[str, ...] = ("contact",)
+    of: Sequence[str]
+    quantity: Sequence[str] = ()
+    poisson: Sequence[str] = ("contact",)
     level: float | None = None
     unscaled: bool = False
     factor: float = 1.0
-    follows: tuple[str, ...] = ()
+    follows: Sequence[str] = ()
 
     @property
     def choices(self) -> tuple[str, ...]:

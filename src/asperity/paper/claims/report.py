@@ -20,6 +20,7 @@ from asperity.paper.claims.verdicts import (
     Finding,
     Judgement,
     conclude,
+    tally,
 )
 from asperity.results.tables import TABLES
 
@@ -50,11 +51,9 @@ def frame(findings: Sequence[Finding]) -> pd.DataFrame:
     """All that is known of each claim, a row each."""
     rows = [
         _record(f.own)
+        | vars(f.claim)
         | {
-            "identifier": f.claim.identifier,
-            "section": f.claim.section,
             "the paper says": f.claim.sentence,
-            "compared": f.claim.compared,
             "wanted": str(f.own.region),
             "verdict": f.verdict,
             "found": found_in_words(f),
@@ -92,8 +91,8 @@ def findings_of(table: pd.DataFrame, claims: Sequence[Claim]) -> list[Finding]:
 
 def counted(findings: Sequence[Finding]) -> str:
     """Number of statements with each verdict, in words."""
-    counts = {verdict: sum(f.verdict == verdict for f in findings) for verdict in COUNTED}
-    return ", ".join(f"{count} {COUNTED[verdict]}" for verdict, count in counts.items() if count)
+    counts = tally(findings)
+    return ", ".join(f"{counts[verdict]} {text}" for verdict, text in COUNTED.items() if counts[verdict])
 
 
 def tables(findings: Sequence[Finding]) -> dict[str, pd.DataFrame]:
