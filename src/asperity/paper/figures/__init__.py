@@ -1,9 +1,10 @@
 """The figures, a module for each kind of results; `figures.yaml` lists them and what each needs.
 
 A drawing is two functions of a module with the same arguments: ``draw_…`` returns a
-`matplotlib.figure.Figure`, ``caption_…`` reStructuredText. The arguments are the results of the stages that
-the figure needs, and its options. A module is imported when its figure is drawn: libraries for plotting take
-a second to import, and the workflow asks in every job which files its figures need.
+`matplotlib.figure.Figure`, ``caption_…`` reStructuredText, or the items of a list in it. The arguments are
+the results of the stages that the figure needs, and its options. A module is imported when its figure is
+drawn: libraries for plotting take a second to import, and the workflow asks in every job which files its
+figures need.
 """
 
 from __future__ import annotations
@@ -161,7 +162,8 @@ def draw(figure: Description, results: Mapping[str, Any]) -> Any:
 
 def caption(figure: Description, results: Mapping[str, Any]) -> str:
     """Caption of a figure in reStructuredText: its title, and numbers taken from the results."""
-    text = _function("caption", figure)(**results, **figure.options)
+    found = _function("caption", figure)(**results, **figure.options)
+    text = found if isinstance(found, str) else "\n".join(f"- {item}" for item in found)
     title = f"Figure {figure.number}: {figure.title}" if figure.number else figure.title
     return f"{title[0].upper()}{title[1:]}\n\n{text}\n"
 

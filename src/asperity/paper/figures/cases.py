@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -111,11 +111,6 @@ CASES = {
 """Option ``cases`` of a figure → the cases that it shows."""
 
 
-def bullets(lines: Iterable[str]) -> str:
-    """A list of sentences in reStructuredText."""
-    return "\n".join(f"- {line}" for line in lines)
-
-
 def name(title: str) -> str:
     """A title with its mathematics as reStructuredText has it."""
     return re.sub(r"\$(.*?)\$", r":math:`\1`", title)
@@ -178,12 +173,10 @@ def finish_densities(axis: Axes, symbol: str) -> None:
 
 def median(values: Array, weights: Array) -> float:
     """Median of the positive values, each with its weight; zero if there are none."""
-    order = np.argsort(values)
-    order = order[values[order] > 0]
-    cumulative = np.cumsum(weights[order])
-    if not cumulative.size or not cumulative[-1] > 0:
+    positive = values > 0
+    if not weights[positive].sum() > 0:
         return 0.0
-    return float(values[order][np.searchsorted(cumulative, 0.5 * cumulative[-1])])
+    return float(np.quantile(values[positive], 0.5, weights=weights[positive], method="inverted_cdf"))
 
 
 def with_band(data: xr.Dataset, variable: str) -> list[Array]:

@@ -12,7 +12,7 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from numpy.typing import ArrayLike
 
 from asperity.core.types import Array
-from asperity.paper.figures.cases import Datasets, bullets, contact_area, name
+from asperity.paper.figures.cases import Datasets, contact_area, name
 from asperity.views.maps import blocks
 from asperity.views.style import MILLIMETRE, label
 
@@ -124,7 +124,7 @@ def draw_rough(surface: Datasets, contact: Datasets) -> Figure:
 def caption_rough(surface: Datasets, contact: Datasets) -> str:
     """The drawn surface, its area of contact and its load."""
     drawn = list(surface)[-1]
-    return f"Drawn: {name(label(surface[drawn]))}.\n\n{bullets([contact_area(contact[drawn])])}"
+    return f"Drawn: {name(label(surface[drawn]))}.\n\n- {contact_area(contact[drawn])}"
 
 
 def _scene(width: float, height: float, z: tuple[float, float], zoom: float) -> tuple[Figure, Axes3D]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -14,7 +14,7 @@ from matplotlib.ticker import MaxNLocator, NullLocator, ScalarFormatter
 from numpy.typing import ArrayLike
 
 from asperity.core.types import Array
-from asperity.paper.figures.cases import Datasets, bullets
+from asperity.paper.figures.cases import Datasets
 from asperity.views.style import panels
 
 MARKERS = "os^Dv"
@@ -77,22 +77,20 @@ def _draw_slabs(area: Axes, stiffening: Axes, data: xr.Dataset) -> None:
     stiffening.legend()
 
 
-def caption_load_area(validation: Datasets) -> str:
+def caption_load_area(validation: Datasets) -> Iterator[str]:
     """Error of the contact radius against the closed form, and stiffening of slabs."""
     data, slabs = validation["load_area"], validation["slab_load_area"]
     error = np.abs(data["solved_contact_radius"] / data["hertz_contact_radius"] - 1)
-    return bullets(
-        [
-            f"contact radius at given load within {100 * float(error.max()):.2f} % of the closed form, "
-            f"for Poisson's ratios {', '.join(f'{nu:g}' for nu in data['poisson'].values)} on "
-            f"{data.attrs['grid_points']} nodes along an edge",
-            *(
-                f"a bonded slab of height {float(tall):g} L carries {float(load):.3f} times the load of a "
-                f"half-space at the deepest indentation"
-                for tall, load in zip(slabs["slab_height"], slabs["slab_stiffening"][:, -1], strict=True)
-            ),
-        ]
+    yield (
+        f"contact radius at given load within {100 * float(error.max()):.2f} % of the closed form, "
+        f"for Poisson's ratios {', '.join(f'{nu:g}' for nu in data['poisson'].values)} on "
+        f"{data.attrs['grid_points']} nodes along an edge"
     )
+    for tall, load in zip(slabs["slab_height"], slabs["slab_stiffening"][:, -1], strict=True):
+        yield (
+            f"a bonded slab of height {float(tall):g} L carries {float(load):.3f} times the load of a "
+            f"half-space at the deepest indentation"
+        )
 
 
 def draw_fields(validation: Datasets, fields: Mapping[str, Sequence[str]]) -> Figure:
@@ -151,15 +149,15 @@ def _draw_bands(
     return image
 
 
-def caption_fields(validation: Datasets, fields: Mapping[str, Sequence[str]]) -> str:
+def caption_fields(validation: Datasets, fields: Mapping[str, Sequence[str]]) -> Iterator[str]:
     """Largest differences to the finite elements."""
     found = validation["elements"].isel(mesh=-1)
-    return bullets(
-        f"{name}: at most {100 * float(found['difference_away'].sel(field=name)):.3f} % of its largest "
-        f"magnitude away from the edge of contact, "
-        f"{100 * float(found['difference_edge'].sel(field=name)):.2f} % at it"
-        for name in fields
-    )
+    for name in fields:
+        yield (
+            f"{name}: at most {100 * float(found['difference_away'].sel(field=name)):.3f} % of its largest "
+            f"magnitude away from the edge of contact, "
+            f"{100 * float(found['difference_edge'].sel(field=name)):.2f} % at it"
+        )
 
 
 def draw_von_mises(validation: Datasets) -> Figure:
@@ -191,17 +189,15 @@ def draw_von_mises(validation: Datasets) -> Figure:
     return figure
 
 
-def caption_von_mises(validation: Datasets) -> str:
+def caption_von_mises(validation: Datasets) -> Iterator[str]:
     """Largest stress under the paraboloid, by Fourier series and in closed form."""
     data = validation["punch"]
     scale, radius = data["largest_pressure"], data["contact_radius"]
-    lines = []
     for nu in data["poisson"].values:
         one = data.sel(poisson=nu)
         largest, depth = one["von_mises_spectral"].max() / scale, one["peak_depth_closed_form"] / radius
-        lines.append(
+        yield (
             f"ν = {nu:g}: largest von Mises stress {float(largest):.4f} p₀ in the periodic cell, "
             f"{float(one['peak_von_mises_closed_form'] / scale):.4f} p₀ for a single contact, at a depth of "
             f"{float(depth):.3f} a"
         )
-    return bullets(lines)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 from matplotlib.colors import LogNorm
@@ -15,7 +15,6 @@ from asperity.paper.figures.cases import (
     LARGEST_OVER_MEDIAN,
     Case,
     Datasets,
-    bullets,
     curve_with_band,
     extreme_ratios,
     finish_densities,
@@ -64,17 +63,15 @@ def draw_load_area(statistics: Datasets) -> Figure:
     return figure
 
 
-def caption_load_area(statistics: Datasets) -> str:
+def caption_load_area(statistics: Datasets) -> Iterator[str]:
     """Ratio of area and load along the curve, and percentiles of the pressure peaks."""
-    lines = []
     for case in of_surfaces(statistics):
         ratio = case.statistics["path_area_fraction"] / case.statistics["path_scaled_load"]
-        lines.append(
+        yield (
             f"{case.name}: area fraction over scaled load from {float(ratio[0]):.3f} to "
             f"{float(ratio[-1]):.3f} (Persson 1.596, Bush, Gibson and Thomas 2.507, at small load); "
             f"{case.peak_percentiles('pressure')}"
         )
-    return bullets(lines)
 
 
 def draw_stresses(statistics: Datasets, cases: str) -> Figure:
@@ -104,26 +101,23 @@ def draw_stresses(statistics: Datasets, cases: str) -> Figure:
     return figure
 
 
-def caption_stresses(statistics: Datasets, cases: str) -> str:
+def caption_stresses(statistics: Datasets, cases: str) -> Iterator[str]:
     """Percentiles of the peaks of each case, and the ratio between the extreme Poisson's ratios."""
     if cases == "surfaces":
-        return bullets(
-            f"{case.name}, {symbol}: {case.peak_percentiles(quantity)}"
-            for case in of_surfaces(statistics)
-            for quantity, symbol in (("von_mises", "σ_VM"), ("xx", "\\|σ_xx\\|"), ("xz", "\\|σ_xz\\|"))
-        )
-    lines = [
-        f"{case.name}, σ_VM: {case.peak_percentiles('von_mises')}; \\|σ_xx\\|: {case.peak_percentiles('xx')}"
-        for case in CASES[cases](statistics)
-    ]
+        for case in of_surfaces(statistics):
+            for quantity, symbol in (("von_mises", "σ_VM"), ("xx", "\\|σ_xx\\|"), ("xz", "\\|σ_xz\\|")):
+                yield f"{case.name}, {symbol}: {case.peak_percentiles(quantity)}"
+        return
+    for case in CASES[cases](statistics):
+        von_mises, lateral = (case.peak_percentiles(quantity) for quantity in ("von_mises", "xx"))
+        yield f"{case.name}, σ_VM: {von_mises}; \\|σ_xx\\|: {lateral}"
     extremes = extreme_ratios(statistics)
     low, high = extremes[-1], extremes[0]
     above, below = (case.peaks("von_mises")["peak_percentile"] for case in (low, high))
     values = ", ".join(
         f"{float(one):.2f} at the {float(one['percent']):g}th percentile" for one in above / below
     )
-    lines.append(f"von Mises peaks at ν = {low.poisson:g} over those at ν = {high.poisson:g}: {values}")
-    return bullets(lines)
+    yield f"von Mises peaks at ν = {low.poisson:g} over those at ν = {high.poisson:g}: {values}"
 
 
 def draw_von_mises(statistics: Mapping[str, Datasets]) -> Figure:
@@ -134,20 +128,18 @@ def draw_von_mises(statistics: Mapping[str, Datasets]) -> Figure:
     return figure
 
 
-def caption_von_mises(statistics: Mapping[str, Datasets]) -> str:
+def caption_von_mises(statistics: Mapping[str, Datasets]) -> Iterator[str]:
     """Percentiles over E* ḡ_r, and the gradients and medians that show what this scaling does."""
-    lines = []
     for case in [case for study in statistics.values() for case in of_surfaces(study)]:
         contact, outside = (
             float(case.statistics[f"seed_gradient_rms_{where}"].mean()) for where in ("contact", "outside")
         )
         middle = contact * float(case.peaks("von_mises")["peak_percentile"].sel(percent=50.0))
-        lines.append(
+        yield (
             f"{case.name}: {case.peak_percentiles('von_mises')}; "
             f"rms gradient {contact:.4f} in contact, {outside:.4f} outside; "
             f"median peak {1e3 * middle:.2f} · 10⁻³ E\\*"
         )
-    return bullets(lines)
 
 
 def draw_depths(statistics: Datasets, cases: str) -> Figure:
@@ -185,19 +177,17 @@ def draw_depths(statistics: Datasets, cases: str) -> Figure:
     return figure
 
 
-def caption_depths(statistics: Datasets, cases: str) -> str:
+def caption_depths(statistics: Datasets, cases: str) -> Iterator[str]:
     """Median depths of the peaks of each case."""
     compared = CASES[cases](statistics)
     symbol = "λ_sn" if cases == "shortest waves" else "λ_s"
-    lines = []
     for case, unit in zip(compared, _units(compared, cases), strict=True):
         peaks = case.peaks("von_mises")
         every, highest = (float(peaks[f"median_depth{which}"]) / unit for which in ("", "_highest"))
-        lines.append(
+        yield (
             f"{case.name}: median depth of the peaks {every:.3f} {symbol}, "
             f"of the highest tenth {highest:.3f} {symbol}"
         )
-    return bullets(lines)
 
 
 def draw_decay(statistics: Datasets, cases: str) -> Figure:
@@ -219,20 +209,18 @@ def draw_decay(statistics: Datasets, cases: str) -> Figure:
     return figure
 
 
-def caption_decay(statistics: Datasets, cases: str) -> str:
+def caption_decay(statistics: Datasets, cases: str) -> Iterator[str]:
     """Depth of the largest von Mises stress, and where the covariance of Eq. 22 has fallen to half."""
-    lines = []
     for case in CASES[cases](statistics):
         reference, down, across = (
             float(case.profiles[length]) / case.wavelength_short
             for length in ("reference_depth", "decay_length_depth", "decay_length_plane")
         )
-        lines.append(
+        yield (
             f"{case.name}: largest von Mises stress at a depth of {reference:.3f} λ_s; covariance "
             f"halved at a depth of {reference + down:.3f} λ_s, and at a distance of {across:.3f} λ_s "
             f"in the plane"
         )
-    return bullets(lines)
 
 
 def _units(compared: Sequence[Case], cases: str) -> list[float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 import xarray as xr
@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import ScalarFormatter
 
-from asperity.paper.figures.cases import Datasets, bullets, contact_area, curve_with_band, name, with_band
+from asperity.paper.figures.cases import Datasets, contact_area, curve_with_band, name, with_band
 from asperity.results.dataset import grid_of
 from asperity.views.maps import blocks
 from asperity.views.style import COLUMN, PAGE, label, panels
@@ -50,13 +50,11 @@ def draw_spectrum(surface: Datasets) -> Figure:
     return figure
 
 
-def caption_spectrum(surface: Datasets) -> str:
+def caption_spectrum(surface: Datasets) -> Iterator[str]:
     """Root-mean-square height and gradient of each surface."""
-    return bullets(
-        f"{name(label(data))}: rms height {float(data['rms_height']):.4g} L, "
-        f"rms gradient {float(data['rms_gradient']):.4g}"
-        for data in surface.values()
-    )
+    for data in surface.values():
+        height, gradient = float(data["rms_height"]), float(data["rms_gradient"])
+        yield f"{name(label(data))}: rms height {height:.4g} L, rms gradient {gradient:.4g}"
 
 
 def draw_heights(surface: Datasets, statistics: Datasets) -> Figure:
@@ -71,9 +69,8 @@ def draw_heights(surface: Datasets, statistics: Datasets) -> Figure:
     return figure
 
 
-def caption_heights(surface: Datasets, statistics: Datasets) -> str:
+def caption_heights(surface: Datasets, statistics: Datasets) -> Iterator[str]:
     """Skewness and kurtosis of each surface, means over seeds."""
-    lines = []
     for key, data in statistics.items():
         one = surface[key]
         skewness, kurtosis = (_mean(data[f"seed_{moment}"]) for moment in ("skewness", "kurtosis"))
@@ -83,8 +80,7 @@ def caption_heights(surface: Datasets, statistics: Datasets) -> str:
                 f" (standard errors of one Gaussian sample of this spectrum: "
                 f"{float(one['skewness_error']):.3f} and {float(one['kurtosis_error']):.3f})"
             )
-        lines.append(text)
-    return bullets(lines)
+        yield text
 
 
 def draw_studies(surface: Mapping[str, Datasets], statistics: Mapping[str, Datasets]) -> Figure:
@@ -104,21 +100,21 @@ def draw_studies(surface: Mapping[str, Datasets], statistics: Mapping[str, Datas
     return figure
 
 
-def caption_studies(surface: Mapping[str, Datasets], statistics: Mapping[str, Datasets]) -> str:
+def caption_studies(surface: Mapping[str, Datasets], statistics: Mapping[str, Datasets]) -> Iterator[str]:
     """Moments of each surface, and the change of the kurtosis with the short waves."""
-    lines = [caption_heights(surface[study], statistics[study]) for study in statistics]
+    for study in statistics:
+        yield from caption_heights(surface[study], statistics[study])
     kurtosis = [float(data["seed_kurtosis"].mean()) for data in statistics["kurtosis"].values()]
     errors = [
         float(data["kurtosis_error"]) for data in surface["kurtosis"].values() if "kurtosis_error" in data
     ]
     change, scatter = max(kurtosis) - min(kurtosis), max(errors, default=float("nan"))
     compared = "less" if change < scatter else "not less"
-    sentence = (
+    yield (
         f"From one shortest wavelength to another the kurtosis changes by {change:.3f}, {compared} than the "
         f"standard error of one sample ({scatter:.3f}): a Gaussian surface has a kurtosis of 3 "
         f"whatever its shortest wavelength."
     )
-    return "\n".join([*lines, bullets([sentence])])
 
 
 def draw_pressure(contact: Datasets) -> Figure:
@@ -151,9 +147,9 @@ def draw_pressure(contact: Datasets) -> Figure:
     return figure
 
 
-def caption_pressure(contact: Datasets) -> str:
+def caption_pressure(contact: Datasets) -> Iterator[str]:
     """Area in contact and load of each surface."""
-    return bullets(map(contact_area, contact.values()))
+    return map(contact_area, contact.values())
 
 
 def _draw_densities(axis: Axes, statistics: Datasets, titles: list[str]) -> None:
