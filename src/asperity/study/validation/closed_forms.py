@@ -65,8 +65,6 @@ def load_area(points: int = 128, method: str = "gfmd") -> xr.Dataset:
         Contact radius and area fraction of the closed form (path) and of the solver (poisson, path), and the
         load-area curve of the closed form (poisson, curve).
     """
-    grid = Grid((points, points))
-    height = paraboloid(grid, CURVATURE_RADIUS)
     poisson, radii = (0.0, 0.33, 0.5), np.array([0.05, 0.1, 0.15, 0.2, 0.25, 0.3])
     curve = np.linspace(0.0, radii.max() + 0.02, 61)[1:]
     layers = [Layer(1.0, nu) for nu in poisson]
@@ -74,10 +72,7 @@ def load_area(points: int = 128, method: str = "gfmd") -> xr.Dataset:
         np.array([_periodic_pressures(some, layer.effective_modulus) for layer in layers])
         for some in (radii, curve)
     )
-    area, radius = np.empty((2, *imposed.shape))
-    for at in np.ndindex(imposed.shape):
-        contact = solve(height, layers[at[0]], mean_pressure=float(imposed[at]), method=method, rtol=1e-6)
-        area[at], radius[at] = contact.area_fraction, fitted_contact_radius(contact.pressure, grid)
+    area, radius, _ = _contacts(points, method, layers, mean_pressure=imposed)
     both = ("poisson", "path")
     return xr.Dataset(
         {
@@ -123,17 +118,10 @@ def slab_load_area(
         Approach, area fraction, contact radius, mean pressure and stiffening (slab, step), and the load-area
         curve of the periodic Hertz contact on a half-space (curve).
     """
-    grid = Grid((points, points))
-    height = paraboloid(grid, CURVATURE_RADIUS)
-    part = np.linspace(0.5, 1.0, steps) ** 2
-    approach = INDENTATION / CURVATURE_RADIUS * np.outer(heights, part)
-    area, radius, pressure, hertz_load = np.empty((4, *approach.shape))
-    for at in np.ndindex(approach.shape):
-        layer, depth = bonded_slab(0.33, heights[at[0]]), float(approach[at])
-        contact = solve(height, layer, approach=depth, method=method, rtol=1e-6)
-        area[at], pressure[at] = contact.area_fraction, contact.mean_pressure
-        radius[at] = fitted_contact_radius(contact.pressure, grid)
-        hertz_load[at] = Hertz.from_approach(depth, CURVATURE_RADIUS).load
+    approach = INDENTATION / CURVATURE_RADIUS * np.outer(heights, np.linspace(0.5, 1.0, steps) ** 2)
+    slabs = [bonded_slab(0.33, height) for height in heights]
+    area, radius, pressure = _contacts(points, method, slabs, approach=approach)
+    hertz_load = [[Hertz.from_approach(depth, CURVATURE_RADIUS).load for depth in row] for row in approach]
     curve = np.geomspace(0.9 * radius.min(), 1.1 * radius.max(), 61)
     along = ("slab", "step")
     return xr.Dataset(
@@ -149,6 +137,20 @@ def slab_load_area(
         coords={"slab_height": ("slab", np.asarray(heights, float))},
         attrs={"grid_points": points, "method": method, "curvature_radius": CURVATURE_RADIUS},
     )
+
+
+def _contacts(points: int, method: str, layers: Sequence[Layer], **load: Array) -> Array:
+    """Area fraction, contact radius and mean pressure of the paraboloid on layers, each under a row of loads."""
+    ((kind, loads),) = load.items()
+    grid = Grid((points, points))
+    height = paraboloid(grid, CURVATURE_RADIUS)
+    found = np.empty((3, *loads.shape))
+    for (row, column), value in np.ndenumerate(loads):
+        imposed: dict[str, Any] = {kind: float(value)}
+        contact = solve(height, layers[row], method=method, rtol=1e-6, **imposed)
+        radius = fitted_contact_radius(contact.pressure, grid)
+        found[:, row, column] = contact.area_fraction, radius, contact.mean_pressure
+    return found
 
 
 def _periodic_pressures(radii: Array, effective_modulus: float = 1.0) -> Array:
@@ -178,13 +180,13 @@ def grid_convergence(points: Sequence[int] = (32, 64, 128, 256)) -> xr.Dataset:
     wave = np.array([[_wave_errors(n, load) for load in loads] for n in points])
     approaches, grids = indentations / CURVATURE_RADIUS, (*points, 2 * points[-1])
     slab = np.array([[slab_contact(n, float(depth)).mean_pressure for depth in approaches] for n in grids])
-    names = ("wave_pressure_error", "wave_approach_error", "slab_load_error")
-    errors = [*np.moveaxis(wave, 2, 0), slab[:-1] / slab[-1] - 1]
+    errors = {
+        "wave_pressure_error": wave[..., 0],
+        "wave_approach_error": wave[..., 1],
+        "slab_load_error": slab[:-1] / slab[-1] - 1,
+    }
     return xr.Dataset(
-        {
-            name: ("grid_points", np.sqrt(np.mean(np.square(error), axis=1)))
-            for name, error in zip(names, errors, strict=True)
-        },
+        {name: ("grid_points", np.sqrt(np.mean(error**2, axis=1))) for name, error in errors.items()},
         coords={"grid_points": np.asarray(points)},
         attrs={"grid_points": points[-1], "curvature_radius": CURVATURE_RADIUS},
     )
@@ -295,14 +297,11 @@ def elliptic_contacts(points: int = 128) -> xr.Dataset:
         axis = np.array([plane.fields["von_mises"][0, middle, middle] for plane in planes])
         solved, solved_depth = largest_sample(axis, depth)
         peak = exact.largest_von_mises_on_axis(poisson)
-        rows.append(
-            {
-                "largest_pressure": (float(contact.pressure.max()), exact.largest_pressure),
-                "von_mises": (solved, peak.value),
-                "von_mises_depth": (solved_depth, peak.depth),
-            }
-        )
-    pairs = {name: ("axis_ratio", *np.transpose([row[name] for row in rows])) for name in rows[0]}
+        largest = contact.pressure.max(), exact.largest_pressure
+        rows.append([largest, (solved, peak.value), (solved_depth, peak.depth)])
+    names = ("largest_pressure", "von_mises", "von_mises_depth")
+    both = np.transpose(rows, (1, 2, 0))  # solved and exact values of each quantity
+    pairs = {name: ("axis_ratio", *values) for name, values in zip(names, both, strict=True)}
     return _dataset(pairs, points, {"axis_ratio": np.asarray(axis_ratios)}).assign_attrs(poisson=poisson)
 
 

@@ -110,16 +110,14 @@ def largest_differences(dataset: xr.Dataset) -> xr.Dataset:
         ``difference_away`` and ``difference_edge`` along ``field``, and ``difference_load``.
     """
     near = np.hypot(dataset.distance - dataset.contact_radius, dataset.depth) <= EDGE_DISTANCE
-    found: dict[str, list[float]] = {"away": [], "edge": []}
-    for name in COMPARED_FIELDS:
-        spectral, elements = dataset[f"{name}_spectral"], dataset[f"{name}_elements"]
-        relative = np.abs(spectral - elements) / np.abs(spectral).max()
-        found["away"].append(float(relative.where(~near).max()))
-        found["edge"].append(float(relative.where(near).max()))
+    fields = {name: (dataset[f"{name}_spectral"], dataset[f"{name}_elements"]) for name in COMPARED_FIELDS}
+    relative = xr.Dataset(
+        {name: np.abs(ours - theirs) / np.abs(ours).max() for name, (ours, theirs) in fields.items()}
+    ).to_dataarray("field")
     return xr.Dataset(
         {
-            **{f"difference_{where}": ("field", differences) for where, differences in found.items()},
-            "difference_load": float(dataset.load_elements / dataset.load_spectral - 1),
-        },
-        coords={"field": list(COMPARED_FIELDS)},
+            "difference_away": relative.where(~near).max(("depth", "distance")),
+            "difference_edge": relative.where(near).max(("depth", "distance")),
+            "difference_load": dataset.load_elements / dataset.load_spectral - 1,
+        }
     )
