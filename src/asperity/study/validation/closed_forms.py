@@ -140,7 +140,7 @@ def slab_load_area(
 
 
 def _contacts(points: int, method: str, layers: Sequence[Layer], **load: Array) -> Array:
-    """Area fraction, contact radius and mean pressure of the paraboloid on layers, each under a row of loads."""
+    """Area fraction, contact radius and mean pressure of the paraboloid, a row of loads for each layer."""
     ((kind, loads),) = load.items()
     grid = Grid((points, points))
     height = paraboloid(grid, CURVATURE_RADIUS)
