@@ -16,9 +16,8 @@ import xarray as xr
 from asperity.core import markup
 from asperity.paper.__main__ import replace
 from asperity.paper.claims.numbers import Evidence
-from asperity.paper.claims.paper import CLAIMS
 from asperity.paper.claims.report import WORDS
-from asperity.paper.claims.verdicts import decide
+from asperity.paper.claims.verdicts import CLAIMS, decide
 from asperity.stress.analysis import SOUGHT
 from asperity.study.config.study import read_study
 from asperity.study.stages.contact import solve_contact

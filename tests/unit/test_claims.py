@@ -12,15 +12,17 @@ from small_study import CONTACT, LAYER, STRESS
 from asperity.paper.claims import report
 from asperity.paper.claims.numbers import Evidence, Fixed, MissingEvidenceError, Number, OfSeeds
 from asperity.paper.claims.overview import draw
-from asperity.paper.claims.paper import CLAIMS, REGIONS, Claim
 from asperity.paper.claims.sources import deltas, roles
 from asperity.paper.claims.verdicts import (
+    CLAIMS,
     DEPENDS,
     FAILS,
     HOLDS,
     NO_DATA,
+    REGIONS,
     UNDECIDED,
     UNTESTABLE,
+    Claim,
     Judgement,
     conclude,
     decide,

@@ -6,8 +6,7 @@ import pandas as pd
 
 from asperity.paper.claims import overview, report
 from asperity.paper.claims.numbers import Evidence
-from asperity.paper.claims.paper import CLAIMS
-from asperity.paper.claims.verdicts import decide
+from asperity.paper.claims.verdicts import CLAIMS, decide
 from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table

@@ -17,8 +17,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from asperity.paper.claims.paper import CLAIMS
 from asperity.paper.claims.report import counted, findings_of, markdown
+from asperity.paper.claims.verdicts import CLAIMS
 
 TABLE = Path("docs/claims.csv")
 

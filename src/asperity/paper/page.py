@@ -10,9 +10,8 @@ from typing import Any
 import pandas as pd
 
 from asperity.core.markup import html_table, rendered
-from asperity.paper.claims.paper import CLAIMS
 from asperity.paper.claims.report import counted, findings_of, tables
-from asperity.paper.claims.verdicts import tally
+from asperity.paper.claims.verdicts import CLAIMS, tally
 from asperity.paper.figures import Description
 from asperity.results.atomic import write_text
 from asperity.results.dataset import PAPER

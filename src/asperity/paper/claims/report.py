@@ -10,13 +10,14 @@ import numpy as np
 import pandas as pd
 
 from asperity.core import markup
-from asperity.paper.claims.paper import Claim
+from asperity.paper.claims.sources import OPTIONS
 from asperity.paper.claims.verdicts import (
     DEPENDS,
     FAILS,
     HOLDS,
     UNDECIDED,
     UNTESTABLE,
+    Claim,
     Finding,
     Judgement,
     conclude,
@@ -33,17 +34,7 @@ COUNTED = {
 }
 """Verdict → what is said of the number of statements that have it."""
 
-WORDS = {
-    "confined": "uniform lateral strain fixed",
-    "free": "free to expand laterally",
-    "every_peak": "every peak counted",
-    "highest_of_patch": "the highest peak under each patch counted",
-    "large_patches": "the highest peak under each patch of more than 30 nodes counted",
-    "xz": "σ_xz as the shear stress",
-    "xy": "σ_xy as the shear stress",
-    "over_gradient": "stresses over E*ḡ",
-    "absolute": "stresses over E*",
-}
+WORDS = {option: words for one in OPTIONS.values() if isinstance(one, dict) for option, words in one.items()}
 """Option of a choice → the interpretation in words."""
 
 

@@ -8,24 +8,16 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
+from asperity.core.data import packaged_yaml
+
 DATASETS = ("load_area", "slab_load_area", "grid_convergence", "elements", "punch")
 """Datasets of stage validation on which claims are decided."""
 
-CHOICES: dict[str, tuple[Any, ...]] = {
-    "lateral": ("confined", "free"),
-    "patches": ("every_peak", "highest_of_patch", "large_patches"),
-    "shear": ("xz", "xy"),
-    "scaling": ("over_gradient", "absolute"),
-    "delta": (1.0, 1.5),
-    "alike": (0.05, 0.1),
-}
-"""Choice that the paper leaves open → its options, the study's own first.
+OPTIONS = packaged_yaml("asperity.paper.claims", "paper.yaml")["choices"]
+"""Choice that the paper leaves open → its options; most of them with words, as `paper.yaml` explains."""
 
-They are the mean (q = 0) mode, as ``layer.lateral``; the peaks whose depth is compared with the patch of
-contact above; the component that stands for the shear stress; stresses over E* ḡ or over E*; the δ of the
-skewed surfaces, each with surfaces that differ from those of study ``skewness`` in their δ alone; and the
-relative difference up to which numbers are *the same*.
-"""
+CHOICES: dict[str, tuple[Any, ...]] = {name: tuple(options) for name, options in OPTIONS.items()}
+"""Choice that the paper leaves open → its options, the study's own first."""
 
 SKEWED = ("skew_negative", "skew_positive")
 """Roles of the surfaces of the study of skewness that have a δ."""

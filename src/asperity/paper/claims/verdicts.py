@@ -1,11 +1,11 @@
-"""Verdicts: whether the number of a claim lies where the sentence of the paper wants it.
+"""Claims and verdicts: whether the number of a sentence of the paper lies where the sentence wants it.
 
-A claim is judged under every interpretation that the paper's text admits: every combination of the options of
-its choices (`asperity.paper.claims.sources.CHOICES`), the study's own options first. Under one of them
-(`judge`) the 95 % interval of the mean over seeds (Student's t) lies inside the region of the claim
-(`asperity.paper.claims.paper.REGIONS`): *holds*; outside: *does not hold*; across its edge, or with one seed
-only: *not decided*. A claim that our number cannot refute holds or is *not testable here*. Two surfaces are
-compared seed by seed, since one seed gives both the same random phases. The numbers are estimates at
+The claims are read from `paper.yaml`. A claim is judged under every interpretation that the paper's text
+admits: every combination of the options of its choices (`asperity.paper.claims.sources.CHOICES`), the study's
+own options first. Under one of them (`judge`) the 95 % interval of the mean over seeds (Student's t) lies
+inside the region of the claim (`REGIONS`): *holds*; outside: *does not hold*; across its edge, or with one
+seed only: *not decided*. A claim that our number cannot refute holds or is *not testable here*. Two surfaces
+are compared seed by seed, since one seed gives both the same random phases. The numbers are estimates at
 vanishing grid spacing, and the error that the grid leaves widens the interval in quadrature. A number that
 does not depend on a random surface has its numerical uncertainty as interval.
 
@@ -19,12 +19,84 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.special import stdtrit
 
-from asperity.paper.claims.numbers import Evidence, Fixed, MissingEvidenceError, Options
-from asperity.paper.claims.paper import Claim, Region
+from asperity.core.data import packaged_yaml
+from asperity.paper.claims import closed_forms
+from asperity.paper.claims.numbers import Evidence, Fixed, Measure, MissingEvidenceError, Number, Options
+from asperity.paper.claims.sources import CHOICES
+
+
+class Region(NamedTuple):
+    """Interval in which a claim wants its number."""
+
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        if np.isinf(self.high):
+            return f"> {self.low:g}"
+        return f"< {self.high:g}" if self.low <= 0 else f"{self.low:g} to {self.high:g}"
+
+
+_PAPER = packaged_yaml("asperity.paper.claims", "paper.yaml")
+
+REGIONS = {name: Region(*map(float, ends)) for name, ends in _PAPER["regions"].items()}
+"""Name → region; ``alike`` is a choice of the interpretation."""
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A sentence of the paper as a number.
+
+    Parameters
+    ----------
+    identifier : str
+    section : str
+        Of the paper; several are separated by commas.
+    sentence : str
+        In our words.
+    compared : str
+        What the number is: a ratio of two quantities, or one with its unit.
+    region : str
+        Where the sentence wants the number: a name of `REGIONS`, or ``alike``.
+    measure : callable
+        Takes the number from the evidence.
+    untestable : str
+        Why our number cannot refute the sentence; empty if it can.
+    """
+
+    identifier: str
+    section: str
+    sentence: str
+    compared: str
+    region: str
+    measure: Measure
+    untestable: str = ""
+
+    @property
+    def choices(self) -> tuple[str, ...]:
+        """Choices of the interpretation on which the verdict may depend."""
+        return (*getattr(self.measure, "choices", ()), *(("alike",) if self.region == "alike" else ()))
+
+    def region_under(self, options: Options) -> Region:
+        """Where the sentence wants the number under an interpretation."""
+        if self.region != "alike":
+            return REGIONS[self.region]
+        share = options.get("alike", CHOICES["alike"][0])
+        return Region(1 - share, 1 + share)
+
+
+def _claim(identifier: str, number: Mapping[str, Any] | None = None, **fields: str) -> Claim:
+    """A claim from its entry; one without a number has a function of its name."""
+    measure = Number(**number) if number else getattr(closed_forms, identifier)
+    return Claim(identifier, measure=measure, **fields)
+
+
+CLAIMS = tuple(_claim(identifier, **entry) for identifier, entry in _PAPER["statements"].items())
 
 HOLDS, FAILS, UNDECIDED, NO_DATA = "holds", "does not hold", "not decided", "no data"
 DEPENDS, UNTESTABLE = "depends on the interpretation", "not testable here"
