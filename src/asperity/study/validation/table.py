@@ -14,6 +14,7 @@ import pandas as pd
 import xarray as xr
 
 from asperity.core.data import packaged_yaml
+from asperity.results.tables import TABLES
 from asperity.study.validation import closed_forms, finite_elements
 
 CHECKS: list[dict[str, Any]] = [
@@ -35,7 +36,7 @@ def title(name: str) -> str:
 
 
 def row_of(check: Mapping[str, Any], found: xr.Dataset) -> dict[str, Any]:
-    """Row of the table for a check of the dataset of its comparison.
+    """A check of the dataset of its comparison, with the columns of the table.
 
     An order of convergence, of the source ``rate``, holds from its bound on, an error up to its bound.
     """
@@ -50,22 +51,15 @@ def row_of(check: Mapping[str, Any], found: xr.Dataset) -> dict[str, Any]:
         finest = values.isel(mesh=-1) if "mesh" in values.dims else values
         error = abs(finest.sel(at)).max()
     error = float(abs(error))
-    return {
-        "quantity": quantity,
-        "against": check["against"],
-        "grid": grid,
-        "source": check["source"],
-        "error": error,
-        "bound": bound,
-        "holds": error >= bound if check["source"] == "rate" else error <= bound,
-    }
+    holds = error >= bound if check["source"] == "rate" else error <= bound
+    return {**check, "quantity": quantity, "grid": grid, "error": error, "bound": bound, "holds": holds}
 
 
 def frame(datasets: Mapping[str, xr.Dataset]) -> pd.DataFrame:
     """The table ``validation`` of `asperity.results.tables.TABLES`, of some comparisons by name."""
-    columns = ["quantity", "against", "grid", "source", "error", "bound", "holds"]
     made = [check for check in CHECKS if check["comparison"] in datasets]
-    return pd.DataFrame([row_of(check, datasets[check["comparison"]]) for check in made], columns=columns)
+    rows = [row_of(check, datasets[check["comparison"]]) for check in made]
+    return pd.DataFrame(rows, columns=list(TABLES["validation"]["columns"]))
 
 
 def for_reader(table: pd.DataFrame) -> pd.DataFrame:
