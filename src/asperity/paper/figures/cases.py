@@ -39,13 +39,11 @@ class Case:
     title : str
         Name of the case in the figure, mathematics between dollar signs.
     statistics : dataset
-        Result of stage statistics.
-    poisson : float
+        Result of stage statistics, at one Poisson's ratio.
     """
 
     title: str
     statistics: xr.Dataset
-    poisson: float
 
     @property
     def name(self) -> str:
@@ -57,14 +55,9 @@ class Case:
         """Shortest wavelength of the surface, the unit of depths and distances."""
         return wavelength_short(self.statistics)
 
-    @property
-    def profiles(self) -> xr.Dataset:
-        """Profiles, covariances and decay lengths at the Poisson's ratio of the case."""
-        return self.statistics.sel(poisson=self.poisson)
-
     def peaks(self, quantity: str) -> xr.Dataset:
         """Statistics of the peaks of a quantity, of those peaks that figures and claims count."""
-        return self.profiles.sel(quantity=quantity, selection=selection_for(quantity))
+        return self.statistics.sel(quantity=quantity, selection=selection_for(quantity))
 
     def peak_percentiles(self, quantity: str) -> str:
         """Number of the peaks of a quantity and percentiles of their magnitude, with their bands."""
@@ -82,18 +75,20 @@ class Case:
 
 def of_surfaces(statistics: Datasets) -> list[Case]:
     """A case for each surface, at the Poisson's ratio of its contact."""
-    return [Case(label(data), data, data.attrs["poisson_contact"]) for data in statistics.values()]
+    return [
+        Case(label(data), data.sel(poisson=data.attrs["poisson_contact"])) for data in statistics.values()
+    ]
 
 
 def of_ratios(statistics: Datasets) -> list[Case]:
     """A case for each Poisson's ratio of a single surface."""
     (data,) = statistics.values()
-    return [Case(rf"$\nu = {poisson:g}$", data, float(poisson)) for poisson in data["poisson"].values]
+    return [Case(rf"$\nu = {ratio:g}$", data.sel(poisson=ratio)) for ratio in data["poisson"].values]
 
 
 def extreme_ratios(statistics: Datasets) -> list[Case]:
     """The cases of the largest and of the smallest Poisson's ratio of a single surface."""
-    cases = sorted(of_ratios(statistics), key=lambda case: case.poisson, reverse=True)
+    cases = sorted(of_ratios(statistics), key=lambda case: float(case.statistics["poisson"]), reverse=True)
     return [cases[0], cases[-1]] if len(cases) > 1 else cases
 
 

@@ -111,13 +111,11 @@ def caption_stresses(statistics: Datasets, cases: str) -> Iterator[str]:
     for case in CASES[cases](statistics):
         von_mises, lateral = (case.peak_percentiles(quantity) for quantity in ("von_mises", "xx"))
         yield f"{case.name}, σ_VM: {von_mises}; \\|σ_xx\\|: {lateral}"
-    extremes = extreme_ratios(statistics)
-    low, high = extremes[-1], extremes[0]
-    above, below = (case.peaks("von_mises")["peak_percentile"] for case in (low, high))
-    values = ", ".join(
-        f"{float(one):.2f} at the {float(one['percent']):g}th percentile" for one in above / below
-    )
-    yield f"von Mises peaks at ν = {low.poisson:g} over those at ν = {high.poisson:g}: {values}"
+    peaks = [case.peaks("von_mises")["peak_percentile"] for case in extreme_ratios(statistics)]
+    high, low = peaks[0], peaks[-1]
+    values = [f"{float(one):.2f} at the {float(one['percent']):g}th percentile" for one in low / high]
+    ends = (f"ν = {float(one['poisson']):g}" for one in (low, high))
+    yield f"von Mises peaks at {' over those at '.join(ends)}: {', '.join(values)}"
 
 
 def draw_von_mises(statistics: Mapping[str, Datasets]) -> Figure:
@@ -194,11 +192,11 @@ def draw_decay(statistics: Datasets, cases: str) -> Figure:
     """Draw Eq. 22 (a) along depth and (b) in the plane of the largest peak, over the variance there."""
     figure, axes = panels()
     for case in CASES[cases](statistics):
-        profiles, unit = case.profiles, case.wavelength_short
-        factor = 1 / float(profiles["scaled_covariance_plane"][0])
+        data, unit = case.statistics, case.wavelength_short
+        factor = 1 / float(data["scaled_covariance_plane"][0])
         for axis, distance, along in zip(axes, ("plane_depth", "lag"), ("depth", "plane"), strict=True):
-            curves = [factor * curve for curve in with_band(profiles, f"scaled_covariance_{along}")]
-            curve_with_band(axis, profiles[distance] / unit, *curves, label=case.title)
+            curves = [factor * curve for curve in with_band(data, f"scaled_covariance_{along}")]
+            curve_with_band(axis, data[distance] / unit, *curves, label=case.title)
     for axis, distance, place, peak in zip(
         axes, ("depth", "distance"), "zr", (r"z_\mathrm{peak}", "0"), strict=True
     ):
@@ -213,7 +211,7 @@ def caption_decay(statistics: Datasets, cases: str) -> Iterator[str]:
     """Depth of the largest von Mises stress, and where the covariance of Eq. 22 has fallen to half."""
     for case in CASES[cases](statistics):
         reference, down, across = (
-            float(case.profiles[length]) / case.wavelength_short
+            float(case.statistics[length]) / case.wavelength_short
             for length in ("reference_depth", "decay_length_depth", "decay_length_plane")
         )
         yield (
