@@ -3,10 +3,14 @@
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from small_study import CONTACT, LAYER
 
-from asperity.paper.figures import peaks
+from asperity.fourier.grid import Grid
+from asperity.paper.figures import cell, peaks
 from asperity.paper.figures.cases import finish_densities, folded_density
 from asperity.results import dataset
+from asperity.study.stages.contact import solve_contact
+from asperity.surface.roughness import surface_dataset
 
 
 def density_axis(*lines):
@@ -55,3 +59,12 @@ def test_joint_densities_are_drawn_without_peaks(chain, tmp_path, bins_with_peak
     figure.savefig(tmp_path / "figure.png")
     texts = [text.get_text() for text in figure.axes[0].texts]
     assert ("no peaks" in texts) == (bins_with_peaks == 0)
+
+
+def test_the_cell_of_an_oblong_map_is_drawn(tmp_path):
+    waves = np.cos(2 * np.pi * np.arange(32) / 32)
+    surface = surface_dataset(1e-3 * (waves[::2, None] + waves), Grid((16, 32), (0.5, 1.0)))
+    contact = solve_contact(surface, LAYER, CONTACT)
+    results = ({"one": data.assign_attrs(label="a")} for data in (surface, contact))
+    cell.draw_rough(*results).savefig(tmp_path / "figure.png")
+    assert (tmp_path / "figure.png").exists()

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from asperity.core.types import Array
 from asperity.paper.figures.cases import Datasets, contact_area, name
+from asperity.results.dataset import grid_of
 from asperity.views.maps import blocks
 from asperity.views.style import MILLIMETRE, label
 
@@ -101,15 +102,16 @@ def draw_rough(surface: Datasets, contact: Datasets) -> Figure:
     """
     rough, pressed = list(surface.values())[-1], list(contact.values())[-1]
     step = max(1, -(-rough.sizes["x"] // NODES))
-    x = rough.x.values[::step] - 0.5
-    columns, rows = np.meshgrid(x, x)
+    edges = grid_of(rough).length[::-1]
+    x, y = (rough[axis].values[::step] - edge / 2 for axis, edge in zip("xy", edges, strict=True))
+    columns, rows = np.meshgrid(x, y)
     magnify = RELIEF / float(rough.rms_height)
     height = rough.height.values[::step, ::step]
     down = pressed.displacement.values[::step, ::step] - pressed.displacement.values.min()
 
     figure, axis = _scene(110, 105, (-0.08, 1.5), zoom=1.04)
     top = 1 - magnify * down
-    _draw_walls(axis, _points(x, -0.5, top[0]), _points(x[-1], x, top[:, -1]))
+    _draw_walls(axis, _points(x, y[0], top[0]), _points(x[-1], y, top[:, -1]))
     contacts = blocks(pressed.pressure.values, (step, step), np.max) > 0
     painted = np.where(contacts[..., None], mpl.colors.to_rgba(CONTACT), mpl.colors.to_rgba(SOLID))
     _draw_surface(axis, columns, rows, top, facecolors=painted)
