@@ -1,17 +1,22 @@
 """Studies that several tests of the workflow look at, each run once."""
 
+import os
+import signal
+import subprocess
+import time
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
-from project import OWN, QUICK, copy_project, snakemake
+from project import OWN, QUICK, copy_project, environment, snakemake
 
 STUDIES = ("quick_study", "own_study")
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Let one process run all tests of a study, so that no other has to run the study again."""
+    """Let one process run all tests of a study, and begin with the workflow, which takes longest."""
+    items.sort(key=lambda item: item.path.parent.name != "workflow")
     for item in items:
         for study in STUDIES:
             if study in getattr(item, "fixturenames", ()):
@@ -19,27 +24,66 @@ def pytest_collection_modifyitems(items):
 
 
 class Study(NamedTuple):
-    """A copy of the project in which a study has run, and what the run printed."""
+    """A copy of the project in which a study has run, its results, and what the run printed."""
 
     folder: Path
+    results: Path
     output: str
 
 
-def studied(folder, *arguments):
-    """Run a study in a copy of the project."""
-    found = snakemake(copy_project(folder), *arguments)
+class KilledStudy(NamedTuple):
+    """A study that was killed: its finished results with their times, and the output of the next run."""
+
+    folder: Path
+    results: Path
+    finished: dict[Path, int]
+    refusal: str
+
+
+def studied(folder, results, *arguments):
+    """Run a study and make its page, in a copy of the project."""
+    found = snakemake(folder, "study", "report_page", *arguments)
     assert found.returncode == 0, found.stdout + found.stderr
-    return Study(folder, found.stdout + found.stderr)
+    return Study(folder, results, found.stdout + found.stderr)
 
 
 @pytest.fixture(scope="session")
 def quick_study(tmp_path_factory):
     """The quick study on two cores."""
-    return studied(tmp_path_factory.mktemp("quick") / "project", *QUICK)
+    folder = copy_project(tmp_path_factory.mktemp("quick") / "project")
+    return studied(folder, folder / "results/quick", *QUICK)
+
+
+def own(results):
+    """Options of a user's own study of a surface and a map, its results outside the project."""
+    return *OWN, "--config", f"results={results}"
 
 
 @pytest.fixture(scope="session")
-def own_study(tmp_path_factory):
-    """A user's own study of a surface and a map, its results outside the project."""
-    folder = tmp_path_factory.mktemp("own")
-    return studied(folder / "project", *OWN, "--config", f"results={folder / 'own results'}")
+def killed_study(tmp_path_factory):
+    """The own study, killed while the stress of the first seed is computed, of which half is written."""
+    folder = copy_project(tmp_path_factory.mktemp("own") / "project")
+    results = folder.parent / "own results"
+    command = ["snakemake", "--cores", "2", *own(results)]
+    with subprocess.Popen(command, cwd=folder, env=environment(folder), start_new_session=True) as study:
+        while not (results / "log/stress/fine/seed1.log").exists():
+            assert study.poll() is None
+            time.sleep(0.05)
+        os.killpg(study.pid, signal.SIGKILL)
+    stress = results / "stress/fine/seed1.nc"
+    assert not stress.exists()
+    stress.parent.mkdir(parents=True, exist_ok=True)
+    stress.write_bytes(b"half of a result")
+    files = [results / stage / "fine/seed1.nc" for stage in ("surface", "contact")]
+    refused = snakemake(folder, *own(results))
+    assert refused.returncode != 0
+    finished = {path: path.stat().st_mtime_ns for path in files}
+    return KilledStudy(folder, results, finished, refused.stdout + refused.stderr)
+
+
+@pytest.fixture(scope="session")
+def own_study(killed_study):
+    """The own study, continued after it was killed."""
+    folder, results, *_ = killed_study
+    assert snakemake(folder, *own(results), "--unlock").returncode == 0
+    return studied(folder, results, *own(results))

@@ -5,7 +5,6 @@ import re
 
 import pandas as pd
 import pytest
-from project import OWN, QUICK, snakemake
 
 
 class Page(html.parser.HTMLParser):
@@ -30,12 +29,8 @@ class Page(html.parser.HTMLParser):
         return [value for tag, key, value in self.found if key == name and tag in (tags or (tag,))]
 
 
-def made(study, folder, *arguments):
-    """The page of a finished study, made by its rule, whose log is deleted again."""
-    (folder / "report.html").unlink(missing_ok=True)  # another test may have written Snakemake's report there
-    found = snakemake(study.folder, "report_page", *arguments, cores=1)
-    assert found.returncode == 0, found.stdout + found.stderr
-    (folder / "log/report_page.log").unlink()
+def page_in(folder):
+    """The page in a folder of results."""
     page = Page((folder / "report.html").read_text(encoding="utf-8"))
     assert page.open == []
     return page
@@ -43,13 +38,13 @@ def made(study, folder, *arguments):
 
 @pytest.fixture(scope="module")
 def page(quick_study):
-    return made(quick_study, quick_study.folder / "results/quick", *QUICK)
+    return page_in(quick_study.results)
 
 
 def test_figures_stand_in_order_with_captions(page, quick_study):
     numbered = [name for name in page.figures if re.fullmatch(r"fig\d+", name)]
     assert numbered == [f"fig{number:02}" for number in range(1, 19)]
-    files = {path.stem for path in (quick_study.folder / "results/quick/figures").glob("*.png")}
+    files = {path.stem for path in (quick_study.results / "figures").glob("*.png")}
     assert set(page.figures) == files
     assert page.figures[:18] == numbered
     assert page.text.count("<figcaption>") == len(page.figures)
@@ -58,7 +53,7 @@ def test_figures_stand_in_order_with_captions(page, quick_study):
 
 
 def test_claims_stand_with_their_verdicts(page, quick_study):
-    claims = pd.read_csv(quick_study.folder / "results/quick/claims.csv")
+    claims = pd.read_csv(quick_study.results / "claims.csv")
     assert page.text.count('<span class="verdict') == len(claims)
     for verdict, count in claims["verdict"].value_counts().items():
         assert re.search(rf"<dt>statements: {verdict}</dt><dd>{count}</dd>", page.text)
@@ -73,15 +68,14 @@ def test_every_part_has_its_heading(page):
 def test_the_page_needs_the_results_alone(page, quick_study):
     assert len(page.all("src")) > 10
     assert all(source.startswith("data:image/png;base64,") for source in page.all("src"))
-    results = quick_study.folder / "results/quick"
+    results = quick_study.results
     for link in page.all("href", "a"):
         anchor = link.removeprefix("#")
         assert f'id="{anchor}"' in page.text if link.startswith("#") else (results / link).exists(), link
 
 
 def test_an_own_study_has_a_page(own_study):
-    folder = own_study.folder.parent / "own results"
-    page = made(own_study, folder, *OWN, "--config", f"results={folder}")
+    page = page_in(own_study.results)
     assert "claims" not in page.headings
     assert "Figures" in page.headings
-    assert set(page.figures) == {path.stem for path in (folder / "figures").glob("*.png")}
+    assert set(page.figures) == {path.stem for path in (own_study.results / "figures").glob("*.png")}

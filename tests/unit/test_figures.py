@@ -1,4 +1,4 @@
-"""Figures of extreme values: a few that are far away, and contacts under which nothing can be counted."""
+"""Figures: the results that each is drawn from, and axes for extreme values or for none."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from small_study import CONTACT, LAYER
 
 from asperity.fourier.grid import Grid
-from asperity.paper.figures import cell, peaks
+from asperity.paper.figures import cell, figures_of, peaks
 from asperity.paper.figures.cases import finish_densities, folded_density
 from asperity.results import dataset
 from asperity.study.stages.contact import solve_contact
@@ -68,3 +68,20 @@ def test_the_cell_of_an_oblong_map_is_drawn(tmp_path):
     results = ({"one": data.assign_attrs(label="a")} for data in (surface, contact))
     cell.draw_rough(*results).savefig(tmp_path / "figure.png")
     assert (tmp_path / "figure.png").exists()
+
+
+def test_results_are_a_tree_of_stages_studies_surfaces():
+    studies = {"hurst": ["a"], "moments": ["b", "c"], "measured": [], "skewness": ["a"], "kurtosis": ["c"]}
+    config = {"studies": {**studies, "mine": ["d"]}, "figures": "paper", "validation": ["punch"]}
+    figures = figures_of({**config, "stress": {"poisson": [0.3]}})
+
+    def tree(name):
+        return figures[name].results(config["studies"], lambda stage, surface: f"{stage}/{surface}")
+
+    assert tree("fig07") == {"contact": {"a": "contact/a"}}
+    assert tree("fig10_moments") == {"statistics": {"b": "statistics/b", "c": "statistics/c"}}
+    both = {"skewness": {"a": "statistics/a"}, "kurtosis": {"c": "statistics/c"}}
+    assert tree("fig17") == {"statistics": both}
+    assert tree("fig12") == {"validation": {"punch": "validation/punch"}}
+    assert tree("peaks_mine") == {"statistics": {"d": "statistics/d"}}
+    assert not {"fig10_measured", "fig01", "poisson_decay_mine"} & figures.keys()
