@@ -249,7 +249,7 @@ def test_a_configuration_can_say_the_materials(path, tmp_path, capsys, refused):
     assert "steel.yaml: colour: unknown key" in errors
 
 
-def test_a_saved_case_is_repeated(path, tmp_path, refused):
+def test_a_saved_case_is_repeated(path, tmp_path, refused, without_pictures):
     """With every kind of option: texts, numbers, lists, files; from another folder than it was saved in."""
     shutil.copy(path, tmp_path / "lapped.asc")
     given = (
@@ -271,10 +271,11 @@ def test_a_saved_case_is_repeated(path, tmp_path, refused):
     assert "case.yaml: despik: unknown key; did you mean despike?" in said
 
 
-def test_several_maps_are_compared(steel, path, tmp_path, capsys, refused):
+def test_several_maps_are_compared(steel, tmp_path, capsys, refused, request):
     """Twice the heights: the second of two columns; the page shows the pictures of both."""
-    rough = save(2 * steel, tmp_path / "rough.asc")
-    command = ["run", str(path), str(rough), *COMMAND, "--out", str(tmp_path / "both")]
+    maps = {"steel": steel[:64, :64], "rough": 2 * steel[:64, :64]}
+    files = [str(save(height, tmp_path / f"{name}.asc")) for name, height in maps.items()]
+    command = ["run", *files, *COMMAND, "--out", str(tmp_path / "both")]
     assert main(command) == 0
     assert capsys.readouterr().out.splitlines()[-1].startswith("stress in the elastic body")
     frame = pd.read_csv(tmp_path / "both/comparison.csv")
@@ -282,6 +283,7 @@ def test_several_maps_are_compared(steel, path, tmp_path, capsys, refused):
     assert heights["rough"] == pytest.approx(2 * heights["steel"], rel=1e-4)
     page = (tmp_path / "both/comparison.html").read_text(encoding="utf-8")
     assert page.count("<img ") == 10
+    request.getfixturevalue("without_pictures")
     assert main(command) == 0  # its own files are replaced
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine/comparison.csv").write_text("precious")

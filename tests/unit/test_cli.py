@@ -130,10 +130,7 @@ def test_solve_imposes_pressure_force_and_approach_alike(tmp_path, capsys):
 
 
 def test_compilation_is_announced_once(tmp_path):
-    code = (
-        "import asperity as asp; "
-        "print(asp.Layer(1.0, 0.3).surface_compliance([1.0, 2.0]), asp.Layer(1.0, 0.3).kernels([1.0], 0.1))"
-    )
+    code = "import asperity as asp; print(asp.Layer(1.0, 0.3).surface_compliance([1.0, 2.0]))"
     environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)}
     found = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True)
     assert found.returncode == 0
