@@ -1,6 +1,9 @@
-"""`solve` and `solve_path`: controls, methods, boundaries, starts, extremes, refused arguments."""
+"""`solve` and `solve_path`: controls, methods, boundaries, starts, extremes, memory, refused arguments."""
+
+import gc
 
 import numpy as np
+import psutil
 import pytest
 from samples import centred, difference, load_of, refuses, rough
 
@@ -226,6 +229,23 @@ def test_path_is_its_contacts_one_by_one(kind, values, settings):
     assert len(shares) > 2 * len(values)
 
 
+def resident():
+    """Resident memory of this process in bytes."""
+    gc.collect()
+    return psutil.Process().memory_info().rss
+
+
+def test_memory_does_not_grow_with_the_number_of_contacts():
+    """If each contact kept half a field, the second half of them would take more."""
+    height, fractions = rough((160, 160)), np.linspace(0.02, 0.2, 40)
+    contacts = solve_path(height, SLAB, area_fractions=fractions, rtol=1e-3)
+    for number, contact in enumerate(contacts):
+        assert contact.area_fraction > 0
+        if number == 19:
+            before = resident()
+    assert resident() - before < 20 * height.nbytes / 2
+
+
 def test_start_from_the_solution_saves_transforms():
     height = rough((128, 128))
     cold = solve(height, HALF_SPACE, mean_pressure=load_of(height))
@@ -263,15 +283,6 @@ def test_nearly_uniform_start_does_not_count():
 
 
 # Two bodies
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_force_is_mean_pressure_times_area(method):
-    height, length = 1e-3 * rough((48, 64)), (1.5e-3, 2e-3)
-    by_force = solve(height, STEEL, length, force=40.0, method=method)
-    by_pressure = solve(height, STEEL, length, mean_pressure=40.0 / 3e-6, method=method)
-    assert by_force.force == pytest.approx(40.0, rel=1e-6)
-    np.testing.assert_allclose(by_force.pressure, by_pressure.pressure, rtol=1e-9)
 
 
 def test_each_body_carries_the_common_pressure():

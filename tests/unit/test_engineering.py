@@ -143,17 +143,6 @@ def test_a_cylinder_is_as_hertz_says(axis):
     assert getattr(shear, "x" if axis == "y" else "y") == pytest.approx(edge / 2, abs=1.5 * edge / 256)
 
 
-def test_two_materials_are_as_hertz_says():
-    """Contact is wider than with a rigid body, and the images of the periodic cell count for more."""
-    _, largest = hertz(STEEL, ALUMINIUM)
-    pair = run(a_sphere(), STEEL, ALUMINIUM, force=FORCE, map_options=AS_IT_IS)
-    assert pair.numbers.largest_pressure == pytest.approx(largest, rel=0.02)
-    depth = np.linspace(0, 2, 2001)
-    for name, body in (("lower", STEEL), ("upper", ALUMINIUM)):
-        expected = von_mises_on_axis(depth, body.poisson).max() * largest
-        assert pair.bodies[name].largest_von_mises == pytest.approx(expected, rel=0.03)
-
-
 @pytest.fixture(scope="module")
 def both_rough():
     lower, upper = a_rough_map(seed=1), a_rough_map(seed=2)

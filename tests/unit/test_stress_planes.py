@@ -77,15 +77,6 @@ def test_single_precision_only_above_its_rounding(layer):
                 assert error < 5e-6 * np.abs(double.fields["zz"]).max()  # rounding
 
 
-def test_grid_is_coarser_with_depth_and_tolerance():
-    contact = spots((128, 128))
-    depths = depth_grid(contact.grid)
-    streams = (stress_planes(contact, depths, None, ("zz",), tolerance) for tolerance in (1e-2, 1e-4, 1e-8))
-    sizes = [[plane.grid.size for plane in stream] for stream in streams]
-    assert np.all(np.diff(sizes, axis=1) <= 0)
-    assert np.all(np.diff(sizes, axis=0) >= 0)
-
-
 def test_oblong_cell_keeps_the_bound_on_both_axes():
     contact = spots((60, 240), (0.25, 1.0))
     grid = contact.grid

@@ -1,10 +1,80 @@
-"""Memory and processes, and packages without what Linux alone has."""
+"""Packages, memory, disk and processes: what is missing is named, and Linux is not needed."""
 
 import os
+import re
 import subprocess
 import sys
+import tomllib
 
-from asperity.core import system
+import psutil
+import pytest
+from project import ROOT
+
+from asperity.core import packages, system
+from asperity.core.errors import PreflightError
+from asperity.study import run
+from asperity.study.run import require_memory, require_space
+
+
+@pytest.mark.parametrize(
+    ("hidden", "message"),
+    [
+        (("yaml",), "not installed: pyyaml; install with: pip install asperity"),
+        (("matplotlib",), 'not installed: matplotlib; install with: pip install "asperity[plot]"'),
+        (
+            ("h5py", "matplotlib"),
+            'not installed: matplotlib, h5py; install with: pip install "asperity[maps]"',
+        ),
+        (("skfem", "yaml"), 'not installed: pyyaml, scikit-fem; install with: pip install "asperity[study]"'),
+    ],
+)
+def test_missing_packages_are_named_with_the_extra_that_brings_all(monkeypatch, hidden, message):
+    packages.require()
+    monkeypatch.setattr(packages, "find_spec", lambda name: None if name in hidden else name)
+    with pytest.raises(packages.MissingPackageError, match=f"^{re.escape(message)}$"):
+        packages.require()
+
+
+def test_extras_are_those_that_the_project_declares():
+    declared = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = declared["optional-dependencies"]
+    named = {
+        extra: {re.match(r"[\w-]+", name)[0] for name in extras.get(extra, declared["dependencies"])}
+        for extra in packages.PACKAGES
+    }
+    of_maps = {"h5py", "olefile", "tifffile"}  # required by SurfaceTopography
+    held = set()
+    for extra, modules in packages.PACKAGES.items():
+        names = set(modules.values()) - of_maps
+        assert named[extra] == (names if extra == packages.BASE else names | held)
+        held |= names if extra else set()
+    for extra, modules in packages.ALTERNATIVES.items():
+        alone = {re.match(r"[\w-]+", name)[0] for name in extras[extra]}
+        assert alone == set(modules.values())
+
+
+def test_memory_is_that_of_the_largest_job_against_the_limit_or_the_machine(monkeypatch):
+    require_memory({})
+    monkeypatch.setattr(run, "available_memory", lambda: 2000.0)
+    with pytest.raises(PreflightError, match="needs about 4 GB of memory, this machine has 2 GB; choose"):
+        require_memory({"c.nc": 4000})
+
+
+def test_a_control_group_limits_the_memory(monkeypatch, tmp_path):
+    machine = system.available_memory()
+    assert 0 < machine <= psutil.virtual_memory().total / 1e6
+    path = tmp_path / "memory.max"
+    monkeypatch.setattr(system, "GROUP_LIMITS", (str(path),))
+    path.write_text("max\n")
+    assert system.available_memory() >= machine
+    path.write_text(f"{2**20}\n")
+    assert system.available_memory() == 2**20 / 1e6
+
+
+def test_space_is_that_of_the_disk_of_the_folder(tmp_path):
+    require_space(tmp_path, 0)
+    with pytest.raises(PreflightError, match=r"about 1e\+15 MB will be written, \S+ MB are free; free some"):
+        require_space(tmp_path, 1e15)
 
 
 def test_package_imports_without_unix_modules():
