@@ -20,6 +20,8 @@ MAX_MESSAGE = 500
 """Characters of a message."""
 
 CONFIGURATION = yaml.safe_load(Path(PAPER).read_text(encoding="utf-8"))
+for surface in CONFIGURATION["surfaces"].values():
+    surface["label"] = "plain"  # mathematics takes long to parse
 COMMANDS = (
     "solve {surface} --area-fraction 0.2 --out {folder}/new.nc",
     "stress {contact} --poisson 0.33 --out {folder}/new.nc",

@@ -34,7 +34,6 @@ pytestmark = pytest.mark.xdist_group("documentation")  # functions are compiled 
 def _without_screen(monkeypatch):
     monkeypatch.setattr(plt, "show", lambda: None)
     with mpl.rc_context():
-        plt.switch_backend("agg")
         yield
         plt.close("all")
 

@@ -4,7 +4,6 @@ import base64
 import re
 from io import BytesIO
 
-import matplotlib as mpl
 import numpy as np
 import pytest
 import xarray as xr
@@ -17,12 +16,6 @@ from asperity.engineering import Body, run
 LENGTH = (1.5e-4, 2e-4)
 HEIGHT = asp.self_affine((48, 64), 0.8, 1e-4, 2.5e-5, rms_height=1e-7, seed=1, length=LENGTH)
 STEEL, SHEET = asp.Layer(210e9, 0.3), asp.Layer(110e9, 0.34, height=1e-3, bottom="free", lateral="free")
-
-
-@pytest.fixture(autouse=True)
-def _without_a_screen():
-    with mpl.rc_context({"backend": "agg"}):
-        yield
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
+from samples import spots
 
 import asperity as asp
 from asperity.results import dataset
@@ -13,12 +14,7 @@ RATIOS = [0.0, 0.33, 0.5]
 
 @pytest.fixture(scope="module")
 def stress():
-    """Stress under a few spots of different sizes on a half-space."""
-    grid = asp.Grid((64, 64))
-    y, x = grid.coordinates()
-    pressure = np.maximum(np.sin(19 * y)[:, None] * np.sin(23 * x)[None, :] + 0.3 * np.sin(7 * x) - 0.5, 0)
-    solid = asp.LoadedSolid(0.1 * pressure, grid, asp.Layer(young=1.0, poisson=0.33))
-    return asp.analyse_stress(solid, poisson=RATIOS, tolerance=1e-4)
+    return asp.analyse_stress(spots(), poisson=RATIOS, tolerance=1e-4)
 
 
 @pytest.fixture(scope="module", params=["in memory", "file by asperity", "file by xarray"])

@@ -13,10 +13,16 @@ from project import OWN, QUICK, copy_project, environment, snakemake
 STUDIES = ("quick_study", "own_study")
 
 
+def place_in_order(item):
+    """Rank of a test by its folder: the workflow takes longest, tests of single functions fill the gaps."""
+    folder = item.path.parent.name
+    return folder != "workflow", folder in ("physics", "unit")
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Let one process run all tests of a study, and begin with the workflow, which takes longest."""
-    items.sort(key=lambda item: item.path.parent.name != "workflow")
+    """Let one process run all tests of a study, and begin with the longest."""
+    items.sort(key=place_in_order)
     for item in items:
         for study in STUDIES:
             if study in getattr(item, "fixturenames", ()):
