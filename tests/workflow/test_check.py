@@ -25,8 +25,14 @@ def folder(tmp_path):
 
 
 def test_the_quick_study_has_the_numbers_of_the_reference(quick_study):
-    """The check runs the study first, of which nothing is left to do here."""
-    found = run(quick_study.folder, "python", "workflow/check.py", "--results", "results/quick")
+    said, error = script(quick_study.folder, *ONE)
+    assert "numbers as in tests/reference/quick.json" in said, error
+
+
+def test_the_check_makes_what_it_compares(quick_study):
+    """Nothing is left to do here."""
+    command = "python workflow/check.py --results results/quick --surfaces cutoff_64"
+    found = run(quick_study.folder, *command.split())
     assert "numbers as in tests/reference/quick.json" in found.stdout, found.stderr
 
 
