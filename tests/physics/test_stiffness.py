@@ -85,6 +85,18 @@ def test_other_nodes_touch_beyond_the_interval(solid, boundary, nodes):
         assert high == np.inf
 
 
+def test_a_node_yields_beyond_either_end_of_the_interval():
+    """With this hardness; under others a node comes into contact first."""
+    height = rough((64, 48))
+    contact = hardened(height, 0.6, rtol=1e-10)
+    low, high = contact.load_interval
+    step, plastic = 0.05 * (high - low), []
+    for load in (low - step, low + step, high - step, high + step):
+        settings = {"mean_pressure": load, "hardness": contact.hardness, "rtol": 1e-10}
+        plastic.append(np.count_nonzero(asp.solve(height, HALF_SPACE, **settings).plastic_depth))
+    assert np.diff(plastic).tolist() == [1, 0, 1]
+
+
 def test_loads_of_both_methods_are_within_one_interval():
     """They may differ by as much as the interval is wide, here 15 %."""
     settings = {"area_fraction": 3 / HEIGHT.size}
