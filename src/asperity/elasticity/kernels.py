@@ -255,32 +255,13 @@ _BOTTOM_OUT_OF_REACH = 40.0
 
 
 @fused
-def fill_kernels(kind: int, q: Any, depth: Any, height: float, poisson: float, out: Any) -> None:
-    """Write the kernels of all modes to the rows of `out`, for one depth of all modes or one of each mode."""
-    many = depth.size > 1
-    for n in range(q.size):
-        wavenumber = float(q[n])
-        below = depth[n if many else 0]
-        d = wavenumber * below
-        t = wavenumber * (height - below)
-        if wavenumber == 0.0:
-            values = (1.0, 0.0, 0.0, 0.0, 0.0)
-        elif d > _DEEPEST:
-            values = (0.0, 0.0, 0.0, 0.0, 0.0)
-        elif kind == HALF_SPACE or t > _BOTTOM_OUT_OF_REACH:
-            values = half_space_kernels(d, poisson)
-        elif kind == BONDED:
-            values = bonded_kernels(wavenumber * height, t, d, poisson)
-        else:
-            values = frictionless_kernels(wavenumber * height, t, d, poisson)
-        out[0, n], out[1, n], out[2, n], out[3, n], out[4, n] = values
+def fill_kernels(
+    kind: int, of_shear: bool, q: Any, depth: Any, height: float, poisson: float, out: Any
+) -> None:
+    """Write the kernels of a pressure or a shear traction to the rows of `out`, for all modes.
 
-
-@fused
-def fill_shear_kernels(kind: int, q: Any, depth: Any, height: float, poisson: float, out: Any) -> None:
-    """Write the kernels of a shear traction of all modes to the rows of `out`, as `fill_kernels`.
-
-    The solid is the half-space or bonded. At q = 0 they are those of a traction on a layer of any height.
+    There is one depth for all modes or one for each. Under a shear traction the solid is the half-space or
+    bonded, and at q = 0 the kernels are those of a layer of any height.
     """
     many = depth.size > 1
     for n in range(q.size):
@@ -288,13 +269,17 @@ def fill_shear_kernels(kind: int, q: Any, depth: Any, height: float, poisson: fl
         below = depth[n if many else 0]
         d, t = wavenumber * below, wavenumber * (height - below)
         if wavenumber == 0.0:
-            values = (0.0, 0.0, 1.0, 1.0, 0.0)
+            values = (0.0, 0.0, 1.0, 1.0, 0.0) if of_shear else (1.0, 0.0, 0.0, 0.0, 0.0)
         elif d > _DEEPEST:
             values = (0.0, 0.0, 0.0, 0.0, 0.0)
         elif kind == HALF_SPACE or t > _BOTTOM_OUT_OF_REACH:
-            values = half_space_shear_kernels(d)
-        else:
+            values = half_space_shear_kernels(d) if of_shear else half_space_kernels(d, poisson)
+        elif of_shear:
             values = bonded_shear_kernels(wavenumber * height, t, d, poisson)
+        elif kind == BONDED:
+            values = bonded_kernels(wavenumber * height, t, d, poisson)
+        else:
+            values = frictionless_kernels(wavenumber * height, t, d, poisson)
         out[0, n], out[1, n], out[2, n], out[3, n], out[4, n] = values
 
 

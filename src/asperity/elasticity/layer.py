@@ -46,7 +46,6 @@ error.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -62,7 +61,6 @@ from asperity.elasticity.kernels import (
     FRICTIONLESS,
     HALF_SPACE,
     fill_kernels,
-    fill_shear_kernels,
     fill_surface_compliance,
 )
 
@@ -269,7 +267,7 @@ class Layer:
         """
         if self._kind == FREE:
             raise ValueError("bottom = 'free': bonded or frictionless is needed for stress and displacement")
-        return Kernels(*self._filled(fill_kernels, q, depth))
+        return Kernels(*self._filled(False, q, depth))
 
     def shear_kernels(self, q: ArrayLike, depth: ArrayLike) -> ShearKernels:
         """The five real kernels of a mode of shear traction, defined in the description of the module.
@@ -284,15 +282,16 @@ class Layer:
         """
         if self._kind not in (HALF_SPACE, BONDED):
             raise ValueError(f"bottom = {self.bottom!r}: bonded is needed, because this one bears no shear")
-        return ShearKernels(*self._filled(fill_shear_kernels, q, depth))
+        return ShearKernels(*self._filled(True, q, depth))
 
-    def _filled(self, fill: Callable[..., None], q: ArrayLike, depth: ArrayLike) -> Array:
-        """Five kernels of every wavenumber and depth, by a compiled loop."""
+    def _filled(self, of_shear: bool, q: ArrayLike, depth: ArrayLike) -> Array:
+        """Five kernels of every wavenumber and depth, of a pressure or of a shear traction."""
         q, depth = _wavenumbers(q), self._depths(depth)
         shape = _broadcast_shape(q=q, depth=depth)
         depths = depth.reshape(-1) if depth.size == 1 else _flat(depth, shape)
         out = np.empty((5, *shape), q.dtype)
-        fill(self._kind, _flat(q, shape), depths, self.height or 0.0, self.poisson, out.reshape(5, -1))
+        height, rows = self.height or 0.0, out.reshape(5, -1)
+        fill_kernels(self._kind, of_shear, _flat(q, shape), depths, height, self.poisson, rows)
         return out
 
     def stress(self, qx: ArrayLike, qy: ArrayLike, depth: ArrayLike) -> Array:

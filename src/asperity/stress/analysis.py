@@ -37,7 +37,7 @@ from asperity.stress.peaks.finder import (
     plane_peaks,
 )
 from asperity.stress.peaks.maxima import Maxima, maxima_in_rows
-from asperity.stress.planes.fields import FIELDS, MARGIN
+from asperity.stress.planes.fields import FIELDS, MARGIN, Fields
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.planes.stream import PLANE_TOLERANCE, LinearPlane, PlaneStream, uniform_part
 from asperity.stress.statistics.covariance import References, row_sums
@@ -128,17 +128,10 @@ def analyse_stress(
     """
     solid = LoadedSolid.of(contact)
     own = solid.layer.lateral
-    stream = PlaneStream.of(
-        solid,
-        depth_grid(solid.grid, solid.layer.height) if depths is None else depths,
-        poisson,
-        ("von_mises",),
-        tolerance,
-        threads,
-        work,
-        friction,
-        sliding_direction,
-    )
+    if depths is None:
+        depths = depth_grid(solid.grid, solid.layer.height)
+    settings = tolerance, threads, work, friction, sliding_direction
+    stream = PlaneStream(solid, depths, poisson, ("von_mises",), *settings)
     return _Analysis(stream, (own,), quantities, floor).run(progress, observe)[own]
 
 
@@ -175,7 +168,7 @@ def analyse_lateral_conditions(
     laterals = choices("laterals", laterals, LATERALS)
     if own not in laterals:
         raise ValueError(f"laterals = {list(laterals)!r}: {own!r}, the layer's, must be one of them")
-    stream = PlaneStream.of(contact, depths, poisson, ("von_mises",), tolerance)
+    stream = PlaneStream(contact, depths, poisson, ("von_mises",), tolerance)
     return _Analysis(stream, laterals, quantities, 0.01).run(progress, None)
 
 
@@ -233,29 +226,24 @@ class _Analysis:
     ) -> dict[str, xr.Dataset]:
         """Take all planes, and those above the reference planes again that were not kept."""
         stream, references = self._stream, self._references
-        for number, plane in enumerate(stream.planes()):
+        for number, plane in enumerate(stream.planes(progress)):
             self._add(number, plane)
             if observe is not None:
                 observe(plane)
-            if progress is not None:
-                progress(plane.done, 1.0)
-        missing = int(references.missing.max())
-        if missing:
-            for number, plane in enumerate(replace(stream, depths=stream.depths[:missing]).planes()):
-                references.add_again(number, plane.grid, self._searched(plane, self._von_mises).whole())
+        if missing := int(references.missing.max()):
+            for number, plane in enumerate(stream.planes(count=missing)):
+                references.add_again(number, plane.grid, self._fields_of(plane, self._von_mises).whole())
         found = {lateral: self._dataset(lateral) for lateral in self._laterals}
         for dataset in found.values():
             require_finite("analyse_stress", dataset.data_vars)
         return found
 
-    def _searched(self, plane: LinearPlane, fields: int | None = None) -> SearchedPlane:
-        """A plane with the first of the fields, by default with all."""
-        compiled = plane.fields(*zip(*self._fields[:fields], strict=True))
-        periodic = self._stream.solid.boundary == "periodic"
-        return SearchedPlane(plane.depth, plane.grid, plane.basis, compiled, periodic)
+    def _fields_of(self, plane: LinearPlane, count: int | None = None) -> Fields:
+        """The first of the fields in a plane, by default all."""
+        return plane.fields(*zip(*self._fields[:count], strict=True))
 
     def _add(self, number: int, plane: LinearPlane) -> None:
-        searched, count = self._searched(plane), self._von_mises
+        fields, count = self._fields_of(plane), self._von_mises
         (ny, nx), references = plane.grid.shape, self._references.on(plane.grid)
         rows = max(16, NODES_AT_ONCE // nx)
         taken = None
@@ -267,7 +255,7 @@ class _Analysis:
 
         def reduced(first: int) -> tuple[Maxima, Array]:
             last = min(first + rows, ny)
-            values = searched.rows(first, last)
+            values = fields.rows(first - 1, last + 1)
             if taken is not None:
                 taken[:, first:last] = values[:count, 1:-1, MARGIN : MARGIN + nx]
             return (
@@ -281,7 +269,7 @@ class _Analysis:
         self._references.add(
             number,
             total[:count],
-            lambda: self._searched(plane, count).whole() if taken is None else taken,
+            lambda: self._fields_of(plane, count).whole() if taken is None else taken,
         )
         self._points[number] = max(ny, nx)
         self._mean[:, number] = total[:count, :, 0].sum(axis=1) / plane.grid.size
@@ -290,6 +278,7 @@ class _Analysis:
         floor = max(plane.bound, self._floor * scale, ROUNDING * scale)
         maxima = Maxima.join(list(strips))
         high = self._sought[maxima.field] & (maxima.magnitude > floor)
+        searched = SearchedPlane(plane.depth, plane.grid, fields)
         self._finder.add(searched, maxima.select(np.flatnonzero(high)))
 
     def _peaks(self, lateral: str) -> dict[tuple[str, float], Peaks]:

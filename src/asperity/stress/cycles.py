@@ -41,7 +41,7 @@ from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import COMPONENTS
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.fourier.grid import Grid
-from asperity.stress.planes.fields import MARGIN, field_rows, principal_stresses
+from asperity.stress.planes.fields import MARGIN, principal_stresses
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.planes.stream import PLANE_TOLERANCE, LinearPlane, PlaneStream, uniform_part
 from asperity.stress.smallest_sphere import DIMENSIONS, smallest_sphere
@@ -118,23 +118,14 @@ def stress_cycles(
     range of τ_xz 0.50 p₀, shakedown limit 4.0 k
     """
     solid = LoadedSolid.of(contact)
-    stream = PlaneStream.of(
-        solid,
-        depth_grid(solid.grid, solid.layer.height) if depths is None else depths,
-        poisson,
-        ("von_mises",),
-        tolerance,
-        threads,
-        None,
-        friction,
-        sliding_direction,
-    )
+    if depths is None:
+        depths = depth_grid(solid.grid, solid.layer.height)
+    settings = tolerance, threads, None, friction, sliding_direction
+    stream = PlaneStream(solid, depths, poisson, ("von_mises",), *settings)
     limits = fatigue_torsion, fatigue_bending, yield_stress
     cycles = Cycles(solid, *limits, sliding_direction, stream.ratios[0], threads)
-    for plane in stream.planes():
+    for plane in stream.planes(progress):
         cycles.add(plane)
-        if progress is not None:
-            progress(plane.done, 1.0)
     return cycles.dataset()
 
 
@@ -219,15 +210,14 @@ class Cycles:
     def add(self, plane: LinearPlane) -> None:
         """Add the next plane."""
         count = len(COMPONENTS)
-        uniform = uniform_part(plane.layer, self._poisson)
+        uniform = uniform_part(plane.solid.layer, self._poisson)
         fields = plane.fields(COMPONENTS, [self._poisson] * count, [uniform] * count)
         ny, nx = plane.grid.shape
         rows = max(1, 2**13 // nx)
         fatigue, shakedown = "dang_van" in self._names, "shakedown_upper" in self._names
 
         def reduced(first: int) -> Array:
-            values = field_rows(plane.basis, fields, first, min(first + rows, ny))
-            states = values[:, :, MARGIN : MARGIN + nx]
+            states = fields.rows(first, min(first + rows, ny))[:, :, MARGIN : MARGIN + nx]
             out = np.empty((5, states.shape[1]))
             _reduce_rows(states, self._is_unloaded, fatigue, shakedown, self._alpha, out)
             return out

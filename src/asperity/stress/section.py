@@ -66,13 +66,10 @@ class StressBox:
     def planes(self, progress: Progress | None = None) -> Iterator[dict[str, Array]]:
         """The fields of one depth after the other: name → (ratios, ny, nx) array."""
         periodic = self._stream.solid.boundary == "periodic"
-        for plane in self._stream.planes():
-            found = _interpolated(plane, self.y, self.x, periodic)
-            fields = {name: np.stack([found.field(name, nu) for nu in self.poisson]) for name in self.fields}
+        for plane in self._stream.planes(progress):
+            fields = _interpolated(plane, self.y, self.x, periodic).named_fields(self.fields, self.poisson)
             require_finite("stress_box", fields)
             yield fields
-            if progress is not None:
-                progress(plane.done, 1.0)
 
     def dataset(self, progress: Progress | None = None) -> xr.Dataset:
         """All fields, along `poisson`, `depth`, `y` and `x`.
@@ -154,7 +151,7 @@ def stress_box(
     (1, 20, 20)
     (1, 20, 20)
     """
-    stream = PlaneStream.of(contact, depths, poisson, fields, **settings)
+    stream = PlaneStream(contact, depths, poisson, fields, **settings)
     return StressBox(
         depth=stream.depths,
         y=_positions("y", y, stream.solid, 0, spacing),

@@ -79,16 +79,10 @@ def smallest_sphere(points: Any, free: int, centre: Any) -> float:
 
 @compiled
 def _fill_distances(points: Any, centre: Any, squared: Any) -> None:
-    first, second, third, fourth, fifth = points[0], points[1], points[2], points[3], points[4]
-    u, v, w, x, y = centre[0], centre[1], centre[2], centre[3], centre[4]
-    for n in range(squared.size):
-        squared[n] = (
-            (first[n] - u) ** 2
-            + (second[n] - v) ** 2
-            + (third[n] - w) ** 2
-            + (fourth[n] - x) ** 2
-            + (fifth[n] - y) ** 2
-        )
+    squared[:] = 0.0
+    for k in range(DIMENSIONS):
+        for n in range(squared.size):
+            squared[n] += (points[k, n] - centre[k]) ** 2
 
 
 @makes_arrays

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -30,7 +30,7 @@ from asperity.elasticity.loaded_solid import BOUNDARIES
 from asperity.fourier.grid import Grid
 from asperity.stress.peaks.maxima import Entries, Maxima, maxima_in_rows, refine_in_plane, refine_in_solid
 from asperity.stress.peaks.selection import checked_ratio
-from asperity.stress.planes.fields import BASIS, MARGIN, Basis, Fields, field_at, field_in, field_rows
+from asperity.stress.planes.fields import Fields
 from asperity.stress.planes.planes import StressPlane
 
 
@@ -59,14 +59,9 @@ class Peaks(Entries):
 
     def under_contact(self, pressure: Array, grid: Grid, boundary: str = "periodic") -> Array:
         """True where the surface node nearest above a peak carries pressure."""
-        row, column = (
-            np.rint(place / step).astype(np.int64)
-            for place, step in zip((self.y, self.x), grid.spacing, strict=True)
-        )
-        if boundary == "periodic":
-            row, column = row % grid.shape[0], column % grid.shape[1]
-        else:
-            row, column = np.clip(row, 0, grid.shape[0] - 1), np.clip(column, 0, grid.shape[1] - 1)
+        spacing, nodes = np.array(grid.spacing)[:, None], np.array(grid.shape)[:, None]
+        nearest = np.rint(np.stack([self.y, self.x]) / spacing).astype(np.int64)
+        row, column = nearest % nodes if boundary == "periodic" else np.clip(nearest, 0, nodes - 1)
         return np.asarray(pressure)[row, column] > 0
 
 
@@ -74,55 +69,16 @@ _NOTHING = np.empty(0)
 NO_PEAKS = Peaks(_NOTHING, _NOTHING, _NOTHING, _NOTHING, _NOTHING, np.empty(0, bool))
 
 
-@dataclass(frozen=True)
-class SearchedPlane:
-    """Fields of a plane, of which the peaks are sought.
-
-    Parameters
-    ----------
-    depth : float
-    grid : Grid
-    basis : Basis
-    fields : Fields
-    periodic : bool
-        True if opposite edges are neighbours.
-    """
+class SearchedPlane(NamedTuple):
+    """Fields of a plane, of which the peaks are sought."""
 
     depth: float
     grid: Grid
-    basis: Basis
     fields: Fields
-    periodic: bool
 
-    @classmethod
-    def of_field(cls, depth: float, grid: Grid, field: Array, periodic: bool) -> SearchedPlane:
-        """A plane with one field of its own."""
-        basis = Basis(
-            np.ascontiguousarray(field)[None],
-            grid.shape[1],
-            np.zeros(len(BASIS), np.int64),
-            field.dtype.type(0),
-        )
-        return cls(depth, grid, basis, Fields.of(["zz"], [0.0], [0.0], field.dtype), periodic)
-
-    def rows(self, first: int, last: int) -> Array:
-        """The fields in some rows and one row more on both sides, as of `field_rows`."""
-        return field_rows(self.basis, self.fields, first - 1, last + 1, self.periodic)
-
-    def whole(self) -> Array:
-        """The fields in the whole plane, (fields, ny, nx)."""
-        return field_in(self.basis, self.fields)
-
-    def maxima(self, floor: float) -> Maxima:
-        """Maxima of a field of its own."""
-        margin = (0, 0), (1, 1), (MARGIN, MARGIN)
-        values = np.pad(self.basis.values, margin, "wrap" if self.periodic else "reflect")
-        return maxima_in_rows(values, self.grid.shape[1], 0, floor)
-
-    def around(self, maxima: Maxima, grid: Grid, chosen: Any = slice(None), reach: int = 1) -> Array:
+    def around(self, maxima: Maxima, grid: Grid, reach: int = 1) -> Array:
         """Values at and around the nodes of maxima in a plane on `grid`."""
-        nodes = maxima.field[chosen], maxima.row[chosen], maxima.column[chosen]
-        return field_at(self.basis, self.fields, *nodes, grid.shape, self.periodic, reach)
+        return self.fields.at(maxima.field, maxima.row, maxima.column, grid.shape, reach)
 
     def exceeded(self, maxima: Maxima, grid: Grid) -> tuple[Array, Array]:
         """True where a maximum in a plane on `grid` is above the nine values here, and these if it is.
@@ -132,7 +88,7 @@ class SearchedPlane:
         magnitude, values = maxima.magnitude, np.empty_like(maxima.here)
         higher = magnitude > np.abs(self.around(maxima, grid, reach=0)[:, 0, 0])
         some = np.flatnonzero(higher)
-        values[some] = nine = self.around(maxima, grid, some)
+        values[some] = nine = self.around(maxima.select(some), grid)
         higher[some] = magnitude[some] > np.abs(nine).max(axis=(1, 2), initial=0)
         return higher, values
 
@@ -142,10 +98,8 @@ class PeakFinder:
 
     def __init__(self) -> None:
         self._found: list[tuple[Array, Peaks]] = []
-        self._last: SearchedPlane | None = None
-        self._depth_above: float | None = None
-        none = np.empty(0, np.int64)
-        self._candidates = Maxima(none, none, none, np.empty((0, 3, 3)))
+        self._last: tuple[SearchedPlane, Maxima] | None = None
+        self._depth_above = np.nan
 
     def peaks(self, field: int = 0) -> Peaks:
         """Peaks of a field found so far: those of every plane but the last."""
@@ -162,11 +116,11 @@ class PeakFinder:
         maxima : Maxima
             The maxima in it.
         """
-        last, upper = self._last, self._candidates
-        if last is None:
+        if self._last is None:
             # Of the planes that may come first, the surface alone has no neighbour above.
             kept = np.full(maxima.size, plane.depth == 0)
         else:
+            last, upper = self._last
             if not plane.depth > last.depth:
                 raise ValueError(
                     f"depth = {plane.depth!r}: planes rising in depth are needed, below {last.depth}"
@@ -178,45 +132,38 @@ class PeakFinder:
                 upper_kept[pair], kept[partner] = wins, ~wins
                 # Maxima that win have not been compared with all nine values.
                 won, won_below = pair[wins], partner[~wins]
-                below[won] = plane.around(upper, last.grid, won)
-                maxima.above[won_below] = last.around(maxima, plane.grid, won_below)
+                below[won] = plane.around(upper.select(won), last.grid)
+                maxima.above[won_below] = last.around(maxima.select(won_below), plane.grid)
             chosen = np.flatnonzero(upper_kept)
             if chosen.size:
-                found = upper.select(chosen)
-                self._found.append((found.field, self._refined(found, below[chosen], plane.depth)))
+                found, depths = upper.select(chosen), (self._depth_above, last.depth, plane.depth)
+                self._found.append((found.field, _refined(found, last, below[chosen], depths)))
             self._depth_above = last.depth
-        self._candidates = maxima.select(np.flatnonzero(kept))
-        self._last = plane
-
-    def _refined(self, maxima: Maxima, below: Array, depth_below: float) -> Peaks:
-        """Peaks from the maxima of the last plane that exceed the planes beside it."""
-        assert self._last is not None
-        if maxima.above is None:
-            return refined_in_plane(maxima, self._last)
-        assert self._depth_above is not None
-        depths = self._depth_above, self._last.depth, depth_below
-        value, depth, *offsets = refine_in_solid(maxima.above, maxima.here, below, depths)
-        return _peaks(maxima, self._last, value, depth, offsets, True)
+        self._last = plane, maxima.select(np.flatnonzero(kept))
 
 
-def refined_in_plane(maxima: Maxima, plane: SearchedPlane) -> Peaks:
-    """Peaks from maxima of a plane alone."""
-    value, *offsets = refine_in_plane(maxima.here)
-    return _peaks(maxima, plane, value, np.full(maxima.size, plane.depth), offsets, False)
-
-
-def _peaks(
-    maxima: Maxima, plane: SearchedPlane, value: Array, depth: Array, offsets: list[Array], interior: bool
+def _refined(
+    maxima: Maxima, plane: SearchedPlane, below: Array | None = None, depths: tuple[float, ...] = ()
 ) -> Peaks:
+    """Peaks from maxima of a plane, refined in it alone where no plane above is known.
+
+    `below` are the values at and around the nodes in the plane below, `depths` those of the three planes.
+    """
+    if maxima.above is None or below is None:
+        value, *offsets = refine_in_plane(maxima.here)
+        depth = np.full(maxima.size, plane.depth)
+    else:
+        value, depth, *offsets = refine_in_solid(maxima.above, maxima.here, below, depths)
     node_value = maxima.here[:, 1, 1].astype(float)
     y, x = (_places(maxima, plane, offsets) * plane.grid.spacing).T
-    return Peaks(value * np.sign(node_value), depth, y, x, node_value, np.full(maxima.size, interior))
+    interior = np.full(maxima.size, maxima.above is not None)
+    return Peaks(value * np.sign(node_value), depth, y, x, node_value, interior)
 
 
 def _places(maxima: Maxima, plane: SearchedPlane, offsets: list[Array]) -> Array:
     """Positions of maxima within the cell, in spacings, (maxima, 2)."""
     places = np.stack([maxima.row + offsets[0], maxima.column + offsets[1]], axis=1)
-    if not plane.periodic:
+    if not plane.fields.periodic:
         return places
     inside = places % plane.grid.shape
     # The remainder of a small negative number may be rounded to the length.
@@ -242,7 +189,9 @@ def _matched_maxima(
         _places_of_fields(maxima, plane, spacing)
         for maxima, plane in ((upper, upper_plane), (lower, lower_plane))
     )
-    cell = np.array([*np.array(upper_plane.grid.length) / spacing, 0.0]) if upper_plane.periodic else None
+    cell = None
+    if upper_plane.fields.periodic:
+        cell = np.array([*np.array(upper_plane.grid.length) / spacing, 0.0])
     distance, nearest = cKDTree(place_low, boxsize=cell).query(place_up, p=np.inf)
     close = np.flatnonzero(np.asarray(distance) <= 1.0)
     partner = np.asarray(nearest)[close]
@@ -297,8 +246,8 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "p
     check_nodes(grid)
     field = grid.field("field", field)
     periodic = choice("boundary", boundary, BOUNDARIES) == "periodic"
-    plane = SearchedPlane.of_field(0.0, grid, field, periodic)
-    found = refined_in_plane(plane.maxima(checked_floor(floor)), plane)
+    plane = SearchedPlane(0.0, grid, Fields.of_array(field, periodic))
+    found = _refined(_maxima(plane, checked_floor(floor)), plane)
     require_finite("plane_peaks", vars(found))
     return found
 
@@ -347,11 +296,17 @@ def find_peaks(
         ratio = plane.poisson.index(checked_ratio(poisson, plane.poisson))
         check_nodes(plane.grid)
         field = plane.grid.field("field", values[ratio])
-        searched = SearchedPlane.of_field(plane.depth, plane.grid, field, periodic)
-        finder.add(searched, searched.maxima(floor))
+        searched = SearchedPlane(plane.depth, plane.grid, Fields.of_array(field, periodic))
+        finder.add(searched, _maxima(searched, floor))
     found = finder.peaks()
     require_finite("find_peaks", vars(found))
     return found
+
+
+def _maxima(plane: SearchedPlane, floor: float) -> Maxima:
+    """Maxima in a whole plane."""
+    ny, nx = plane.grid.shape
+    return maxima_in_rows(plane.fields.rows(-1, ny + 1), nx, 0, floor)
 
 
 def checked_floor(floor: float) -> float:

@@ -76,7 +76,7 @@ def maxima_in_rows(values: Array, columns: int, first: int, floor: float) -> Max
     Parameters
     ----------
     values : (fields, rows + 2, at least `MARGIN` + columns + 1) array
-        As of `asperity.stress.planes.fields.field_rows`, with one row more on both sides.
+        As of `asperity.stress.planes.fields.Fields.rows`, with one row more on both sides.
     columns, first : int
         Number of columns, and of the first row.
     floor : float
@@ -149,7 +149,7 @@ def refine_in_plane(values: Array) -> Array:
     return np.stack([centre + 0.5 * sum(g * s for g, s in zip(gradient, step, strict=True)), *step[1:]])
 
 
-def refine_in_solid(above: Array, here: Array, below: Array, depths: tuple[float, float, float]) -> Array:
+def refine_in_solid(above: Array, here: Array, below: Array, depths: tuple[float, ...]) -> Array:
     """Magnitude, depth and offsets y, x, (4, maxima), of the maxima of quadratics through 3 × 3 × 3 values.
 
     The quadratic is that of 19 of the 27 values: the mixed derivatives need no corners of the adjacent

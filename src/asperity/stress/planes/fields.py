@@ -17,7 +17,7 @@ stress.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -80,13 +80,13 @@ class Basis(NamedTuple):
     mean_pressure: Any
 
 
-class Fields(NamedTuple):
-    """Fields to compute from the basis fields of a plane.
+class Formulas(NamedTuple):
+    """Fields to compute from basis fields.
 
     Parameters
     ----------
     kinds : integer array
-        Places of the names in `FIELDS`.
+        Places of the names in `FIELDS`; all von Mises stresses stand first.
     ratios : array in the precision of the plane
         Poisson's ratios; 0 where A is the stress itself.
     uniforms : array in the precision of the plane
@@ -97,92 +97,86 @@ class Fields(NamedTuple):
     ratios: Any
     uniforms: Any
 
-    @classmethod
-    def of(
-        cls, names: Sequence[str], ratios: Sequence[float], uniforms: Sequence[float], real: np.dtype[Any]
-    ) -> Fields:
-        """Fields of a plane in this precision; all von Mises stresses stand before other names."""
-        kinds = np.array([FIELDS.index(name) for name in names])
-        return cls(kinds, np.array(ratios, real), np.array(uniforms, real))
 
-
-def field_rows(basis: Basis, fields: Fields, first: int, last: int, periodic: bool = True) -> Array:
-    """Fields in consecutive rows of a plane with their neighbours beyond the edges.
+@dataclass(frozen=True)
+class Fields:
+    """Fields of a plane, computed from its basis fields where they are asked for.
 
     Parameters
     ----------
     basis : Basis
-    fields : Fields
-    first, last : int
-        First row and last row + 1, which may be beyond an edge.
+    formulas : Formulas
     periodic : bool
         Rows and columns beyond an edge are those at the opposite edge, or their mirror images.
-
-    Returns
-    -------
-    (fields, last − first, at least `MARGIN` + nx + 1) array
-        Node i of a row is at the place `MARGIN` + i.
     """
-    nx = basis.columns
-    length = -(-(MARGIN + nx + 1) // MARGIN) * MARGIN
-    out = np.empty((fields.kinds.size, last - first, length), basis.values.dtype)
-    shared = np.empty((5, BLOCK), out.dtype)
-    _fill_rows(basis, fields, first, periodic, shared, out)
-    return out
 
+    basis: Basis
+    formulas: Formulas
+    periodic: bool
 
-def field_in(basis: Basis, fields: Fields) -> Array:
-    """Fields in a whole plane, (fields, ny, nx)."""
-    rows = field_rows(basis, fields, 0, basis.values.shape[1])
-    return rows[:, :, MARGIN : MARGIN + basis.columns]
+    @classmethod
+    def of_array(cls, values: Array, periodic: bool) -> Fields:
+        """A field of its own, (ny, nx), in place of σ_zz."""
+        real = values.dtype.type
+        basis = Basis(np.ascontiguousarray(values)[None], values.shape[1], np.zeros(len(BASIS), int), real(0))
+        nothing = np.zeros(1, real)
+        return cls(basis, Formulas(np.array([_ZZ]), nothing, nothing), periodic)
 
+    def rows(self, first: int, last: int) -> Array:
+        """Fields in consecutive rows with their neighbours beyond the edges.
 
-def field_at(
-    basis: Basis,
-    fields: Fields,
-    which: Array,
-    row: Array,
-    column: Array,
-    shape: tuple[int, int],
-    periodic: bool = True,
-    reach: int = 0,
-) -> Array:
-    """Fields at nodes of a grid of the same cell, and at those around them.
+        Parameters
+        ----------
+        first, last : int
+            First row and last row + 1, which may be beyond an edge.
 
-    On another grid than that of the plane, the basis fields are interpolated in double precision by
-    Lagrange's formula on the six nearest nodes along each axis.
+        Returns
+        -------
+        (fields, last − first, at least `MARGIN` + nx + 1) array
+            Node i of a row is at the place `MARGIN` + i.
+        """
+        length = -(-(MARGIN + self.basis.columns + 1) // MARGIN) * MARGIN
+        out = np.empty((self.formulas.kinds.size, last - first, length), self.basis.values.dtype)
+        shared = np.empty((5, BLOCK), out.dtype)
+        _fill_rows(self.basis, self.formulas, first, self.periodic, shared, out)
+        return out
 
-    Parameters
-    ----------
-    basis : Basis
-    fields : Fields
-    which, row, column : (nodes,) integer arrays
-        One of the fields, and a node.
-    shape : (rows, columns)
-        Of the grid of these nodes.
-    periodic : bool
-    reach : int
-        Nodes on each side that are evaluated, too.
+    def whole(self) -> Array:
+        """Fields in the whole plane, (fields, ny, nx)."""
+        return self.rows(0, self.basis.values.shape[1])[:, :, MARGIN : MARGIN + self.basis.columns]
 
-    Returns
-    -------
-    (nodes, 2 reach + 1, 2 reach + 1) array in the precision of the plane
-    """
-    side = 2 * reach + 1
-    out = np.empty((which.size, side, side), basis.values.dtype)
-    if shape == (basis.values.shape[1], basis.columns):
-        _take_nodes(basis, fields, which, row, column, periodic, out)
-    else:
-        given = Basis(
-            np.empty((len(BASIS), 1, 1)),
-            1,
-            np.where(basis.place < 0, -1, np.arange(len(BASIS))),
-            float(basis.mean_pressure),
-        )
-        precise = Fields(fields.kinds, fields.ratios.astype(float), fields.uniforms.astype(float))
+    def at(self, which: Array, row: Array, column: Array, shape: tuple[int, int], reach: int = 0) -> Array:
+        """Fields at nodes of a grid of the same cell, and at those around them.
+
+        On another grid than that of the plane, the basis fields are interpolated in double precision by
+        Lagrange's formula on the six nearest nodes along each axis.
+
+        Parameters
+        ----------
+        which, row, column : (nodes,) integer arrays
+            One of the fields, and a node.
+        shape : (rows, columns)
+            Of the grid of these nodes.
+        reach : int
+            Nodes on each side that are evaluated, too.
+
+        Returns
+        -------
+        (nodes, 2 reach + 1, 2 reach + 1) array in the precision of the plane
+        """
+        basis, side = self.basis, 2 * reach + 1
+        out = np.empty((which.size, side, side), basis.values.dtype)
+        if shape == (basis.values.shape[1], basis.columns):
+            _take_nodes(basis, self.formulas, which, row, column, self.periodic, out)
+            return out
+        numbers = np.arange(len(BASIS))
+        place, mean = np.where(basis.place < 0, -1, numbers), float(basis.mean_pressure)
+        given = Basis(np.empty((numbers.size, 1, 1)), 1, place, mean)
+        kinds, ratios, uniforms = self.formulas
+        precise = Formulas(kinds, ratios.astype(float), uniforms.astype(float))
         stencils = np.empty((2, side, 6), np.int64), np.empty((2, side, 6))
-        _interpolate_nodes(basis, given, precise, which, row, column, shape, periodic, *stencils, out)
-    return out
+        _interpolate_nodes(basis, given, precise, which, row, column, shape, self.periodic, *stencils, out)
+        return out
 
 
 @inlined

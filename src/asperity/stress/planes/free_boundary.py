@@ -28,8 +28,9 @@ from scipy.special import erfc
 
 from asperity.core.parallel import results_of
 from asperity.core.types import Array
+from asperity.elasticity.loaded_rectangle import padded_grid
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.fourier.grid import Fourier, Grid, Work, good_size, resample
+from asperity.fourier.grid import Fourier, Grid, Work, resample
 from asperity.stress.planes.fields import BasisField
 from asperity.stress.planes.rectangle import parity, rectangle_stress
 from asperity.stress.planes.truncation import PlaneGrid, Truncation, coarser_grids
@@ -92,9 +93,7 @@ class FreePlanes:
     @cached_property
     def _padded(self) -> tuple[Grid, Array]:
         """Cell in which the map is convolved on its own grid, and the coefficients of the pressure there."""
-        shape = tuple(good_size(2 * nodes - 1) for nodes in self._grid.shape)
-        length = tuple(step * nodes for step, nodes in zip(self._grid.spacing, shape, strict=True))
-        cell = Grid((shape[0], shape[1]), (length[0], length[1]))
+        cell = padded_grid(self._grid)
         return cell, self._forward(cell)
 
     def _forward(self, cell: Grid) -> Array:

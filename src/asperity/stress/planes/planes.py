@@ -122,19 +122,17 @@ def stress_planes(
     0.1 (1, 60, 60) -0.001000
     0.5 (1, 16, 16) -0.001000
     """
-    stream = PlaneStream.of(
+    stream = PlaneStream(
         contact, depths, poisson, fields, tolerance, threads, work, friction, sliding_direction
     )
     return _named_fields(stream, progress)
 
 
 def _named_fields(stream: PlaneStream, progress: Progress | None) -> Iterator[StressPlane]:
-    for plane in stream.planes():
-        fields = {name: np.stack([plane.field(name, nu) for nu in stream.ratios]) for name in stream.names}
+    for plane in stream.planes(progress):
+        fields = plane.named_fields(stream.names, stream.ratios)
         require_finite("stress_planes", fields)
         yield StressPlane(plane.depth, plane.grid, tuple(stream.ratios), fields, plane.bound)
-        if progress is not None:
-            progress(plane.done, 1.0)
 
 
 def depth_grid(grid: Grid, height: float | None = None, spacing: float = 0.5, growth: float = 0.125) -> Array:

@@ -27,7 +27,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.core.arguments import choices, number, real_array, whole_number
-from asperity.core.types import Array
+from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.fourier.grid import Grid, Work
@@ -38,8 +38,7 @@ from asperity.stress.planes.fields import (
     Basis,
     BasisField,
     Fields,
-    field_at,
-    field_in,
+    Formulas,
 )
 from asperity.stress.planes.free_boundary import FreePlanes
 from asperity.stress.planes.periodic import PeriodicPlanes
@@ -83,10 +82,7 @@ class LinearPlane:
         Its arrays are used again: those of a plane hold the plane after the next when it is computed.
     fixed : bool
         True if A is the stress itself, for one Poisson's ratio.
-    layer : Layer
-        Gives the uniform part of σ_xx and σ_yy.
-    done : float
-        Share of the work of the whole stream that is done with this plane.
+    solid : LoadedSolid
     scale : float
         Root mean square of σ_zz or less, as far as it is known before the plane is computed.
     """
@@ -96,28 +92,35 @@ class LinearPlane:
     bound: float
     basis: Basis
     fixed: bool
-    layer: Layer
-    done: float
+    solid: LoadedSolid
     scale: float
 
     def fields(self, names: Sequence[str], ratios: Sequence[float], uniforms: Sequence[float]) -> Fields:
-        """Fields as the compiled functions take them, given uniform parts over the mean pressure."""
-        mean = float(self.basis.mean_pressure)
-        slopes = [0.0 if self.fixed else nu for nu in ratios]
-        return Fields.of(names, slopes, [mean * part for part in uniforms], self.basis.values.dtype)
+        """Fields of these names and Poisson's ratios, given uniform parts over the mean pressure.
+
+        All von Mises stresses stand before other names.
+        """
+        real, mean = self.basis.values.dtype, float(self.basis.mean_pressure)
+        kinds = np.array([FIELDS.index(name) for name in names])
+        slopes = np.array([0.0 if self.fixed else nu for nu in ratios], real)
+        formulas = Formulas(kinds, slopes, np.array([mean * part for part in uniforms], real))
+        return Fields(self.basis, formulas, self.solid.boundary == "periodic")
 
     def field(self, name: str, poisson: float) -> Array:
         """The field `name` for one Poisson's ratio, (ny, nx)."""
-        return field_in(self.basis, self._one(name, poisson))[0]
+        return self._one(name, poisson).whole()[0]
 
     def field_at(self, name: str, poisson: float, nodes: Array) -> Array:
         """The field `name` at some nodes, given by their places in the flat array of the plane."""
         row, column = np.divmod(nodes, self.grid.shape[1])
-        which = np.zeros(nodes.size, np.int64)
-        return field_at(self.basis, self._one(name, poisson), which, row, column, self.grid.shape)[:, 0, 0]
+        return self._one(name, poisson).at(np.zeros_like(nodes), row, column, self.grid.shape)[:, 0, 0]
+
+    def named_fields(self, names: Sequence[str], ratios: Sequence[float]) -> dict[str, Array]:
+        """Fields by name, (ratios, ny, nx)."""
+        return {name: np.stack([self.field(name, nu) for nu in ratios]) for name in names}
 
     def _one(self, name: str, poisson: float) -> Fields:
-        return self.fields([name], [poisson], [uniform_part(self.layer, poisson)])
+        return self.fields([name], [poisson], [uniform_part(self.solid.layer, poisson)])
 
 
 def uniform_part(layer: Layer, poisson: float) -> float:
@@ -125,11 +128,12 @@ def uniform_part(layer: Layer, poisson: float) -> float:
     return float(replace(layer, poisson=poisson).uniform_stress()[0])
 
 
-@dataclass(frozen=True)
 class PlaneStream:
     """Planes of the stress in a solid, from the surface downward.
 
-    Parameters
+    The arguments are those of `asperity.stress_planes`, and are checked here.
+
+    Attributes
     ----------
     solid : LoadedSolid
     depths : (planes,) array
@@ -137,29 +141,14 @@ class PlaneStream:
         Poisson's ratios.
     names : names
         Fields that are asked for; only the basis fields that they need are computed.
-    tolerance : float
     threads : int
     work : Work
     friction, sliding_direction
-        As for `asperity.stress_planes`.
-    traction : (x, y)
-        Shear traction over pressure.
+        As they were given.
     """
 
-    solid: LoadedSolid
-    depths: Array
-    ratios: list[float]
-    names: tuple[str, ...]
-    tolerance: float
-    threads: int
-    work: Work
-    friction: float
-    sliding_direction: str | float
-    traction: tuple[float, float]
-
-    @classmethod
-    def of(
-        cls,
+    def __init__(
+        self,
         contact: ContactLike,
         depths: ArrayLike,
         poisson: float | Sequence[float] | None,
@@ -169,78 +158,71 @@ class PlaneStream:
         work: Work | None = None,
         friction: float = 0.0,
         sliding_direction: str | float = "x",
-    ) -> PlaneStream:
-        """A stream from the arguments of `asperity.stress_planes`, which are checked here."""
-        solid = LoadedSolid.of(contact)
-        traction = shear_traction(friction, sliding_direction, solid.layer)
-        return cls(
-            solid,
-            _checked_depths(depths, solid),
-            checked_ratios(poisson, solid.layer),
-            choices("fields", fields, FIELDS),
-            number("tolerance", tolerance, "a number from 0 to below 1", lambda size: 0 <= size < 1),
-            whole_number(
-                "threads", threads, f"a whole number from 1 to {MAX_THREADS}", lambda n: 1 <= n <= MAX_THREADS
-            ),
-            Work() if work is None else work,
-            float(friction),
-            sliding_direction,
-            traction,
+    ) -> None:
+        self.solid = LoadedSolid.of(contact)
+        self._traction = shear_traction(friction, sliding_direction, self.solid.layer)
+        self.depths = _checked_depths(depths, self.solid)
+        self.ratios = checked_ratios(poisson, self.solid.layer)
+        self.names = choices("fields", fields, FIELDS)
+        self._tolerance = number(
+            "tolerance", tolerance, "a number from 0 to below 1", lambda size: 0 <= size < 1
         )
+        accepted = f"a whole number from 1 to {MAX_THREADS}"
+        self.threads = whole_number("threads", threads, accepted, lambda count: 1 <= count <= MAX_THREADS)
+        self.work = Work() if work is None else work
+        self.friction, self.sliding_direction = float(friction), sliding_direction
 
-    def planes(self) -> Iterator[LinearPlane]:
-        """The planes one after the other."""
-        solid, source, basis_fields = self.solid, self._source(), self._basis_fields()
+    def planes(self, progress: Progress | None = None, count: int | None = None) -> Iterator[LinearPlane]:
+        """The planes one after the other, or the first `count` of them."""
+        depths, (basis_fields, place) = self.depths[:count], self._basis_fields()
+        source = self._source(depths)
         done = np.cumsum([each.grid.size for each in source.plan], dtype=float)
-        fields, place = list(basis_fields.values()), self._places(list(basis_fields))
         memory = deque([np.empty(0, source.dtype)] * 2)
-        for depth, own, share in zip(self.depths, source.plan, done / done[-1], strict=True):
+        for depth, own, share in zip(depths, source.plan, done / done[-1], strict=True):
             memory.rotate()
-            shape = len(fields), own.grid.shape[0], source.row_length(own.grid)
+            shape = len(basis_fields), own.grid.shape[0], source.row_length(own.grid)
             size = math.prod(shape)
             if memory[0].size < size:
                 memory[0] = np.empty(size, source.dtype)
             values = memory[0][:size].reshape(shape)
-            source.compute(depth, own, fields, values)
+            source.compute(depth, own, basis_fields, values)
             basis = Basis(values, own.grid.shape[1], place, source.dtype.type(source.mean_pressure))
             fixed = len(self.ratios) == 1
-            yield LinearPlane(
-                float(depth), own.grid, own.bound, basis, fixed, solid.layer, float(share), own.scale
-            )
+            yield LinearPlane(float(depth), own.grid, own.bound, basis, fixed, self.solid, own.scale)
+            if progress is not None:
+                progress(float(share), 1.0)
 
-    def _source(self) -> PeriodicPlanes | FreePlanes:
+    def _source(self, depths: Array) -> PeriodicPlanes | FreePlanes:
         """Where the basis fields come from."""
-        solid = self.solid
-        envelope = envelope_of(solid.layer, min(self.ratios), float(np.hypot(*self.traction)))
+        solid, tolerance = self.solid, self._tolerance
+        envelope = envelope_of(solid.layer, min(self.ratios), float(np.hypot(*self._traction)))
         low, high = SINGLE_PRECISION_PRESSURES
         fits = low <= float(np.abs(solid.pressure).max()) <= high
-        single = fits and self.tolerance >= SINGLE_PRECISION_TOLERANCE
-        arguments = solid, self.depths, self.tolerance, envelope, self.traction, self.threads, self.work
+        single = fits and tolerance >= SINGLE_PRECISION_TOLERANCE
+        arguments = solid, depths, tolerance, envelope, self._traction, self.threads, self.work
         if solid.boundary == "free":
             return FreePlanes(*arguments)
         return PeriodicPlanes(*arguments, "float32" if single else "float64")
 
-    def _basis_fields(self) -> dict[tuple[str, str], BasisField]:
-        """The fields to transform by their entry of `BASIS`: A and B, or A + ν B for one Poisson's ratio."""
+    def _basis_fields(self) -> tuple[list[BasisField], Array]:
+        """The fields to transform, A and B, or A + ν B for one Poisson's ratio, and their `Basis.place`."""
         needed = set(self.names)
         if "hydrostatic" in needed:
             needed.update(("xx", "yy", "zz"))
         every = not needed.isdisjoint(MEASURES)
-        components = [name for name in COMPONENTS if every or name in needed]
-        if len(self.ratios) == 1:
-            return {(name, "constant"): BasisField(name, 1.0, self.ratios[0]) for name in components}
-        fields = {(name, "constant"): BasisField(name, 1.0, 0.0) for name in components}
-        sloping = ("xx", "xy") if every else ("xx", "yy", "xy")
-        return fields | {
-            (name, "slope"): BasisField(name, 0.0, 1.0) for name in components if name in sloping
-        }
-
-    def _places(self, entries: list[tuple[str, str]]) -> Array:
-        """Places of the basis fields as `Basis` has them."""
-        places = {entry: n for n, entry in enumerate(entries)}
-        if len(self.ratios) == 1:
-            places |= {(name, "slope"): n for (name, _), n in places.items()}
-        return np.array([places.get(entry, -1) for entry in BASIS])
+        fixed = self.ratios[0] if len(self.ratios) == 1 else None
+        fields: list[BasisField] = []
+        place = np.full(len(BASIS), -1)
+        for entry, (name, part) in enumerate(BASIS):
+            if not (every or name in needed):
+                continue
+            if part == "slope" and fixed is not None:
+                place[entry] = place[COMPONENTS.index(name)]
+            elif not (every and (name, part) == ("yy", "slope")):
+                slope = float(part == "slope") if fixed is None else fixed
+                place[entry] = len(fields)
+                fields.append(BasisField(name, float(part == "constant"), slope))
+        return fields, place
 
 
 def checked_ratios(poisson: float | Sequence[float] | None, layer: Layer) -> list[float]:

@@ -175,7 +175,7 @@ def row_sums(values: Array, columns: int, first: int, references: Array) -> Arra
     Parameters
     ----------
     values : (fields, rows + 2, at least `MARGIN` + columns) array
-        As of `asperity.stress.planes.fields.field_rows`, with one row more on both sides.
+        As of `asperity.stress.planes.fields.Fields.rows`, with one row more on both sides.
     columns, first : int
         Number of columns, and of the first row.
     references : (fields, ny, columns) array
@@ -299,25 +299,16 @@ def autocovariance(
         (np.minimum(axis, length - axis) / width) ** 2
         for axis, length in zip(finest.coordinates(), finest.length, strict=True)
     )
-    sums = np.zeros((2, rings))
-    _add_to_rings(covariance, along_y, along_x, sums)
-    return width * np.arange(rings), sums[0] / sums[1]
-
-
-@compiled
-def _add_to_rings(values: Any, along_y: Any, along_x: Any, sums: Any) -> None:
-    """Add values to the sum of their ring, and count them, given squared lags along both axes.
-
-    The lags (y, x) and (−y, −x) have the same value: half of the rows are enough.
-    """
-    rows = along_y.size
-    for j in range(rows // 2 + 1):
-        weight = 1.0 if j == 0 or 2 * j == rows else 2.0
-        for i in range(along_x.size):
-            ring = int(np.sqrt(along_y[j] + along_x[i]) + 0.5)
-            if ring < sums.shape[1]:
-                sums[0, ring] += weight * values[j, i]
-                sums[1, ring] += weight
+    # The lags (y, x) and (−y, −x) have the same value: half of the rows are enough.
+    rows = along_y.size // 2 + 1
+    weight = np.full(rows, 2.0)
+    weight[0] = 1.0
+    if along_y.size % 2 == 0:
+        weight[-1] = 1.0
+    ring = (np.sqrt(along_y[:rows, None] + along_x) + 0.5).astype(np.int64).ravel()
+    total = np.bincount(ring, (weight[:, None] * covariance[:rows]).ravel())
+    count = np.bincount(ring, np.repeat(weight, along_x.size))
+    return width * np.arange(rings), total[:rings] / count[:rings]
 
 
 def half_length(distance: Array, correlation: Array) -> float:

@@ -100,7 +100,9 @@ def pool_peaks(
     seed = whole_number("seed", seed, "a whole number ≥ 0", lambda number: number >= 0)
     bootstrap = Bootstrap(len(stresses), resamples, confidence, seed)
     first = stresses[0]
-    depth_edges = _depth_edges(first["plane_depth"].values)
+    # The planes and the depths midway, since peaks are refined between planes.
+    depths = first["plane_depth"].values
+    depth_edges = np.sort(np.concatenate([depths, 0.5 * (depths[1:] + depths[:-1])]))
     pooled = xr.Dataset(
         _pooled_peaks(stresses, scale, depth_edges, bins, bootstrap)
         | _pooled_profiles(stresses, scale, bootstrap),
@@ -236,11 +238,6 @@ def _pooled_profiles(stresses: Sequence[xr.Dataset], scale: Array, bootstrap: Bo
     result |= with_bounds("reference_depth", ("poisson",), bootstrap.banded(mean, reference))
     result["plane_depth"] = ("plane", stresses[0]["plane_depth"].values)
     return result
-
-
-def _depth_edges(depths: Array) -> Array:
-    """Edges of the depth bins: the planes and the depths midway, since peaks are refined between planes."""
-    return np.sort(np.concatenate([depths, 0.5 * (depths[1:] + depths[:-1])]))
 
 
 def _median_depths(joint: Array, depth_edges: Array) -> tuple[float, float]:
