@@ -83,8 +83,7 @@ def simplest_solid(layer: Layer, q_min: float, tolerance: float) -> SolidChoice:
         " pressure"
     )
     difference = max(compliance, stress)
-    if difference <= tolerance:
-        return SolidChoice(
-            half_space, difference, f"half-space: {differ}, within the tolerance {tolerance:g}"
-        )
-    return SolidChoice(layer, difference, f"layer: {differ}, beyond the tolerance {tolerance:g}")
+    if difference > tolerance:
+        return SolidChoice(layer, difference, f"layer: {differ}, beyond the tolerance {tolerance:g}")
+    reason = f"half-space: {differ}, within the tolerance {tolerance:g}"
+    return SolidChoice(half_space, difference, reason)

@@ -24,7 +24,6 @@ from numpy.typing import ArrayLike
 from asperity.core.arguments import choices, require_finite
 from asperity.core.parallel import results_of
 from asperity.core.types import Array, Progress
-from asperity.elasticity.layer import LATERALS
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.fourier import current_engine
 from asperity.fourier.grid import Work
@@ -150,7 +149,7 @@ def analyse_lateral_conditions(
     Parameters
     ----------
     laterals : sequence of names
-        Conditions as of `Layer.lateral`, among them that of the contact's layer.
+        Conditions as of `Layer.lateral`.
     contact, depths, poisson, quantities, tolerance, progress
         As for `analyse_stress`.
 
@@ -164,10 +163,6 @@ def analyse_lateral_conditions(
     ValueError, TypeError
         If an argument is out of range.
     """
-    own = contact.layer.lateral
-    laterals = choices("laterals", laterals, LATERALS)
-    if own not in laterals:
-        raise ValueError(f"laterals = {list(laterals)!r}: {own!r}, the layer's, must be one of them")
     stream = PlaneStream(contact, depths, poisson, ("von_mises",), tolerance)
     return _Analysis(stream, laterals, quantities, 0.01).run(progress, None)
 

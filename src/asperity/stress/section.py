@@ -9,7 +9,7 @@ trigonometric one, exact for the modes of the plane. Over a free boundary it is 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -36,11 +36,10 @@ ON_A_NODE = 1e-9
 """A position nearer to a node than this share of a spacing is on it."""
 
 
-@dataclass(frozen=True, repr=False)
 class StressBox:
     """Fields of the stress in a box of the solid, computed plane by plane as they are asked for.
 
-    Parameters
+    Attributes
     ----------
     depth, y, x : (planes,), (ny,), (nx,) arrays
         The nodes of the box.
@@ -52,12 +51,9 @@ class StressBox:
     `planes` holds one plane in memory, whatever the height of the box.
     """
 
-    depth: Array
-    y: Array
-    x: Array
-    poisson: tuple[float, ...]
-    fields: tuple[str, ...]
-    _stream: PlaneStream = field(repr=False)
+    def __init__(self, stream: PlaneStream, y: Array, x: Array) -> None:
+        self._stream, self.depth, self.y, self.x = stream, stream.depths, y, x
+        self.poisson, self.fields = tuple(stream.ratios), stream.names
 
     def __repr__(self) -> str:
         shape = " × ".join(str(axis.size) for axis in (self.depth, self.y, self.x))
@@ -152,14 +148,11 @@ def stress_box(
     (1, 20, 20)
     """
     stream = PlaneStream(contact, depths, poisson, fields, **settings)
-    return StressBox(
-        depth=stream.depths,
-        y=_positions("y", y, stream.solid, 0, spacing),
-        x=_positions("x", x, stream.solid, 1, spacing),
-        poisson=tuple(stream.ratios),
-        fields=stream.names,
-        _stream=stream,
+    at_y, at_x = (
+        _positions(name, extent, stream.solid, axis, spacing)
+        for axis, (name, extent) in enumerate({"y": y, "x": x}.items())
     )
+    return StressBox(stream, at_y, at_x)
 
 
 def stress_section(

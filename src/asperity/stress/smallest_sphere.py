@@ -55,7 +55,7 @@ def smallest_sphere(points: Any, free: int, centre: Any) -> float:
         support[count], weight[count] = farthest, 0.0
         count += 1
         while True:
-            is_end = _wanted_weights(points, free, support, count, weight, wanted)
+            is_end = _wanted_weights(points, free, support, count, wanted)
             step, leaving = 1.0, -1
             for n in range(count):
                 if wanted[n] < 0:
@@ -86,13 +86,13 @@ def _fill_distances(points: Any, centre: Any, squared: Any) -> None:
 
 
 @makes_arrays
-def _wanted_weights(points: Any, free: int, support: Any, count: int, weight: Any, wanted: Any) -> bool:
+def _wanted_weights(points: Any, free: int, support: Any, count: int, wanted: Any) -> bool:
     """Weights of the points in the centre equally far from all; False if there is none, as one depends.
 
     `wanted` is then the direction in which the weight of the last point rises while the centre stays.
     """
     first, size = points[:, support[0]], count - 1
-    lower, right = np.empty((size, size)), np.empty(size)
+    lower, right, is_end = np.empty((size, size)), np.empty(size), True
     for n in range(size):
         point = points[:, support[n + 1]]
         right[n] = 0.0
@@ -111,38 +111,24 @@ def _wanted_weights(points: Any, free: int, support: Any, count: int, weight: An
                 lower[n, m] = total / lower[m, m]
             elif total > 1e-14 * gram:
                 lower[n, n] = np.sqrt(total)
-            elif n == size - 1:
-                return _dependence(lower, size, wanted)
             else:
                 lower[n, n] = np.sqrt(max(total, 1e-300))
-    for n in range(size):
-        for k in range(n):
-            right[n] -= lower[n, k] * right[k]
-        right[n] /= lower[n, n]
-    _solve_upper(lower, right, size)
-    wanted[0] = 1.0
-    for n in range(size):
-        wanted[n + 1] = right[n]
-        wanted[0] -= right[n]
-    return True
-
-
-@makes_arrays
-def _dependence(lower: Any, size: int, wanted: Any) -> bool:
-    """Direction of the weights in which that of the last point rises and the centre stays."""
-    shares = lower[size - 1, : size - 1].copy()
-    _solve_upper(lower, shares, size - 1)
-    wanted[0], wanted[size] = -1.0, 1.0
-    for n in range(size - 1):
-        wanted[n + 1] = -shares[n]
-        wanted[0] += shares[n]
-    return False
-
-
-@compiled
-def _solve_upper(lower: Any, right: Any, size: int) -> None:
-    """Solve with the transpose of a lower triangle, in place."""
+                is_end = n < size - 1
+    if is_end:
+        wanted[0] = 1.0
+        for n in range(size):
+            for k in range(n):
+                right[n] -= lower[n, k] * right[k]
+            right[n] /= lower[n, n]
+    else:
+        size -= 1
+        wanted[0], wanted[size + 1] = -1.0, 1.0
+        right[:size] = -lower[size, :size]
     for n in range(size - 1, -1, -1):
         for k in range(n + 1, size):
             right[n] -= lower[k, n] * right[k]
         right[n] /= lower[n, n]
+    for n in range(size):
+        wanted[n + 1] = right[n]
+        wanted[0] -= right[n]
+    return is_end

@@ -243,11 +243,8 @@ def plane_peaks(field: Array, grid: Grid, floor: float = 0.0, boundary: str = "p
     -1.00 at y = 0.90, x = 0.30
     +1.00 at y = 0.90, x = 0.80
     """
-    check_nodes(grid)
-    field = grid.field("field", field)
-    periodic = choice("boundary", boundary, BOUNDARIES) == "periodic"
-    plane = SearchedPlane(0.0, grid, Fields.of_array(field, periodic))
-    found = _refined(_maxima(plane, checked_floor(floor)), plane)
+    plane, maxima = _searched(0.0, grid, field, floor, boundary)
+    found = _refined(maxima, plane)
     require_finite("plane_peaks", vars(found))
     return found
 
@@ -289,24 +286,25 @@ def find_peaks(
     >>> bool(0.25 < peaks.value[highest] / contact.max_pressure < 0.35)  # 0.31 under a ball
     True
     """
-    periodic, floor = choice("boundary", boundary, BOUNDARIES) == "periodic", checked_floor(floor)
     finder = PeakFinder()
     for plane in planes:
         values = plane.fields[choice("name", name, list(plane.fields))]
         ratio = plane.poisson.index(checked_ratio(poisson, plane.poisson))
-        check_nodes(plane.grid)
-        field = plane.grid.field("field", values[ratio])
-        searched = SearchedPlane(plane.depth, plane.grid, Fields.of_array(field, periodic))
-        finder.add(searched, _maxima(searched, floor))
+        finder.add(*_searched(plane.depth, plane.grid, values[ratio], floor, boundary))
     found = finder.peaks()
     require_finite("find_peaks", vars(found))
     return found
 
 
-def _maxima(plane: SearchedPlane, floor: float) -> Maxima:
-    """Maxima in a whole plane."""
-    ny, nx = plane.grid.shape
-    return maxima_in_rows(plane.fields.rows(-1, ny + 1), nx, 0, floor)
+def _searched(
+    depth: float, grid: Grid, field: Array, floor: float, boundary: str
+) -> tuple[SearchedPlane, Maxima]:
+    """A plane with one field of its own, and its maxima; the arguments are checked here."""
+    check_nodes(grid)
+    field, floor = grid.field("field", field), checked_floor(floor)
+    periodic = choice("boundary", boundary, BOUNDARIES) == "periodic"
+    plane, (ny, nx) = SearchedPlane(depth, grid, Fields.of_array(field, periodic)), grid.shape
+    return plane, maxima_in_rows(plane.fields.rows(-1, ny + 1), nx, 0, floor)
 
 
 def checked_floor(floor: float) -> float:

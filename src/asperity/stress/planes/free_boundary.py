@@ -32,7 +32,7 @@ from asperity.elasticity.loaded_rectangle import padded_grid
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.fourier.grid import Fourier, Grid, Work, resample
 from asperity.stress.planes.fields import BasisField
-from asperity.stress.planes.rectangle import parity, rectangle_stress
+from asperity.stress.planes.rectangle import rectangle_stress
 from asperity.stress.planes.truncation import PlaneGrid, Truncation, coarser_grids
 
 PADDING = 3
@@ -141,7 +141,8 @@ class FreePlanes:
         for loaded, share in zip("zxy", (1.0, *self._traction), strict=True):
             if share:
                 a, b = rectangle_stress(field.component, loaded, y, x, float(depth), cell.spacing)
-                sign_y, sign_x = parity(field.component, loaded)
+                # Reversing y or x changes the sign once for each such letter in component and load.
+                sign_y, sign_x = ((-1.0) ** (field.component + loaded).count(letter) for letter in "yx")
                 quarter = share * (field.constant * a + field.slope * b)
                 half = np.concatenate([quarter, sign_y * quarter[(cell.shape[0] - 1) // 2 : 0 : -1]], axis=0)
                 right = sign_x * half[:, (cell.shape[1] - 1) // 2 : 0 : -1]

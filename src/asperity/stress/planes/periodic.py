@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -21,29 +21,6 @@ _XX, _YY, _ZZ, _YZ, _XZ, _XY = range(6)
 
 COLUMNS_AT_ONCE = 64
 """Columns of modes whose spectra stay in the processor's cache until they are transformed along y."""
-
-
-class _Strip(NamedTuple):
-    """Some columns of the half spectrum.
-
-    Parameters
-    ----------
-    modes : (ny, columns) complex array
-        Of the pressure.
-    wavenumber, over_q : (ny // 2 + 1, columns) arrays
-        q, and 1/q or 0 at q = 0.
-    along_x : (2, columns) array
-        q_x for factors even and odd in it.
-    """
-
-    modes: Array
-    wavenumber: Array
-    over_q: Array
-    along_x: Array
-
-    def first(self, columns: int) -> _Strip:
-        """The first of the columns, contiguous."""
-        return _Strip(*(np.ascontiguousarray(array[:, :columns]) for array in self))
 
 
 class PeriodicPlanes:
@@ -104,7 +81,7 @@ class PeriodicPlanes:
         parts = (
             np.split(array, starts, axis=1) for array in (modes, q, 1 / np.where(q > 0, q, np.inf), along_x)
         )
-        self._strips = [_Strip(*strip).first(COLUMNS_AT_ONCE) for strip in zip(*parts, strict=True)]
+        self._strips = [[np.ascontiguousarray(part) for part in strip] for strip in zip(*parts, strict=True)]
 
     @staticmethod
     def row_length(grid: Grid) -> int:
@@ -135,7 +112,8 @@ class PeriodicPlanes:
         def transform_columns(number: int) -> None:
             first = number * COLUMNS_AT_ONCE
             columns = slice(first, min(first + COLUMNS_AT_ONCE, own.columns))
-            strip = self._strips[number].first(columns.stop - first)
+            count = columns.stop - first
+            strip = [np.ascontiguousarray(array[:, :count]) for array in self._strips[number]]
             for coefficients, out in zip(self._coefficients(depth, fields, strip), spectra, strict=True):
                 engine.inverse_along_y(coefficients, out[:, columns])
 
@@ -148,21 +126,32 @@ class PeriodicPlanes:
         results_of([partial(transform_rows, number) for number in range(len(fields))], self._threads)
         self._work.nodes += round(len(fields) * grid.size * (1 + own.columns / grid.half_shape[1]) / 2)
 
-    def _coefficients(self, depth: float, fields: Sequence[BasisField], strip: _Strip) -> Iterator[Array]:
-        """Coefficients of one basis field after the other, (ny, columns), in the same array."""
-        real, q = self.dtype.type, strip.wavenumber
+    def _coefficients(
+        self, depth: float, fields: Sequence[BasisField], strip: Sequence[Array]
+    ) -> Iterator[Array]:
+        """Coefficients of one basis field after the other, (ny, columns), in the same array.
+
+        Parameters
+        ----------
+        depth : float
+        fields : sequence of BasisField
+        strip : sequence of arrays
+            Of some columns of the half spectrum: modes of the pressure, (ny, columns); the wavenumber q, and
+            1/q or 0 at q = 0, (ny // 2 + 1, columns); q_x for factors even and odd in it, (2, columns).
+        """
+        real, (modes, q, over_q, along_x) = self.dtype.type, strip
         kernels = self._layer.kernels(q, depth)[:3]
         shear_kernels = self._layer.shear_kernels(q, depth) if any(self._traction) else None
-        directions = strip.along_x, self._along_y, strip.over_q
+        directions = along_x, self._along_y, over_q
         factor = np.empty(q.shape[1], self.dtype)
-        out = np.empty_like(strip.modes)
+        out = np.empty_like(modes)
         traction = tuple(map(real, self._traction))
         for field in fields:
             component, a, b = COMPONENTS.index(field.component), real(field.constant), real(field.slope)
-            numbers, into = strip.modes.view(self.dtype), out.view(self.dtype)
+            numbers, into = modes.view(self.dtype), out.view(self.dtype)
             _fill_spectrum(component, a, b, directions, kernels, factor, numbers, into)
             if shear_kernels is not None:
-                _add_sliding(component, a, b, traction, directions, tuple(shear_kernels), strip.modes, out)
+                _add_sliding(component, a, b, traction, directions, tuple(shear_kernels), modes, out)
             if q[0, 0] == 0:
                 out[0, 0] = self._mean(field)
             yield out

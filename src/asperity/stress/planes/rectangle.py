@@ -22,20 +22,6 @@ import numpy as np
 from asperity.core.types import Array
 
 
-def parity(component: str, loaded: str) -> tuple[float, float]:
-    """Signs with which a stress component changes when y and when x is reversed.
-
-    Parameters
-    ----------
-    component : str
-        One of `asperity.elasticity.layer.COMPONENTS`.
-    loaded : "z", "x" or "y"
-        Pressure, or traction along x or y.
-    """
-    letters = component + loaded
-    return (-1.0) ** letters.count("y"), (-1.0) ** letters.count("x")
-
-
 def rectangle_stress(
     component: str, loaded: str, y: Array, x: Array, depth: float, edges: tuple[float, float]
 ) -> tuple[Array, Array]:

@@ -297,8 +297,5 @@ def _percentiles(values: Sequence[Array], bootstrap: Bootstrap) -> Array:
 
 def with_bounds(name: str, dimensions: tuple[Hashable, ...], values: Array) -> dict[str, tuple]:
     """Variables of an estimate and the ends of its band, from (3, ...) values."""
-    return {
-        name: (dimensions, values[0]),
-        f"{name}_low": (dimensions, values[1]),
-        f"{name}_high": (dimensions, values[2]),
-    }
+    ends = ("", "_low", "_high")
+    return {f"{name}{end}": (dimensions, each) for end, each in zip(ends, values, strict=True)}
