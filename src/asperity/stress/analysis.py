@@ -243,7 +243,7 @@ class _Analysis:
         rows = max(16, NODES_AT_ONCE // nx)
         taken = None
         if self._references.is_rising:
-            taken = self._references.room((count, ny, nx), plane.basis.values.dtype)
+            taken = np.empty((count, ny, nx), plane.basis.values.dtype)
 
         # The floor is known when the plane is; until then, one that is a little lower.
         lower_floor = max(plane.bound, 0.99 * self._floor * plane.scale)

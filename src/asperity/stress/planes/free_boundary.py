@@ -77,13 +77,10 @@ class FreePlanes:
         if tolerance == 0 or not coarse:
             self.plan = [PlaneGrid(grid, 0.0, 0.0, 0) for _ in depths]
             return
-        padded = [_repeated(other) for other in coarse]
-        truncation = Truncation(
-            self._repeated_modes, _repeated(grid), solid.layer, tolerance, envelope, padded, ALIASES
-        )
-        own = dict(zip(padded, coarse, strict=True))
+        own = {_repeated(each): each for each in (grid, *coarse)}
+        truncation = Truncation(self._repeated_modes, list(own), solid.layer, tolerance, envelope, ALIASES)
         chosen = [truncation.choose(depth, all_columns=True) for depth in depths]
-        self.plan = [PlaneGrid(own.get(each.grid, grid), each.bound, 0.0, 0) for each in chosen]
+        self.plan = [PlaneGrid(own[each.grid], each.bound, 0.0, 0) for each in chosen]
 
     @cached_property
     def _repeated_modes(self) -> Array:

@@ -15,7 +15,7 @@ from asperity.elasticity.layer import COMPONENTS
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.fourier.grid import Fourier, Grid, Work, resample
 from asperity.stress.planes.fields import BasisField
-from asperity.stress.planes.truncation import PlaneGrid, Truncation
+from asperity.stress.planes.truncation import PlaneGrid, Truncation, coarser_grids
 
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = range(6)
 
@@ -62,7 +62,7 @@ class PeriodicPlanes:
     ) -> None:
         self._layer, self._traction, self._threads, self._work = solid.layer, traction, threads, work
         modes = Fourier(solid.grid, threads=threads, work=work).forward(solid.pressure)
-        truncation = Truncation(modes, solid.grid, solid.layer, tolerance, envelope)
+        truncation = Truncation(modes, coarser_grids(solid.grid), solid.layer, tolerance, envelope)
         self.plan = [truncation.choose(depth) for depth in depths]
         self.mean_pressure = float(modes[0, 0].real)
         self.dtype = np.dtype(dtype)

@@ -55,39 +55,29 @@ class Truncation:
     ----------
     pressure : (ny, nx // 2 + 1) complex array
         Coefficients of the contact pressure.
-    grid : Grid
-        Their grid.
+    grids : sequence of Grid
+        Grids to choose from, finest first: that of the coefficients, and coarser ones of the same cell.
     layer : Layer
     tolerance : float
         Largest error relative to the root mean square of σ_zz in the plane; 0 keeps the grid.
     envelope : float
         The constant K.
-    grids : sequence of Grid, optional
-        Coarser grids of the same cell, by default `coarser_grids`.
     aliases : float
         Number of short waves of comparable size that the nodes of a plane take for one long wave, at most;
         0 where the modes of the plane are transformed.
-
-    Attributes
-    ----------
-    grids : list of Grid
-        Grids to choose from, finest first.
     """
 
     def __init__(
         self,
         pressure: Array,
-        grid: Grid,
+        grids: Sequence[Grid],
         layer: Layer,
         tolerance: float,
         envelope: float,
-        grids: Sequence[Grid] | None = None,
         aliases: float = 0.0,
     ) -> None:
-        self.grids = coarser_grids(grid) if grids is None else [grid, *grids]
-        self.tolerance, self._aliases = tolerance, aliases
-        self._layer = layer
-        self._envelope = envelope
+        grid, self._grids, self._layer = grids[0], grids, layer
+        self._tolerance, self._envelope, self._aliases = tolerance, envelope, aliases
         width = 2 * np.pi / max(grid.length)
         numbers = np.sqrt(grid.qy[: grid.shape[0] // 2 + 1, None] ** 2 + grid.qx**2)
         numbers /= width
@@ -108,9 +98,9 @@ class Truncation:
         self._power = np.bincount(ring.ravel(), power.ravel(), rings)
         self._mean_square = float(np.abs(pressure[0, 0]) ** 2)
         self._power[0] = 0.0
-        last = _coarsest_grid_of_modes(grid, self.grids)
+        last = _coarsest_grid_of_modes(grid, self._grids)
         flat = (last * rings + ring).ravel()
-        amount = np.bincount(flat, amplitude.ravel(), len(self.grids) * rings).reshape(-1, rings)
+        amount = np.bincount(flat, amplitude.ravel(), len(self._grids) * rings).reshape(-1, rings)
         self._dropped = np.cumsum(amount, axis=0) - amount
         self._kept = amount.sum(axis=0) - self._dropped
 
@@ -126,7 +116,7 @@ class Truncation:
         """Largest error of any stress at `depth` on each of the grids, (grids,)."""
         bounds = self._dropped @ _decayed(self._wavenumber * depth)
         if self._aliases:
-            for number, grid in enumerate(self.grids[1:], start=1):
+            for number, grid in enumerate(self._grids[1:], start=1):
                 nyquist = np.pi / max(grid.spacing)
                 alias = np.maximum(2 * nyquist - self._wavenumber, nyquist)
                 bounds[number] += self._aliases * self._kept[number] @ _decayed(alias * depth)
@@ -134,13 +124,13 @@ class Truncation:
 
     def choose(self, depth: float, all_columns: bool = False) -> PlaneGrid:
         """The coarsest sufficient grid at `depth`, and its bound."""
-        scale, grid, bound = self.scale(depth), self.grids[0], 0.0
-        if self.tolerance == 0:
+        scale, grid, bound = self.scale(depth), self._grids[0], 0.0
+        if self._tolerance == 0:
             return PlaneGrid(grid, bound, scale, grid.half_shape[1])
-        allowed = self.tolerance * scale
+        allowed = self._tolerance * scale
         bounds = self.bounds(depth)
         coarsest = np.flatnonzero(bounds <= allowed)[-1]
-        grid, bound = self.grids[coarsest], float(bounds[coarsest])
+        grid, bound = self._grids[coarsest], float(bounds[coarsest])
         if all_columns:
             return PlaneGrid(grid, bound, scale, grid.half_shape[1])
         # What is left of the tolerance allows columns to be left out of the transforms along y.

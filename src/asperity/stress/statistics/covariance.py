@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import DTypeLike
 
 from asperity.core.arguments import require_finite
 from asperity.core.compiled import compiled, sums_without_nan
@@ -62,7 +61,7 @@ class References:
         self.missing = np.zeros(fields, int)
         self._finest, self._threads, self._work = finest, threads, work
         self._grid = finest
-        self._fields = self._spare = np.empty((0, 0, 0))
+        self._fields = np.empty((0, 0, 0))
         self._largest, self._means = np.full(fields, -np.inf), np.zeros(fields)
         self._rising = np.full(fields, True)
         self._above: list[tuple[Array, Array]] = []
@@ -84,11 +83,6 @@ class References:
             self._fields = fields
         self._grid = grid
         return self._fields
-
-    def room(self, shape: tuple[int, ...], dtype: DTypeLike) -> Array:
-        """An array for the fields of the next plane, that of former references if it fits."""
-        fits = self._spare.shape == shape and self._spare.dtype == dtype
-        return self._spare if fits else np.empty(shape, dtype)
 
     def add(self, number: int, sums: Array, fields: Callable[[], Array]) -> None:
         """Add the next plane downward, given the sums of its rows with the references on its grid.
@@ -116,9 +110,9 @@ class References:
         if len(self._above) > MOST_KEPT:
             self._rising[:] = False
             self._above = []
-        self._fields, self._spare = fields(), self._fields
+        former, self._fields = self._fields, fields()
         for m in np.flatnonzero(~has_risen).tolist():
-            self._fields[m] = self._spare[m]
+            self._fields[m] = former[m]
         self.number[risen], self._largest[risen], self._means[risen] = number, largest[risen], mean[risen]
         self.covariance[risen, number] = (square / size - mean * mean)[risen]
         for m in risen.tolist():
