@@ -16,7 +16,7 @@ from asperity.contact.problem import Control, Problem, State
 from asperity.core.arguments import is_finite
 from asperity.core.compiled import compiled
 from asperity.core.errors import ConvergenceError
-from asperity.core.parallel import apply, total
+from asperity.core.parallel import total
 from asperity.core.types import Array, Progress
 
 METHODS = {"active_set": nested_grids.solve, "gfmd": gfmd.solve}
@@ -138,17 +138,15 @@ def fields_of(problem: Problem, control: Control, state: State) -> Fields:
     mean = response.omitted_compliance * state.load if response.omits_mean else 0.0
     if mean:
         displacement = displacement + displacement.dtype.type(mean)
-    gap = np.empty_like(problem.height)
-    pressure, height, displaced, out = (
-        field.reshape(-1) for field in (state.pressure, problem.height, displacement, gap)
-    )
-    hardness = pressure.dtype.type(problem.hardness)
-    sums = total(_levels_of_contact, threads, pressure, height, displaced, hardness)
+    fields = (field.reshape(-1) for field in (state.pressure, problem.height, displacement))
+    hardness = problem.fourier.real.type(problem.hardness)
+    sums = total(_levels_of_contact, threads, *fields, hardness)
     total_level, elastic, nodes, total_pressure = sums
     approach = state.approach
     if control.kind != "approach":
         approach = state.approach + mean if elastic == 0 else total_level / elastic
-    apply(_write_gap, threads, height, displaced, gap.dtype.type(approach), out)
+    gap = problem.height + displacement
+    gap -= gap.dtype.type(approach)
     return Fields(displacement, gap, approach, total_pressure / problem.grid.size, nodes)
 
 
@@ -202,13 +200,6 @@ def checked_certificate(
             float(pressure.mean(dtype=float)),
         )
     return replace(certificate, iterations=state.iterations)
-
-
-@compiled
-def _write_gap(height: Any, displacement: Any, approach: Any, out: Any) -> None:
-    """Write the gap h + u − δ."""
-    for i in range(height.size):
-        out[i] = (height[i] + displacement[i]) - approach
 
 
 @compiled

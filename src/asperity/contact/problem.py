@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from asperity.contact.compliance.response import Response
-from asperity.core.compiled import compiled
-from asperity.core.parallel import apply, extremes
+from asperity.core.parallel import extremes
 from asperity.core.types import Array, Progress
 
 
@@ -107,8 +105,7 @@ class Problem:
         """The same problem in single precision, with heights measured from the middle of their range."""
         datum = 0.5 * sum(self.height_range)
         height = np.empty(self.grid.shape, np.float32)
-        heights = self.height.reshape(-1)
-        apply(_write_from_datum, self.fourier.threads, heights, datum, height.reshape(-1))
+        np.subtract(self.height, datum, height, dtype=float, casting="same_kind")
         return Problem(height, self.response.in_precision("float32"), self.datum + datum, self.hardness)
 
 
@@ -132,10 +129,3 @@ class ConvergenceProgress:
         self._smallest = max(min(self._smallest, error), self._tolerance)
         total = math.log(self._largest / self._tolerance)
         self._progress(math.log(self._largest / self._smallest), total)
-
-
-@compiled
-def _write_from_datum(height: Any, datum: float, out: Any) -> None:
-    """Write heights, measured from a datum, in the precision of `out`."""
-    for i in range(height.size):
-        out[i] = height[i] - datum

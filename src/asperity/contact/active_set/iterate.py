@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from asperity.contact.compliance.vectors import added, field_of, within
+from asperity.contact.compliance.vectors import added, field_of
 from asperity.contact.problem import Control, Problem
-from asperity.core.compiled import compiled, makes_arrays
-from asperity.core.parallel import STRIP, apply, in_parts, results_of, total
+from asperity.core.compiled import makes_arrays
+from asperity.core.parallel import STRIP, results_of, total
 from asperity.core.types import Array
 
 # The amount by which the pressures change together is found by Newton's method, which takes a few steps.
@@ -80,8 +80,8 @@ class Iterate:
 
     def without_free_nodes(self) -> Iterate:
         """The same without the nodes that bear no pressure."""
-        left = np.flatnonzero(self.pressure > 0)
-        if left.size == self.nodes.size:
+        left = self.pressure > 0
+        if left.all():
             return self
         return replace(self, nodes=self.nodes[left], pressure=self.pressure[left], level=self.level[left])
 
@@ -101,15 +101,14 @@ class Iterate:
     def held_nodes(self, bound: float, plastic: Array) -> HeldNodes:
         """Nodes out of contact with a level below a bound, and the plastic ones."""
         nodes, level = self._free_nodes_below(bound)
-        side = np.ones(nodes.size + plastic.size, np.float32)
+        side = np.ones(nodes.size, np.float32)
         if not plastic.size:
             return HeldNodes(nodes, level, side)
-        indices = np.searchsorted(nodes, self.nodes[plastic]) + np.arange(plastic.size)
-        side[indices] = -1
-        merged = np.empty(side.size, nodes.dtype), np.empty(side.size, level.dtype)
-        for out, free, own in zip(merged, (nodes, level), (self.nodes, self.level), strict=True):
-            out[side > 0], out[indices] = free, own[plastic]
-        return HeldNodes(*merged, side)
+        own = self.nodes[plastic]
+        at = np.searchsorted(nodes, own)
+        return HeldNodes(
+            np.insert(nodes, at, own), np.insert(level, at, self.level[plastic]), np.insert(side, at, -1)
+        )
 
     def _free_nodes_below(self, bound: float) -> tuple[Array, Array]:
         """Sorted nodes out of contact with a level below a bound, and their levels."""
@@ -118,7 +117,8 @@ class Iterate:
 
         def found_in(start: int) -> tuple[Array, Array]:
             part = slice(start, start + STRIP)
-            contact_nodes = self.nodes[within(self.nodes, part)]
+            edges = np.array((part.start, part.stop), np.uint32)
+            contact_nodes = self.nodes[slice(*np.searchsorted(self.nodes, edges))]
             return _free_below(height[part], displacement[part], contact_nodes, start, real_bound)
 
         tasks = [partial(found_in, start) for start in range(0, height.size, STRIP)]
@@ -127,8 +127,7 @@ class Iterate:
 
     def pressure_field(self) -> Array:
         """Pressure [y, x] of all nodes."""
-        threads = self.problem.fourier.threads
-        return field_of(self.problem.grid.shape, self.nodes, self.pressure, threads)
+        return field_of(self.problem.grid.shape, self.nodes, self.pressure)
 
     def refined(self, approach: float, finer: Problem, load: float) -> Pressure:
         """Start for a finer grid: the interpolated pressure less the interpolated gap / nodal compliance.
@@ -147,8 +146,7 @@ class Iterate:
             displaced[plastic] = self.displacement.reshape(-1)[self.nodes[plastic]]
         field.reshape(-1)[self.nodes] = self.pressure - stiffness * displaced
         out = self.problem.response.interpolated(field, finer.response)
-        threads = finer.fourier.threads
-        apply(_subtract_gap, threads, finer.height.reshape(-1), level, stiffness, out.reshape(-1))
+        out -= stiffness * (finer.height - level)
         return Pressure.of_field(out, load, self.reached_hardness)
 
 
@@ -194,7 +192,7 @@ def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
         if is_plastic or (hardness < math.inf and scaled.max() > hardness):
             nodes, scaled = with_load(problem, nodes, values, load)
         values = scaled
-    field = field_of(problem.grid.shape, nodes, values, problem.fourier.threads)
+    field = field_of(problem.grid.shape, nodes, values)
     displacement = problem.response.displacement(field, field)
     if not control.fixes_load:
         pressure = values.astype(float, copy=False)
@@ -205,11 +203,8 @@ def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
             factor = min(work / energy, hardness / values.max())
             values = values * factor
             displacement *= factor
-    level = np.empty_like(values)
-    fields = problem.height.reshape(-1), displacement.reshape(-1)
-    in_parts(
-        lambda part: _write_levels(*fields, nodes[part], level[part]), nodes.size, problem.fourier.threads
-    )
+    level = problem.height.take(nodes)
+    level += displacement.take(nodes)
     if hardness < math.inf and values.size:
         reached |= is_plastic or bool(values.max() >= hardness)
     return Iterate(problem, nodes, values, load, level, displacement, reached)
@@ -228,10 +223,9 @@ def with_load(problem: Problem, nodes: Array, values: Array, load: float) -> tup
         heights = problem.height.reshape(-1).copy()
         heights[nodes] = np.inf
         missing = needed - nodes.size
-        lowest = np.argpartition(heights, missing - 1)[:missing].astype(nodes.dtype)
-        order = np.argsort(np.concatenate((nodes, lowest)))
-        nodes = np.concatenate((nodes, lowest))[order]
-        values = np.concatenate((values, np.zeros(missing, values.dtype)))[order]
+        lowest = np.sort(np.argpartition(heights, missing - 1)[:missing])
+        at = np.searchsorted(nodes, lowest)
+        nodes, values = np.insert(nodes, at, lowest), np.insert(values, at, 0)
     given, released = values.astype(float), values <= 0
     if needed <= np.count_nonzero(values):
         given[released] = -math.inf
@@ -249,20 +243,6 @@ def with_load(problem: Problem, nodes: Array, values: Array, load: float) -> tup
         pressure = np.clip(given - shift, 0, hardness)
     pressure = pressure.astype(values.dtype)
     return nodes, np.where(pressure < hardness * (1 - rounding), pressure, values.dtype.type(hardness))
-
-
-@compiled
-def _write_levels(height: Any, displacement: Any, nodes: Any, out: Any) -> None:
-    """Write the level h + u of nodes."""
-    for k in range(nodes.size):
-        out[k] = height[nodes[k]] + displacement[nodes[k]]
-
-
-@compiled
-def _subtract_gap(height: Any, approach: Any, stiffness: Any, pressure: Any) -> None:
-    """Subtract stiffness × (h − δ) from a pressure."""
-    for i in range(pressure.size):
-        pressure[i] -= stiffness * (height[i] - approach)
 
 
 @makes_arrays

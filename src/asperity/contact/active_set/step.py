@@ -22,7 +22,7 @@ from asperity.contact.active_set.assembly import ContactSystem, write_overlap
 from asperity.contact.active_set.inner_solve import Correction
 from asperity.contact.active_set.iterate import HeldNodes, Iterate, Pressure, evaluate
 from asperity.contact.problem import Control, Problem
-from asperity.core.compiled import compiled, makes_arrays, sums
+from asperity.core.compiled import sums
 from asperity.core.parallel import total
 from asperity.core.types import Array
 
@@ -114,10 +114,9 @@ class Step:
         """The step that a correction leads to."""
         enter, real, held = entering.enter, iterate.pressure.dtype, entering.held
         new = held.nodes[enter]
-        indices = np.searchsorted(iterate.nodes, new) + np.arange(new.size)
-        changes_state = np.zeros(iterate.nodes.size + new.size, np.bool_)
-        changes_state[indices] = True
-        nodes = _inserted(indices, iterate.nodes, new)
+        at = np.searchsorted(iterate.nodes, new)
+        nodes = np.insert(iterate.nodes, at, new)
+        changes_state = np.insert(np.zeros(iterate.nodes.size, np.bool_), at, True)
         change, excess = correction.pressure.astype(real), np.zeros(1, real)
         if system.plastic.size:
             change, excess = np.zeros(iterate.nodes.size, real), np.zeros(nodes.size, real)
@@ -129,9 +128,9 @@ class Step:
             changes_state[plastic] = overlap < 0
         return cls(
             nodes,
-            _inserted(indices, iterate.pressure, np.zeros(new.size, real)),
-            _inserted(indices, iterate.level, held.level[enter]),
-            _inserted(indices, change, entering.overlap[enter].astype(real)),
+            np.insert(iterate.pressure, at, 0),
+            np.insert(iterate.level, at, held.level[enter]),
+            np.insert(change, at, entering.overlap[enter]),
             changes_state,
             excess,
             system.approach,
@@ -139,13 +138,17 @@ class Step:
         )
 
     def pressure_after(self, fraction: float, load: float, change_state: bool = True) -> Pressure:
-        """Pressure after a fraction of the correction, with nodes that change their state or without."""
-        out = np.empty_like(self.pressure)
-        real = out.dtype.type
-        factors = real(fraction), real(change_state)
-        _add_and_release(self.pressure, self.change, self.changes_state, *factors, out)
-        out += self.excess
-        return Pressure(self.nodes, out, load, self.reached_hardness)
+        """Pressure after a fraction of the correction, with nodes that change their state or without.
+
+        Nodes in tension are released, to zero pressure.
+        """
+        real = self.pressure.dtype.type
+        pressure = np.where(self.changes_state, real(change_state), real(fraction))
+        pressure *= self.change
+        pressure += self.pressure
+        np.maximum(pressure, 0, out=pressure)
+        pressure += self.excess
+        return Pressure(self.nodes, pressure, load, self.reached_hardness)
 
     def fraction_of_least_energy(self, after: Iterate) -> float:
         """Fraction of the step to an iterate at which the energy is least."""
@@ -188,33 +191,6 @@ def taken(
     if fraction < 0.1:
         return iterate, length / SHORTENING, evaluations
     return iterate, min(2 * length, 1.0), evaluations
-
-
-@makes_arrays
-def _inserted(indices: Any, values: Any, others: Any) -> Any:
-    """Values with others inserted, which then have these indices."""
-    out = np.empty(values.size + others.size, values.dtype)
-    first = 0
-    for k in range(indices.size + 1):
-        index = indices[k] if k < indices.size else out.size
-        for i in range(first, index):
-            out[i] = values[i - k]
-        if k < indices.size:
-            out[index] = others[k]
-        first = index + 1
-    return out
-
-
-@compiled
-def _add_and_release(
-    pressure: Any, change: Any, changes_state: Any, fraction: Any, other: Any, out: Any
-) -> None:
-    """Write the pressure with a fraction of a change added; nodes in tension are released, to zero pressure.
-
-    For nodes that change their state the fraction is `other` instead.
-    """
-    for k in range(pressure.size):
-        out[k] = max(pressure[k] + (other if changes_state[k] else fraction) * change[k], 0.0)
 
 
 @sums

@@ -28,7 +28,7 @@ import numpy as np
 
 from asperity.contact.compliance.response import Response, multiply_rows
 from asperity.contact.compliance.stencil import RADIUS, StencilProduct, whole_stencil
-from asperity.contact.compliance.vectors import add_multiple, dot, row_plus_column
+from asperity.contact.compliance.vectors import add_multiple, dot
 from asperity.core.compiled import compiled, sums
 from asperity.core.parallel import in_parts
 from asperity.core.types import Array
@@ -98,9 +98,11 @@ class NodePreconditioner:
     def __init__(self, whole: Preconditioner, nodes: Array) -> None:
         self._whole, self._nodes = whole, nodes
         grid, cells = whole.grid, whole.cells
-        row, column = (np.arange(n) * m // n for n, m in zip(grid.shape, cells.shape, strict=True))
-        of_row, of_column = (row * cells.shape[1]).astype(np.uint32), column.astype(np.uint32)
-        self._cell = row_plus_column(nodes, of_row, of_column, whole.threads)
+        cell_row, cell_column = (
+            (np.arange(n) * m // n).astype(np.uint32) for n, m in zip(grid.shape, cells.shape, strict=True)
+        )
+        row = nodes // grid.shape[1]
+        self._cell = (cell_row * cells.shape[1]).take(row) + cell_column.take(nodes - row * grid.shape[1])
         ones = np.ones(nodes.size, np.float32)
         self._weight = whole.products(whole.stencil, nodes, ones)
         cell_weight = self._sums_in_cells(ones)

@@ -11,34 +11,14 @@ from typing import Any
 import numpy as np
 
 from asperity.core.compiled import compiled, sums
-from asperity.core.parallel import in_parts
 from asperity.core.types import Array
 
 
-def field_of(shape: tuple[int, int], nodes: Array, values: Array, threads: int = 1) -> Array:
+def field_of(shape: tuple[int, int], nodes: Array, values: Array) -> Array:
     """Field [y, x] of values on nodes, zero on all others."""
-    field = np.empty(shape, values.dtype)
-    flat = field.reshape(-1)
-
-    def write(part: slice) -> None:
-        some = within(nodes, part)
-        _scatter(flat[part], nodes[some], values[some], part.start)
-
-    in_parts(write, flat.size, threads)
+    field = np.zeros(shape, values.dtype)
+    field.reshape(-1)[nodes.astype(np.intp)] = values  # in less than half the time of other integers
     return field
-
-
-def within(nodes: Array, part: slice) -> slice:
-    """Slice of the sorted nodes that lie within a part of the flattened field."""
-    return slice(*np.searchsorted(nodes, np.array((part.start, part.stop), np.uint32)))
-
-
-@compiled
-def _scatter(field: Any, nodes: Any, values: Any, start: int) -> None:
-    """Write values on nodes of a part of a field, whose first node is `start`, and zero on all others."""
-    field[:] = 0
-    for k in range(nodes.size):
-        field[nodes[k] - start] = values[k]
 
 
 @sums
@@ -64,33 +44,3 @@ def add_multiple(values: Any, others: Any, factor: Any) -> None:
     """Add factor × others to values."""
     for k in range(values.size):
         values[k] += factor * others[k]
-
-
-def row_plus_column(nodes: Array, of_row: Array, of_column: Array, threads: int = 1) -> Array:
-    """Sum of a number of its row and a number of its column, for each of some nodes.
-
-    Parameters
-    ----------
-    nodes : (count,) array of unsigned integers
-        Sorted indices in the flattened map.
-    of_row, of_column : (ny,) and (nx,) arrays of the same type
-    threads : int
-
-    Returns
-    -------
-    (count,) array of that type
-    """
-    out = np.empty(nodes.size, of_row.dtype)
-    in_parts(lambda part: _row_plus_column(nodes[part], of_row, of_column, out[part]), nodes.size, threads)
-    return out
-
-
-@compiled
-def _row_plus_column(nodes: Any, of_row: Any, of_column: Any, out: Any) -> None:
-    row, start = np.int64(0), np.int64(0)
-    for k in range(nodes.size):
-        node = np.int64(nodes[k])
-        if node >= start + of_column.size:
-            row = node // of_column.size
-            start = row * of_column.size
-        out[k] = of_row[row] + of_column[node - start]
