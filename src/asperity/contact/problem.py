@@ -9,7 +9,6 @@ from functools import cached_property
 import numpy as np
 
 from asperity.contact.compliance.response import Response
-from asperity.core.parallel import extremes
 from asperity.core.types import Array, Progress
 
 
@@ -83,7 +82,7 @@ class Problem:
     @cached_property
     def height_range(self) -> tuple[float, float]:
         """Least and largest height."""
-        return extremes(self.height, self.fourier.threads)
+        return float(self.height.min()), float(self.height.max())
 
     @property
     def unit(self) -> float:

@@ -29,7 +29,6 @@ from asperity.core.arguments import (
     whole_number,
 )
 from asperity.core.errors import ConvergenceError, shown
-from asperity.core.parallel import extremes
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
@@ -154,7 +153,7 @@ def solve(
     rtol = number("rtol", rtol, "a number between 0 and 1", lambda value: 0 < value < 1)
     accepted = f"a whole number from 1 to {MAX_THREADS}"
     threads = whole_number("threads", threads, accepted, lambda count: 1 <= count <= MAX_THREADS)
-    values, lowest, highest = _checked_height(height, threads)
+    values, lowest, highest = _checked_height(height)
     grid = Grid(values.shape, length)  # type: ignore[arg-type]
     if not isinstance(solid, (Layer, TwoBodies)):
         raise TypeError(f"solid = {shown(solid)}: a Layer or TwoBodies is needed")
@@ -300,12 +299,12 @@ def _solve_each(
 # Arguments
 
 
-def _checked_height(height: ArrayLike, threads: int) -> tuple[Array, float, float]:
+def _checked_height(height: ArrayLike) -> tuple[Array, float, float]:
     """Return the surface as a real array [y, x] of finite numbers, and its least and largest height."""
     values = finite_array("height", height).astype(float, copy=False)
     if values.ndim != 2 or values.size == 0:
         raise ValueError(f"height has the shape {values.shape}: a two-dimensional array [y, x] is needed")
-    lowest, highest = extremes(values, threads)
+    lowest, highest = float(values.min()), float(values.max())
     if 0 < highest - lowest < SMALLEST:
         raise ValueError(
             f"height: heights that differ by {SMALLEST:g} or more, or not at all, are needed; they differ by "

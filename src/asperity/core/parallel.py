@@ -12,8 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from asperity.core.types import Array
-
 SMALLEST_PART = 16_384
 """Number of elements for which a thread of its own is worth while."""
 
@@ -149,14 +147,6 @@ def total(function: Callable[..., Any], threads: int, *arguments: Any) -> Any:
     """Sum of the `results`, of a number or of several."""
     found = results(function, threads, *arguments)
     return tuple(map(sum, zip(*found, strict=True))) if isinstance(found[0], tuple) else sum(found)
-
-
-def extremes(values: Array, threads: int) -> tuple[float, float]:
-    """Least and largest element of an array; not a number if one of them is not."""
-    flat = values.reshape(-1)
-    found = in_parts(lambda part: (flat[part].min(), flat[part].max()), flat.size, threads)
-    lowest, highest = np.array(found, float).T
-    return float(lowest.min()), float(highest.max())
 
 
 def _parts_of(arguments: tuple[Any, ...], part: slice) -> list[Any]:

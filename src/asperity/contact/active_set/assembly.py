@@ -16,23 +16,17 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from asperity.contact.active_set.inner_solve import InnerSolver, Operators, System
 from asperity.contact.active_set.iterate import HeldNodes, Iterate
-from asperity.contact.compliance.response import Response
-from asperity.contact.compliance.vectors import added, dot
-from asperity.contact.problem import Control
-from asperity.core.compiled import compiled, sums
-from asperity.core.parallel import apply, total
+from asperity.contact.compliance.vectors import added, dot, field_of
+from asperity.contact.problem import Control, Problem
+from asperity.core.compiled import sums
+from asperity.core.parallel import total
 from asperity.core.types import Array
-
-# A layer uses its own stiffness in the error estimate if it is more than so many times stiffer than the
-# half-space in some mode. Below, the estimate by the preconditioner is too small by at most this factor.
-STIFF_LAYER = 2.0
 
 # Lower bound of the rounding error of a level, as a fraction of the spacing of floating-point numbers.
 ROUNDING_FRACTION = 0.1
@@ -70,100 +64,82 @@ class ContactSystem:
     held: HeldNodes
 
 
-class Assembler:
-    """Assembles the linear systems of one grid.
+def assemble(
+    iterate: Iterate, control: Control, inner: InnerSolver, before: Operators | None = None
+) -> ContactSystem:
+    """Linear system of the elastic nodes of an iterate, and the estimated error of its pressure.
 
     Parameters
     ----------
-    response : Response
-        In any precision.
+    iterate : Iterate
+    control : Control
     inner : InnerSolver
+        Of the same grid.
+    before : Operators, optional
+        Those of the system before, which are kept if its elastic nodes are the same.
     """
-
-    def __init__(self, response: Response, inner: InnerSolver) -> None:
-        self._response = response
-        self._inner = inner
-        self._unit, self._threads = response.nodal_compliance, response.fourier.threads
-
-    def assemble(self, iterate: Iterate, control: Control, before: Operators | None = None) -> ContactSystem:
-        """Linear system of the elastic nodes, and the estimated error of the pressure."""
-        elastic, plastic = iterate.elastic_and_plastic(control.fixes_load)
-        level, unit = iterate.level[elastic], self._unit
-        operators = self._inner.operators(iterate.nodes[elastic], before)
-        approach = control.value - iterate.problem.datum
-        if control.fixes_load:
-            approach = float(level[0])
-            if operators.uniform_sum:
-                weighted = total(_weighted_sum, self._threads, operators.uniform, level, approach)
-                approach += weighted / operators.uniform_sum
-        residual = np.empty(level.size, np.float32)
-        apply(write_overlap, self._threads, level, approach, unit, residual)
-        system = System(operators, residual, operators.precondition(residual), control.fixes_load)
-        # A correction moves no node upward by much more than the contact nodes are to move.
-        bound = approach + 1.25 * unit * max(0.0, -float(residual.min(initial=0)))
-        held = iterate.held_nodes(bound, plastic)
-        error, rounding = self._error(iterate, system, held, approach)
-        return ContactSystem(system, elastic, plastic, approach, error, rounding, bound, held)
-
-    def _error(
-        self, iterate: Iterate, system: System, held: HeldNodes, approach: float
-    ) -> tuple[float, float]:
-        """Estimated error of the pressure, and the part of it that is rounding, relative to its norm."""
-        operators, threads = system.operators, self._threads
-        norm = math.sqrt(total(dot, threads, iterate.pressure, iterate.pressure))
-        shift = 0.0
-        if system.has_free_approach:
-            shift = total(added, threads, system.preconditioned) / operators.uniform_sum
-        corrected = total(_projected_square, threads, system.preconditioned, operators.uniform, shift)
-        penetration = np.maximum(held.side * (approach - held.level.astype(float)), 0) / self._unit
-        error = math.hypot(math.sqrt(corrected), float(np.linalg.norm(penetration)))
-        if self._stiffness is not None:
-            error = max(error, self._response_of_layer(iterate, system))
-        # Fewer gaps than contact nodes are uncertain if one of them is fixed by the approach.
-        uncertain = max(operators.nodes.size - system.fixed_load, 0)
-        rounding = self._rounding(iterate) * math.sqrt(uncertain)
-        error = max(error, rounding)
-        return (error / norm, rounding / norm) if norm else (math.inf if error else 0.0, 0.0)
-
-    def _rounding(self, iterate: Iterate) -> float:
-        """Pressure of a node that corresponds to the rounding error of its gap."""
-        problem = iterate.problem
-        mean_pressure = total(added, self._threads, iterate.pressure) / problem.grid.size
-        lowest, highest = problem.height_range
-        # The uniform displacement of a tall layer may be far larger than the heights.
-        largest = max(highest, -lowest) + problem.response.uniform_compliance * mean_pressure
-        spacing = float(np.spacing(problem.height.dtype.type(largest)))
-        return ROUNDING_FRACTION * spacing / self._unit * self._inner.nodal_stiffness
-
-    def _response_of_layer(self, iterate: Iterate, system: System) -> float:
-        """Norm of the pressure with which the whole layer would remove the residual of the contact nodes."""
-        fourier, grid, nodes = iterate.problem.fourier, iterate.problem.grid, system.operators.nodes
-        overlap = np.zeros(grid.size, fourier.real)
-        overlap[nodes] = system.residual
-        coefficients = fourier.forward(overlap.reshape(grid.shape)) * self._stiffness
-        pressure = fourier.inverse(coefficients.astype(fourier.complex), overwrite=True).reshape(-1)[nodes]
-        return float(np.linalg.norm(pressure - pressure.mean() if system.fixed_load else pressure))
-
-    @cached_property
-    def _stiffness(self) -> Array | None:
-        """Stiffness of the modes times the nodal compliance; None unless far above the half-space's."""
-        response = self._response
-        if response.solid.height is None:
-            return None
-        q, compliance = response.grid.wavenumber(), response.compliance
-        waves = q > 0
-        softest = 2 / response.solid.effective_modulus
-        if np.all(softest < STIFF_LAYER * (q * compliance)[waves]):
-            return None
-        out = np.zeros(compliance.shape)
-        return np.divide(self._unit, compliance, out=out, where=compliance > 0)
+    problem = iterate.problem
+    elastic, plastic = iterate.elastic_and_plastic(control.fixes_load)
+    level = iterate.level[elastic]
+    operators = inner.operators(iterate.nodes[elastic], before)
+    approach = control.value - problem.datum
+    if control.fixes_load:
+        approach = float(level[0])
+        if operators.uniform_sum:
+            weighted = total(_weighted_sum, problem.fourier.threads, operators.uniform, level, approach)
+            approach += weighted / operators.uniform_sum
+    residual = overlap_of(level, approach, problem.unit)
+    system = System(operators, residual, operators.precondition(residual), control.fixes_load)
+    # A correction moves no node upward by much more than the contact nodes are to move.
+    bound = approach + 1.25 * problem.unit * max(0.0, -float(residual.min(initial=0)))
+    held = iterate.held_nodes(bound, plastic)
+    error, rounding = _error(iterate, system, held, approach, inner)
+    return ContactSystem(system, elastic, plastic, approach, error, rounding, bound, held)
 
 
-@compiled
-def write_overlap(level: Any, approach: float, unit: float, out: Any) -> None:
-    """Write the overlap δ − (h + u) of nodes, divided by `unit`."""
-    for k in range(level.size):
-        out[k] = (approach - level[k]) / unit
+def overlap_of(level: Array, approach: float, unit: float) -> Array:
+    """Overlap δ − (h + u) of nodes, divided by `unit`, in single precision."""
+    return (np.subtract(approach, level, dtype=float) / unit).astype(np.float32)
+
+
+def _error(
+    iterate: Iterate, system: System, held: HeldNodes, approach: float, inner: InnerSolver
+) -> tuple[float, float]:
+    """Estimated error of the pressure, and the part of it that is rounding, relative to its norm."""
+    problem, operators, threads = iterate.problem, system.operators, iterate.problem.fourier.threads
+    norm = math.sqrt(total(dot, threads, iterate.pressure, iterate.pressure))
+    shift = 0.0
+    if system.has_free_approach:
+        shift = total(added, threads, system.preconditioned) / operators.uniform_sum
+    corrected = total(_projected_square, threads, system.preconditioned, operators.uniform, shift)
+    penetration = np.maximum(held.side * (approach - held.level.astype(float)), 0) / problem.unit
+    error = math.hypot(math.sqrt(corrected), float(np.linalg.norm(penetration)))
+    if inner.layer_stiffness is not None:
+        error = max(error, _response_of_layer(problem, system, inner.layer_stiffness))
+    # Fewer gaps than contact nodes are uncertain if one of them is fixed by the approach.
+    uncertain = max(operators.nodes.size - system.fixed_load, 0)
+    rounding = _rounding_of_gap(iterate) / problem.unit * inner.nodal_stiffness * math.sqrt(uncertain)
+    error = max(error, rounding)
+    return (error / norm, rounding / norm) if norm else (math.inf if error else 0.0, 0.0)
+
+
+def _rounding_of_gap(iterate: Iterate) -> float:
+    """Rounding error of the gap of a node."""
+    problem = iterate.problem
+    mean_pressure = total(added, problem.fourier.threads, iterate.pressure) / problem.grid.size
+    lowest, highest = problem.height_range
+    # The uniform displacement of a tall layer may be far larger than the heights.
+    largest = max(highest, -lowest) + problem.response.uniform_compliance * mean_pressure
+    return ROUNDING_FRACTION * float(np.spacing(problem.height.dtype.type(largest)))
+
+
+def _response_of_layer(problem: Problem, system: System, stiffness: Array) -> float:
+    """Norm of the pressure with which the whole layer would remove the residual of the contact nodes."""
+    fourier, nodes = problem.fourier, system.operators.nodes
+    overlap = field_of(problem.grid.shape, nodes, system.residual.astype(fourier.real))
+    coefficients = (fourier.forward(overlap) * stiffness).astype(fourier.complex)
+    pressure = fourier.inverse(coefficients, overwrite=True).take(nodes)
+    return float(np.linalg.norm(pressure - pressure.mean() if system.fixed_load else pressure))
 
 
 @sums

@@ -37,6 +37,10 @@ from asperity.core.types import Array
 RESIDUAL_DROP = 0.05
 MAX_ITERATIONS = 9
 
+# A layer uses its own stiffness in the error estimate if it is more than so many times stiffer than the
+# half-space in some mode. Below, the estimate by the preconditioner is too small by at most this factor.
+STIFF_LAYER = 2.0
+
 
 @dataclass(frozen=True)
 class System:
@@ -121,6 +125,13 @@ class InnerSolver:
     ----------
     response : Response
         In any precision.
+
+    Attributes
+    ----------
+    nodal_stiffness : float
+        Pressure that removes a unit residual of a node that alone is in contact.
+    layer_stiffness : (ny, nx // 2 + 1) array or None
+        Stiffness of the modes times the nodal compliance; None unless far above the half-space's.
     """
 
     def __init__(self, response: Response) -> None:
@@ -129,6 +140,7 @@ class InnerSolver:
         self._response = InnerResponse(response, products)
         self._preconditioner = Preconditioner(response, products)
         self.nodal_stiffness = self._preconditioner.nodal_stiffness
+        self.layer_stiffness = _layer_stiffness(response)
 
     def operators(self, nodes: Array, before: Operators | None = None) -> Operators:
         """Operators on contact nodes; those before if the nodes are the same."""
@@ -189,6 +201,18 @@ class InnerSolver:
         # The part of the residual that is left which a change of the approach removes.
         excess = total(dot, threads, weight, residual) / operators.uniform_sum if free else 0.0
         return Correction(x, system.residual - residual, -(self._unit * excess), iterations)
+
+
+def _layer_stiffness(response: Response) -> Array | None:
+    """Stiffness of the modes times the nodal compliance; None unless far above the half-space's."""
+    if response.solid.height is None:
+        return None
+    q, compliance = response.grid.wavenumber(), response.compliance
+    softest = 2 / response.solid.effective_modulus
+    if np.all(softest < STIFF_LAYER * (q * compliance)[q > 0]):
+        return None
+    out = np.zeros(compliance.shape)
+    return np.divide(response.nodal_compliance, compliance, out=out, where=compliance > 0)
 
 
 # Loops of the conjugate gradients; `shift` × `weight` is subtracted from the preconditioned residual z, so

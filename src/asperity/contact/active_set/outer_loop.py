@@ -34,7 +34,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from asperity.contact.active_set.area import AREA_TOLERANCE, AreaControl, extended
-from asperity.contact.active_set.assembly import Assembler, ContactSystem
+from asperity.contact.active_set.assembly import ContactSystem, assemble
 from asperity.contact.active_set.inner_solve import RESIDUAL_DROP, InnerSolver
 from asperity.contact.active_set.iterate import Iterate, Pressure, evaluate
 from asperity.contact.active_set.near_null import balanced
@@ -114,7 +114,6 @@ def iterate_on(
     """
     problem, last = problems[0], problems[-1]
     inner = InnerSolver(problem.response)
-    assembler = Assembler(problem.response, inner)
     area = None
     if control.kind == "area_fraction":
         area = AreaControl(control.value, problem.grid.size, rule.tolerance, rule.area_tolerance)
@@ -124,7 +123,7 @@ def iterate_on(
     smallest, without_progress = math.inf, 0
     for steps in range(1, rule.max_steps + 1):
         iterate = iterate.without_free_nodes()
-        system = assembler.assemble(iterate, control, operators)
+        system = assemble(iterate, control, inner, operators)
         operators = system.linear.operators
         report(system.error)
         rounded = rule.rounding_suffices and system.error <= system.rounding

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.contact.active_set.assembly import ContactSystem, write_overlap
+from asperity.contact.active_set.assembly import ContactSystem, overlap_of
 from asperity.contact.active_set.inner_solve import Correction
 from asperity.contact.active_set.iterate import HeldNodes, Iterate, Pressure, evaluate
 from asperity.contact.problem import Control, Problem
@@ -72,8 +72,7 @@ class EntryCandidates:
         # No node moves upward by more than the contact nodes do, which the pressure displaces.
         bound = approach + unit * max(0.0, -float(correction.displacement.min(initial=0))) + further
         held = system.held if bound <= system.bound else iterate.held_nodes(bound, system.plastic)
-        overlap = np.empty(held.level.size, np.float32)
-        write_overlap(held.level, approach, unit, overlap)
+        overlap = overlap_of(held.level, approach, unit)
         overlap -= system.linear.operators.displacement(correction.pressure, held.nodes)
         return cls(held, overlap)
 
