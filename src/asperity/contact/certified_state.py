@@ -13,7 +13,6 @@ from asperity.contact.active_set import nested_grids
 from asperity.contact.certificate import Certificate, certificate_of_fields, rms_deviation, verify_contact
 from asperity.contact.compliance.vectors import dot
 from asperity.contact.problem import Control, Problem, State
-from asperity.core.arguments import is_finite
 from asperity.core.compiled import compiled
 from asperity.core.errors import ConvergenceError
 from asperity.core.parallel import total
@@ -181,19 +180,18 @@ def checked_certificate(
             boundary=problem.response.boundary,
             threads=threads,
         )
-    worst, allowed, finite = certificate.worst, MAX_VIOLATION * rtol, True
+    worst, allowed = certificate.worst, MAX_VIOLATION * rtol
+    is_finite = math.isfinite(worst)
+    if is_finite and worst > allowed and (rms_height := rms_deviation(height, threads)):
+        values = pressure.reshape(-1)
+        longest = float(solid.surface_compliance(2 * np.pi / max(problem.grid.length)))
+        allowed *= max(1.0, math.sqrt(dot(values, values) / values.size) * longest / rms_height)
+        largest = max(map(abs, problem.height_range))
+        allowed += MAX_ROUNDINGS * float(np.finfo(pressure.dtype).eps) * largest / rms_height
     if worst > allowed:
-        finite = is_finite(pressure) and is_finite(gap)
-        if finite and (rms_height := rms_deviation(height, threads)):
-            values = pressure.reshape(-1)
-            longest = float(solid.surface_compliance(2 * np.pi / max(problem.grid.length)))
-            allowed *= max(1.0, math.sqrt(dot(values, values) / values.size) * longest / rms_height)
-            largest = max(map(abs, problem.height_range))
-            allowed += MAX_ROUNDINGS * float(np.finfo(pressure.dtype).eps) * largest / rms_height
-    if not finite or worst > allowed:
+        fault = "violates the conditions of contact" if is_finite else "is not finite"
         raise ConvergenceError(
-            f"{method} on {problem.grid.shape} nodes ended with a pressure that "
-            + ("violates the conditions of contact" if finite else "is not finite"),
+            f"{method} on {problem.grid.shape} nodes ended with a pressure that {fault}",
             worst,
             rtol,
             state.iterations,

@@ -152,42 +152,24 @@ class Contact:
         """
         import xarray as xr
 
-        plane = ("y", "x")
-        solid = self.solid
-        lower, upper = (solid.lower, solid.upper) if isinstance(solid, TwoBodies) else (solid, None)
-        certificate = {
-            f"certificate_{name}": value
-            for name, value in asdict(self.certificate).items()
-            if name != "seconds"
-        }
-        settings: dict[str, Any] = {"layer": _settings(lower)}
-        if upper is not None:
-            settings["upper"] = _settings(upper)
-        plastic: dict[str, Any] = {}
+        lower = self._bodies["lower"]
+        names = {"lower": "layer", "upper": "upper"}
+        settings = {names[body]: _settings(layer) for body, layer in self._bodies.items()}
+        certificate = {f"certificate_{name}": value for name, value in asdict(self.certificate).items()}
+        del certificate["certificate_seconds"]
+        fields = ["pressure", "displacement", "gap"]
+        fields += ["area_fraction", "mean_pressure", "approach", "gradient_rms_contact"]
         if self.plastic_depth is not None:
-            plastic = {
-                "plastic_depth": (plane, self.plastic_depth),
-                "plastic_area": self.plastic_area,
-                "plastic_load": self.plastic_load,
-                "hardness": self.hardness,
-            }
+            fields += ["plastic_depth", "plastic_area", "plastic_load", "hardness"]
+        values = {name: getattr(self, name) for name in fields}
         return xr.Dataset(
-            {
-                "pressure": (plane, self.pressure),
-                "displacement": (plane, self.displacement),
-                "gap": (plane, self.gap),
-                "area_fraction": self.area_fraction,
-                "mean_pressure": self.mean_pressure,
-                "approach": self.approach,
-                "gradient_rms_contact": self.gradient_rms_contact,
-                **plastic,
-            },
+            {name: (("y", "x"), value) if np.ndim(value) else value for name, value in values.items()},
             coords=self.grid.dataset_coordinates(),
             attrs={
                 "unit_system": unit_system,
                 "settings": json.dumps(settings, sort_keys=True),
                 "boundary": self.boundary,
-                "effective_modulus": solid.effective_modulus,
+                "effective_modulus": self.solid.effective_modulus,
                 "solid": "half-space" if lower.height is None else f"layer, {lower.bottom} bottom",
                 "solid_reason": "asked for",
                 "solid_bound": 0.0,
@@ -215,6 +197,13 @@ class Contact:
         from asperity.results import write_result
 
         write_result(self.to_dataset(unit_system), path, "Contact with a rough surface")
+
+    @property
+    def _bodies(self) -> dict[str, Layer]:
+        """Name → body, one under a rigid indenter."""
+        if isinstance(self.solid, TwoBodies):
+            return {"lower": self.solid.lower, "upper": self.solid.upper}
+        return {"lower": self.solid}
 
     @property
     def layer(self) -> Layer:
@@ -271,7 +260,7 @@ class Contact:
     def _tangent(self) -> Tangent | None:
         """Change under further loading; None if no node moves."""
         moving = (self.pressure > 0) & (self.pressure < self.hardness)
-        return tangent(moving, self.grid, self.solid, self.boundary) if moving.any() else None
+        return tangent(moving, self.grid, self.solid, self.boundary)
 
     @property
     def stiffness(self) -> float:
@@ -311,10 +300,9 @@ class Contact:
         resistivity = magnitude("resistivity", resistivity)
         if self.solid.height is not None:
             raise ValueError(f"solid = {self.solid!r}: half-spaces are needed for a conductance")
-        touching = self.pressure > 0
         moves = self._tangent
-        if touching.any() and self.plastic_area:
-            moves = tangent(touching, self.grid, self.solid, self.boundary)
+        if self.plastic_area:
+            moves = tangent(self.pressure > 0, self.grid, self.solid, self.boundary)
         return 2 * _inverse(moves) / (self.solid.effective_modulus * resistivity)
 
     def in_body(self, body: str) -> LoadedSolid:
@@ -334,11 +322,9 @@ class Contact:
         ValueError
             If there is no such body.
         """
-        if isinstance(self.solid, TwoBodies):
-            layers, accepted = {"lower": self.solid.lower, "upper": self.solid.upper}, "'lower' or 'upper'"
-        else:
-            layers, accepted = {"lower": self.solid}, "'lower', because the indenter is rigid,"
+        layers = self._bodies
         if not isinstance(body, str) or body not in layers:
+            accepted = "'lower' or 'upper'" if len(layers) > 1 else "'lower', because the indenter is rigid,"
             raise ValueError(f"body = {shown(body)}: {accepted} is needed")
         return LoadedSolid(self.pressure, self.grid, layers[body], self.boundary, self.hardness)
 
@@ -365,6 +351,5 @@ def _inverse(found: Tangent | None) -> float:
 
 
 def _settings(layer: Layer) -> dict[str, Any]:
-    return {name: value for name, value in asdict(layer).items() if value is not None} | {
-        "height": layer.height
-    }
+    """Parameters of a layer; only its height may be None, that of a half-space."""
+    return {name: value for name, value in asdict(layer).items() if value is not None or name == "height"}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -158,13 +158,13 @@ def solve(
     if not isinstance(solid, (Layer, TwoBodies)):
         raise TypeError(f"solid = {shown(solid)}: a Layer or TwoBodies is needed")
     choice("method", method, tuple(METHODS))
-    given = {
+    imposed = {
         "area_fraction": area_fraction,
         "mean_pressure": mean_pressure,
         "force": force,
         "approach": approach,
     }
-    control = _checked_control(given, grid)
+    control = _checked_control(*_only_one(imposed), grid)
     limit = math.inf if hardness is None else _checked_hardness(hardness, control)
     response = response_on(boundary, solid, grid, precision, threads)
     _check_method(method, boundary, hardness)
@@ -174,42 +174,46 @@ def solve(
             "this solid has no uniform displacement"
         )
     units = Units.of(lowest, highest, solid, grid, control)
-    imposed = units.control(control)
-    _check_single_load(precision, imposed, units)
+    scaled = units.control(control)
+    _check_single_load(precision, scaled, units)
     start = None
     if initial is not None:
         start = grid.field("initial", initial.pressure if isinstance(initial, Contact) else initial)
         start = start.astype(float) / units.stress
-    heights, scaled = units.heights(values), (boundary, units.solid(solid), units.grid(grid))
+    heights, solid_and_grid = units.heights(values), (units.solid(solid), units.grid(grid))
 
     def problem_in(kind: DTypeLike) -> Problem:
-        scaled_response = response_on(*scaled, kind, threads, control.fixes_load)
+        scaled_response = response_on(boundary, *solid_and_grid, kind, threads, control.fixes_load)
         return Problem(heights, scaled_response, hardness=limit / units.stress)
 
     # A given start may overflow: the result is checked in the end.
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
         problem, state = problem_in(precision), None
         try:
-            state = state_of(problem, imposed, method, rtol, progress, start)
+            state = state_of(problem, scaled, method, rtol, progress, start)
         except ConvergenceError:
             if precision == np.float64 or rtol < np.finfo(precision).eps:
                 raise
         # Not in the block above, so that the fields of the first attempt are released.
         if state is None:
-            state = state_of(problem_in("float64"), imposed, method, rtol, progress, start)
+            state = state_of(problem_in("float64"), scaled, method, rtol, progress, start)
             state = replace(state, pressure=state.pressure.astype(precision), displacement=None)
-        fields = fields_of(problem, imposed, state)
-        certificate = checked_certificate(problem, imposed, state, fields, rtol, method)
+        fields = fields_of(problem, scaled, state)
+        certificate = checked_certificate(problem, scaled, state, fields, rtol, method)
+        plastic = state.pressure >= problem.hardness
+        state.pressure[:] *= precision.type(units.stress)
+        for field in (fields.displacement, fields.gap):
+            field *= precision.type(units.height)
         plastic_depth = None
         if hardness is not None:
-            plastic_depth = np.where(state.pressure >= problem.hardness, np.maximum(-fields.gap, 0), 0)
+            plastic_depth = np.where(plastic, np.maximum(-fields.gap, 0), 0)
             fields.gap[:] += plastic_depth
         pairs = problem.fourier.work.pairs(grid)
         contact = Contact(
             height=values.astype(precision, copy=False),
-            pressure=_times(state.pressure, units.stress),
-            displacement=_times(fields.displacement, units.height),
-            gap=_times(fields.gap, units.height),
+            pressure=state.pressure,
+            displacement=fields.displacement,
+            gap=fields.gap,
             grid=grid,
             solid=solid,
             boundary=boundary,
@@ -217,11 +221,11 @@ def solve(
             mean_pressure=fields.mean_pressure * units.stress,
             approach=fields.approach * units.height + units.datum,
             certificate=replace(certificate, pairs=pairs, seconds=time.perf_counter() - begin),
-            control_error=_control_error(imposed, fields, grid),
+            control_error=_control_error(scaled, fields, grid),
             method=method,
             rtol=rtol,
             hardness=problem.hardness * units.stress,
-            plastic_depth=None if plastic_depth is None else _times(plastic_depth, units.height),
+            plastic_depth=plastic_depth,
         )
     _require_held(contact, units, fields.nodes, lowest < highest)
     return contact
@@ -267,33 +271,26 @@ def solve_path(
     load 4e-04, area 0.050
     """
     paths = {
-        "area_fraction": area_fractions,
-        "mean_pressure": mean_pressures,
-        "force": forces,
-        "approach": approaches,
+        "area_fractions": area_fractions,
+        "mean_pressures": mean_pressures,
+        "forces": forces,
+        "approaches": approaches,
     }
-    given = {kind: list(values) for kind, values in paths.items() if values is not None}
-    if len(given) != 1:
-        raise ValueError(
-            "exactly one of area_fractions, mean_pressures, forces, approaches is needed, "
-            f"got {', '.join(given) if given else 'none'}"
-        )
-    ((kind, values),) = given.items()
-    return _solve_each(partial(solve, height, solid, length, **settings), kind, values, progress)
+    name, values = _only_one(paths)
+    kind = dict(zip(paths, _CONTROLS, strict=True))[name]
+    return _solve_each(partial(solve, height, solid, length, **settings), kind, list(values), progress)
 
 
 def _solve_each(
     solve_one: Callable[..., Contact], kind: str, values: Sequence[float], progress: Progress | None
 ) -> Iterator[Contact]:
+    report = progress or (lambda done, total: None)
     for index, value in enumerate(values):
-        if progress is None:
-            yield solve_one(**{kind: value})
-            continue
         yield solve_one(
             **{kind: value},
-            progress=lambda done, total, index=index: progress(index + done / total, len(values)),
+            progress=lambda done, total, index=index: report(index + done / total, len(values)),
         )
-        progress(index + 1, len(values))
+        report(index + 1, len(values))
 
 
 # Arguments
@@ -313,15 +310,19 @@ def _checked_height(height: ArrayLike) -> tuple[Array, float, float]:
     return values, lowest, highest
 
 
-def _checked_control(imposed: dict[str, float | None], grid: Grid) -> Control:
-    """Return the one quantity that is imposed, within its range; a force as the mean pressure it causes."""
-    given = {kind: value for kind, value in imposed.items() if value is not None}
+def _only_one(imposed: Mapping[str, Any]) -> tuple[str, Any]:
+    """Return name and value of the one argument that is given."""
+    given = {name: value for name, value in imposed.items() if value is not None}
     if len(given) != 1:
         raise ValueError(
             f"exactly one of {', '.join(imposed)} is needed, got {', '.join(given) if given else 'none'}"
         )
-    ((kind, raw),) = given.items()
-    value = number(kind, raw, *_CONTROLS[kind])
+    return next(iter(given.items()))
+
+
+def _checked_control(kind: str, value: Any, grid: Grid) -> Control:
+    """Return the imposed quantity, within its range; a force as the mean pressure it causes."""
+    value = number(kind, value, *_CONTROLS[kind])
     return Control("mean_pressure", value / grid.area) if kind == "force" else Control(kind, value)
 
 
@@ -381,10 +382,3 @@ def _require_held(contact: Contact, units: Units, nodes: int, is_rough: bool) ->
     fields = ("pressure", "displacement", "gap") if units.change else ()
     numbers = ("mean_pressure", "approach", "area_fraction", "control_error")
     require_finite("solve", {name: getattr(contact, name) for name in (*fields, *numbers)})
-
-
-def _times(field: Array, unit: float) -> Array:
-    """A field times a unit, in place."""
-    if unit != 1:
-        field *= field.dtype.type(unit)
-    return field

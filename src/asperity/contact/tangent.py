@@ -43,16 +43,18 @@ class Tangent:
     approach: float
 
 
-def tangent(moving: Array, grid: Grid, solid: Solid, boundary: str) -> Tangent:
-    """Tangent of a contact.
+def tangent(moving: Array, grid: Grid, solid: Solid, boundary: str) -> Tangent | None:
+    """Tangent of a contact; None if no node moves.
 
     Parameters
     ----------
     moving : (ny, nx) array of bool
-        True at one node or more: those whose gap stays closed while their pressure changes.
+        True at nodes whose gap stays closed while their pressure changes.
     grid, solid, boundary
         As in `asperity.contact.Contact`.
     """
+    if not moving.any():
+        return None
     units = Units.of_solid(solid, grid)
     response = response_on(boundary, units.solid(solid), units.grid(grid))
     inner, nodes = InnerSolver(response), np.flatnonzero(moving).astype(np.uint32)
