@@ -101,10 +101,7 @@ class Iterate:
     def held_nodes(self, bound: float, plastic: Array) -> HeldNodes:
         """Nodes out of contact with a level below a bound, and the plastic ones."""
         nodes, level = self._free_nodes_below(bound)
-        side = np.ones(nodes.size, np.float32)
-        if not plastic.size:
-            return HeldNodes(nodes, level, side)
-        own = self.nodes[plastic]
+        own, side = self.nodes[plastic], np.ones(nodes.size, np.float32)
         at = np.searchsorted(nodes, own)
         return HeldNodes(
             np.insert(nodes, at, own), np.insert(level, at, self.level[plastic]), np.insert(side, at, -1)

@@ -104,17 +104,14 @@ def first_guess(problem: Problem, control: Control) -> Pressure:
 
     The factor is the stiffness of the longest wave of the cell. At an imposed approach the pressure is zero.
     """
-    height, hardness, load = problem.height, problem.hardness, math.nan
+    height, hardness, load = problem.height, problem.hardness, control.value
     stiffness = problem.response.solid.effective_modulus * 2 * math.pi / max(problem.grid.length)
     if control.kind == "approach":
-        pressure = np.zeros_like(height)
-    elif control.kind == "mean_pressure":
-        load = control.value
-        level = _level_of_load(height, load, stiffness, hardness)
-        pressure = np.minimum(np.maximum(level - height, 0) * stiffness, hardness)
-    else:
-        level = _level_of_area(height, control.value)
-        pressure = np.minimum(np.maximum(level - height, 0) * stiffness, hardness)
+        return Pressure.of_field(np.zeros_like(height), math.nan)
+    is_load = control.kind == "mean_pressure"
+    level = _level_of_load(height, load, stiffness, hardness) if is_load else _level_of_area(height, load)
+    pressure = np.minimum(np.maximum(level - height, 0) * stiffness, hardness)
+    if not is_load:
         if not pressure.any():
             pressure[:] = min(stiffness * min(problem.grid.spacing) * 1e-3, 0.5 * hardness)
         load = float(pressure.mean(dtype=float))

@@ -9,26 +9,27 @@ from typing import Any
 
 import numpy as np
 
+from asperity.contact.compliance.vectors import row_plus_column
 from asperity.core.compiled import compiled
 from asperity.core.types import Array
 
 
-def coarse_indices(nodes: Array, columns: int, width: int) -> Array:
+def coarse_indices(nodes: Array, shape: tuple[int, int], width: int) -> Array:
     """For each node, 4 × index of a coarse-grid node + 2 × parity of its row + parity of its column.
 
     Parameters
     ----------
     nodes : (count,) array of unsigned integers
         Sorted indices in the flattened map.
-    columns : int
-        Columns of the map.
+    shape : (ny, nx)
+        Nodes of the map.
     width : int
         Columns of the field on the coarse-grid nodes. The index is that of the coarse-grid node in the same
         row and column or in those before, in this field, flattened.
     """
-    row = nodes // columns
-    column = nodes - row * columns
-    return 4 * (row // 2 * width + column // 2) + 2 * (row % 2) + column % 2
+    rows, columns = (np.arange(count, dtype=np.uint32) for count in shape)
+    of_row = 4 * (rows // 2 * np.uint32(width)) + 2 * (rows % 2)
+    return row_plus_column(nodes, of_row, 4 * (columns // 2) + columns % 2)
 
 
 @compiled

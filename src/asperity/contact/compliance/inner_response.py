@@ -118,7 +118,7 @@ class FarField:
     def __init__(self, response: Response, scale: float, dtype: str = "float32") -> None:
         modes = response.mode_grid
         ny, nx = modes.shape
-        self._columns = response.grid.shape[1]
+        self._shape = response.grid.shape
         self._repeats = response.repeats
         grid = Grid((ny // 2, nx // 2), modes.length)
         self._fourier = Fourier(grid, dtype, response.fourier.threads, response.fourier.work)
@@ -140,7 +140,7 @@ class FarField:
 
     def indices(self, nodes: Array) -> Array:
         """Indices of nodes of the map among the coarse-grid nodes."""
-        return coarse_nodes.coarse_indices(nodes, self._columns, self._padded.shape[1])
+        return coarse_nodes.coarse_indices(nodes, self._shape, self._padded.shape[1])
 
     def restrict(self, pressure: Array, indices: Any) -> None:
         """Write the sums of pressures on nodes over the coarse-grid nodes."""

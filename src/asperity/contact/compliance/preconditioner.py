@@ -28,7 +28,7 @@ import numpy as np
 
 from asperity.contact.compliance.response import Response, multiply_rows
 from asperity.contact.compliance.stencil import RADIUS, StencilProduct, whole_stencil
-from asperity.contact.compliance.vectors import add_multiple, dot
+from asperity.contact.compliance.vectors import add_multiple, dot, row_plus_column
 from asperity.core.compiled import compiled, sums
 from asperity.core.parallel import in_parts
 from asperity.core.types import Array
@@ -98,11 +98,9 @@ class NodePreconditioner:
     def __init__(self, whole: Preconditioner, nodes: Array) -> None:
         self._whole, self._nodes = whole, nodes
         grid, cells = whole.grid, whole.cells
-        cell_row, cell_column = (
-            (np.arange(n) * m // n).astype(np.uint32) for n, m in zip(grid.shape, cells.shape, strict=True)
-        )
-        row = nodes // grid.shape[1]
-        self._cell = (cell_row * cells.shape[1]).take(row) + cell_column.take(nodes - row * grid.shape[1])
+        row, column = (np.arange(n) * m // n for n, m in zip(grid.shape, cells.shape, strict=True))
+        of_row, of_column = (row * cells.shape[1]).astype(np.uint32), column.astype(np.uint32)
+        self._cell = row_plus_column(nodes, of_row, of_column)
         ones = np.ones(nodes.size, np.float32)
         self._weight = whole.products(whole.stencil, nodes, ones)
         cell_weight = self._sums_in_cells(ones)
@@ -142,39 +140,31 @@ class NodePreconditioner:
 
     def _displacement(self, cell_sums: Array) -> Array:
         """Displacement (σ + 1/G)⁻¹ Vᵀ r of the cells, given the sums of w r over them."""
-        whole = self._whole
-        ny, nx = whole.cells.shape
+        whole, fourier = self._whole, self._whole.coarse
         residual = whole.on_coarse_grid(cell_sums * (whole.cells.size / whole.grid.size))
-        y = _solved_coarse(residual, self._sigma, self._mean_sigma, self._inverse_for_mean, whole.coarse)
+        y, direction, image, response, z = (np.zeros_like(residual) for _ in range(5))
+        coefficients = np.empty(fourier.grid.half_shape, fourier.complex)
+        drop = min(COARSE_RESIDUAL_DROP, 6.0 / max(residual.shape))
+        first = previous = 0.0
+        for iteration in range(MAX_COARSE_ITERATIONS):
+            fourier.forward(residual, coefficients)
+            multiply_rows(coefficients, self._inverse_for_mean)
+            fourier.inverse(coefficients, z, overwrite=True)
+            product = dot(residual.reshape(-1), z.reshape(-1))
+            first = first or product
+            if not product > drop**2 * first:
+                break
+            ratio = np.float32(product / previous) if iteration else np.float32(0)
+            previous = product
+            fields = (field.reshape(-1) for field in (residual, z, self._sigma, direction, image, response))
+            curvature = _next_direction(ratio, self._mean_sigma, *fields)
+            if not curvature > 0:
+                break
+            length = np.float32(product / curvature)
+            add_multiple(y.reshape(-1), direction.reshape(-1), length)
+            add_multiple(residual.reshape(-1), response.reshape(-1), -length)
+        ny, nx = whole.cells.shape
         return y[:ny, :nx].reshape(-1)
-
-
-def _solved_coarse(
-    residual: Array, sigma: Array, mean_sigma: Any, inverse_for_mean: Array, fourier: Fourier
-) -> Array:
-    """Displacement y of the cells with (σ + 1/G) y = residual, which is used up."""
-    y, direction, image, response, z = (np.zeros_like(residual) for _ in range(5))
-    coefficients = np.empty(fourier.grid.half_shape, fourier.complex)
-    drop = min(COARSE_RESIDUAL_DROP, 6.0 / max(residual.shape))
-    first = previous = 0.0
-    for iteration in range(MAX_COARSE_ITERATIONS):
-        fourier.forward(residual, coefficients)
-        multiply_rows(coefficients, inverse_for_mean)
-        fourier.inverse(coefficients, z, overwrite=True)
-        product = dot(residual.reshape(-1), z.reshape(-1))
-        first = first or product
-        if not product > drop**2 * first:
-            break
-        ratio = np.float32(product / previous) if iteration else np.float32(0)
-        previous = product
-        fields = (field.reshape(-1) for field in (residual, z, sigma, direction, image, response))
-        curvature = _next_direction(ratio, mean_sigma, *fields)
-        if not curvature > 0:
-            break
-        length = np.float32(product / curvature)
-        add_multiple(y.reshape(-1), direction.reshape(-1), length)
-        add_multiple(residual.reshape(-1), response.reshape(-1), -length)
-    return y
 
 
 def inverse_stencil(grid: Grid) -> Array:

@@ -7,6 +7,7 @@ The weights of a stencil are symmetric, and may differ between even and odd rows
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -84,18 +85,14 @@ class StencilProduct:
             try:
                 strip = self._strips.pop()
             except IndexError:
-                strip = self._new_strip()
+                # The last row of a stencil reads one number beyond it.
+                strip = np.zeros(math.prod(self._strip_shape) + 1, np.float32)[:-1].reshape(self._strip_shape)
             known = strip, nodes, first, values, self._shape, self._repeats, stencil
             _apply_in_strips(*known, begin, end, others, first_other, out)
             self._strips.append(strip)
 
         in_parts(apply, out.size, self._threads, meanwhile=meanwhile)
         return out
-
-    def _new_strip(self) -> Array:
-        # The last row of a stencil reads one number beyond it.
-        rows, width = self._strip_shape
-        return np.zeros(rows * width + 1, np.float32)[:-1].reshape(rows, width)
 
 
 def whole_stencil(quadrants: Array) -> Array:

@@ -44,3 +44,32 @@ def add_multiple(values: Any, others: Any, factor: Any) -> None:
     """Add factor × others to values."""
     for k in range(values.size):
         values[k] += factor * others[k]
+
+
+def row_plus_column(nodes: Array, of_row: Array, of_column: Array) -> Array:
+    """Sum of a number of its row and a number of its column, for each of some nodes.
+
+    Parameters
+    ----------
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened map.
+    of_row, of_column : (ny,) and (nx,) arrays of the same type
+
+    Returns
+    -------
+    (count,) array of that type
+    """
+    out = np.empty(nodes.size, of_row.dtype)
+    _row_plus_column(nodes, of_row, of_column, out)
+    return out
+
+
+@compiled
+def _row_plus_column(nodes: Any, of_row: Any, of_column: Any, out: Any) -> None:
+    row, start = np.int64(0), np.int64(0)
+    for k in range(nodes.size):
+        node = np.int64(nodes[k])
+        if node >= start + of_column.size:
+            row = node // of_column.size
+            start = row * of_column.size
+        out[k] = of_row[row] + of_column[node - start]
