@@ -103,12 +103,8 @@ def in_strips(work: Callable[[slice], object], shape: tuple[int, int], threads: 
     """
     rows, columns = shape
     strip = max(1, STRIP // columns)
-
-    def some(part: slice) -> None:
-        for first in range(part.start, part.stop, strip):
-            work(slice(first, min(first + strip, part.stop)))
-
-    in_parts(some, rows, threads, smallest=strip)
+    starts = range(0, rows, strip)
+    results_of([partial(work, slice(start, min(start + strip, rows))) for start in starts], threads)
 
 
 def apply(function: Callable[..., object], threads: int, *arguments: Any) -> None:

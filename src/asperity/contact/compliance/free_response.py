@@ -47,10 +47,6 @@ class FreeResponse(Response):
         """The displacement in the middle of the map."""
         return rectangle_compliance(0.0, 0.0, self.grid.length, self.solid.effective_modulus).item()
 
-    @property
-    def omitted_compliance(self) -> float:
-        return 0.0
-
     def coarsened(self, height: Array, shape: tuple[int, int]) -> tuple[Response, Array]:
         """The surface is averaged over pairs of nodes; a last node without a partner counts twice."""
         spacing, length = list(self.grid.spacing), list(self.grid.length)
