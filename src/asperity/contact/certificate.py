@@ -156,7 +156,8 @@ def verify_contact(
     >>> asp.verify_contact(height, 1.01 * contact.pressure, solid, mean_pressure=1e-3).worst < 1e-5
     False
     """
-    height, pressure = _checked("height", height), _checked("pressure", pressure)
+    height = field_in_double("height", real_array("height", height))
+    pressure = field_in_double("pressure", real_array("pressure", pressure))
     if height.shape != pressure.shape:
         raise ValueError(
             f"pressure has the shape {pressure.shape}: {height.shape}, that of height, is needed"
@@ -230,12 +231,11 @@ def rms_deviation(values: Array, threads: int = 1) -> float:
     return math.sqrt(total(_squared_deviation, threads, flat, mean) / flat.size)
 
 
-def _checked(name: str, values: Array) -> Array:
-    """A field [y, x] in double precision."""
-    array = real_array(name, values).astype(float, copy=False)
+def field_in_double(name: str, array: Array) -> Array:
+    """A field [y, x] in double precision; `ValueError` if it has not two dimensions."""
     if array.ndim != 2 or array.size == 0:
         raise ValueError(f"{name} has the shape {array.shape}: a two-dimensional array [y, x] is needed")
-    return array
+    return array.astype(float, copy=False)
 
 
 @sums

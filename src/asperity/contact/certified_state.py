@@ -10,7 +10,8 @@ import numpy as np
 
 from asperity.contact import gfmd
 from asperity.contact.active_set import nested_grids
-from asperity.contact.certificate import Certificate, certificate_of_fields, rms_deviation, verify_contact
+from asperity.contact.certificate import Certificate, certificate_of_fields, rms_deviation
+from asperity.contact.compliance import response_on
 from asperity.contact.compliance.vectors import dot
 from asperity.contact.problem import Control, Problem, State
 from asperity.core.compiled import compiled
@@ -162,36 +163,25 @@ def checked_certificate(
         is largest for the longest wave.
     """
     pressure, gap, height, solid = state.pressure, fields.gap, problem.height, problem.response.solid
-    threads = problem.fourier.threads
+    threads, grid = problem.fourier.threads, problem.grid
     load = state.load if control.kind == "mean_pressure" else None
-    if pressure.dtype == np.float64:
-        certificate = certificate_of_fields(
-            height, pressure, gap, problem.unit, load, threads, problem.hardness
-        )
-    else:
-        certificate = verify_contact(
-            height,
-            pressure,
-            solid,
-            problem.grid.length,
-            approach=fields.approach,
-            mean_pressure=load,
-            hardness=problem.hardness if problem.hardness < math.inf else None,
-            boundary=problem.response.boundary,
-            threads=threads,
-        )
+    if pressure.dtype == np.float32:
+        height, pressure = height.astype(float), pressure.astype(float)
+        exact = response_on(problem.response.boundary, solid, grid, threads=threads)
+        gap = exact.displacement(pressure) + height - fields.approach
+    certificate = certificate_of_fields(height, pressure, gap, problem.unit, load, threads, problem.hardness)
     worst, allowed = certificate.worst, MAX_VIOLATION * rtol
     is_finite = math.isfinite(worst)
     if is_finite and worst > allowed and (rms_height := rms_deviation(height, threads)):
         values = pressure.reshape(-1)
-        longest = float(solid.surface_compliance(2 * np.pi / max(problem.grid.length)))
+        longest = float(solid.surface_compliance(2 * np.pi / max(grid.length)))
         allowed *= max(1.0, math.sqrt(dot(values, values) / values.size) * longest / rms_height)
         largest = max(map(abs, problem.height_range))
-        allowed += MAX_ROUNDINGS * float(np.finfo(pressure.dtype).eps) * largest / rms_height
+        allowed += MAX_ROUNDINGS * float(np.finfo(problem.fourier.real).eps) * largest / rms_height
     if worst > allowed:
         fault = "violates the conditions of contact" if is_finite else "is not finite"
         raise ConvergenceError(
-            f"{method} on {problem.grid.shape} nodes ended with a pressure that {fault}",
+            f"{method} on {grid.shape} nodes ended with a pressure that {fault}",
             worst,
             rtol,
             state.iterations,

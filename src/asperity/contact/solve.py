@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
 from asperity.contact.active_set import nested_grids
+from asperity.contact.certificate import field_in_double
 from asperity.contact.certified_state import METHODS, Fields, checked_certificate, fields_of, state_of
 from asperity.contact.compliance import response_on
 from asperity.contact.problem import Control, Problem
@@ -298,9 +299,7 @@ def _solve_each(
 
 def _checked_height(height: ArrayLike) -> tuple[Array, float, float]:
     """Return the surface as a real array [y, x] of finite numbers, and its least and largest height."""
-    values = finite_array("height", height).astype(float, copy=False)
-    if values.ndim != 2 or values.size == 0:
-        raise ValueError(f"height has the shape {values.shape}: a two-dimensional array [y, x] is needed")
+    values = field_in_double("height", finite_array("height", height))
     lowest, highest = float(values.min()), float(values.max())
     if 0 < highest - lowest < SMALLEST:
         raise ValueError(

@@ -37,20 +37,16 @@ def results_of(tasks: Sequence[Callable[[], Any]], threads: int) -> list[Any]:
     """
     if threads == 1 or len(tasks) == 1:
         return [task() for task in tasks]
-    left = deque(enumerate(tasks))
+    left = enumerate(tasks)  # of which each thread takes the next one
     results = [None] * len(tasks)
 
     def take() -> None:
-        while left:
-            try:
-                number, task = left.popleft()
-            except IndexError:  # another thread has taken the last one
-                return
-            try:
+        try:
+            for number, task in left:
                 results[number] = task()
-            except BaseException:
-                left.clear()
-                raise
+        except BaseException:
+            deque(left, 0)  # leaves no task to the other threads
+            raise
 
     contexts = [contextvars.copy_context() for _ in range(min(threads, len(tasks)) - 1)]
     helping = [_helpers.submit(context.run, take) for context in contexts]

@@ -168,6 +168,4 @@ def _is_number(value: Any) -> bool:
 def _registry() -> Any:
     import pint
 
-    registry: Any = pint.UnitRegistry(cache_folder=None)
-    registry.formatter.default_format = "~"
-    return registry
+    return pint.UnitRegistry()

@@ -104,24 +104,22 @@ def first_guess(problem: Problem, control: Control) -> Pressure:
 
     The factor is the stiffness of the longest wave of the cell. At an imposed approach the pressure is zero.
     """
-    height, hardness, load = problem.height, problem.hardness, control.value
+    height, hardness = problem.height, problem.hardness
     stiffness = problem.response.solid.effective_modulus * 2 * math.pi / max(problem.grid.length)
     if control.kind == "approach":
         return Pressure.of_field(np.zeros_like(height), math.nan)
-    is_load = control.kind == "mean_pressure"
-    level = _level_of_load(height, load, stiffness, hardness) if is_load else _level_of_area(height, load)
+    if control.kind == "mean_pressure":
+        level = _level_of_load(height, control.value, stiffness, hardness)
+    else:
+        # Twice the imposed area lies below this level, since the overlap exceeds the contact.
+        least = height.min() + 1e-3 * np.std(height, dtype=float)
+        level = float(max(np.quantile(height, min(0.999, 2 * control.value)), least))
     pressure = np.minimum(np.maximum(level - height, 0) * stiffness, hardness)
-    if not is_load:
-        if not pressure.any():
-            pressure[:] = min(stiffness * min(problem.grid.spacing) * 1e-3, 0.5 * hardness)
-        load = float(pressure.mean(dtype=float))
-    return Pressure.of_field(pressure, load)
-
-
-def _level_of_area(height: Array, area_fraction: float) -> float:
-    """Level below which lies twice the imposed area, since the overlap exceeds the contact."""
-    fraction = min(0.999, 2 * area_fraction)
-    return float(max(np.quantile(height, fraction), height.min() + 1e-3 * np.std(height, dtype=float)))
+    if control.kind == "mean_pressure":
+        return Pressure.of_field(pressure, control.value)
+    if not pressure.any():
+        pressure[:] = min(stiffness * min(problem.grid.spacing) * 1e-3, 0.5 * hardness)
+    return Pressure.of_field(pressure, float(pressure.mean(dtype=float)))
 
 
 def _level_of_load(height: Array, mean_pressure: float, stiffness: float, hardness: float) -> float:
