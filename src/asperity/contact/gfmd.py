@@ -86,7 +86,7 @@ def solve(
         `DampedDynamics.pressure_and_error`.
     progress : callable, optional
     initial : (ny, nx) array, optional
-        Start from the displacement under this pressure, which is not negative.
+        Start from the displacement under this pressure, which is positive somewhere and nowhere negative.
     damping_fraction : float
         Damping, as a fraction of the critical damping of the slowest mode.
 
@@ -250,10 +250,9 @@ class DampedDynamics:
 
     def _first_displacement(self, initial: Array | None) -> Array:
         """Displacement under a pressure, or none; under an imposed load shifted to touch the indenter."""
-        if initial is not None and np.any(initial):
-            displacement = self._problem.response.displacement(initial)
-        else:
-            displacement = np.zeros_like(self._problem.height)
+        displacement = np.zeros_like(self._problem.height)
+        if initial is not None:
+            self._problem.response.displacement(initial, displacement)
         if self._fixed_load:
             displacement += np.max(self._wall - displacement)
         return np.maximum(displacement, self._wall, out=displacement)
@@ -270,8 +269,8 @@ def _first_load(problem: Problem, control: Control, initial: Array | None) -> fl
     """Load to begin with."""
     if control.kind == "mean_pressure":
         return control.value
-    if initial is not None and (mean := float(np.mean(initial, dtype=float))):
-        return mean
+    if initial is not None:
+        return float(np.mean(initial, dtype=float))
     if control.kind == "approach":
         return 0.0
     # The area fraction of small loads is about two times load / (E* × rms gradient).

@@ -54,14 +54,9 @@ class EntryCandidates:
     overlap: Array
 
     @property
-    def change(self) -> Array:
-        """True where a node enters the contact, or a plastic one becomes elastic."""
-        return self.held.side * self.overlap > 0
-
-    @property
     def enter(self) -> Array:
         """True where a node enters the contact."""
-        return self.change & (self.held.side > 0)
+        return (self.overlap > 0) & (self.held.side > 0)
 
     @classmethod
     def after(

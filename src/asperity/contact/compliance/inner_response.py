@@ -191,22 +191,21 @@ def near_stencil(response: Response) -> Array:
     inside = offsets[:, None] ** 2 + offsets[None, :] ** 2 <= radius * (radius + 1)
     edge = inside & (offsets[:, None] ** 2 + offsets[None, :] ** 2 > radius * (radius - 1))
     out = np.zeros((2, 2, radius + 1, radius + 1), np.float32)
-    for row in range(2):
-        for column in range(2):
-            y, x = _TILE // 2 + row, _TILE // 2 + column
-            unit = np.zeros(tile.shape)
-            unit[y, x] = 1
-            missing = of_tile.displacement(unit)
-            far.restrict(np.ones(1), far.indices(np.array([y * _TILE + x], np.uint32)))
-            far.convolve()
-            far_field = np.zeros(tile.size)
-            far.add(far_field, everywhere)
-            missing -= far_field.reshape(tile.shape)
-            around = missing[y - radius : y + radius + 1, x - radius : x + radius + 1]
-            weights = np.where(inside, around, 0)
-            # The remainder beyond the stencil is added to its edge, so that uniform pressures are right.
-            weights[edge] += (missing.sum() - weights.sum()) / np.count_nonzero(edge)
-            out[row, column] = weights[radius:, radius:] / response.nodal_compliance
+    for row, column in np.ndindex(2, 2):
+        y, x = _TILE // 2 + row, _TILE // 2 + column
+        unit = np.zeros(tile.shape)
+        unit[y, x] = 1
+        missing = of_tile.displacement(unit)
+        far.restrict(np.ones(1), far.indices(np.array([y * _TILE + x], np.uint32)))
+        far.convolve()
+        far_field = np.zeros(tile.size)
+        far.add(far_field, everywhere)
+        missing -= far_field.reshape(tile.shape)
+        around = missing[y - radius : y + radius + 1, x - radius : x + radius + 1]
+        weights = np.where(inside, around, 0)
+        # The remainder beyond the stencil is added to its edge, so that uniform pressures are right.
+        weights[edge] += (missing.sum() - weights.sum()) / np.count_nonzero(edge)
+        out[row, column] = weights[radius:, radius:] / response.nodal_compliance
     return whole_stencil(out)
 
 
