@@ -14,7 +14,7 @@ import numpy as np
 
 from asperity.contact.compliance.vectors import added, field_of
 from asperity.contact.problem import Control, Problem
-from asperity.core.compiled import makes_arrays
+from asperity.core.compiled import compiled, makes_arrays
 from asperity.core.parallel import STRIP, results_of, total
 from asperity.core.types import Array
 
@@ -200,8 +200,8 @@ def evaluate(problem: Problem, control: Control, start: Pressure) -> Iterate:
             factor = min(work / energy, hardness / values.max())
             values = values * factor
             displacement *= factor
-    level = problem.height.take(nodes)
-    level += displacement.take(nodes)
+    level = np.empty_like(values)
+    _write_levels(problem.height.reshape(-1), displacement.reshape(-1), nodes, level)
     if hardness < math.inf and values.size:
         reached |= is_plastic or bool(values.max() >= hardness)
     return Iterate(problem, nodes, values, load, level, displacement, reached)
@@ -240,6 +240,13 @@ def with_load(problem: Problem, nodes: Array, values: Array, load: float) -> tup
         pressure = np.clip(given - shift, 0, hardness)
     pressure = pressure.astype(values.dtype)
     return nodes, np.where(pressure < hardness * (1 - rounding), pressure, values.dtype.type(hardness))
+
+
+@compiled
+def _write_levels(height: Any, displacement: Any, nodes: Any, out: Any) -> None:
+    """Write the level h + u of nodes."""
+    for k in range(nodes.size):
+        out[k] = height[nodes[k]] + displacement[nodes[k]]
 
 
 @makes_arrays
