@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from asperity.contact.compliance.vectors import added, field_of
+from asperity.contact.compliance.vectors import added, field_of, inserted
 from asperity.contact.problem import Control, Problem
 from asperity.core.compiled import compiled, makes_arrays
 from asperity.core.parallel import STRIP, results_of, total
@@ -101,11 +101,10 @@ class Iterate:
     def held_nodes(self, bound: float, plastic: Array) -> HeldNodes:
         """Nodes out of contact with a level below a bound, and the plastic ones."""
         nodes, level = self._free_nodes_below(bound)
-        own, side = self.nodes[plastic], np.ones(nodes.size, np.float32)
+        own, sides = self.nodes[plastic], np.ones(nodes.size + plastic.size, np.float32)
         at = np.searchsorted(nodes, own)
-        return HeldNodes(
-            np.insert(nodes, at, own), np.insert(level, at, self.level[plastic]), np.insert(side, at, -1)
-        )
+        sides[at + np.arange(plastic.size)] = -1
+        return HeldNodes(inserted(nodes, at, own), inserted(level, at, self.level[plastic]), sides)
 
     def _free_nodes_below(self, bound: float) -> tuple[Array, Array]:
         """Sorted nodes out of contact with a level below a bound, and their levels."""

@@ -21,6 +21,7 @@ import numpy as np
 from asperity.contact.active_set.assembly import ContactSystem, overlap_of
 from asperity.contact.active_set.inner_solve import Correction
 from asperity.contact.active_set.iterate import HeldNodes, Iterate, Pressure, evaluate
+from asperity.contact.compliance.vectors import inserted
 from asperity.contact.problem import Control, Problem
 from asperity.core.compiled import sums
 from asperity.core.parallel import total
@@ -109,8 +110,9 @@ class Step:
         enter, real, held = entering.enter, iterate.pressure.dtype, entering.held
         new = held.nodes[enter]
         at = np.searchsorted(iterate.nodes, new)
-        nodes = np.insert(iterate.nodes, at, new)
-        changes_state = np.insert(np.zeros(iterate.nodes.size, np.bool_), at, True)
+        nodes = inserted(iterate.nodes, at, new)
+        changes_state = np.zeros(nodes.size, np.bool_)
+        changes_state[at + np.arange(new.size)] = True
         change, excess = correction.pressure.astype(real), np.zeros(1, real)
         if system.plastic.size:
             change, excess = np.zeros(iterate.nodes.size, real), np.zeros(nodes.size, real)
@@ -122,9 +124,9 @@ class Step:
             changes_state[plastic] = overlap < 0
         return cls(
             nodes,
-            np.insert(iterate.pressure, at, 0),
-            np.insert(iterate.level, at, held.level[enter]),
-            np.insert(change, at, entering.overlap[enter]),
+            inserted(iterate.pressure, at, np.zeros(new.size, real)),
+            inserted(iterate.level, at, held.level[enter]),
+            inserted(change, at, entering.overlap[enter]),
             changes_state,
             excess,
             system.approach,
