@@ -172,6 +172,6 @@ def test_pressure_agrees_with_other_programs(program, boundary):
     pytest.importorskip(program)
     peers = runpy.run_path(str(Path(__file__).parents[2] / "benchmarks/peers.py"))["SOLVERS"]
     height = rough((128, 128), 2)
-    theirs = peers[program](height, load_of(height), 1e-11, boundary)[:128, :128]
+    theirs, _ = peers[program](height, load_of(height), 1e-11, boundary)
     ours = solve(height, UNIT, mean_pressure=load_of(height), boundary=boundary, rtol=1e-11).pressure
-    np.testing.assert_allclose(ours, theirs, atol=1e-8 * ours.max())
+    np.testing.assert_allclose(ours, theirs[:128, :128], atol=1e-8 * ours.max())
