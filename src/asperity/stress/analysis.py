@@ -56,7 +56,10 @@ INDEPENDENT_OF_LATERAL = ("zz", "yz", "xz", "xy")
 ROUNDING = 1e-12
 """Maxima below this share of the root mean square of σ_zz of their plane are rounding."""
 
-PLASTIC_CONTACT = "the stress is elastic, without plastic strain, under a pressure that the hardness limits"
+PLASTIC_CONTACT = (
+    "the hardness limits the pressure; the stress under it is that of an elastic solid, without plastic "
+    "strain and residual stress"
+)
 """Attribute ``plastic_contact`` of a stress under a contact that reaches its hardness."""
 
 NODES_AT_ONCE = 2**14
