@@ -8,13 +8,14 @@ u anew in double precision, so that the certificate does not depend on any inter
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from asperity.contact.compliance import response_on
-from asperity.contact.compliance.vectors import added
+from asperity.contact.contact_nodes import added, dot
+from asperity.contact.problem import Control, Problem, State
+from asperity.contact.response import response_on
 from asperity.core.arguments import number, real_array
 from asperity.core.compiled import compiled, sums
 from asperity.core.errors import ConvergenceError
@@ -23,6 +24,10 @@ from asperity.core.parallel import results, total
 from asperity.core.types import Array
 from asperity.elasticity.two_bodies import Solid
 from asperity.fourier.grid import Grid
+
+# The error estimate of a method may be too small by this factor, and a gap wrong by so many roundings.
+MAX_UNDERESTIMATE = 10.0
+MAX_ROUNDINGS = 10.0
 
 
 @dataclass(frozen=True, repr=False)
@@ -168,7 +173,10 @@ def verify_contact(
     if mean_pressure is not None:
         mean_pressure = number("mean_pressure", mean_pressure, "a finite number", np.isfinite)
     gap = response_on(boundary, solid, grid, "float64", threads).displacement(pressure)
-    gap += height
+    # Differences of heights are exact where their level is far from zero.
+    datum = float(height.min())
+    gap += height - datum
+    approach = None if approach is None else approach - datum
     limit = math.inf
     if hardness is not None:
         limit = number("hardness", hardness, "a number > 0", lambda value: value > 0)
@@ -177,13 +185,78 @@ def verify_contact(
         approach = float(gap[elastic].mean() if elastic.any() else gap.max(where=plastic, initial=gap.min()))
     gap -= approach
     nodal_compliance = min(grid.spacing) / solid.effective_modulus
-    return certificate_of_fields(height, pressure, gap, nodal_compliance, mean_pressure, threads, limit)
+    rms_height = rms_deviation(height, threads)
+    return certificate_of_fields(pressure, gap, rms_height, nodal_compliance, mean_pressure, threads, limit)
+
+
+def checked_certificate(
+    problem: Problem,
+    control: Control,
+    state: State,
+    displacement: Array,
+    approach: float,
+    rms_height: float,
+    rtol: float,
+) -> Certificate:
+    """The certificate of a state, in the units of its problem.
+
+    An error of the pressure, relative to its norm, changes no gap by more than that fraction of the norm of
+    the pressure × √(displacement of a node per unit of its own pressure × that of the softest wave): for each
+    pressure x, (G x)ᵢ² ≤ Gᵢᵢ x·G x.
+
+    Parameters
+    ----------
+    problem, control, state
+    displacement : (ny, nx) array
+        That of the pressure.
+    approach : float
+    rms_height : float
+        To which lengths are relative.
+    rtol : float
+
+    Raises
+    ------
+    ConvergenceError
+        If a field is not finite, or the certificate exceeds what the tolerance and rounding allow.
+    """
+    pressure, response, threads = state.pressure, problem.response, problem.fourier.threads
+    height, exact = problem.height, response
+    eps = float(np.finfo(problem.fourier.real).eps)
+    if pressure.dtype == np.float32:
+        height, pressure = height.astype(float), pressure.astype(float)
+        exact = response.in_precision("float64")
+        displacement = exact.displacement(pressure)
+    gap = height + displacement
+    gap -= approach
+    load = state.load if control.kind == "mean_pressure" else None
+    found = certificate_of_fields(pressure, gap, rms_height, problem.unit, load, threads, problem.hardness)
+    values, contact = pressure.reshape(-1), pressure > 0
+    softest = float(response.half_compliance.max())
+    caused = math.sqrt(dot(values, values) * response.own_compliance * softest)
+    sizes = (float(np.abs(field).max(where=contact, initial=0)) for field in (height, displacement))
+    scale = rms_height or float(pressure.max()) * problem.unit or 1.0
+    lengths = (MAX_UNDERESTIMATE * rtol * caused + MAX_ROUNDINGS * eps * sum(sizes)) / scale
+    allowed = {"tension": MAX_ROUNDINGS * eps, "load_imbalance": rtol + MAX_ROUNDINGS * eps}
+    excess = max(
+        value / (allowed.get(name, lengths) or math.ulp(0)) for name, value in found.violations.items()
+    )
+    if not excess <= 1:
+        is_finite = math.isfinite(found.worst)
+        fault = "violates the conditions of contact" if is_finite else "is not finite"
+        raise ConvergenceError(
+            f"solution on {problem.grid.shape} nodes ended with a pressure that {fault}",
+            found.worst,
+            rtol,
+            state.iterations,
+            float(pressure.mean(dtype=float)),
+        )
+    return replace(found, iterations=state.iterations)
 
 
 def certificate_of_fields(
-    height: Array,
     pressure: Array,
     gap: Array,
+    rms_height: float,
     nodal_compliance: float,
     mean_pressure: float | None,
     threads: int = 1,
@@ -193,8 +266,9 @@ def certificate_of_fields(
 
     Parameters
     ----------
-    height, pressure, gap : (ny, nx) arrays
+    pressure, gap : (ny, nx) arrays
         In double precision.
+    rms_height : float
     nodal_compliance : float
         Grid spacing / E*.
     mean_pressure : float, optional
@@ -211,7 +285,7 @@ def certificate_of_fields(
     if not math.isfinite(total_pressure) or not math.isfinite(total_gap):
         least_gap = -math.inf
     largest = max(largest, -least)
-    scale = rms_deviation(height, threads) or largest * nodal_compliance or 1.0
+    scale = rms_height or largest * nodal_compliance or 1.0
     imbalance = 0.0
     if mean_pressure is not None and mean_pressure != load:
         imbalance = abs(load - mean_pressure) / max(abs(mean_pressure), abs(load))

@@ -31,7 +31,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.contact.active_set.area import AreaControl
+from asperity.contact.load import AreaControl
 from asperity.contact.problem import Control, ConvergenceProgress, Problem, State
 from asperity.core.compiled import compiled
 from asperity.core.errors import ConvergenceError

@@ -1,15 +1,30 @@
-"""The contact problem on one grid, the imposed quantity, and the result of a method."""
+"""The contact problem in units of its own, the imposed quantity, and the result of a method.
+
+A problem is solved in units in which its numbers are near one: lengths in that of the map's edge, heights in
+that of the displacement that the load can cause, pressures in that of modulus × height / length. Heights are
+measured from a datum near those that touch, and heights that cannot matter are clipped (`reach`), so that
+neither of them sets a scale or takes digits from the others.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from functools import cached_property
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from asperity.contact.compliance.response import Response
+from asperity.contact.response import Response
 from asperity.core.types import Array, Progress
+from asperity.elasticity.layer import Layer
+from asperity.elasticity.two_bodies import Solid, TwoBodies
+from asperity.fourier.grid import Grid
+
+# A given start is used if its load, its area, or its approach measured from first contact differs from the
+# imposed one by less than this fraction: beyond, the coarse grids give a better one.
+NEAR_START = 0.3
+
+# Least square of the correlation between the heights and what a given start displaces them by.
+LEAST_FIT = 0.5
 
 
 @dataclass(frozen=True)
@@ -43,8 +58,6 @@ class State:
         Applications of the compliance, on all grids.
     displacement : (ny, nx) array, optional
         That of the pressure, if the method knows it.
-    reached_hardness : bool
-        True if a pressure was at the hardness on the way.
     """
 
     pressure: Array
@@ -53,7 +66,6 @@ class State:
     error: float = 0.0
     iterations: int = 0
     displacement: Array | None = None
-    reached_hardness: bool = False
 
 
 class Problem:
@@ -63,26 +75,21 @@ class Problem:
     ----------
     height : (ny, nx) array
     response : Response
-    datum : float
-        Level from which the heights are measured: approach and gaps on this grid are relative to it.
     hardness : float
         Largest pressure, rounded to the precision of the fields.
     """
 
-    def __init__(
-        self, height: Array, response: Response, datum: float = 0.0, hardness: float = math.inf
-    ) -> None:
+    def __init__(self, height: Array, response: Response, hardness: float = math.inf) -> None:
         self.response = response
         self.fourier = response.fourier
         self.grid = response.grid
         self.height = np.ascontiguousarray(height, dtype=response.fourier.real)
-        self.datum = datum
         self.hardness = float(response.fourier.real.type(hardness))
 
-    @cached_property
-    def height_range(self) -> tuple[float, float]:
-        """Least and largest height."""
-        return float(self.height.min()), float(self.height.max())
+    @property
+    def lowest(self) -> float:
+        """The least height."""
+        return float(self.height.min())
 
     @property
     def unit(self) -> float:
@@ -90,22 +97,193 @@ class Problem:
         return self.response.nodal_compliance
 
     def coarser(self, min_points: int) -> Problem | None:
-        """The same problem on half the nodes of each axis, its surface smoothed.
-
-        An axis is halved only down to `min_points` nodes; None if no axis can be halved.
-        """
-        ny, nx = (n if n < 2 * min_points else (n + 1) // 2 for n in self.grid.shape)
-        if (ny, nx) == self.grid.shape:
+        """The same problem on half the nodes of each axis, as of `Response.coarser`; None if none is left."""
+        response = self.response.coarser(min_points)
+        if response is None:
             return None
-        response, height = self.response.coarsened(self.height, (ny, nx))
-        return Problem(height, response, self.datum, self.hardness)
+        return Problem(self.response.resampled(self.height, response.grid), response, self.hardness)
 
     def in_single_precision(self) -> Problem:
-        """The same problem in single precision, with heights measured from the middle of their range."""
-        datum = 0.5 * sum(self.height_range)
-        height = np.empty(self.grid.shape, np.float32)
-        np.subtract(self.height, datum, height, dtype=float, casting="same_kind")
-        return Problem(height, self.response.in_precision("float32"), self.datum + datum, self.hardness)
+        """The same problem in single precision."""
+        return Problem(self.height, self.response.in_precision("float32"), self.hardness)
+
+    def full_contact(self) -> State:
+        """The least load at which all nodes touch: every mode but the uniform one has û = −ĥ."""
+        coefficients = self.fourier.forward(self.height)
+        compliance = self.response.compliance
+        np.divide(coefficients, -compliance, out=coefficients, where=compliance > 0)
+        coefficients[0, 0] = 0
+        pressure = self.fourier.inverse(coefficients, overwrite=True)
+        # The last node to touch bears a pressure just above rounding.
+        pressure += np.ptp(pressure) * 4 * np.finfo(pressure.dtype).eps - pressure.min()
+        return State(pressure, 0.0, float(pressure.mean(dtype=float)))
+
+    def near_start(self, control: Control, initial: Array) -> Array | None:
+        """A given pressure without tension, so large that the displaced surface in contact fits the indenter.
+
+        None if its load, area or approach is then far from the imposed one.
+        """
+        contact = initial > 0
+        if not contact.any():
+            return None
+        pressure = (np.maximum(initial, 0) / initial.max()).astype(self.fourier.real)
+        heights = self.height[contact].astype(float)
+        displaced = self.response.displacement(pressure)[contact].astype(float)
+        variance, lowest = float(np.var(displaced)), self.lowest
+        covariance = -float(np.mean(displaced * (heights - heights.mean())))
+        if not covariance**2 > LEAST_FIT * variance * float(np.var(heights)):
+            return None
+        factor = covariance / variance
+        now, wanted = {
+            "mean_pressure": (factor * float(pressure.mean(dtype=float)), control.value),
+            "area_fraction": (heights.size / self.grid.size, control.value),
+            "approach": (float(np.mean(heights + factor * displaced)) - lowest, control.value - lowest),
+        }[control.kind]
+        if not (factor > 0 and abs(now - wanted) < NEAR_START * wanted):
+            return None
+        return pressure * pressure.dtype.type(factor)
+
+
+@dataclass(frozen=True)
+class Units:
+    """Units of a contact problem: powers of two, so that scaling rounds nothing.
+
+    Attributes
+    ----------
+    length, height, stress : float
+        In the unit of lengths and in that of Young's modulus.
+    datum : float
+        Height from which heights and the approach are measured.
+    below, above : float
+        How far heights count below and above the datum.
+    """
+
+    length: float
+    height: float
+    stress: float
+    datum: float = 0.0
+    below: float = math.inf
+    above: float = math.inf
+
+    @classmethod
+    def of_solid(cls, solid: Solid, grid: Grid) -> Units:
+        """Units of the longer edge and of the modulus."""
+        length = _power_of_two(max(grid.length))
+        return cls(length, length, _power_of_two(solid.effective_modulus))
+
+    def for_problem(self, height: Array, control: Control, hardness: float, response: Response) -> Units:
+        """Units for an imposed quantity, given a response in those of the solid."""
+        datum, below, above = reach(height, control, hardness / self.stress, response, self)
+        if control.kind == "mean_pressure":
+            depth = control.value / self.stress * self.length
+        else:
+            lowest = float(height.min())
+            depth = (control.value if control.kind == "approach" else float(height.max())) - lowest
+        height_unit = _power_of_two(depth) if depth > 0 else self.length
+        stress = self.stress * (height_unit / self.length)
+        return Units(self.length, height_unit, stress, datum, below, above)
+
+    def grid(self, grid: Grid) -> Grid:
+        return Grid(grid.shape, (grid.length[0] / self.length, grid.length[1] / self.length))
+
+    def solid(self, solid: Solid) -> Solid:
+        """The solid in these units: the ratio of a stress to a slope is its modulus."""
+        if isinstance(solid, TwoBodies):
+            return TwoBodies(self._layer(solid.lower), self._layer(solid.upper))
+        return self._layer(solid)
+
+    def _layer(self, layer: Layer) -> Layer:
+        height = None if layer.height is None else layer.height / self.length
+        return replace(layer, young=layer.young / self.stress * (self.height / self.length), height=height)
+
+    def heights(self, height: Array) -> Array:
+        """Heights above the datum, clipped."""
+        out = height - self.datum
+        if min(self.below, self.above) < math.inf:
+            np.clip(out, -self.below, self.above, out=out)
+        out *= 1 / self.height
+        return out
+
+    def clipped_by(self, height: Array) -> Array | None:
+        """By how much heights, in the unit of the caller, are clipped; None if none is."""
+        above = height - self.datum
+        if above.min() >= -self.below and above.max() <= self.above:
+            return None
+        return above - np.clip(above, -self.below, self.above)
+
+    def control(self, control: Control) -> Control:
+        if control.kind == "mean_pressure":
+            return replace(control, value=control.value / self.stress)
+        if control.kind == "approach":
+            return replace(control, value=(control.value - self.datum) / self.height)
+        return control
+
+
+def reach(
+    height: Array, control: Control, hardness: float, response: Response, units: Units
+) -> tuple[float, float, float]:
+    """Datum, and how far below and above it heights count: beyond, no node touches or none is free.
+
+    A node is displaced by at most the whole load times the displacement of a node per unit of a force on it
+    alone: the compliance is positive semidefinite, so that no element exceeds those on its diagonal. At a
+    given load the approach then lies within that bound of the height of the first node that the load needs:
+    the lowest, or under a hardness the one up to which all are full. At a given approach the energy bounds
+    the displacement. The proofs are in ``docs/contact.md``. Under an imposed area no bound is known.
+
+    Parameters
+    ----------
+    height : (ny, nx) array
+        In the unit of the caller, as the control.
+    control : Control
+    hardness : float
+        In units of the solid's modulus.
+    response : Response
+        In units of the solid.
+    units : Units
+        Those of the solid.
+
+    Returns
+    -------
+    datum, below, above : float
+        In the unit of the heights; infinite where nothing is clipped.
+    """
+    nodes, lowest, below = height.size, float(height.min()), math.inf
+    if control.kind == "area_fraction" or (control.kind == "approach" and control.value <= lowest):
+        return lowest, math.inf, math.inf
+    if control.kind == "mean_pressure":
+        load = control.value / units.stress * nodes
+        full = math.ceil(load / hardness) - 1 if hardness < math.inf else 0
+        datum = float(np.partition(height, full, axis=None)[full]) if full > 0 else lowest
+        above = 2 * load * response.own_compliance * units.length
+    else:
+        datum = control.value
+        # Without surroundings all displacements are downward: higher nodes than the approach never touch.
+        above = _largest_displacement(height, datum, response) if response.repeats else datum - lowest
+        above = min(above, nodes * hardness * response.own_compliance * units.length)
+    if hardness < math.inf:
+        below = above if response.repeats or control.fixes_load else math.inf
+    return datum, below, above
+
+
+def _largest_displacement(height: Array, approach: float, response: Response) -> float:
+    """Bound of the displacement of any node at a given approach, from the energy; infinite if none is known.
+
+    On a solid with a uniform displacement the mean pressure does at most the work of lowering the whole
+    surface. On another one the surface that is lowered where it overlaps the indenter, and raised by the same
+    volume where it has room, has an energy that the true one does not exceed.
+    """
+    depth = approach - float(height.min())
+    if response.uniform_compliance > 0:
+        energy = response.grid.size / response.uniform_compliance
+    else:
+        overlapping = float(np.count_nonzero(height < approach)) / height.size
+        room = float(np.count_nonzero(height >= approach + 2 * overlapping * depth)) / height.size
+        modes = response.half_compliance
+        softest = float(modes.min(where=modes > 0, initial=math.inf))
+        if room < 0.5 or not softest < math.inf:
+            return math.inf
+        energy = height.size * overlapping * (1 + 2 * overlapping) / softest
+    return depth * math.sqrt(response.own_compliance * energy)
 
 
 class ConvergenceProgress:
@@ -128,3 +306,8 @@ class ConvergenceProgress:
         self._smallest = max(min(self._smallest, error), self._tolerance)
         total = math.log(self._largest / self._tolerance)
         self._progress(math.log(self._largest / self._smallest), total)
+
+
+def _power_of_two(value: float) -> float:
+    """The power of two at or below a positive number."""
+    return math.ldexp(0.5, math.frexp(value)[1])

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asperity.contact.certificate import Certificate
-from asperity.contact.compliance import response_on
-from asperity.contact.tangent import Tangent, load_interval, tangent
+from asperity.contact.load import Tangent, load_interval, tangent
+from asperity.contact.response import response_on
 from asperity.core.arguments import magnitude
 from asperity.core.errors import shown
 from asperity.core.markup import picture, table

@@ -12,13 +12,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 
-from asperity.contact.active_set import nested_grids
-from asperity.contact.certificate import field_in_double
-from asperity.contact.certified_state import METHODS, Fields, checked_certificate, fields_of, state_of
-from asperity.contact.compliance import response_on
-from asperity.contact.problem import Control, Problem
+from asperity.contact import active_set, gfmd
+from asperity.contact.certificate import checked_certificate, field_in_double, rms_deviation
+from asperity.contact.problem import Control, Problem, State, Units
+from asperity.contact.response import Response, response_on
 from asperity.contact.solution import Contact
-from asperity.contact.units import Units
 from asperity.core.arguments import (
     LARGEST,
     SMALLEST,
@@ -29,11 +27,15 @@ from asperity.core.arguments import (
     require_finite,
     whole_number,
 )
+from asperity.core.compiled import compiled
 from asperity.core.errors import ConvergenceError, shown
+from asperity.core.parallel import total
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
 from asperity.fourier.grid import Grid, real_type
+
+METHODS = {"active_set": active_set.solve, "gfmd": gfmd.solve}
 
 # Most threads: more than any machine has cores, few enough to be started.
 MAX_THREADS = 1024
@@ -129,7 +131,7 @@ def solve(
 
     Notes
     -----
-    The methods are described in `asperity.contact.active_set.outer_loop` and `asperity.contact.gfmd`.
+    The methods are described in `asperity.contact.active_set` and `asperity.contact.gfmd`.
 
     Examples
     --------
@@ -154,7 +156,7 @@ def solve(
     rtol = number("rtol", rtol, "a number between 0 and 1", lambda value: 0 < value < 1)
     accepted = f"a whole number from 1 to {MAX_THREADS}"
     threads = whole_number("threads", threads, accepted, lambda count: 1 <= count <= MAX_THREADS)
-    values, lowest, highest = _checked_height(height)
+    values = _checked_height(height)
     grid = Grid(values.shape, length)  # type: ignore[arg-type]
     if not isinstance(solid, (Layer, TwoBodies)):
         raise TypeError(f"solid = {shown(solid)}: a Layer or TwoBodies is needed")
@@ -167,68 +169,43 @@ def solve(
     }
     control = _checked_control(*_only_one(imposed), grid)
     limit = math.inf if hardness is None else _checked_hardness(hardness, control)
-    response = response_on(boundary, solid, grid, precision, threads)
     _check_method(method, boundary, hardness)
-    if control.kind == "approach" and response.uniform_compliance == 0 and control.value >= values.mean():
-        raise ValueError(
-            f"approach = {shown(approach)}: less than the mean height {values.mean():.6g} is needed, because "
-            "this solid has no uniform displacement"
-        )
-    units = Units.of(lowest, highest, solid, grid, control)
+    units = Units.of_solid(solid, grid)
+    solid_and_grid = units.solid(solid), units.grid(grid)
+    response = response_on(boundary, *solid_and_grid, precision, threads, control.fixes_load)
+    _check_approach(control, response, values)
+    units = units.for_problem(values, control, limit, response)
     scaled = units.control(control)
-    _check_single_load(precision, scaled, units)
     start = None
     if initial is not None:
         start = grid.field("initial", initial.pressure if isinstance(initial, Contact) else initial)
         start = start.astype(float) / units.stress
-    heights, solid_and_grid = units.heights(values), (units.solid(solid), units.grid(grid))
-
-    def problem_in(kind: DTypeLike) -> Problem:
-        scaled_response = response_on(boundary, *solid_and_grid, kind, threads, control.fixes_load)
-        return Problem(heights, scaled_response, hardness=limit / units.stress)
-
     # A given start may overflow: the result is checked in the end.
     with np.errstate(over="ignore", under="ignore", invalid="ignore"):
-        problem, state = problem_in(precision), None
+        problem, state = Problem(units.heights(values), response, limit / units.stress), None
         try:
-            state = state_of(problem, scaled, method, rtol, progress, start)
+            state = _state_of(problem, scaled, method, rtol, progress, start)
         except ConvergenceError:
             if precision == np.float64 or rtol < np.finfo(precision).eps:
                 raise
         # Not in the block above, so that the fields of the first attempt are released.
         if state is None:
-            state = state_of(problem_in("float64"), scaled, method, rtol, progress, start)
+            exact = Problem(units.heights(values), response.in_precision("float64"), limit / units.stress)
+            state = _state_of(exact, scaled, method, rtol, progress, start)
             state = replace(state, pressure=state.pressure.astype(precision), displacement=None)
-        fields = fields_of(problem, scaled, state)
-        certificate = checked_certificate(problem, scaled, state, fields, rtol, method)
-        plastic = state.pressure >= problem.hardness
-        state.pressure[:] *= precision.type(units.stress)
-        for field in (fields.displacement, fields.gap):
-            field *= precision.type(units.height)
-        plastic_depth = None
-        if hardness is not None:
-            plastic_depth = np.where(plastic, np.maximum(-fields.gap, 0), 0)
-            fields.gap[:] += plastic_depth
-        pairs = problem.fourier.work.pairs(grid)
-        contact = Contact(
-            height=values.astype(precision, copy=False),
-            pressure=state.pressure,
-            displacement=fields.displacement,
-            gap=fields.gap,
+        contact = _contact_of(problem, scaled, state, values, units, rtol)
+        contact = replace(
+            contact,
             grid=grid,
             solid=solid,
-            boundary=boundary,
-            area_fraction=fields.nodes / grid.size,
-            mean_pressure=fields.mean_pressure * units.stress,
-            approach=fields.approach * units.height + units.datum,
-            certificate=replace(certificate, pairs=pairs, seconds=time.perf_counter() - begin),
-            control_error=_control_error(scaled, fields, grid),
             method=method,
-            rtol=rtol,
-            hardness=problem.hardness * units.stress,
-            plastic_depth=plastic_depth,
+            approach=contact.approach if approach is None else control.value,
+            certificate=replace(
+                contact.certificate,
+                pairs=problem.fourier.work.pairs(grid),
+                seconds=time.perf_counter() - begin,
+            ),
         )
-    _require_held(contact, units, fields.nodes, lowest < highest)
     return contact
 
 
@@ -297,8 +274,8 @@ def _solve_each(
 # Arguments
 
 
-def _checked_height(height: ArrayLike) -> tuple[Array, float, float]:
-    """Return the surface as a real array [y, x] of finite numbers, and its least and largest height."""
+def _checked_height(height: ArrayLike) -> Array:
+    """Return the surface as a real array [y, x] of finite numbers."""
     values = field_in_double("height", finite_array("height", height))
     lowest, highest = float(values.min()), float(values.max())
     if 0 < highest - lowest < SMALLEST:
@@ -306,7 +283,7 @@ def _checked_height(height: ArrayLike) -> tuple[Array, float, float]:
             f"height: heights that differ by {SMALLEST:g} or more, or not at all, are needed; they differ by "
             f"{highest - lowest:.3g}"
         )
-    return values, lowest, highest
+    return values
 
 
 def _only_one(imposed: Mapping[str, Any]) -> tuple[str, Any]:
@@ -343,41 +320,148 @@ def _check_method(method: str, boundary: str, hardness: float | None) -> None:
         raise ValueError(f"method = 'gfmd': active_set is needed for boundary = {boundary!r}")
 
 
-def _check_single_load(precision: DTypeLike, imposed: Control, units: Units) -> None:
-    """Require a load that single precision tells from none; it is given in the units of the solution."""
-    least = nested_grids.SMALLEST_SINGLE_LOAD
-    if precision == np.float32 and imposed.kind == "mean_pressure" and 0 < imposed.value < least:
+def _check_approach(control: Control, response: Response, height: Array) -> None:
+    """Require an approach that the solid can reach."""
+    if control.kind == "approach" and response.uniform_compliance == 0 and control.value >= height.mean():
         raise ValueError(
-            f"mean_pressure = {imposed.value * units.stress:g}: at least {least * units.stress:.1g} is "
-            "needed with dtype = 'float32'"
+            f"approach = {control.value:.6g}: less than the mean height {height.mean():.6g} is needed, "
+            "because this solid has no uniform displacement"
         )
 
 
-# The result
+# The solution in its own units
 
 
-def _control_error(imposed: Control, fields: Fields, grid: Grid) -> float:
+def _state_of(
+    problem: Problem,
+    control: Control,
+    method: str,
+    rtol: float,
+    progress: Progress | None,
+    initial: Array | None,
+) -> State:
+    """The state under a load; an imposed area is at least that of the lowest nodes, which touch together."""
+    if control.kind == "approach" and control.value <= (lowest := problem.lowest):
+        return State(np.zeros_like(problem.height), control.value, 0.0)
+    if control.kind == "mean_pressure" and control.value == 0:
+        return State(np.zeros_like(problem.height), problem.lowest, 0.0)
+    if control.kind == "area_fraction":
+        lowest, size = problem.lowest, problem.grid.size
+        together = np.count_nonzero(problem.height == lowest) / size
+        control = replace(control, value=max(control.value, together))
+        if round(control.value * size) == size and problem.response.repeats and together < 1:
+            full = problem.full_contact()
+            if (largest := float(full.pressure.max())) > problem.hardness:
+                raise ValueError(
+                    f"area_fraction = {control.value:g}: less is needed, because full contact takes "
+                    f"{largest / problem.hardness:.4g} times the hardness"
+                )
+            return full
+    start = None if initial is None else problem.near_start(control, initial)
+    return METHODS[method](problem, control, rtol, progress, start)
+
+
+def _contact_of(
+    problem: Problem, control: Control, state: State, values: Array, units: Units, rtol: float
+) -> Contact:
+    """The certified contact in the units of the caller, without what the caller imposed.
+
+    Raises
+    ------
+    ConvergenceError
+        If the certificate is not fulfilled.
+    ValueError
+        If the precision of the fields does not hold the numbers in these units.
+    """
+    response, threads, hardness = problem.response, problem.fourier.threads, problem.hardness
+    displacement = state.displacement
+    if displacement is None:
+        displacement = response.displacement(state.pressure)
+    response.release()
+    fields = (field.reshape(-1) for field in (state.pressure, problem.height, displacement))
+    sums = total(_levels_of_contact, threads, *fields, problem.fourier.real.type(hardness))
+    total_level, elastic, nodes, total_pressure = sums
+    mean_pressure, approach = total_pressure / problem.grid.size, state.approach
+    if control.kind != "approach" and elastic:
+        approach = total_level / elastic
+    rms_height = rms_deviation(values, threads) / units.height
+    certificate = checked_certificate(problem, control, state, displacement, approach, rms_height, rtol)
+    # The heights in these units are not needed any more.
+    gap = problem.height
+    gap += displacement
+    gap -= gap.dtype.type(approach)
+    mean = response.omitted_compliance * state.load if response.omits_mean else 0.0
+    if mean:
+        displacement = displacement + displacement.dtype.type(mean)
+    plastic = state.pressure >= hardness if hardness < math.inf else None
+    state.pressure[:] *= state.pressure.dtype.type(units.stress)
+    for field in (displacement, gap):
+        field *= field.dtype.type(units.height)
+    clipped = units.clipped_by(values)
+    if clipped is not None:
+        gap += clipped.astype(gap.dtype, copy=False)
+    plastic_depth = None
+    if plastic is not None:
+        plastic_depth = np.where(plastic, np.maximum(-gap, 0), 0)
+        gap += plastic_depth
+    contact = Contact(
+        height=values.astype(gap.dtype, copy=False),
+        pressure=state.pressure,
+        displacement=displacement,
+        gap=gap,
+        grid=problem.grid,
+        solid=response.solid,
+        boundary=response.boundary,
+        area_fraction=nodes / problem.grid.size,
+        mean_pressure=mean_pressure * units.stress,
+        approach=(approach + mean) * units.height + units.datum,
+        certificate=certificate,
+        control_error=_control_error(control, nodes / problem.grid.size, mean_pressure),
+        method="active_set",
+        rtol=rtol,
+        hardness=hardness * units.stress,
+        plastic_depth=plastic_depth,
+    )
+    _require_held(contact, units, nodes)
+    return contact
+
+
+def _control_error(imposed: Control, area_fraction: float, mean_pressure: float) -> float:
     """Relative difference between the imposed load or area and the one reached."""
-    reached = {"area_fraction": fields.nodes / grid.size, "mean_pressure": fields.mean_pressure}
+    reached = {"area_fraction": area_fraction, "mean_pressure": mean_pressure}
     if imposed.kind not in reached or imposed.value == 0:
         return 0.0
     return abs(reached[imposed.kind] / imposed.value - 1)
 
 
-def _require_held(contact: Contact, units: Units, nodes: int, is_rough: bool) -> None:
+def _require_held(contact: Contact, units: Units, nodes: int) -> None:
     """Require that a result is finite, and that its precision holds it in the units given."""
-    if units.change and (
-        np.count_nonzero(contact.pressure) != nodes
-        or not is_finite(contact.pressure)
-        or bool(np.ptp(contact.height)) != is_rough
-    ):
+    held = True
+    if not all(2.0**-60 < unit < 2.0**60 for unit in (units.height, units.stress)):
+        held = np.count_nonzero(contact.pressure) == nodes and is_finite(contact.pressure)
+    if not held or (contact.height.dtype == np.float32 and not is_finite(contact.height)):
         precision = contact.pressure.dtype
         other = "float64 or other units" if precision == np.float32 else "other units"
         raise ValueError(
             f"dtype = {precision.name!r}: cannot hold heights of about {units.height:.0e} and pressures of "
             f"about {units.stress:.0e}; {other} are needed"
         )
-    # The certificate is finite only if the fields are, which a change of units may undo.
-    fields = ("pressure", "displacement", "gap") if units.change else ()
+    fields = ("pressure", "displacement", "gap")
     numbers = ("mean_pressure", "approach", "area_fraction", "control_error")
     require_finite("solve", {name: getattr(contact, name) for name in (*fields, *numbers)})
+
+
+@compiled
+def _levels_of_contact(
+    pressure: Any, height: Any, displacement: Any, hardness: Any
+) -> tuple[float, int, int, float]:
+    """Sum of h + u over the elastic nodes, their number, that of contact nodes, and the sum of p."""
+    total_level, elastic, count, total = 0.0, 0, 0, 0.0
+    for i in range(pressure.size):
+        total += np.float64(pressure[i])
+        if pressure[i] > 0:
+            count += 1
+            if pressure[i] < hardness:
+                total_level += np.float64(height[i] + displacement[i])
+                elastic += 1
+    return total_level, elastic, count, total

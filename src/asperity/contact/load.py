@@ -1,28 +1,39 @@
-"""Control by area: the load that gives a number of contact nodes, found while the pressure converges.
+"""Change of a contact with its load: stiffness, the loads of one set of contact nodes, control by area.
 
-The number of contact nodes to which a step leads is known before its gap is evaluated. Where it misses the
-one asked for, the correction is extended along the tangent of the contact, its change with the approach on a
-fixed set of nodes. Along the tangent each node enters or leaves the contact at a known change of the
-approach, so that the number of contact nodes follows by sorting these changes.
+While the same nodes are in contact and the same ones are plastic, pressure and gap are linear in the load.
+Their change, the *tangent*, gives the stiffness, and the loads at which the first pressure vanishes or
+reaches the hardness, or the first gap closes.
 
-Loads at which the pressure has converged bracket the one sought. Several nodes may touch at the same load, as
-on a surface with a symmetry. If for that reason the area jumps past the one asked for, the bracket closes on
-the jump, and the side with the nearer area is taken.
+**Control by area** seeks the load that gives a number of contact nodes while the pressure converges. The
+number of contact nodes to which a step leads is known before its gap is evaluated. Where it misses the one
+asked for, the correction is extended along the tangent, on which each node enters or leaves the contact at a
+known change of the approach, so that the number of contact nodes follows by sorting these changes. Loads at
+which the pressure has converged bracket the one sought. Several nodes may touch at the same load, as on a
+surface with a symmetry. If for that reason the area jumps past the one asked for, the bracket closes on the
+jump, and the side with the nearer area is taken.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from asperity.contact.active_set.assembly import ContactSystem
-from asperity.contact.active_set.inner_solve import Correction, InnerSolver
-from asperity.contact.active_set.iterate import Iterate
-from asperity.contact.active_set.step import EntryCandidates
-from asperity.contact.problem import Problem
+from asperity.contact.inner_solve import Correction, InnerSolver, System
+from asperity.contact.iterate import ContactSystem, Iterate, OverlapOfHeld
+from asperity.contact.problem import Problem, Units
+from asperity.contact.response import response_on
+from asperity.core.errors import ConvergenceError
 from asperity.core.types import Array
+from asperity.elasticity.two_bodies import Solid
+from asperity.fourier.grid import Grid
+
+# Residual, relative to the change of the pressure, at which the solution for a tangent ends. An inner solve
+# leaves a few per cent of it.
+TANGENT_RESIDUAL = 1e-7
+MAX_TANGENT_SOLVES = 200
+MAX_TANGENT_ITERATIONS = 300
 
 # Contact nodes may differ from the number asked for by one half, or by this fraction of it.
 AREA_TOLERANCE = 1e-4
@@ -40,6 +51,102 @@ TANGENT_DROP = 0.1
 
 # Before the pressure has converged the load changes in at most so many steps. Most solutions take three.
 MAX_EARLY_CHANGES = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Tangent:
+    """Change of a contact per change of its mean pressure.
+
+    Attributes
+    ----------
+    pressure : (ny, nx) array
+        On the nodes that move, zero elsewhere; its mean is one.
+    closing : (ny, nx) array
+        Change of the overlap: of the approach less that of the displacement.
+    approach : float
+        Change of the approach.
+    """
+
+    pressure: Array
+    closing: Array
+    approach: float
+
+
+def tangent(moving: Array, grid: Grid, solid: Solid, boundary: str) -> Tangent | None:
+    """Tangent of a contact; None if no node moves.
+
+    By conjugate gradients in double precision, with an inner solve as their preconditioner.
+
+    Parameters
+    ----------
+    moving : (ny, nx) array of bool
+        True at nodes whose gap stays closed while their pressure changes.
+    grid, solid, boundary
+        As in `asperity.contact.Contact`.
+
+    Raises
+    ------
+    ConvergenceError
+        If the residual does not fall to its tolerance.
+    """
+    if not moving.any():
+        return None
+    units = Units.of_solid(solid, grid)
+    response = response_on(boundary, units.solid(solid), units.grid(grid))
+    inner, nodes = InnerSolver(response), np.flatnonzero(moving).astype(np.uint32)
+    operators = inner.operators(nodes)
+    pressure = np.where(moving, grid.size / nodes.size, 0.0)
+    direction, own = np.zeros_like(pressure), pressure.reshape(-1)
+    level = response.displacement(pressure).reshape(-1)[nodes] / response.nodal_compliance
+    residual, before, previous = level.mean() - level, np.zeros(nodes.size), math.inf
+    for solves in range(MAX_TANGENT_SOLVES + 1):
+        error = float(np.linalg.norm(residual) / np.linalg.norm(own))
+        if error <= TANGENT_RESIDUAL:
+            break
+        if solves == MAX_TANGENT_SOLVES:
+            load = float(pressure.mean())
+            raise ConvergenceError("tangent of the contact", error, TANGENT_RESIDUAL, solves, load)
+        scale = float(np.abs(residual).max())
+        scaled = (residual / scale).astype(np.float32)
+        system = System(operators, scaled, operators.precondition(scaled), fixed_load=True)
+        correction = inner.solve(system, max_iterations=MAX_TANGENT_ITERATIONS).pressure * scale
+        correction -= correction.mean()
+        ratio = max(float(correction @ (residual - before)) / previous, 0.0)
+        direction.reshape(-1)[nodes] = correction + ratio * direction.reshape(-1)[nodes]
+        along = direction.reshape(-1)[nodes]
+        level = response.displacement(direction).reshape(-1)[nodes] / response.nodal_compliance
+        length = float(residual @ along) / float(along @ level)
+        before, previous = residual, float(correction @ residual)
+        own[nodes] += length * along
+        residual = residual - length * (level - level.mean())
+    own *= grid.size / own.sum()
+    displaced, unit = response.displacement(pressure), units.height / units.stress
+    approach = float(displaced.reshape(-1)[nodes].mean())
+    return Tangent(pressure, unit * (approach - displaced), unit * approach)
+
+
+def load_interval(pressure: Array, gap: Array, hardness: float, found: Tangent | None) -> tuple[float, float]:
+    """Least and largest mean pressure between which the same nodes touch, and the same ones are plastic.
+
+    Parameters
+    ----------
+    pressure, gap : (ny, nx) arrays
+        The gap of plastic nodes is the negative plastic depth.
+    hardness : float
+    found : Tangent or None
+        None if no node moves.
+    """
+    load = float(pressure.mean(dtype=float))
+    if found is None:
+        return load, load
+    moving, rate = found.pressure != 0, found.pressure
+    with np.errstate(divide="ignore", invalid="ignore"):
+        released = np.where(moving, -pressure / rate, np.nan)
+        yields = np.where(moving, (hardness - pressure) / rate, np.nan)
+        meets = np.where(moving, np.nan, gap / found.closing)
+    changes = np.concatenate([change.ravel() for change in (released, yields, meets)])
+    falls, rises = changes[changes < 0], changes[changes > 0]
+    return load + float(falls.max(initial=-load)), load + float(rises.min(initial=math.inf))
 
 
 class AreaControl:
@@ -128,31 +235,31 @@ def extended(
     iterate: Iterate,
     system: ContactSystem,
     correction: Correction,
-    entering: EntryCandidates,
+    held: OverlapOfHeld,
     inner: InnerSolver,
     converged: bool,
-) -> tuple[Correction, EntryCandidates, float] | None:
+) -> tuple[Correction, OverlapOfHeld, float] | None:
     """Extend a correction to the load at which the number of contact nodes is that asked for.
 
     Returns
     -------
-    (Correction, EntryCandidates, load) or None
+    (Correction, OverlapOfHeld, load) or None
         None if the load stays.
     """
     unit, load = iterate.problem.unit, iterate.load
     after = iterate.pressure[system.elastic] + correction.pressure
-    count = int(np.count_nonzero(after > 0) + np.count_nonzero(entering.enter)) + system.plastic.size
+    count = int(np.count_nonzero(after > 0) + np.count_nonzero(held.enter)) + system.plastic.size
     if not converged:
         near = abs(count - area.target) <= max(AREA_TOLERANCE * area.target, 0.5)
         if near or not area.may_change():
             return None
-    tangent = _tangent(iterate, system, inner)
+    tangent = _approximate_tangent(iterate, system, inner)
     slope = float(tangent.pressure.sum(dtype=float)) / iterate.problem.grid.size
     if not slope > 0:
         return None
     up = MAX_LOAD_CHANGE * load / slope
     down = 0.999 * load / slope if converged else up
-    near_nodes = EntryCandidates.after(iterate, system, correction, unit * up)
+    near_nodes = system.held_after(iterate, correction, unit * up)
     rate = 1 - system.linear.operators.displacement(tangent.pressure, near_nodes.held.nodes)
     closing = near_nodes.held.side > 0
     edges = np.concatenate(
@@ -191,7 +298,7 @@ def extended(
     return moved, replace(near_nodes, overlap=overlap), new_load
 
 
-def _borne(elastic: Array, candidates: EntryCandidates, further: Array, problem: Problem) -> float:
+def _borne(elastic: Array, candidates: OverlapOfHeld, further: Array, problem: Problem) -> float:
     """Mean pressure on elastic nodes, on nodes that enter and on plastic ones, whose overlap grows."""
     plastic = candidates.held.side < 0
     overlap = candidates.overlap + further + np.where(plastic, problem.hardness, 0)
@@ -199,7 +306,7 @@ def _borne(elastic: Array, candidates: EntryCandidates, further: Array, problem:
     return float(pressure.sum(dtype=float)) / problem.grid.size
 
 
-def _tangent(iterate: Iterate, system: ContactSystem, inner: InnerSolver) -> Correction:
+def _approximate_tangent(iterate: Iterate, system: ContactSystem, inner: InnerSolver) -> Correction:
     """Change of the contact per change of the approach, in units of the nodal compliance.
 
     Its approach is 1, or 0 in full contact of a solid without uniform displacement.

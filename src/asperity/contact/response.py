@@ -1,7 +1,6 @@
-"""Displacement of the surface of a solid under any pressure, with a periodic boundary.
+"""Displacement of the surface of a solid under any pressure on a map that repeats, or that is free around.
 
-The solvers know the solid only as a `Response`, which repeats the map in both directions; in
-`asperity.contact.compliance.free_response` nothing surrounds it. In both, displacement is the product of the
+The solvers know the solid only as a `Response`. In both boundaries the displacement is the product of the
 Fourier coefficients of the pressure with real factors, so that the solvers are the same; what differs is
 gathered in these classes.
 """
@@ -14,11 +13,19 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import DTypeLike
 
+from asperity.core.arguments import choice
 from asperity.core.compiled import compiled
 from asperity.core.parallel import in_parts, in_strips
 from asperity.core.types import Array
+from asperity.elasticity.loaded_rectangle import (
+    PaddedFourier,
+    compliance_modes,
+    padded_grid,
+    rectangle_compliance,
+    slope_modes,
+)
 from asperity.elasticity.two_bodies import Solid
-from asperity.fourier.grid import Fourier, Grid, gradient, resample
+from asperity.fourier.grid import Fourier, Grid, gradient
 
 
 class Response:
@@ -74,6 +81,20 @@ class Response:
         fourier = self.transforms(outer.grid, dtype, outer.threads, outer.work)
         return type(self)(self.solid, fourier, self.omits_mean, self.half_compliance.astype(fourier.real))
 
+    def coarser(self, min_points: int) -> Self | None:
+        """Response on half the nodes of each axis that has at least twice a number; None if none has.
+
+        A free map grows by one spacing along an axis with an odd number of nodes.
+        """
+        shape = tuple(n if n < 2 * min_points else (n + 1) // 2 for n in self.grid.shape)
+        if shape == self.grid.shape:
+            return None
+        length = self.grid.length
+        if not self.repeats:
+            growth = (1 if m == n else 2 * m / n for m, n in zip(shape, self.grid.shape, strict=True))
+            length = tuple(edge * factor for edge, factor in zip(length, growth, strict=True))
+        return self.on_grid(Grid(shape, length))  # type: ignore[arg-type]
+
     @property
     def nodal_compliance(self) -> float:
         """Unit of displacement per pressure: spacing / E*.
@@ -107,6 +128,12 @@ class Response:
         return self.half_compliance[np.abs(self.mode_grid.ky)]
 
     @property
+    def own_compliance(self) -> float:
+        """Displacement of a node per unit of a pressure on it alone: none moves further under that load."""
+        rows = np.bincount(np.abs(self.grid.ky))
+        return float(rows @ (self.half_compliance @ self.grid.multiplicity)) / self.grid.size
+
+    @property
     def uniform_compliance(self) -> float:
         """Largest displacement per unit of a pressure on the whole map; 0 where it is not defined."""
         return 0.0 if self.omits_mean else self.solid.uniform_compliance()
@@ -119,6 +146,10 @@ class Response:
     @cached_property
     def _coefficients(self) -> Array:
         return np.empty(self.mode_grid.half_shape, self.fourier.complex)
+
+    def release(self) -> None:
+        """Free the working space, which the next displacement makes again."""
+        self.__dict__.pop("_coefficients", None)
 
     def displacement(self, pressure: Array, out: Array | None = None) -> Array:
         """Downward displacement u[y, x] of the surface under `pressure`, by one pair of transforms."""
@@ -134,20 +165,107 @@ class Response:
         response = type(self)(self.solid, self.transforms(cells), self.omits_mean)
         return Fourier(response.mode_grid, np.float32, 1, self.fourier.work), response.compliance
 
-    def coarsened(self, height: Array, shape: tuple[int, int]) -> tuple[Response, Array]:
-        """The response and the surface, truncated in Fourier space, on a grid of half the nodes."""
-        coarser = self.on_grid(Grid(shape, self.grid.length))
-        coefficients = resample(self.fourier.forward(height), self.grid, coarser.grid)
-        return coarser, coarser.fourier.inverse(coefficients, overwrite=True)
+    def resampled(self, field: Array, to: Grid) -> Array:
+        """Linear interpolation of a field to a coarser or finer grid of the same map.
 
-    def interpolated(self, field: Array, finer: Response) -> Array:
-        """The Fourier interpolant of a field on a finer grid, of which this one was made by `coarsened`."""
-        coefficients = resample(self.fourier.forward(field), self.grid, finer.grid)
-        return finer.fourier.inverse(coefficients, overwrite=True)
+        The node is in the middle of its cell. On half the nodes this is the mean over pairs of nodes: no
+        value lies outside the range of the field, so that what is flat stays flat.
+        """
+        for axis in (0, 1):
+            nodes, wanted = field.shape[axis], to.shape[axis]
+            if nodes == wanted:
+                continue
+            ratio = to.spacing[axis] / self.grid.spacing[axis]
+            position = (np.arange(wanted) + 0.5) * ratio - 0.5
+            before = np.floor(position).astype(np.intp)
+            weight = (position - before).astype(field.dtype)
+            ends = [before % nodes, (before + 1) % nodes]
+            if not self.repeats:
+                ends = [np.clip(end, 0, nodes - 1) for end in (before, before + 1)]
+            weight = weight[:, None] if axis == 0 else weight
+            first, second = (field.take(end, axis) for end in ends)
+            second -= first
+            second *= weight
+            second += first
+            field = second
+        return field
 
     def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
         """∂u/∂y and ∂u/∂x of the surface by spectral differentiation of the displacement."""
         return gradient(self.fourier.forward(displacement), self.fourier)
+
+
+class FreeResponse(Response):
+    """Response of half-spaces to a pressure on the map alone: nothing surrounds the map.
+
+    Each node stands for a rectangle under uniform pressure, of the size of the spacing and with the node in
+    its middle, for which it is exact; see `asperity.elasticity.loaded_rectangle`. Far from the map the
+    displacement is zero.
+    """
+
+    boundary = "free"
+    repeats = False
+    transforms = PaddedFourier
+
+    @cached_property
+    def half_compliance(self) -> Array:
+        return self.compliance[: self.mode_grid.shape[0] // 2 + 1].astype(self.fourier.real)
+
+    @property
+    def compliance(self) -> Array:
+        return compliance_modes(self.grid, self.solid.effective_modulus)
+
+    @property
+    def mode_grid(self) -> Grid:
+        """The padded grid, on which distances within the map do not wrap around."""
+        return padded_grid(self.grid)
+
+    @property
+    def own_compliance(self) -> float:
+        return rectangle_compliance(0.0, 0.0, self.grid.spacing, self.solid.effective_modulus).item()
+
+    @property
+    def uniform_compliance(self) -> float:
+        """The displacement in the middle of the map."""
+        return rectangle_compliance(0.0, 0.0, self.grid.length, self.solid.effective_modulus).item()
+
+    def gradient(self, pressure: Array, displacement: Array) -> tuple[Array, Array]:
+        """The exact slopes at the nodes under the same uniformly loaded rectangles."""
+        fourier = PaddedFourier(self.grid, np.float64, self.fourier.threads, self.fourier.work)
+        coefficients = fourier.forward(pressure)
+        slope_y, slope_x = (
+            fourier.inverse(coefficients * modes, overwrite=True)
+            for modes in slope_modes(self.grid, self.solid.effective_modulus)
+        )
+        return slope_y, slope_x
+
+
+RESPONSES: dict[str, type[Response]] = {"periodic": Response, "free": FreeResponse}
+
+
+def response_on(
+    boundary: str,
+    solid: Solid,
+    grid: Grid,
+    dtype: DTypeLike = "float64",
+    threads: int = 1,
+    omits_mean: bool = False,
+) -> Response:
+    """Response of a solid on a grid, with a condition at the edge of the map.
+
+    Raises
+    ------
+    ValueError
+        If the condition is unknown, or is not known for this solid.
+    """
+    choice("boundary", boundary, tuple(RESPONSES))
+    if boundary == "free" and solid.height is not None:
+        raise ValueError(
+            f"boundary = 'free': half-spaces are needed, because the displacement of a layer, here of height "
+            f"{solid.height:g}, under an isolated load has no closed form"
+        )
+    kind = RESPONSES[boundary]
+    return kind(solid, kind.transforms(grid, dtype, threads), omits_mean)
 
 
 def multiply(coefficients: Array, half: Array, threads: int) -> None:

@@ -2,7 +2,7 @@
 
 On the contact nodes the correction x of the pressure solves G x = r, where G is the compliance restricted to
 these nodes and r the overlap that is left. G is applied to a per cent, by a stencil and on a coarser grid
-(`asperity.contact.compliance.inner_response`). The iteration is that of Polonsky & Keer (1999,
+(`asperity.contact.operators`). The iteration is that of Polonsky & Keer (1999,
 10.1016/S0043-1648(99)00113-1), who change the set of contact nodes in every iteration. Here, as in the
 method of Moré & Toraldo (1991, 10.1137/0801008), it is fixed for a few iterations, so that the directions
 stay conjugate.
@@ -11,7 +11,7 @@ At a given load the corrections sum to zero. For that, the multiple of M 1 that 
 subtracted from the preconditioned residual M r; with M = 1 this is the mean that Polonsky & Keer subtract.
 Directions are combined by the formula of Polak and Ribière, which tolerates that M is not quite the same in
 every iteration (Notay 2000, 10.1137/S1064827599362314). New here is the preconditioner M
-(`asperity.contact.compliance.preconditioner`), and that the solve runs in single precision: it computes a
+(`asperity.contact.operators`), and that the solve runs in single precision: it computes a
 correction, and the outer loop evaluates the gap anew in the precision of the fields.
 """
 
@@ -23,11 +23,9 @@ from typing import Any
 
 import numpy as np
 
-from asperity.contact.compliance.inner_response import InnerResponse
-from asperity.contact.compliance.preconditioner import NodePreconditioner, Preconditioner
-from asperity.contact.compliance.response import Response
-from asperity.contact.compliance.stencil import StencilProduct
-from asperity.contact.compliance.vectors import add_multiple, added, dot
+from asperity.contact.contact_nodes import StencilProduct, add_multiple, dot
+from asperity.contact.operators import InnerResponse, Operators, Preconditioner
+from asperity.contact.response import Response
 from asperity.core.compiled import compiled, sums
 from asperity.core.parallel import apply, total
 from asperity.core.types import Array
@@ -87,35 +85,6 @@ class Correction:
     displacement: Array
     approach: float
     iterations: int
-
-
-class Operators:
-    """The approximate compliance G and its approximate inverse M on the contact nodes.
-
-    Displacements are in units of `Response.nodal_compliance`, and so have the unit of a pressure.
-
-    Attributes
-    ----------
-    nodes : (count,) array of unsigned integers
-        Sorted indices of the contact nodes in the flattened grid.
-    precondition : NodePreconditioner
-    uniform : (count,) array
-        Pressures M 1 that answer a uniform residual.
-    uniform_sum : float
-        Their sum.
-    """
-
-    def __init__(self, nodes: Array, response: InnerResponse, whole: Preconditioner) -> None:
-        self.nodes = nodes
-        self._response = response
-        self._indices = response.indices(nodes)
-        self.precondition = NodePreconditioner(whole, nodes)
-        self.uniform = self.precondition.uniform
-        self.uniform_sum = total(added, whole.threads, self.uniform)
-
-    def displacement(self, pressure: Array, at: Array | None = None) -> Array:
-        """Displacement under pressures on the contact nodes, of these or of others given by their indices."""
-        return self._response.displacement(pressure, self.nodes, self._indices, at)
 
 
 class InnerSolver:

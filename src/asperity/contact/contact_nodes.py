@@ -1,8 +1,15 @@
-"""Stencils applied to values on the contact nodes: the product with a kernel of short range.
+"""Compiled loops over the contact nodes: sums, interpolation from a coarser grid, stencils.
 
-The map is taken in strips of rows, which stay in the processor's cache. The values of a strip and of the rows
-around it are written to an array with a margin that repeats the map, or is zero if nothing surrounds the map.
-The weights of a stencil are symmetric, and may differ between even and odd rows and columns.
+Fields are flattened. `nodes` holds the sorted indices of the contact nodes in the flattened field; arrays of
+that size hold one element for each contact node. Sums accumulate in double precision.
+
+The coarse-grid nodes are those in every second row and column. A field on them has a row and a column more
+than there are even rows and columns.
+
+A stencil is a kernel of short range. The map is taken in strips of rows, which stay in the processor's cache.
+The values of a strip and of the rows around it are written to an array with a margin that repeats the map, or
+is zero if nothing surrounds the map. The weights of a stencil are symmetric, and may differ between even and
+odd rows and columns.
 """
 
 from __future__ import annotations
@@ -16,7 +23,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from asperity.core.compiled import compiled
+from asperity.core.compiled import compiled, makes_arrays, sums
 from asperity.core.parallel import in_parts
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid
@@ -31,6 +38,130 @@ _LANES = _ROWS + 1
 # Numbers in a strip with its margin, which are half of a cache of 1 MiB, and its least number of rows.
 _STRIP = 2**17
 _LEAST_ROWS = 16
+
+
+def field_of(shape: tuple[int, int], nodes: Array, values: Array) -> Array:
+    """Field [y, x] of values on nodes, zero on all others."""
+    field = np.zeros(shape, values.dtype)
+    field.reshape(-1)[nodes.astype(np.intp)] = values  # in less than half the time of other integers
+    return field
+
+
+@makes_arrays
+def inserted(values: Any, at: Any, others: Any) -> Any:
+    """Values with others inserted before the sorted places `at`, in a third of the time of `numpy.insert`."""
+    out = np.empty(values.size + others.size, values.dtype)
+    first = 0
+    for k in range(at.size):
+        for i in range(first, at[k]):
+            out[i + k] = values[i]
+        out[at[k] + k] = others[k]
+        first = at[k]
+    for i in range(first, values.size):
+        out[i + at.size] = values[i]
+    return out
+
+
+@sums
+def added(a: Any) -> float:
+    """Σ a."""
+    total = 0.0
+    for k in range(a.size):
+        total += np.float64(a[k])
+    return total
+
+
+@sums
+def dot(a: Any, b: Any) -> float:
+    """Σ a b."""
+    total = 0.0
+    for k in range(a.size):
+        total += np.float64(a[k]) * np.float64(b[k])
+    return total
+
+
+@compiled
+def add_multiple(values: Any, others: Any, factor: Any) -> None:
+    """Add factor × others to values."""
+    for k in range(values.size):
+        values[k] += factor * others[k]
+
+
+def row_plus_column(nodes: Array, of_row: Array, of_column: Array) -> Array:
+    """Sum of a number of its row and a number of its column, for each of some nodes.
+
+    Parameters
+    ----------
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened map.
+    of_row, of_column : (ny,) and (nx,) arrays of the same type
+
+    Returns
+    -------
+    (count,) array of that type
+    """
+    out = np.empty(nodes.size, of_row.dtype)
+    _row_plus_column(nodes, of_row, of_column, out)
+    return out
+
+
+@compiled
+def _row_plus_column(nodes: Any, of_row: Any, of_column: Any, out: Any) -> None:
+    row, start = np.int64(0), np.int64(0)
+    for k in range(nodes.size):
+        node = np.int64(nodes[k])
+        if node >= start + of_column.size:
+            row = node // of_column.size
+            start = row * of_column.size
+        out[k] = of_row[row] + of_column[node - start]
+
+
+def coarse_indices(nodes: Array, shape: tuple[int, int], width: int) -> Array:
+    """For each node, 4 × index of a coarse-grid node + 2 × parity of its row + parity of its column.
+
+    Parameters
+    ----------
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened map.
+    shape : (ny, nx)
+        Nodes of the map.
+    width : int
+        Columns of the field on the coarse-grid nodes. The index is that of the coarse-grid node in the same
+        row and column or in those before, in this field, flattened.
+    """
+    rows, columns = (np.arange(count, dtype=np.uint32) for count in shape)
+    of_row = 4 * (rows // 2 * np.uint32(width)) + 2 * (rows % 2)
+    return row_plus_column(nodes, of_row, 4 * (columns // 2) + columns % 2)
+
+
+@compiled
+def restrict(indices: Any, values: Any, width: int, field: Any) -> None:
+    """Add values on nodes to a flattened field on the coarse-grid nodes, by transposed interpolation."""
+    half = np.float32(0.5)
+    for k in range(indices.size):
+        index, value = np.int64(indices[k]), values[k]
+        i = index >> 2
+        # Nothing is added to the next column if the node is in an even one: a branch would be slower.
+        after = half * np.float32(index & 1) * value
+        before = value - after
+        if index & 2:
+            before, after = half * before, half * after
+            field[i + width] += before
+            field[i + width + 1] += after
+        field[i] += before
+        field[i + 1] += after
+
+
+@compiled
+def add_prolongated(field: Any, indices: Any, width: int, out: Any) -> None:
+    """Add the interpolant of a flattened field on the coarse-grid nodes to values on nodes."""
+    quarter = np.float32(0.25)
+    for k in range(indices.size):
+        index = np.int64(indices[k])
+        i = index >> 2
+        below = i + ((index >> 1) & 1) * width
+        after = index & 1
+        out[k] += quarter * ((field[i] + field[i + after]) + (field[below] + field[below + after]))
 
 
 class StencilProduct:

@@ -1,1 +1,0 @@
-"""The fast solver: an active-set method on nested grids."""

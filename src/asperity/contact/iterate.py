@@ -1,0 +1,508 @@
+"""The iterate of the active-set solver, its linear system and error, and the steps between iterates.
+
+An iterate is a pressure 0 ≤ p ≤ H with the gap it causes. Its *contact nodes* have p > 0; those below the
+hardness H are *elastic*, those at it *plastic*. Nodes at a bound are *held* there.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from asperity.contact.contact_nodes import added, dot, field_of, inserted
+from asperity.contact.inner_solve import Correction, InnerSolver, System
+from asperity.contact.operators import Operators
+from asperity.contact.problem import Control, Problem
+from asperity.core.compiled import compiled, makes_arrays, sums
+from asperity.core.parallel import STRIP, results_of, total
+from asperity.core.types import Array
+
+# The amount by which the pressures change together is found by Newton's method, which takes a few steps.
+MAX_SHIFTS = 100
+LOAD_ROUNDING = 1e-14
+
+# Rounding error of a level h + u, as a fraction of the spacing of floating-point numbers of its size.
+ROUNDING_FRACTION = 0.1
+
+# A step is taken whole unless the energy is least before this fraction of it: whole, it does not raise it.
+WHOLE_STEP = 0.5
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """Pressures on a few nodes, zero on all others.
+
+    Attributes
+    ----------
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened grid.
+    values : (count,) array
+        Non-negative. Those of plastic nodes may exceed the hardness, by what their overlap stands for.
+    load : float
+        Mean pressure to which they are scaled at a given load.
+    """
+
+    nodes: Array
+    values: Array
+    load: float
+
+    @classmethod
+    def of_field(cls, field: Array, load: float) -> Pressure:
+        """The positive values of a field [y, x]."""
+        nodes = np.flatnonzero(field > 0).astype(np.uint32)
+        return cls(nodes, field.reshape(-1)[nodes], load)
+
+
+@dataclass(frozen=True)
+class HeldNodes:
+    """Nodes whose pressure is at its lower bound, zero, or at its upper bound, the hardness.
+
+    Attributes
+    ----------
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened grid.
+    level : (count,) array
+        As in `Iterate`.
+    side : (count,) array
+        1 at zero pressure, −1 at the hardness. Overlap × side > 0 is against the conditions of contact.
+    """
+
+    nodes: Array
+    level: Array
+    side: Array
+
+
+@dataclass(frozen=True)
+class Iterate:
+    """Pressures on the contact nodes, and the gap that they cause on a grid.
+
+    Attributes
+    ----------
+    problem : Problem
+    nodes : (count,) array of unsigned integers
+        Sorted indices in the flattened grid.
+    pressure : (count,) array
+    load : float
+        As in `Pressure`.
+    level : (count,) array
+        h + u of the nodes: the approach at which a node just touches.
+    displacement : (ny, nx) array
+    """
+
+    problem: Problem
+    nodes: Array
+    pressure: Array
+    load: float
+    level: Array
+    displacement: Array
+
+    @classmethod
+    def of(cls, problem: Problem, control: Control, start: Pressure) -> Iterate:
+        """Evaluate a pressure, after scaling it to its load, or to the least energy at a given approach.
+
+        At a given load, the node that touches first bears a pressure that has vanished everywhere. No
+        pressure exceeds the hardness.
+        """
+        nodes, values = start.nodes, start.values.astype(problem.fourier.real, copy=False)
+        load = min(start.load, problem.hardness)  # of which control by area may ask for more
+        if control.fixes_load:
+            nodes, values = with_load(problem, nodes, values, load)
+        elif problem.hardness < math.inf:
+            values = np.minimum(values, values.dtype.type(problem.hardness))
+        field = field_of(problem.grid.shape, nodes, values)
+        displacement = problem.response.displacement(field, field)
+        if not control.fixes_load:
+            pressure = values.astype(float, copy=False)
+            work = float(pressure @ (control.value - problem.height.reshape(-1)[nodes]))
+            energy = float(pressure @ displacement.reshape(-1)[nodes])
+            largest = float(values.max(initial=0))
+            if work > 0 and energy > 0 and largest < problem.hardness:
+                factor = min(work / energy, problem.hardness / largest)
+                values = values * factor
+                displacement *= factor
+        level = np.empty_like(values)
+        _write_levels(problem.height.reshape(-1), displacement.reshape(-1), nodes, level)
+        return cls(problem, nodes, values, load, level, displacement)
+
+    def without_free_nodes(self) -> Iterate:
+        """The same without the nodes that bear no pressure."""
+        left = self.pressure > 0
+        if left.all():
+            return self
+        return replace(self, nodes=self.nodes[left], pressure=self.pressure[left], level=self.level[left])
+
+    def elastic_and_plastic(self, fixed_load: bool) -> tuple[Array | slice, Array]:
+        """Indices in `nodes` of pressures below the hardness, and of those at it.
+
+        At a given load one node has to fix the approach: the plastic one with the least overlap, if all are
+        plastic.
+        """
+        plastic = self.pressure >= self.problem.hardness
+        if not plastic.any():
+            return slice(None), np.empty(0, np.int64)
+        if fixed_load and plastic.all():
+            plastic[np.argmax(self.level)] = False
+        return np.flatnonzero(~plastic), np.flatnonzero(plastic)
+
+    def held_nodes(self, bound: float, plastic: Array) -> HeldNodes:
+        """Nodes out of contact with a level below a bound, and the plastic ones."""
+        nodes, level = self._free_nodes_below(bound)
+        own, sides = self.nodes[plastic], np.ones(nodes.size + plastic.size, np.float32)
+        at = np.searchsorted(nodes, own)
+        sides[at + np.arange(plastic.size)] = -1
+        return HeldNodes(inserted(nodes, at, own), inserted(level, at, self.level[plastic]), sides)
+
+    def _free_nodes_below(self, bound: float) -> tuple[Array, Array]:
+        """Sorted nodes out of contact with a level below a bound, and their levels."""
+        height, displacement = self.problem.height.reshape(-1), self.displacement.reshape(-1)
+        real_bound = height.dtype.type(bound)
+
+        def found_in(start: int) -> tuple[Array, Array]:
+            part = slice(start, start + STRIP)
+            edges = np.array((part.start, part.stop), np.uint32)
+            contact_nodes = self.nodes[slice(*np.searchsorted(self.nodes, edges))]
+            return _free_below(height[part], displacement[part], contact_nodes, start, real_bound)
+
+        tasks = [partial(found_in, start) for start in range(0, height.size, STRIP)]
+        nodes, levels = zip(*results_of(tasks, self.problem.fourier.threads), strict=True)
+        return np.concatenate(nodes), np.concatenate(levels)
+
+    def pressure_field(self) -> Array:
+        """Pressure [y, x] of all nodes."""
+        return field_of(self.problem.grid.shape, self.nodes, self.pressure)
+
+    def refined(self, approach: float, finer: Problem) -> Pressure:
+        """Start for a finer grid: the interpolated pressure less the interpolated gap / nodal compliance.
+
+        Outside the contact, where an interpolated pressure may not vanish, the gap is positive: subtracting
+        it before negative values are set to zero keeps those nodes free. The gap that is left at elastic
+        nodes is not subtracted: where it varies over long distances, it stands for a far smaller pressure.
+        The overlap of plastic nodes is added, which keeps them at the hardness.
+        """
+        real = finer.height.dtype.type
+        stiffness, level = real(1 / finer.unit), real(approach)
+        field = self.displacement * -stiffness
+        displaced = level - self.problem.height.reshape(-1)[self.nodes]
+        plastic = self.pressure >= self.problem.hardness
+        displaced[plastic] = self.displacement.reshape(-1)[self.nodes[plastic]]
+        field.reshape(-1)[self.nodes] = self.pressure - stiffness * displaced
+        out = self.problem.response.resampled(field, finer.grid)
+        out -= stiffness * (finer.height - level)
+        return Pressure.of_field(out, self.load)
+
+
+@dataclass(frozen=True)
+class ContactSystem:
+    """The system of an iterate, and the error of its pressure.
+
+    Attributes
+    ----------
+    linear : System
+        For the correction of the pressure of the elastic nodes.
+    elastic : slice or (count,) array
+        Indices of these nodes in those of the iterate.
+    plastic : (count,) array
+        Indices of the plastic nodes.
+    approach : float
+        Imposed, or the one for which the first correction leaves the load as it is.
+    error, rounding : float
+        Estimated error of the pressure, and the part of it that is rounding, relative to its norm.
+    bound : float
+        Level h + u below which the nodes out of contact are known.
+    held : HeldNodes
+        These nodes, and the plastic ones.
+    """
+
+    linear: System
+    elastic: Array | slice
+    plastic: Array
+    approach: float
+    error: float
+    rounding: float
+    bound: float
+    held: HeldNodes
+
+    @classmethod
+    def of(
+        cls, iterate: Iterate, control: Control, inner: InnerSolver, before: Operators | None = None
+    ) -> ContactSystem:
+        """Linear system of the elastic nodes of an iterate, and the estimated error of its pressure.
+
+        Parameters
+        ----------
+        iterate : Iterate
+        control : Control
+        inner : InnerSolver
+            Of the same grid.
+        before : Operators, optional
+            Those of the system before, which are kept if its elastic nodes are the same.
+        """
+        problem = iterate.problem
+        elastic, plastic = iterate.elastic_and_plastic(control.fixes_load)
+        level = iterate.level[elastic]
+        operators = inner.operators(iterate.nodes[elastic], before)
+        approach = control.value
+        if control.fixes_load:
+            approach = float(level[0])
+            if operators.uniform_sum:
+                weighted = total(_weighted_sum, problem.fourier.threads, operators.uniform, level, approach)
+                approach += weighted / operators.uniform_sum
+        residual = overlap_of(level, approach, problem.unit)
+        system = System(operators, residual, operators.precondition(residual), control.fixes_load)
+        # A correction moves no node upward by much more than the contact nodes are to move.
+        bound = approach + 1.25 * problem.unit * max(0.0, -float(residual.min(initial=0)))
+        held = iterate.held_nodes(bound, plastic)
+        error, rounding = _error(iterate, system, held, approach, inner)
+        return cls(system, elastic, plastic, approach, error, rounding, bound, held)
+
+    def held_after(self, iterate: Iterate, correction: Correction, further: float = 0.0) -> OverlapOfHeld:
+        """Overlap of the held nodes after a correction, or if the approach then grows further."""
+        unit, approach = iterate.problem.unit, self.approach + correction.approach
+        # No node moves upward by more than the contact nodes do, which the pressure displaces.
+        bound = approach + unit * max(0.0, -float(correction.displacement.min(initial=0))) + further
+        held = self.held if bound <= self.bound else iterate.held_nodes(bound, self.plastic)
+        overlap = overlap_of(held.level, approach, unit)
+        if correction.displacement.any():
+            overlap -= self.linear.operators.displacement(correction.pressure, held.nodes)
+        return OverlapOfHeld(held, overlap)
+
+
+@dataclass(frozen=True)
+class OverlapOfHeld:
+    """Overlap δ − (h + u) of held nodes after a correction, in units of `Problem.unit`.
+
+    New contact nodes are chosen from it before tensile nodes are released: afterwards the pressure is out of
+    equilibrium, and nodes around every patch that lost tension seem to penetrate.
+    """
+
+    held: HeldNodes
+    overlap: Array
+
+    @property
+    def enter(self) -> Array:
+        """True where a node enters the contact."""
+        return (self.overlap > 0) & (self.held.side > 0)
+
+
+@dataclass(frozen=True)
+class Step:
+    """A step to another pressure, on the nodes in contact before or after it.
+
+    Attributes
+    ----------
+    nodes, pressure, level : (count,) arrays
+        Before the step.
+    target : (count,) array
+        Pressure after it. That of a held node changes by its overlap / nodal compliance.
+    approach : float
+    """
+
+    nodes: Array
+    pressure: Array
+    level: Array
+    target: Array
+    approach: float
+
+    @classmethod
+    def of(
+        cls, iterate: Iterate, system: ContactSystem, correction: Correction, after: OverlapOfHeld
+    ) -> Step:
+        """The step that a correction leads to."""
+        enter, real, held = after.enter, iterate.pressure.dtype, after.held
+        new = held.nodes[enter]
+        at = np.searchsorted(iterate.nodes, new)
+        target = iterate.pressure.copy()
+        target[system.elastic] += correction.pressure.astype(real, copy=False)
+        if system.plastic.size:
+            target[system.plastic] += after.overlap[held.side < 0]
+        return cls(
+            inserted(iterate.nodes, at, new),
+            inserted(iterate.pressure, at, np.zeros(new.size, real)),
+            inserted(iterate.level, at, held.level[enter]),
+            np.maximum(inserted(target, at, after.overlap[enter]), 0),
+            system.approach,
+        )
+
+    @classmethod
+    def gradient(cls, iterate: Iterate, system: ContactSystem) -> Step:
+        """The step along the projected gradient: each pressure changes by its overlap / nodal compliance."""
+        still = Correction(system.linear.residual, np.zeros(1, np.float32), 0.0, 0)
+        return cls.of(iterate, system, still, system.held_after(iterate, still))
+
+    def taken(self, problem: Problem, control: Control, load: float) -> tuple[Iterate, float, int]:
+        """The iterate at the least energy along the step, its fraction of the step, and the evaluations.
+
+        The pressures before and after the step are both admissible, and so are those between them: adding
+        nodes to the contact and releasing nodes in tension can raise the energy, which a correction on a
+        fixed set of contact nodes cannot (compare the projected searches of Moré & Toraldo 1991,
+        10.1137/0801008).
+        """
+        after = Iterate.of(problem, control, Pressure(self.nodes, self.target, load))
+        if after.nodes.size != self.nodes.size:
+            return after, 0.0, 1  # no pressure was left
+        arrays = after.pressure, self.pressure, after.level, self.level
+        slope, curvature = total(_energy_along, problem.fourier.threads, *arrays, self.approach)
+        fraction = min(max(slope / curvature, 0.0), 1.0) if curvature > 0 else 1.0
+        if not 0 < fraction < WHOLE_STEP:
+            return after, fraction, 1
+        between = self.pressure + fraction * (after.pressure - self.pressure)
+        return Iterate.of(problem, control, Pressure(self.nodes, between, load)), fraction, 2
+
+
+def overlap_of(level: Array, approach: float, unit: float) -> Array:
+    """Overlap δ − (h + u) of nodes, divided by `unit`, in single precision."""
+    return (np.subtract(approach, level, dtype=float) / unit).astype(np.float32)
+
+
+def with_load(problem: Problem, nodes: Array, values: Array, load: float) -> tuple[Array, Array]:
+    """Nodes and pressures of a given mean, between zero and the hardness.
+
+    Below the hardness all pressures are scaled. Where some reach it, all change by a common amount instead,
+    as by a change of the approach of nodes far apart: then the energy falls along the way. Nodes without
+    pressure, and then the lowest of the surface, bear what the others cannot at the hardness.
+    """
+    hardness, wanted = values.dtype.type(problem.hardness), float(load) * problem.grid.size
+    given_load = total(added, problem.fourier.threads, values)
+    if not given_load > 0:
+        nodes, values, given_load = (
+            np.array([np.argmin(problem.height)], np.uint32),
+            np.ones_like(values, shape=1),
+            1.0,
+        )
+    scaled = values * (wanted / given_load)
+    if problem.hardness == math.inf or max(values.max(), scaled.max()) < hardness:
+        return nodes, scaled
+    rounding = 4 * float(np.finfo(values.dtype).eps)
+    needed = math.ceil(wanted / problem.hardness * (1 - rounding))
+    if needed > nodes.size:
+        heights = problem.height.reshape(-1).copy()
+        heights[nodes] = np.inf
+        missing = needed - nodes.size
+        lowest = np.sort(np.argpartition(heights, missing - 1)[:missing])
+        at = np.searchsorted(nodes, lowest)
+        nodes, values = np.insert(nodes, at, lowest), np.insert(values, at, 0)
+    given, released = values.astype(float), values <= 0
+    if needed <= np.count_nonzero(values):
+        given[released] = -math.inf
+    low, high = float(given.min(where=given > -math.inf, initial=hardness)) - hardness, float(given.max())
+    shift, pressure = 0.0, np.clip(given, 0, hardness)
+    for _ in range(MAX_SHIFTS):
+        excess = float(pressure.sum()) - wanted
+        if abs(excess) <= LOAD_ROUNDING * wanted:
+            break
+        low, high = (shift, high) if excess > 0 else (low, shift)
+        elastic = np.count_nonzero((pressure > 0) & (pressure < hardness))
+        shift += excess / elastic if elastic else math.inf
+        if not low < shift < high:
+            shift = 0.5 * (low + high)
+        pressure = np.clip(given - shift, 0, hardness)
+    pressure = pressure.astype(values.dtype)
+    return nodes, np.where(pressure < hardness * (1 - rounding), pressure, hardness)
+
+
+def _error(
+    iterate: Iterate, system: System, held: HeldNodes, approach: float, inner: InnerSolver
+) -> tuple[float, float]:
+    """Estimated error of the pressure, and the part of it that is rounding, relative to its norm.
+
+    The solution p* of the contact problem and a pressure p differ by the pressure that removes what is wrong
+    with p: the residual on the contact nodes, the penetration of nodes without pressure, and the gap of
+    plastic nodes. The error estimate is the norm of that pressure, as the preconditioner M gives it; a node
+    that penetrates, or a plastic one with a gap, counts with that length over the nodal compliance. Two lower
+    bounds hold it up:
+
+    - A layer that is much stiffer than the half-space answers a residual by a much larger pressure than M,
+      which is made for the half-space. There the norm of the pressure is used with which the whole layer, all
+      nodes in contact, would remove the residual.
+    - The gap is known only to its rounding, which stands for a pressure of its own.
+    """
+    problem, operators, threads = iterate.problem, system.operators, iterate.problem.fourier.threads
+    norm = math.sqrt(total(dot, threads, iterate.pressure, iterate.pressure))
+    shift = 0.0
+    if system.has_free_approach:
+        shift = total(added, threads, system.preconditioned) / operators.uniform_sum
+    corrected = total(_projected_square, threads, system.preconditioned, operators.uniform, shift)
+    penetration = np.maximum(held.side * (approach - held.level.astype(float)), 0) / problem.unit
+    error = math.hypot(math.sqrt(corrected), float(np.linalg.norm(penetration)))
+    if inner.layer_stiffness is not None:
+        error = max(error, _response_of_layer(problem, system, inner.layer_stiffness))
+    # Fewer gaps than contact nodes are uncertain if one of them is fixed by the approach.
+    uncertain = max(operators.nodes.size - system.fixed_load, 0)
+    rounding = _rounding_of_level(iterate) / problem.unit * inner.nodal_stiffness * math.sqrt(uncertain)
+    error = max(error, rounding)
+    return (error / norm, rounding / norm) if norm else (math.inf if error else 0.0, 0.0)
+
+
+def _rounding_of_level(iterate: Iterate) -> float:
+    """Rounding error of the level h + u of a contact node."""
+    problem, nodes = iterate.problem, iterate.nodes
+    largest = [field.reshape(-1)[nodes] for field in (problem.height, iterate.displacement)]
+    size = sum(float(np.abs(field).max(initial=0)) for field in largest)
+    return ROUNDING_FRACTION * float(np.spacing(problem.height.dtype.type(size)))
+
+
+def _response_of_layer(problem: Problem, system: System, stiffness: Array) -> float:
+    """Norm of the pressure with which the whole layer would remove the residual of the contact nodes."""
+    fourier, nodes = problem.fourier, system.operators.nodes
+    overlap = field_of(problem.grid.shape, nodes, system.residual.astype(fourier.real))
+    coefficients = (fourier.forward(overlap) * stiffness).astype(fourier.complex)
+    pressure = fourier.inverse(coefficients, overwrite=True).take(nodes)
+    return float(np.linalg.norm(pressure - pressure.mean() if system.fixed_load else pressure))
+
+
+@compiled
+def _write_levels(height: Any, displacement: Any, nodes: Any, out: Any) -> None:
+    """Write the level h + u of nodes."""
+    for k in range(nodes.size):
+        out[k] = height[nodes[k]] + displacement[nodes[k]]
+
+
+@makes_arrays
+def _free_below(height: Any, displacement: Any, contact_nodes: Any, start: int, bound: Any) -> Any:
+    """Nodes of a part of a field out of contact with a level h + u below a bound, and their levels."""
+    nodes, levels = np.empty(height.size, np.uint32), np.empty(height.size, height.dtype)
+    found, k = 0, 0
+    for i in range(height.size):
+        level = height[i] + displacement[i]
+        if level < bound:
+            while k < contact_nodes.size and contact_nodes[k] < start + i:
+                k += 1
+            if k == contact_nodes.size or contact_nodes[k] != start + i:
+                nodes[found], levels[found] = start + i, level
+                found += 1
+    return nodes[:found].copy(), levels[:found].copy()
+
+
+@sums
+def _weighted_sum(weight: Any, level: Any, origin: float) -> float:
+    """Σ weight × (level − origin)."""
+    total = 0.0
+    for k in range(level.size):
+        total += np.float64(weight[k]) * (level[k] - origin)
+    return total
+
+
+@sums
+def _projected_square(z: Any, weight: Any, shift: float) -> float:
+    """Σ (z − shift × weight)²."""
+    total = 0.0
+    for k in range(z.size):
+        total += (z[k] - shift * weight[k]) ** 2
+    return total
+
+
+@sums
+def _energy_along(
+    pressure: Any, pressure_before: Any, level: Any, level_before: Any, approach: float
+) -> tuple[float, float]:
+    """Minus the slope of the energy at the start of a step of the pressure, and the curvature along it."""
+    slope, curvature = 0.0, 0.0
+    for i in range(pressure.size):
+        change = np.float64(pressure[i]) - np.float64(pressure_before[i])
+        slope -= change * (level_before[i] - approach)
+        curvature += change * (np.float64(level[i]) - np.float64(level_before[i]))
+    return slope, curvature
