@@ -66,6 +66,15 @@ FINAL_RESIDUAL_DROP = 2e-3
 # on in double precision.
 PATIENCE = 3
 
+# A step is taken whole unless the energy is least before this fraction of it: whole, it does not raise it.
+WHOLE_STEP = 0.5
+
+# A step whose energy is least before this fraction is shortened by a factor before nodes are released, so
+# many times; later steps are shortened, too, and lengthened step by step.
+LEAST_FRACTION = 0.1
+SHORTENING = 4.0
+MAX_TRIALS = 3
+
 # The loop gives up after so many steps without progress.
 MAX_STEPS_WITHOUT_PROGRESS = 100
 
@@ -250,7 +259,7 @@ class ActiveSet:
         self._problems, self._control, self._rule = problems, control, rule
         self._inner = InnerSolver(problems[0].response)
         self._report = ConvergenceProgress(progress, rule.tolerance)
-        self._area = None
+        self._area, self._length = None, 1.0
         if control.kind == "area_fraction":
             size = problems[0].grid.size
             self._area = AreaControl(control.value, size, rule.tolerance, rule.area_tolerance)
@@ -293,7 +302,7 @@ class ActiveSet:
             changes = self._to_double_precision(system, stagnation)
             if extension is not None or changes:
                 # Energies at two loads, or in two precisions, do not compare.
-                target = Pressure(step.nodes, step.target, load)
+                target = step.pressure_after(1.0, load)
                 iterate, more = Iterate.of(self._problems[0], self._control, target), 1
             else:
                 iterate, more = self._descended(iterate, system, step, stagnation)
@@ -332,20 +341,33 @@ class ActiveSet:
     def _descended(
         self, iterate: Iterate, system: ContactSystem, step: Step, stagnation: Stagnation
     ) -> tuple[Iterate, int]:
-        """The iterate after a step that lowers the energy, and the evaluations.
+        """The iterate at the least energy along a step, and the evaluations.
 
-        The step along the projected gradient does: it replaces one that does not, and one in so many that
-        have not lowered the error.
+        Nodes in tension are released where the step reaches zero pressure. If the energy then hardly falls,
+        shorter steps are tried, and last the one along the projected gradient, which lowers it; after so many
+        steps that have not lowered the error it is the first. The best is taken.
         """
-        problem, load = iterate.problem, iterate.load
-        work = 0
-        if stagnation.steps % (PATIENCE + 1) < PATIENCE:
-            found, fraction, work = step.taken(problem, self._control, load)
-            if fraction > 0:
-                return found, work
-        step = Step.gradient(iterate, system)
-        found, fraction, more = step.taken(problem, self._control, load)
-        return (found if fraction > 0 else iterate), work + more
+        found, fraction, decrease, work = iterate, 0.0, 0.0, 0
+        trials = 0 if stagnation.steps % (PATIENCE + 1) == PATIENCE else MAX_TRIALS
+        for trial in range(trials + 1):
+            if trial == trials:
+                step = Step.gradient(iterate, system)
+            elif trial:
+                self._length /= SHORTENING
+                step = step.without_entering()
+            length = 1.0 if trial == trials else self._length
+            after = Iterate.of(iterate.problem, self._control, step.pressure_after(length, iterate.load))
+            work += 1
+            part, fall = step.least_energy(after)
+            if fall > decrease:
+                found, fraction, decrease, taken = after, part, fall, step
+            if part >= LEAST_FRACTION:
+                break
+        self._length = min(2 * self._length, 1.0)
+        if 0 < fraction < WHOLE_STEP:
+            between = taken.between(found, fraction)
+            found, work = Iterate.of(iterate.problem, self._control, between), work + 1
+        return found, work
 
     def _balanced(self, iterate: Iterate, system: ContactSystem) -> tuple[Iterate | None, int]:
         """Iterate without the error along the near-null mode at a given approach; None if that is small.

@@ -132,7 +132,7 @@ class InnerSolver:
         operators, threads, free = system.operators, self._threads, system.has_free_approach
         residual, z, weight = system.residual.copy(), system.preconditioned, operators.uniform
         x, direction, response = (np.zeros_like(residual) for _ in range(3))
-        length = np.float32(0)
+        length, level = np.float32(0), 0.0
         first = previous = math.nan
         iterations = 0
         while iterations < max_iterations:
@@ -163,13 +163,17 @@ class InnerSolver:
             if not curvature > 0:
                 break
             length = np.float32(product / curvature)
-            apply(add_multiple, threads, residual, response, -length)
+            # Without its level, which the approach removes, the residual keeps its digits.
+            apply(_reduce, threads, residual, response, length, shift)
+            level += float(shift)
         if length:
             # The last step, which no next direction has followed.
             apply(add_multiple, threads, x, direction, length)
         # The part of the residual that is left which a change of the approach removes.
-        excess = total(dot, threads, weight, residual) / operators.uniform_sum if free else 0.0
-        return Correction(x, system.residual - residual, -(self._unit * excess), iterations)
+        excess = level + total(dot, threads, weight, residual) / operators.uniform_sum if free else 0.0
+        displacement = system.residual - residual
+        displacement -= np.float32(level)
+        return Correction(x, displacement, -(self._unit * excess), iterations)
 
 
 def _layer_stiffness(response: Response) -> Array | None:
@@ -201,6 +205,13 @@ def _sums_of_iteration(z: Any, weight: Any, residual: Any, response: Any) -> tup
         change += zk * y
         uniform_change += w * y
     return total, product, uniform, change, uniform_change
+
+
+@compiled
+def _reduce(residual: Any, response: Any, length: Any, level: Any) -> None:
+    """Subtract length × response + level from the residual."""
+    for k in range(residual.size):
+        residual[k] -= length * response[k] + level
 
 
 @compiled

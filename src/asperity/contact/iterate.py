@@ -18,18 +18,16 @@ from asperity.contact.inner_solve import Correction, InnerSolver, System
 from asperity.contact.operators import Operators
 from asperity.contact.problem import Control, Problem
 from asperity.core.compiled import compiled, makes_arrays, sums
-from asperity.core.parallel import STRIP, results_of, total
+from asperity.core.parallel import STRIP, apply, results_of, total
 from asperity.core.types import Array
 
-# The amount by which the pressures change together is found by Newton's method, which takes a few steps.
+# The amount by which the pressures change together is found by Newton's method, which is exact once the same
+# nodes are between the bounds; this fraction of the load may then be missing by rounding.
 MAX_SHIFTS = 100
-LOAD_ROUNDING = 1e-14
+LOAD_ROUNDING = 1e-10
 
 # Rounding error of a level h + u, as a fraction of the spacing of floating-point numbers of its size.
 ROUNDING_FRACTION = 0.1
-
-# A step is taken whole unless the energy is least before this fraction of it: whole, it does not raise it.
-WHOLE_STEP = 0.5
 
 
 @dataclass(frozen=True)
@@ -43,12 +41,15 @@ class Pressure:
     values : (count,) array
         Non-negative. Those of plastic nodes may exceed the hardness, by what their overlap stands for.
     load : float
-        Mean pressure to which they are scaled at a given load.
+        Mean pressure that they take at a given load.
+    is_projected : bool
+        True if they take it by the projection onto the admissible pressures, not by scaling.
     """
 
     nodes: Array
     values: Array
     load: float
+    is_projected: bool = False
 
     @classmethod
     def of_field(cls, field: Array, load: float) -> Pressure:
@@ -110,7 +111,7 @@ class Iterate:
         nodes, values = start.nodes, start.values.astype(problem.fourier.real, copy=False)
         load = min(start.load, problem.hardness)  # of which control by area may ask for more
         if control.fixes_load:
-            nodes, values = with_load(problem, nodes, values, load)
+            nodes, values = with_load(problem, nodes, values, load, start.is_projected)
         elif problem.hardness < math.inf:
             values = np.minimum(values, values.dtype.type(problem.hardness))
         field = field_of(problem.grid.shape, nodes, values)
@@ -290,22 +291,28 @@ class OverlapOfHeld:
 
 @dataclass(frozen=True)
 class Step:
-    """A step to another pressure, on the nodes in contact before or after it.
+    """A step from a pressure, on the nodes in contact before it and those that enter.
 
     Attributes
     ----------
     nodes, pressure, level : (count,) arrays
         Before the step.
-    target : (count,) array
-        Pressure after it. That of a held node changes by its overlap / nodal compliance.
+    change : (count,) array
+        Change of the pressure; that of a held node is its overlap / nodal compliance.
+    enters : (count,) array of bool
+        True at nodes that enter the contact.
     approach : float
+    is_projected : bool
+        As in `Pressure`.
     """
 
     nodes: Array
     pressure: Array
     level: Array
-    target: Array
+    change: Array
+    enters: Array
     approach: float
+    is_projected: bool = False
 
     @classmethod
     def of(
@@ -315,42 +322,62 @@ class Step:
         enter, real, held = after.enter, iterate.pressure.dtype, after.held
         new = held.nodes[enter]
         at = np.searchsorted(iterate.nodes, new)
-        target = iterate.pressure.copy()
-        target[system.elastic] += correction.pressure.astype(real, copy=False)
+        change = np.zeros_like(iterate.pressure)
+        change[system.elastic] = correction.pressure
         if system.plastic.size:
-            target[system.plastic] += after.overlap[held.side < 0]
+            change[system.plastic] = after.overlap[held.side < 0]
+        enters = np.zeros(iterate.nodes.size + new.size, np.bool_)
+        enters[at + np.arange(new.size)] = True
         return cls(
             inserted(iterate.nodes, at, new),
             inserted(iterate.pressure, at, np.zeros(new.size, real)),
             inserted(iterate.level, at, held.level[enter]),
-            np.maximum(inserted(target, at, after.overlap[enter]), 0),
+            inserted(change, at, after.overlap[enter]),
+            enters,
             system.approach,
         )
 
     @classmethod
     def gradient(cls, iterate: Iterate, system: ContactSystem) -> Step:
-        """The step along the projected gradient: each pressure changes by its overlap / nodal compliance."""
-        still = Correction(system.linear.residual, np.zeros(1, np.float32), 0.0, 0)
-        return cls.of(iterate, system, still, system.held_after(iterate, still))
+        """The step along the projected gradient: each pressure changes by its overlap / nodal compliance.
 
-    def taken(self, problem: Problem, control: Control, load: float) -> tuple[Iterate, float, int]:
-        """The iterate at the least energy along the step, its fraction of the step, and the evaluations.
-
-        The pressures before and after the step are both admissible, and so are those between them: adding
-        nodes to the contact and releasing nodes in tension can raise the energy, which a correction on a
-        fixed set of contact nodes cannot (compare the projected searches of Moré & Toraldo 1991,
-        10.1137/0801008).
+        At a given load the overlap is that at the mean level of the elastic nodes: the projection onto the
+        load, which changes all by a common amount, then lowers the approach, so that no other node enters.
         """
-        after = Iterate.of(problem, control, Pressure(self.nodes, self.target, load))
+        rise = float(system.linear.residual.mean(dtype=float)) if system.linear.fixed_load else 0.0
+        change = system.linear.residual - np.float32(rise)
+        still = Correction(change, np.zeros(1, np.float32), -iterate.problem.unit * rise, 0)
+        return replace(cls.of(iterate, system, still, system.held_after(iterate, still)), is_projected=True)
+
+    def without_entering(self) -> Step:
+        """The same step without the nodes that enter, whose pressure stays zero."""
+        return replace(self, change=np.where(self.enters, 0, self.change))
+
+    def pressure_after(self, length: float, load: float) -> Pressure:
+        """Pressure after a part of the step; nodes in tension are released."""
+        pressure = self.pressure.dtype.type(length) * self.change
+        pressure += self.pressure
+        np.maximum(pressure, 0, out=pressure)
+        return Pressure(self.nodes, pressure, load, self.is_projected)
+
+    def least_energy(self, after: Iterate) -> tuple[float, float]:
+        """Fraction of the way to an iterate at which the energy is least, and how far it falls until there.
+
+        The pressures before and after are both admissible, and so are those between them: adding nodes to the
+        contact and releasing nodes in tension can raise the energy, which a correction on a fixed set of
+        contact nodes cannot (compare the projected searches of Moré & Toraldo 1991, 10.1137/0801008).
+        """
         if after.nodes.size != self.nodes.size:
-            return after, 0.0, 1  # no pressure was left
+            return 0.0, 0.0  # no pressure was left
         arrays = after.pressure, self.pressure, after.level, self.level
-        slope, curvature = total(_energy_along, problem.fourier.threads, *arrays, self.approach)
+        slope, curvature = total(_energy_along, after.problem.fourier.threads, *arrays, self.approach)
         fraction = min(max(slope / curvature, 0.0), 1.0) if curvature > 0 else 1.0
-        if not 0 < fraction < WHOLE_STEP:
-            return after, fraction, 1
-        between = self.pressure + fraction * (after.pressure - self.pressure)
-        return Iterate.of(problem, control, Pressure(self.nodes, between, load)), fraction, 2
+        return fraction, fraction * (slope - 0.5 * fraction * curvature)
+
+    def between(self, after: Iterate, fraction: float) -> Pressure:
+        """Pressure at a fraction of the way to an iterate."""
+        pressure = self.pressure + self.pressure.dtype.type(fraction) * (after.pressure - self.pressure)
+        return Pressure(self.nodes, pressure, after.load)
 
 
 def overlap_of(level: Array, approach: float, unit: float) -> Array:
@@ -358,50 +385,47 @@ def overlap_of(level: Array, approach: float, unit: float) -> Array:
     return (np.subtract(approach, level, dtype=float) / unit).astype(np.float32)
 
 
-def with_load(problem: Problem, nodes: Array, values: Array, load: float) -> tuple[Array, Array]:
+def with_load(
+    problem: Problem, nodes: Array, values: Array, load: float, is_projected: bool = False
+) -> tuple[Array, Array]:
     """Nodes and pressures of a given mean, between zero and the hardness.
 
-    Below the hardness all pressures are scaled. Where some reach it, all change by a common amount instead,
-    as by a change of the approach of nodes far apart: then the energy falls along the way. Nodes without
-    pressure, and then the lowest of the surface, bear what the others cannot at the hardness.
+    Pressures below the hardness are scaled. If some reach it, or on demand, all change by a common amount
+    instead, and those beyond a bound are at it: this is the projection onto the admissible pressures.
+    Released nodes, and then the lowest of the surface, bear what the others cannot at the hardness. If no
+    node bears pressure, the lowest does.
     """
-    hardness, wanted = values.dtype.type(problem.hardness), float(load) * problem.grid.size
-    given_load = total(added, problem.fourier.threads, values)
-    if not given_load > 0:
-        nodes, values, given_load = (
-            np.array([np.argmin(problem.height)], np.uint32),
-            np.ones_like(values, shape=1),
-            1.0,
-        )
-    scaled = values * (wanted / given_load)
-    if problem.hardness == math.inf or max(values.max(), scaled.max()) < hardness:
-        return nodes, scaled
+    hardness, wanted, threads = problem.hardness, float(load) * problem.grid.size, problem.fourier.threads
     rounding = 4 * float(np.finfo(values.dtype).eps)
-    needed = math.ceil(wanted / problem.hardness * (1 - rounding))
+    needed = math.ceil(wanted / hardness * (1 - rounding)) or 1
+    bearing = int(np.count_nonzero(values))
+    if not bearing:
+        nodes, values = nodes[:0], values[:0]
     if needed > nodes.size:
         heights = problem.height.reshape(-1).copy()
         heights[nodes] = np.inf
         missing = needed - nodes.size
-        lowest = np.sort(np.argpartition(heights, missing - 1)[:missing])
+        lowest = np.sort(np.argpartition(heights, missing - 1)[:missing]).astype(np.uint32)
         at = np.searchsorted(nodes, lowest)
-        nodes, values = np.insert(nodes, at, lowest), np.insert(values, at, 0)
-    given, released = values.astype(float), values <= 0
-    if needed <= np.count_nonzero(values):
-        given[released] = -math.inf
-    low, high = float(given.min(where=given > -math.inf, initial=hardness)) - hardness, float(given.max())
-    shift, pressure = 0.0, np.clip(given, 0, hardness)
+        nodes, values = np.insert(nodes, at, lowest), np.insert(values, at, wanted / missing)
+    factor, largest = wanted / total(added, threads, values), float(values.max())
+    if not is_projected and largest < hardness and largest * factor < hardness:
+        return nodes, values * values.dtype.type(factor)
+    least = -1.0 if needed > bearing else 0.0  # nodes up to this pressure stay released
+    shift, low, high, before = 0.0, -hardness, largest, -1
     for _ in range(MAX_SHIFTS):
-        excess = float(pressure.sum()) - wanted
-        if abs(excess) <= LOAD_ROUNDING * wanted:
+        borne, elastic = total(_shifted_sums, threads, values, shift, least, hardness)
+        if abs(borne - wanted) <= LOAD_ROUNDING * wanted and elastic == before:
             break
-        low, high = (shift, high) if excess > 0 else (low, shift)
-        elastic = np.count_nonzero((pressure > 0) & (pressure < hardness))
-        shift += excess / elastic if elastic else math.inf
+        before = elastic
+        low, high = (shift, high) if borne > wanted else (low, shift)
+        shift += (borne - wanted) / elastic if elastic else math.copysign(math.inf, borne - wanted)
         if not low < shift < high:
             shift = 0.5 * (low + high)
-        pressure = np.clip(given - shift, 0, hardness)
-    pressure = pressure.astype(values.dtype)
-    return nodes, np.where(pressure < hardness * (1 - rounding), pressure, hardness)
+    out = np.empty_like(values)
+    apply(_write_shifted, threads, values, shift, least, hardness * (1 - rounding), out)
+    out[out >= hardness * (1 - rounding)] = hardness
+    return nodes, out
 
 
 def _error(
@@ -475,6 +499,29 @@ def _free_below(height: Any, displacement: Any, contact_nodes: Any, start: int, 
                 nodes[found], levels[found] = start + i, level
                 found += 1
     return nodes[:found].copy(), levels[:found].copy()
+
+
+@compiled
+def _shifted_sums(values: Any, shift: float, least: float, hardness: float) -> tuple[float, int]:
+    """Sum of pressures less a common amount, between zero and the hardness, and the number between them."""
+    total, elastic = 0.0, 0
+    for k in range(values.size):
+        if values[k] > least:
+            pressure = np.float64(values[k]) - shift
+            if pressure >= hardness:
+                total += hardness
+            elif pressure > 0:
+                total += pressure
+                elastic += 1
+    return total, elastic
+
+
+@compiled
+def _write_shifted(values: Any, shift: float, least: float, hardness: Any, out: Any) -> None:
+    """Write pressures less a common amount, between zero and the hardness; all but it are below it."""
+    for k in range(values.size):
+        pressure = np.float64(values[k]) - shift
+        out[k] = min(max(pressure, 0.0), hardness) if values[k] > least else 0.0
 
 
 @sums
