@@ -12,7 +12,7 @@ import numpy as np
 
 import asperity as asp
 from asperity.contact import gfmd
-from asperity.contact.compliance import response_on
+from asperity.contact.response import response_on
 from asperity.contact.problem import Control, Problem
 from asperity.core.errors import ConvergenceError
 from asperity.elasticity.layer import Layer

@@ -10,8 +10,8 @@ from solution_check import mode_compliance
 
 import asperity as asp
 from asperity.contact import gfmd, solve
-from asperity.contact.compliance import response_on
 from asperity.contact.problem import Control, Problem
+from asperity.contact.response import response_on
 from asperity.elasticity.loaded_rectangle import rectangle_compliance
 from asperity.reference.hertz import Hertz
 from asperity.reference.pivoting import pivot

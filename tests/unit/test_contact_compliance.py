@@ -5,11 +5,11 @@ import pytest
 from samples import HALF_SPACE, difference
 
 import asperity as asp
-from asperity.contact.active_set.area import AreaControl
-from asperity.contact.active_set.inner_solve import InnerSolver, System
-from asperity.contact.compliance import preconditioner, response_on
-from asperity.contact.compliance.inner_response import InnerResponse
-from asperity.contact.compliance.stencil import RADIUS, StencilProduct, whole_stencil
+from asperity.contact.contact_nodes import RADIUS, StencilProduct, whole_stencil
+from asperity.contact.inner_solve import InnerSolver, System
+from asperity.contact.load import AreaControl
+from asperity.contact.operators import InnerResponse, inverse_stencil
+from asperity.contact.response import response_on
 from asperity.core import parallel
 
 THIN = asp.Layer(1.0, 0.3, height=0.01)
@@ -97,7 +97,7 @@ def test_threads_and_strips_change_no_bit(solid, monkeypatch):
 @pytest.mark.parametrize(("solid", "shape"), [(HALF_SPACE, (64, 64)), (THIN, (40, 72))])
 def test_preconditioner_is_symmetric_and_positive_definite(solid, shape, monkeypatch):
     # The coarse system is solved to rounding here: stopped early, it is symmetric only to its residual.
-    monkeypatch.setattr(preconditioner, "COARSE_RESIDUAL_DROP", 1e-6)
+    monkeypatch.setattr("asperity.contact.operators.COARSE_RESIDUAL_DROP", 1e-6)
     solver = InnerSolver(response_on("periodic", solid, asp.Grid(shape)))
     operators = solver.operators(lowest_nodes(shape))
     units = np.eye(operators.nodes.size, dtype=np.float32)
@@ -108,7 +108,7 @@ def test_preconditioner_is_symmetric_and_positive_definite(solid, shape, monkeyp
 
 
 def test_inverse_stencil_is_the_same_along_both_axes():
-    weights = preconditioner.inverse_stencil(asp.Grid((64, 64)))
+    weights = inverse_stencil(asp.Grid((64, 64)))
     np.testing.assert_array_equal(weights, weights.swapaxes(2, 3))
 
 
@@ -123,7 +123,7 @@ def test_coarse_grid_accounts_for_distant_patches(monkeypatch):
     wave = np.cos(2 * np.pi * column[nodes] / 1024)
     ratio = []
     for iterations in (0, 20):
-        monkeypatch.setattr(preconditioner, "MAX_COARSE_ITERATIONS", iterations)
+        monkeypatch.setattr("asperity.contact.operators.MAX_COARSE_ITERATIONS", iterations)
         response = response_on("periodic", HALF_SPACE, grid)
         overlap = displacement(response, nodes, wave)[nodes].astype(np.float32)
         found = InnerSolver(response).operators(nodes).precondition(overlap)

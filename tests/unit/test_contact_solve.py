@@ -119,12 +119,12 @@ def test_unreachable_tolerance_raises_convergence_error(method, dtype, rtol):
     assert error.load == pytest.approx(load_of(height), rel=0.1)
 
 
-def test_thin_free_sheet_raises_convergence_error():
+def test_free_sheet_is_solved():
+    """A sheet bends between its contacts, which takes far more transforms than a thick layer."""
     height = asp.self_affine((128, 128), 0.8, 1 / 8, 1 / 16, 1e-3, 1)
     thick, thin = (asp.Layer(1.0, 0.33, height=part, bottom="free") for part in (0.3, 0.03))
     assert solve(height, thick, mean_pressure=load_of(height)).certificate.pairs < 30
-    with pytest.raises(ConvergenceError, match="stopped"):
-        solve(height, thin, mean_pressure=load_of(height))
+    solve(height, thin, mean_pressure=load_of(height)).certificate.check(1e-3)
 
 
 # Extremes
@@ -335,7 +335,7 @@ test_wrong_argument_is_refused = refuses(
     (lambda: pressed(method="gfmd", boundary="free"), "method = 'gfmd': active_set is needed for boundary ="),
     (lambda: covering(1e-60 * NOISE, dtype="float32"), "dtype = 'float32': cannot hold heights of .*float64"),
     (lambda: covering(1e60 * NOISE, dtype="float32"), "dtype = 'float32': cannot hold heights of .*float64"),
-    (lambda: pressed(NOISE, mean_pressure=1e-100, dtype="float32"), "mean_pressure = 1e-100: at least 1e-20"),
+    (lambda: pressed(NOISE, mean_pressure=1e-100, dtype="float32"), "dtype = 'float32': cannot hold"),
     (lambda: pressed(hardness=0.1), "hardness = 0.1: more than the mean pressure 0.1"),
     (lambda: solve(FLAT, HALF_SPACE, force=1.0, hardness=0.5), ".*more than the mean pressure 1 is needed"),
     (lambda: pressed(hardness=0.0), "hardness = 0.0: a number > 0"),

@@ -7,7 +7,7 @@ from functools import partial
 import numpy as np
 import pytest
 
-from asperity.contact.compliance.vectors import dot
+from asperity.contact.contact_nodes import dot
 from asperity.core.parallel import SUMMED_PART, apply, in_parts, in_strips, results, results_of, total
 
 

@@ -111,16 +111,6 @@ class StoppingRule:
 COARSE_RULE = StoppingRule(tolerance=1e-2, area_tolerance=1e-2, max_steps=20, rounding_suffices=True)
 
 
-@dataclass(frozen=True)
-class Outcome:
-    """Where the outer loop ended: the iterate with its error, and the applications of the compliance."""
-
-    iterate: Iterate
-    system: ContactSystem
-    iterations: int
-    converged: bool
-
-
 def solve(
     problem: Problem, control: Control, rtol: float, progress: Progress | None, initial: Array | None
 ) -> State:
@@ -151,22 +141,27 @@ def solve(
     else:
         load = control.value if control.kind == "mean_pressure" else float(initial.mean(dtype=float))
         start, iterations = Pressure.of_field(initial, load), 0
-    found = ActiveSet(problems, control, StoppingRule(rtol), progress).run(start)
-    iterate, error, rounding = found.iterate, found.system.error, found.system.rounding
-    iterations += found.iterations
-    if not found.converged:
+    loop = ActiveSet(problems, control, StoppingRule(rtol), progress)
+    iterate, system, converged = loop.run(start)
+    iterations += loop.iterations
+    if not converged:
         raise ConvergenceError(
             f"active set on {problem.grid.shape} nodes stopped",
-            error,
+            system.error,
             rtol,
             iterations,
             float(iterate.pressure.sum(dtype=float)) / problem.grid.size,
-            f"rounding of heights and displacements alone is an error of about {rounding:.1g}; a larger rtol "
-            "is needed, or numbers that differ less in magnitude",
+            f"rounding of heights and displacements alone is an error of about {system.rounding:.1g}; a "
+            "larger rtol is needed, or numbers that differ less in magnitude",
         )
     problem.response.release()
     return State(
-        iterate.pressure_field(), found.system.approach, iterate.load, error, iterations, iterate.displacement
+        iterate.pressure_field(),
+        system.approach,
+        iterate.load,
+        system.error,
+        iterations,
+        iterate.displacement,
     )
 
 
@@ -177,9 +172,10 @@ def _start_from_coarse_grids(problem: Problem, control: Control) -> tuple[Pressu
         problems.append(coarser)
     pressure = first_guess(problems[-1], control)
     while len(problems) > 1:
-        found = ActiveSet([problems.pop()], control, COARSE_RULE).run(pressure)
-        iterations += found.iterations
-        pressure = found.iterate.refined(found.system.approach, problems[-1])
+        loop = ActiveSet([problems.pop()], control, COARSE_RULE)
+        iterate, system, _ = loop.run(pressure)
+        iterations += loop.iterations
+        pressure = iterate.refined(system.approach, problems[-1])
     return pressure, iterations
 
 
@@ -247,6 +243,11 @@ class ActiveSet:
     control : Control
     rule : StoppingRule
     progress : callable, optional
+
+    Attributes
+    ----------
+    iterations : int
+        Applications of the compliance.
     """
 
     def __init__(
@@ -259,15 +260,16 @@ class ActiveSet:
         self._problems, self._control, self._rule = problems, control, rule
         self._inner = InnerSolver(problems[0].response)
         self._report = ConvergenceProgress(progress, rule.tolerance)
+        self.iterations = 0
         self._area, self._length = None, 1.0
         if control.kind == "area_fraction":
             size = problems[0].grid.size
             self._area = AreaControl(control.value, size, rule.tolerance, rule.area_tolerance)
 
-    def run(self, start: Pressure) -> Outcome:
-        """Iterate until the rule is fulfilled, or without progress."""
+    def run(self, start: Pressure) -> tuple[Iterate, ContactSystem, bool]:
+        """The last iterate, its system, and whether it fulfils the rule."""
         stagnation, operators = Stagnation(), None
-        iterate, work = Iterate.of(self._problems[0], self._control, start), 1
+        iterate = self._evaluated(self._problems[0], start)
         for _ in range(self._rule.max_steps):
             iterate = iterate.without_free_nodes()
             system = ContactSystem.of(iterate, self._control, self._inner, operators)
@@ -275,39 +277,36 @@ class ActiveSet:
             self._report(system.error)
             converged = self._is_converged(system)
             if converged and not (self._area and self._area.misses(iterate.nodes.size)):
-                iterate_or_none, more = self._balanced(iterate, system)
-                work += more
-                if iterate_or_none is None:
-                    return Outcome(iterate, system, work, True)
-                iterate = iterate_or_none
+                balance = self._balance(iterate, system)
+                if balance is None:
+                    return iterate, system, True
+                iterate = self._evaluated(iterate.problem, balance)
                 continue
             stagnation.record(system.error)
             if self._is_hopeless(iterate, system, stagnation):
                 break
-            correction = self._inner.solve(
-                system.linear,
-                self._residual_drop(system.error),
-                MAX_ITERATIONS * 2 ** min(stagnation.steps, PATIENCE),
-            )
-            after, load, extension = system.held_after(iterate, correction), iterate.load, None
+            max_iterations = MAX_ITERATIONS * 2 ** min(stagnation.steps, PATIENCE)
+            correction = self._inner.solve(system.linear, self._residual_drop(system.error), max_iterations)
+            held, load = system.held_after(iterate, correction), iterate.load
             if self._area is not None:
-                extension = extended(self._area, iterate, system, correction, after, self._inner, converged)
+                extension = extended(self._area, iterate, system, correction, held, self._inner, converged)
                 if extension is None and converged:
-                    return Outcome(iterate, system, work, True)
-            if extension is not None:
-                correction, after, load = extension
-                stagnation.forget()
-            work += correction.iterations
-            step = Step.of(iterate, system, correction, after)
-            changes = self._to_double_precision(system, stagnation)
-            if extension is not None or changes:
+                    return iterate, system, True
+                correction, held, load = extension or (correction, held, load)
+            self.iterations += correction.iterations
+            step = Step.of(iterate, system, correction, held)
+            if self._to_double_precision(system, stagnation) or load != iterate.load:
                 # Energies at two loads, or in two precisions, do not compare.
-                target = step.pressure_after(1.0, load)
-                iterate, more = Iterate.of(self._problems[0], self._control, target), 1
+                stagnation.forget()
+                iterate = self._evaluated(self._problems[0], step.pressure_after(1.0, load))
             else:
-                iterate, more = self._descended(iterate, system, step, stagnation)
-            work += more
-        return Outcome(iterate, system, work, False)
+                iterate = self._descended(iterate, system, step, stagnation)
+        return iterate, system, False
+
+    def _evaluated(self, problem: Problem, pressure: Pressure) -> Iterate:
+        """Iterate of a pressure; counts as an application of the compliance."""
+        self.iterations += 1
+        return Iterate.of(problem, self._control, pressure)
 
     def _is_converged(self, system: ContactSystem) -> bool:
         """True if the error is within its tolerance, in the last precision."""
@@ -340,14 +339,14 @@ class ActiveSet:
 
     def _descended(
         self, iterate: Iterate, system: ContactSystem, step: Step, stagnation: Stagnation
-    ) -> tuple[Iterate, int]:
-        """The iterate at the least energy along a step, and the evaluations.
+    ) -> Iterate:
+        """The iterate at the least energy along a step.
 
         Nodes in tension are released where the step reaches zero pressure. If the energy then hardly falls,
         shorter steps are tried, and last the one along the projected gradient, which lowers it; after so many
         steps that have not lowered the error it is the first. The best is taken.
         """
-        found, fraction, decrease, work = iterate, 0.0, 0.0, 0
+        found, fraction, decrease = iterate, 0.0, 0.0
         trials = 0 if stagnation.steps % (PATIENCE + 1) == PATIENCE else MAX_TRIALS
         for trial in range(trials + 1):
             if trial == trials:
@@ -356,8 +355,7 @@ class ActiveSet:
                 self._length /= SHORTENING
                 step = step.without_entering()
             length = 1.0 if trial == trials else self._length
-            after = Iterate.of(iterate.problem, self._control, step.pressure_after(length, iterate.load))
-            work += 1
+            after = self._evaluated(iterate.problem, step.pressure_after(length, iterate.load))
             part, fall = step.least_energy(after)
             if fall > decrease:
                 found, fraction, decrease, taken = after, part, fall, step
@@ -365,12 +363,11 @@ class ActiveSet:
                 break
         self._length = min(2 * self._length, 1.0)
         if 0 < fraction < WHOLE_STEP:
-            between = taken.between(found, fraction)
-            found, work = Iterate.of(iterate.problem, self._control, between), work + 1
-        return found, work
+            return self._evaluated(iterate.problem, taken.between(found, fraction))
+        return found
 
-    def _balanced(self, iterate: Iterate, system: ContactSystem) -> tuple[Iterate | None, int]:
-        """Iterate without the error along the near-null mode at a given approach; None if that is small.
+    def _balance(self, iterate: Iterate, system: ContactSystem) -> Pressure | None:
+        """Pressure without its error along the near-null mode at a given approach; None if that is small.
 
         A solid without uniform displacement is the softer for a pressure on the whole contact, the fewer
         nodes are out of contact: in full contact it does not answer at all. The preconditioner, and with it
@@ -383,18 +380,18 @@ class ActiveSet:
         operators, problem = system.linear.operators, iterate.problem
         nodes, hardness = operators.nodes, problem.hardness
         if self._control.fixes_load or not nodes.size:
-            return None, 0
+            return None
         uniform = _displacement(problem, nodes, np.ones(nodes.size))
         compliance = float(uniform[nodes].sum(dtype=float))
         if MAX_STIFFNESS_RATIO * compliance * operators.uniform_sum > nodes.size**2:
-            return None, 1
+            return None
         correction = self._inner.solve_uniform(operators, drop=FINAL_RESIDUAL_DROP)
         direction = correction.pressure.astype(iterate.pressure.dtype)
         response = _displacement(problem, nodes, direction)
-        work = 2 + correction.iterations
+        self.iterations += 2 + correction.iterations
         curvature = float(np.dot(direction, response[nodes]))
         if not curvature > 0:
-            return None, work
+            return None
         pressure = iterate.pressure_field().reshape(-1)
         level = problem.height.reshape(-1) + iterate.displacement.reshape(-1)
         overlap = (system.approach - level) / problem.unit
@@ -404,10 +401,10 @@ class ActiveSet:
         hidden = float(np.dot(np.abs(response), np.abs(entering))) / curvature
         error = (abs(change) + hidden) * float(np.linalg.norm(direction) / np.linalg.norm(iterate.pressure))
         if error <= 0.5 * self._rule.tolerance:  # both errors add up
-            return None, work
+            return None
         pressure += entering
         pressure[nodes] = np.clip(pressure[nodes] + change * direction, 0, hardness)
-        return Iterate.of(problem, self._control, Pressure.of_field(pressure, iterate.load)), work + 1
+        return Pressure.of_field(pressure, iterate.load)
 
 
 def _displacement(problem: Problem, nodes: Array, pressure: Array) -> Array:

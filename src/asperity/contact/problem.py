@@ -251,17 +251,19 @@ def reach(
     if control.kind == "area_fraction" or (control.kind == "approach" and control.value <= lowest):
         return lowest, math.inf, math.inf
     if control.kind == "mean_pressure":
-        load = control.value / units.stress * nodes
-        full = math.ceil(load / hardness) - 1 if hardness < math.inf else 0
-        datum = float(np.partition(height, full, axis=None)[full]) if full > 0 else lowest
+        load, datum = control.value / units.stress * nodes, lowest
         above = 2 * load * response.own_compliance * units.length
+        if (full := math.ceil(load / hardness) - 1 if hardness < math.inf else 0) > 0:
+            first = float(np.partition(height, full, axis=None)[full])
+            if first - lowest > above:
+                return first, above, above
+            return lowest, math.inf, above + (first - lowest)
     else:
         datum = control.value
         # Without surroundings all displacements are downward: higher nodes than the approach never touch.
         above = _largest_displacement(height, datum, response) if response.repeats else datum - lowest
         above = min(above, nodes * hardness * response.own_compliance * units.length)
-    if hardness < math.inf:
-        below = above if response.repeats or control.fixes_load else math.inf
+        below = above if hardness < math.inf and response.repeats else math.inf
     return datum, below, above
 
 

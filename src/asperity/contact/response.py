@@ -89,10 +89,10 @@ class Response:
         shape = tuple(n if n < 2 * min_points else (n + 1) // 2 for n in self.grid.shape)
         if shape == self.grid.shape:
             return None
-        length = self.grid.length
-        if not self.repeats:
-            growth = (1 if m == n else 2 * m / n for m, n in zip(shape, self.grid.shape, strict=True))
-            length = tuple(edge * factor for edge, factor in zip(length, growth, strict=True))
+        growth = (
+            1 if m == n or self.repeats else 2 * m / n for m, n in zip(shape, self.grid.shape, strict=True)
+        )
+        length = tuple(edge * factor for edge, factor in zip(self.grid.length, growth, strict=True))
         return self.on_grid(Grid(shape, length))  # type: ignore[arg-type]
 
     @property
