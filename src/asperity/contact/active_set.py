@@ -260,7 +260,7 @@ class ActiveSet:
         self._problems, self._control, self._rule = problems, control, rule
         self._inner = InnerSolver(problems[0].response)
         self._report = ConvergenceProgress(progress, rule.tolerance)
-        self.iterations = 0
+        self.iterations, self._spare = 0, list[Array]()
         self._area, self._length = None, 1.0
         if control.kind == "area_fraction":
             size = problems[0].grid.size
@@ -298,25 +298,28 @@ class ActiveSet:
             if self._to_double_precision(system, stagnation) or load != iterate.load:
                 # Energies at two loads, or in two precisions, do not compare.
                 stagnation.forget()
+                self._spare = [iterate.displacement]
                 iterate = self._evaluated(self._problems[0], step.pressure_after(1.0, load))
             else:
                 iterate = self._descended(iterate, system, step, stagnation)
         return iterate, system, False
 
     def _evaluated(self, problem: Problem, pressure: Pressure) -> Iterate:
-        """Iterate of a pressure; counts as an application of the compliance."""
+        """Iterate of a pressure, in an array that is spare: to ask for new memory takes as long as to fill it."""
         self.iterations += 1
-        return Iterate.of(problem, self._control, pressure)
+        usable = self._spare and self._spare[-1].dtype == problem.height.dtype
+        return Iterate.of(problem, self._control, pressure, self._spare.pop() if usable else None)
 
     def _is_converged(self, system: ContactSystem) -> bool:
         """True if the error is within its tolerance, in the last precision."""
         rounded = self._rule.rounding_suffices and system.error <= system.rounding
-        return len(self._problems) == 1 and (rounded or system.error <= self._rule.tolerance)
+        within = rounded or system.error <= self._rule.tolerance
+        return len(self._problems) == 1 and within and math.isfinite(system.approach)
 
     def _is_hopeless(self, iterate: Iterate, system: ContactSystem, stagnation: Stagnation) -> bool:
         """True if rounding keeps the error from falling, or nothing is in reach."""
-        if iterate.nodes.size == 0 and system.error == 0:
-            return True  # the truncated surface of a coarse grid may be out of reach at the approach
+        if iterate.nodes.size == 0 and not system.error > 0:
+            return True  # no node is within reach of the approach, or the pressure has overflowed
         if len(self._problems) > 1:
             return False
         rounded = stagnation.steps > PATIENCE and system.error <= 2 * system.rounding
@@ -358,12 +361,19 @@ class ActiveSet:
             after = self._evaluated(iterate.problem, step.pressure_after(length, iterate.load))
             part, fall = step.least_energy(after)
             if fall > decrease:
-                found, fraction, decrease, taken = after, part, fall, step
+                after, found = found, after
+                fraction, decrease, taken = part, fall, step
+            if after is not iterate:
+                self._spare.append(after.displacement)
             if part >= LEAST_FRACTION:
                 break
         self._length = min(2 * self._length, 1.0)
+        if found is not iterate:
+            self._spare.append(iterate.displacement)
         if 0 < fraction < WHOLE_STEP:
-            return self._evaluated(iterate.problem, taken.between(found, fraction))
+            between = taken.between(found, fraction)
+            self._spare.append(found.displacement)
+            return self._evaluated(iterate.problem, between)
         return found
 
     def _balance(self, iterate: Iterate, system: ContactSystem) -> Pressure | None:

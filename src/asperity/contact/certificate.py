@@ -191,11 +191,11 @@ def verify_contact(
 
 def checked_certificate(
     problem: Problem,
-    control: Control,
     state: State,
-    displacement: Array,
-    approach: float,
+    gap: Array,
+    load: float | None,
     rms_height: float,
+    largest: float,
     rtol: float,
 ) -> Certificate:
     """The certificate of a state, in the units of its problem.
@@ -206,12 +206,15 @@ def checked_certificate(
 
     Parameters
     ----------
-    problem, control, state
-    displacement : (ny, nx) array
-        That of the pressure.
-    approach : float
+    problem, state
+    gap : (ny, nx) array
+        In double precision.
+    load : float, optional
+        Mean pressure, if it is imposed.
     rms_height : float
         To which lengths are relative.
+    largest : float
+        Largest sum of height and displacement of a contact node, of which gaps have the rounding.
     rtol : float
 
     Raises
@@ -219,24 +222,16 @@ def checked_certificate(
     ConvergenceError
         If a field is not finite, or the certificate exceeds what the tolerance and rounding allow.
     """
-    pressure, response, threads = state.pressure, problem.response, problem.fourier.threads
-    height, exact = problem.height, response
-    eps = float(np.finfo(problem.fourier.real).eps)
-    if pressure.dtype == np.float32:
-        height, pressure = height.astype(float), pressure.astype(float)
-        exact = response.in_precision("float64")
-        displacement = exact.displacement(pressure)
-    gap = height + displacement
-    gap -= approach
-    load = state.load if control.kind == "mean_pressure" else None
-    found = certificate_of_fields(pressure, gap, rms_height, problem.unit, load, threads, problem.hardness)
-    values, contact = pressure.reshape(-1), pressure > 0
-    softest = float(response.half_compliance.max())
-    caused = math.sqrt(dot(values, values) * response.own_compliance * softest)
-    sizes = (float(np.abs(field).max(where=contact, initial=0)) for field in (height, displacement))
+    response, pressure = problem.response, state.pressure.astype(float, copy=False)
+    rounding = MAX_ROUNDINGS * float(np.finfo(problem.fourier.real).eps)
+    found = certificate_of_fields(
+        pressure, gap, rms_height, problem.unit, load, problem.fourier.threads, problem.hardness
+    )
+    norm = math.sqrt(total(dot, problem.fourier.threads, pressure.reshape(-1), pressure.reshape(-1)))
+    caused = norm * math.sqrt(response.own_compliance * float(response.half_compliance.max()))
     scale = rms_height or float(pressure.max()) * problem.unit or 1.0
-    lengths = (MAX_UNDERESTIMATE * rtol * caused + MAX_ROUNDINGS * eps * sum(sizes)) / scale
-    allowed = {"tension": MAX_ROUNDINGS * eps, "load_imbalance": rtol + MAX_ROUNDINGS * eps}
+    lengths = (MAX_UNDERESTIMATE * rtol * caused + rounding * largest) / scale
+    allowed = {"tension": rounding, "load_imbalance": rtol + rounding}
     excess = max(
         value / (allowed.get(name, lengths) or math.ulp(0)) for name, value in found.violations.items()
     )

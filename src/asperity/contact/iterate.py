@@ -92,6 +92,8 @@ class Iterate:
     level : (count,) array
         h + u of the nodes: the approach at which a node just touches.
     displacement : (ny, nx) array
+    largest : float
+        Largest |h| + |u| of the nodes.
     """
 
     problem: Problem
@@ -100,13 +102,14 @@ class Iterate:
     load: float
     level: Array
     displacement: Array
+    largest: float
 
     @classmethod
-    def of(cls, problem: Problem, control: Control, start: Pressure) -> Iterate:
+    def of(cls, problem: Problem, control: Control, start: Pressure, out: Array | None = None) -> Iterate:
         """Evaluate a pressure, after scaling it to its load, or to the least energy at a given approach.
 
         At a given load, the node that touches first bears a pressure that has vanished everywhere. No
-        pressure exceeds the hardness.
+        pressure exceeds the hardness. `out` is an array for the displacement.
         """
         nodes, values = start.nodes, start.values.astype(problem.fourier.real, copy=False)
         load = min(start.load, problem.hardness)  # of which control by area may ask for more
@@ -114,7 +117,7 @@ class Iterate:
             nodes, values = with_load(problem, nodes, values, load, start.is_projected)
         elif problem.hardness < math.inf:
             values = np.minimum(values, values.dtype.type(problem.hardness))
-        field = field_of(problem.grid.shape, nodes, values)
+        field = field_of(problem.grid.shape, nodes, values, out)
         displacement = problem.response.displacement(field, field)
         if not control.fixes_load:
             pressure = values.astype(float, copy=False)
@@ -126,8 +129,8 @@ class Iterate:
                 values = values * factor
                 displacement *= factor
         level = np.empty_like(values)
-        _write_levels(problem.height.reshape(-1), displacement.reshape(-1), nodes, level)
-        return cls(problem, nodes, values, load, level, displacement)
+        largest = _write_levels(problem.height.reshape(-1), displacement.reshape(-1), nodes, level)
+        return cls(problem, nodes, values, load, level, displacement, largest)
 
     def without_free_nodes(self) -> Iterate:
         """The same without the nodes that bear no pressure."""
@@ -248,7 +251,7 @@ class ContactSystem:
         operators = inner.operators(iterate.nodes[elastic], before)
         approach = control.value
         if control.fixes_load:
-            approach = float(level[0])
+            approach = float(level[0]) if level.size else math.nan  # a pressure that has overflowed
             if operators.uniform_sum:
                 weighted = total(_weighted_sum, problem.fourier.threads, operators.uniform, level, approach)
                 approach += weighted / operators.uniform_sum
@@ -456,17 +459,12 @@ def _error(
         error = max(error, _response_of_layer(problem, system, inner.layer_stiffness))
     # Fewer gaps than contact nodes are uncertain if one of them is fixed by the approach.
     uncertain = max(operators.nodes.size - system.fixed_load, 0)
-    rounding = _rounding_of_level(iterate) / problem.unit * inner.nodal_stiffness * math.sqrt(uncertain)
+    of_level = ROUNDING_FRACTION * float(np.spacing(problem.height.dtype.type(iterate.largest)))
+    rounding = of_level / problem.unit * inner.nodal_stiffness * math.sqrt(uncertain)
     error = max(error, rounding)
-    return (error / norm, rounding / norm) if norm else (math.inf if error else 0.0, 0.0)
-
-
-def _rounding_of_level(iterate: Iterate) -> float:
-    """Rounding error of the level h + u of a contact node."""
-    problem, nodes = iterate.problem, iterate.nodes
-    largest = [field.reshape(-1)[nodes] for field in (problem.height, iterate.displacement)]
-    size = sum(float(np.abs(field).max(initial=0)) for field in largest)
-    return ROUNDING_FRACTION * float(np.spacing(problem.height.dtype.type(size)))
+    if not norm > 0:
+        return (0.0 if error == 0 else math.inf), 0.0
+    return error / norm, rounding / norm
 
 
 def _response_of_layer(problem: Problem, system: System, stiffness: Array) -> float:
@@ -479,10 +477,14 @@ def _response_of_layer(problem: Problem, system: System, stiffness: Array) -> fl
 
 
 @compiled
-def _write_levels(height: Any, displacement: Any, nodes: Any, out: Any) -> None:
-    """Write the level h + u of nodes."""
+def _write_levels(height: Any, displacement: Any, nodes: Any, out: Any) -> float:
+    """Write the level h + u of nodes, and return the largest |h| + |u|."""
+    largest = 0.0
     for k in range(nodes.size):
-        out[k] = height[nodes[k]] + displacement[nodes[k]]
+        h, u = height[nodes[k]], displacement[nodes[k]]
+        out[k] = h + u
+        largest = max(largest, np.float64(abs(h) + abs(u)))
+    return largest
 
 
 @makes_arrays

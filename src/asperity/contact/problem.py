@@ -174,11 +174,13 @@ class Units:
     def for_problem(self, height: Array, control: Control, hardness: float, response: Response) -> Units:
         """Units for an imposed quantity, given a response in those of the solid."""
         datum, below, above = reach(height, control, hardness / self.stress, response, self)
+        lowest, highest = float(height.min()), float(height.max())
+        if lowest >= datum - below and highest <= datum + above:
+            below = above = math.inf
         if control.kind == "mean_pressure":
             depth = control.value / self.stress * self.length
         else:
-            lowest = float(height.min())
-            depth = (control.value if control.kind == "approach" else float(height.max())) - lowest
+            depth = (control.value if control.kind == "approach" else highest) - lowest
         height_unit = _power_of_two(depth) if depth > 0 else self.length
         stress = self.stress * (height_unit / self.length)
         return Units(self.length, height_unit, stress, datum, below, above)
@@ -198,17 +200,18 @@ class Units:
 
     def heights(self, height: Array) -> Array:
         """Heights above the datum, clipped."""
+        clipped = self.clipped_by(height)
         out = height - self.datum
-        if min(self.below, self.above) < math.inf:
-            np.clip(out, -self.below, self.above, out=out)
+        if clipped is not None:
+            out -= clipped
         out *= 1 / self.height
         return out
 
     def clipped_by(self, height: Array) -> Array | None:
         """By how much heights, in the unit of the caller, are clipped; None if none is."""
-        above = height - self.datum
-        if above.min() >= -self.below and above.max() <= self.above:
+        if self.below == self.above == math.inf:
             return None
+        above = height - self.datum
         return above - np.clip(above, -self.below, self.above)
 
     def control(self, control: Control) -> Control:

@@ -29,7 +29,7 @@ from asperity.core.arguments import (
 )
 from asperity.core.compiled import compiled
 from asperity.core.errors import ConvergenceError, shown
-from asperity.core.parallel import total
+from asperity.core.parallel import results
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.two_bodies import Solid, TwoBodies
@@ -389,17 +389,26 @@ def _contact_of(
         displacement = response.displacement(state.pressure)
     response.release()
     fields = (field.reshape(-1) for field in (state.pressure, problem.height, displacement))
-    sums = total(_levels_of_contact, threads, *fields, problem.fourier.real.type(hardness))
-    total_level, elastic, nodes, total_pressure = sums
+    parts = results(_levels_of_contact, threads, *fields, problem.fourier.real.type(hardness))
+    total_level, elastic, nodes, total_pressure = (sum(part[i] for part in parts) for i in range(4))
     mean_pressure, approach = total_pressure / problem.grid.size, state.approach
     if control.kind != "approach" and elastic:
         approach = total_level / elastic
     rms_height = rms_deviation(values, threads) / units.height
-    certificate = checked_certificate(problem, control, state, displacement, approach, rms_height, rtol)
-    # The heights in these units are not needed any more.
+    exact_gap = None
+    if problem.height.dtype == np.float32:
+        exact_gap = response.in_precision("float64").displacement(state.pressure.astype(float))
+        exact_gap += problem.height
+        exact_gap -= approach
+    # In these units the heights are not needed any more.
     gap = problem.height
     gap += displacement
     gap -= gap.dtype.type(approach)
+    largest = max(part[4] for part in parts)
+    load = state.load if control.kind == "mean_pressure" else None
+    certificate = checked_certificate(
+        problem, state, gap if exact_gap is None else exact_gap, load, rms_height, largest, rtol
+    )
     mean = response.omitted_compliance * state.load if response.omits_mean else 0.0
     if mean:
         displacement = displacement + displacement.dtype.type(mean)
@@ -464,14 +473,15 @@ def _require_held(contact: Contact, units: Units, nodes: int) -> None:
 @compiled
 def _levels_of_contact(
     pressure: Any, height: Any, displacement: Any, hardness: Any
-) -> tuple[float, int, int, float]:
-    """Sum of h + u over the elastic nodes, their number, that of contact nodes, and the sum of p."""
-    total_level, elastic, count, total = 0.0, 0, 0, 0.0
+) -> tuple[float, int, int, float, float]:
+    """Σ (h + u) of elastic nodes, their number, that of contact nodes, Σ p, largest |h| + |u| of contact."""
+    total_level, elastic, count, total, largest = 0.0, 0, 0, 0.0, 0.0
     for i in range(pressure.size):
         total += np.float64(pressure[i])
         if pressure[i] > 0:
             count += 1
+            largest = max(largest, np.float64(abs(height[i]) + abs(displacement[i])))
             if pressure[i] < hardness:
                 total_level += np.float64(height[i] + displacement[i])
                 elastic += 1
-    return total_level, elastic, count, total
+    return total_level, elastic, count, total, largest
