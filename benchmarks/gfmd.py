@@ -12,8 +12,8 @@ import numpy as np
 
 import asperity as asp
 from asperity.contact import gfmd
-from asperity.contact.response import response_on
 from asperity.contact.problem import Control, Problem
+from asperity.contact.response import response_on
 from asperity.core.errors import ConvergenceError
 from asperity.elasticity.layer import Layer
 from asperity.fourier.grid import Grid

@@ -260,7 +260,7 @@ class ActiveSet:
         self._problems, self._control, self._rule = problems, control, rule
         self._inner = InnerSolver(problems[0].response)
         self._report = ConvergenceProgress(progress, rule.tolerance)
-        self.iterations, self._spare = 0, list[Array]()
+        self.iterations = 0
         self._area, self._length = None, 1.0
         if control.kind == "area_fraction":
             size = problems[0].grid.size
@@ -280,7 +280,7 @@ class ActiveSet:
                 balance = self._balance(iterate, system)
                 if balance is None:
                     return iterate, system, True
-                iterate = self._evaluated(iterate.problem, balance)
+                iterate = self._evaluated(iterate.problem, balance, iterate.displacement)
                 continue
             stagnation.record(system.error)
             if self._is_hopeless(iterate, system, stagnation):
@@ -298,17 +298,18 @@ class ActiveSet:
             if self._to_double_precision(system, stagnation) or load != iterate.load:
                 # Energies at two loads, or in two precisions, do not compare.
                 stagnation.forget()
-                self._spare = [iterate.displacement]
-                iterate = self._evaluated(self._problems[0], step.pressure_after(1.0, load))
+                target, problem = step.pressure_after(1.0, load), self._problems[0]
+                out = iterate.displacement if iterate.problem is problem else None
+                del iterate, system, step, held  # the fields in single precision are not needed any more
+                iterate = self._evaluated(problem, target, out)
             else:
                 iterate = self._descended(iterate, system, step, stagnation)
         return iterate, system, False
 
-    def _evaluated(self, problem: Problem, pressure: Pressure) -> Iterate:
-        """Iterate of a pressure, in an array that is spare: to ask for new memory takes as long as to fill it."""
+    def _evaluated(self, problem: Problem, pressure: Pressure, out: Array | None = None) -> Iterate:
+        """Iterate of a pressure; `out` is an array for its displacement."""
         self.iterations += 1
-        usable = self._spare and self._spare[-1].dtype == problem.height.dtype
-        return Iterate.of(problem, self._control, pressure, self._spare.pop() if usable else None)
+        return Iterate.of(problem, self._control, pressure, out)
 
     def _is_converged(self, system: ContactSystem) -> bool:
         """True if the error is within its tolerance, in the last precision."""
@@ -343,13 +344,14 @@ class ActiveSet:
     def _descended(
         self, iterate: Iterate, system: ContactSystem, step: Step, stagnation: Stagnation
     ) -> Iterate:
-        """The iterate at the least energy along a step.
+        """The iterate at the least energy along a step; it takes the memory of the one before.
 
         Nodes in tension are released where the step reaches zero pressure. If the energy then hardly falls,
         shorter steps are tried, and last the one along the projected gradient, which lowers it; after so many
         steps that have not lowered the error it is the first. The best is taken.
         """
-        found, fraction, decrease = iterate, 0.0, 0.0
+        problem, field = iterate.problem, iterate.displacement
+        best, decrease = Pressure(iterate.nodes, iterate.pressure, iterate.load), 0.0
         trials = 0 if stagnation.steps % (PATIENCE + 1) == PATIENCE else MAX_TRIALS
         for trial in range(trials + 1):
             if trial == trials:
@@ -358,23 +360,16 @@ class ActiveSet:
                 self._length /= SHORTENING
                 step = step.without_entering()
             length = 1.0 if trial == trials else self._length
-            after = self._evaluated(iterate.problem, step.pressure_after(length, iterate.load))
-            part, fall = step.least_energy(after)
+            after = self._evaluated(problem, step.pressure_after(length, iterate.load), field)
+            fraction, fall = step.least_energy(after)
             if fall > decrease:
-                after, found = found, after
-                fraction, decrease, taken = part, fall, step
-            if after is not iterate:
-                self._spare.append(after.displacement)
-            if part >= LEAST_FRACTION:
+                best, decrease = step.between(after, fraction if fraction < WHOLE_STEP else 1.0), fall
+            if fraction >= LEAST_FRACTION:
                 break
         self._length = min(2 * self._length, 1.0)
-        if found is not iterate:
-            self._spare.append(iterate.displacement)
-        if 0 < fraction < WHOLE_STEP:
-            between = taken.between(found, fraction)
-            self._spare.append(found.displacement)
-            return self._evaluated(iterate.problem, between)
-        return found
+        if fraction >= WHOLE_STEP and fall == decrease:
+            return after
+        return self._evaluated(problem, best, field)
 
     def _balance(self, iterate: Iterate, system: ContactSystem) -> Pressure | None:
         """Pressure without its error along the near-null mode at a given approach; None if that is small.

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from asperity.contact.contact_nodes import added, dot
-from asperity.contact.problem import Control, Problem, State
+from asperity.contact.problem import Problem, State
 from asperity.contact.response import response_on
 from asperity.core.arguments import number, real_array
 from asperity.core.compiled import compiled, sums

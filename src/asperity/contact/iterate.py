@@ -270,8 +270,7 @@ class ContactSystem:
         bound = approach + unit * max(0.0, -float(correction.displacement.min(initial=0))) + further
         held = self.held if bound <= self.bound else iterate.held_nodes(bound, self.plastic)
         overlap = overlap_of(held.level, approach, unit)
-        if correction.displacement.any():
-            overlap -= self.linear.operators.displacement(correction.pressure, held.nodes)
+        overlap -= self.linear.operators.displacement(correction.pressure, held.nodes)
         return OverlapOfHeld(held, overlap)
 
 
@@ -348,9 +347,9 @@ class Step:
         load, which changes all by a common amount, then lowers the approach, so that no other node enters.
         """
         rise = float(system.linear.residual.mean(dtype=float)) if system.linear.fixed_load else 0.0
-        change = system.linear.residual - np.float32(rise)
-        still = Correction(change, np.zeros(1, np.float32), -iterate.problem.unit * rise, 0)
-        return replace(cls.of(iterate, system, still, system.held_after(iterate, still)), is_projected=True)
+        still = Correction(system.linear.residual - np.float32(rise), np.zeros(1, np.float32), 0.0, 0)
+        overlap = overlap_of(system.held.level, system.approach, iterate.problem.unit) - np.float32(rise)
+        return replace(cls.of(iterate, system, still, OverlapOfHeld(system.held, overlap)), is_projected=True)
 
     def without_entering(self) -> Step:
         """The same step without the nodes that enter, whose pressure stays zero."""
