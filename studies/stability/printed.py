@@ -1,8 +1,9 @@
 """The paper's equations of the elastic layer, as printed and corrected.
 
 They serve to show which printed equations do not hold (`docs/method.md`) and how rounding affects the
-corrected ones (`rounding.py`); the library itself computes with `asperity.elasticity.layer`. ``corrected``:
-False gives the printed text literally, True the nearest form that holds.
+corrected ones (`rounding.py`); the tensor that is right for every height is that of the library,
+`asperity.Layer.green_tensor`. ``corrected``: False gives the printed text literally, True the nearest form
+that holds.
 
 ``lib`` is the arithmetic: ``mpmath.mp`` for any number of digits, ``numpy`` for floating point in the
 precision of the arguments. Equation numbers are those of the paper. z is measured upward from the bottom.
@@ -123,19 +124,18 @@ def compliance_elements(
     return elements
 
 
-def compliance(elements: Mapping[str, Any], corrected: bool = True) -> list[list[Any]]:
-    """Rows of the 6 × 6 compliance of Eq. A.2 from its elements.
+def compliance(elements: Mapping[str, Any]) -> list[list[Any]]:
+    """Rows of the 6 × 6 compliance of Eq. A.2, as printed, from its elements.
 
-    Tractions are t = σ·n with the outward normal n on both faces. In print the entries (5, 4), (6, 4) and
-    (6, 5) are G15, i G16 and i G26 instead of G12, i G13 and i G23.
+    Tractions are t = σ·n with the outward normal n on both faces. The entries (5, 4), (6, 4) and (6, 5) are
+    misprints: `asperity.Layer.green_tensor` has G12, i G13 and i G23 there.
     """
     g = elements
-    lower = (g["12"], 1j * g["13"], 1j * g["23"]) if corrected else (g["15"], 1j * g["16"], 1j * g["26"])
     return [
         [g["11"], g["12"], 1j * g["13"], g["14"], g["15"], 1j * g["16"]],
         [g["12"], g["22"], 1j * g["23"], g["15"], g["25"], 1j * g["26"]],
         [-1j * g["13"], -1j * g["23"], g["33"], 1j * g["16"], 1j * g["26"], g["36"]],
         [g["14"], g["15"], -1j * g["16"], g["11"], g["12"], -1j * g["13"]],
-        [g["15"], g["25"], -1j * g["26"], lower[0], g["22"], -1j * g["23"]],
-        [-1j * g["16"], -1j * g["26"], g["36"], lower[1], lower[2], g["33"]],
+        [g["15"], g["25"], -1j * g["26"], g["15"], g["22"], -1j * g["23"]],
+        [-1j * g["16"], -1j * g["26"], g["36"], 1j * g["16"], 1j * g["26"], g["33"]],
     ]

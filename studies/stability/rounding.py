@@ -111,6 +111,24 @@ def rounding_errors(
     )
 
 
+def element_errors(
+    poisson: Sequence[float] = (-0.999999, -0.5, 0.0, 0.33, 0.4999, 0.5), per_decade: int = 4
+) -> Array:
+    """Largest errors of the elements of `asperity.Layer.green_tensor`, (6, 6), over √(G_ii G_jj).
+
+    Over q · height from 1e-3 to 1e3, in as many directions of the wavevector.
+    """
+    errors = np.zeros((6, 6))
+    for turn, scaled in enumerate(np.geomspace(1e-3, 1e3, 6 * per_decade + 1)):
+        qx, qy = scaled * np.cos(turn), scaled * np.sin(turn)
+        for nu in poisson:
+            exact = StateSpace(qx, qy, _YOUNG, nu, _HEIGHT, "free", _DIGITS).compliance()
+            size = np.sqrt(np.abs(np.diag(exact)).astype(float))
+            off = np.abs(Layer(_YOUNG, nu, _HEIGHT).green_tensor(qx, qy) - exact).astype(float)
+            errors = np.maximum(errors, off / np.outer(size, size))
+    return errors
+
+
 def _stress_error(values: Array, true: Sequence[Sequence[Any]], decay: Array) -> Array:
     """Largest error over all depths of every mode, (modes,); NaN if not finite.
 

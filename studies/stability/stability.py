@@ -2,12 +2,13 @@
 
     python studies/stability/stability.py
 
-computes both in half a minute and writes the page with its two figures. Run it in the project's folder.
+computes all in half a minute and writes the page with its two figures. Run it in the project's folder.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import extremes
 import extremes_figure
@@ -26,11 +27,12 @@ def main() -> None:
         "rounding": (rounding_figure, rounding.rounding_errors(per_decade=4)),
         "extremes": (extremes_figure, extremes.outcome_matrix()),
     }
-    captions = {}
+    captions: dict[str, Any] = {}
     for name, (module, data) in found.items():
         with style():
             save(module.draw(data), DOCS / f"{name}.png")
         captions[name] = module.caption(data)
+    captions["elements"] = rounding.element_errors()
     environment = Environment(undefined=StrictUndefined)
     text = Path(__file__).with_name("page.md.j2").read_text(encoding="utf-8")
     page = environment.from_string(text).render(captions)

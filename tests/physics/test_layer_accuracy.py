@@ -3,7 +3,7 @@
 import mpmath as mp
 import numpy as np
 import pytest
-from rounding import FORMULAS, PRECISIONS, rounding_errors
+from rounding import FORMULAS, PRECISIONS, element_errors, rounding_errors
 
 from asperity.elasticity.layer import Layer
 from asperity.reference.state_space import StateSpace
@@ -67,6 +67,13 @@ def test_layer_is_exact_to_rounding(bottom, poisson, dtype):
 def test_half_space_is_exact_to_rounding(poisson, dtype):
     errors = layer_errors(None, "bonded", poisson, dtype)
     assert max(errors) < ROUNDING[dtype], errors
+
+
+def test_green_tensor_is_exact_to_rounding():
+    """Every element over √(G_ii G_jj); largest in ``docs/stability.md``: 8.2e-16."""
+    errors = element_errors(poisson=(-0.999999, 0.33, 0.5), per_decade=1)
+    assert errors.shape == (6, 6)
+    assert 1e-17 < errors.max() < 8e-15
 
 
 def test_rounding_errors_tell_the_formulas_apart():

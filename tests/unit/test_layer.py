@@ -58,6 +58,15 @@ def test_mean_displacement_without_a_support_is_zero():
     assert Layer(1.0, 0.5, 1.0).surface_compliance(0.0) == 0
 
 
+def test_green_tensor_broadcasts_and_is_zero_at_rest():
+    qx, qy = np.array([0.0, 1.0, 2.0]), np.array([0.0, -1.0, 3.0, 5.0])[:, None]
+    for layer in (Layer(1.3, 0.3, 0.4), Layer(1.3, 0.3)):
+        tensor = layer.green_tensor(qx, qy)
+        assert (tensor.shape, tensor.dtype) == ((6, 6, 4, 3), np.complex128)
+        assert np.all(tensor[:, :, 0, 0] == 0)
+        np.testing.assert_array_equal(tensor[:, :, 2, 1], layer.green_tensor(1.0, 3.0))
+
+
 def test_supported_bottoms_do_not_move():
     """The depth of the bottom may be rounded to single precision."""
     q = np.geomspace(1e-8, 1e3, 40)
@@ -136,6 +145,10 @@ test_wrong_argument_is_refused = refuses(
     (lambda: SLAB.kernels(np.ones(3), np.zeros(2)), r"shapes q \(3,\), depth \(2,\)"),
     (lambda: SLAB.stress(np.ones(3), np.ones(2), 0.0), r"shapes qx \(3,\), qy \(2,\)"),
     (lambda: SLAB.displacement(1.0, np.inf, 0.0), "qy = .*inf"),
+    (lambda: SLAB.green_tensor(1.0, np.nan), "qy = .*nan: finite numbers are needed"),
+    (lambda: SLAB.green_tensor(np.ones(3), np.ones(2)), r"shapes qx \(3,\), qy \(2,\)"),
+    (lambda: SLAB.green_tensor(1e80, 0.0), "q = 1e"),
+    (lambda: replace(SLAB, height=1e-75).green_tensor(1e-60, 0.0), "green_tensor: too large for complex128"),
     (lambda: SLAB.kernels(np.ma.masked_less([1.0, 2.0], 1.5), 0.0), "q: an array without masked"),
     (lambda: SLAB.kernels([[1.0], [2.0, 3.0]], 0.0), "q = .* needed$"),
     (lambda: SLAB.kernels(1.0, "0.1"), "depth = .* needed$"),

@@ -47,6 +47,7 @@ error.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -55,6 +56,7 @@ from numpy.typing import ArrayLike
 from asperity.core.arguments import LARGEST, SMALLEST, choice, magnitude, number, real_array
 from asperity.core.markup import table
 from asperity.core.types import Array
+from asperity.elasticity.green_tensor import green_elements
 from asperity.elasticity.kernels import (
     BONDED,
     FREE,
@@ -349,6 +351,68 @@ class Layer:
             normal = -unit * k.displacement_normal
             out[..., 2] = np.where(uniform, self.uniform_displacement(depth), normal)
         _require_finite("displacement", out)
+        return out
+
+    def green_tensor(self, qx: ArrayLike, qy: ArrayLike) -> Array:
+        """Displacements of both faces of the layer per tractions on both faces, whatever its `bottom`.
+
+        Eqs. 5 to 8 and A.1 to A.3 of the paper. As printed, A.3 does not hold for G11, G12, G22, G33, G36,
+        G16 and G26, and A.2 not for its entries (5, 4), (6, 4) and (6, 5); ``docs/method.md`` has both forms.
+
+        Parameters
+        ----------
+        qx, qy : array
+            Components of the wavevector, in double precision.
+
+        Returns
+        -------
+        tensor : (6, 6, ...) complex array
+            In length per pressure, Hermitian and positive definite. Rows are the displacements x, y, z of the
+            top and x, y, z of the bottom, columns the tractions t = σ·n in this order, with the *outward*
+            normal n on both faces: a pressure p is t_z = −p on the top, t_z = p on the bottom. The z axis is
+            upward. For the half-space the limit of a high layer, in which the faces do not influence each
+            other (Eq. 10). At q = 0, where a layer moves as a rigid body, 0.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If a wavevector is not a number or out of range, or an element is too large for double precision:
+            the compliance of a low layer in bending grows as 1/(q⁴ height³).
+
+        Notes
+        -----
+        The error of an element (i, j) is below 8e-15 of √(G_ii G_jj) for every height and ν
+        (``docs/stability.md``). For q height below about 1e-4 bending hides the stretching in G33 and G36,
+        so that displacements cannot be inverted to tractions: `asperity.layer_fields` does not use the
+        tensor.
+
+        Examples
+        --------
+        A pressure on the top of a high layer hardly moves its bottom; a low layer bends as a whole:
+
+        >>> push = np.array([0, 0, -1, 0, 0, 0])
+        >>> for height in (20.0, 0.1):
+        ...     moved = np.tensordot(asp.Layer(1.0, 0.3, height).green_tensor(1.0, 0.0), push, ([1], [0]))
+        ...     print(f"{moved[2].real:.4g} {moved[5].real:.4g}")
+        -1.82 -1.576e-07
+        -1.094e+04 -1.094e+04
+        """
+        q, cosine, sine, _ = _polar(qx, qy)
+        wavenumber = np.where(q == 0, 1.0, _wavenumbers(q))
+        out, direction = np.zeros((6, 6, *q.shape), complex), np.array([cosine, sine])
+        with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
+            elements = green_elements(wavenumber * (self.height or np.inf), self.poisson)
+            elements *= np.where(q == 0, 0.0, (1 + self.poisson) / self.young / wavenumber)
+            for displaced, loaded in product((0, 1), (0, 1)):  # top, bottom
+                along, normal, across, mixed = elements[int(displaced != loaded)]
+                block = out[3 * displaced :, 3 * loaded :]
+                block[0, 0] = cosine**2 * along + sine**2 * across
+                block[1, 1] = sine**2 * along + cosine**2 * across
+                block[0, 1] = block[1, 0] = cosine * sine * (along - across)
+                block[2, 2] = normal
+                block[:2, 2] = 1j * (1 - 2 * displaced) * mixed * direction
+                block[2, :2] = 1j * (2 * loaded - 1) * mixed * direction
+        _require_finite("green_tensor", out)
         return out
 
     def _depths(self, depth: ArrayLike) -> Array:
