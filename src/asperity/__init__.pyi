@@ -5,6 +5,7 @@ from .contact import solve as solve
 from .contact import solve_path as solve_path
 from .contact import verify_contact as verify_contact
 from .elasticity.layer import Layer as Layer
+from .elasticity.layer_fields import layer_fields as layer_fields
 from .elasticity.loaded_solid import LoadedSolid as LoadedSolid
 from .elasticity.two_bodies import TwoBodies as TwoBodies
 from .engineering.case import Body as Body

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from hypothesis import strategies as st
 from inputs import (
+    Height,
     among,
     bodies,
     boundaries,
@@ -22,6 +23,7 @@ from inputs import (
     count,
     extreme,
     heights,
+    layers,
     lengths,
     loaded,
     loaded_solid,
@@ -36,6 +38,7 @@ from inputs import (
 
 import asperity as asp
 from asperity import engineering
+from asperity.elasticity.layer_fields import DISPLACEMENTS, PRESCRIBED
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 
@@ -185,6 +188,44 @@ def try_stress(case):
         require_finite(value=peaks.value, depth=peaks.depth, y=peaks.y, x=peaks.x)
         for position, edge in ((peaks.y, solid.grid.length[0]), (peaks.x, solid.grid.length[1])):
             require(np.all((position >= 0) & (position <= edge)), "a peak lies outside the cell")
+
+
+faces = st.dictionaries(
+    choice(*PRESCRIBED).filter(lambda name: isinstance(name, str)), heights | number(-1, 1)
+)
+two_faces = st.fixed_dictionaries(
+    {
+        "layer": layers,
+        "shape": shapes,
+        "length": lengths,
+        "top": among(faces, wrong),
+        "bottom": st.none() | faces,
+        "depths": depths,
+    }
+)
+
+
+def try_faces(case):
+    """Fields of a layer with any data on its faces: finite, and the data are found on the top."""
+    grid, layer = asp.Grid(case["shape"], case["length"]), asp.Layer(**case["layer"])
+    top, bottom = (
+        {
+            name: made(data._replace(shape=grid.shape)) if isinstance(data, Height) else data
+            for name, data in face.items()
+        }
+        if isinstance(face, dict)
+        else face
+        for face in (case["top"], case["bottom"])
+    )
+    solved = asp.layer_fields(layer, grid, top, bottom)
+    for plane in solved.planes(case["depths"]):
+        require_finite(**plane.fields)
+    surface = next(solved.planes(0.0)).fields
+    largest = max(np.abs(surface[name]).max() for name in DISPLACEMENTS)
+    if all(nodes % 2 for nodes in grid.shape):  # a sine at a Nyquist wavenumber is zero at the nodes
+        for name in surface.keys() & top.keys():
+            off = np.abs(surface[name] - top[name]).max()
+            require(off <= 1e-9 * largest, "a prescribed displacement is another")
 
 
 def require_finite_dataset(data):
@@ -408,6 +449,7 @@ PROPERTIES = {
     "contact": (contacts, try_contact),
     "bound": (random_pressure.pressures, try_bound),
     "stress": (stresses, try_stress),
+    "faces": (two_faces, try_faces),
     "surface": (surfaces, try_surface),
     "treatment": (treated, try_treatment),
     "run": (cases, try_run),
