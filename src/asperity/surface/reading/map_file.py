@@ -10,7 +10,6 @@ import gzip
 import io
 import math
 import os
-import re
 import sys
 import warnings
 import zipfile
@@ -33,7 +32,7 @@ from asperity.surface.reading import formats
 from asperity.surface.reading.agreement import Channel, FileContent, MapFile, metres
 from asperity.surface.reading.formats import TEXT_FORMATS, Format
 from asperity.surface.reading.height_map import LOWER_FACE, PEAKS_UP, HeightMap, MapError, MapOptions
-from asperity.surface.reading.number_table import NumberTable, find_dialect, grid_points
+from asperity.surface.reading.number_table import MATRIX_HEADER, NumberTable, find_dialect, grid_points
 
 ROW_BY_ROW = ("h5", "mat")
 """Bare arrays of SurfaceTopography: element [i, j] is row i along y and column j along x."""
@@ -47,13 +46,6 @@ GIB = 2**30
 _OLDER_SDF = {b"aBCR-1.0": b"aISO-1.0", b"bBCR-1.0": b"bISO-1.0"}
 
 UNREADABLE = "not a height map that can be read"
-
-_MATRIX_HEADER = re.compile(
-    r"\b(?:width|breite|largeur|anchura|larghezza|x-pixels|x-length|nx|x\s+size|pixel\s+size|z-unit)\b"
-    r"\s*[:=]?\s*[\d\w]|Wyko ASCII",
-    re.IGNORECASE,
-)
-"""Header lines of matrices that SurfaceTopography understands."""
 
 
 def read_map(path: str | os.PathLike[str], options: MapOptions | None = None, **given: Any) -> HeightMap:
@@ -214,8 +206,8 @@ def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileCon
     columns = len(table.rows[0])
     if columns < 3:
         raise ValueError(f"a rectangular map is needed, not a line scan of {columns} columns")
-    if options.format != points.name and any(map(_MATRIX_HEADER.search, table.header)):
-        lines = io.StringIO("\n".join([*table.header, *table.lines]))
+    if options.format != points.name and any(map(MATRIX_HEADER.search, table.header)):
+        lines = io.StringIO("\n".join(table.with_unlike_channels()))
         return matrix, _instrument_map(matrix, lines, options)
     units = table.units()
     if options.format == matrix.name or (columns > 3 and options.format is None):

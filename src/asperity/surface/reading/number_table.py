@@ -1,11 +1,13 @@
 """Tables of numbers in text: any separator, points or commas as decimal marks, header lines and comments.
 
 A word for missing data such as *No data*, and an empty field, are a point without data. Any other word in a
-table is refused with its line. Points x, y, z on a regular grid are a map; those not listed have no data.
+table is refused with its line. Points x, y, z on a regular grid are a map; those not listed have no data. A
+field in quotation marks may hold the separator, as a decimal comma or between thousands.
 """
 
 from __future__ import annotations
 
+import csv
 import math
 import re
 from collections import Counter
@@ -31,16 +33,31 @@ FEWEST_PRESENT = 0.05
 SAMPLE = 400
 """Lines by which the dialect of a text is found; more than half of them belong to the table."""
 
-DIALECTS = (("\t", "."), ("\t", ","), (";", ","), (";", "."), (",", "."), (" ", "."), (" ", ","))
+DIALECTS = (("\t", "."), ("\t", ","), (";", ","), (";", "."), (",", ","), (",", "."), (" ", "."), (" ", ","))
 """Separators of fields with their decimal marks; of two that suit a text equally, the first is taken."""
+
+MATRIX_HEADER = re.compile(
+    r"\b(?:width|breite|largeur|anchura|larghezza|x-pixels|x-length|nx|x\s+size|pixel\s+size|z-unit)\b"
+    r"\s*[:=]?\s*[\d\w]|Wyko ASCII",
+    re.IGNORECASE,
+)
+"""Header lines of matrices that SurfaceTopography understands."""
+
+_BLOCK_TITLE = re.compile(r"[^\d\s#]\S*(\s+\d+){2}\s*$|[^\d\s][^:=]*[:=]")
+"""Line between two matrices under such a header: name, type and length of Wyko, or a key and its value."""
 
 _MISSING = re.compile(
     r"(?<!\S)(no[\s_]+data|bad|nd|n/?a|#n/a|none|null|missing|infinite|\*{2,}|-{2,}|[-+]?1[.,]#\w+)(?!\S)",
     re.IGNORECASE,
 )
 _EXCHANGED = str.maketrans(".,", ",.")  # a number with a point is none where the comma is the decimal mark
+_THOUSANDS = re.compile(r"[-+]?\d{1,3}((,\d{3})+\.\d*|(,\d{3}){2,})")
+_QUOTED_THOUSANDS = re.compile(r"[-+]?\d{1,3}(,\d{3})+(\.\d*)?")
 _UNIT = re.compile(r"[\[(]\s*([A-Za-zµμÅ]+)\s*[\])]")
 _STATED_UNIT = re.compile(r"(lateral|value) units?\s*[:=]\s*(\S+)", re.IGNORECASE)
+
+
+_CHANNEL_NAME = re.compile(r"#?\s*(?:channel|kan[aá]l|canale?|канал)\s*[:=]\s*(\S.*)", re.IGNORECASE)
 
 
 class Dialect(NamedTuple):
@@ -61,16 +78,34 @@ class Dialect(NamedTuple):
     closed: bool
     columns: int = 0
 
-    def plain(self, line: str) -> str:
-        """A line with blanks between its fields and none in them, decimal points, ``nan`` in empty fields."""
+    def fields(self, line: str) -> list[str]:
+        """The fields of a line, without quotation marks."""
         line = line.strip("\r\n ")
-        if _is_comment(line):
-            return re.sub(r"(?<=\d),(?=\d)", ".", line) if self.mark == "," else line
-        if line and self.separator != " ":
-            fields = line.removesuffix(self.separator if self.closed else "").split(self.separator)
-            words = ["_".join(field.split()) for field in fields]
-            line = " ".join(word or "nan" for word in words) if any(words) else ""
-        return line.translate(_EXCHANGED) if self.mark == "," else line
+        if self.separator == " ":
+            return line.replace('"', "").split()
+        line = line.removesuffix(self.separator if self.closed else "")
+        if '"' not in line:
+            return line.split(self.separator)
+        return next(csv.reader([line], delimiter=self.separator, skipinitialspace=True), [])
+
+    def heading(self, line: str) -> str:
+        """A line that is no row, with blanks between its fields and decimal points."""
+        text = line.strip("\r\n ") if _is_comment(line) else " ".join(self.fields(line)).strip()
+        return re.sub(r"(?<=\d),(?=\d)", ".", text) if self.mark == "," else text
+
+    def plain(self, line: str) -> str:
+        """A row with blanks between its fields and none in them, decimal points, ``nan`` in empty fields."""
+        if _is_comment(line.strip("\r\n ")):
+            return self.heading(line)
+        if self.separator == " " and self.mark == "." and "," not in line:
+            return line.strip("\r\n ").replace('"', "")
+        words = ["_".join(field.split()) for field in self.fields(line)]
+        if self.mark == ",":
+            words = [word.translate(_EXCHANGED) for word in words]
+        if any("," in word for word in words):
+            thousands = _QUOTED_THOUSANDS if (self.separator, self.mark) == (",", ".") else _THOUSANDS
+            words = [word.replace(",", "") if thousands.fullmatch(word) else word for word in words]
+        return " ".join(word or "nan" for word in words) if any(words) else ""
 
 
 class NumberTable:
@@ -84,7 +119,7 @@ class NumberTable:
     Attributes
     ----------
     header : list of str
-        Lines before the table.
+        Lines before the table, with blanks between their fields.
     lines : list of str
         Lines of the table and comments between them, with blanks between numbers.
     rows : list of list of float
@@ -98,19 +133,22 @@ class NumberTable:
     """
 
     def __init__(self, text: str, dialect: Dialect) -> None:
-        written, columns = text.replace('"', "").splitlines(), dialect.columns
+        written, columns = text.splitlines(), dialect.columns
         lines, rows = map(list, zip(*(_row(dialect.plain(line)) for line in written), strict=True))
         whole = [number for number, row in enumerate(rows) if row and len(row) == columns]
         if not whole:
             raise ValueError(f"a table of {columns} columns of numbers is needed")
         begin, end = whole[0], whole[-1] + 1
-        width = columns
+        self.header = [dialect.heading(line) for line in written[:begin]]
+        is_matrix, width = any(map(MATRIX_HEADER.search, self.header)), columns
         for number, written_line in enumerate(written):
             is_inside = begin <= number < end
             if is_inside and not lines[number] and written_line.strip(" "):  # separators alone
                 lines[number], rows[number] = " ".join(["nan"] * columns), [math.nan] * columns
             line, row = lines[number], rows[number]
-            if row is None:
+            if row is None and is_inside and is_matrix and _BLOCK_TITLE.match(dialect.heading(written_line)):
+                lines[number], rows[number], width = dialect.heading(written_line), [], 0
+            elif row is None:
                 wrong = [word for word in line.split() if _row(word)[1] is None]
                 if is_inside or (len(line.split()) == columns and 2 * len(wrong) <= columns):
                     raise ValueError(f"line {number + 1}: {shown(wrong[0])} is no number")
@@ -118,7 +156,7 @@ class NumberTable:
                 raise ValueError(f"line {number + 1}: {width} numbers are needed, not {len(row)}")
             elif is_inside:
                 width = 0 if _is_comment(line) else len(row) or width
-        self.header, self.lines = lines[:begin], lines[begin:end]
+        self.lines = lines[begin:end]
         self.rows = [row for row in rows[begin:end] if row]
 
     def numbers(self) -> Array:
@@ -147,6 +185,14 @@ class NumberTable:
                 raise ValueError(f"its first {name} holds numbers or positions of points; delete it")
         return heights
 
+    def with_unlike_channels(self) -> list[str]:
+        """Header and lines; the name of a channel that an earlier block of the table has is numbered."""
+        lines, names = [*self.header, *self.lines], Counter[str]()
+        for number, line in enumerate(lines):
+            if (found := _CHANNEL_NAME.match(line)) and (names := names + Counter([found[1]]))[found[1]] > 1:
+                lines[number] = f"{line} {names[found[1]]}"
+        return lines
+
     def units(self) -> list[str]:
         """Units in the header: one of all columns, or one for each of three columns; else none."""
         stated = {found[1].lower(): found[2] for line in self.header if (found := _STATED_UNIT.search(line))}
@@ -160,9 +206,11 @@ class NumberTable:
 
 def find_dialect(text: str) -> Dialect | None:
     """The dialect in which most lines of a text are numbers; None if it has no table of numbers."""
-    sample = text.replace('"', "").splitlines()[:SAMPLE]
+    sample = text.splitlines()[:SAMPLE]
     best, most = None, (False, 1)
     for separator, mark in DIALECTS:
+        if (separator, mark) == (",", ",") and ('"' not in text or _has_thousands(sample)):
+            continue
         lined = [line.strip("\r\n ") for line in sample if separator in line or separator == " "]
         closed = separator != " " and 2 * sum(line.endswith(separator) for line in lined) > len(lined)
         dialect = Dialect(separator, mark, closed)
@@ -172,6 +220,17 @@ def find_dialect(text: str) -> Dialect | None:
         if (columns > 1, count) > most:
             best, most = dialect._replace(columns=columns), (columns > 1, count)
     return best
+
+
+def _has_thousands(lines: list[str]) -> bool:
+    """True if a column of quoted numbers has commas in some numbers and none in others."""
+    rows = [Dialect(",", ",", False).fields(line) for line in lines]
+    commas: dict[int, set[bool]] = {}
+    for row in rows:
+        for number, field in enumerate(row):
+            if re.fullmatch(r"[-+]?[\d.,]*\d[\d.,]*", field.strip()):
+                commas.setdefault(number, set()).add("," in field)
+    return any(len(found) == 2 for found in commas.values())
 
 
 def _row(line: str) -> tuple[str, list[float] | None]:
