@@ -4,8 +4,10 @@ import re
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from asperity.surface.reading.height_map import MapError
+import asperity as asp
+from asperity.surface.reading.height_map import MapError, MapOptions
 from asperity.surface.reading.map_file import read_map
 
 pytest.importorskip("SurfaceTopography")
@@ -114,3 +116,57 @@ def test_a_wrong_row_below_a_heading_is_refused(tmp_path):
     (tmp_path / "map.asc").write_text("\n".join([*GWYDDION, "1 2 3 4", "1 x 3 4", "1 2 3 4"]))
     with pytest.raises(MapError, match=re.escape("line 6: 'x' is no number")):
         read_map(tmp_path / "map.asc")
+
+
+@pytest.mark.parametrize(
+    ("names", "chosen"),
+    [
+        (["mask", "height"], "height"),
+        (["X", "Y", "Z"], "Z"),
+        (["intensity", "topography"], "topography"),
+        (["Error", "Channel 2"], "Channel 2"),
+        (["HeightRetrace", "DeflectionRetrace", "HeightTrace"], "HeightTrace"),
+        (
+            ["Scan forward (Deflection)", "Scan backward (Z-Axis)", "Scan forward (Z-Axis)"],
+            "Scan forward (Z-Axis)",
+        ),
+        (["vDeflection", "measuredHeight"], "measuredHeight"),
+        (["height_error", "height"], "height"),
+        (["a", "b"], None),
+        (["Height Sensor", "Peak Force Error", "Height"], None),
+        (["Topography", "Topography 2"], None),
+        (["Phase", "Error"], None),
+    ],
+    ids=range(12),
+)
+def test_the_channel_of_the_heights_is_found_by_its_name(tmp_path, names, chosen):
+    arrays = {name: HEIGHT + number for number, name in enumerate(names)}
+    np.savez(tmp_path / "map.npz", **arrays)
+    if chosen is None:
+        with pytest.raises(MapError, match=r"channel: .*; set it$"):
+            read_map(tmp_path / "map.npz", **BARE)
+    else:
+        assert read_map(tmp_path / "map.npz", **BARE).channel == chosen
+    found = read_map(tmp_path / "map.npz", **BARE, channel="1")
+    np.testing.assert_allclose(found.height, 1e-6 * arrays[names[1]], rtol=1e-15)
+
+
+def test_the_channel_is_named_in_the_answer_and_every_file(tmp_path):
+    pytest.importorskip("matplotlib")
+    np.savez(tmp_path / "map.npz", mask=HEIGHT, z=HEIGHT)
+    options = MapOptions(physical_size=("8 um", "6 um"), unit="nm")
+    load = {"mean_pressure": 1e6, "map_options": options}
+    answer = asp.run(tmp_path / "map.npz", asp.Body(young=1e9, poisson=0.3), **load)
+    assert "channel of the file: z" in answer.text()
+    asp.write_answer(answer, tmp_path / "out")
+    assert "channel: z" in (tmp_path / "out/case.yaml").read_text()
+    assert "channel of the file: z" in (tmp_path / "out/report.html").read_text()
+    assert "channel of the file: z" in xr.load_dataset(tmp_path / "out/surface.nc").attrs["map_treatment"]
+    for name in ("surface", "contact", "stress"):
+        assert '"channel": "z"' in xr.load_dataset(tmp_path / f"out/{name}.nc").attrs["settings"]
+
+
+def test_a_channel_that_is_not_there_is_refused_for_text_too(tmp_path):
+    np.savetxt(tmp_path / "map.txt", HEIGHT)
+    with pytest.raises(MapError, match=re.escape("channel = '5': one of 0 (Default) is needed")):
+        read_map(tmp_path / "map.txt", **BARE, channel="5")

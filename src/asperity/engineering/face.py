@@ -69,6 +69,8 @@ class RoughFace(NamedTuple):
         Distance from its place up to which a spike reaches.
     files : tuple of str
         Path, size and checksum of each file that was read.
+    channel : str or int, optional
+        Channel that was read, of a file with several.
     """
 
     face: TreatedMap
@@ -76,6 +78,7 @@ class RoughFace(NamedTuple):
     spikes: Array
     reach: tuple[float, float] = (0.0, 0.0)
     files: tuple[str, ...] = ()
+    channel: str | int | None = None
 
 
 def options_of(settings: Mapping[str, Any]) -> MapOptions:
@@ -102,17 +105,16 @@ def read_face(source: Source, options: MapOptions, counter: CounterMap | None = 
         If a map cannot be read, has no unit, or needs an option that is not given, or if the two do not go
         together.
     """
-    name, surface, doubts, spikes = _read(source, options)
+    name, surface, doubts, spikes, channel = _read(source, options)
     sources = [source] if counter is None else [source, counter.source]
     files = tuple(_described(path) for path in sources if not isinstance(path, HeightMap))
     if counter is None:
         treated = treat_map(surface, _completed(options, surface))
         y, x = surface.spacing
-        return RoughFace(
-            replace(treated, name=name), doubts, spikes, (SPIKE_REACH * y, SPIKE_REACH * x), files
-        )
+        reach = SPIKE_REACH * y, SPIKE_REACH * x
+        return RoughFace(replace(treated, name=name), doubts, spikes, reach, files, channel)
     own = counter.options or options
-    counter_name, counter_surface, counter_doubts, _ = _read(counter.source, own)
+    counter_name, counter_surface, counter_doubts, *_ = _read(counter.source, own)
     level, filled, done = _levelled(surface, options)
     counter_level, counter_filled, counter_done = _levelled(counter_surface, own)
     pair = face_to_face(level, counter_level, counter.turned_about, counter.shift)
@@ -126,7 +128,7 @@ def read_face(source: Source, options: MapOptions, counter: CounterMap | None = 
     ]
     face = replace(treated, name=f"{name} on {counter_name}", treatment=record, done=tuple(lines))
     of_both = *doubts, *(f"{doubt} (counter map)" for doubt in counter_doubts)
-    return RoughFace(face, of_both, spikes[:0], files=files)
+    return RoughFace(face, of_both, spikes[:0], files=files, channel=channel)
 
 
 def _described(path: str | os.PathLike[str]) -> str:
@@ -136,8 +138,11 @@ def _described(path: str | os.PathLike[str]) -> str:
     return one_line(f"{os.path.abspath(path)}, {os.path.getsize(path):,} bytes, SHA-256 {checksum}")
 
 
-def _read(source: Source, options: MapOptions) -> tuple[str, HeightMap, tuple[str, ...], Array]:
-    """Name and heights of a map that has all that its treatment needs, doubts about it, places of spikes."""
+def _read(
+    source: Source, options: MapOptions
+) -> tuple[str, HeightMap, tuple[str, ...], Array, str | int | None]:
+    """Name and heights of a map that has all that its treatment needs, doubts, places of spikes, channel."""
+    channel = options.channel
     if isinstance(source, HeightMap):
         name, surface = source.name or "map", replace(source, unit=source.unit or "m")
     else:
@@ -146,6 +151,8 @@ def _read(source: Source, options: MapOptions) -> tuple[str, HeightMap, tuple[st
         if problems := [text for text in problems if text != ORIENTATION_NEEDED]:
             raise MapError(os.fspath(source), problems)
         name, surface = Path(source).stem, found.map
+        if channel is None and len(found.channels) > 1:
+            channel = surface.channel
     measured = MapMeasures(surface)
     doubts = map_warnings(surface, options, measured)
     if surface.orientation is None:
@@ -154,7 +161,7 @@ def _read(source: Source, options: MapOptions) -> tuple[str, HeightMap, tuple[st
     spikes = np.argwhere(measured.spikes if options.despike is None else np.zeros((0, 0)))
     name = one_line(name)
     name = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 3]}..."
-    return name, surface, tuple(doubts), spikes * surface.spacing
+    return name, surface, tuple(doubts), spikes * surface.spacing, channel
 
 
 def _completed(options: MapOptions, surface: HeightMap | None = None) -> MapOptions:

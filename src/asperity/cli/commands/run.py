@@ -106,6 +106,7 @@ def _job(options: argparse.Namespace, path: str, folder: Path | None) -> Job:
     if "map" in values:
         try:
             rough = read_face(values["map"], options_of(values), counter_map_of(values))
+            case = case and case.with_channel(rough.channel)
         except InputError as error:
             texts = [text for text in error.problems if not text.startswith(tuple(refused))]
             problems += MapError(error.source, texts).renamed(flag).lines

@@ -12,6 +12,7 @@ import numpy as np
 
 from asperity.core.types import Array
 from asperity.core.units import to_si
+from asperity.surface.reading.channels import UNNAMED, Channel
 from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATION_NEEDED,
@@ -32,23 +33,6 @@ AGREEMENT = 1e-3
 _METRES = {"~m": 1e-6, **dict.fromkeys(("A", "Å", "\u212b"), 1e-10)}
 
 
-class Channel(NamedTuple):
-    """A channel of a file.
-
-    Parameters
-    ----------
-    name : str
-    shape : (ny, nx), optional
-        None for line scans and lists of points.
-    kind : str
-        Kind of its data, such as ``height`` or ``phase``.
-    """
-
-    name: str
-    shape: tuple[int, int] | None
-    kind: str = "height"
-
-
 class FileContent(NamedTuple):
     """Contents of a file; None where it says nothing.
 
@@ -60,6 +44,8 @@ class FileContent(NamedTuple):
         The one that the heights are of.
     channels : tuple of Channel
         All of them, if there are others.
+    undecided : str
+        Reason why it is not sure that this channel holds the heights; empty if it is.
     length : (length_y, length_x), optional
         Edges in `unit`.
     unit : str, optional
@@ -73,8 +59,9 @@ class FileContent(NamedTuple):
     """
 
     height: Array
-    channel: str = "Default"
+    channel: str = UNNAMED
     channels: tuple[Channel, ...] = ()
+    undecided: str = ""
     length: tuple[float, float] | None = None
     unit: str | None = None
     factor: float | None = None
@@ -104,7 +91,7 @@ class MapFile:
     """
 
     def __init__(self, content: FileContent, name: str, options: MapOptions) -> None:
-        self.problems: list[str] = []
+        self.problems = [content.undecided] if content.undecided else []
         factor = self._height_factor(content, options)
         unit, metre = self._unit(content, options)
         length = self._length(content, options, metre)

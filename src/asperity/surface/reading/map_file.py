@@ -24,12 +24,12 @@ from typing import Any, BinaryIO
 
 import numpy as np
 
-from asperity.core.errors import one_line, shown
 from asperity.core.packages import require
 from asperity.core.types import Array
 from asperity.fourier.grid import grid_of
 from asperity.surface.reading import formats
-from asperity.surface.reading.agreement import Channel, FileContent, MapFile, metres
+from asperity.surface.reading.agreement import FileContent, MapFile, metres
+from asperity.surface.reading.channels import UNNAMED, Channel, choose_channel
 from asperity.surface.reading.formats import TEXT_FORMATS, Format
 from asperity.surface.reading.height_map import LOWER_FACE, PEAKS_UP, HeightMap, MapError, MapOptions
 from asperity.surface.reading.number_table import MATRIX_HEADER, NumberTable, find_dialect, grid_points
@@ -151,6 +151,8 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
         form, content = _table_map(NumberTable(_text(file.read()), dialect), options)
     else:
         form, content = _first_readable(possible, file, name, options)
+    if not content.channels:
+        choose_channel([Channel(content.channel, None)], options.channel)
     if content.orientation is None:
         _require_map(content.height.shape, options)
     if options.format is None:
@@ -230,14 +232,17 @@ def _array(file: BinaryIO, options: MapOptions) -> FileContent:
     """An array of NumPy, or one of several."""
     try:
         loaded = np.load(file, allow_pickle=False)
-        arrays = dict(loaded) if isinstance(loaded, np.lib.npyio.NpzFile) else {"Default": loaded}
+        arrays = dict(loaded) if isinstance(loaded, np.lib.npyio.NpzFile) else {UNNAMED: loaded}
     except Exception as error:  # of damaged files of any kind
         raise ValueError(f"{UNREADABLE} ({_first_line(error)})") from error
     arrays = {name: array for name, array in arrays.items() if array.ndim == 2 and array.dtype.kind in "fiu"}
+    if not arrays:
+        raise ValueError(f"{UNREADABLE} (it holds no array of real numbers with two dimensions)")
     channels = tuple(Channel(name, array.shape) for name, array in arrays.items())
-    chosen = channels[_channel_index(channels, options.channel, 0)].name
+    index, undecided = choose_channel(channels, options.channel)
+    chosen = channels[index].name
     _require_size(8.0 * arrays[chosen].size, options.max_memory)
-    return FileContent(arrays[chosen].astype(float), chosen, channels, orientation=None)
+    return FileContent(arrays[chosen].astype(float), chosen, channels, undecided, orientation=None)
 
 
 def _picture(form: Format, file: BinaryIO, options: MapOptions) -> FileContent:
@@ -341,7 +346,7 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
                 raise _OtherFormatError("the file holds none")
             by_rows = form.name in ROW_BY_ROW
             channels = tuple(_channel(info, by_rows) for info in infos)
-            index = _channel_index(channels, options.channel, int(reader.default_channel.index))
+            index, undecided = choose_channel(channels, options.channel)
             info = infos[index]
             shape = channels[index].shape
             if shape is None or info.is_uniform is False:
@@ -359,7 +364,8 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
     return FileContent(
         height=np.ascontiguousarray(height if by_rows else height.T),
         channels=channels,
-        channel=info.name,
+        channel=channels[index].name,
+        undecided=undecided,
         length=(float(sizes[1]), float(sizes[0])) if known_size else None,
         unit=topography.unit,
         factor=info.height_scale_factor,
@@ -373,23 +379,7 @@ def _channel(info: Any, by_rows: bool) -> Channel:
     shape = None
     if info.dim == 2 and points is not None and len(points) == 2:
         shape = (points[0], points[1]) if by_rows else (points[1], points[0])
-    return Channel(info.name, shape, info.data_kind.value)
-
-
-def _channel_index(channels: tuple[Channel, ...], wanted: str | int | None, default: int) -> int:
-    """Number of the wanted channel; without a wish, that of the default channel of the format."""
-    if not channels:
-        raise ValueError(f"{UNREADABLE} (the file holds none)")
-    if wanted is None:
-        heights = [number for number, channel in enumerate(channels) if channel.kind == "height"]
-        return default if default in heights or not heights else heights[0]
-    names = [channel.name for channel in channels]
-    if names.count(str(wanted)) == 1:
-        return names.index(str(wanted))
-    if str(wanted).isdecimal() and int(wanted) < len(names):
-        return int(wanted)
-    known = ", ".join(f"{number} ({one_line(name)})" for number, name in enumerate(names))
-    raise ValueError(f"channel = {shown(wanted)}: one of {known} is needed")
+    return Channel(str(info.name), shape, info.data_kind.value)
 
 
 def _require_map(shape: tuple[int, ...], options: MapOptions) -> None:

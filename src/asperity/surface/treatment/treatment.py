@@ -15,10 +15,12 @@ from typing import Any
 import numpy as np
 
 from asperity.core.arguments import require_finite
+from asperity.core.errors import one_line
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid, good_size
 from asperity.surface.form import add_cylinder, add_sphere
 from asperity.surface.reading.agreement import MapFile
+from asperity.surface.reading.channels import UNNAMED
 from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATION_NEEDED,
@@ -242,6 +244,8 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     done = ["turned upside down: the peaks of the map touch first"]
     if is_lower_face:
         done = ["used as it is: the heights are those of an indenter's lower face"]
+    if surface.channel not in ("", UNNAMED):
+        done.append(f"channel of the file: {one_line(surface.channel)}")
 
     gaps, spikes = ~np.isfinite(surface.height), 0
     if options.despike is not None:
