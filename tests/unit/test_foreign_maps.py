@@ -2,6 +2,7 @@
 
 import re
 
+import foreign_files
 import numpy as np
 import pytest
 import xarray as xr
@@ -9,6 +10,7 @@ import xarray as xr
 import asperity as asp
 from asperity.surface.reading.height_map import MapError, MapOptions
 from asperity.surface.reading.map_file import read_map
+from asperity.surface.treatment.treatment import prepare_map
 
 pytest.importorskip("SurfaceTopography")
 
@@ -170,3 +172,156 @@ def test_a_channel_that_is_not_there_is_refused_for_text_too(tmp_path):
     np.savetxt(tmp_path / "map.txt", HEIGHT)
     with pytest.raises(MapError, match=re.escape("channel = '5': one of 0 (Default) is needed")):
         read_map(tmp_path / "map.txt", **BARE, channel="5")
+
+
+RAW = np.random.default_rng(7).integers(-120, 120, size=(8, 6))
+SIZE = (16e-6, 12e-6)
+
+
+def assert_read(path, raw=RAW, size=SIZE, **options):
+    found = read_map(path, **options)
+    np.testing.assert_allclose(found.height, 1e-9 * raw, rtol=1e-6)  # single precision of some formats
+    assert found.length == pytest.approx(size, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        {"revision": "ISO5436 – 2000"},
+        {"revision": "ISO5436-2000"},
+        {"revision": "ISO25178-72:2017"},
+        {"folder": "scan/"},
+        {"folder": "./"},
+        {"folder": "Scan 1\\", "member": "bindata\\data.bin"},
+        {"link": "./bindata/data.bin"},
+        {"member": "BinData/Data.bin"},
+        {"listed": "{:.9e}"},
+        {"listed": ";;{:.9e}"},
+        {"type": "I", "axis": "I", "increment": "1e-9"},
+        {"type": "I", "increment": "1,0E-09", "pixel": "2,0E-06"},
+        {"type": "F", "increment": "0"},
+        {"prefix": ""},
+        {"md5": ""},
+        {"md5": "not available"},
+    ],
+    ids=str,
+)
+def test_x3p_of_every_writer_is_read(tmp_path, kind):
+    foreign_files.write_x3p(tmp_path / "map.x3p", RAW, **kind)
+    assert_read(tmp_path / "map.x3p")
+
+
+@pytest.mark.parametrize(
+    ("kind", "line"),
+    [
+        ({"md5": "0" * 32}, "its heights do not have the checksum that it states"),
+        ({"main_md5": "0" * 32}, "its main.xml do not have the checksum that it states"),
+        ({"feature": "PRF"}, "a map is needed (FeatureType SUR, SizeZ 1), not PRF of SizeZ 1"),
+        ({"member": "data.bin"}, "its member bindata/data.bin is missing"),
+    ],
+    ids=range(4),
+)
+def test_an_x3p_that_is_damaged_or_no_map_is_refused(tmp_path, kind, line):
+    foreign_files.write_x3p(tmp_path / "map.x3p", RAW, **kind)
+    with pytest.raises(MapError, match=re.escape(line)):
+        read_map(tmp_path / "map.x3p")
+
+
+@pytest.mark.parametrize(
+    ("size", "kind", "expected"),
+    [
+        ("16 16 ~m", {"aspect": "2:1"}, (8e-6, 16e-6)),
+        ("16 8 ~m", {"aspect": "2:1"}, (8e-6, 16e-6)),
+        ("16 16 ~m", {}, (16e-6, 16e-6)),  # fewer lines than points, but of a square
+        ("16 ~m", {"listed": 16}, (8e-6, 16e-6)),  # captured early
+        ("16 16 ~m", {"listed": 16, "aspect": "4:1"}, (2e-6, 16e-6)),
+        ("16 4 ~m", {"listed": 16, "aspect": "4:1"}, (2e-6, 16e-6)),
+        ("16 16 ~m", {"listed": 16, "slow": "8000 nm"}, (4e-6, 2e-6)),
+        ("16 16 ~m", {"lines": 64, "aspect": "8:1", "listed": 2}, (2e-6, 16e-6)),
+        ("16 16 ~m", {"aspect": "2:1", "keys": str.lower}, (8e-6, 16e-6)),
+    ],
+    ids=range(9),
+)
+def test_scans_that_are_not_square_have_their_size(tmp_path, size, kind, expected):
+    foreign_files.write_bruker(tmp_path / "map.spm", RAW, size, **kind)
+    assert_read(tmp_path / "map.spm", RAW[::-1], expected)  # the last line of the scan is the lowest y
+
+
+LOWEST = {3: np.finfo("f4").min, 4: -128, 5: -32768, 7: np.finfo("f8").min}
+
+
+@pytest.mark.parametrize("data_type", LOWEST)
+@pytest.mark.parametrize(
+    "heading", ["aISO-1.0", "aBCR-1.0", "aNPL-1.0", "\r\naISO-2.0", "bISO-1.0", "bBCR-1.0", "bISO-2.0"]
+)
+def test_sdf_of_every_version_is_read_with_its_gaps(tmp_path, heading, data_type):
+    foreign_files.write_sdf(
+        tmp_path / "map.sdf", RAW, heading=heading, data_type=data_type, gap=LOWEST[data_type]
+    )
+    expected = RAW.astype(float)
+    expected[0, 0] = np.nan
+    assert_read(tmp_path / "map.sdf", expected)
+
+
+@pytest.mark.parametrize(
+    "keys", [str.upper, str.lower, lambda line: line.replace(" = ", "\t:  ")], ids=range(3)
+)
+def test_the_heading_of_sdf_may_be_spelt_otherwise(tmp_path, keys):
+    foreign_files.write_sdf(tmp_path / "map.sdf", RAW, keys=keys)
+    assert_read(tmp_path / "map.sdf")
+
+
+@pytest.mark.parametrize(
+    "comment", [b"", b"a", b"Created by something with a long name" * 3, b"x".ljust(23, b"\0")]
+)
+def test_a_truemap_with_any_comment_is_read(tmp_path, comment):
+    foreign_files.write_tmd(tmp_path / "map.tmd", RAW, comment, end=b"\n")
+    assert_read(tmp_path / "map.tmd")
+
+
+@pytest.mark.parametrize("packed", [0, 1, 3])
+@pytest.mark.parametrize("unit", [b"\xb5m", "µm".encode(), "μm".encode(), b"um", b"\xe6m"])
+def test_surf_files_are_read_compressed_and_with_units_in_utf_8(tmp_path, packed, unit):
+    foreign_files.write_sur(tmp_path / "map.sur", RAW, unit=unit, packed=packed)
+    assert_read(tmp_path / "map.sur")
+    with pytest.raises(MapError, match=r"the file holds .* GiB of data"):
+        read_map(tmp_path / "map.sur", max_memory=1e-9)
+
+
+def test_heights_in_no_unit_of_length_take_that_of_the_option(tmp_path):
+    foreign_files.write_sur(tmp_path / "map.sur", RAW, z_unit=b"%")
+    foreign_files.write_gwy(tmp_path / "map.gwy", [("Height", "m", "", RAW)])
+    for name, unit in (("map.sur", "nm"), ("map.gwy", "m")):
+        with pytest.raises(MapError, match="unit: the file does not say the unit of its heights; set it"):
+            prepare_map(tmp_path / name, periodic="mirrored")
+        assert_read(tmp_path / name, unit=unit)
+
+
+def test_force_curves_beside_a_map_are_left_out(tmp_path):
+    curves = np.zeros((3, 40))
+    forward, deflection = ("Z-Axis", "m", "m", RAW), ("Deflection", "m", "m", 5 * RAW)
+    for channels in (
+        [deflection, forward],
+        [("Deflection", "V", "m", curves), forward],
+        [forward, ("Z", "s", "m", curves)],
+    ):
+        foreign_files.write_nid(tmp_path / "map.nid", channels)
+        found = read_map(tmp_path / "map.nid")
+        np.testing.assert_allclose(found.height, 1e-9 * RAW, rtol=1e-6, atol=1e-15)
+        assert found.channel == "Scan forward (Z-Axis)"
+    foreign_files.write_nid(tmp_path / "map.nid", [("Deflection", "V", "m", curves)])
+    with pytest.raises(MapError, match="it has no channel that is a map of heights"):
+        read_map(tmp_path / "map.nid")
+
+
+def test_a_gwyddion_file_whose_error_is_first_gives_its_height(tmp_path):
+    foreign_files.write_gwy(
+        tmp_path / "map.gwy", [("Error", "m", "m", 3 * RAW), ("Topography", "m", "m", RAW)]
+    )
+    assert_read(tmp_path / "map.gwy")
+
+
+@pytest.mark.parametrize("pixel", [2000.0, 0.002])
+def test_a_nanofocus_pixel_is_in_nm_or_mm(tmp_path, pixel):
+    foreign_files.write_nms(tmp_path / "map.nms", RAW + 500, pixel)
+    assert_read(tmp_path / "map.nms", RAW + 500)

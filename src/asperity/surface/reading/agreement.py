@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from asperity.core.errors import shown
 from asperity.core.types import Array
 from asperity.core.units import to_si
 from asperity.surface.reading.channels import UNNAMED, Channel
@@ -47,7 +48,9 @@ class FileContent(NamedTuple):
     undecided : str
         Reason why it is not sure that this channel holds the heights; empty if it is.
     length : (length_y, length_x), optional
-        Edges in `unit`.
+        Edges in `length_unit`.
+    length_unit : str, optional
+        Unit of the edges, if it is not `unit`.
     unit : str, optional
         Unit of length.
     factor : float, optional
@@ -63,6 +66,7 @@ class FileContent(NamedTuple):
     channels: tuple[Channel, ...] = ()
     undecided: str = ""
     length: tuple[float, float] | None = None
+    length_unit: str | None = None
     unit: str | None = None
     factor: float | None = None
     periodic: bool = False
@@ -140,7 +144,12 @@ class MapFile:
                 if unit is not None:
                     known[unit] = metres(unit, name)
             except ValueError as error:
-                self.problems.append(str(error))
+                if unit is given:
+                    self.problems.append(str(error))
+                elif given is None:
+                    self.problems.append(
+                        f"unit: the file says {shown(unit)}, which is no unit of length; set it"
+                    )
         sizes = list(known.values())
         if len(sizes) == 2 and not math.isclose(*sizes, rel_tol=1e-9):
             self.problems.append(f"unit = {given!r}: the file says {own}; leave it out")
@@ -151,7 +160,12 @@ class MapFile:
     ) -> tuple[float, float] | None:
         """Edges in metres, or in the unknown unit of the file; None if nobody says them."""
         scale, own, size = metre or 1.0, content.length, options.physical_size
-        if own is not None:
+        if own is not None and content.length_unit is not None:
+            if metre is None:  # the unit of the heights is asked for
+                return None
+            lateral = metres(content.length_unit, "unit of the file")
+            own = own[0] * lateral, own[1] * lateral
+        elif own is not None:
             own = own[0] * scale, own[1] * scale
         if size is None:
             if own is None:
@@ -167,7 +181,7 @@ class MapFile:
             return y, x
         if not np.allclose((y, x), own, rtol=AGREEMENT, atol=0):
             stated = " x ".join(f"{edge / scale:.6g}" for edge in own)
-            stated += f" {content.unit}" if content.unit else ""
+            stated += f" {next(filter(None, (content.unit, options.unit)), '')}".rstrip()
             self.problems.append(f"physical_size: the file itself says {stated} (y, x); leave it out")
         return own
 

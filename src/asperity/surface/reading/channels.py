@@ -16,7 +16,7 @@ WORDS = {
     kind: frozenset(words.split())
     for kind, words in packaged_yaml("asperity.surface.reading", "formats.yaml")["channels"].items()
 }
-"""Words in the names of channels that hold heights, and of those that do not, even beside one of the first."""
+"""Words in names of channels that hold heights, and of those that do not, even beside one of the first."""
 
 _BACK = frozenset(("backward", "backwards", "bwd", "retrace", "reverse"))
 _DIRECTIONS = _BACK | {"forward", "forwards", "fwd", "trace", "scan"}

@@ -27,12 +27,13 @@ import numpy as np
 from asperity.core.packages import require
 from asperity.core.types import Array
 from asperity.fourier.grid import grid_of
-from asperity.surface.reading import formats
+from asperity.surface.reading import dialects, formats
 from asperity.surface.reading.agreement import FileContent, MapFile, metres
 from asperity.surface.reading.channels import UNNAMED, Channel, choose_channel
 from asperity.surface.reading.formats import TEXT_FORMATS, Format
 from asperity.surface.reading.height_map import LOWER_FACE, PEAKS_UP, HeightMap, MapError, MapOptions
 from asperity.surface.reading.number_table import MATRIX_HEADER, NumberTable, find_dialect, grid_points
+from asperity.surface.reading.x3p import read_x3p
 
 ROW_BY_ROW = ("h5", "mat")
 """Bare arrays of SurfaceTopography: element [i, j] is row i along y and column j along x."""
@@ -41,9 +42,6 @@ FEW_COLUMNS, ELONGATED = 8, 20
 """A table without edges that has no more columns than this, and this many times more rows, is no map."""
 
 GIB = 2**30
-
-# SDF files of before ISO 25178-71, which SurfaceTopography does not know; only their first line is different.
-_OLDER_SDF = {b"aBCR-1.0": b"aISO-1.0", b"bBCR-1.0": b"bISO-1.0"}
 
 UNREADABLE = "not a height map that can be read"
 
@@ -140,8 +138,6 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
     if is_packed:
         file = io.BytesIO(file.read(int(options.max_memory * GIB) + 1))
         size = file.getbuffer().nbytes
-    if begin[:8] in _OLDER_SDF:
-        file = io.BytesIO(_OLDER_SDF[begin[:8]] + file.read()[8:])
     if zipfile.is_zipfile(file):
         with zipfile.ZipFile(file) as archive:
             size = sum(member.file_size for member in archive.infolist())
@@ -185,6 +181,8 @@ def _first_readable(
             return form, _array(file, options)
         if form.name in ("png", "tiff"):
             return form, _picture(form, file, options)
+        if form.name == "x3p":
+            return form, read_x3p(file)
         if form.name == "nc" and (own := _own_surface(name)):
             return form, own
         try:
@@ -337,13 +335,19 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
             if isinstance(kind, type) and getattr(kind, "_format", None) == form.name
         )
         try:
-            reader = opened(file)
+            original = b"" if form.name in TEXT_FORMATS else file.read(dialects.HEADING)
+            file.seek(0)
+            rewritten = dialects.as_expected(form.name, file, options.max_memory * GIB)
+            file.seek(0)
+            reader = opened(file if rewritten is None else io.BytesIO(rewritten))
+            if form.name == "gwy":
+                dialects.add_unlabelled(reader, import_module("SurfaceTopography.IO.Reader").ChannelInfo)
         except Exception as error:  # readers raise errors of any type for other files
             raise _OtherFormatError(_first_line(error)) from error
         with reader:
             infos = reader.channels
             if not infos:
-                raise _OtherFormatError("the file holds none")
+                raise _OtherFormatError("it has no channel that is a map of heights")
             by_rows = form.name in ROW_BY_ROW
             channels = tuple(_channel(info, by_rows) for info in infos)
             index, undecided = choose_channel(channels, options.channel)
@@ -361,7 +365,7 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
             except Exception as error:
                 raise ValueError(f"{UNREADABLE} ({_first_line(error)})") from error
     is_bare = by_rows or (form.name == "asc" and not known_size and topography.unit is None)
-    return FileContent(
+    content = FileContent(
         height=np.ascontiguousarray(height if by_rows else height.T),
         channels=channels,
         channel=channels[index].name,
@@ -372,6 +376,7 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
         periodic=bool(topography.is_periodic),
         orientation=None if is_bare else PEAKS_UP,
     )
+    return dialects.corrected(form.name, original, info, content)
 
 
 def _channel(info: Any, by_rows: bool) -> Channel:

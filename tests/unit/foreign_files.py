@@ -1,0 +1,197 @@
+"""Writers of maps as instruments and programs write them, cut down to what a reader needs.
+
+Each takes whole numbers ``raw[y, x]`` in units of 1 nm, and options of its kind; the pixel is 2 µm.
+"""
+
+import hashlib
+import struct
+import zipfile
+import zlib
+
+import numpy as np
+
+PIXEL = 2e-6
+
+
+def write_x3p(path, raw, **given):
+    kind = {
+        "revision": "ISO5436 - 2000",
+        "folder": "",
+        "link": "bindata/data.bin",
+        "member": "bindata/data.bin",
+        "listed": "",
+        "axis": "A",
+        "type": "D",
+        "increment": "",
+        "pixel": "2e-6",
+        "prefix": "p:",
+        "md5": None,
+        "main_md5": None,
+        "feature": "SUR",
+    } | given
+    factor = float(kind["increment"].replace(",", ".") or 1.0) or 1.0
+    points = (
+        np.round(raw * 1e-9 / factor, 12).astype({"D": "<f8", "F": "<f4", "I": "<i2"}[kind["type"]]).tobytes()
+    )
+    md5 = kind["md5"] if kind["md5"] is not None else hashlib.md5(points).hexdigest().upper()
+    if kind["listed"]:
+        data = "".join(f"<Datum>{kind['listed'].format(z * 1e-9)}</Datum>" for z in raw.ravel())
+        data = f"<DataList>{data}</DataList>"
+    else:
+        data = (
+            f"<PointDataLink>{kind['link']}</PointDataLink><MD5ChecksumPointData>{md5}</MD5ChecksumPointData>"
+        )
+        data = f"<DataLink>{data}</DataLink>"
+
+    def axis(name, kinds, numbers, increment):
+        increment = f"<Increment>{increment}</Increment>" if increment else ""
+        return f"<C{name}><AxisType>{kinds}</AxisType><DataType>{numbers}</DataType>{increment}</C{name}>"
+
+    prefix = kind["prefix"]
+    space = f'xmlns{":" if prefix else ""}{prefix.strip(":")}="http://www.opengps.eu/2008/ISO5436_2"'
+    axes = axis("X", "I", "D", kind["pixel"]) + axis("Y", "I", "D", kind["pixel"])
+    axes += axis("Z", kind["axis"], kind["type"], kind["increment"])
+    first = f"<Revision>{kind['revision']}</Revision><FeatureType>{kind['feature']}</FeatureType>"
+    size = f"<SizeX>{raw.shape[1]}</SizeX><SizeY>{raw.shape[0]}</SizeY><SizeZ>1</SizeZ>"
+    main = (
+        f'<?xml version="1.0" encoding="UTF-8"?><{prefix}ISO5436_2 {space}>'
+        f"<Record1>{first}<Axes>{axes}</Axes></Record1>"
+        f"<Record3><MatrixDimension>{size}</MatrixDimension>{data}</Record3>"
+        f"<Record4><ChecksumFile>md5checksum.hex</ChecksumFile></Record4></{prefix}ISO5436_2>"
+    ).encode()
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr(f"{kind['folder']}main.xml", main)
+        archive.writestr(f"{kind['folder']}{kind['member']}", points)
+        main_md5 = kind["main_md5"] or hashlib.md5(main).hexdigest()
+        archive.writestr(f"{kind['folder']}md5checksum.hex", f"{main_md5} *main.xml")
+
+
+def write_bruker(path, raw, size, *, listed=None, aspect="1:1", lines=None, slow="", keys=str):
+    """`size` is that of the image, `listed` are the lines of the scan, and `aspect` is its ratio."""
+    ny, nx = raw.shape
+    points = raw.astype("<i4").tobytes()
+    scan = [
+        r"\Scan Size: 2000 nm",
+        rf"\Samps/line: {nx}",
+        rf"\Lines: {listed or ny}",
+        rf"\Aspect Ratio: {aspect}",
+    ]
+    heading = [
+        *(r"\*File list", r"\Version: 0x09400202", r"\Date: 09:00:00 AM Fri Jan 3 2020", r"\*Ciao scan list"),
+        *map(keys, scan),
+        *([rf"\Slow Axis Size: {slow}"] if slow else []),
+        r"\@Sens. ZsensSens: V 100.0 nm/V",
+        *(r"\*Ciao image list", r"\Data offset: 4096", rf"\Data length: {len(points)}", r"\Bytes/pixel: 4"),
+        *map(keys, (rf"\Samps/line: {nx}", rf"\Number of lines: {lines or ny}", rf"\Scan Size: {size}")),
+        *(r"\Aspect Ratio: 1:1", r'\@2:Image Data: S [ZSensor] "Height Sensor"'),
+        rf"\@2:Z scale: V [Sens. ZsensSens] (0.0 V/LSB) {256**4 / 100:.9f} V",
+        r"\*File list end",
+    ]
+    path.write_bytes("\r\n".join([*heading, "\x1a"]).encode("latin-1").ljust(4096, b"\0") + points)
+
+
+def write_sdf(path, raw, *, heading="aISO-1.0", keys=str, data_type=5, gap=None):
+    ny, nx = raw.shape
+    numbers = raw.astype({3: "<f4", 4: "i1", 5: "<i2", 7: "<f8"}[data_type])
+    if gap is not None:
+        numbers[0, 0] = gap
+    if heading.startswith("b"):
+        sizes = struct.pack("<II" if "2.0" in heading else "<HH", nx, ny)
+        rest = struct.pack("<4d3B", PIXEL, PIXEL, 1e-9, -1.0, 0, data_type, 0)
+        path.write_bytes(heading.encode() + b"asperity  " + 24 * b"0" + sizes + rest + numbers.tobytes())
+        return
+    values = {
+        "NumPoints": nx,
+        "NumProfiles": ny,
+        "Xscale": PIXEL,
+        "Yscale": PIXEL,
+        "Zscale": 1e-9,
+        "DataType": data_type,
+    }
+    lines = [heading, "ManufacID = NPL", *(keys(f"{key} = {value}") for key, value in values.items()), "*"]
+    path.write_text("\n".join([*lines, *(" ".join(map(str, row)) for row in numbers), "*"]) + "\n")
+
+
+def write_tmd(path, raw, comment=b"Created by TrueMap v6\r\n", end=b"\r\n"):
+    ny, nx = raw.shape
+    heading = b"Binary TrueMap Data File v2.0" + end + b"\0" + comment + b"\0"
+    sizes = struct.pack("<2I4f", nx, ny, 1e3 * PIXEL * nx, 1e3 * PIXEL * ny, 0, 0)
+    path.write_bytes(heading + sizes + (raw * 1e-6).astype("<f4").tobytes())
+
+
+def write_sur(path, raw, *, unit=b"\xb5m", z_unit=b"nm", packed=0):
+    """Compressed in `packed` streams."""
+    ny, nx = raw.shape
+    heading = bytearray(512)
+    heading[:12] = b"DSCOMPRESSED" if packed else b"DIGITAL SURF"
+    struct.pack_into(
+        "<HiiiiIfff", heading, 98, 16, int(raw.min()), int(raw.max()), nx, ny, nx * ny, 2.0, 2.0, 1.0
+    )
+    for start, text in zip(range(180, 276, 16), 2 * (unit, unit, z_unit), strict=True):
+        heading[start : start + len(text)] = text
+    struct.pack_into("<7H", heading, 306, 0, 0, 0, 1, 1, 2020, 0)
+    points = raw.astype("<i2").tobytes()
+    if packed:
+        half = len(points) // packed
+        parts = [points[half * n : half * (n + 1) if n + 1 < packed else None] for n in range(packed)]
+        streams = [zlib.compress(part) for part in parts]
+        sizes = [number for pair in zip(parts, streams, strict=True) for number in map(len, pair)]
+        points = struct.pack(f"<{1 + 2 * packed}I", packed, *sizes) + b"".join(streams)
+    path.write_bytes(bytes(heading) + points)
+
+
+def write_nid(path, channels):
+    """`channels` are tuples of name, unit along the first axis, unit of the values, and raw numbers."""
+    groups = [f"Gr0-Ch{n}=DataSet-0:{n}" for n in range(len(channels))]
+    heading = ["[DataSet]", "Version=2", "GroupCount=1", f"Gr0-Count={len(channels)}", *groups]
+    heading += ["[DataSet-Info]", "Date=01-02-2020", "Time=10:00:00"]
+    for number, (name, along, unit, raw) in enumerate(channels):
+        ny, nx = raw.shape
+        heading += [
+            f"[DataSet-0:{number}]",
+            f"Points={nx}",
+            f"Lines={ny}",
+            "Frame=Scan forward",
+            f"Dim2Name={name}",
+        ]
+        heading += [f"Dim0Unit={along}", "Dim1Unit=m", f"Dim0Range={nx * PIXEL}", f"Dim1Range={ny * PIXEL}"]
+        heading += [f"Dim2Unit={unit}", f"Dim2Range={1e-9 * 2**32:.9e}", f"Dim2Min={-1e-9 * 2**31:.9e}"]
+        heading += ["SaveMode=Binary", "SaveBits=32", "SaveSign=Signed", "SaveOrder=Intel"]
+    data = b"".join(raw[::-1].astype("<i4").tobytes() for *_, raw in channels)
+    path.write_bytes("\r\n".join(heading).encode() + b"\r\n#!" + data)
+
+
+def write_gwy(path, channels):
+    """`channels` are tuples of title, unit of edges, unit of heights (empty: none), and raw numbers."""
+
+    def component(name, kind, value):
+        return name.encode() + b"\0" + kind.encode() + value
+
+    def whole(name, parts):
+        content = b"".join(parts)
+        return name.encode() + b"\0" + struct.pack("<I", len(content)) + content
+
+    parts = []
+    for number, (title, lateral, unit, raw) in enumerate(channels):
+        ny, nx = raw.shape
+        numbers = struct.pack("<I", raw.size) + (raw * 1e-9).astype("<f8").tobytes()
+        field = [component(name, "i", struct.pack("<i", n)) for name, n in (("xres", nx), ("yres", ny))]
+        field += [
+            component(name, "d", struct.pack("<d", n * PIXEL)) for name, n in (("xreal", nx), ("yreal", ny))
+        ]
+        for name, text in (("si_unit_xy", lateral), ("si_unit_z", unit)):
+            if text:
+                text = component("unitstr", "s", text.encode() + b"\0")
+                field.append(component(name, "o", whole("GwySIUnit", [text])))
+        field.append(component("data", "D", numbers))
+        parts.append(component(f"/{number}/data", "o", whole("GwyDataField", field)))
+        parts.append(component(f"/{number}/data/title", "s", title.encode() + b"\0"))
+    path.write_bytes(b"GWYP" + whole("GwyContainer", parts))
+
+
+def write_nms(path, raw, pixel):
+    ny, nx = raw.shape
+    heading = bytearray(3468)
+    struct.pack_into("<2d", heading, 16, 0.0, 65.534)  # µm: a step is 1 nm
+    struct.pack_into("<2I2d", heading, 1368, nx, ny, pixel, pixel)
+    path.write_bytes(bytes(heading) + raw.astype("<u2").tobytes())
