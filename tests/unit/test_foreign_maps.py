@@ -4,6 +4,7 @@ import re
 
 import foreign_files
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -325,3 +326,104 @@ def test_a_gwyddion_file_whose_error_is_first_gives_its_height(tmp_path):
 def test_a_nanofocus_pixel_is_in_nm_or_mm(tmp_path, pixel):
     foreign_files.write_nms(tmp_path / "map.nms", RAW + 500, pixel)
     assert_read(tmp_path / "map.nms", RAW + 500)
+
+
+@pytest.mark.parametrize("kind", ["virtual", "virtual without its source", "external"])
+@pytest.mark.parametrize("name", ["map.h5", "map.nc"])
+def test_numbers_in_another_file_are_refused(tmp_path, kind, name):
+    """They would be read as zeros where the other file is missing."""
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["height"] = HEIGHT
+    with h5py.File(tmp_path / name, "w") as file:
+        if kind == "external":
+            HEIGHT.tofile(tmp_path / "raw")
+            file.create_dataset("height", HEIGHT.shape, "f8", external=[(tmp_path / "raw", 0, HEIGHT.nbytes)])
+        else:
+            layout = h5py.VirtualLayout(HEIGHT.shape, "f8")
+            layout[:] = h5py.VirtualSource(tmp_path / "other.h5", "height", HEIGHT.shape)
+            file.create_virtual_dataset("height", layout)
+        for axis, n in zip("yx", HEIGHT.shape, strict=True):
+            file[axis] = np.arange(n)
+            file[axis].make_scale(axis)
+            file["height"].dims["yx".index(axis)].attach_scale(file[axis])
+    if "without" in kind:
+        (tmp_path / "other.h5").unlink()
+    with pytest.raises(MapError, match="the numbers of its dataset height lie in other files"):
+        read_map(tmp_path / name, **BARE)
+
+
+def test_a_chunk_that_unpacks_to_much_is_refused(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "map.h5", "w") as file:
+        shape = {"shape": (8, 6), "maxshape": (None, None), "chunks": (2000, 2000), "compression": "gzip"}
+        file.create_dataset("height", dtype="f8", **shape)[:] = HEIGHT
+    with pytest.raises(MapError, match=r"max_memory = 0\.01 GiB: the file holds 0\.0298 GiB of data or more"):
+        read_map(tmp_path / "map.h5", **BARE, max_memory=0.01)
+    np.testing.assert_array_equal(read_map(tmp_path / "map.h5", **BARE).height, 1e-6 * HEIGHT)
+
+
+def of_axes(y="y", x="x", units="mm", height="height", step=2e-3):
+    places = {
+        axis: (axis, step * np.arange(n), {"units": units})
+        for axis, n in zip((y, x), HEIGHT.shape, strict=True)
+    }
+    return xr.Dataset({height: ((y, x), HEIGHT, {"units": "um"})}, places)
+
+
+@pytest.mark.parametrize(
+    "dataset",
+    [
+        of_axes(),
+        of_axes().assign(height=of_axes().height.assign_attrs(orientation="peaks up")),
+        of_axes("lat", "lon", height="elevation"),
+        of_axes("Y", "X").transpose(),
+        of_axes("row", "col", "um", step=2.0).isel(row=slice(None, None, -1)),
+        of_axes().assign(mask=(("y", "x"), HEIGHT)),
+    ],
+    ids=range(6),
+)
+@pytest.mark.parametrize("version", ["NETCDF4", "NETCDF3_64BIT"])
+def test_netcdf_has_its_axes_by_name_and_their_own_units(tmp_path, dataset, version):
+    dataset.to_netcdf(tmp_path / "map.nc", format=version)
+    found = read_map(tmp_path / "map.nc", orientation="peaks up")
+    np.testing.assert_allclose(found.height, 1e-6 * HEIGHT, rtol=1e-12)
+    assert found.length == pytest.approx((16e-6, 12e-6))
+
+
+def test_netcdf_without_edges_asks_for_them(tmp_path):
+    for name, dataset in (
+        ("degrees", of_axes("lat", "lon", "degrees")),
+        ("numbers", of_axes(units="", step=1)),
+    ):
+        dataset.to_netcdf(tmp_path / f"{name}.nc")
+        with pytest.raises(MapError, match="physical_size: the file does not say the edges"):
+            read_map(tmp_path / f"{name}.nc", orientation="peaks up")
+    uneven = of_axes().assign_coords(y=np.arange(8) ** 2.0)
+    uneven.to_netcdf(tmp_path / "uneven.nc")
+    with pytest.raises(MapError, match="the positions y are not equally spaced"):
+        read_map(tmp_path / "uneven.nc", orientation="peaks up")
+
+
+def test_arrays_are_taken_by_the_names_and_places_of_their_axes():
+    """DataArrays and DataFrames give what the plain array gives."""
+    expected = asp.solve(HEIGHT, asp.Layer(1.0, 0.3), 1.0, mean_pressure=0.1).pressure
+    array = xr.DataArray(HEIGHT, dims=("y", "x"), coords={"y": np.arange(8), "x": np.arange(6)})
+    frame = pd.DataFrame(HEIGHT, columns=[f"{0.5 * n}" for n in range(6)])
+    mixed = frame.iloc[::-1, [3, 0, 5, 1, 4, 2]]
+    for given in (
+        array.T,
+        array[::-1],
+        array[[3, 1, 0, 2, 5, 4, 7, 6]].rename(y="Y", x="X").T,
+        array.rename(y="row", x="col").T,
+        array.drop_vars(["y", "x"]).rename(y="dim_0", x="dim_1"),
+        frame,
+        mixed,
+    ):
+        found = asp.solve(given, asp.Layer(1.0, 0.3), 1.0, mean_pressure=0.1).pressure
+        np.testing.assert_array_equal(found, expected)
+        np.testing.assert_array_equal(asp.HeightMap(given, (8.0, 6.0)).height, HEIGHT)
+    with pytest.raises(ValueError, match="height over a and b: an array over the axes y and x is needed"):
+        asp.solve(array.rename(y="a", x="b"), asp.Layer(1.0, 0.3), 1.0, mean_pressure=0.1)
+    with pytest.raises(ValueError, match="height: a position is given to several columns"):
+        asp.solve(frame.set_axis([0, 1, 1, 2, 3, 4], axis=1), asp.Layer(1.0, 0.3), 1.0, mean_pressure=0.1)

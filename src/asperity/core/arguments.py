@@ -87,12 +87,19 @@ def choices(name: str, values: Any, known: Sequence[str]) -> tuple[str, ...]:
 def real_array(name: str, values: Any) -> Array:
     """An array of real numbers; float32 and float64 are kept, everything else becomes float64.
 
-    A DataArray with the dimensions x and y becomes an array [y, x].
+    A DataArray over axes that `plane_axes` knows becomes an array [y, x], with rising positions; so does a
+    DataFrame whose rows or columns are named by numbers.
     Complex numbers, truth values, text, and masked arrays with masked elements are refused. Elements may be
     infinite or NaN.
     """
-    if set(getattr(values, "dims", ())) == {"y", "x"}:
-        values = values.transpose("y", "x")
+    dims: Sequence[Any] = getattr(values, "dims", ())
+    if len(dims) == 2:
+        if plane_axes(dims):
+            values = rising(values)
+        elif name == "height" and not all(str(axis).startswith("dim_") for axis in dims):
+            raise ValueError(f"{name} over {dims[0]} and {dims[1]}: an array over the axes y and x is needed")
+    elif hasattr(values, "columns") and hasattr(values, "sort_index"):
+        values = _sorted_frame(name, values)
     if np.ma.is_masked(values):
         raise ValueError(f"{name}: an array without masked elements is needed")
     try:
@@ -102,6 +109,42 @@ def real_array(name: str, values: Any) -> Array:
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name} = {shown(values)}: real numbers are needed")
     return array if array.dtype in REAL_TYPES else array.astype(np.float64)
+
+
+ROW_AXES = frozenset(("y", "row", "rows", "line", "lines", "lat", "latitude", "northing"))
+COLUMN_AXES = frozenset(("x", "col", "cols", "column", "columns", "lon", "longitude", "easting"))
+"""Names of axes along y and x, in small letters."""
+
+
+def plane_axes(dims: Sequence[Any]) -> tuple[Any, Any] | None:
+    """The axes along y and x among two axes, by their names; None if these do not say it."""
+    kinds = [(str(axis).lower() in ROW_AXES) - (str(axis).lower() in COLUMN_AXES) for axis in dims]
+    if kinds not in ([1, -1], [-1, 1]):
+        return None
+    return (dims[0], dims[1]) if kinds == [1, -1] else (dims[1], dims[0])
+
+
+def rising(values: Any) -> Any:
+    """A DataArray over axes that `plane_axes` knows as [y, x], sorted by its positions."""
+    values = values.transpose(*(plane_axes(values.dims) or ()))
+    for axis in values.dims:
+        place = values.coords[axis].values if axis in values.coords else np.arange(2)
+        if place.dtype.kind in "iuf" and not np.all(np.diff(place) > 0):
+            values = values.sortby(axis)
+    return values
+
+
+def _sorted_frame(name: str, frame: Any) -> Any:
+    """A DataFrame with rows and columns in the order of the numbers by which they are named."""
+    import pandas as pd
+
+    for axis, labels in enumerate((frame.index, frame.columns)):
+        numbers = pd.to_numeric(pd.Series(labels), errors="coerce").to_numpy(dtype=float)
+        if np.isfinite(numbers).all() and not np.all(np.diff(numbers) > 0):
+            if np.unique(numbers).size < numbers.size:
+                raise ValueError(f"{name}: a position is given to several {('rows', 'columns')[axis]}")
+            frame = frame.take(np.argsort(numbers), axis=axis)
+    return frame
 
 
 def finite_array(name: str, values: Any) -> Array:

@@ -26,12 +26,12 @@ import numpy as np
 
 from asperity.core.packages import require
 from asperity.core.types import Array
-from asperity.fourier.grid import grid_of
 from asperity.surface.reading import dialects, formats
 from asperity.surface.reading.agreement import FileContent, MapFile, metres
 from asperity.surface.reading.channels import UNNAMED, Channel, choose_channel
 from asperity.surface.reading.formats import TEXT_FORMATS, Format
-from asperity.surface.reading.height_map import LOWER_FACE, PEAKS_UP, HeightMap, MapError, MapOptions
+from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapError, MapOptions
+from asperity.surface.reading.hierarchical import largest_chunk, netcdf_map
 from asperity.surface.reading.number_table import MATRIX_HEADER, NumberTable, find_dialect, grid_points
 from asperity.surface.reading.x3p import read_x3p
 
@@ -42,6 +42,9 @@ FEW_COLUMNS, ELONGATED = 8, 20
 """A table without edges that has no more columns than this, and this many times more rows, is no map."""
 
 GIB = 2**30
+
+HDF5 = b"\x89HDF\r\n\x1a\n"
+"""First bytes of a file in HDF5, and in NetCDF-4."""
 
 UNREADABLE = "not a height map that can be read"
 
@@ -175,6 +178,11 @@ def _first_readable(
 ) -> tuple[Format, FileContent]:
     """The first of the possible formats in which a file can be read, and its content."""
     reasons = []
+    if any(
+        file.seek(place) == place and file.read(8) == HDF5 for place in (0, 512)
+    ):  # 512 in those of MATLAB
+        require(("h5py",))
+        _require_size(largest_chunk(file), options.max_memory)
     for form in possible:
         file.seek(0)
         if form.name in ("npy", "npz"):
@@ -183,8 +191,8 @@ def _first_readable(
             return form, _picture(form, file, options)
         if form.name == "x3p":
             return form, read_x3p(file)
-        if form.name == "nc" and (own := _own_surface(name)):
-            return form, own
+        if form.name == "nc" and (found := netcdf_map(name, options)):
+            return form, found
         try:
             return form, _instrument_map(form, file, options)
         except _OtherFormatError as error:
@@ -264,32 +272,6 @@ def _picture(form: Format, file: BinaryIO, options: MapOptions) -> FileContent:
     if values.ndim != 2 or values.dtype.kind not in "fiu":
         raise ValueError("one picture of heights or grey levels is needed, not one in colours or several")
     return FileContent(values.astype(float), orientation=None, is_grey=values.dtype.kind != "f")
-
-
-def _own_surface(path: str) -> FileContent | None:
-    """A surface that asperity wrote: variable ``height`` over ``y`` and ``x`` that says its orientation."""
-    import xarray as xr
-
-    try:
-        with xr.open_dataset(path, engine="netcdf4") as opened:
-            surface = opened[["height"]].load()
-    except (OSError, RuntimeError, ValueError, KeyError, AttributeError):
-        return None
-    height = surface["height"]
-    units = height.attrs.get("units", "")
-    is_lower_face = "lower face" in height.attrs.get("long_name", "")
-    orientation = height.attrs.get("orientation", LOWER_FACE if is_lower_face else None)
-    is_surface = height.dims == ("y", "x") and {"y", "x"} <= set(height.coords) and min(height.shape) > 1
-    if orientation not in (PEAKS_UP, LOWER_FACE) or not is_surface:
-        return None
-    return FileContent(
-        height=height.values.astype(float),
-        channel="height",
-        length=grid_of(surface).length,
-        unit=None if units.startswith("cell") or not units else units,
-        periodic=True,
-        orientation=orientation,
-    )
 
 
 _readers: dict[str, ModuleType] = {}

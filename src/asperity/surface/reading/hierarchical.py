@@ -1,0 +1,134 @@
+"""Arrays in HDF5 and NetCDF: what a file must not do to its reader, and maps over named axes with units."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+from asperity.core.arguments import plane_axes, rising
+from asperity.fourier.grid import grid_of
+from asperity.surface.reading.agreement import FileContent, metres
+from asperity.surface.reading.channels import Channel, choose_channel
+from asperity.surface.reading.height_map import LOWER_FACE, ORIENTATIONS, MapOptions
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+EQUAL_STEPS = 1e-3
+"""Largest relative difference of the steps between equally spaced positions."""
+
+
+def largest_chunk(file: BinaryIO) -> int:
+    """Bytes of the largest chunk of an HDF5 file, which is unpacked as a whole for each of its numbers.
+
+    Raises
+    ------
+    ValueError
+        If the numbers of a dataset lie in other files.
+    """
+    import h5py
+
+    sizes = [0]
+
+    def look(name: str, node: Any) -> None:
+        if isinstance(node, h5py.Dataset):
+            if node.is_virtual or node.external:
+                raise ValueError(
+                    f"the numbers of its dataset {name} lie in other files; one with them is needed"
+                )
+            sizes.append(int(np.prod(node.chunks or (0,), dtype=float)) * node.dtype.itemsize)
+
+    with h5py.File(file, "r") as opened:
+        opened.visititems(look)
+    return max(sizes)
+
+
+def netcdf_map(path: str, options: MapOptions) -> FileContent | None:
+    """A map in a NetCDF file, over axes with the names of rows and columns; None if there is none.
+
+    Axes are ordered by their names and positions, which have their own units. A surface of asperity says its
+    orientation, and is one period.
+
+    Raises
+    ------
+    ValueError
+        If the positions are not equally spaced, or the map is larger than accepted.
+    """
+    import xarray as xr
+
+    try:
+        opened = xr.open_dataset(path, engine="netcdf4", decode_times=False)
+    except (OSError, RuntimeError, ValueError, KeyError, AttributeError):
+        return None
+    with opened:
+        maps = [
+            str(name)
+            for name, values in opened.data_vars.items()
+            if values.ndim == 2
+            and values.dtype.kind in "fiu"
+            and min(values.shape) > 1
+            and plane_axes(values.dims)
+        ]
+        if not maps or "heights" in opened.variables:  # of SurfaceTopography, which reads it
+            return None
+        channels = tuple(Channel(name, (opened[name].shape[0], opened[name].shape[1])) for name in maps)
+        index, undecided = choose_channel(channels, options.channel)
+        chosen = opened[maps[index]]
+        if 8.0 * chosen.size > options.max_memory * 2**30:
+            raise ValueError(
+                f"max_memory = {options.max_memory:g} GiB: the file holds more data; set it to more"
+            )
+        values = rising(chosen.load())
+    default = LOWER_FACE if "lower face" in values.attrs.get("long_name", "") else None
+    orientation = values.attrs.get("orientation", default)
+    is_own = orientation in ORIENTATIONS
+    length, length_unit = _edges(values, is_own)
+    return FileContent(
+        height=values.values.astype(float),
+        channel=maps[index],
+        channels=channels,
+        undecided=undecided,
+        length=length,
+        length_unit=length_unit,
+        unit=_unit(values),
+        periodic=is_own,
+        orientation=orientation if is_own else None,
+    )
+
+
+def _edges(values: xr.DataArray, is_own: bool) -> tuple[tuple[float, float] | None, str | None]:
+    """Edges of a map, from the positions along its axes, and their unit if it is not that of the heights.
+
+    None if the positions are not there, are numbers of points, or have no unit beside heights that have one.
+    """
+    axes = [values[axis] for axis in values.dims if axis in values.coords]
+    if len(axes) < 2:
+        return None, None
+    units = [_unit(axis) for axis in axes]
+    if is_own and values.dims == ("y", "x"):
+        edges = list(grid_of(values.to_dataset(name="height")).length)
+    else:
+        edges = []
+        for axis in axes:
+            place = axis.values.astype(float)
+            step = (place[-1] - place[0]) / (place.size - 1)
+            if not np.allclose(np.diff(place), step, rtol=EQUAL_STEPS, atol=0):
+                raise ValueError(f"the positions {axis.name} are not equally spaced")
+            edges.append(place.size * step)
+    try:
+        sizes = [metres(unit) for unit in units if unit is not None]
+    except ValueError:  # degrees
+        return None, None
+    if len(sizes) == 2:
+        return (edges[0] * sizes[0], edges[1] * sizes[1]), "m"
+    is_numbered = edges == [axis.size for axis in axes]
+    if not is_own and (is_numbered or _unit(values) is not None):
+        return None, None
+    return (edges[0], edges[1]), None
+
+
+def _unit(values: xr.DataArray) -> str | None:
+    """Unit of a variable; None without one, and of a result in lengths of its cell."""
+    unit = str(values.attrs.get("units", values.attrs.get("unit", ""))).strip()
+    return None if not unit or unit.startswith("cell") else unit
