@@ -96,7 +96,7 @@ def test_help_and_the_list_of_figures_do_not_wait_for_libraries(code, library):
         ("numba", "asperity --version", "asperity"),
         ("yaml", "asperity.study.config check config/config.yaml", "config"),
         ("matplotlib", "asperity plot 9 a.nc --out b.png", "asperity"),
-        ("SurfaceTopography", f"asperity info {STEEL}", "asperity"),
+        ("SurfaceTopography", f"asperity info {STEEL.with_suffix('.gwy')}", "asperity"),
     ],
 )
 def test_a_missing_package_is_one_line(tmp_path, name, command, program):

@@ -9,6 +9,8 @@ import pytest
 import xarray as xr
 
 import asperity as asp
+from asperity.surface.description import describe_map, map_warnings
+from asperity.surface.reading.agreement import repeated_height
 from asperity.surface.reading.height_map import MapError, MapOptions
 from asperity.surface.reading.map_file import read_map
 from asperity.surface.treatment.treatment import prepare_map
@@ -427,3 +429,47 @@ def test_arrays_are_taken_by_the_names_and_places_of_their_axes():
         asp.solve(array.rename(y="a", x="b"), asp.Layer(1.0, 0.3), 1.0, mean_pressure=0.1)
     with pytest.raises(ValueError, match="height: a position is given to several columns"):
         asp.solve(frame.set_axis([0, 1, 1, 2, 3, 4], axis=1), asp.Layer(1.0, 0.3), 1.0, mean_pressure=0.1)
+
+
+@pytest.mark.parametrize("value", [-9999.0, -32768.0, 65535.0, 1e30, 1e20, 0.0])
+@pytest.mark.parametrize("dtype", ["f8", "f4"])
+def test_numbers_of_missing_points_are_named_and_can_be_set(tmp_path, value, dtype):
+    """A round hole in heights of about 100 µm."""
+    rough = 100 + np.random.default_rng(2).normal(size=(30, 40))
+    array = np.where(np.hypot(*np.mgrid[-15:15, -18:22]) < 6, value, rough).astype(dtype)
+    np.save(tmp_path / "map.npy", array)
+    options = {"physical_size": ("3 mm", "4 mm"), "unit": "um", "orientation": "peaks up"}
+    count = int(np.sum(array == array.dtype.type(value)))
+    found = describe_map(tmp_path / "map.npy", MapOptions(**options))
+    (doubt,) = [text for text in (*found.warnings, *found.needed) if text.startswith("missing")][-1:]
+    assert doubt.startswith(f"missing: {count} points")
+    assert f"have the height {value:.9g}" in doubt.replace(f"{float(np.float32(value)):.9g}", f"{value:.9g}")
+    said = read_map(tmp_path / "map.npy", **options, missing=value)
+    assert said.missing == count
+    assert np.nanmax(np.abs(said.height - 1e-4)) < 1e-5
+    assert not describe_map(tmp_path / "map.npy", MapOptions(**options, missing=value)).warnings
+    with pytest.raises(MapError, match=r"missing = 7: no point has this height; leave it out"):
+        read_map(tmp_path / "map.npy", **options, missing=7)
+
+
+@pytest.mark.parametrize("levels", [3, 20, 2000])
+def test_quantised_and_regular_maps_have_no_number_of_missing_points(levels):
+    heights = np.random.default_rng(2).normal(size=(300, 400))
+    for height in (np.round(levels * heights), np.cos(np.arange(400) * 2 * np.pi / 16) * np.ones((300, 1))):
+        assert repeated_height(height) is None
+
+
+def test_doubts_about_edges_are_named():
+    rough = asp.self_affine((64, 64), 0.8, 5e-5, 1e-5, rms_height=1e-7, seed=1, length=1e-4)
+    for length, words in (
+        ((1e-4, 1e-4), []),
+        ((0.9, 0.9), ["an rms gradient of"]),
+        ((2.0, 2.0), ["an edge of 2 m", "an rms gradient of"]),
+        ((3e-4, 1e-4), ["pixels of 4.69 µm x 1.56 µm (y, x), 3 to 1"]),
+        ((1e-7, 1e-7), ["an rms gradient of"]),
+    ):
+        found = map_warnings(asp.HeightMap(rough, length, unit="m"), MapOptions())
+        assert [
+            text.partition(": ")[2][: len(word)] for text, word in zip(found, words, strict=True)
+        ] == words
+        assert all(text.startswith("physical_size: ") for text in found)

@@ -301,8 +301,10 @@ def test_the_description_says_what_a_map_is():
     found = describe_map(DATA / "steel.x3p", MapOptions())
     tilt = float(found.properties["tilt"].rstrip("°"))
     assert tilt == pytest.approx(np.degrees(np.hypot(12e-9, 5e-9) / 2e-6), abs=0.3)
-    height = float(found.properties["Sq"].split()[0])
-    assert height == pytest.approx(400, rel=0.1)  # the script sets 400 nm before the tilt
+    height, without_spikes = re.match(r"(\S+) nm, without spikes (\S+) nm", found.properties["Sq"]).groups()
+    assert float(without_spikes) == pytest.approx(400, rel=0.1)  # the script sets 400 nm before the tilt
+    steps = np.array(make_maps.SPIKES).shape[0] * 15000**2 / HEIGHT.size  # by 15 µm in four of the points
+    assert float(height) == pytest.approx(np.sqrt(400**2 + steps), rel=0.1)
     assert found.properties["size"] == "80 µm x 96 µm (y, x)"
     assert found.properties["without data"] == "7 points (0.36 %)"
     assert found.properties["spikes"].startswith("4 points (0.21 %) in 3 spikes of up to 15.")

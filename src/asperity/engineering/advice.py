@@ -213,7 +213,11 @@ def _on_map(answer: Answer) -> Iterator[Found]:
         subject = doubt.partition(":")[0]
         if subject != "despike" or not numbers.pressure_on_spike:
             sentence = doubt if doubt.endswith("?") else f"{doubt}."
-            yield subject == "unit", "doubt", {"subject": subject, "doubt": sentence}
+            yield (
+                subject in ("unit", "physical_size", "missing"),
+                "doubt",
+                {"subject": subject, "doubt": sentence},
+            )
     slope = numbers.rms_gradient
     if slope > STEEP:
         yield slope > VERY_STEEP, "steep", {"angle": math.degrees(math.atan(slope)), "size": slope**2}

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
 from asperity.core.types import Array
-from asperity.surface.reading.agreement import MapFile
+from asperity.surface.reading.agreement import MapFile, metres, repeated_height
 from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATION_NEEDED,
@@ -32,6 +33,10 @@ PERIODIC_STEP = 3.0
 SMALLEST_RMS, LARGEST_RMS = 1e-9, 1e-3
 """Rms heights in m beyond which the unit of a map is doubtful: a polished wafer has 0.2 nm, a cast surface
 50 µm."""
+
+LARGEST_EDGE, LARGEST_ASPECT, SLOPES = 1.0, 1.9, (1e-5, 3.0)
+"""Edge in m, ratio of the edges of a pixel, and rms gradients, beyond which the size of a map is doubtful: no
+instrument scans a metre, and a superpolished mirror has gradients of 1e-5."""
 
 LARGE_BOW = 0.5
 """Rms height without bow, relative to that with it, below which the bow is called a form of its own: below
@@ -82,7 +87,7 @@ class MapDescription(NamedTuple):
 def describe_map(path: str | os.PathLike[str], options: MapOptions) -> MapDescription:
     """Description of the map in a file.
 
-    Roughness is that of the map without its mean plane and its spikes, without a filter.
+    Roughness is that of the map without its mean plane, without a filter, with its spikes and without them.
 
     Raises
     ------
@@ -96,7 +101,7 @@ def describe_map(path: str | os.PathLike[str], options: MapOptions) -> MapDescri
     if np.isfinite(found.map.height).any():
         measures = MapMeasures(found.map)
         properties |= _of_heights(found.map, measures, found.edges_known)
-        warnings = map_warnings(found.map, options, measures)
+        warnings = map_warnings(found.map, options, measures, found.edges_known)
     return MapDescription(properties, needed, choices, warnings)
 
 
@@ -118,6 +123,8 @@ class MapMeasures:
         Largest distance of a spike from the heights that fill its place.
     level : (ny, nx) array
         Heights without spikes and tilt, filled where there are no data.
+    spiky : (ny, nx) array
+        The same with the spikes.
     tilt : float
         Angle of the mean plane, in radians.
     bow : float
@@ -135,20 +142,34 @@ class MapMeasures:
         filled = fill_harmonic(height, self.spikes | ~np.isfinite(height))
         self.highest_spike = float(np.abs(height - filled).max(initial=0.0, where=self.spikes))
         self.level, slope, _ = subtract_trend(filled, "tilt", surface.length)
+        self.spiky = self.level + np.where(self.spikes, height - filled, 0.0)
         self.tilt = math.atan(math.hypot(*slope))
         flat, _, self.bow = subtract_trend(self.level, "curvature", surface.length)
         self.rms_height, self.rms_height_without_bow = float(np.std(self.level)), float(np.std(flat))
 
 
-def map_warnings(surface: HeightMap, options: MapOptions, measures: MapMeasures | None = None) -> list[str]:
-    """Doubts about a map that the options do not answer: its unit, spikes and bow.
+def map_warnings(
+    surface: HeightMap,
+    options: MapOptions,
+    measures: MapMeasures | None = None,
+    edges_known: bool = True,
+) -> list[str]:
+    """Doubts about a map that the options do not answer: its unit, edges, gaps, spikes and bow.
 
     Each begins with the field of `MapOptions` that answers it.
     """
     found = measures or MapMeasures(surface)
     rms, length, warnings = found.rms_height_without_bow, surface.shown_length, []
-    if surface.unit is not None and rms and not SMALLEST_RMS <= rms <= LARGEST_RMS:
+    if repeated := repeated_height(surface.height):
+        number = repeated[0] / (metres(surface.unit) if surface.unit else 1.0)
+        warnings.append(
+            f"missing: {surface.shown_share(repeated[1])} have the height {number:.9g} exactly; set it to "
+            "this number if they are without data"
+        )
+    elif surface.unit is not None and rms and not SMALLEST_RMS <= rms <= LARGEST_RMS:
         warnings.append(f"unit: an rms height of {length(rms)}; is {surface.unit} the unit of the heights?")
+    if edges_known and not repeated:
+        warnings += _doubtful_edges(surface, found)
     if found.spike_count and options.despike is None:
         warnings.append(
             f"despike: {found.spike_count} spikes of up to {length(found.highest_spike)}; set it to "
@@ -162,6 +183,23 @@ def map_warnings(surface: HeightMap, options: MapOptions, measures: MapMeasures 
     return warnings
 
 
+def _doubtful_edges(surface: HeightMap, measures: MapMeasures) -> Iterator[str]:
+    """Doubts about the edges and pixels of a map."""
+    aspect = max(surface.spacing) / min(surface.spacing)
+    if surface.unit is not None and max(surface.length) >= LARGEST_EDGE:
+        yield f"physical_size: an edge of {surface.shown_length(max(surface.length))}; is this right?"
+    if aspect >= LARGEST_ASPECT:
+        pixel = surface.shown_length(*surface.spacing)
+        yield f"physical_size: pixels of {pixel} (y, x), {aspect:.3g} to 1; is this right?"
+    steps = (np.diff(measures.level, axis=n) / surface.spacing[n] for n in (0, 1))
+    slope = math.sqrt(sum(float(np.mean(np.square(step))) for step in steps))
+    if slope and not SLOPES[0] <= slope <= SLOPES[1]:
+        yield (
+            f"physical_size: an rms gradient of {slope:.2g} between neighbouring points; are the units of "
+            "edges and heights right?"
+        )
+
+
 def _of_file(found: MapFile) -> dict[str, str]:
     """What the file holds."""
     surface, size, pixel = found.map, NOT_IN_FILE, NOT_IN_FILE
@@ -172,7 +210,9 @@ def _of_file(found: MapFile) -> dict[str, str]:
         "file": surface.name,
         "channels": _channels(found),
         "heights": ORIENTATION_WORDS[surface.orientation],
-        "unit": f"{surface.unit} in the file" if surface.unit else NOT_IN_FILE,
+        "unit": (surface.unit + (" in the file" if found.unit_stated else ", as given"))
+        if surface.unit
+        else NOT_IN_FILE,
         "points": f"{surface.height.shape[0]} x {surface.height.shape[1]} (y, x)",
         "size": size,
         "pixel": pixel,
@@ -186,8 +226,22 @@ def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) ->
     def length(value: float) -> str:
         return surface.shown_length(value, digits=4)
 
-    level = measures.level
-    _, skewness, kurtosis = moments(level.ravel(), np.full(level.size, 1 / level.size))
+    def roughness(height: Array) -> dict[str, str]:
+        """Parameters that the spikes change, in words."""
+        _, skewness, kurtosis = moments(height.ravel(), np.full(height.size, 1 / height.size))
+        steps = (np.diff(height, axis=n) / surface.spacing[n] for n in (0, 1))
+        return {
+            "Sq": length(float(np.std(height))),
+            "Sa": length(float(np.mean(np.abs(height - height.mean())))),
+            "Sz": length(float(np.ptp(height))),
+            "Ssk": f"{skewness:.3g}",
+            "Sku": f"{kurtosis:.3g}",
+            "Sdq": f"{math.sqrt(sum(float(np.mean(np.square(step))) for step in steps)):.3g}",
+        }
+
+    level, lies = measures.level, roughness(measures.spiky)
+    if measures.spike_count:
+        lies = {name: f"{lies[name]}, without spikes {text}" for name, text in roughness(level).items()}
     shortest, ratio, direction = texture(level, surface.spacing)
     lay = f", lay at {direction:.0f}° from x towards y" if ratio < DIRECTED else ""
     steps = [np.mean(np.square(np.diff(level, axis=n) / surface.spacing[n])) for n in (0, 1)]
@@ -197,24 +251,25 @@ def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) ->
     step = edge_step(level)
     stated = "says" if surface.periodic else "does not say"
     verdict = "" if surface.periodic or step <= PERIODIC_STEP else ": it is not"
-    spikes = "no points"
+    spikes, without = "no points", ""
     if measures.spike_count:
         spikes = (
             f"{surface.shown_share(int(np.count_nonzero(measures.spikes)))} in {measures.spike_count} spikes "
         )
         spikes += f"of up to {length(measures.highest_spike)}"
+        without += "spikes and "
     slope = math.sqrt(sum(steps))
     found = {
-        "spikes": f"{spikes}, beyond {DESPIKE:g} robust standard deviations from the local median",
+        "spikes": f"{spikes}, beyond {DESPIKE:g} robust standard deviations from the local median; "
+        "plasticity, Sal, Str, tip and waves are without them",
         "tilt": f"{math.degrees(measures.tilt):.3g}°",
         "bow": f"{length(measures.bow)} from lowest to highest point",
-        "Sq": f"{length(measures.rms_height)}, rms height; without bow "
-        f"{length(measures.rms_height_without_bow)}",
-        "Sa": f"{length(float(np.mean(np.abs(level - level.mean()))))}, mean absolute height",
-        "Sz": f"{length(float(np.ptp(level)))}, from lowest to highest point",
-        "Ssk": f"{skewness:.3g}, skewness",
-        "Sku": f"{kurtosis:.3g}, kurtosis",
-        "Sdq": f"{slope:.3g}, rms gradient between neighbouring points",
+        "Sq": f"{lies['Sq']}, rms height; without {without}bow {length(measures.rms_height_without_bow)}",
+        "Sa": f"{lies['Sa']}, mean absolute height",
+        "Sz": f"{lies['Sz']}, from lowest to highest point",
+        "Ssk": f"{lies['Ssk']}, skewness",
+        "Sku": f"{lies['Sku']}, kurtosis",
+        "Sdq": f"{lies['Sdq']}, rms gradient between neighbouring points",
         "plasticity": f"index {slope:.3g} × E*/H, modulus over hardness; far below 1 the contact is elastic",
         "Sal": f"{length(shortest)}, shortest length over which the autocorrelation falls to 0.2",
         "Str": f"{ratio:.2g}, shortest over longest such length{lay}",

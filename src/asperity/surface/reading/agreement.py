@@ -26,6 +26,12 @@ from asperity.surface.reading.height_map import (
 LARGEST_HEIGHT = 1e6
 """Largest height of a map in units of its longer edge; a larger one is a wrong unit or a damaged file."""
 
+REPEATED_SHARE, REPEATED_RATIO, SAMPLED_POINTS, ROUNDING = 1e-3, 10, 2**16, 1e-9
+"""Smallest share of the points that have the height of those without data, its ratio to that of the next
+heights, the points of the sample in which it is looked for, and the difference of equal heights relative to
+their interquartile range. Neighbouring steps of a coarse quantisation have about as many points; plateaus of
+one exact height are named too."""
+
 AGREEMENT = 1e-3
 """Relative difference up to which what the caller says is what the file says: one pixel of a map of 1000."""
 
@@ -91,7 +97,8 @@ class MapFile:
     channels : tuple of Channel
     problems : list of str
         What is missing or contradicts the file; empty if the map can be used.
-    edges_known : bool
+    edges_known, unit_stated : bool
+        True if the edges are known, and if the file says its unit.
     """
 
     def __init__(self, content: FileContent, name: str, options: MapOptions) -> None:
@@ -106,20 +113,35 @@ class MapFile:
             self.problems.append(
                 f"orientation = {orientation!r}: the file holds the lower face of an indenter; leave it out"
             )
-        scale = factor * (metre or 1.0)
-        height = content.height if scale == 1 else content.height * scale
+        height, scale = self._with_gaps(content, options), factor * (metre or 1.0)
+        height = height if scale == 1 else height * scale
         edges = length or (float(height.shape[0]), float(height.shape[1]))
         finite = np.isfinite(height)
         if not finite.any():
             self.problems.append("no point of the map has data")
         elif length and np.abs(height).max(initial=0.0, where=finite) > LARGEST_HEIGHT * max(edges):
+            repeated = repeated_height(content.height)
             self.problems.append(
                 f"height_factor: heights up to {LARGEST_HEIGHT:g} times the longer edge are accepted; set it "
                 "or correct the file"
+                if repeated is None
+                else f"missing: {repeated[1]} points have the height {repeated[0]:.9g}; set it to this number"
             )
         self.edges_known = length is not None
+        self.unit_stated = content.unit is not None
         self.map = HeightMap(height, edges, content.periodic, orientation, unit, name, content.channel)
         self.channels = content.channels or (Channel(content.channel, self.map.height.shape),)
+
+    def _with_gaps(self, content: FileContent, options: MapOptions) -> Array:
+        """Heights in the unit of the file, NaN where it has the number that stands for missing data."""
+        if options.missing is None:
+            return content.height
+        numbers = [options.missing, options.missing * (content.factor or 1.0)]
+        numbers.append(options.missing / (options.height_factor or 1.0))
+        found = np.any([np.isclose(content.height, number, rtol=1e-6, atol=0) for number in numbers], axis=0)
+        if not found.any():
+            self.problems.append(f"missing = {options.missing:g}: no point has this height; leave it out")
+        return np.where(found, np.nan, content.height)
 
     def _height_factor(self, content: FileContent, options: MapOptions) -> float:
         """Factor that the caller applies to the heights; the file's own is applied by its reader."""
@@ -184,6 +206,33 @@ class MapFile:
             stated += f" {next(filter(None, (content.unit, options.unit)), '')}".rstrip()
             self.problems.append(f"physical_size: the file itself says {stated} (y, x); leave it out")
         return own
+
+
+def repeated_height(height: Array) -> tuple[float, int] | None:
+    """A height that more points have than chance gives, as those without data have, and their number.
+
+    More than `REPEATED_SHARE` of the points have it, and `REPEATED_RATIO` times as many as have any of the
+    next heights. It is looked for in a sample of the points, if they are not mostly equal.
+    """
+    values = height.ravel()
+    step = max(1, values.size // SAMPLED_POINTS)
+    while math.gcd(step, height.shape[1]) > 1:
+        step += 1
+    sample = values[::step][np.isfinite(values[::step])].astype(float)
+    low, high = np.percentile(sample, (25, 75)) if sample.size else (0.0, 0.0)
+    if low == high:
+        return None
+    bins, first, counts = np.unique(
+        np.rint(sample / (ROUNDING * (high - low))), return_index=True, return_counts=True
+    )
+    if bins.size < 2:
+        return None
+    beside = np.pad(counts, 2)
+    nearest = np.max([beside[:-4], beside[1:-3], beside[3:-1], beside[4:]], axis=0)
+    most = int(np.argmax(np.where(counts > REPEATED_RATIO * nearest, counts, 0)))
+    value, is_repeated = sample[first[most]], counts[most] > REPEATED_RATIO * nearest[most]
+    count = int(np.count_nonzero(values == value))
+    return (float(value), count) if is_repeated and count > REPEATED_SHARE * values.size else None
 
 
 def metres(unit: str, name: str = "unit") -> float:

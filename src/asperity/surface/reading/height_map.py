@@ -92,7 +92,9 @@ class MapOptions:
     unit : str, optional
         Unit of the heights, and of edges given as numbers, for files that do not contain it.
     channel : str or int, optional
-        Name or number of the channel; the default is that of the file format.
+        Name or number of the channel; by default the one that holds heights by its name.
+    missing : float, optional
+        Number in the file, or height in its unit, that stands for points without data.
     orientation : "peaks up" or "lower face", optional
         Meaning of the heights, for files that do not say it.
     format : str, optional
@@ -142,6 +144,7 @@ class MapOptions:
     height_factor: float | None = None
     unit: str | None = None
     channel: str | int | None = None
+    missing: float | None = None
     orientation: str | None = None
     format: str | None = None
     max_memory: float = 2.0
@@ -170,6 +173,7 @@ class MapOptions:
             "physical_size": _edges,
             **dict.fromkeys(("height_factor", "max_memory"), magnitude),
             "despike": partial(number, accepted="a number ≥ 3", accepts=lambda n: n >= 3),
+            "missing": partial(number, accepted="a finite number", accepts=lambda _: True),
             "points": partial(
                 whole_number,
                 accepted=f"a whole number from 2 to {MOST_POINTS}",
