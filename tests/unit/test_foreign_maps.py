@@ -1,6 +1,7 @@
 """Maps as instruments and programs write them: each kind is made here, with heights that are known."""
 
 import re
+from dataclasses import replace
 
 import foreign_files
 import numpy as np
@@ -9,6 +10,8 @@ import pytest
 import xarray as xr
 
 import asperity as asp
+from asperity.cli.main import main
+from asperity.engineering.face import CounterMap, read_face
 from asperity.surface.description import describe_map, map_warnings
 from asperity.surface.reading.agreement import repeated_height
 from asperity.surface.reading.height_map import MapError, MapOptions
@@ -473,3 +476,32 @@ def test_doubts_about_edges_are_named():
             text.partition(": ")[2][: len(word)] for text, word in zip(found, words, strict=True)
         ] == words
         assert all(text.startswith("physical_size: ") for text in found)
+
+
+def test_options_of_several_maps_count_for_files_that_do_not_say_it(tmp_path):
+    """Also those of a map and its counter map, and a channel that only one of the files has."""
+    own, bare = tmp_path / "a.x3p", tmp_path / "b.npz"
+    foreign_files.write_x3p(own, RAW)
+    np.savez(bare, z=1e-3 * RAW, mask=RAW)
+    options = MapOptions(physical_size=("16 um", "12.1 um"), unit="um", channel="z")
+    assert read_face(own, options, shared=True).options == MapOptions()
+    assert read_face(bare, replace(options, channel=None), shared=True).options == options
+    with pytest.raises(MapError) as caught:
+        read_face(own, replace(options, channel=None))
+    assert [text.partition(":")[0] for text in caught.value.problems] == ["unit = 'um'", "physical_size"]
+    pair = read_face(bare, options, CounterMap(own))
+    assert pair.options == options
+    assert pair.face.name == "b on a"
+
+
+def test_the_command_takes_the_options_of_each_map(tmp_path, capsys, monkeypatch):
+    pytest.importorskip("matplotlib")
+    monkeypatch.chdir(tmp_path)
+    foreign_files.write_x3p(tmp_path / "a.x3p", RAW)
+    np.save(tmp_path / "b.npy", 1e-3 * RAW)
+    taken = []
+    monkeypatch.setattr("asperity.cli.commands.run._answered", lambda job, save: taken.append(job.case))
+    monkeypatch.setattr("asperity.engineering.comparison.write_comparison", lambda answers, folder: "")
+    command = "run a.x3p b.npy --young 1GPa --poisson 0.3 --pressure 1MPa --unit um --physical-size 16um 12um"
+    assert main([*command.split(), "--out", "both"]) == 0
+    assert [case.options.unit for case in taken] == [None, "um"]

@@ -37,7 +37,7 @@ COMMANDS = (
     ("", ["study", "init", "study"]),
     ("plot", ["view", "s.nc", "height"]),
     ("plot", ["plot", "9", "p.nc", "--out", "f.png"]),
-    ("maps", ["info", str(STEEL)]),
+    ("maps", ["info", str(STEEL.with_suffix(".gwy"))]),
     ("maps", f"run {STEEL} --young 210GPa --poisson 0.3 --pressure 50MPa --out steel".split()),
 )
 """Extra that a command needs, and the command; each uses the results of those before."""

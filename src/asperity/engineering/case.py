@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from itertools import pairwise
 from typing import Any
 
@@ -304,10 +304,6 @@ class Case:
             add("counter_shift", tuple(counter.shift), (0.0, 0.0), "length")
         add("fields", self.fields, ("von_mises",))
         return found
-
-    def with_channel(self, channel: str | int | None) -> Case:
-        """The case with the channel of the file that was read."""
-        return replace(self, options=replace(self.options, channel=channel))
 
     def sliding_of(self, body: str) -> dict[str, Any]:
         """Friction and direction of the traction on a body, as arguments of `asperity.stress_planes`."""

@@ -16,7 +16,7 @@ from asperity.core.types import Array
 from asperity.core.units import to_si
 from asperity.surface.description import MapMeasures, map_warnings
 from asperity.surface.reading.height_map import ORIENTATION_NEEDED, PEAKS_UP, HeightMap, MapError, MapOptions
-from asperity.surface.reading.map_file import open_map
+from asperity.surface.reading.map_file import open_map, open_shared_map
 from asperity.surface.treatment.face_to_face import face_to_face
 from asperity.surface.treatment.treatment import TreatedMap, missing_options, treat_map
 
@@ -69,8 +69,8 @@ class RoughFace(NamedTuple):
         Distance from its place up to which a spike reaches.
     files : tuple of str
         Path, size and checksum of each file that was read.
-    channel : str or int, optional
-        Channel that was read, of a file with several.
+    options : MapOptions, optional
+        Those that the file of the map needs, with the channel that was read.
     """
 
     face: TreatedMap
@@ -78,7 +78,7 @@ class RoughFace(NamedTuple):
     spikes: Array
     reach: tuple[float, float] = (0.0, 0.0)
     files: tuple[str, ...] = ()
-    channel: str | int | None = None
+    options: MapOptions | None = None
 
 
 def options_of(settings: Mapping[str, Any]) -> MapOptions:
@@ -96,8 +96,13 @@ def counter_map_of(settings: Mapping[str, Any]) -> CounterMap | None:
     return CounterMap(settings["counter_map"], turned_about=about, shift=(y, x))
 
 
-def read_face(source: Source, options: MapOptions, counter: CounterMap | None = None) -> RoughFace:
+def read_face(
+    source: Source, options: MapOptions, counter: CounterMap | None = None, shared: bool = False
+) -> RoughFace:
     """Read a map and prepare it, with the map of the counter body if that is rough too.
+
+    Options that are shared with other maps, also those of the counter map by default, count where the file
+    does not say otherwise.
 
     Raises
     ------
@@ -105,16 +110,17 @@ def read_face(source: Source, options: MapOptions, counter: CounterMap | None = 
         If a map cannot be read, has no unit, or needs an option that is not given, or if the two do not go
         together.
     """
-    name, surface, doubts, spikes, channel = _read(source, options)
+    name, surface, doubts, spikes, options = _read(source, options, shared)
     sources = [source] if counter is None else [source, counter.source]
     files = tuple(_described(path) for path in sources if not isinstance(path, HeightMap))
     if counter is None:
         treated = treat_map(surface, _completed(options, surface))
         y, x = surface.spacing
         reach = SPIKE_REACH * y, SPIKE_REACH * x
-        return RoughFace(replace(treated, name=name), doubts, spikes, reach, files, channel)
-    own = counter.options or options
-    counter_name, counter_surface, counter_doubts, *_ = _read(counter.source, own)
+        return RoughFace(replace(treated, name=name), doubts, spikes, reach, files, options)
+    counter_name, counter_surface, counter_doubts, _, own = _read(
+        counter.source, counter.options or options, counter.options is None
+    )
     level, filled, done = _levelled(surface, options)
     counter_level, counter_filled, counter_done = _levelled(counter_surface, own)
     pair = face_to_face(level, counter_level, counter.turned_about, counter.shift)
@@ -128,7 +134,7 @@ def read_face(source: Source, options: MapOptions, counter: CounterMap | None = 
     ]
     face = replace(treated, name=f"{name} on {counter_name}", treatment=record, done=tuple(lines))
     of_both = *doubts, *(f"{doubt} (counter map)" for doubt in counter_doubts)
-    return RoughFace(face, of_both, spikes[:0], files=files, channel=channel)
+    return RoughFace(face, of_both, spikes[:0], files=files, options=options)
 
 
 def _described(path: str | os.PathLike[str]) -> str:
@@ -139,20 +145,17 @@ def _described(path: str | os.PathLike[str]) -> str:
 
 
 def _read(
-    source: Source, options: MapOptions
-) -> tuple[str, HeightMap, tuple[str, ...], Array, str | int | None]:
-    """Name and heights of a map that has all that its treatment needs, doubts, places of spikes, channel."""
-    channel = options.channel
+    source: Source, options: MapOptions, shared: bool
+) -> tuple[str, HeightMap, tuple[str, ...], Array, MapOptions]:
+    """Name and heights of a map that has all that its treatment needs, doubts, places of spikes, options."""
     if isinstance(source, HeightMap):
         name, surface = source.name or "map", replace(source, unit=source.unit or "m")
     else:
-        found = open_map(source, options)
+        found = (open_shared_map if shared else open_map)(source, options)
         problems = missing_options(found, _completed(options))
         if problems := [text for text in problems if text != ORIENTATION_NEEDED]:
             raise MapError(os.fspath(source), problems)
-        name, surface = Path(source).stem, found.map
-        if channel is None and len(found.channels) > 1:
-            channel = surface.channel
+        name, surface, options = Path(source).stem, found.map, found.options
     measured = MapMeasures(surface)
     doubts = map_warnings(surface, options, measured)
     if surface.orientation is None:
@@ -161,7 +164,7 @@ def _read(
     spikes = np.argwhere(measured.spikes if options.despike is None else np.zeros((0, 0)))
     name = one_line(name)
     name = name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 3]}..."
-    return name, surface, tuple(doubts), spikes * surface.spacing, channel
+    return name, surface, tuple(doubts), spikes * surface.spacing, options
 
 
 def _completed(options: MapOptions, surface: HeightMap | None = None) -> MapOptions:

@@ -129,7 +129,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         As for `run`.
     """
     rough = rough or read_face(case.source, case.options, case.counter_map)
-    case, face = case.with_channel(rough.channel), rough.face
+    case, face = replace(case, options=rough.options or case.options), rough.face
     contact = press(face, case, _part(progress, 0.1, 0.5))
     spots = contact_spots(face, contact)
     numbers = contact_numbers(rough, contact, spots)

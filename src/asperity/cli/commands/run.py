@@ -6,6 +6,7 @@ import argparse
 import re
 import sys
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -105,8 +106,9 @@ def _job(options: argparse.Namespace, path: str, folder: Path | None) -> Job:
     problems += _problems_of(out, values)
     if "map" in values:
         try:
-            rough = read_face(values["map"], options_of(values), counter_map_of(values))
-            case = case and case.with_channel(rough.channel)
+            several = folder is not None
+            rough = read_face(values["map"], options_of(values), counter_map_of(values), shared=several)
+            case = case and replace(case, options=rough.options or case.options)
         except InputError as error:
             texts = [text for text in error.problems if not text.startswith(tuple(refused))]
             problems += MapError(error.source, texts).renamed(flag).lines

@@ -6,6 +6,7 @@ The options must not contradict the file. Everything that is wrong or missing is
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -97,6 +98,8 @@ class MapFile:
     channels : tuple of Channel
     problems : list of str
         What is missing or contradicts the file; empty if the map can be used.
+    options : MapOptions
+        Those given, with the channel of a file with several.
     edges_known, unit_stated : bool
         True if the edges are known, and if the file says its unit.
     """
@@ -131,6 +134,8 @@ class MapFile:
         self.unit_stated = content.unit is not None
         self.map = HeightMap(height, edges, content.periodic, orientation, unit, name, content.channel)
         self.channels = content.channels or (Channel(content.channel, self.map.height.shape),)
+        several = len(self.channels) > 1 and options.channel is None
+        self.options = replace(options, channel=content.channel) if several else options
 
     def _with_gaps(self, content: FileContent, options: MapOptions) -> Array:
         """Heights in the unit of the file, NaN where it has the number that stands for missing data."""

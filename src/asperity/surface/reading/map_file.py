@@ -10,6 +10,7 @@ import gzip
 import io
 import math
 import os
+import re
 import sys
 import warnings
 import zipfile
@@ -42,6 +43,12 @@ FEW_COLUMNS, ELONGATED = 8, 20
 """A table without edges that has no more columns than this, and this many times more rows, is no map."""
 
 GIB = 2**30
+
+_SAID_BY_FILE = re.compile(
+    r"(channel|missing|unit|height_factor|physical_size)\b(?: = |: the file itself).*"
+    r"(; leave it out|: one of .* is needed)$"
+)
+"""Problems with an option that is in contradiction with a file."""
 
 HDF5 = b"\x89HDF\r\n\x1a\n"
 """First bytes of a file in HDF5, and in NetCDF-4."""
@@ -112,6 +119,20 @@ def open_map(path: str | os.PathLike[str], options: MapOptions) -> MapFile:
     except ValueError as error:
         raise MapError(name, [_first_line(error)]) from error
     return MapFile(content, name, options)
+
+
+def open_shared_map(path: str | os.PathLike[str], options: MapOptions) -> MapFile:
+    """Read a map as `open_map`, without those of the options for several files that its file contradicts."""
+    try:
+        found = open_map(path, options)
+        problems = tuple(found.problems)
+    except MapError as error:
+        found, problems = None, error.problems
+    said = {text.partition(" = ")[0].partition(":")[0] for text in problems if _SAID_BY_FILE.match(text)}
+    if not said:
+        return found or open_map(path, options)  # which raises its error
+    left_out: dict[str, Any] = dict.fromkeys(said)
+    return open_shared_map(path, replace(options, **left_out))
 
 
 def path_problem(path: str | os.PathLike[str]) -> str:
