@@ -73,6 +73,7 @@ def an_answer(bodies=1, estimates=None, imposed_area=0.05, doubts=(), friction=0
         rough=SimpleNamespace(doubts=doubts, spikes=[(0, 0)] * 3),
         bodies=dict.fromkeys(("lower", "upper")[:bodies], stress),
         neighbours=None,
+        unfiltered=None,
         plastic=None,
     )
 

@@ -227,6 +227,9 @@ def _on_map(answer: Answer) -> Iterator[Found]:
         yield True, "edges", {}
     if face.boundary == "free" and numbers.load_on_edges > EDGE_LOAD:
         yield True, "contact_at_edge", {"size": numbers.load_on_edges}
+    if (plain := answer.unfiltered) is not None:
+        values = {"height": record.filtered_height, "gradient": record.filtered_gradient}
+        yield False, "filtered", values | {"area": 100 * plain.area_fraction, "pressure": plain.max_pressure}
     for share, key in ((record.altered_fraction, "windowed"), (record.filled_fraction, "filled")):
         if share > ALTERED_SHARE:
             yield False, key, {"size": share}

@@ -129,6 +129,8 @@ class Answer:
         Under the hardness, which is 3 times the yield stress if none is given.
     curve : AnswerCurve or None
         Of several loads.
+    unfiltered : Contact or None
+        Under the same load without the Gaussian filters; None if there are none.
     advice : tuple of Advice
         Warnings and notes, warnings first.
     """
@@ -142,6 +144,7 @@ class Answer:
     neighbours: tuple[float, Contact | None] | None = None
     plastic: Contact | None = None
     curve: AnswerCurve | None = None
+    unfiltered: Contact | None = None
     advice: tuple[Advice, ...] = ()
 
     @property

@@ -57,7 +57,7 @@ HARDNESS_OVER_YIELD = 3.0
 CONDUCTION = ("conductivity", "resistivity")
 """Fields of `Body` that the conductance of a contact needs of both bodies."""
 
-LENGTHS = dict.fromkeys(("wavelength_short", "radius"), "length")
+LENGTHS = dict.fromkeys(("wavelength_short", "radius", "s_filter", "l_filter"), "length")
 """Fields of `MapOptions` that are lengths; numbers in `physical_size` are in the unit of the heights."""
 
 

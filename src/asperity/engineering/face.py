@@ -124,7 +124,7 @@ def read_face(
     level, filled, done = _levelled(surface, options)
     counter_level, counter_filled, counter_done = _levelled(counter_surface, own)
     pair = face_to_face(level, counter_level, counter.turned_about, counter.shift)
-    treated = treat_map(pair.map, replace(_completed(options, pair.map), despike=None))
+    treated = treat_map(pair.map, replace(_completed(options, pair.map), despike=None, scan_lines=None))
     record = replace(treated.treatment, filled_fraction=filled + counter_filled)
     lines = [
         *(f"map: {line}" for line in done),
@@ -181,9 +181,8 @@ def _completed(options: MapOptions, surface: HeightMap | None = None) -> MapOpti
 
 def _levelled(surface: HeightMap, options: MapOptions) -> tuple[HeightMap, float, list[str]]:
     """A map without spikes, missing points and trend; the share that was filled, and what was done."""
-    bounded = replace(
-        _completed(options, surface), periodic="none", wavelength_short=None, points=None, radius=None
-    )
+    later: dict[str, Any] = dict.fromkeys(("wavelength_short", "points", "radius", "s_filter", "l_filter"))
+    bounded = replace(_completed(options, surface), periodic="none", **later)
     treated = treat_map(surface, bounded)
     height = -treated.height if surface.orientation == PEAKS_UP else treated.height
     done = [line for line in treated.done[1:] if not line.startswith("not made periodic")]

@@ -150,6 +150,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
         {name: bodies.get(name, bodies["lower"]) for name in case.bodies},
         neighbours_of(face, case, contact) if form_repeats and len(spots) else None,
         plastic_contact(face, case, contact),
+        unfiltered=unfiltered_contact(case),
     )
     if case.load.path:
         answer = replace(answer, curve=answer_curve(answer, _part(progress, 0.6, 1.0)))
@@ -228,6 +229,14 @@ def plastic_contact(face: TreatedMap, case: Case, contact: Contact) -> Contact |
         return None
     lower, load = replace(case.lower, hardness=hardness), Load("mean_pressure", contact.mean_pressure)
     return press(face, replace(case, lower=lower, load=load))
+
+
+def unfiltered_contact(case: Case) -> Contact | None:
+    """The contact of a case without its Gaussian filters; None if it has none."""
+    if case.options.s_filter is None and case.options.l_filter is None:
+        return None
+    plain = replace(case.options, s_filter=None, l_filter=None)
+    return press(read_face(case.source, plain, case.counter_map).face, case)
 
 
 def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> tuple[float, Contact | None]:

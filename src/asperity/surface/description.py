@@ -19,7 +19,7 @@ from asperity.surface.reading.height_map import (
     MapOptions,
 )
 from asperity.surface.reading.map_file import open_map
-from asperity.surface.roughness import finest_tip, moments, spectrum, texture
+from asperity.surface.roughness import core_roughness, finest_tip, moments, rms_step, spectrum, texture
 from asperity.surface.treatment.levelling import edge_step, fill_harmonic, find_spikes, subtract_trend
 from asperity.surface.treatment.treatment import DESPIKE, missing_options
 
@@ -191,8 +191,7 @@ def _doubtful_edges(surface: HeightMap, measures: MapMeasures) -> Iterator[str]:
     if aspect >= LARGEST_ASPECT:
         pixel = surface.shown_length(*surface.spacing)
         yield f"physical_size: pixels of {pixel} (y, x), {aspect:.3g} to 1; is this right?"
-    steps = (np.diff(measures.level, axis=n) / surface.spacing[n] for n in (0, 1))
-    slope = math.sqrt(sum(float(np.mean(np.square(step))) for step in steps))
+    slope = rms_step(measures.level, surface.spacing)
     if slope and not SLOPES[0] <= slope <= SLOPES[1]:
         yield (
             f"physical_size: an rms gradient of {slope:.2g} between neighbouring points; are the units of "
@@ -229,14 +228,18 @@ def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) ->
     def roughness(height: Array) -> dict[str, str]:
         """Parameters that the spikes change, in words."""
         _, skewness, kurtosis = moments(height.ravel(), np.full(height.size, 1 / height.size))
-        steps = (np.diff(height, axis=n) / surface.spacing[n] for n in (0, 1))
+        up = height if surface.orientation != LOWER_FACE else -height
+        core, peaks, valleys = core_roughness(up)
         return {
             "Sq": length(float(np.std(height))),
             "Sa": length(float(np.mean(np.abs(height - height.mean())))),
             "Sz": length(float(np.ptp(height))),
             "Ssk": f"{skewness:.3g}",
             "Sku": f"{kurtosis:.3g}",
-            "Sdq": f"{math.sqrt(sum(float(np.mean(np.square(step))) for step in steps)):.3g}",
+            "Sdq": f"{rms_step(height, surface.spacing):.3g}",
+            "Sk": length(core),
+            "Spk": length(peaks),
+            "Svk": length(valleys),
         }
 
     level, lies = measures.level, roughness(measures.spiky)
@@ -244,7 +247,6 @@ def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) ->
         lies = {name: f"{lies[name]}, without spikes {text}" for name, text in roughness(level).items()}
     shortest, ratio, direction = texture(level, surface.spacing)
     lay = f", lay at {direction:.0f}° from x towards y" if ratio < DIRECTED else ""
-    steps = [np.mean(np.square(np.diff(level, axis=n) / surface.spacing[n])) for n in (0, 1)]
     tip = finest_tip(level if surface.orientation != LOWER_FACE else -level, surface.spacing)
     long_waves, short_waves, unresolved, hurst = spectrum_summary(level, surface)
     exponent = "" if math.isnan(hurst) else f", slope as for a Hurst exponent of {hurst:.2f}"
@@ -258,7 +260,7 @@ def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) ->
         )
         spikes += f"of up to {length(measures.highest_spike)}"
         without += "spikes and "
-    slope = math.sqrt(sum(steps))
+    slope = rms_step(level, surface.spacing)
     found = {
         "spikes": f"{spikes}, beyond {DESPIKE:g} robust standard deviations from the local median; "
         "plasticity, Sal, Str, tip and waves are without them",
@@ -270,6 +272,9 @@ def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) ->
         "Ssk": f"{lies['Ssk']}, skewness",
         "Sku": f"{lies['Sku']}, kurtosis",
         "Sdq": f"{lies['Sdq']}, rms gradient between neighbouring points",
+        "Sk": f"{lies['Sk']}, height of the core of the material ratio curve",
+        "Spk": f"{lies['Spk']}, reduced height of the peaks above it",
+        "Svk": f"{lies['Svk']}, reduced depth of the valleys below it",
         "plasticity": f"index {slope:.3g} × E*/H, modulus over hardness; far below 1 the contact is elastic",
         "Sal": f"{length(shortest)}, shortest length over which the autocorrelation falls to 0.2",
         "Str": f"{ratio:.2g}, shortest over longest such length{lay}",
@@ -281,7 +286,16 @@ def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) ->
         "periodic": f"the file {stated} so; rms step across the edges {step:.3g} times that between "
         f"neighbouring points{verdict}",
     }
-    return found if edges_known else {name: text for name, text in found.items() if name not in NEED_EDGES}
+    if is_profile(surface.height):
+        rest = {name: text for name, text in found.items() if name not in ("Sal", "Str")}
+        found = {name.replace("S", "R", 1): text for name, text in rest.items()}
+    left_out = NEED_EDGES if not edges_known else ()
+    return {name: text for name, text in found.items() if name.replace("R", "S", 1) not in left_out}
+
+
+def is_profile(height: Array) -> bool:
+    """True for a line scan, which has one height for all y."""
+    return bool(np.array_equal(height, np.broadcast_to(height[:1], height.shape), equal_nan=True))
 
 
 def _channels(found: MapFile) -> str:

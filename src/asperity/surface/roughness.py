@@ -13,7 +13,7 @@ ISO 25178-2 (names of areal roughness parameters).
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 CORRELATED = 0.2
 """Value of the autocorrelation that ends a length of the texture (ISO 25178-2)."""
+
+CORE_SHARE, RATIO_CLASSES = 0.4, 5000
+"""Share of the area over which the equivalent line is fitted, and classes of the material ratio curve."""
 
 DIRECTIONS = 180
 """Directions over half a turn in which the autocorrelation is followed."""
@@ -186,6 +189,48 @@ def surface_dataset(height: Array, grid: Grid) -> xr.Dataset:
         },
         coords=grid.dataset_coordinates() | {"wavenumber": wavenumber},
     )
+
+
+def rms_step(height: Array, spacing: tuple[float, float]) -> float:
+    """Rms gradient between neighbouring points of a map with edges."""
+    steps = (np.diff(height, axis=axis) / spacing[axis] for axis in (0, 1))
+    return float(np.sqrt(sum(np.mean(np.square(step)) for step in steps)))
+
+
+class CoreRoughness(NamedTuple):
+    """Parameters of the material ratio curve (ISO 25178-2), heights in the unit of the map.
+
+    Parameters
+    ----------
+    core : float
+        Core height Sk.
+    peaks, valleys : float
+        Reduced peak height Spk and reduced valley depth Svk.
+    """
+
+    core: float
+    peaks: float
+    valleys: float
+
+
+def core_roughness(height: Array) -> CoreRoughness:
+    """Core height, reduced peak height and reduced valley depth of a map with its peaks upward.
+
+    The equivalent line is fitted to the material ratio curve over the 40 % of the area in which its secant is
+    flattest; the triangles of the peaks above the core and of the valleys below it have the areas that the
+    curve has there (ISO 25178-2, ISO 13565-2).
+    """
+    ratio = np.linspace(0.0, 1.0, RATIO_CLASSES + 1)
+    curve = np.quantile(height, 1 - ratio)
+    width = round(CORE_SHARE * RATIO_CLASSES)
+    begin = int(np.argmin(curve[:-width] - curve[width:]))
+    slope, top = np.polyfit(ratio[begin : begin + width + 1], curve[begin : begin + width + 1], 1)
+    reduced = []
+    for side, end in ((curve, top), (-curve[::-1], -(top + slope))):
+        above = np.maximum(side - end, 0.0)
+        share = float(np.interp(-end, -side, ratio))
+        reduced.append(2 * float(np.trapezoid(above, ratio)) / share if share else 0.0)
+    return CoreRoughness(-float(slope), *reduced)
 
 
 def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, float]:

@@ -12,10 +12,10 @@ from typing import BinaryIO
 from asperity.core.data import packaged_yaml
 from asperity.core.errors import shown
 
-TEXT_FORMATS = ("asc", "xyz")
+TEXT_FORMATS = ("asc", "xyz", "profile")
 
-ASKED_FOR = ("asc", "hgt")
-"""Formats that no name stands for: any file of a suitable size could be ``hgt``."""
+ASKED_FOR = ("asc", "hgt", "profile")
+"""Formats that no name stands for: any file of a suitable size could be ``hgt``, and a table a line scan."""
 
 BYTE_ORDER_MARKS = (b"\xff\xfe", b"\xfe\xff")
 """First bytes of a text in UTF-16."""

@@ -35,6 +35,9 @@ DETRENDS = ("none", "tilt", "curvature")
 PERIODICITIES = ("declared", "mirrored", "windowed", "none")
 """Ways in which a map is made periodic; with ``none`` it is not, for a contact with a free boundary."""
 
+LINES = ("median", "matched")
+"""Ways in which scan lines are levelled."""
+
 FORMS = ("sphere", "cylinder")
 """Forms that can be added to the roughness."""
 
@@ -113,6 +116,12 @@ class MapOptions:
     undefined : "harmonic", optional
         Points without data are filled by a harmonic function. By default a map with such points is refused;
         `asperity.engineering.run` fills them.
+    scan_lines : "median" or "matched", optional
+        Offsets between scan lines along x are removed, by the median of each line or of its differences from
+        the line before; see `asperity.surface.treatment.levelling.level_lines`.
+    s_filter, l_filter : float or str, optional
+        Nesting indices of areal Gaussian filters (ISO 16610-61): shorter waves are attenuated by the
+        S-filter, longer ones by the L-filter, which is the longer of the two.
     despike : float, optional
         Spikes beyond this number of robust standard deviations from the local median, at least 3, are
         replaced by a harmonic function; see `asperity.surface.treatment.levelling.find_spikes`. By default
@@ -151,6 +160,9 @@ class MapOptions:
     detrend: str = "tilt"
     periodic: str | None = None
     undefined: str | None = None
+    scan_lines: str | None = None
+    s_filter: float | str | None = None
+    l_filter: float | str | None = None
     despike: float | None = None
     wavelength_short: float | str | None = None
     points: int | None = None
@@ -165,11 +177,12 @@ class MapOptions:
             "periodic": PERIODICITIES,
             "undefined": ("harmonic",),
             "form": FORMS,
+            "scan_lines": LINES,
             "cylinder_axis": AXES,
         }
         checks: dict[str, Callable[[str, Any], Any]] = {
             **{name: partial(choice, known=known) for name, known in words.items()},
-            **dict.fromkeys(("wavelength_short", "radius"), _length),
+            **dict.fromkeys(("wavelength_short", "radius", "s_filter", "l_filter"), _length),
             "physical_size": _edges,
             **dict.fromkeys(("height_factor", "max_memory"), magnitude),
             "despike": partial(number, accepted="a number ≥ 3", accepts=lambda n: n >= 3),

@@ -33,11 +33,14 @@ from asperity.surface.reading.channels import UNNAMED, Channel, choose_channel
 from asperity.surface.reading.formats import TEXT_FORMATS, Format
 from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapError, MapOptions
 from asperity.surface.reading.hierarchical import largest_chunk, netcdf_map
-from asperity.surface.reading.number_table import MATRIX_HEADER, NumberTable, find_dialect, grid_points
+from asperity.surface.reading.number_table import MATRIX_HEADER, NumberTable, find_dialect, grid_points, nodes
 from asperity.surface.reading.x3p import read_x3p
 
 ROW_BY_ROW = ("h5", "mat")
 """Bare arrays of SurfaceTopography: element [i, j] is row i along y and column j along x."""
+
+PROFILE_LINES = 4
+"""Lines of the map that stands for a line scan; they are equal, and so are all others."""
 
 FEW_COLUMNS, ELONGATED = 8, 20
 """A table without edges that has no more columns than this, and this many times more rows, is no map."""
@@ -231,10 +234,15 @@ def _require_size(size: float, limit: float) -> None:
 
 def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileContent]:
     """A matrix of heights, or points, and which of them a table is."""
-    matrix, points = (formats.known_formats()[found] for found in TEXT_FORMATS)
+    matrix, points, profile = (formats.known_formats()[found] for found in TEXT_FORMATS)
     columns = len(table.rows[0])
+    if options.format == profile.name:
+        return profile, _profile(table)
     if columns < 3:
-        raise ValueError(f"a rectangular map is needed, not a line scan of {columns} columns")
+        raise ValueError(
+            f"a rectangular map is needed, not a line scan of {columns} columns; set format to profile to "
+            "take it as a map with the same heights for all y"
+        )
     if options.format != points.name and any(map(MATRIX_HEADER.search, table.header)):
         lines = io.StringIO("\n".join(table.with_unlike_channels()))
         return matrix, _instrument_map(matrix, lines, options)
@@ -253,6 +261,26 @@ def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileCon
         length = length[0] * factor, length[1] * factor
     unit = units[-1] if units else None
     return points, FileContent(height, "z", length=length, unit=unit)
+
+
+def _profile(table: NumberTable) -> FileContent:
+    """A line scan of columns x and z, or z, as a map of `PROFILE_LINES` equal lines with square pixels."""
+    numbers, units = table.numbers(), table.units(2)
+    if numbers.shape[1] > 2:
+        raise ValueError(
+            f"format = 'profile': columns x and z, or z, are needed, not {numbers.shape[1]} columns"
+        )
+    height, length = np.tile(numbers[:, -1], (PROFILE_LINES, 1)), None
+    if numbers.shape[1] == 2:
+        place, spacing, count = nodes(numbers[:, 0], "x")
+        if np.bincount(place).max() > 1:
+            raise ValueError("two points have the same position")
+        line = np.full(count, np.nan)
+        line[place] = numbers[:, 1]
+        height = np.tile(line, (PROFILE_LINES, 1))
+        factor = metres(units[0]) / metres(units[-1]) if len(units) == 2 else 1.0
+        length = PROFILE_LINES * spacing * factor, count * spacing * factor
+    return FileContent(height, "z", length=length, unit=units[-1] if units else None)
 
 
 def _array(file: BinaryIO, options: MapOptions) -> FileContent:

@@ -193,15 +193,15 @@ class NumberTable:
                 lines[number] = f"{line} {names[found[1]]}"
         return lines
 
-    def units(self) -> list[str]:
-        """Units in the header: one of all columns, or one for each of three columns; else none."""
+    def units(self, columns: int = 3) -> list[str]:
+        """Units in the header: one of all columns, or one for each of some columns; else none."""
         stated = {found[1].lower(): found[2] for line in self.header if (found := _STATED_UNIT.search(line))}
         units = [unit for line in self.header for unit in _UNIT.findall(line)]
         if "lateral" in stated and "value" in stated:
             units = [stated["lateral"], stated["lateral"], stated["value"]]
         if len({*units}) == 1:
             return units[:1]
-        return units if len(units) == 3 else []
+        return units if len(units) == columns else []
 
 
 def find_dialect(text: str) -> Dialect | None:
@@ -276,8 +276,8 @@ def grid_points(points: Array) -> tuple[Array, tuple[float, float]]:
     x, y, z = points.T
     if not (np.isfinite(x).all() and np.isfinite(y).all()):
         raise ValueError("a point has no position")
-    column, spacing_x, count_x = _nodes(x, "x")
-    row, spacing_y, count_y = _nodes(y, "y")
+    column, spacing_x, count_x = nodes(x, "x")
+    row, spacing_y, count_y = nodes(y, "y")
     if z.size <= max(count_x, count_y):
         raise ValueError("its points lie on one line")
     if z.size < FEWEST_PRESENT * count_x * count_y:
@@ -290,7 +290,7 @@ def grid_points(points: Array) -> tuple[Array, tuple[float, float]]:
     return height.reshape(count_y, count_x), (count_y * spacing_y, count_x * spacing_x)
 
 
-def _nodes(position: Array, axis: str) -> tuple[Array, float, int]:
+def nodes(position: Array, axis: str) -> tuple[Array, float, int]:
     """Index of the grid line of every point, spacing and number of the lines."""
     ordered = np.sort(position)
     extent = ordered[-1] - ordered[0]

@@ -1,8 +1,11 @@
-"""Operations on the heights of a map: spikes, missing points, trends, windows and short waves."""
+"""Operations on the heights of a map: scan lines, spikes, missing points, trends, filters, windows."""
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
+from scipy.fft import dctn, idctn
 
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, resample
@@ -216,8 +219,6 @@ def low_pass_bounded(height: Array, grid: Grid, target: Grid, shortest: float | 
     Points are the centres of pixels on both grids. The series is the Fourier series of the map continued by
     its mirror images, so no step at an edge is smoothed into the map.
     """
-    from scipy.fft import dctn, idctn
-
     coefficients = dctn(height, norm="ortho")
     if shortest is not None:
         half = [np.pi * np.arange(n) / edge for n, edge in zip(grid.shape, grid.length, strict=True)]
@@ -227,3 +228,54 @@ def low_pass_bounded(height: Array, grid: Grid, target: Grid, shortest: float | 
     rows, columns = (min(a, b) for a, b in zip(grid.shape, target.shape, strict=True))
     kept[:rows, :columns] = coefficients[:rows, :columns]
     return idctn(kept, norm="ortho") * np.sqrt(kept.size / height.size)
+
+
+def level_lines(height: Array, how: str) -> tuple[Array, Array]:
+    """The heights without the offsets between their scan lines, which run along x, and these offsets.
+
+    ``median`` takes the median of every line off it. ``matched`` takes the median of the differences between
+    neighbouring lines for their offset, which keeps a slope across the lines less its median step, and steps
+    that cross less than half of a line.
+
+    Parameters
+    ----------
+    height : (ny, nx) array
+        NaN where there are no data.
+    how : "median" or "matched"
+
+    Returns
+    -------
+    levelled : (ny, nx) array
+    offsets : (ny,) array
+        With mean zero; 0 for a line without data.
+    """
+    lines = height if how == "median" else np.diff(height, axis=0, prepend=height[:1])
+    known = np.isfinite(lines).any(axis=1)
+    offsets = np.zeros(height.shape[0])
+    offsets[known] = np.nanmedian(lines[known], axis=1)
+    if how == "matched":
+        offsets = np.cumsum(offsets)
+    offsets -= np.mean(offsets)
+    return height - offsets[:, None], offsets
+
+
+def gaussian_filter(
+    height: Array, grid: Grid, periodic: bool, s_filter: float | None, l_filter: float | None
+) -> Array:
+    """Heights after an areal Gaussian S-filter, L-filter, or both.
+
+    An S-filter transmits the share ``2^-(λ_s/λ)²`` of a wave of length λ, one half at its nesting index λ_s;
+    an L-filter transmits ``1 - 2^-(λ_l/λ)²`` (ISO 16610-61). A map with edges is continued by its mirror
+    images.
+    """
+    forward = Fourier(grid).forward if periodic else partial(dctn, norm="ortho")
+    steps = [np.arange(n) / (2 * edge) for n, edge in zip(grid.shape, grid.length, strict=True)]
+    waves = grid.wavenumber() / (2 * np.pi) if periodic else np.hypot(steps[0][:, None], steps[1][None, :])
+    coefficients = forward(height)
+    if s_filter is not None:
+        coefficients *= np.exp2(-np.square(s_filter * waves))
+    if l_filter is not None:
+        coefficients *= -np.expm1(-np.log(2) * np.square(l_filter * waves))
+    return (
+        Fourier(grid).inverse(coefficients, overwrite=True) if periodic else idctn(coefficients, norm="ortho")
+    )

@@ -1,8 +1,9 @@
 """From a measured map to the lower face of an indenter, with a record of everything that was done to it.
 
-The steps are, in this order: spikes are removed, points without data are filled, a trend is subtracted, the
-map is made periodic (or left as it is, for a contact without periodic boundaries), short waves are removed,
-the map is resampled, and the form of a sphere or cylinder is added.
+The steps are, in this order: scan lines are levelled, spikes are removed, points without data are filled, a
+trend is subtracted, Gaussian filters are applied, the map is made periodic (or left as it is, for a contact
+without periodic boundaries), short waves are removed, the map is resampled, and the form of a sphere or
+cylinder is added.
 """
 
 from __future__ import annotations
@@ -31,6 +32,7 @@ from asperity.surface.reading.height_map import (
     MapOptions,
 )
 from asperity.surface.reading.map_file import open_map
+from asperity.surface.roughness import rms_step
 from asperity.surface.treatment import levelling
 
 DESPIKE = 8.0
@@ -57,6 +59,9 @@ class MapTreatment:
         Height of the terms of degree two that were removed, from lowest to highest point.
     altered_fraction : float
         Share of the area that a window lowered.
+    filtered_height, filtered_gradient : float
+        Rms height and rms gradient between neighbouring points after the Gaussian filters, over those before;
+        1 without a filter.
     edge_step_before, edge_step : float
         `asperity.surface.treatment.levelling.edge_step` of the levelled map and of the result.
     """
@@ -67,6 +72,8 @@ class MapTreatment:
     tilt: float
     bow: float
     altered_fraction: float
+    filtered_height: float
+    filtered_gradient: float
     edge_step_before: float
     edge_step: float
 
@@ -247,9 +254,13 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     if surface.channel not in ("", UNNAMED):
         done.append(f"channel of the file: {one_line(surface.channel)}")
 
-    gaps, spikes = ~np.isfinite(surface.height), 0
+    raw, gaps, spikes = surface.height, ~np.isfinite(surface.height), 0
+    if options.scan_lines is not None:
+        raw, offsets = levelling.level_lines(raw, options.scan_lines)
+        rms = surface.shown_length(float(np.std(offsets)))
+        done.append(f"scan lines along x levelled ({options.scan_lines}): rms offset {rms} removed")
     if options.despike is not None:
-        found = levelling.find_spikes(surface.height, options.despike)
+        found = levelling.find_spikes(raw, options.despike)
         gaps, spikes = gaps | found, int(np.count_nonzero(found))
         done.append(
             f"spikes: {surface.shown_share(spikes)} beyond {options.despike:g} robust standard deviations "
@@ -257,7 +268,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         )
     if surface.missing:
         done.append(f"without data: {surface.shown_share(surface.missing)} filled by a harmonic function")
-    filled = levelling.fill_harmonic(surface.height, gaps)
+    filled = levelling.fill_harmonic(raw, gaps)
 
     level, slope, bow = levelling.subtract_trend(filled, options.detrend, surface.length)
     if np.ptp(level) <= _ROUNDING * np.abs(filled).max():
@@ -267,6 +278,9 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
     curvature = f"{degrees} and curvature of {surface.shown_length(bow)} height"
     trends = {"none": "mean height", "tilt": degrees, "curvature": curvature}
     done.append(f"levelled: {trends[options.detrend]} removed")
+
+    level, filtered, words = _filtered(level, surface, options, grid)
+    done += words
 
     step, altered = levelling.edge_step(level), 0.0
     if periodic == "windowed":
@@ -303,6 +317,8 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         tilt=tilt,
         bow=bow,
         altered_fraction=altered,
+        filtered_height=filtered[0],
+        filtered_gradient=filtered[1],
         edge_step_before=step,
         edge_step=levelling.edge_step(height),
     )
@@ -327,8 +343,9 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
     ----------
     surface : HeightMap
     options : MapOptions, optional
-        ``periodic="none"`` is not accepted. Numbers for `wavelength_short` and `radius` are in units of the
-        longer edge of the cell, which has twice the edges of the map if it is mirrored.
+        ``periodic="none"`` is not accepted. Numbers for `wavelength_short`, `radius`, `s_filter` and
+        `l_filter` are in units of the longer edge of the cell, which has twice the edges of the map if it is
+        mirrored.
     **given
         Fields of `MapOptions`, in place of those of `options`.
 
@@ -356,7 +373,9 @@ def make_periodic(surface: HeightMap, options: MapOptions | None = None, **given
         known = ", ".join(PERIODICITIES[:-1])
         raise MapError(surface.name, [f"periodic = 'none': one of {known} is needed"])
     edge = cell_edge(surface, options)
-    lengths: dict[str, Any] = {name: getattr(options, name) for name in ("wavelength_short", "radius")}
+    lengths: dict[str, Any] = {
+        name: getattr(options, name) for name in ("wavelength_short", "radius", "s_filter", "l_filter")
+    }
     for name, length in lengths.items():
         if isinstance(length, str):
             lengths[name] = surface.in_map_unit(name, length) / edge
@@ -405,6 +424,31 @@ def _lengths(
         problem = f"wavelength_short = {value}: a number ≥ {low} (two nodes), ≤ {high} is needed"
         raise MapError(surface.name, [problem])
     return wavelength, radius
+
+
+def _filtered(
+    level: Array, surface: HeightMap, options: MapOptions, grid: Grid
+) -> tuple[Array, tuple[float, float], list[str]]:
+    """Heights after the Gaussian filters, what these leave of rms height and gradient, and that in words."""
+    given = {"s_filter": options.s_filter, "l_filter": options.l_filter}
+    index = {name: surface.in_map_unit(name, value) for name, value in given.items() if value is not None}
+    if not index:
+        return level, (1.0, 1.0), []
+    if len(index) == 2 and index["s_filter"] >= index["l_filter"]:
+        shown = [surface.shown_length(value, digits=6) for value in index.values()]
+        raise MapError(surface.name, [f"s_filter = {shown[0]}: less than l_filter = {shown[1]} is needed"])
+    has_edges = options.periodic in ("mirrored", "windowed", "none")
+    found = levelling.gaussian_filter(
+        level, grid, not has_edges, index.get("s_filter"), index.get("l_filter")
+    )
+    sizes = [(float(np.std(height)), rms_step(height, grid.spacing)) for height in (level, found)]
+    shares = sizes[1][0] / sizes[0][0], sizes[1][1] / sizes[0][1]
+    names = " and ".join(
+        f"{name[0].upper()}-filter of {surface.shown_length(value)}" for name, value in index.items()
+    )
+    heights = " to ".join(surface.shown_length(size[0]) for size in sizes)
+    text = f"Gaussian {names}: rms height {heights}, rms gradient {sizes[0][1]:.3g} to {sizes[1][1]:.3g}"
+    return found, shares, [text]
 
 
 def _grids(surface: HeightMap, options: MapOptions, images: int) -> tuple[Grid, Grid]:
