@@ -505,3 +505,20 @@ def test_the_command_takes_the_options_of_each_map(tmp_path, capsys, monkeypatch
     command = "run a.x3p b.npy --young 1GPa --poisson 0.3 --pressure 1MPa --unit um --physical-size 16um 12um"
     assert main([*command.split(), "--out", "both"]) == 0
     assert [case.options.unit for case in taken] == [None, "um"]
+
+
+@pytest.mark.parametrize(
+    ("name", "write", "line"),
+    [
+        ("m.csv", lambda path: path.write_text("1 2 3 4\n1 #x 3 4\n1 2 3 4\n"), "line 2: '#x' is no number"),
+        ("m.sdf", lambda path: foreign_files.write_sdf(path, RAW[:1]), "not a line scan of 6 points"),
+        ("m.x3p", lambda path: foreign_files.write_x3p(path, RAW[:1]), "not a line scan of 6 points"),
+        ("m.nc", lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(400)), "a file without damage is needed"),
+    ],
+    ids=range(4),
+)
+def test_a_file_that_is_no_map_is_refused_in_one_line(tmp_path, name, write, line):
+    write(tmp_path / name)
+    with pytest.raises(MapError, match=re.escape(line)) as caught:
+        read_map(tmp_path / name)
+    assert len(caught.value.problems) == 1

@@ -117,7 +117,7 @@ def open_map(path: str | os.PathLike[str], options: MapOptions) -> MapFile:
     try:
         with open(path, "rb") as file:
             content = _read(file, name, options)
-    except (OSError, EOFError, zlib.error, zipfile.BadZipFile) as error:
+    except (OSError, EOFError, RuntimeError, zlib.error, zipfile.BadZipFile) as error:
         raise MapError(name, [f"a file without damage is needed ({_first_line(error)})"]) from error
     except ValueError as error:
         raise MapError(name, [_first_line(error)]) from error
@@ -174,6 +174,8 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
         form, content = _table_map(NumberTable(_text(file.read()), dialect), options)
     else:
         form, content = _first_readable(possible, file, name, options)
+    if min(content.height.shape) < 2:
+        raise ValueError(f"a rectangular map is needed, not a line scan of {content.height.size} points")
     if not content.channels:
         choose_channel([Channel(content.channel, None)], options.channel)
     if content.orientation is None:

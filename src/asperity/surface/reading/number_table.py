@@ -149,7 +149,7 @@ class NumberTable:
             if row is None and is_inside and is_matrix and _BLOCK_TITLE.match(dialect.heading(written_line)):
                 lines[number], rows[number], width = dialect.heading(written_line), [], 0
             elif row is None:
-                wrong = [word for word in line.split() if _row(word)[1] is None]
+                wrong = [word for word in line.split() if not _row(word)[1]]
                 if is_inside or (len(line.split()) == columns and 2 * len(wrong) <= columns):
                     raise ValueError(f"line {number + 1}: {shown(wrong[0])} is no number")
             elif row and len(row) != (width or len(row)):

@@ -41,7 +41,7 @@ def read_x3p(file: BinaryIO) -> FileContent:
             return archive.read(members[name]) if name in members else None
 
         try:
-            root = ElementTree.fromstring(main)
+            root = ElementTree.fromstring(main.lstrip(b" \r\n\t"))
         except ElementTree.ParseError as error:
             raise ValueError(f"its main.xml is damaged ({error})") from error
 
@@ -51,7 +51,7 @@ def read_x3p(file: BinaryIO) -> FileContent:
         def number(path: str, without: float) -> float:
             return float(text(path).replace(",", ".") or without)
 
-        kind, size_z = text("Record1/FeatureType"), text("Record3/MatrixDimension/SizeZ") or "1"
+        kind, size_z = text("Record1/FeatureType").upper(), text("Record3/MatrixDimension/SizeZ") or "1"
         if kind not in ("SUR", "") or size_z != "1":
             raise ValueError(f"a map is needed (FeatureType SUR, SizeZ 1), not {kind} of SizeZ {size_z}")
         if {text(f"Record1/Axes/C{axis}/AxisType") for axis in "XY"} != {"I"}:
