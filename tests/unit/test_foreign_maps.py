@@ -513,7 +513,11 @@ def test_the_command_takes_the_options_of_each_map(tmp_path, capsys, monkeypatch
         ("m.csv", lambda path: path.write_text("1 2 3 4\n1 #x 3 4\n1 2 3 4\n"), "line 2: '#x' is no number"),
         ("m.sdf", lambda path: foreign_files.write_sdf(path, RAW[:1]), "not a line scan of 6 points"),
         ("m.x3p", lambda path: foreign_files.write_x3p(path, RAW[:1]), "not a line scan of 6 points"),
-        ("m.nc", lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(400)), "a file without damage is needed"),
+        (
+            "m.nc",
+            lambda path: path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(400)),
+            "a file without damage is needed",
+        ),
     ],
     ids=range(4),
 )

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import struct
 import zlib
+from contextlib import suppress
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -23,7 +24,7 @@ _LENGTH = re.compile(r"[GMkmunpfµμ~]?m|Å|A")
 
 
 def as_expected(format_name: str, file: BinaryIO, limit: float) -> bytes | None:
-    """The content of a file as SurfaceTopography reads it; None if that is the file itself.
+    """The content of a file as SurfaceTopography reads it; None if that is the file itself, or is not known.
 
     Raises
     ------
@@ -32,7 +33,9 @@ def as_expected(format_name: str, file: BinaryIO, limit: float) -> bytes | None:
     """
     if format_name == "sur":
         return _sur(file.read(), limit)
-    return _REWRITES[format_name](file.read()) if format_name in _REWRITES else None
+    with suppress(ValueError, LookupError, struct.error):
+        return _REWRITES[format_name](file.read())
+    return None
 
 
 def _sdf(content: bytes) -> bytes:
@@ -123,12 +126,13 @@ def _bruker(content: bytes) -> bytes:
     entries = [{key.lower(): value for key, value in lines} for lines in lines_of]
     titles = [section[2:].split("\n")[0].strip().lower() for section in sections]
     scan = next((entry for entry, title in zip(entries, titles, strict=True) if title in _SCAN_LISTS), {})
-    version = next((entry["version"] for entry in entries if "version" in entry), "0")
+    version = next((entry["version"] for entry in entries if "version" in entry), "")
+    is_wide = bool(re.fullmatch(r"0x[0-9a-fA-F]+", version)) and int(version, 16) >= 0x09200000
     starts = []
     for number, (title, image) in enumerate(zip(titles, entries, strict=True)):
-        if title.endswith("image list") and {"samps/line", "number of lines", "scan size"} <= image.keys():
+        if title in _IMAGE_LISTS and {"samps/line", "number of lines", "scan size"} <= image.keys():
             starts.append(int(image["data offset"]))
-            lines, size = _bruker_image(image, scan, int(version, 16) >= 0x09200000)
+            lines, size = _bruker_image(image, scan, is_wide)
             text = re.sub(r"(?mi)^\\Aspect Ratio:[^\n]*\n", "", sections[number])
             text = re.sub(r"(?mi)^\\Number of lines:[^\r\n]*", rf"\\Number of lines: {lines}", text)
             sections[number] = re.sub(r"(?mi)^\\Scan Size:[^\r\n]*", rf"\\Scan Size: {size}", text)
@@ -136,11 +140,18 @@ def _bruker(content: bytes) -> bytes:
             sections[number] = re.sub(r"(?mi)^\\Slow Axis Size:[^\n]*\n", "", sections[number])
     if not starts:
         return content
-    first = min(starts)
-    heading = "".join(sections).encode("latin-1") + content[end:first].rstrip(b"\0")
-    return heading.ljust(first, b"\0") + content[first:] if len(heading) <= first else content
+    first, heading = min(starts), "".join(sections).encode("latin-1")
+    heading = re.sub(
+        rb"(?mi)^(\\Data offset: )(\d+)", lambda found: found[1] + b"%d" % (int(found[2]) + _SPACE), heading
+    )
+    heading += content[end:first].rstrip(b"\0")
+    return heading.ljust(first + _SPACE, b"\0") + content[first:]
 
 
+_SPACE = 4096
+"""Bytes by which the heading may become longer: the data are moved by as many."""
+
+_IMAGE_LISTS = ("ciao image list", "afm image list", "stm image list", "ncafm image list", "image list")
 _SCAN_LISTS = ("ciao scan list", "afm list", "stm list", "nc afm list")
 
 
@@ -151,24 +162,23 @@ def _bruker_image(image: dict[str, str], scan: dict[str, str], is_wide: bool) ->
     another size; of a scan that was captured early it is the share of the lines.
     """
     points, lines, length = (int(image[key]) for key in ("samps/line", "number of lines", "data length"))
-    row = points * (4 if is_wide and length >= 4 * points * lines else int(image.get("bytes/pixel", "2")))
-    whole = int(scan.get("lines", lines))
-    if lines * row > length:
-        if length == int(scan.get("samps/line", 0)) * whole * row // points:
-            return lines, image[
-                "scan size"
-            ]  # the scan states the right numbers, which SurfaceTopography takes
-        lines = length // row
+    size = 4 if is_wide and length >= 4 * points * lines else int(image.get("bytes/pixel", "2"))
+    listed = [re.match(r"\d+", scan.get(key, "")) for key in ("samps/line", "lines")]
+    across, whole = (int(found[0]) if found else 0 for found in listed)
+    if lines * points * size > length:
+        if length == across * whole * size:  # which SurfaceTopography takes
+            return lines, image["scan size"]
+        lines = length // (points * size)
     fast, second, unit = _bruker_size(image["scan size"])
-    ratio = [float(part) for part in scan.get("aspect ratio", "1").split(":")]
-    slow = fast * ratio[-1] / ratio[0] if len(ratio) == 2 and ratio[0] else fast
+    ratio = [float(part) for part in re.findall(r"[\d.]+", scan.get("aspect ratio", ""))]
+    slow = fast * ratio[1] / ratio[0] if len(ratio) == 2 and min(ratio) > 0 else fast
     if "slow axis size" in scan and "scan size" in scan:
         fast, _, unit = _bruker_size(scan["scan size"])
         slow, _, slow_unit = _bruker_size(scan["slow axis size"])
         slow *= metres(slow_unit) / metres(unit)
         second = fast
     if np.isclose(second, fast, rtol=1e-3) or np.isclose(second, slow, rtol=1e-3):
-        second = slow * min(lines / whole, 1.0)
+        second = slow * (min(lines / whole, 1.0) if whole else 1.0)
     return lines, f"{fast:.9g} {second:.9g} {unit}"
 
 
