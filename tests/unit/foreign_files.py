@@ -90,7 +90,7 @@ def write_bruker(path, raw, size, *, listed=None, aspect="1:1", lines=None, slow
     path.write_bytes("\r\n".join([*heading, "\x1a"]).encode("latin-1").ljust(4096, b"\0") + points)
 
 
-def write_sdf(path, raw, *, heading="aISO-1.0", keys=str, data_type=5, gap=None):
+def write_sdf(path, raw, *, heading="aISO-1.0", keys=str, data_type=5, gap=None, y_scale=PIXEL):
     ny, nx = raw.shape
     numbers = raw.astype({3: "<f4", 4: "i1", 5: "<i2", 7: "<f8"}[data_type])
     if gap is not None:
@@ -104,7 +104,7 @@ def write_sdf(path, raw, *, heading="aISO-1.0", keys=str, data_type=5, gap=None)
         "NumPoints": nx,
         "NumProfiles": ny,
         "Xscale": PIXEL,
-        "Yscale": PIXEL,
+        "Yscale": y_scale,
         "Zscale": 1e-9,
         "DataType": data_type,
     }

@@ -222,7 +222,7 @@ def test_x3p_of_every_writer_is_read(tmp_path, kind):
     [
         ({"md5": "0" * 32}, "its heights do not have the checksum that it states"),
         ({"main_md5": "0" * 32}, "its main.xml do not have the checksum that it states"),
-        ({"feature": "PRF"}, "a map is needed (FeatureType SUR, SizeZ 1), not PRF of SizeZ 1"),
+        ({"feature": "PCL"}, "a map is needed (FeatureType SUR, SizeZ 1), not PCL of SizeZ 1"),
         ({"member": "data.bin"}, "its member bindata/data.bin is missing"),
     ],
     ids=range(4),
@@ -258,7 +258,18 @@ LOWEST = {3: np.finfo("f4").min, 4: -128, 5: -32768, 7: np.finfo("f8").min}
 
 @pytest.mark.parametrize("data_type", LOWEST)
 @pytest.mark.parametrize(
-    "heading", ["aISO-1.0", "aBCR-1.0", "aNPL-1.0", "\r\naISO-2.0", "bISO-1.0", "bBCR-1.0", "bISO-2.0"]
+    "heading",
+    [
+        "aISO-1.0",
+        "aBCR-1.0",
+        "aNPL-V1.0",
+        "aBC-1.0",
+        "aBCR-0.0",
+        "\r\naISO-2.0",
+        "bISO-1.0",
+        "bBCR-1.0",
+        "bISO-2.0",
+    ],
 )
 def test_sdf_of_every_version_is_read_with_its_gaps(tmp_path, heading, data_type):
     foreign_files.write_sdf(
@@ -526,3 +537,19 @@ def test_a_file_that_is_no_map_is_refused_in_one_line(tmp_path, name, write, lin
     with pytest.raises(MapError, match=re.escape(line)) as caught:
         read_map(tmp_path / name)
     assert len(caught.value.problems) == 1
+
+
+def test_line_scans_of_instruments_can_be_declared(tmp_path):
+    """Such as the softgauges of NPL, and profiles in X3P."""
+    line = RAW[:1]
+    foreign_files.write_sdf(tmp_path / "a.sdf", line, heading="aNPL-V1.0", y_scale=0.0, data_type=7)
+    foreign_files.write_x3p(tmp_path / "b.x3p", line, feature="PRF")
+    for name in ("a.sdf", "b.x3p"):
+        with pytest.raises(MapError, match="not a line scan of 6 points; set format to profile to take it"):
+            read_map(tmp_path / name)
+        assert_read(tmp_path / name, np.tile(line, (4, 1)), (4 * 2e-6, 6 * 2e-6), format="profile")
+    foreign_files.write_x3p(tmp_path / "map.x3p", RAW)
+    with pytest.raises(
+        MapError, match=r"format = 'profile': a line scan is needed, not a map of \(8, 6\) points"
+    ):
+        read_map(tmp_path / "map.x3p", format="profile")

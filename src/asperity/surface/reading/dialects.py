@@ -41,8 +41,9 @@ def as_expected(format_name: str, file: BinaryIO, limit: float) -> bytes | None:
 def _sdf(content: bytes) -> bytes:
     """ISO 25178-71 and its forerunners, which differ in their first line and in the spelling of the keys."""
     content = content if content.startswith(b"b") else content.lstrip()
-    version, content = content[:8], content[8:]
+    version = content[:8]
     if version.startswith(b"b"):
+        content = content[8:]
         if version == b"bISO-2.0":  # has four bytes in place of two for the numbers of points and of profiles
             content = (
                 content[:34] + struct.pack("<HH", *struct.unpack_from("<II", content, 34)) + content[42:]

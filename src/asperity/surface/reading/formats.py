@@ -12,9 +12,12 @@ from typing import BinaryIO
 from asperity.core.data import packaged_yaml
 from asperity.core.errors import shown
 
-TEXT_FORMATS = ("asc", "xyz", "profile")
+PROFILE = "profile"
+"""Format that declares a line scan, in text or in the format of an instrument, as a map."""
 
-ASKED_FOR = ("asc", "hgt", "profile")
+TEXT_FORMATS = ("asc", "xyz", PROFILE)
+
+ASKED_FOR = ("asc", "hgt", PROFILE)
 """Formats that no name stands for: any file of a suitable size could be ``hgt``, and a table a line scan."""
 
 BYTE_ORDER_MARKS = (b"\xff\xfe", b"\xfe\xff")

@@ -56,6 +56,9 @@ _SAID_BY_FILE = re.compile(
 HDF5 = b"\x89HDF\r\n\x1a\n"
 """First bytes of a file in HDF5, and in NetCDF-4."""
 
+LINE_SCAN = "a rectangular map is needed, not a line scan"
+DECLARED = "set format to profile to take it as a map with the same heights for all y"
+
 UNREADABLE = "not a height map that can be read"
 
 
@@ -153,7 +156,8 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
     plain.seek(0)
     file: Any = gzip.GzipFile(fileobj=plain) if is_packed else plain
     begin = file.read(formats.BLOCK)
-    possible = formats.possible_formats(begin, file, name, options.format)
+    is_profile = options.format == formats.PROFILE
+    possible = formats.possible_formats(begin, file, name, None if is_profile else options.format)
     is_text = bool(possible) and possible[0].name in TEXT_FORMATS
     dialect = find_dialect(_text(begin)) if is_text else None
     if not possible or (is_text and dialect is None):
@@ -174,8 +178,10 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
         form, content = _table_map(NumberTable(_text(file.read()), dialect), options)
     else:
         form, content = _first_readable(possible, file, name, options)
-    if min(content.height.shape) < 2:
-        raise ValueError(f"a rectangular map is needed, not a line scan of {content.height.size} points")
+    if is_profile:
+        content = _as_map(content)
+    elif min(content.height.shape) < 2:
+        raise ValueError(f"{LINE_SCAN} of {content.height.size} points; {DECLARED}")
     if not content.channels:
         choose_channel([Channel(content.channel, None)], options.channel)
     if content.orientation is None:
@@ -238,13 +244,10 @@ def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileCon
     """A matrix of heights, or points, and which of them a table is."""
     matrix, points, profile = (formats.known_formats()[found] for found in TEXT_FORMATS)
     columns = len(table.rows[0])
-    if options.format == profile.name:
+    if options.format == formats.PROFILE:
         return profile, _profile(table)
     if columns < 3:
-        raise ValueError(
-            f"a rectangular map is needed, not a line scan of {columns} columns; set format to profile to "
-            "take it as a map with the same heights for all y"
-        )
+        raise ValueError(f"{LINE_SCAN} of {columns} columns; {DECLARED}")
     if options.format != points.name and any(map(MATRIX_HEADER.search, table.header)):
         lines = io.StringIO("\n".join(table.with_unlike_channels()))
         return matrix, _instrument_map(matrix, lines, options)
@@ -266,23 +269,33 @@ def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileCon
 
 
 def _profile(table: NumberTable) -> FileContent:
-    """A line scan of columns x and z, or z, as a map of `PROFILE_LINES` equal lines with square pixels."""
+    """A line scan of columns x and z, or z."""
     numbers, units = table.numbers(), table.units(2)
     if numbers.shape[1] > 2:
         raise ValueError(
             f"format = 'profile': columns x and z, or z, are needed, not {numbers.shape[1]} columns"
         )
-    height, length = np.tile(numbers[:, -1], (PROFILE_LINES, 1)), None
+    line, length = numbers[:, -1], None
     if numbers.shape[1] == 2:
         place, spacing, count = nodes(numbers[:, 0], "x")
         if np.bincount(place).max() > 1:
             raise ValueError("two points have the same position")
         line = np.full(count, np.nan)
         line[place] = numbers[:, 1]
-        height = np.tile(line, (PROFILE_LINES, 1))
         factor = metres(units[0]) / metres(units[-1]) if len(units) == 2 else 1.0
-        length = PROFILE_LINES * spacing * factor, count * spacing * factor
-    return FileContent(height, "z", length=length, unit=units[-1] if units else None)
+        length = spacing * factor, count * spacing * factor
+    return FileContent(line[None, :], "z", length=length, unit=units[-1] if units else None)
+
+
+def _as_map(content: FileContent) -> FileContent:
+    """A line scan as a map of `PROFILE_LINES` equal lines with square pixels."""
+    height = content.height
+    if min(height.shape) > 1:
+        raise ValueError(f"format = 'profile': a line scan is needed, not a map of {height.shape} points")
+    length = content.length
+    if length is not None:
+        length = PROFILE_LINES * max(length) / height.size, max(length)
+    return content._replace(height=np.tile(height.ravel(), (PROFILE_LINES, 1)), length=length)
 
 
 def _array(file: BinaryIO, options: MapOptions) -> FileContent:
@@ -386,11 +399,14 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
             index, undecided = choose_channel(channels, options.channel)
             info = infos[index]
             shape = channels[index].shape
+            is_line = info.dim == 1 and options.format == formats.PROFILE
+            if is_line:
+                shape = 1, info.nb_grid_pts[0]
             if shape is None or info.is_uniform is False:
-                raise ValueError("a rectangular map is needed, not a line scan or scattered points")
+                raise ValueError(f"{LINE_SCAN} or scattered points")
             _require_size(8.0 * math.prod(shape), options.max_memory)
             sizes = info.physical_sizes
-            known_size = sizes is not None and len(sizes) == 2 and all(size is not None for size in sizes)
+            known_size = sizes is not None and all(size is not None for size in sizes)
             assumed = {} if known_size else {"physical_sizes": tuple(map(float, info.nb_grid_pts))}
             try:
                 topography = reader.topography(channel_index=index, **assumed)
@@ -399,11 +415,11 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
                 raise ValueError(f"{UNREADABLE} ({_first_line(error)})") from error
     is_bare = by_rows or (form.name == "asc" and not known_size and topography.unit is None)
     content = FileContent(
-        height=np.ascontiguousarray(height if by_rows else height.T),
+        height=np.ascontiguousarray(height if by_rows else np.atleast_2d(height.T)),
         channels=channels,
         channel=channels[index].name,
         undecided=undecided,
-        length=(float(sizes[1]), float(sizes[0])) if known_size else None,
+        length=(float(sizes[-1]) if len(sizes) > 1 else 0.0, float(sizes[0])) if known_size else None,
         unit=topography.unit,
         factor=info.height_scale_factor,
         periodic=bool(topography.is_periodic),

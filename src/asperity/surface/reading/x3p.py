@@ -52,11 +52,12 @@ def read_x3p(file: BinaryIO) -> FileContent:
             return float(text(path).replace(",", ".") or without)
 
         kind, size_z = text("Record1/FeatureType").upper(), text("Record3/MatrixDimension/SizeZ") or "1"
-        if kind not in ("SUR", "") or size_z != "1":
+        if kind not in ("SUR", "PRF", "") or size_z != "1":
             raise ValueError(f"a map is needed (FeatureType SUR, SizeZ 1), not {kind} of SizeZ {size_z}")
-        if {text(f"Record1/Axes/C{axis}/AxisType") for axis in "XY"} != {"I"}:
+        is_line = kind == "PRF"
+        if {text(f"Record1/Axes/C{axis}/AxisType") for axis in ("X" if is_line else "XY")} != {"I"}:
             raise ValueError("equally spaced points are needed, axes CX and CY of type I")
-        shape = int(text("Record3/MatrixDimension/SizeY")), int(text("Record3/MatrixDimension/SizeX"))
+        shape = int(text("Record3/MatrixDimension/SizeY") or 1), int(text("Record3/MatrixDimension/SizeX"))
         data_type = text("Record1/Axes/CZ/DataType") or "D"
         if data_type not in TYPES:
             raise ValueError(f"its heights are of type {data_type}; one of {', '.join(TYPES)} is needed")
@@ -78,7 +79,8 @@ def read_x3p(file: BinaryIO) -> FileContent:
             raw[valid == 0] = np.nan
         factor = number("Record1/Axes/CZ/Increment", 1.0) or 1.0
         height = (raw * factor + number("Record1/Axes/CZ/Offset", 0.0)).reshape(shape)
-        pixel = number("Record1/Axes/CY/Increment", 0.0), number("Record1/Axes/CX/Increment", 0.0)
+        across = number("Record1/Axes/CX/Increment", 0.0)
+        pixel = across if is_line else number("Record1/Axes/CY/Increment", 0.0), across
     length = (shape[0] * pixel[0], shape[1] * pixel[1]) if min(pixel) > 0 else None
     return FileContent(height, length=length, unit="m", factor=factor)
 
