@@ -135,6 +135,7 @@ def test_a_line_scan_is_pressed_as_a_wave_in_plane_strain(tmp_path):
     assert answer.numbers.area_fraction == pytest.approx(0.3, abs=2 / 256)  # nodes at both ends
     largest = 2 * pressure / np.sin(np.pi * 0.15)  # in the middle of the contact
     assert answer.numbers.largest_pressure == pytest.approx(largest, rel=5e-3)  # discretisation, O(1 / nodes)
+    assert "line scan: the same heights for all y, which is plane strain" in answer.face.done
     shown = describe_map(path, options).properties
     assert shown["Rq"].startswith("141.4 nm")
     assert shown["Rz"].startswith("400 nm")

@@ -18,6 +18,7 @@ from asperity.engineering.answer_numbers import sampling_error
 from asperity.engineering.body_stress import BodyAnswer
 from asperity.engineering.case import HARDNESS_OVER_YIELD, suggested_hardness
 from asperity.stress.analysis import PLASTIC_CONTACT
+from asperity.surface.reading.height_map import PROFILE
 
 WARNING, NOTE = "warning", "note"
 
@@ -124,7 +125,7 @@ def _on_contact(answer: Answer) -> Iterator[Found]:
         yield True, "beyond_hardness", {"hardness": suggested, "times": HARDNESS_OVER_YIELD}
     if case.hardness and answer.plastic is not None and answer.plastic.plastic_area:
         yield False, "clipped_pressure", {"size": 0.0, "meaning": PLASTIC_CONTACT}
-    edge = min(face.grid.length)
+    edge = (max if case.options.format == PROFILE else min)(face.grid.length)
     if numbers.peak_to_valley > 0.5 * edge:
         yield True, "large_heights", {"edge": edge}
     wanted, area = case.load.value, numbers.area_fraction

@@ -15,6 +15,7 @@ from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATION_NEEDED,
     PEAKS_UP,
+    PROFILE,
     HeightMap,
     MapOptions,
 )
@@ -100,7 +101,8 @@ def describe_map(path: str | os.PathLike[str], options: MapOptions) -> MapDescri
     properties, warnings = _of_file(found), []
     if np.isfinite(found.map.height).any():
         measures = MapMeasures(found.map)
-        properties |= _of_heights(found.map, measures, found.edges_known)
+        is_profile = options.format == PROFILE
+        properties |= _of_heights(found.map, measures, found.edges_known, is_profile)
         warnings = map_warnings(found.map, options, measures, found.edges_known)
     return MapDescription(properties, needed, choices, warnings)
 
@@ -219,7 +221,9 @@ def _of_file(found: MapFile) -> dict[str, str]:
     }
 
 
-def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) -> dict[str, str]:
+def _of_heights(
+    surface: HeightMap, measures: MapMeasures, edges_known: bool, is_profile: bool
+) -> dict[str, str]:
     """Defects, roughness and spectrum of a map; in units of pixels nothing that depends on the edges."""
 
     def length(value: float) -> str:
@@ -254,16 +258,16 @@ def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) ->
     stated = "says" if surface.periodic else "does not say"
     verdict = "" if surface.periodic or step <= PERIODIC_STEP else ": it is not"
     spikes, without = "no points", ""
+    beyond = f", beyond {DESPIKE:g} robust standard deviations from the local median"
     if measures.spike_count:
         spikes = (
             f"{surface.shown_share(int(np.count_nonzero(measures.spikes)))} in {measures.spike_count} spikes "
         )
         spikes += f"of up to {length(measures.highest_spike)}"
-        without += "spikes and "
+        without, beyond = "spikes and ", f"{beyond}; plasticity, Sal, Str, tip and waves are without them"
     slope = rms_step(level, surface.spacing)
     found = {
-        "spikes": f"{spikes}, beyond {DESPIKE:g} robust standard deviations from the local median; "
-        "plasticity, Sal, Str, tip and waves are without them",
+        "spikes": f"{spikes}{beyond}",
         "tilt": f"{math.degrees(measures.tilt):.3g}°",
         "bow": f"{length(measures.bow)} from lowest to highest point",
         "Sq": f"{lies['Sq']}, rms height; without {without}bow {length(measures.rms_height_without_bow)}",
@@ -286,16 +290,11 @@ def _of_heights(surface: HeightMap, measures: MapMeasures, edges_known: bool) ->
         "periodic": f"the file {stated} so; rms step across the edges {step:.3g} times that between "
         f"neighbouring points{verdict}",
     }
-    if is_profile(surface.height):
+    if is_profile:
         rest = {name: text for name, text in found.items() if name not in ("Sal", "Str")}
         found = {name.replace("S", "R", 1): text for name, text in rest.items()}
     left_out = NEED_EDGES if not edges_known else ()
     return {name: text for name, text in found.items() if name.replace("R", "S", 1) not in left_out}
-
-
-def is_profile(height: Array) -> bool:
-    """True for a line scan, which has one height for all y."""
-    return bool(np.array_equal(height, np.broadcast_to(height[:1], height.shape), equal_nan=True))
 
 
 def _channels(found: MapFile) -> str:

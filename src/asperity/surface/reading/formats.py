@@ -11,9 +11,7 @@ from typing import BinaryIO
 
 from asperity.core.data import packaged_yaml
 from asperity.core.errors import shown
-
-PROFILE = "profile"
-"""Format that declares a line scan, in text or in the format of an instrument, as a map."""
+from asperity.surface.reading.height_map import PROFILE
 
 TEXT_FORMATS = ("asc", "xyz", PROFILE)
 

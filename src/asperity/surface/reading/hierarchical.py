@@ -80,8 +80,8 @@ def netcdf_map(path: str, options: MapOptions) -> FileContent | None:
                 f"max_memory = {options.max_memory:g} GiB: the file holds more data; set it to more"
             )
         values = rising(chosen.load())
-    default = LOWER_FACE if "lower face" in values.attrs.get("long_name", "") else None
-    orientation = values.attrs.get("orientation", default)
+    default = LOWER_FACE if "lower face" in str(values.attrs.get("long_name")) else None
+    orientation = str(values.attrs.get("orientation", default))
     is_own = orientation in ORIENTATIONS
     length, length_unit = _edges(values, is_own)
     return FileContent(

@@ -31,7 +31,7 @@ from asperity.surface.reading import dialects, formats
 from asperity.surface.reading.agreement import FileContent, MapFile, metres
 from asperity.surface.reading.channels import UNNAMED, Channel, choose_channel
 from asperity.surface.reading.formats import TEXT_FORMATS, Format
-from asperity.surface.reading.height_map import PEAKS_UP, HeightMap, MapError, MapOptions
+from asperity.surface.reading.height_map import PEAKS_UP, PROFILE, HeightMap, MapError, MapOptions
 from asperity.surface.reading.hierarchical import largest_chunk, netcdf_map
 from asperity.surface.reading.number_table import MATRIX_HEADER, NumberTable, find_dialect, grid_points, nodes
 from asperity.surface.reading.x3p import read_x3p
@@ -156,7 +156,7 @@ def _read(plain: BinaryIO, name: str, options: MapOptions) -> FileContent:
     plain.seek(0)
     file: Any = gzip.GzipFile(fileobj=plain) if is_packed else plain
     begin = file.read(formats.BLOCK)
-    is_profile = options.format == formats.PROFILE
+    is_profile = options.format == PROFILE
     possible = formats.possible_formats(begin, file, name, None if is_profile else options.format)
     is_text = bool(possible) and possible[0].name in TEXT_FORMATS
     dialect = find_dialect(_text(begin)) if is_text else None
@@ -244,7 +244,7 @@ def _table_map(table: NumberTable, options: MapOptions) -> tuple[Format, FileCon
     """A matrix of heights, or points, and which of them a table is."""
     matrix, points, profile = (formats.known_formats()[found] for found in TEXT_FORMATS)
     columns = len(table.rows[0])
-    if options.format == formats.PROFILE:
+    if options.format == PROFILE:
         return profile, _profile(table)
     if columns < 3:
         raise ValueError(f"{LINE_SCAN} of {columns} columns; {DECLARED}")
@@ -399,7 +399,7 @@ def _instrument_map(form: Format, file: Any, options: MapOptions) -> FileContent
             index, undecided = choose_channel(channels, options.channel)
             info = infos[index]
             shape = channels[index].shape
-            is_line = info.dim == 1 and options.format == formats.PROFILE
+            is_line = info.dim == 1 and options.format == PROFILE
             if is_line:
                 shape = 1, info.nb_grid_pts[0]
             if shape is None or info.is_uniform is False:

@@ -26,6 +26,7 @@ from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATION_NEEDED,
     PERIODICITIES,
+    PROFILE,
     UNIT_NEEDED,
     HeightMap,
     MapError,
@@ -253,6 +254,8 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         done = ["used as it is: the heights are those of an indenter's lower face"]
     if surface.channel not in ("", UNNAMED):
         done.append(f"channel of the file: {one_line(surface.channel)}")
+    if options.format == PROFILE:
+        done.append("line scan: the same heights for all y, which is plane strain")
 
     raw, gaps, spikes = surface.height, ~np.isfinite(surface.height), 0
     if options.scan_lines is not None:
