@@ -281,6 +281,9 @@ treatments = {
     "undefined": st.none() | choice("harmonic"),
     "despike": st.none() | number(3, 20),
     "wavelength_short": st.none() | number(0.1, 1),
+    "scan_lines": st.sampled_from((None, "median", "matched")),
+    "s_filter": st.none() | number(0.01, 1),
+    "l_filter": st.none() | number(0.01, 10),
     "points": st.none() | count(2, 48),
 }
 treated = st.fixed_dictionaries(
