@@ -80,7 +80,9 @@ def test_what_filters_leave_is_stated(periodic):
         np.testing.assert_allclose(scaled.height * edge, filtered.height, atol=1e-12)
     with pytest.raises(MapError, match=r"s_filter = 0.5: less than l_filter = 0.5 is needed"):
         treat_map(surface, options, s_filter=0.5, l_filter=0.5)
-    with pytest.raises(MapError, match=r"s_filter = 1000: a filter that leaves some of the heights is needed"):
+    with pytest.raises(
+        MapError, match=r"s_filter = 1000: a filter that leaves some of the heights is needed"
+    ):
         treat_map(surface, options, s_filter=1000)
 
 

@@ -105,7 +105,7 @@ class MapOptions:
         Meaning of the heights, for files that do not say it.
     format : str, optional
         Format as ``docs/formats.md`` names it. Needed for formats without a signature (``hgt``), in which any
-        file could be read; others are recognised.
+        file could be read, and for a line scan, which ``profile`` declares; others are recognised.
     max_memory : float
         Largest size of the unpacked file in GiB.
     detrend : "none", "tilt" or "curvature"

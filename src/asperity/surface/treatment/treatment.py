@@ -447,7 +447,9 @@ def _filtered(
     sizes = [(float(np.std(height)), rms_step(height, grid.spacing)) for height in (level, found)]
     shares = sizes[1][0] / sizes[0][0], sizes[1][1] / sizes[0][1]
     if shares[0] <= _ROUNDING:
-        stated = ", ".join(f"{name} = {surface.shown_length(value, digits=6)}" for name, value in index.items())
+        stated = ", ".join(
+            f"{name} = {surface.shown_length(value, digits=6)}" for name, value in index.items()
+        )
         raise MapError(surface.name, [f"{stated}: a filter that leaves some of the heights is needed"])
     names = " and ".join(
         f"{name[0].upper()}-filter of {surface.shown_length(value)}" for name, value in index.items()
