@@ -18,7 +18,7 @@ from asperity.engineering.answer_numbers import sampling_error
 from asperity.engineering.body_stress import BodyAnswer
 from asperity.engineering.case import HARDNESS_OVER_YIELD, suggested_hardness
 from asperity.stress.analysis import PLASTIC_CONTACT
-from asperity.surface.reading.height_map import PROFILE
+from asperity.surface.reading.formats import PROFILE
 
 WARNING, NOTE = "warning", "note"
 

@@ -11,11 +11,11 @@ import numpy as np
 
 from asperity.core.types import Array
 from asperity.surface.reading.agreement import MapFile, metres, repeated_height
+from asperity.surface.reading.formats import PROFILE
 from asperity.surface.reading.height_map import (
     LOWER_FACE,
     ORIENTATION_NEEDED,
     PEAKS_UP,
-    PROFILE,
     HeightMap,
     MapOptions,
 )

@@ -11,7 +11,9 @@ from typing import BinaryIO
 
 from asperity.core.data import packaged_yaml
 from asperity.core.errors import shown
-from asperity.surface.reading.height_map import PROFILE
+
+PROFILE = "profile"
+"""Format that declares a line scan, in text or in the format of an instrument, as a map."""
 
 TEXT_FORMATS = ("asc", "xyz", PROFILE)
 

@@ -38,9 +38,6 @@ PERIODICITIES = ("declared", "mirrored", "windowed", "none")
 LINES = ("median", "matched")
 """Ways in which scan lines are levelled."""
 
-PROFILE = "profile"
-"""Format that declares a line scan, in text or in the format of an instrument, as a map."""
-
 FORMS = ("sphere", "cylinder")
 """Forms that can be added to the roughness."""
 
