@@ -41,6 +41,7 @@ def german(value):
             (4 + HEIGHT / 9).round(3),
         ),  # 3,917: as pandas writes with decimal=","
         (quoted(HEIGHT, german, ";"), HEIGHT),
+        (quoted(4 + HEIGHT.round(1), "{:.5g}".format).replace(".", ","), 4 + HEIGHT.round(1)),  # 4 and 3,9
         (quoted(4500 + HEIGHT, "{:,.1f}".format), (4500 + HEIGHT).round(1)),
         (quoted(1000 + 500 * HEIGHT, "{:,.0f}".format), (1000 + 500 * HEIGHT).round()),
         (quoted(4500 + HEIGHT, "{:,.3f}".format, ";"), (4500 + HEIGHT).round(3)),
@@ -48,7 +49,7 @@ def german(value):
         (quoted(4500 + HEIGHT, german, "\t"), (4500 + HEIGHT).round(3)),
         (quoted(HEIGHT, "{:.3f}".format, " "), HEIGHT),
     ],
-    ids=range(9),
+    ids=range(10),
 )
 def test_quoted_numbers_are_split_as_csv(tmp_path, text, height):
     (tmp_path / "map.csv").write_text(text)
@@ -57,10 +58,12 @@ def test_quoted_numbers_are_split_as_csv(tmp_path, text, height):
 
 def test_quoted_points_are_a_map(tmp_path):
     y, x = np.mgrid[:8, :6] * 0.5
-    (tmp_path / "map.csv").write_text(quoted(zip(x.flat, y.flat, HEIGHT.flat, strict=True), german))
-    found = read_map(tmp_path / "map.csv", unit="um")
-    assert found.length == pytest.approx((4e-6, 3e-6))
-    np.testing.assert_allclose(found.height, 1e-6 * HEIGHT, rtol=1e-12)
+    points = quoted(zip(x.flat, y.flat, HEIGHT.flat, strict=True), german)
+    for heading, unit, lateral in (("", "um", 1e-6), ('"x [mm]","y [mm]","z [um]"\n', None, 1e-3)):
+        (tmp_path / "map.csv").write_text(heading + points)
+        found = read_map(tmp_path / "map.csv", unit=unit)
+        assert found.length == pytest.approx((4 * lateral, 3 * lateral))
+        np.testing.assert_allclose(found.height, 1e-6 * HEIGHT, rtol=1e-12)
 
 
 def wyko(real):

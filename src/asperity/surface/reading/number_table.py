@@ -52,7 +52,7 @@ _MISSING = re.compile(
 )
 _EXCHANGED = str.maketrans(".,", ",.")  # a number with a point is none where the comma is the decimal mark
 _THOUSANDS = re.compile(r"[-+]?\d{1,3}((,\d{3})+\.\d*|(,\d{3}){2,})")
-_QUOTED_THOUSANDS = re.compile(r"[-+]?\d{1,3}(,\d{3})+(\.\d*)?")
+_QUOTED_THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(,\d{3})+(\.\d*)?")
 _UNIT = re.compile(r"[\[(]\s*([A-Za-zµμÅ]+)\s*[\])]")
 _STATED_UNIT = re.compile(r"(lateral|value) units?\s*[:=]\s*(\S+)", re.IGNORECASE)
 
@@ -223,13 +223,16 @@ def find_dialect(text: str) -> Dialect | None:
 
 
 def _has_thousands(lines: list[str]) -> bool:
-    """True if a column of quoted numbers has commas in some numbers and none in others."""
-    rows = [Dialect(",", ",", False).fields(line) for line in lines]
+    """True if all commas of quoted numbers may part thousands, and some numbers of a column have none."""
     commas: dict[int, set[bool]] = {}
-    for row in rows:
-        for number, field in enumerate(row):
-            if re.fullmatch(r"[-+]?[\d.,]*\d[\d.,]*", field.strip()):
-                commas.setdefault(number, set()).add("," in field)
+    for line in lines:
+        for number, field in enumerate(Dialect(",", ",", False).fields(line)):
+            word = field.strip()
+            if not re.fullmatch(r"[-+]?[\d.,]*\d[\d.,]*", word):
+                continue
+            if "," in word and not _QUOTED_THOUSANDS.fullmatch(word):
+                return False
+            commas.setdefault(number, set()).add("," in word)
     return any(len(found) == 2 for found in commas.values())
 
 
