@@ -14,16 +14,12 @@ import numpy as np
 import asperity as asp
 
 CONSTANTS = {
-    "CUTOFF": "compliance.inner_response",
-    "CELL_NODES": "compliance.preconditioner",
-    "COARSE_RESIDUAL_DROP": "compliance.preconditioner",
-    "RESIDUAL_DROP": "active_set.outer_loop",
-    "FINAL_ERROR": "active_set.outer_loop",
-    "FINAL_RESIDUAL_DROP": "active_set.outer_loop",
-    "WHOLE_STEP": "active_set.step",
-    "TANGENT_DROP": "active_set.area",
-    "LOAD_RESOLUTION": "active_set.area",
-    "MAX_LOAD_CHANGE": "active_set.area",
+    "CUTOFF": "operators",
+    "CELL_NODES": "operators",
+    "COARSE_RESIDUAL_DROP": "operators",
+    "RESIDUAL_DROP": "inner_solve",
+    "FINAL_ERROR": "active_set",
+    "LOAD_RESOLUTION": "load",
 }
 """Constant → module below `asperity.contact`."""
 

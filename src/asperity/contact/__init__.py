@@ -7,9 +7,9 @@ incompressible) u has mean zero, and δ is measured from the mean plane of the s
 
 With a hardness H, p ≤ H, and g ≤ 0 where p = H: by −g the surface is flattened.
 
-`solve` scales the problem (`units`), a method finds p (`active_set`, `gfmd`), and `certificate` judges it
-anew. ``CONTRIBUTING.md`` lists the loop of the fast method, line by line, each with its module. `tangent` is
-the change of p with the load: stiffness, and the loads between which the same nodes touch.
+`solve` scales the problem (`problem`), a method finds p (`active_set`, `gfmd`), and `certificate` judges it
+anew. `load` is the change of p with the load: stiffness, the loads between which the same nodes touch, and
+control by area. The loop of the fast method stands at the top of `active_set`.
 """
 
 from asperity.contact.certificate import Certificate, verify_contact

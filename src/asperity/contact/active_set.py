@@ -58,12 +58,11 @@ from asperity.core.types import Array, Progress
 MIN_POINTS = 32
 
 # Below this error rounding matters in single precision, and the set of contact nodes hardly changes any more:
-# fields are in double precision, and inner solves are longer.
+# fields are in double precision, and inner solves drop their residual by up to this factor.
 FINAL_ERROR = 2e-3
-FINAL_RESIDUAL_DROP = 2e-3
 
-# After so many steps without progress one follows the projected gradient. In single precision the loop goes
-# on in double precision.
+# After so many steps without progress one follows the projected gradient, and inner solves have grown as
+# often to twice their length. In single precision the loop goes on in double precision.
 PATIENCE = 3
 
 # A step is taken whole unless the energy is least before this fraction of it: whole, it does not raise it.
@@ -339,7 +338,7 @@ class ActiveSet:
         """Drop of the residual in the next inner solve: no further than the tolerance needs."""
         if error > FINAL_ERROR:
             return RESIDUAL_DROP
-        return max(FINAL_RESIDUAL_DROP, 0.3 * self._rule.tolerance / max(error, self._rule.tolerance))
+        return max(FINAL_ERROR, 0.3 * self._rule.tolerance / max(error, self._rule.tolerance))
 
     def _descended(
         self, iterate: Iterate, system: ContactSystem, step: Step, stagnation: Stagnation
@@ -390,7 +389,7 @@ class ActiveSet:
         compliance = float(uniform[nodes].sum(dtype=float))
         if MAX_STIFFNESS_RATIO * compliance * operators.uniform_sum > nodes.size**2:
             return None
-        correction = self._inner.solve_uniform(operators, drop=FINAL_RESIDUAL_DROP)
+        correction = self._inner.solve_uniform(operators, drop=FINAL_ERROR)
         direction = correction.pressure.astype(iterate.pressure.dtype)
         response = _displacement(problem, nodes, direction)
         self.iterations += 2 + correction.iterations
