@@ -42,6 +42,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import count
 
 import numpy as np
 
@@ -269,7 +270,7 @@ class ActiveSet:
         """The last iterate, its system, and whether it fulfils the rule."""
         stagnation, operators = Stagnation(), None
         iterate = self._evaluated(self._problems[0], start)
-        for _ in range(self._rule.max_steps):
+        for taken in count():
             iterate = iterate.without_free_nodes()
             system = ContactSystem.of(iterate, self._control, self._inner, operators)
             operators = system.linear.operators
@@ -282,19 +283,20 @@ class ActiveSet:
                 iterate = self._evaluated(iterate.problem, balance, iterate.displacement)
                 continue
             stagnation.record(system.error)
-            if self._is_hopeless(iterate, system, stagnation):
-                break
+            if taken == self._rule.max_steps or self._is_hopeless(iterate, system, stagnation):
+                return iterate, system, False
             max_iterations = MAX_ITERATIONS * 2 ** min(stagnation.steps, PATIENCE)
             correction = self._inner.solve(system.linear, self._residual_drop(system.error), max_iterations)
-            held, load = system.held_after(iterate, correction), iterate.load
+            held, load, extension = system.held_after(iterate, correction), iterate.load, None
             if self._area is not None:
                 extension = extended(self._area, iterate, system, correction, held, self._inner, converged)
                 if extension is None and converged:
                     return iterate, system, True
-                correction, held, load = extension or (correction, held, load)
+            if extension is not None:
+                correction, held, load = extension
             self.iterations += correction.iterations
             step = Step.of(iterate, system, correction, held)
-            if self._to_double_precision(system, stagnation) or load != iterate.load:
+            if self._to_double_precision(system, stagnation) or extension is not None:
                 # Energies at two loads, or in two precisions, do not compare.
                 stagnation.forget()
                 target, problem = step.pressure_after(1.0, load), self._problems[0]
@@ -303,7 +305,7 @@ class ActiveSet:
                 iterate = self._evaluated(problem, target, out)
             else:
                 iterate = self._descended(iterate, system, step, stagnation)
-        return iterate, system, False
+        raise AssertionError  # the loop returns
 
     def _evaluated(self, problem: Problem, pressure: Pressure, out: Array | None = None) -> Iterate:
         """Iterate of a pressure; `out` is an array for its displacement."""

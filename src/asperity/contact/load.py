@@ -253,9 +253,7 @@ def extended(
     slope = float(tangent.pressure.sum(dtype=float)) / iterate.problem.grid.size
     if not slope > 0:
         return None
-    # The load changes by little more than the area has to.
-    change = min(MAX_LOAD_CHANGE, 4 * abs(math.log(area.target / max(count, 1))) + 4 / area.target)
-    up = change * load / slope
+    up = MAX_LOAD_CHANGE * load / slope
     down = 0.999 * load / slope if converged else up
     near_nodes = system.held_after(iterate, correction, unit * up)
     rate = 1 - system.linear.operators.displacement(tangent.pressure, near_nodes.held.nodes)
