@@ -11,6 +11,7 @@ import xarray as xr
 
 import asperity as asp
 from asperity.core.errors import DatasetError
+from asperity.core.system import process_name
 from asperity.results import dataset
 from asperity.results.atomic import write_text
 from asperity.results.variables import DIMENSIONS, SI_UNITS, STAGES, STUDY_UNITS, VARIABLES, in_si, units_of
@@ -112,19 +113,22 @@ def test_texts_and_truth_values_come_back(path):
 def test_failed_write_leaves_the_earlier_file(surface, path, monkeypatch):
     """Of processes that were killed nothing is left; what a living one writes stays."""
     before = path.read_bytes()
-    dead, alive = (path.with_name(f".file.nc.{process}.ab.unfinished") for process in (2**22 + 1, 1))
+    host, _, start = process_name().rsplit(".", 2)
+    names = (f"{host}.{2**22 + 1}.{start}", f"elsewhere.{2**22 + 1}.{start}", process_name())
+    dead, far, alive = (path.with_name(f".file.nc.{name}.ab.unfinished") for name in names)
 
     def fail(self, target, **_):
         target.write_bytes(b"half")
         raise OSError(errno.ENOSPC, "No space left on device")
 
     dead.write_bytes(b"half")
+    far.write_bytes(b"half")
     alive.write_bytes(b"half")
     monkeypatch.setattr(xr.Dataset, "to_netcdf", fail)
     with pytest.raises(DatasetError, match=r"file\.nc: cannot be written \(the disk is full\); free"):
         dataset.write(surface, path, "After", SETTINGS)
     assert path.read_bytes() == before
-    assert set(path.parent.iterdir()) == {path, alive}
+    assert set(path.parent.iterdir()) == {path, far, alive}
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has neither pipes in folders nor permissions of a group")

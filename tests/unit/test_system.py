@@ -4,6 +4,7 @@ import os
 import re
 import subprocess
 import sys
+import time
 import tomllib
 
 import psutil
@@ -102,8 +103,22 @@ def test_loops_without_machine_code_are_refused():
     assert found.stderr.splitlines()[-1].startswith("ImportError: NUMBA_DISABLE_JIT is set: ")
 
 
+NAME = "from asperity.core.system import process_name; print(process_name(), flush=True); input()"
+
+
 def test_a_process_runs_until_it_ends():
-    with subprocess.Popen([sys.executable, "-c", "input()"], stdin=subprocess.PIPE) as other:
-        assert system.is_running(other.pid)
-        assert system.is_running(os.getpid())
-    assert not system.is_running(other.pid)
+    """Also if another process has its number now; nothing is known of those on other hosts."""
+    own = system.process_name()
+    with subprocess.Popen(
+        [sys.executable, "-c", NAME], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as other:
+        name = other.stdout.readline().decode().strip()
+        assert not system.has_ended(name)
+        assert not system.has_ended(own)
+        other.kill()
+        while not system.has_ended(name):  # also before its parent has asked how it ended
+            time.sleep(0.01)
+    assert system.has_ended(name)
+    host, process, start = own.rsplit(".", 2)
+    assert system.has_ended(f"{host}.{process}.{int(start) - 100}")
+    assert not system.has_ended(f"other-{name}")

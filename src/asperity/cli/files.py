@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -9,7 +11,18 @@ from typing import Any
 import xarray as xr
 
 from asperity.results import dataset
+from asperity.results.atomic import write_problem
 from asperity.study.config.reader import is_file
+
+OWN_BEGIN = {
+    ".csv": rb"quantity,|[yx]_(um|cell_length),",
+    ".vti": rb'<\?xml version="1.0" encoding="UTF-8"\?><VTKFile type="ImageData"',
+    ".parquet": rb"PAR1",
+    ".png": rb"\x89PNG.{20}\x08\x06",  # eight bits of four colours, which no map has
+    ".pdf": rb"%PDF",
+    ".svg": rb"<\?xml",
+}
+"""End of a name → begin of the files of this name that the commands write."""
 
 MAKERS = {
     "surface": "asperity surface",
@@ -74,14 +87,40 @@ def is_result(path: str | Path) -> bool:
         return False
 
 
-def check_out(outs: Iterable[str], inputs: Iterable[str] = ()) -> None:
-    """Raise `ValueError` if a file to write is a folder, or one of the files that are read.
+def check_out(outs: Iterable[tuple[str, str]], inputs: Iterable[str] = ()) -> None:
+    """Raise `ValueError` for the first file that cannot be written, or would destroy another one.
 
     Commands call it before they compute anything.
+
+    Parameters
+    ----------
+    outs : iterable of (option, path)
+        Files to write.
+    inputs : iterable of str
+        Files that are read.
     """
-    read = [Path(path) for path in inputs if is_file(path)]
-    for out in map(Path, outs):
-        if out.is_dir():
-            raise ValueError(f"--out {out}: a folder, the name of a file is needed")
-        if is_file(out) and any(out.samefile(path) for path in read):
-            raise ValueError(f"--out {out}: is read too, another name is needed")
+    read, written = [Path(path) for path in inputs if is_file(path)], set()
+    for option, out in outs:
+        if not out:
+            raise ValueError(f"{option} = '': the name of a file is needed")
+        if problem := write_problem(out):
+            raise ValueError(f"{option} {out}: {problem}")
+        path = Path(os.path.realpath(out))
+        if path in written:
+            raise ValueError(f"{option} {out}: named twice, each file needs its own name")
+        written.add(path)
+        if is_file(path):
+            if any(path.samefile(each) for each in read):
+                raise ValueError(f"{option} {out}: is read too, another name is needed")
+            if not _is_own(path):
+                raise ValueError(
+                    f"{option} {out}: asperity has not written this file; another name is needed"
+                )
+
+
+def _is_own(path: Path) -> bool:
+    """True for an empty file, and one that looks like a file which a command has written under this name."""
+    with open(path, "rb") as file:
+        begin = file.read(100)
+    own = OWN_BEGIN.get(path.suffix)
+    return not begin or (is_result(path) if own is None else bool(re.match(own, begin, re.DOTALL)))

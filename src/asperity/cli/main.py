@@ -86,11 +86,16 @@ def _interrupt(number: int, _: FrameType | None) -> NoReturn:
 
 def _run(arguments: Sequence[str] | None) -> None:
     require(PACKAGES[BASE])
-    from asperity.cli.parser import parse
+    from asperity.cli.parser import parse, with_flags
 
     options = parse(arguments)
     from asperity.fourier import fft_engine  # takes time, for which help and wrong usage do not wait
 
     engine = getattr(options, "fft_engine", None)
     with fft_engine(engine) if engine else nullcontext():
-        import_module(f"asperity.cli.commands.{options.command}").run(options)
+        try:
+            import_module(f"asperity.cli.commands.{options.command}").run(options)
+        except InputError:
+            raise
+        except ValueError as error:
+            raise ValueError(with_flags(str(error), options.command)) from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
@@ -218,6 +219,16 @@ def sliding(options: argparse.Namespace) -> dict[str, Any]:
     if given.get("sliding_direction", "x") not in ("x", "y"):
         given["sliding_direction"] = float(given["sliding_direction"])  # degrees
     return given
+
+
+def with_flags(message: str, command: str) -> str:
+    """A message that begins with arguments of the library, with the options of a command in their place."""
+    entry = COMMANDS[command]
+    known = {key for each in (entry, *entry.get("groups", ())) for key in arguments(each)}
+    names = {name.removeprefix("--").replace("-", "_") for name in known if name.startswith("--")}
+    head, colon, rest = f"{message}".partition(":")
+    given = re.compile(rf"(?:^|(?<=, ))({'|'.join(names)})(?= = |, |$)")
+    return given.sub(lambda found: flag(found[0]), head) + colon + rest
 
 
 def flag(name: str) -> str:

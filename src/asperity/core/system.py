@@ -5,17 +5,49 @@ psutil is imported when it is needed: without it the command line still says wha
 
 from __future__ import annotations
 
+import os
+import re
+import socket
 from pathlib import Path
 
 GROUP_LIMITS = ("/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes")
 """Files with the memory limit of a control group (versions 2 and 1), also that of a container."""
 
 
-def is_running(process: int) -> bool:
-    """True if there is a process of this number."""
+SAME_START = 2.0
+"""Seconds by which the start of a process may be told differently: the clock may have been set."""
+
+
+def process_name() -> str:
+    """Host, number and start of this process, as a part of the name of a file."""
     import psutil
 
-    return psutil.pid_exists(process)
+    return f"{_host()}.{os.getpid()}.{psutil.Process().create_time():.0f}"
+
+
+def has_ended(name: str) -> bool:
+    """True if a name of `process_name` is that of a process of this host that does not run any more.
+
+    A number that another process has now, as after a restart, is told apart by the start.
+    """
+    import psutil
+
+    host, process, start = name.rsplit(".", 2)
+    if host != _host():
+        return False
+    try:
+        found = psutil.Process(int(process))
+        is_same = abs(found.create_time() - float(start)) <= SAME_START
+        return not is_same or found.status() == psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return True
+    except psutil.AccessDenied:
+        return False
+
+
+def _host() -> str:
+    """Name of this host in letters that a file name may have."""
+    return re.sub(r"[^A-Za-z0-9-]", "_", socket.gethostname())[:40]
 
 
 def available_memory() -> float:

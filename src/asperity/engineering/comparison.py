@@ -10,7 +10,7 @@ import pandas as pd
 
 from asperity.core.markup import page
 from asperity.engineering.answer import Answer
-from asperity.engineering.folder import COMPARISON, replacing
+from asperity.engineering.folder import COMPARISON, locked, replacing
 from asperity.results.atomic import write_text
 from asperity.results.tables import write_table
 
@@ -54,7 +54,7 @@ def write_comparison(answers: Mapping[str, Answer], folder: Path) -> str:
     links = (f'<a href="{html.escape(name)}/report.html">{html.escape(name)}</a>' for name in answers)
     below = "\n".join([*pictures, f"<p>Reports: {', '.join(links)}</p>"])
     text = page(" and ".join(answers), tables).replace("</body>", f"{below}\n</body>")
-    with replacing(folder, kept=set()) as unfinished:
+    with locked(folder), replacing(folder, kept=set()) as unfinished:
         write_table(values, "answer_comparison", unfinished / COMPARISON[0], float_format="%.8g")
         write_text(unfinished / COMPARISON[1], text)
     return frame.to_string(index=False)

@@ -55,6 +55,17 @@ class CounterMap:
     shift: tuple[float, float] = (0.0, 0.0)
 
 
+class ReadFile(NamedTuple):
+    """Path, size in bytes and SHA-256 checksum of a file when it was read."""
+
+    path: str
+    size: int
+    sha256: str
+
+    def __str__(self) -> str:
+        return one_line(f"{self.path}, {self.size:,} bytes, SHA-256 {self.sha256}")
+
+
 class RoughFace(NamedTuple):
     """The rough face that is pressed, and what is doubtful about its map.
 
@@ -67,8 +78,8 @@ class RoughFace(NamedTuple):
         Places (y, x) on the map of the spikes that were not removed.
     reach : (y, x)
         Distance from its place up to which a spike reaches.
-    files : tuple of str
-        Path, size and checksum of each file that was read.
+    files : tuple of ReadFile
+        The files that were read.
     options : MapOptions, optional
         Those that the file of the map needs, with the channel that was read.
     """
@@ -77,7 +88,7 @@ class RoughFace(NamedTuple):
     doubts: tuple[str, ...]
     spikes: Array
     reach: tuple[float, float] = (0.0, 0.0)
-    files: tuple[str, ...] = ()
+    files: tuple[ReadFile, ...] = ()
     options: MapOptions | None = None
 
 
@@ -111,8 +122,7 @@ def read_face(
         together.
     """
     name, surface, doubts, spikes, options = _read(source, options, shared)
-    sources = [source] if counter is None else [source, counter.source]
-    files = tuple(_described(path) for path in sources if not isinstance(path, HeightMap))
+    files = _read_file(source)
     if counter is None:
         treated = treat_map(surface, _completed(options, surface))
         y, x = surface.spacing
@@ -121,6 +131,7 @@ def read_face(
     counter_name, counter_surface, counter_doubts, _, own = _read(
         counter.source, counter.options or options, counter.options is None
     )
+    files += _read_file(counter.source)
     level, filled, done = _levelled(surface, options)
     counter_level, counter_filled, counter_done = _levelled(counter_surface, own)
     pair = face_to_face(level, counter_level, counter.turned_about, counter.shift)
@@ -137,11 +148,13 @@ def read_face(
     return RoughFace(face, of_both, spikes[:0], files=files, options=options)
 
 
-def _described(path: str | os.PathLike[str]) -> str:
-    """Path, size and checksum of a file."""
-    with open(path, "rb") as file:
+def _read_file(source: Source) -> tuple[ReadFile, ...]:
+    """The file of a map, none of a map that is given as an array."""
+    if isinstance(source, HeightMap):
+        return ()
+    with open(source, "rb") as file:
         checksum = hashlib.file_digest(file, "sha256").hexdigest()
-    return one_line(f"{os.path.abspath(path)}, {os.path.getsize(path):,} bytes, SHA-256 {checksum}")
+    return (ReadFile(os.path.abspath(source), os.path.getsize(source), checksum),)
 
 
 def _read(

@@ -2,14 +2,26 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
+import random
+import secrets
 import shutil
 import stat
+import threading
+import time
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
+
+from asperity.core.errors import DatasetError
+from asperity.core.system import has_ended, process_name
+
+if TYPE_CHECKING:
+    from asperity.engineering.case import Case
 
 MANIFEST = ".asperity-run.json"
 """File with the names of all files of an answer in its folder, so that no other file is ever replaced."""
@@ -20,31 +32,123 @@ UNFINISHED = ".unfinished-"
 COMPLETE = ".complete"
 """Name of that folder once all its files are written, which then replace those of an earlier answer."""
 
+LOCK = ".asperity-run.{}.lock"
+"""Name of the empty file in a folder that says which process writes into it."""
+
+LOCK_ATTEMPTS = 5
+"""Attempts to lock a folder: processes that try at the same moment all step back, and try again."""
+
 COMPARISON = ("comparison.csv", "comparison.html")
 """Names of the files that compare several answers."""
 
-ALWAYS_WRITTEN = (
-    *("case.yaml", "surface.nc", "contact.nc", "peaks.csv", "spots.csv", "gaps.csv", "answer.csv"),
-    *("height.png", "report.html"),
-)
+CASE_FILE = "case.yaml"
+"""Name of the case file of an answer."""
+
+_held: set[tuple[Path, int]] = set()
+"""Folders that are locked, each with the thread that has locked it."""
 
 
-def folder_problem(folder: str | os.PathLike[str], names: Iterable[str] = ALWAYS_WRITTEN) -> str:
+def names_of(case: Case | None) -> list[str]:
+    """Names of the files that the answer of a case has, or may have; without a case those of every answer."""
+    names = [CASE_FILE, "surface.nc", "contact.nc", "peaks.csv", "spots.csv", "gaps.csv", "answer.csv"]
+    names += ["height.png", "pressure.png", "report.html"]
+    if case is None:
+        return names
+    names += ["curve.csv", "curve.png"] if case.load.path else []
+    names += ["plastic_depth.png"] if case.hardness else []
+    for body, constants in case.different_bodies.items():
+        suffix = f"_{body}" if len(case.different_bodies) > 1 else ""
+        names += [f"stress{suffix}.nc"]
+        names += [f"cycles{suffix}.nc", f"cycles{suffix}.png"] if constants.fatigue_torsion else []
+        for field in case.fields:
+            end = ("" if field == "von_mises" else f"_{field}") + suffix
+            names += [f"{view}{end}.png" for view in ("plane", "section", "peaks")]
+    return names
+
+
+def folder_problem(folder: str | os.PathLike[str], names: Iterable[str] | None = None) -> str:
     """Reason why an answer with files of these names cannot be written into a folder, empty if it can."""
-    folder = Path(folder)
+    folder, names = Path(folder), names_of(None) if names is None else names
     try:
-        if not folder.exists():
-            return ""
+        existing = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     except OSError as error:
         return f"cannot be written ({error.strerror})"
-    if not folder.is_dir():
-        return "a file, the name of a folder is needed"
+    if not existing.is_dir():
+        return "a file, the name of a folder is needed" if existing == folder else f"{existing} is a file"
     for path in (folder / name for name in names if (folder / name).exists()):
         if path.name not in names_in(folder):
             return f"holds {path.name}, which asperity run has not written; another folder is needed"
         if not path.stat().st_mode & stat.S_IWUSR:
             return f"holds {path.name}, which is read-only; another folder is needed"
     return ""
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Keep other processes and threads from writing an answer into a folder while the block runs.
+
+    The folder is made if it is not there, and deleted again if nothing was written into it. The lock is a
+    file whose name says its owner; those of processes that have ended are deleted.
+
+    Raises
+    ------
+    DatasetError
+        If another process or thread writes into the folder, or no file can be written there.
+    """
+    target = Path(os.path.realpath(folder))
+    held = target, threading.get_ident()
+    if held in _held:
+        yield
+        return
+    made = [path for path in (target, *target.parents) if not path.exists()]
+    lock = target / LOCK.format(f"{process_name()}.{secrets.token_hex(4)}")
+    try:
+        try:
+            _lock(folder, lock)
+        except OSError as error:
+            raise DatasetError(f"{folder}: cannot be written ({error.strerror or error})") from error
+        _held.add(held)
+        yield
+    finally:
+        _held.discard(held)
+        with suppress(OSError):
+            lock.unlink(missing_ok=True)
+        with suppress(OSError):  # raised by the first folder that is not empty
+            for path in made:
+                path.rmdir()
+
+
+def _lock(folder: Path, lock: Path) -> None:
+    """Write the file of a lock, unless there is another one whose owner lives: `DatasetError` then."""
+    others: list[Path] = []
+    for attempt in range(LOCK_ATTEMPTS):
+        if attempt:
+            time.sleep(random.uniform(0.02, 0.2))
+        try:
+            lock.parent.mkdir(parents=True, exist_ok=True)
+            lock.touch(exist_ok=False)
+        except FileNotFoundError:  # another process has just deleted the folder, which it had made
+            continue
+        others = [path for path in lock.parent.glob(LOCK.format("*")) if path != lock]
+        for ended in (path for path in others if has_ended(_owner(path))):
+            ended.unlink(missing_ok=True)
+        others = [path for path in others if path.exists()]
+        if not others:
+            return
+        lock.unlink()
+    if not others:
+        raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT))
+    host, process, _ = _owner(others[0]).split(".")
+    raise DatasetError(
+        f"{folder}: process {process} on {host} writes an answer into it; wait until it ends, or choose "
+        f"another folder (if it has been killed, delete {others[0].name} there)"
+    )
+
+
+def _owner(lock: Path) -> str:
+    """Name of the process that owns a lock, as of `process_name`."""
+    before, after = LOCK.split("{}")
+    return lock.name.removeprefix(before).removesuffix(after).rpartition(".")[0]
 
 
 @contextmanager

@@ -7,6 +7,7 @@ import json
 import os
 import platform
 import shutil
+from collections.abc import Sequence
 from dataclasses import asdict
 from datetime import datetime
 from importlib.metadata import version
@@ -23,7 +24,8 @@ from asperity.core.markup import rendered
 from asperity.core.version import __version__
 from asperity.engineering.answer import Answer, body_title, case_in_words
 from asperity.engineering.case import Case
-from asperity.engineering.folder import UNFINISHED, move_complete, names_in, replacing
+from asperity.engineering.face import ReadFile
+from asperity.engineering.folder import CASE_FILE, UNFINISHED, locked, move_complete, names_in, replacing
 from asperity.engineering.pictures import Picture, pictures, suffix_of
 from asperity.results import dataset
 from asperity.results.atomic import write_text
@@ -65,8 +67,8 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
     ValueError
         If a file would replace one that is not of an earlier answer, or is read-only.
     DatasetError
-        If it cannot be written; the earlier answer is still there then, or the results of the new one without
-        pictures and report.
+        If it cannot be written, or another process writes into it; the earlier answer is still there then, or
+        the results of the new one without pictures and report.
 
     Examples
     --------
@@ -81,23 +83,26 @@ def write_answer(answer: Answer, folder: str | os.PathLike[str]) -> list[Path]:
     """
     folder = Path(folder)
     try:
-        Path(os.path.realpath(folder)).mkdir(parents=True, exist_ok=True)
-        for abandoned in folder.glob(f"{UNFINISHED}*"):  # by a process that was killed
-            shutil.rmtree(abandoned, ignore_errors=True)
-        move_complete(folder)
-        with replacing(folder, kept=set()) as unfinished:
-            _write_results(answer, unfinished)
-            if not isinstance(answer.case.source, HeightMap):
-                write_text(unfinished / "case.yaml", case_text(answer.case, folder))
-        results = names_in(folder)
-        try:
-            with replacing(folder, kept=results) as unfinished:
-                _write_report(answer, unfinished)
-        except Exception as error:  # drawing fails with errors of any type
-            raise DatasetError(f"{folder}: results are written, pictures and report not ({error})") from error
+        with locked(folder):
+            for abandoned in folder.glob(f"{UNFINISHED}*"):  # by a process that was killed
+                shutil.rmtree(abandoned, ignore_errors=True)
+            move_complete(folder)
+            with replacing(folder, kept=set()) as unfinished:
+                _write_results(answer, unfinished)
+                if not isinstance(answer.case.source, HeightMap):
+                    write_text(
+                        unfinished / CASE_FILE, case_text(answer.case, folder, files=answer.rough.files)
+                    )
+            results = names_in(folder)
+            try:
+                with replacing(folder, kept=results) as unfinished:
+                    _write_report(answer, unfinished)
+            except Exception as error:  # drawing fails with errors of any type
+                message = f"{folder}: results are written, pictures and report not ({error})"
+                raise DatasetError(message) from error
+            return [folder / name for name in sorted(names_in(folder))]
     except OSError as error:
         raise DatasetError(f"{folder}: cannot be written ({error.strerror or error})") from error
-    return [folder / name for name in sorted(names_in(folder))]
 
 
 def _write_results(answer: Answer, folder: Path) -> None:
@@ -144,7 +149,7 @@ def _write_report(answer: Answer, folder: Path) -> None:
         headline=headline(answer),
         groups=groupby(answer.rows, key=lambda row: row.group),
         picture_groups=groups,
-        case_file=case_text(answer.case, folder.parent),
+        case_file=case_text(answer.case, folder.parent, files=answer.rough.files),
         date=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M %Z"),
         spots=answer.spots.head(SPOTS),
         gaps=answer.gaps().set_index("share")["gap_m"],
@@ -180,7 +185,7 @@ def settings_of(answer: Answer) -> dict[str, Any]:
     return case.settings() | solids
 
 
-def save_case(case: Case, path: Path, out: Path | None = None) -> None:
+def save_case(case: Case, path: Path, out: Path | None = None, files: Sequence[ReadFile] = ()) -> None:
     """Write a case as the YAML file that ``asperity run`` takes in place of a map.
 
     Names of files in it are relative to its folder, or absolute as they were given.
@@ -192,13 +197,19 @@ def save_case(case: Case, path: Path, out: Path | None = None) -> None:
     path : Path
     out : Path, optional
         Folder of the answer.
+    files : sequence of ReadFile, optional
+        Files of the maps as they were read, in their order: with their checksums ``asperity run`` refuses the
+        case once they have changed.
     """
-    write_text(path, case_text(case, path.parent, out))
+    write_text(path, case_text(case, path.parent, out, files))
 
 
-def case_text(case: Case, folder: Path, out: Path | None = None) -> str:
+def case_text(case: Case, folder: Path, out: Path | None = None, files: Sequence[ReadFile] = ()) -> str:
     """The content of a case file in a folder; see `save_case`."""
     settings = case.settings() | ({} if out is None else {"out": os.fspath(out)})
+    sources = {"map": case.source} | ({"counter_map": case.counter_map.source} if case.counter_map else {})
+    named = [name for name, source in sources.items() if not isinstance(source, HeightMap)]
+    settings |= {f"{name}_sha256": file.sha256 for name, file in zip(named, files, strict=False)}
     for name in {"map", "counter_map", "out"} & settings.keys():
         if not os.path.isabs(settings[name]):
             settings[name] = Path(os.path.relpath(settings[name], folder)).as_posix()

@@ -11,15 +11,43 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryFile
 
 from asperity.core.errors import DatasetError
-from asperity.core.system import is_running
+from asperity.core.system import has_ended, process_name
 
 MIN_FREE_SPACE = 2**20
 """A disk with fewer free bytes is called full: the NetCDF library does not say so itself."""
 
 # Characters of a name that the name of its temporary file holds, which has at most 255 bytes.
-_LONGEST_STEM = 50
+_LONGEST_STEM = 30
+
+
+def write_problem(path: str | os.PathLike[str]) -> str:
+    """Reason why a file cannot be written, empty if it can: to be asked before its content is computed."""
+    target = Path(os.path.realpath(path))
+    try:
+        if target.is_dir():
+            return "a folder, the name of a file is needed"
+        if problem := _problem_of(target):
+            return problem
+        folder = next(parent for parent in target.parents if parent.exists())
+        if not folder.is_dir():
+            return f"{folder} is a file, the name of a folder is needed there"
+        with TemporaryFile(dir=folder):
+            return ""
+    except OSError as error:
+        return f"cannot be written ({error.strerror})"
+
+
+def _problem_of(target: Path) -> str:
+    """Reason why a file that is there must not be replaced, empty if it may be."""
+    if not target.exists():
+        return ""
+    mode = target.stat().st_mode
+    if not stat.S_ISREG(mode):
+        return "not a regular file; another name is needed"
+    return "" if mode & stat.S_IWUSR else "read-only; make it writable, or choose another name"
 
 
 @contextmanager
@@ -35,15 +63,13 @@ def atomic_write(path: str | os.PathLike[str]) -> Iterator[Path]:
         If the file cannot be written; the message names the file and the remedy.
     """
     target = Path(os.path.realpath(path))
-    stem = f".{target.name[:_LONGEST_STEM]}.{os.getpid()}.{secrets.token_hex(8)}"
+    stem = f".{target.name[:_LONGEST_STEM]}.{process_name()}.{secrets.token_hex(8)}"
     unfinished = target.with_name(f"{stem}.unfinished")
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
+        if problem := _problem_of(target):
+            raise DatasetError(f"{path}: {problem}")
         earlier = target.stat().st_mode if target.exists() else None
-        if earlier is not None and not stat.S_ISREG(earlier):
-            raise DatasetError(f"{path}: not a regular file; another name is needed")
-        if earlier is not None and not earlier & stat.S_IWUSR:
-            raise DatasetError(f"{path}: read-only; make it writable, or choose another name")
         _delete_abandoned(target)
         os.close(os.open(unfinished, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         yield unfinished
@@ -73,10 +99,10 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 
 def _delete_abandoned(path: Path) -> None:
     """Delete temporary files of `path` whose processes have ended."""
-    pattern = re.compile(rf"\.{re.escape(path.name[:_LONGEST_STEM])}\.(\d+)\.\w+\.unfinished")
+    pattern = re.compile(rf"\.{re.escape(path.name[:_LONGEST_STEM])}\.([\w-]+\.\d+\.\d+)\.\w+\.unfinished")
     for left in path.parent.iterdir():
         found = pattern.fullmatch(left.name)
-        if found and not is_running(int(found[1])):
+        if found and has_ended(found[1]):
             left.unlink(missing_ok=True)
 
 

@@ -72,6 +72,13 @@ def wavelength_short(data: xr.Dataset) -> float:
     return settings_of(data)["surface"]["wavelength_short"]
 
 
+def require_picture(*paths: str | os.PathLike[str]) -> None:
+    """Raise `ValueError` for the first path whose suffix is not that of a picture format."""
+    for path in map(Path, paths):
+        if path.suffix not in _FORMATS:
+            raise ValueError(f"{path}: the name of a picture is needed, ending in {', '.join(_FORMATS)}")
+
+
 def save(figure: Figure, *paths: str | os.PathLike[str]) -> None:
     """Write the figure to each path, in the format of its suffix, without dates or versions.
 
@@ -82,10 +89,9 @@ def save(figure: Figure, *paths: str | os.PathLike[str]) -> None:
     ValueError
         If a suffix is not that of a picture format.
     """
+    require_picture(*paths)
     engine = figure.get_layout_engine()
     for path in map(Path, paths):
-        if path.suffix not in _FORMATS:
-            raise ValueError(f"{path}: the name of a picture is needed, ending in {', '.join(_FORMATS)}")
         metadata = {".pdf": {"CreationDate": None, "Producer": None}, ".svg": {"Date": None}}
         with atomic_write(path) as unfinished:
             figure.savefig(

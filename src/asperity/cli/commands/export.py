@@ -42,7 +42,7 @@ def run(options: argparse.Namespace) -> None:
     boxes = [_box_chosen(text) for text, _ in wanted["field"]]
     lines = [next(iter(positions("--profile", [text], ("y", "x")).items())) for text, _ in wanted["profile"]]
     files = [(option, words[-1]) for option, given in wanted.items() for words in given]
-    check_out([path for _, path in files], options.results)
+    check_out([(f"--{option}", path) for option, path in files], options.results)
     for option, path in files:
         if Path(path).suffix not in FORMATS[option]:
             raise ValueError(f"{path}: a name that ends in {' or '.join(FORMATS[option])} is needed")

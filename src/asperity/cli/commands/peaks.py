@@ -22,7 +22,7 @@ _PERCENTS = (50.0, 90.0, 99.0)
 
 def run(options: argparse.Namespace) -> None:
     """Pool the peaks of all seeds, write their distributions, and print percentiles."""
-    check_out([options.out], [*options.stress, *options.contact])
+    check_out([("--out", options.out)], [*options.stress, *options.contact])
     if len(options.contact) != len(options.stress):
         raise ValueError(
             f"--contact: one for each stress is needed, "

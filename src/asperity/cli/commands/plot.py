@@ -14,7 +14,7 @@ from asperity.core.packages import require
 from asperity.paper.figures import draw, known
 from asperity.results import dataset
 from asperity.results.variables import STUDY_UNITS
-from asperity.views.style import save, style
+from asperity.views.style import require_picture, save, style
 
 _OF_ONE_RATIO = (8, 9, 10, 11, 13, 17, 18)
 """Figures that show one Poisson's ratio."""
@@ -23,7 +23,8 @@ _OF_ONE_RATIO = (8, 9, 10, 11, 13, 17, 18)
 def run(options: argparse.Namespace) -> None:
     """Draw the figure and write it to all files."""
     require(("matplotlib",))
-    check_out(options.out, options.results)
+    check_out([("--out", path) for path in options.out], options.results)
+    require_picture(*options.out)
     figure = f"figure {options.figure}"
     description = known()[f"fig{options.figure:02d}"]
     stages = description.stages

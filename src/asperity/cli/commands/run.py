@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import re
+import os
 import sys
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from asperity.cli.parser import COMMANDS, arguments, converted, flag
+from asperity.cli.parser import COMMANDS, arguments, converted, flag, with_flags
 from asperity.core.errors import ConfigError, InputError, did_you_mean, fail, one_line, shown
 from asperity.core.packages import require
 from asperity.study.config.check import needed_instead
@@ -31,37 +33,67 @@ OPTIONS = {
 PATHS = ("map", "counter_map", "out")
 """Settings that are names of files, relative to the folder of the case file that gives them."""
 
+CHECKSUMS = {f"{name}_sha256": name for name in PATHS[:2]}
+"""Key of a case file with the checksum of a map → setting that names the map."""
+
+CASE_SUFFIXES = (".yaml", ".yml")
+"""Ends of the names of case files."""
+
 
 class Job(NamedTuple):
-    """A case as options and files describe it: case, face that is pressed, folder, and what is wrong."""
+    """A case as options and files describe it.
+
+    Case, face that is pressed, folder, what is wrong, and the maps that are read.
+    """
 
     case: Any
     rough: Any
     out: Path
     problems: list[str]
+    read: list[str]
 
 
 def run(options: argparse.Namespace) -> None:
     """Compute the answers, print them, and write results, pictures and reports; compare several."""
     require(("SurfaceTopography", "matplotlib"))  # before the computation, not after it
-    from asperity.engineering.folder import COMPARISON
+    from asperity.engineering.folder import COMPARISON, locked
 
+    files = {"--out": options.out, "--save": options.save, "--config": options.config}
+    files |= {"--counter-map": getattr(options, OPTIONS["counter_map"])}
+    empty = [name for name, path in files.items() if path == ""] + ["MAP"] * ("" in options.map)
+    if empty:
+        sys.exit(fail(f"{empty[0]} = '': a name is needed", WRONG_USAGE))
     folder = Path(options.out or "comparison") if len(options.map) > 1 else None
-    jobs = [_job(options, path, folder) for path in options.map]
+    names = _names(options.map)
+    outs = [folder and folder / name for name in names]
+    jobs = [_job(options, path, out) for path, out in zip(options.map, outs, strict=True)]
     problems = [problem for job in jobs for problem in job.problems]
     if folder is not None:
         problems += _problems_of(folder, {}, COMPARISON)
-        if len({job.out for job in jobs}) < len(jobs):
-            problems.append("MAP: files of different names are needed")
-        if options.save:
-            problems.append("--save: one MAP is needed, several are given")
+        if len(set(names)) < len(names):
+            problems.append("MAP: files of different names, or in folders of different names, are needed")
+    if options.save:
+        problems += _problems_of_save(options, jobs)
     if problems:
         sys.exit(max(fail(problem, WRONG_USAGE) for problem in dict.fromkeys(problems)))
-    answers = {job.out.name: _answered(job, options.save) for job in jobs}
-    if folder is not None:
-        from asperity.engineering.comparison import write_comparison
+    with ExitStack() as stack:
+        for path in dict.fromkeys([*([folder] if folder else []), *(job.out for job in jobs)]):
+            stack.enter_context(locked(path))
+        answers = {job.out.name: _answered(job, options.save) for job in jobs}
+        if folder is not None:
+            from asperity.engineering.comparison import write_comparison
 
-        print(write_comparison(answers, folder))
+            print(write_comparison(answers, folder))
+
+
+def _names(paths: Sequence[str]) -> list[str]:
+    """Names of the folders of several answers: those of the files, alike ones after their folders' names."""
+    stems = [Path(path).stem for path in paths]
+    count = Counter(stems)
+    return [
+        stem if count[stem] == 1 else f"{Path(path).resolve().parent.name}_{stem}"
+        for path, stem in zip(paths, stems, strict=True)
+    ]
 
 
 def _answered(job: Job, save: str | None) -> Any:
@@ -69,8 +101,8 @@ def _answered(job: Job, save: str | None) -> Any:
     from asperity.engineering import answer_of, save_case, write_answer
     from asperity.study.job import ProgressBar
 
-    if save:
-        save_case(job.case, Path(save), job.out)
+    if save and not _is_written(save, job.out):
+        save_case(job.case, Path(save), job.out, job.rough.files)
     with ProgressBar(one_line(f"run {job.case.source}")) as progress:
         answer = answer_of(job.case, job.rough, progress)
     print(answer.text(), end="\n\n", flush=True)
@@ -82,28 +114,71 @@ def _answered(job: Job, save: str | None) -> Any:
     return answer
 
 
+def _is_written(save: str, out: Path) -> bool:
+    """True if a case is saved as the case file that its answer has in its folder anyway."""
+    from asperity.engineering.folder import CASE_FILE
+
+    return Path(save).resolve() == (out / CASE_FILE).resolve()
+
+
+def _problems_of_save(options: argparse.Namespace, jobs: Sequence[Job]) -> Iterator[str]:
+    """Why a case cannot be saved."""
+    from asperity.results.atomic import write_problem
+
+    save = Path(options.save)
+    if len(jobs) > 1:
+        yield "--save: one MAP is needed, several are given"
+    elif _is_written(options.save, jobs[0].out):
+        return
+    elif problem := write_problem(save):
+        yield f"--save {save}: {problem}"
+    elif save.suffix not in CASE_SUFFIXES:
+        yield f"--save {save}: a name that ends in {' or '.join(CASE_SUFFIXES)} is needed"
+    elif save.exists():
+        read = [options.map[0], options.config, *jobs[0].read]
+        values: dict[str, Any] = {}
+        refused: dict[str, str] = {}
+        try:
+            _add_file(save, "", values, refused)
+        except ConfigError as error:
+            refused[""] = str(error)
+        if any(save.samefile(path) for path in read if path and Path(path).exists()):
+            yield f"--save {save}: is read too, another name is needed"
+        elif refused or "map" not in values:
+            yield f"--save {save}: is not a case file, another name is needed"
+
+
 def _job(options: argparse.Namespace, path: str, folder: Path | None) -> Job:
-    """The case of one map or case file; its answer goes below `folder`, if that is given.
+    """The case of one map or case file; its answer goes into `folder`, if that is given.
 
     A map that needs an option whose value is refused already is not blamed for it again.
     """
-    from asperity.engineering.case import Case
-    from asperity.engineering.face import counter_map_of, options_of, read_face
-    from asperity.surface.reading.height_map import MapError
-
     values, refused = _values(options, path)
-    stem = Path(values.get("map", path)).stem
-    out = Path(values.pop("out", None) or f"{stem}_run") if folder is None else folder / stem
+    out = folder or Path(values.get("out") or f"{Path(values.get('map', path)).stem}_run")
+    values.pop("out", None)
+    checksums = {name: values.pop(name) for name in CHECKSUMS if name in values}
+    read = [values[name] for name in PATHS[:2] if name in values]
     known = {**values, **refused}
     problems = [*refused.values(), *_contradictions(options, values, known)]
+    missing = [
+        f"{flag(name) if name != 'map' else ''} {values[name]}: no such file".strip()
+        for name in PATHS[:2]
+        if name in values and not os.path.exists(values[name])
+    ]
+    if missing:  # is answered without the packages that the calculation needs
+        return Job(None, None, out, [*problems, *_problems_of(out, values), *missing], read)
+    from asperity.engineering.case import Case
+    from asperity.engineering.face import counter_map_of, options_of, read_face
+    from asperity.engineering.folder import names_of
+    from asperity.surface.reading.height_map import MapError
+
     case, rough = None, None
     if not problems:
         try:
             case = Case.of(values)
         except ValueError as error:
-            option = re.compile(rf"^({'|'.join(OPTIONS)})\b")
-            problems.append(option.sub(lambda found: flag(found[0]), str(error)))
-    problems += _problems_of(out, values)
+            problems.append(with_flags(str(error), "run"))
+    problems += _problems_of(out, values, None if case is None else names_of(case))
     if "map" in values:
         try:
             several = folder is not None
@@ -113,8 +188,15 @@ def _job(options: argparse.Namespace, path: str, folder: Path | None) -> Job:
             texts = [text for text in error.problems if not text.startswith(tuple(refused))]
             problems += MapError(error.source, texts).renamed(flag).lines
         except ValueError as error:
-            problems.append(str(error))
-    return Job(case, rough, out, problems)
+            problems.append(with_flags(str(error), "run"))
+    found = dict(zip(read, rough.files if rough else (), strict=False))
+    for key, checksum in checksums.items():
+        file = values[CHECKSUMS[key]]
+        if file in found and found[file].sha256 != checksum:
+            problems.append(
+                f"{path}: {key}: {one_line(file)} has changed since; delete the key to run it as it is now"
+            )
+    return Job(case, rough, out, problems, read)
 
 
 def _values(options: argparse.Namespace, given_map: str) -> tuple[dict[str, Any], dict[str, str]]:
@@ -124,7 +206,7 @@ def _values(options: argparse.Namespace, given_map: str) -> tuple[dict[str, Any]
     """
     values: dict[str, Any] = {}
     refused: dict[str, str] = {}
-    is_case = Path(given_map).suffix in (".yaml", ".yml")
+    is_case = Path(given_map).suffix in CASE_SUFFIXES
     for path, name in ((given_map if is_case else None, ""), (options.config, "--config ")):
         if path:
             _add_file(Path(path), name, values, refused)
@@ -137,6 +219,7 @@ def _values(options: argparse.Namespace, given_map: str) -> tuple[dict[str, Any]
         if given is None:
             continue
         values.pop(name, None)
+        values.pop(f"{name}_sha256", None)
         try:
             values[name] = converted(entry, given)
         except argparse.ArgumentTypeError as error:
@@ -153,9 +236,13 @@ def _add_file(path: Path, option: str, values: dict[str, Any], refused: dict[str
     section = content.get("engineering", content)
     if not isinstance(section, Mapping):
         raise ConfigError(f"{option}{path}: engineering = {shown(section)}: a group of keys is needed")
+    for name in section.keys() & set(CHECKSUMS.values()):
+        values.pop(f"{name}_sha256", None)
     for name, value in section.items():
         key, text = f"{option}{path}: {name}", {"type": "string", "minLength": 1, "accepts": "a file name"}
-        if name not in (*OPTIONS, *PATHS):
+        if name in CHECKSUMS:
+            values[name] = value
+        elif name not in (*OPTIONS, *PATHS):
             near = did_you_mean(str(name), (*OPTIONS, *PATHS))
             refused[key] = (
                 f"{key}: unknown key{near or '; those of a case file are the options of asperity run'}"
@@ -170,15 +257,14 @@ def _contradictions(
     options: argparse.Namespace, values: Mapping[str, Any], known: Mapping[str, Any]
 ) -> Iterator[str]:
     """What is missing, or does not go together; `known` are all settings given, also refused ones."""
-    from asperity.engineering.case import LOAD_QUANTITIES
-
     for name in ("young", "poisson"):
         if name not in known:
             yield f"{flag(name)}: missing; {accepted(setting(f'engineering.{name}'))} is needed"
-    loads = [flag(name) for name in LOAD_QUANTITIES if name in known]
+    quantities = COMMANDS["run"]["loads"]
+    loads = [flag(name) for name in quantities if name in known]
     if len(loads) != 1:
         given = " and ".join(loads) or "none"
-        yield f"{', '.join(map(flag, LOAD_QUANTITIES))}: exactly one of them is needed, {given} given"
+        yield f"{', '.join(map(flag, quantities))}: exactly one of them is needed, {given} given"
     if options.rigid and "counter_young" in known:
         yield f"--rigid: not accepted together with {flag('counter_young')}"
     for name, needed in COMMANDS["run"]["needs"].items():
@@ -191,11 +277,11 @@ def _contradictions(
         yield from (f"--boundary free: not accepted together with {flag(name)}" for name in excluded)
 
 
-def _problems_of(out: Path, values: Mapping[str, Any], names: Sequence[str] = ()) -> Iterator[str]:
+def _problems_of(out: Path, values: Mapping[str, Any], names: Sequence[str] | None = None) -> Iterator[str]:
     """Why the answer, or files of some names, cannot be written into a folder."""
-    from asperity.engineering.folder import ALWAYS_WRITTEN, folder_problem
+    from asperity.engineering.folder import folder_problem
 
-    if problem := folder_problem(out, names or ALWAYS_WRITTEN):
+    if problem := folder_problem(out, names):
         yield f"--out {out}: {problem}"
     elif out.resolve() in [Path(values[name]).resolve().parent for name in PATHS[:2] if name in values]:
         yield f"--out {out}: holds the map; another folder is needed"

@@ -33,7 +33,7 @@ DIMENSIONS = {kind: name for kind, name in LOAD_QUANTITIES.values() if name} | {
 
 def run(options: argparse.Namespace) -> None:
     """Solve the contact, write it, and print its area, load and approach."""
-    check_out([options.out], [options.surface])
+    check_out([("--out", options.out)], [options.surface])
     layer, contact = section(options, "layer"), section(options, "contact")
     young = options.young and to_si(options.young, "pressure", "--young")
     given = {name: text for name in DIMENSIONS if (text := getattr(options, name)) is not None}

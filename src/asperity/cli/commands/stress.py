@@ -16,7 +16,7 @@ from asperity.study.stages.stress import compute_stress
 
 def run(options: argparse.Namespace) -> None:
     """Analyse the stress, write it, and print the largest von Mises stress and its depth."""
-    check_out([options.out], [options.contact])
+    check_out([("--out", options.out)], [options.contact])
     given = read_stage(options.contact, "contact")
     contact, settings = in_cell_lengths(given, dataset.settings_of(given))
     own = settings["layer"]["poisson"]

@@ -25,7 +25,7 @@ _ROUNDING = 1e-9
 
 def run(options: argparse.Namespace) -> None:
     """Make the surface, write it, and print its roughness parameters."""
-    check_out([options.out])
+    check_out([("--out", options.out)])
     given = section(options, "surfaces.NAME")
     edge = None if options.length is None else to_si(options.length, "length", "--length")
     parameters = given | {name: _in_cell_lengths(name, given[name], edge) for name in LENGTHS}

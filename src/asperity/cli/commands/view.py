@@ -22,7 +22,7 @@ from asperity.views.peak_plot import plot_peaks
 from asperity.views.plane_plot import plot_plane
 from asperity.views.section_plot import plot_section
 from asperity.views.source import title_of
-from asperity.views.style import plain_text, save, style
+from asperity.views.style import plain_text, require_picture, save, style
 
 MAPS = {"height": plot_height, "pressure": plot_pressure, "gap": plot_gap}
 
@@ -45,10 +45,11 @@ def run(options: argparse.Namespace) -> None:
     if number is None:
         raise ValueError(f"{shown(words[-1])}: result files and one of {', '.join(POSITIONS)} are needed")
     paths, view = words[:number], words[number]
-    results = _read(paths, view)
     given = positions(view, words[number + 1 :], POSITIONS[view])
     out = options.out or [str(Path(paths[0]).with_name(f"{Path(paths[0]).stem}_{view}.png"))]
-    check_out(out, paths)
+    check_out([("--out", path) for path in out], paths)
+    require_picture(*out)
+    results = _read(paths, view)
     with style():
         save(_draw(view, results, given, options), *out)
     print(one_line(", ".join(out)))

@@ -1,0 +1,212 @@
+"""Files that commands write: none that is read or foreign is replaced, and two processes share no folder."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+
+import asperity as asp
+from asperity.cli.main import main
+from asperity.contact.certified_state import METHODS
+from asperity.core import system
+from asperity.core.errors import DatasetError
+from asperity.engineering import Body, write_answer
+from asperity.engineering.folder import LOCK, UNFINISHED, locked, names_of
+from asperity.surface.reading.height_map import HeightMap
+
+BODY = ["--young", "210 GPa", "--poisson", "0.3"]
+STEEL = [*BODY, "--pressure", "50 MPa"]
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """Working directory with two small maps."""
+    monkeypatch.chdir(tmp_path)
+    height = asp.self_affine((32, 32), 0.8, 16.0, 4.0, rms_height=0.1, seed=1, length=32.0)
+    head = "# Channel: Height\n# Width: 32 um\n# Height: 32 um\n# Value units: um"
+    for name, values in (("mine.txt", height), ("other.txt", 2 * height)):
+        np.savetxt(name, values, header=head, comments="", fmt="%.6f")
+    return tmp_path
+
+
+@pytest.fixture
+def never(monkeypatch):
+    """Nothing is computed."""
+
+    def fail(*_, **__):
+        raise AssertionError("computed before the file was refused")
+
+    monkeypatch.setitem(METHODS, "active_set", fail)
+
+
+def status(*words):
+    """Exit status of a command."""
+    try:
+        return main([*map(str, words)])
+    except SystemExit as ended:
+        return ended.code
+
+
+SOLVE = ["solve", "mine.txt", "--periodic", "mirrored", "--out"]
+RUN = ["run", "mine.txt", *STEEL, "--out", "out"]
+
+
+@pytest.mark.usefixtures("never")
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        ([*RUN, "--save", "mine.txt"], "--save mine.txt: a name that ends in .yaml or .yml is needed"),
+        ([*RUN, "--counter-map", "other.txt", "--save", "other.txt"], "--save other.txt: a name that ends"),
+        ([*RUN, "--config", "conf.yaml", "--save", "conf.yaml"], "--save conf.yaml: is read too"),
+        (["run", "case.yaml", "--out", "out", "--save", "case.yaml"], "--save case.yaml: is read too"),
+        ([*RUN, "--save", "study.yaml"], "--save study.yaml: is not a case file, another name is needed"),
+        ([*RUN, "--save", "mine.txt/a.yaml"], "mine.txt is a file, the name of a folder is needed there"),
+        ([*RUN, "--save", ""], "--save = '': a name is needed"),
+        ([*RUN, "--counter-map", ""], "--counter-map = '': a name is needed"),
+        (["run", "mine.txt", *STEEL, "--out", ""], "--out = '': a name is needed"),
+        (["run", "mine.txt", *STEEL, "--out", "mine.txt/b"], "mine.txt is a file"),
+        (
+            ["run", "mine.txt", *STEEL, "--out", "used"],
+            "holds section.png, which asperity run has",
+        ),
+        ([*SOLVE, "mine.txt"], "--out mine.txt: is read too"),
+        ([*SOLVE, "study.yaml"], "--out study.yaml: asperity has not written this file"),
+        ([*SOLVE, "mine.txt/b.nc"], "mine.txt is a file, the name of a folder is needed there"),
+        ([*SOLVE, ""], "--out = '': the name of a file is needed"),
+    ],
+)
+def test_a_file_that_would_be_lost_is_refused_before_computing(folder, capsys, words, line):
+    Path("conf.yaml").write_text("friction: 0.1\n")
+    Path("study.yaml").write_text("contact: {area_fraction: 0.1}\n")
+    Path("case.yaml").write_text("map: mine.txt\nyoung: 210 GPa\npoisson: 0.3\npressure: 1 MPa\n")
+    Path("used").mkdir()
+    Path("used/section.png").write_text("precious")
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    assert status(*words) in (1, 2)
+    assert line in capsys.readouterr().err
+    assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
+    assert not Path("out").exists()
+
+
+def test_the_files_of_an_export_and_of_pictures_are_distinct_and_own(folder, chain, capsys):
+    Path("foreign.csv").write_text("1,2\n3,4\n")
+    contact = chain["contact"]
+    for words, line in (
+        (
+            ["export", contact, "--surface", "q.csv", "--profile", "y=0.5", "./q.csv"],
+            "./q.csv: named",
+        ),
+        (["export", contact, "--surface", "foreign.csv"], "--surface foreign.csv: asperity has not written"),
+        (["export", contact, "--surface", contact], f"--surface {contact}: is read too"),
+        (["view", contact, "gap", "--out", "v.png", "v.png"], "--out v.png: named twice"),
+        (["view", contact, "gap", "--out", "v.xyz"], "v.xyz: the name of a picture is needed"),
+        (["plot", "7", contact, "--out", "v.png", "./v.png"], "--out ./v.png: named twice"),
+    ):
+        assert status(*words) == 1
+        assert line in capsys.readouterr().err
+    assert {path.name for path in folder.iterdir()} == {"foreign.csv", "mine.txt", "other.txt"}
+    for _ in range(2):  # its own files are replaced
+        assert status("export", contact, "--surface", "q.csv", "--surface", "q.vti") == 0
+        assert status("view", contact, "gap", "--out", "v.png", "v.pdf", "v.svg") == 0
+
+
+def test_a_case_is_saved_as_that_of_its_folder(folder, without_pictures):
+    for _ in range(2):
+        assert status(*RUN, "--save", "out/case.yaml") == 0
+    assert yaml.safe_load(Path("out/case.yaml").read_text())["map"] == "../mine.txt"
+    assert status("run", "out/case.yaml", "--out", "out") == 0
+
+
+@pytest.fixture
+def without_pictures(monkeypatch):
+    monkeypatch.setattr("asperity.engineering.output.pictures", lambda _: [])
+
+
+def test_a_map_that_has_changed_is_not_taken_for_that_of_a_case(folder, capsys, without_pictures):
+    assert status(*RUN, "--counter-map", "other.txt", "--save", "saved.yaml") == 0
+    Path("other.txt").write_text(Path("other.txt").read_text().replace("0.1", "0.2"))
+    for case in ("saved.yaml", "out/case.yaml"):
+        capsys.readouterr()
+        assert status("run", case, "--out", "again") == 2
+        assert f"{case}: counter_map_sha256: other.txt has changed since" in capsys.readouterr().err.replace(
+            "out/../", ""
+        )
+    assert status("run", "saved.yaml", "--counter-map", "mine.txt", "--out", "again") == 0
+
+
+def test_case_files_of_one_map_are_compared(folder, without_pictures):
+    for name, load in (("first", "10 MPa"), ("second", "20 MPa")):
+        assert status("run", "mine.txt", *BODY, "--pressure", load, "--out", name) == 0
+    assert status("run", "first/case.yaml", "second/case.yaml", "--out", "both") == 0
+    found = {path.name for path in Path("both").iterdir() if path.is_dir()}
+    assert found == {"first_case", "second_case"}
+
+
+@pytest.fixture(scope="module")
+def answer():
+    height = 1e-8 * np.random.default_rng(1).normal(size=(16, 16))
+    surface = HeightMap(height, (16e-6, 16e-6), name="small", periodic=True)
+    return asp.engineering.run(
+        surface,
+        Body(210e9, 0.3, hardness=5e9, fatigue_torsion=3e8, fatigue_bending=5e8),
+        Body(70e9, 0.3),
+        mean_pressure=[20e6, 50e6],
+        fields=("von_mises", "xx"),
+    )
+
+
+def test_the_names_of_an_answer_are_known_before_it(answer, tmp_path):
+    written = {path.name for path in write_answer(answer, tmp_path / "out")}
+    assert written <= {*names_of(answer.case)}
+
+
+HOLD = """
+import sys
+from pathlib import Path
+from asperity.engineering.folder import locked
+with locked(Path(sys.argv[1])):
+    (Path(sys.argv[1]) / ".unfinished-of-the-first").mkdir()
+    print("held", flush=True)
+    sys.stdin.read()
+"""
+
+
+def test_a_second_process_does_not_write_into_a_folder(folder, answer, capsys):
+    command = [sys.executable, "-c", HOLD, "out"]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as first:
+        assert first.stdout.readline() == "held\n"
+        host, process, _ = system.process_name().replace(str(os.getpid()), str(first.pid)).rsplit(".", 2)
+        assert status(*RUN) == 1
+        said = capsys.readouterr().err
+        assert f"out: process {process} on {host} writes an answer into it; wait until it ends" in said
+        assert said.count("\n") == 1
+        with pytest.raises(DatasetError, match="writes an answer into it"):
+            write_answer(answer, "out")
+        assert Path("out/.unfinished-of-the-first").is_dir()
+        first.kill()
+    assert len(list(Path("out").glob(LOCK.format("*")))) == 1
+    assert status(*RUN) == 0
+    assert not [*Path("out").glob(LOCK.format("*")), *Path("out").glob(f"{UNFINISHED}*")]
+
+
+def test_the_folder_of_a_failed_run_is_not_left(folder, capsys):
+    assert status("run", "mine.txt", *BODY, "--approach", "1 m", "--out", "new/out") == 1
+    assert "--approach = 1 m: less than" in capsys.readouterr().err
+    assert not Path("new").exists()
+
+
+def test_a_lock_of_another_host_is_kept(folder, capsys):
+    Path("out").mkdir()
+    lock = Path("out") / LOCK.format("elsewhere.7.1700000000.ab")
+    lock.touch()
+    assert status(*RUN) == 1
+    assert "process 7 on elsewhere writes an answer into it; wait" in capsys.readouterr().err
+    assert os.listdir("out") == [lock.name]
+    lock.unlink()
+    with locked(Path("out")), locked(Path("out")):  # one thread locks it again
+        assert len(os.listdir("out")) == 1
+    assert not os.listdir("out")
