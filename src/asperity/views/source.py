@@ -247,7 +247,8 @@ def _source_of_dataset(data: xr.Dataset, title: str | None) -> Source:
         if "pressure" in data and "solid" in data.attrs:
             layers["lower"] = layer_of(data)  # the stress depends on the pressure and not on the modulus
         if layers and (upper := settings.get("upper")):
-            layers["upper"] = Layer(*(upper[name] for name in ("young", "poisson", "height", "bottom")))
+            constants = ("young", "poisson", "height", "bottom", "lateral")
+            layers["upper"] = Layer(**{name: upper[name] for name in constants if name in upper})
     return Source(
         title_of(data) if title is None else title,
         grid_of(data),
