@@ -3,8 +3,11 @@
 from fractions import Fraction
 
 import numpy as np
+import pint
 import pytest
+import xarray as xr
 
+import asperity as asp
 from asperity.core.arguments import choice, magnitude, number, real_array, whole_number
 from asperity.core.errors import shown
 
@@ -45,6 +48,19 @@ def test_choice_is_one_of_the_words():
     for value in ("On", None, ["one"]):
         with pytest.raises(ValueError, match=r"word = .*: one of one, two is needed"):
             choice("word", value, ("one", "two"))
+
+
+def test_units_of_quantities_are_not_dropped():
+    """NumPy takes a quantity for its number: 64 µm would become 64."""
+    unit = pint.UnitRegistry().um
+    noise = 1e-3 * np.random.default_rng(1).normal(size=(8, 8))
+    surface = xr.DataArray(noise * unit, dims=("y", "x"))
+    for length in (64 * unit, (64 * unit, 64 * unit), np.array([64, 64]) * unit):
+        with pytest.raises(TypeError, match=r"^length = .*: real numbers"):
+            asp.solve(noise, asp.Layer(1.0, 0.3), length, mean_pressure=1e-4)
+    for height in (noise * unit, surface):
+        with pytest.raises(TypeError, match=r"^height = .*: real numbers without a unit are needed"):
+            asp.solve(height, asp.Layer(1.0, 0.3), mean_pressure=1e-4)
 
 
 @pytest.mark.parametrize("dtype", ["float32", "float64"])

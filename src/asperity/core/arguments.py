@@ -18,6 +18,9 @@ from asperity.core.types import REAL_TYPES, Array
 SMALLEST, LARGEST = 1e-75, 1e75
 """Range of lengths, wavenumbers, heights and moduli: their fourth powers stay within double precision."""
 
+QUANTITY = ("magnitude", "to_value")
+"""Attributes of a quantity of pint, and of one of astropy or unyt, which NumPy takes without its unit."""
+
 
 def number(name: str, value: Any, accepted: str, accepts: Callable[[float], bool]) -> float:
     """A real number.
@@ -89,9 +92,11 @@ def real_array(name: str, values: Any) -> Array:
 
     A DataArray over axes that `plane_axes` knows becomes an array [y, x], with rising positions; so does a
     DataFrame whose rows or columns are named by numbers.
-    Complex numbers, truth values, text, and masked arrays with masked elements are refused. Elements may be
-    infinite or NaN.
+    Complex numbers, truth values, text, quantities with a unit, and masked arrays with masked elements are
+    refused. Elements may be infinite or NaN.
     """
+    if any(hasattr(each, word) for each in (values, getattr(values, "data", None)) for word in QUANTITY):
+        raise TypeError(f"{name} = {shown(values)}: real numbers without a unit are needed")
     dims: Sequence[Any] = getattr(values, "dims", ())
     if len(dims) == 2:
         if plane_axes(dims):
