@@ -346,4 +346,29 @@ test_wrong_argument_is_refused = refuses(
     (lambda: pressed().in_body("upper"), "body = 'upper': 'lower', because the indenter is rigid, is needed"),
     (lambda: solve_path(FLAT, HALF_SPACE), "exactly one of area_fractions"),
     (lambda: list(solve_path(FLAT, HALF_SPACE, mean_pressures=[1e-3, "many"])), "mean_pressure = 'many'"),
+    # before the first of the loads is solved
+    (lambda: solve_path(FLAT, HALF_SPACE, mean_pressures=[1e-3, np.nan]), "mean_pressure = nan"),
+    (
+        lambda: solve_path(FLAT, HALF_SPACE, mean_pressures=1e-3),
+        "mean_pressures = 0.001: a list of loads",
+    ),
+    (
+        lambda: solve_path(FLAT, HALF_SPACE, forces=[1e-3, 1], hardness=0.1),
+        "hardness = 0.1: more than",
+    ),
+    (
+        lambda: solve_path(FLAT, HALF_SPACE, forces=[1], hardnes=1),
+        "hardnes: not an argument of solve; did",
+    ),
+    (
+        lambda: pressed(hardness=-np.inf),
+        "hardness = -inf: a number > 0, .* or inf for an elastic contact",
+    ),
 )
+
+
+def test_an_infinite_hardness_is_that_of_an_elastic_contact():
+    elastic = covering(NOISE)
+    again = covering(NOISE, hardness=elastic.hardness)
+    np.testing.assert_array_equal(again.pressure, elastic.pressure)
+    assert again.plastic_depth is None

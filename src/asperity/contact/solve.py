@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -28,7 +28,7 @@ from asperity.core.arguments import (
     whole_number,
 )
 from asperity.core.compiled import compiled
-from asperity.core.errors import ConvergenceError, shown
+from asperity.core.errors import ConvergenceError, did_you_mean, shown
 from asperity.core.parallel import results
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import Layer
@@ -99,8 +99,8 @@ def solve(
         of its deformed surface in place of it.
     hardness : float, optional
         Largest pressure that the softer surface bears, in the unit of Young's modulus. Where it is reached
-        that surface is flattened by the depth of the overlap. By default the contact is elastic everywhere.
-        Needs method "active_set".
+        that surface is flattened by the depth of the overlap. By default, and if it is infinite, the contact
+        is elastic everywhere. Needs method "active_set".
     boundary : "periodic" | "free"
         "periodic": the map repeats in both directions. "free": nothing surrounds the map, whose solid is a
         half-space, or each of two bodies is one; each node is a rectangle under uniform pressure.
@@ -169,6 +169,7 @@ def solve(
     }
     control = _checked_control(*_only_one(imposed), grid)
     limit = math.inf if hardness is None else _checked_hardness(hardness, control)
+    hardness = None if limit == math.inf else limit
     _check_method(method, boundary, hardness)
     units = Units.of_solid(solid, grid)
     solid_and_grid = units.solid(solid), units.grid(grid)
@@ -266,7 +267,18 @@ def solve_path(
     }
     name, values = _only_one(paths)
     kind = dict(zip(paths, _CONTROLS, strict=True))[name]
-    return _solve_each(partial(solve, height, solid, length, **settings), kind, list(values), progress)
+    known = solve.__kwdefaults__ or {}
+    for unknown in (word for word in settings if word not in known):
+        raise TypeError(f"{unknown}: not an argument of solve{did_you_mean(unknown, known)}")
+    if not isinstance(values, Iterable):
+        raise TypeError(f"{name} = {shown(values)}: a list of loads is needed")
+    values, hardness = list(values), settings.get("hardness")
+    grid = Grid(_checked_height(height)[0].shape, length)  # type: ignore[arg-type]
+    for value in values:  # all of them before the first is solved
+        control = _checked_control(kind, value, grid)
+        if hardness is not None:
+            _checked_hardness(hardness, control)
+    return _solve_each(partial(solve, height, solid, length, **settings), kind, values, progress)
 
 
 def _solve_each(
@@ -314,7 +326,10 @@ def _checked_control(kind: str, value: Any, grid: Grid) -> Control:
 
 def _checked_hardness(hardness: float, control: Control) -> float:
     """Return the hardness, above an imposed mean pressure."""
-    value = number("hardness", hardness, "a number > 0", lambda value: SMALLEST <= value <= LARGEST)
+    if isinstance(hardness, float) and hardness == math.inf:
+        return math.inf
+    accepted = f"a number > 0, from {SMALLEST:g} to {LARGEST:g}, or inf for an elastic contact,"
+    value = number("hardness", hardness, accepted, lambda value: SMALLEST <= value <= LARGEST)
     if control.kind == "mean_pressure" and control.value >= value:
         raise ValueError(
             f"hardness = {shown(hardness)}: more than the mean pressure {control.value:.6g} is needed"
