@@ -46,7 +46,7 @@ def test_wrong_command_line_is_answered(chain, chain_in_si, folder, arguments, e
     before = {path: Path(path).read_bytes() for path in files.values()}
     code, said = answer_to_command(arguments, files, folder)
     assert code == expected
-    require_one_line(said, "asperity: ", line)
+    require_one_line(said, "asperity: ", line.replace("{folder}", str(folder)))
     assert not os.listdir(folder)
     assert {path: Path(path).read_bytes() for path in files.values()} == before
 

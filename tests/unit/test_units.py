@@ -13,6 +13,8 @@ from asperity.core.units import scaled_unit, shown_si, to_si
         ("210e9Pa", "pressure", 210e9),
         ("50 N/mm^2", "pressure", 50e6),
         ("50 N/mm2", "pressure", 50e6),
+        ("50 N/mm²", "pressure", 50e6),
+        ("3 mm³", "volume", 3e-9),
         ("1 um", "length", 1e-6),
         ("1 µm", "length", 1e-6),
         ("-.5 mm", "length", -5e-4),
@@ -32,6 +34,21 @@ def test_anything_else_is_refused_with_the_units(value):
         to_si(value, "length", name="--name")
     assert len(str(error.value)) < 220
     assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("value", "hint"),
+    [
+        ("1,2 GPa", "with a decimal point, not a comma"),
+        ("700 HV", "700 HV is 6.865 GPa"),  # kgf/mm², 700 · 9.80665 MPa
+        ("200HBW10/3000", ""),
+        ("200 HB", "200 HB is 1.961 GPa"),
+    ],
+)
+def test_a_comma_and_a_number_of_hardness_are_answered_with_what_is_meant(value, hint):
+    with pytest.raises(ValueError, match=r"N/mm\^2(; )?") as error:
+        to_si(value, "pressure")
+    assert hint in str(error.value)
 
 
 @pytest.mark.parametrize(

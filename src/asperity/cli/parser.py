@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
+from itertools import takewhile
 from typing import Any, NoReturn
 
 from asperity.core.data import packaged_yaml
@@ -24,6 +26,9 @@ COMMANDS: dict[str, Any] = packaged_yaml("asperity.cli", "commands.yaml")
 
 SHARED: dict[str, Any] = COMMANDS.pop("shared")
 """Name → a group of arguments that several commands share."""
+
+MANY = 8
+"""Values of a list that a message shows at most."""
 
 DESCRIPTION = """\
 Stress inside an elastic solid pressed against a rough surface. The command run takes a measured map,
@@ -52,12 +57,21 @@ class Parser(argparse.ArgumentParser):
 
 
 def parse(words: Sequence[str] | None) -> argparse.Namespace:
-    """The options of a command line; an unknown one is answered with the one most alike."""
+    """The options of a command line; one given twice is refused, an unknown one answered with the nearest."""
     found, unknown = make_parser().parse_known_args(words)
+    entry = COMMANDS[found.command]
+    known = {
+        flag: given
+        for each in (entry, *entry.get("groups", ()))
+        for flag, given in arguments(each).items()
+        if flag.startswith("--")
+    }
+    given = Counter(word.partition("=")[0] for word in takewhile("--".__ne__, words or sys.argv[1:]))
+    for flag, options in known.items():
+        if given[flag] > 1 and options.get("action") != "append":
+            sys.exit(fail(f"{flag}: given {given[flag]} times (see asperity {found.command} --help)", 2))
     if unknown:
-        entry = COMMANDS[found.command]
-        flags = [flag for each in (entry, *entry.get("groups", ())) for flag in arguments(each)]
-        near = did_you_mean(unknown[0], flags)
+        near = did_you_mean(unknown[0], known)
         fail(f"{' '.join(unknown)}: not accepted{near} (see asperity {found.command} --help)")
         sys.exit(2)
     return found
@@ -173,7 +187,8 @@ def converted(entry: Entry, given: str | list[str]) -> Any:
         If the schema does not accept it.
     """
     if isinstance(given, list):
-        value, text = [converted(entry["items"], each) for each in given], " ".join(given)
+        value = [converted(entry["items"], each) for each in given]
+        text = " ".join(given) if len(given) < MANY else f"{' '.join(given[:MANY])} ... ({len(given)} values)"
     else:
         kinds, value, text = entry.get("type", "string"), None, shown(given)
         for kind in kinds if isinstance(kinds, list) else [kinds]:

@@ -47,6 +47,10 @@ DIMENSIONS = {
 _NUMBER_AND_UNIT = re.compile(
     r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([A-Za-zµμ]+(?:\^?[2-4])?(?:[*/·][A-Za-zµμ]+(?:\^?[2-4])?)*)"
 )
+_HARDNESS_NUMBER = re.compile(r"(\d+(?:\.\d+)?)\s*(HV|HB|HBW|HK)[\d.]*")
+
+KILOGRAM_FORCE_PER_SQUARE_MILLIMETRE = 9.80665e6
+"""In Pa: the unit of numbers of hardness after Vickers, Brinell and Knoop (ISO 6507-1, 6506-1, 4545-1)."""
 
 _USUAL = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([pnuµμmkMGT]?)(m|Pa|N)")
 """A number, a prefix and an SI unit."""
@@ -84,15 +88,25 @@ def to_si(value: Any, dimension: str, name: str = "value") -> float:
         return number
     example = f", such as '{str(value).strip()} {known.examples[1]}'" if _is_number(value) else ""
     raise ValueError(
-        f"{name} = {shown(value)}: a number with a unit of {dimension} ({', '.join(known.examples)}) "
-        f"is needed{example}"
+        f"{name} = {shown(value)}: a number with a unit of {dimension} ({', '.join(known.examples)}"
+        f"{misread(value, dimension)}) is needed{example}"
     )
+
+
+def misread(value: Any, dimension: str) -> str:
+    """Addition to the message on a value that has a comma, or is a number of hardness; empty for others."""
+    text = str(value).strip()
+    if dimension == "pressure" and (found := _HARDNESS_NUMBER.fullmatch(text)):
+        pressure = float(found[1]) * KILOGRAM_FORCE_PER_SQUARE_MILLIMETRE
+        return f"; {float(found[1]):g} {found[2]} is {shown_si(pressure, 'Pa')}"
+    return "; with a decimal point, not a comma" if re.match(r"[+-]?\d+,\d", text) else ""
 
 
 def _by_pint(value: Any, unit: str) -> float:
     """Number in a unit, of a text or a quantity of pint."""
     if isinstance(value, str):
-        number, own = _NUMBER_AND_UNIT.fullmatch(value.strip()).groups()  # type: ignore[union-attr]
+        plain = value.strip().translate({ord(sign): power for power, sign in _SUPERSCRIPTS.items() if power})
+        number, own = _NUMBER_AND_UNIT.fullmatch(plain).groups()  # type: ignore[union-attr]
         magnitude, own = float(number), re.sub(r"(?<=[A-Za-zµμ])(?=[2-4])", "^", own)  # mm2 is mm^2
     else:
         magnitude, own = float(value.magnitude), value.units

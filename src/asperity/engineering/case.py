@@ -206,7 +206,7 @@ class Case:
     sliding_direction: str | float = "x"
     options: MapOptions = MapOptions()  # noqa: RUF009  is immutable
     counter_map: CounterMap | None = None
-    fields: tuple[str, ...] = ("von_mises",)
+    fields: Sequence[str] = ("von_mises",)
 
     def __post_init__(self) -> None:
         for name, body in (("lower", self.lower), ("upper", self.upper or self.lower)):
@@ -354,13 +354,13 @@ def loads_of(name: str, settings: Mapping[str, Any]) -> float | list[float]:
     given, dimension = settings[name], LOAD_QUANTITIES[name][1]
     listed = given if isinstance(given, (list, tuple)) else [given]
     loads = [to_si(value, dimension, name) if dimension else value for value in listed]
-    shown_loads = " ".join(map(str, listed))
+    shown_loads = shown(" ".join(map(str, listed)))
     if any(after <= before for before, after in pairwise(loads)):
-        raise ValueError(f"{name} {shown_loads}: {RISING} is needed")
+        raise ValueError(f"{name} = {shown_loads}: {RISING} is needed")
     if (steps := settings.get("steps")) is not None:
         if len(loads) != 2:
             raise ValueError(
-                f"{name} {shown_loads}: two values, the first and the last, are needed with steps"
+                f"{name} = {shown_loads}: two values, the first and the last, are needed with steps"
             )
         loads = np.geomspace(loads[0], loads[1], steps).tolist()
     return loads if len(loads) > 1 else loads[0]

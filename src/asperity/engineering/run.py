@@ -107,8 +107,7 @@ def run(
     )
     options = map_options or MapOptions()
     counter = counter_map if isinstance(counter_map, CounterMap | None) else CounterMap(counter_map)
-    chosen = tuple(fields)
-    case = Case(source, lower, upper, load, friction, sliding_direction, options, counter, chosen)
+    case = Case(source, lower, upper, load, friction, sliding_direction, options, counter, fields)
     return answer_of(case, progress=progress)
 
 

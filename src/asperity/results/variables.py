@@ -67,7 +67,7 @@ ORIENTATION = "lower face"
 SETTINGS = {
     "surface": {"wavelength_long": "length", "wavelength_short": "length", "rms_height": "length"},
     "layer": {"height": "length"},
-    "contact": {"mean_pressure": "stress", "approach": "length"},
+    "contact": {"mean_pressure": "stress", "approach": "length", "hardness": "stress"},
 }
 """Section of the settings of a result → those with a dimension."""
 

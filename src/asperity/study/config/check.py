@@ -127,13 +127,13 @@ def _is_quantity(dimension: str, text: object) -> bool:
     """True for a positive number with a unit of a dimension; a `ValueError` says what is needed instead."""
     if not isinstance(text, str):
         return True
-    from asperity.core.units import DIMENSIONS, to_si  # which needs numpy; the help of a command does not
+    from asperity.core.units import DIMENSIONS, misread, to_si  # need numpy; the help of a command does not
 
     with suppress(ValueError):
         if to_si(text, dimension) > 0:
             return True
     units = ", ".join(DIMENSIONS[dimension].examples)
-    raise ValueError(f"a {dimension} > 0 with its unit ({units})")
+    raise ValueError(f"a {dimension} > 0 with its unit ({units}{misread(text, dimension)})")
 
 
 for _dimension in ("pressure", "force", "length"):
@@ -223,6 +223,8 @@ def _one_line(error: ValidationError) -> str:
 
 
 def _needed(error: ValidationError) -> str:
+    if error.validator == "maxItems":
+        return f"a list of at most {error.validator_value} values"
     return str(error.cause) if error.validator == "format" else accepted(error.schema)
 
 

@@ -9,7 +9,6 @@ content, so that a file from someone else does no harm. Plain scalars are those 
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -49,12 +48,13 @@ class _Loader(yaml.SafeLoader):
         return int(node.value)  # decimal, also with a leading zero
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
-        keys = Counter(str(key.value) for key, _ in node.value if key.tag != "tag:yaml.org,2002:merge")
-        twice = next((key for key, count in keys.items() if count > 1), None)
-        if twice is not None:
-            raise yaml.constructor.ConstructorError(
-                None, None, f"{shown(twice)} is given twice", node.start_mark
-            )
+        known: set[str] = set()
+        for key, _ in node.value:
+            word = str(key.value)
+            if word in known and key.tag != "tag:yaml.org,2002:merge":
+                problem = f"{shown(word)} is given twice, again"
+                raise yaml.constructor.ConstructorError(None, None, problem, key.start_mark)
+            known.add(word)
         return super().construct_mapping(node, deep)
 
 
