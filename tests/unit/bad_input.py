@@ -188,6 +188,8 @@ COMMANDS = [
     (f"{SURFACE} {BAND} --skewness 1 --kurtosis 2", 1, "--skewness = 1.0, --kurtosis = 2.0: no Johnson"),
     # exports
     ("export {contact}", 1, "nothing to export: --peaks FILE.csv, --surface FILE.vti,"),
+    ("export {folder}", 1, "{folder}: a folder; a file in it is needed, such as {folder}/contact.nc"),
+    ("view {folder} gap", 1, "{folder}: a folder; a file in it is needed"),
     ("export {contact} --peaks p.csv", 1, "--peaks: a stress file (of asperity stress) is needed, none is"),
     ("export {stress} --field xx:0-1 f.vti", 1, "--field: a contact file (of asperity solve) is needed"),
     ("export {stress} --peaks p.xlsx", 1, "p.xlsx: a name that ends in .csv or .parquet is needed"),

@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 import zipfile
 
 import netCDF4
@@ -10,6 +11,7 @@ import pytest
 import xarray as xr
 
 import asperity as asp
+from asperity.cli.main import main
 from asperity.core.errors import DatasetError
 from asperity.core.system import process_name
 from asperity.results import dataset
@@ -108,6 +110,19 @@ def test_texts_and_truth_values_come_back(path):
     assert found["peak_interior"].dtype == bool
     assert found["peak_quantity"].values.tolist() == names.tolist()
     assert all("units" not in variable.attrs for variable in found.variables.values())
+
+
+@pytest.mark.parametrize(
+    ("name", "value"), [("coordinates", 3), ("_Encoding", "x"), ("scale_factor", "x"), ("units", 3.5)]
+)
+def test_damaged_attributes_are_answered_with_one_line(surface, path, name, value, capsys):
+    """Whatever error the decoding of xarray ends in."""
+    with netCDF4.Dataset(path, "a") as file:
+        file["height"].setncattr(name, value)
+    with pytest.raises(DatasetError, match=r"file\.nc: .*damaged \("):
+        dataset.read(path)
+    assert main(["solve", str(path), "--out", str(path.with_name("out.nc"))]) == 1
+    assert re.fullmatch(r"asperity: .*file\.nc: .*damaged \(.*\n", capsys.readouterr().err)
 
 
 def test_failed_write_leaves_the_earlier_file(surface, path, monkeypatch):

@@ -8,6 +8,7 @@ from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+import netCDF4
 import xarray as xr
 
 from asperity.results import dataset
@@ -81,8 +82,8 @@ def read_stage(path: str | Path, stage: str) -> xr.Dataset:
 def is_result(path: str | Path) -> bool:
     """True for a result of this package, False for a height map in another format."""
     try:
-        with xr.open_dataset(path, engine="netcdf4") as opened:
-            return "settings" in opened.attrs
+        with netCDF4.Dataset(path) as opened:
+            return "settings" in opened.ncattrs()
     except (OSError, RuntimeError, ValueError):
         return False
 

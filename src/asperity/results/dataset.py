@@ -199,6 +199,8 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
     (('y', 'x'), 0.001)
     >>> folder.cleanup()
     """
+    if Path(path).is_dir():
+        raise DatasetError(f"{path}: a folder; a file in it is needed, such as {Path(path) / 'contact.nc'}")
     if not Path(path).is_file():
         raise DatasetError(f"{path}: {'not a regular file' if os.path.exists(path) else 'no such file'}")
     is_result = False
@@ -218,7 +220,7 @@ def read(path: str | os.PathLike[str]) -> xr.Dataset:
             return dataset
     except DatasetError:
         raise
-    except (OSError, RuntimeError, ValueError, KeyError, AttributeError) as error:
+    except Exception as error:  # decoding of damaged attributes fails with errors of any type
         # Only a file with a fingerprint is surely a result: any other may be a measured map of the user.
         if is_result:
             raise DatasetError(f"{path}: damaged ({error}); delete it and run again") from error

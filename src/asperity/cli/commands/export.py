@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 from pathlib import Path
 
 import xarray as xr
@@ -35,6 +36,8 @@ def run(options: argparse.Namespace) -> None:
     """Write the files that are asked for, and print what each holds."""
     wanted = {option: getattr(options, option) or [] for option in FORMATS}
     if not any(wanted.values()):
+        for path in filter(os.path.isdir, options.results):
+            read_result(path, ())  # which says that a file is needed
         raise ValueError(
             "nothing to export: --peaks FILE.csv, --surface FILE.vti, --profile y=PLACE FILE.csv or "
             "--field NAMES:DEPTHS FILE.vti is needed"
