@@ -41,6 +41,7 @@ def never(monkeypatch):
         raise AssertionError("computed before the file was refused")
 
     monkeypatch.setitem(METHODS, "active_set", fail)
+    monkeypatch.setattr("asperity.surface.treatment.treatment.available_memory", lambda: 25e3)
 
 
 def status(*words):
@@ -90,6 +91,42 @@ def test_a_file_that_would_be_lost_is_refused_before_computing(folder, capsys, w
     assert line in capsys.readouterr().err
     assert {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()} == before
     assert not Path("out").exists()
+
+
+@pytest.mark.usefixtures("never")
+@pytest.mark.parametrize(
+    ("words", "line"),
+    [
+        ("--pressure 1e60MPa", "--pressure = 1e+54 TPa: a mean pressure of less than 230800 TPa is needed"),
+        ("--force 1e60N", "--force = 1e+48 TN: a mean pressure of less than 230800 TPa is needed"),
+        ("--force 1N --hardness 1kPa", "--hardness = 1 kPa: more than the pressure 976.6 MPa is needed"),
+        ("--approach 1m", "--approach = 1 m: less than"),
+        ("--approach 1e6m --boundary free", "--approach = 1000000 m: a length from"),
+        ("--approach 1e-60m --layer-height 1um", "--approach = 1e-45 fm: a length from"),
+        ("--pressure 1MPa --points 32768", "--points: a cell of 65536 × 65536 nodes needs about 584 GB of m"),
+        (
+            "--pressure 1MPa --points 32768 --boundary free",
+            "of 32768 × 32768 nodes needs about 440 GB",
+        ),
+    ],
+)
+def test_a_load_or_grid_out_of_range_is_refused_before_computing(folder, capsys, words, line):
+    assert status("run", "mine.txt", *BODY, *words.split(), "--out", "out") in (1, 2)
+    said = capsys.readouterr().err
+    assert line in said
+    assert said.count("\n") == 1
+    assert not Path("out").exists()
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/full"), reason="needs a device that is always full")
+@pytest.mark.parametrize("unbuffered", ["", "1"])
+def test_an_output_that_cannot_be_printed_is_named(folder, unbuffered):
+    command = [sys.executable, "-m", "asperity", "info", "mine.txt"]
+    with open("/dev/full", "w") as full:
+        environment = os.environ | {"PYTHONUNBUFFERED": unbuffered}
+        found = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, env=environment)
+    assert found.returncode == 1
+    assert found.stderr == "asperity: standard output: cannot be written (No space left on device)\n"
 
 
 def test_the_files_of_an_export_and_of_pictures_are_distinct_and_own(folder, chain, capsys):

@@ -62,9 +62,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         module = (error.name or "").split(".")[0]
         return fail(message([module]) if module in NAMES else str(error))
     except BrokenPipeError:  # of a program such as head, which has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _drop_output()
+    except OSError as error:
+        if error.filename is None and _output_fails():
+            _drop_output()
+            return fail(f"standard output: cannot be written ({error.strerror})")
+        return fail(str(error))
     except (
-        *(ValueError, TypeError, OSError, ImportError, MemoryError),
+        *(ValueError, TypeError, ImportError, MemoryError),
         *(DatasetError, ConvergenceError, PreflightError),
     ) as error:
         return fail(str(error) or type(error).__name__)
@@ -76,6 +81,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
         for number, handler in earlier.items():
             signal.signal(number, handler)
     return 0
+
+
+def _output_fails() -> bool:
+    """True if nothing can be written to stdout."""
+    try:
+        print(flush=True)
+    except OSError:
+        return True
+    return False
+
+
+def _drop_output() -> None:
+    """Let nothing more be written to stdout, also at the end of the process."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 def _interrupt(number: int, _: FrameType | None) -> NoReturn:

@@ -242,6 +242,8 @@ def with_flags(message: str, command: str) -> str:
     known = {key for each in (entry, *entry.get("groups", ())) for key in arguments(each)}
     names = {name.removeprefix("--").replace("-", "_") for name in known if name.startswith("--")}
     head, colon, rest = f"{message}".partition(":")
+    if "pressure" in names:
+        head = re.sub("^mean_pressure ", "pressure ", head)
     given = re.compile(rf"(?:^|(?<=, ))({'|'.join(names)})(?= = |, |$)")
     return given.sub(lambda found: flag(found[0]), head) + colon + rest
 

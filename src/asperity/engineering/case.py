@@ -15,6 +15,7 @@ from asperity.core.arguments import choice, choices, magnitude, number
 from asperity.core.errors import shown
 from asperity.core.units import DIMENSIONS, shown_si, to_si
 from asperity.elasticity.layer import Layer
+from asperity.elasticity.loaded_solid import LARGEST as LARGEST_PRESSURE
 from asperity.elasticity.loaded_solid import traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.engineering.face import CounterMap, Source, counter_map_of, options_of
@@ -50,6 +51,9 @@ BODY = {
 
 MAX_LOADS, RISING = 100, "a list of rising values"
 """Most loads of a load curve, and what they are."""
+
+LARGEST_LOAD = 1e6
+"""Largest mean pressure over the effective modulus, and approach over the edge of the map."""
 
 HARDNESS_OVER_YIELD = 3.0
 """Indentation hardness over yield stress (D. Tabor, The Hardness of Metals, 1951)."""
@@ -231,10 +235,17 @@ class Case:
             if any(values) and self.solid.height is not None:
                 raise ValueError(f"{name} = {values[0]:g}: half-spaces are needed, not layers")
         if self.load.kind == "mean_pressure":
-            self.check_hardness(self.load.value)
+            self.check_pressure(self.load.value)
 
-    def check_hardness(self, mean_pressure: float) -> None:
-        """Raise `ValueError` if the bodies do not bear a mean pressure."""
+    def check_pressure(self, mean_pressure: float) -> None:
+        """Raise `ValueError` for a mean pressure that the bodies do not bear, or that no body bears."""
+        most = min(LARGEST_LOAD * self.solid.effective_modulus, LARGEST_PRESSURE)
+        if not mean_pressure < most:
+            given = shown_si(self.load.value, CONTROL_UNITS[self.load.kind])
+            raise ValueError(
+                f"{self.load.kind} = {given}: a mean pressure "
+                f"of less than {shown_si(most, 'Pa')} is needed, it would be {shown_si(mean_pressure, 'Pa')}"
+            )
         if self.hardness and not mean_pressure < self.hardness:
             raise ValueError(
                 f"hardness = {shown_si(self.hardness, 'Pa')}: more than the pressure "

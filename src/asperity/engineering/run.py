@@ -17,13 +17,16 @@ from asperity.engineering.advice import advise
 from asperity.engineering.answer import Answer
 from asperity.engineering.answer_numbers import contact_numbers, contact_spots
 from asperity.engineering.body_stress import body_answer
-from asperity.engineering.case import Body, Case, CounterMap, Load, suggested_hardness
+from asperity.engineering.case import LARGEST_LOAD, Body, Case, CounterMap, Load, suggested_hardness
 from asperity.engineering.close_up import close_ups
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
 from asperity.engineering.load_curve import AnswerCurve, largest_von_mises, load_curve, yield_load
 from asperity.surface.reading.height_map import HeightMap, MapOptions
 from asperity.surface.treatment.treatment import TreatedMap
+
+SMALLEST_APPROACH = 1e-7
+"""Least approach over the range of heights, of which the rounding is 1e-16."""
 
 
 def run(
@@ -166,8 +169,14 @@ def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Con
     imposed: dict[str, Any] = {load.kind: load.value}
     if load.kind == "force":
         imposed = {"mean_pressure": load.value / face.map_area}
-        case.check_hardness(imposed["mean_pressure"])
+        case.check_pressure(imposed["mean_pressure"])
     elif load.kind == "approach":
+        least, furthest = SMALLEST_APPROACH * np.ptp(face.height), LARGEST_LOAD * max(face.grid.length)
+        if not least < load.value < furthest:
+            raise ValueError(
+                f"approach = {shown_si(load.value, 'm')}: a length from {shown_si(least, 'm')}, which is "
+                f"{SMALLEST_APPROACH:g} of the range of heights, to {shown_si(furthest, 'm')} is needed"
+            )
         most = float(face.height.mean()) - lowest
         if face.boundary == "periodic" and case.solid.uniform_compliance() == 0 and load.value >= most:
             raise ValueError(

@@ -112,4 +112,6 @@ def _cause_and_remedy(error: Exception, path: Path) -> str:
     reason, space = getattr(error, "strerror", None) or error, shutil.disk_usage(existing)
     if getattr(error, "errno", None) == errno.ENOSPC or (space.total and space.free < MIN_FREE_SPACE):
         return "the disk is full); free some space and run again"
+    if getattr(error, "errno", None) == errno.EFBIG:
+        return f"{reason}); a disk or a limit of the system that allows larger files is needed"
     return f"{reason}); make its folder writable and run again"

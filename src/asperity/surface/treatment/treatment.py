@@ -17,6 +17,7 @@ import numpy as np
 
 from asperity.core.arguments import require_finite
 from asperity.core.errors import one_line
+from asperity.core.system import available_memory
 from asperity.core.types import Array
 from asperity.fourier.grid import Grid, good_size
 from asperity.surface.form import add_cylinder, add_sphere
@@ -39,6 +40,10 @@ from asperity.surface.treatment import levelling
 DESPIKE = 8.0
 """Threshold that is proposed for spikes, in robust standard deviations from the local median. No point of
 Gaussian self-affine surfaces of 512² points is above it, for Hurst exponents from 0.2 to 0.9."""
+
+BYTES_PER_NODE = {"none": 410.0}
+"""Memory of a contact and its stress for each node of the cell, 136 with a periodic boundary; measured by
+`asperity run --points 1024`."""
 
 # Largest variation, relative to the heights, of a map that is flat but for rounding.
 _ROUNDING = 1e-13
@@ -247,6 +252,7 @@ def treat_map(surface: HeightMap, options: MapOptions | None = None, **given: An
         raise MapError(surface.name, problems)
     images = 2 if options.periodic == "mirrored" else 1
     grid, target = _grids(surface, options, images)
+    _require_memory(surface, options, target, images)
     shortest, radius = _lengths(surface, options, grid, target, images)
     is_lower_face, periodic = surface.orientation == LOWER_FACE, options.periodic
     done = ["turned upside down: the peaks of the map touch first"]
@@ -474,6 +480,18 @@ def _grids(surface: HeightMap, options: MapOptions, images: int) -> tuple[Grid, 
         for edge in grid.length
     )
     return grid, Grid((ny, nx), grid.length)
+
+
+def _require_memory(surface: HeightMap, options: MapOptions, target: Grid, images: int) -> None:
+    """Raise `MapError` for a cell whose contact and stress do not fit into the memory of this machine."""
+    ny, nx = (images * count for count in target.shape)
+    need = 1e-6 * BYTES_PER_NODE.get(options.periodic or "", 136.0) * ny * nx
+    if need > (available := available_memory()):
+        problem = (
+            f"points: a cell of {ny} × {nx} nodes needs about {need / 1e3:.3g} GB of memory, this machine "
+            f"has {available / 1e3:.3g} GB; fewer points are needed"
+        )
+        raise MapError(surface.name, [problem])
 
 
 def _two_nodes(grid: Grid, target: Grid) -> float:
