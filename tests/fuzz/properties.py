@@ -45,6 +45,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 import bad_input
 import random_input
 import random_pressure
+from answers import ANSWERS
 
 WORST_NODE = 100.0
 """Violation of the contact conditions that a node may have, in units of the solver's tolerance."""
@@ -460,4 +461,5 @@ PROPERTIES = {
     "config": (random_input.configurations() | random_input.unknown_keys(), random_input.require_checked),
     "map": (map_files(), try_map),
     "table": (tables, try_table),
+    **ANSWERS,
 }

@@ -1,0 +1,234 @@
+"""Whole runs of ``asperity run``: options of every kind, files that must survive, two processes in a folder.
+
+The pictures are left out: they take most of the time of a small run, and the folder of an answer is the same
+without them but for their files.
+"""
+
+import contextlib
+import functools
+import multiprocessing
+import shutil
+import tempfile
+import time
+from pathlib import Path
+from unittest import mock
+
+import bad_input
+import numpy as np
+from hypothesis import strategies as st
+from inputs import LONGEST_MESSAGE, PromiseError, require
+
+import asperity as asp
+from asperity import engineering
+from asperity.cli import main as cli
+from asperity.core.errors import DatasetError
+from asperity.results import dataset
+
+FOLDER = Path(tempfile.mkdtemp(prefix="fuzz-answers-"))
+NO_PICTURES = mock.patch("asperity.engineering.output.pictures", return_value=[])
+WHOLE = {"surface.nc", "contact.nc", "peaks.csv", "spots.csv", "gaps.csv", "answer.csv", "report.html"}
+POINTS, EDGE = 16, 16e-6
+CASE = "map: mine.txt\nyoung: 210 GPa\npoisson: 0.3\n"
+
+LOADS = {
+    "pressure": "--pressure 50MPa",
+    "curve": "--pressure 20MPa 50MPa",
+    "steps": "--pressure 5MPa 50MPa --steps 3",
+    "force": "--force 10mN",
+    "approach": "--approach 40nm",
+    "area": "--area-fraction 0.1",
+}
+SECOND = "--counter-young 70GPa --counter-poisson 0.33"
+OPTIONS = {
+    "hardness": "--hardness 3GPa",
+    "soft": "--hardness 1MPa",
+    "yield": "--yield 1GPa",
+    "second": SECOND,
+    "conductivity": f"{SECOND} --conductivity 50 --counter-conductivity 200",
+    "resistivity": f"{SECOND} --resistivity 1e-7 --counter-resistivity 3e-8 --counter-hardness 2GPa",
+    "fatigue": "--fatigue-torsion 300MPa --fatigue-bending 480MPa",
+    "friction": "--friction 0.3 --sliding-direction 30",
+    "layer": "--layer-height 5um",
+    "free": "--boundary free",
+    "counter map": "--counter-map other.txt --counter-turned-about x",
+    "fields": "--fields xx von_mises",
+    "points": "--points 24",
+    "treatment": "--detrend curvature --despike 8 --wavelength-short 3um",
+}
+SAVED = ("saved.yaml", "out/case.yaml", "out/more.yaml", "case.yaml")
+LOST = ("mine.txt", "other.txt", "foreign.yaml", "notes.txt", "", ".", "mine.txt/new.yaml", "out/answer.csv")
+OUT, NO_OUT = ("out", "new/out"), ("", ".", "mine.txt", "mine.txt/out", "used")
+NO_OUT_OF_SEVERAL = ("", "mine.txt", "mine.txt/out")
+
+runs = st.fixed_dictionaries(
+    {
+        "maps": st.sampled_from(
+            [("mine.txt",), ("case.yaml",), ("mine.txt", "other.txt"), ("case.yaml", "other.txt")]
+        ),
+        "load": st.sampled_from(list(LOADS)),
+        "options": st.lists(st.sampled_from(list(OPTIONS)), max_size=3, unique=True),
+        "save": st.none() | st.sampled_from(SAVED) | st.sampled_from(LOST),
+        "out": st.sampled_from(OUT) | st.sampled_from(OUT) | st.sampled_from(NO_OUT),
+    }
+)
+
+
+def command_of(case):
+    """Words of the command; an option that two of the chosen ones have is given once."""
+    words, given = ["run", *case["maps"], "--out", case["out"]], set()
+    if case["maps"][0] != "case.yaml":
+        words += ["--young", "210GPa", "--poisson", "0.3"]
+    if len(case["maps"]) > 1 and case["maps"][0] == "case.yaml":
+        words += ["--young", "210GPa", "--poisson", "0.3"]
+    if case["save"] is not None:
+        words += ["--save", case["save"]]
+    for text in (LOADS[case["load"]], *(OPTIONS[name] for name in case["options"])):
+        for option in text.split("--")[1:]:
+            name, *values = option.split()
+            if name not in given:
+                words += [f"--{name}", *values]
+            given.add(name)
+    return words
+
+
+def is_refused(case):
+    """True if the command breaks a documented rule, so that it has to be refused."""
+    options, save = set(case["options"]), case["save"]
+    return bool(
+        case["out"] in (NO_OUT if len(case["maps"]) == 1 else NO_OUT_OF_SEVERAL)
+        or save in LOST
+        or (save is not None and len(case["maps"]) > 1)
+        or (save == "case.yaml" and "case.yaml" in case["maps"])
+        or (
+            "soft" in options
+            and "hardness" not in options
+            and case["load"] in ("pressure", "curve", "steps", "force")
+        )
+        or {"layer", "free"} <= options
+        or ("layer" in options and options & {"conductivity", "resistivity"})
+        or ("fatigue" in options and options & {"counter map", "friction"})
+    )
+
+
+def made_folder():
+    """A new folder with maps, a case, and files of the user's."""
+    folder = Path(tempfile.mkdtemp(dir=FOLDER))
+    height = asp.self_affine((POINTS, POINTS), 0.8, 8e-6, 3e-6, rms_height=5e-8, seed=3, length=EDGE) * 1e6
+    head = "# Channel: Height\n# Width: 16 um\n# Height: 16 um\n# Value units: um"
+    np.savetxt(folder / "mine.txt", height, header=head, comments="", fmt="%.6f")
+    np.savetxt(folder / "other.txt", 2 * height[::-1], header=head, comments="", fmt="%.6f")
+    (folder / "case.yaml").write_text(CASE)
+    (folder / "foreign.yaml").write_text("contact: {area_fraction: 0.1}\n")
+    (folder / "notes.txt").write_text("precious\n")
+    (folder / "used").mkdir()
+    (folder / "used/peaks.csv").write_text("precious\n")
+    return folder
+
+
+def try_answer(case):
+    """A run: whole, or refused in lines that are not too long, as its options say; other files stay."""
+    folder = made_folder()
+    before = {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    with contextlib.chdir(folder), NO_PICTURES:
+        code, said = bad_input.answer(cli.main, command_of(case))
+        for path, content in before.items():
+            is_saved = path.name == case["save"] == "case.yaml"
+            if not (is_saved or (path.is_file() and path.read_bytes() == content)):
+                raise PromiseError(f"{path.name} is destroyed")  # told apart from other promises
+        if code:
+            lines = said.splitlines()
+            require(lines and all(line.startswith("asperity: ") for line in lines), "another message")
+            require(
+                all(len(line) < LONGEST_MESSAGE and line.isprintable() for line in lines), "a long message"
+            )
+            require("an error of its own" not in said, "an error of asperity's own")
+            if "stopped: residual" not in said:
+                require(is_refused(case), f"a run within the documented ranges is refused: {lines[0]}")
+            left = [path for path in folder.rglob("*") if path.is_file() and path not in before]
+            require(not [path for path in left if case["save"] is None], "a refused run leaves files")
+            shutil.rmtree(folder)
+            return "refused"
+        require(not is_refused(case), "a run that breaks a documented rule is carried out")
+        folders = [path.parent for path in Path(case["out"]).rglob("report.html")]
+        require(len(folders) == len(case["maps"]), "an answer is missing")
+        for out in folders:
+            require_whole(out)
+        if case["save"] is not None:
+            code, said = bad_input.answer(cli.main, ["run", case["save"], "--out", "again"])
+            require(code == 0, f"the saved case is refused: {said}")
+            same = (folders[0] / "answer.csv").read_bytes() == Path("again/answer.csv").read_bytes()
+            require(same, "the saved case has another answer")
+    shutil.rmtree(folder)
+    return "done"
+
+
+def require_whole(folder):
+    """Raise `PromiseError` unless a folder holds all files of one answer, and nothing unfinished."""
+    names = {path.name for path in folder.iterdir()}
+    require(names >= WHOLE, f"missing: {WHOLE - names}")
+    require(
+        not [name for name in names if "unfinished" in name or "lock" in name], "something unfinished is left"
+    )
+    settings = [dataset.settings_of(dataset.read(path)) for path in folder.glob("*.nc")]
+    require(all(each == settings[0] for each in settings), "the folder holds files of two answers")
+
+
+@functools.cache
+def answers():
+    """Answers of one map under two loads."""
+    height = 1e-8 * np.random.default_rng(1).normal(size=(POINTS, POINTS))
+    surface = asp.HeightMap(height, (EDGE, EDGE), name="small", periodic=True, unit="m")
+    return [
+        engineering.run(surface, engineering.Body(210e9, 0.3), mean_pressure=load) for load in (50e6, 60e6)
+    ]
+
+
+races = st.fixed_dictionaries(
+    {
+        "earlier": st.booleans(),
+        "delays": st.tuples(st.floats(0, 0.05), st.floats(0, 0.05)),
+        "times": st.integers(1, 3),
+    }
+)
+
+
+def write_often(answer, folder, delay, times, outcomes):
+    """Write an answer several times; report what became of it."""
+    for _ in range(times):
+        time.sleep(delay)
+        try:
+            engineering.write_answer(answer, folder)
+            outcomes.put("written")
+        except DatasetError:
+            outcomes.put("refused")
+        except Exception as error:
+            outcomes.put(repr(error))
+
+
+def try_race(case):
+    """Two processes write into one folder: each answer is written or refused, and the folder holds one."""
+    folder = Path(tempfile.mkdtemp(dir=FOLDER)) / "out"
+    context = multiprocessing.get_context("fork")
+    outcomes = context.Queue()
+    with NO_PICTURES:
+        if case["earlier"]:
+            engineering.write_answer(answers()[0], folder)
+        both = [
+            context.Process(target=write_often, args=(answer, folder, delay, case["times"], outcomes))
+            for answer, delay in zip(answers(), case["delays"], strict=True)
+        ]
+        for process in both:
+            process.start()
+        found = [outcomes.get() for _ in range(2 * case["times"])]
+        for process in both:
+            process.join()
+    for outcome in found:
+        require(outcome in ("written", "refused"), f"an answer is neither written nor refused: {outcome}")
+    require("written" in found, "no answer is written")
+    require_whole(folder)
+    shutil.rmtree(folder.parent)
+    return "one refused" if "refused" in found else "both written"
+
+
+ANSWERS = {"answer": (runs, try_answer), "race": (races, try_race)}
+"""Properties, as in `properties.py`."""
