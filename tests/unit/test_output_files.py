@@ -129,6 +129,14 @@ def test_an_output_that_cannot_be_printed_is_named(folder, unbuffered):
     assert found.stderr == "asperity: standard output: cannot be written (No space left on device)\n"
 
 
+def test_pictures_are_drawn_whatever_backend_a_notebook_names(folder, chain):
+    command = [sys.executable, "-m", "asperity", "view", chain["contact"], "gap", "--out", "v.png"]
+    environment = os.environ | {"MPLBACKEND": "module://backend_of_a_notebook"}
+    found = subprocess.run(command, capture_output=True, text=True, env=environment)
+    assert (found.returncode, found.stderr) == (0, "")
+    assert Path("v.png").exists()
+
+
 def test_the_files_of_an_export_and_of_pictures_are_distinct_and_own(folder, chain, capsys):
     Path("foreign.csv").write_text("1,2\n3,4\n")
     contact = chain["contact"]

@@ -3,6 +3,7 @@
 import os
 import signal
 import subprocess
+import sys
 import time
 from pathlib import Path
 from typing import NamedTuple
@@ -55,9 +56,12 @@ def studied(folder, results, *arguments):
 
 @pytest.fixture(scope="session")
 def quick_study(tmp_path_factory):
-    """The quick study on two cores."""
-    folder = copy_project(tmp_path_factory.mktemp("quick") / "project")
-    return studied(folder, folder / "results/quick", *QUICK)
+    """The quick study on two cores, as from a notebook, in a folder with a space that holds Python too."""
+    folder = copy_project(tmp_path_factory.mktemp("quick") / "my project")
+    (folder / ".venv").symlink_to(sys.prefix, target_is_directory=True)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MPLBACKEND", "module://backend_of_a_notebook")
+        return studied(folder, folder / "results/quick", *QUICK)
 
 
 def own(results):

@@ -46,7 +46,8 @@ def hide(name, folder):
 
 def environment(folder):
     """Environment of the tests, with the library of the project in `folder`."""
-    binaries = Path(sys.executable).parent
+    own = folder / ".venv/bin"
+    binaries = own if own.exists() else Path(sys.executable).parent
     return os.environ | {
         "PATH": f"{binaries}{os.pathsep}{os.environ['PATH']}",
         "PYTHONPATH": str(folder / "src"),
@@ -76,7 +77,7 @@ def script(folder, name, *arguments):
 
 def snakemake(folder, *arguments, cores=2):
     """Run the workflow of the project in a folder."""
-    return run(folder, "snakemake", "--cores", str(cores), *arguments)
+    return run(folder, "python", "-m", "snakemake", "--cores", str(cores), *arguments)
 
 
 @cache

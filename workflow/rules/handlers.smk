@@ -42,9 +42,7 @@ onstart:
         at_once = workflow.cores if workflow.local_exec else workflow.nodes
         logger.info(announce([*costs.values()], at_once))
     if workflow.local_exec and {"contact", "stress"} & {job.rule.name for job in jobs}:
-        subprocess.run(
-            [sys.executable, "-c", "from asperity.study.run import warm_up; warm_up()"], check=True
-        )
+        subprocess.run([PYTHON, "-c", "from asperity.study.run import warm_up; warm_up()"], check=True)
 
 
 onsuccess:

@@ -48,6 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     signals = (signal.SIGINT, signal.SIGTERM) if threading.current_thread() is threading.main_thread() else ()
     earlier = {number: signal.signal(number, _interrupt) for number in signals}
     if arguments is None:
+        os.environ["MPLBACKEND"] = "agg"  # a notebook names one that may not be installed here
         gc.set_threshold(RARELY, 50, 50)
     try:
         _run(arguments)
