@@ -134,7 +134,7 @@ loaded = {
     "layer": layers | st.just({"young": 1.0, "poisson": 0.3}),
     "length": lengths,
     "boundary": boundaries,
-    "friction": st.just(0.0) | number(0, 2) | extreme,
+    "friction": st.just(0.0) | among(st.floats(0, 2), extreme, wrong),
     "sliding_direction": choice("x", "y") | number(-360, 360),
 }
 

@@ -479,6 +479,9 @@ def _grids(surface: HeightMap, options: MapOptions, images: int) -> tuple[Grid, 
         points if edge == longest else good_size(round(options.points * edge / longest)) // images
         for edge in grid.length
     )
+    if min(ny, nx) < 2 // images:
+        problem = f"points = {options.points}: more are needed for two on the shorter edge of the cell"
+        raise MapError(surface.name, [problem])
     return grid, Grid((ny, nx), grid.length)
 
 
