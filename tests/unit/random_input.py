@@ -36,7 +36,7 @@ VOCABULARY = """
     --friction --counter-young 70GPa --physical-size --contact --path --poisson --points --periodic --detrend
     --undefined --help --version --out --area-fraction --tolerance --precision --layer-height --bottom --bins
     --confidence --error --seconds --output mirrored declared windowed tilt none nan inf -1 0 0.1 0.33 0.5 1 3
-    --hardness --steps --save --conductivity --counter-conductivity --fatigue-torsion --fatigue-bending 1GPa s.yaml
+    --hardness --steps --save --conductivity --fatigue-torsion --fatigue-bending 1GPa s.yaml
     9 16 24 -- - = % %s { float32 bonded von_mises {surface} {contact} {stress} {statistics} {folder}/none.nc
 """
 

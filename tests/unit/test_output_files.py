@@ -11,7 +11,7 @@ import yaml
 
 import asperity as asp
 from asperity.cli.main import main
-from asperity.contact.certified_state import METHODS
+from asperity.contact import METHODS
 from asperity.core import system
 from asperity.core.errors import DatasetError
 from asperity.engineering import Body, write_answer

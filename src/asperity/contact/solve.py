@@ -273,7 +273,7 @@ def solve_path(
     if not isinstance(values, Iterable):
         raise TypeError(f"{name} = {shown(values)}: a list of loads is needed")
     values, hardness = list(values), settings.get("hardness")
-    grid = Grid(_checked_height(height)[0].shape, length)  # type: ignore[arg-type]
+    grid = Grid(_checked_height(height).shape, length)  # type: ignore[arg-type]
     for value in values:  # all of them before the first is solved
         control = _checked_control(kind, value, grid)
         if hardness is not None:
