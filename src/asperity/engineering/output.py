@@ -200,7 +200,16 @@ def save_case(case: Case, path: Path, out: Path | None = None, files: Sequence[R
     files : sequence of ReadFile, optional
         Files of the maps as they were read, in their order: with their checksums ``asperity run`` refuses the
         case once they have changed.
+
+    Raises
+    ------
+    ValueError
+        If the path is that of a map of the case.
     """
+    sources = [case.source, *([case.counter_map.source] if case.counter_map else [])]
+    for source in (each for each in sources if not isinstance(each, HeightMap) and path.exists()):
+        if path.samefile(source):
+            raise ValueError(f"path = {path}: the map of the case, another name is needed")
     write_text(path, case_text(case, path.parent, out, files))
 
 
