@@ -230,5 +230,15 @@ def try_race(case):
     return "one refused" if "refused" in found else "both written"
 
 
-ANSWERS = {"answer": (runs, try_answer), "race": (races, try_race)}
+saves = st.fixed_dictionaries(
+    {
+        "maps": st.sampled_from([("mine.txt",), ("case.yaml",)]),
+        "load": st.just("pressure"),
+        "options": st.lists(st.just("counter map"), max_size=1),
+        "save": st.sampled_from([*SAVED, *filter(None, LOST)]),
+        "out": st.just("out"),
+    }
+)
+
+ANSWERS = {"answer": (runs, try_answer), "save": (saves, try_answer), "race": (races, try_race)}
 """Properties, as in `properties.py`."""
