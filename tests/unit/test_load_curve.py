@@ -88,3 +88,26 @@ test_wrong_loads_are_refused = refuses(
 
 def test_steps_are_in_equal_ratios():
     assert pressures("1 MPa", "100 MPa", steps=3) == pytest.approx([1e6, 10e6, 100e6])
+
+
+@pytest.mark.parametrize("nodes", [63, 64])  # the mean mode of rounding errors is 0 on even grids alone
+def test_full_contact_is_infinitely_stiff_and_the_answer_stands(nodes, tmp_path):
+    height = asp.self_affine((nodes, nodes), 0.8, 5e-4, 2.5e-4, rms_height=1e-6, seed=1, length=1e-3)
+    contact = asp.solve(height, asp.Layer(200e9, 0.3), 1e-3, mean_pressure=10e9)
+    assert contact.area_fraction == 1
+    assert contact.stiffness == contact.conductance(1.0) == np.inf
+    assert contact.load_interval[1] == np.inf
+    on_layer = asp.solve(height, asp.Layer(200e9, 0.3, height=1e-4), 1e-3, mean_pressure=50e9)
+    oedometric = 200e9 * 0.7 / (1.3 * 0.4) / 1e-4  # uniform strain fixed laterally
+    assert on_layer.area_fraction == 1
+    assert on_layer.stiffness == pytest.approx(oedometric)
+
+    body = Body(200e9, 0.3, conductivity=50.0)
+    surface = asp.HeightMap(height, (1e-3, 1e-3), periodic=True, unit="m", name="sine")
+    answer = run(surface, body, Body(200e9, 0.3, conductivity=50.0), mean_pressure=[1e9, 10e9])
+    rows = {row.name: row for row in answer.rows}
+    for name in ("thermal contact conductance", "stiffness"):
+        assert rows[name].value == np.inf
+        assert rows[name].shown.startswith("infinite, as the bodies touch everywhere")
+    asp.write_answer(answer, tmp_path / "out")
+    assert "<td>infinite</td>" in (tmp_path / "out" / "report.html").read_text()

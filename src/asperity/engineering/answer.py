@@ -52,6 +52,9 @@ CYCLE_WORDS = {
 PERCENTS = (50, 90, 99)
 """Percentiles of the von Mises peaks below the contacts that are listed."""
 
+IN_FULL_CONTACT = "infinite, as the bodies touch everywhere"
+"""Stiffness and conductance in full contact, instead of a number."""
+
 GAP_SHARES = np.linspace(0, 1, 101)
 """Shares of the area for which the gap is listed."""
 
@@ -164,7 +167,8 @@ class Answer:
         for name, resistivity in self.case.resistivities.items():
             value, unit = self.contact.conductance(resistivity), CONDUCTANCE_UNITS[name]
             words = name.replace("_", " contact ")
-            shown.append(Row("contact", words, value, unit, f"{value:.4g} {unit}, without films and gap"))
+            number = IN_FULL_CONTACT if np.isposinf(value) else f"{value:.4g} {unit}"
+            shown.append(Row("contact", words, value, unit, f"{number}, without films and gap"))
         if self.plastic is not None:
             shown += _plastic_rows(self.plastic, self.case.hardness is not None, self.numbers.rms_gradient)
         if self.curve is not None:
@@ -277,10 +281,8 @@ def _curve_rows(curve: AnswerCurve, several: bool) -> Iterator[Row]:
     loads = curve.numbers["mean_pressure"].values
     group = f"load curve, {loads.size} loads"
     stiffness = float(curve.numbers["stiffness"][-1])
-    if np.isfinite(stiffness):
-        yield Row(
-            group, "stiffness", stiffness, "Pa/m", f"{shown_si(stiffness * 1e-6, 'Pa')}/µm at the last load"
-        )
+    number = IN_FULL_CONTACT if np.isposinf(stiffness) else f"{shown_si(stiffness * 1e-6, 'Pa')}/µm"
+    yield Row(group, "stiffness", stiffness, "Pa/m", f"{number} at the last load")
     for name, load in curve.yield_loads.items():
         value = min(max(load, float(loads[0])), float(loads[-1]))
         words = f"{shown_si(value, 'Pa', 3)} ± {100 * YIELD_LOAD_ERROR:g} %"

@@ -105,10 +105,12 @@ def _of_curve(curve: AnswerCurve) -> Figure:
             for column, marker in zip(values.T, "os", strict=False):
                 axis.semilogx(1e-6 * loads, column, f"-{marker}", ms=3)
             axis.set(xlabel="mean pressure (MPa)", ylabel=label)
-            if values.max() > WIDE * values.min() > 0:
+            finite = values[np.isfinite(values)]  # the stiffness is infinite in full contact
+            highest = finite.max(initial=0)
+            if highest > WIDE * finite.min(initial=np.inf) > 0:
                 axis.set_yscale("log")
-            else:
-                axis.set_ylim(0, 1.1 * values.max())
+            elif highest > 0:
+                axis.set_ylim(0, 1.1 * highest)
         bodies = [str(body) for body in numbers["body"].values]
         if len(bodies) > 1:
             axis.legend([f"{body} body" for body in bodies])

@@ -14,7 +14,7 @@ from asperity.core.arguments import require_finite
 from asperity.core.types import Progress
 from asperity.core.units import shown_si
 from asperity.engineering.advice import advise
-from asperity.engineering.answer import Answer
+from asperity.engineering.answer import IN_FULL_CONTACT, Answer
 from asperity.engineering.answer_numbers import contact_numbers, contact_spots
 from asperity.engineering.body_stress import body_answer
 from asperity.engineering.case import LARGEST_LOAD, Body, Case, CounterMap, Load, suggested_hardness
@@ -156,7 +156,8 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     )
     if case.load.path:
         answer = replace(answer, curve=answer_curve(answer, _part(progress, 0.6, 1.0)))
-    values = {f"{row.group}, {row.name}": row.value for row in answer.rows}
+    rows = (row for row in answer.rows if not row.shown.startswith(IN_FULL_CONTACT))
+    values = {f"{row.group}, {row.name}": row.value for row in rows}
     require_finite("run", values)
     if progress is not None:
         progress(1.0, 1.0)
