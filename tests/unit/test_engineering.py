@@ -1,6 +1,7 @@
 """Answers in SI units agree with closed forms, and follow from bodies and load as they must."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,11 +10,13 @@ from samples import invariants, refuses
 import asperity as asp
 from asperity import MapOptions
 from asperity.engineering import Body, run
+from asperity.engineering.answer_numbers import contact_spots
 from asperity.engineering.case import Case
-from asperity.fourier.grid import Fourier, resample
+from asperity.fourier.grid import Fourier, Grid, resample
 from asperity.reference.hertz import Hertz
 from asperity.reference.sliding_sphere import SlidingSphere
 from asperity.surface.reading.height_map import HeightMap
+from asperity.surface.treatment.treatment import MapTreatment, TreatedMap
 
 EDGE, POINTS, RADIUS, FORCE = 160e-6, 160, 1e-3, 1.0
 STEEL, ALUMINIUM = Body(210e9, 0.3), Body(70e9, 0.33)
@@ -262,6 +265,51 @@ def test_patches_and_edges_carry_their_load():
     assert numbers.typical_patch_width == pytest.approx(first.width_m / 1e-6)
     assert 0 < numbers.load_on_edges < 0.5
     assert numbers.load_on_edges == pytest.approx(pressure[:, -1].sum() / pressure.sum())
+
+
+def spots_of(touching):
+    """Spots of a pressure of one on a periodic cell, a micrometre between nodes."""
+    pressure = np.asarray(touching, float)
+    grid = Grid(pressure.shape, tuple(1e-6 * n for n in pressure.shape))
+    face = TreatedMap(pressure, grid, 2e-6, MapTreatment(0, 0, 0, 0, 0, 0, 0, 0))
+    return contact_spots(face, SimpleNamespace(pressure=pressure))
+
+
+def test_spots_longer_than_half_of_a_periodic_cell_are_not_folded():
+    """A bar of n × 1 nodes has the moments n²/12 and 1/12: length √(4 n²/π), width √(4/π)."""
+    bar = np.zeros((20, 20))
+    bar[6, 1:15] = 1
+    for shift in (0, 3, 12):  # over the edge of the cell, too
+        (spot,) = spots_of(np.roll(bar, (shift, 2 * shift), (0, 1))).itertuples()
+        assert (spot.length_m, spot.width_m) == pytest.approx((15.797e-6, 1.1284e-6), rel=1e-4)
+        middle = (6 + shift) % 20 * 1e-6, (7.5 + 2 * shift) % 20 * 1e-6
+        assert (spot.y_m, spot.x_m, spot.angle_deg) == pytest.approx((*middle, 0))
+        assert spot.spans == "none"
+    blocks = np.kron(np.random.default_rng(2).random((10, 12)) < 0.35, np.ones((3, 3)))
+    numbers = ["area_m2", "length_m", "width_m", "angle_deg"]
+    tables = [spots_of(np.roll(blocks, shift, (0, 1))) for shift in ((0, 0), (11, 0), (5, 19))]
+    for table in tables:
+        assert (table["spans"] == "none").all()  # of 10 or more spots, some over edges and corners
+        assert table[numbers].sort_values(numbers[:2]).to_numpy() == pytest.approx(
+            tables[0][numbers].sort_values(numbers[:2]).to_numpy()
+        )
+
+
+def test_spots_that_span_the_cell_say_so():
+    field = np.zeros((12, 20))
+    field[3], field[:, 5] = 1, 1
+    assert spots_of(field)["spans"].tolist() == ["x and y"]
+    assert spots_of(np.ones((12, 20)))["spans"].tolist() == ["x and y"]
+    field = np.zeros((12, 20))
+    field[3], field[7, 2] = 1, 1
+    ridge, node = spots_of(field).itertuples()
+    assert (ridge.spans, node.spans) == ("x", "none")
+    assert ridge.length_m == pytest.approx(np.sqrt(4 / np.pi) * 20e-6)
+    diagonal = np.eye(12)[:, ::-1] + np.roll(np.eye(12)[:, ::-1], 1, 1)
+    assert spots_of(diagonal)["spans"].tolist() == ["x and y"]
+    half = diagonal.copy()
+    half[:5] = 0
+    assert spots_of(half)["spans"].tolist() == ["none"]
 
 
 def test_peaks_of_mirror_images_are_left_out(rough):

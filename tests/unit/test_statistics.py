@@ -79,12 +79,12 @@ def test_patches_are_joined_across_edges_and_corners():
     contact[0, 0] = contact[7, 15] = contact[7, 0] = True  # one patch through three corners of the cell
     contact[0, 6] = contact[7, 7] = contact[0, 11] = contact[7, 10] = True  # two over edges and corners
     contact[3, 3] = contact[4, 4] = True  # one over a corner of a square
-    number, radii = contact_patches(contact)
+    number, radii, *_ = contact_patches(contact)
     assert sorted(np.pi * radii**2) == pytest.approx([2, 2, 2, 3])
     assert number[0, 0] == number[7, 15] == number[7, 0] > 0
     assert number[0, 6] == number[7, 7] != number[0, 11] == number[7, 10]
     assert number[3, 3] == number[4, 4] != number[0, 0]
-    assert contact_patches(np.zeros((4, 4), bool))[1].size == 0
+    assert contact_patches(np.zeros((4, 4), bool)).radii.size == 0
 
 
 def test_depth_patch_correlation_is_spearmans_under_patches():

@@ -16,6 +16,9 @@ from asperity.stress.statistics.patches import contact_patches
 from asperity.surface.roughness import roughness_parameters
 from asperity.surface.treatment.treatment import TreatedMap
 
+SPANS = "none", "y", "x", "x and y"
+"""Directions along which a patch of contact spans the cell."""
+
 
 def _named(name: str, unit: str) -> Any:
     """A number that the answer lists under a name, with its unit."""
@@ -84,26 +87,25 @@ def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:
     -------
     DataFrame
         Columns as ``docs/tables.md`` describes them. Length and width are the axes of the ellipse with the
-        area of the spot and the ratio of its principal second moments.
+        area of the spot and the ratio of its principal second moments. A spot that spans the cell has no
+        ends: its numbers are those of one period of it.
     """
     pressure, grid = face.part(contact.pressure), Grid(face.map_shape, face.map_length)
     periodic = face.boundary == "periodic" and not face.is_mirrored  # opposite edges of the map meet
-    number, _ = contact_patches(pressure > 0, periodic)
+    number, _, cells, spans = contact_patches(pressure > 0, periodic)
     node = np.flatnonzero(number)
     spot, carried = number.ravel()[node] - 1, pressure.ravel()[node].astype(float)
-    _, first, nodes = np.unique(spot, return_index=True, return_counts=True)
+    nodes = np.bincount(spot)
 
     def mean(values: Array) -> Array:
         return np.bincount(spot, values, nodes.size) / nodes
 
     place, offset = [], []
-    for index, count, step in zip(np.divmod(node, grid.shape[1]), grid.shape, grid.spacing, strict=True):
-        away = index - index[first][spot]
-        if periodic:
-            away = (away + count // 2) % count - count // 2
-        middle = mean(away)
-        place.append((index[first] + middle) % count * step)
-        offset.append((away - middle[spot]) * step)
+    for axis, index in enumerate(np.divmod(node, grid.shape[1])):
+        along = index + grid.shape[axis] * cells[axis].ravel()[node]
+        middle = mean(along)
+        place.append(middle % grid.shape[axis] * grid.spacing[axis])
+        offset.append((along - middle[spot]) * grid.spacing[axis])
     yy, xx = (mean(own**2) + step**2 / 12 for own, step in zip(offset, grid.spacing, strict=True))
     yx = mean(offset[0] * offset[1])
     spread = np.hypot((xx - yy) / 2, yx)
@@ -122,6 +124,7 @@ def contact_spots(face: TreatedMap, contact: Contact) -> pd.DataFrame:
             "angle_deg": np.degrees(np.arctan2(2 * yx, xx - yy) / 2) % 180,
             "largest_pressure_Pa": largest,
             "nodes": nodes,
+            "spans": np.array(SPANS)[spans @ [1, 2]],
         }
     )
     return table.sort_values("load_N", ascending=False, ignore_index=True)

@@ -135,7 +135,7 @@ def seed_statistics(surface: xr.Dataset, contact: xr.Dataset, stress: xr.Dataset
     )
     outside = max(float(surface["rms_gradient"]) ** 2 - area * gradient**2, 0) / max(1 - area, 1e-12)
     exponent, change = _load_area_curve(contact, area)
-    _, radii = contact_patches(contact["pressure"].values > 0)
+    radii = contact_patches(contact["pressure"].values > 0).radii
     spacing = np.sqrt(np.prod(grid_of(contact).spacing))
     numbers = {
         **{f"seed_{name}": float(surface[name]) for name in ("rms_gradient", "skewness", "kurtosis")},
@@ -204,7 +204,7 @@ def stress_numbers(
         continuum.rename({name: f"continuum_{name}" for name in continuum})
     )
     numbers["seed_reference_depth"] = stress["reference_depth"]
-    patches, radii = contact_patches(contact["pressure"].values > 0)
+    patches, radii, *_ = contact_patches(contact["pressure"].values > 0)
     correlations = np.array(
         [
             _patch_correlations(stress, ratio, grid_of(contact), patches, radii)
