@@ -16,12 +16,13 @@ import xarray as xr
 from samples import memory_of
 
 from asperity.cli.main import main
-from asperity.surface.description import describe_map, map_warnings, spectrum_summary
+from asperity.surface.description import MapMeasures, describe_map, map_warnings, spectrum_summary
 from asperity.surface.reading.formats import formats_table, known_formats
 from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
 from asperity.surface.reading.map_file import read_map
-from asperity.surface.roughness import finest_tip, texture
+from asperity.surface.roughness import finest_tip, moments, texture
 from asperity.surface.self_affine import self_affine
+from asperity.surface.treatment import levelling
 from asperity.surface.treatment.treatment import prepare_map
 
 pytest.importorskip("SurfaceTopography")
@@ -327,6 +328,47 @@ def test_doubts_about_a_map_name_their_option():
     assert doubt.startswith("unit: an rms height of")
 
 
+def test_true_peaks_are_no_spikes_and_roughness_is_that_of_the_map_as_it_is_pressed(tmp_path):
+    """A smooth skewed surface, with eight nodes on its shortest wave."""
+    wave = self_affine((256, 256), 0.8, 1 / 4, 1 / 32, rms_height=1.0, seed=2)
+    high = 1e-7 * np.exp(0.45 * wave)
+    np.save(tmp_path / "high.npy", high)
+    options = MapOptions(physical_size=("100 um", "100 um"), unit="m", orientation="peaks up")
+    found = describe_map(tmp_path / "high.npy", options)
+    assert found.properties["spikes"].startswith("no points")
+    level = levelling.subtract_trend(high, "tilt", (1e-4, 1e-4))[0]
+    _, _, kurtosis = moments(level.ravel(), np.full(high.size, 1 / high.size))
+    assert kurtosis > 5
+    assert found.properties["Sku"].startswith(f"{kurtosis:.3g},")
+    spiky = high.copy()
+    spiky[30, 40] += 1e-5
+    np.save(tmp_path / "spiky.npy", spiky)
+    found = describe_map(tmp_path / "spiky.npy", options)
+    assert found.properties["spikes"].startswith("1 points (0.0015 %) in 1 spikes of up to 9.9")
+    words = found.properties["Sz"].replace(",", "").split()
+    assert float(words[0]) == pytest.approx(1e6 * np.ptp(spiky), rel=1e-3)
+    without = float(words[words.index("spikes") + 1])
+    assert without == pytest.approx(1e9 * np.ptp(level), rel=1e-3)
+
+
+def test_a_bow_that_moves_the_roughness_by_more_than_its_error_is_told():
+    """Less than half of the height, and yet it sets the lay and the length of the texture."""
+    rough = self_affine((128, 128), 0.8, 1e-5, 2e-6, rms_height=1e-7, seed=1, length=1e-4)
+    x = np.linspace(-1, 1, 128)
+    bowed = HeightMap(rough - 2.5e-7 * (x[:, None] + x) ** 2 / 4, (1e-4, 1e-4), unit="m")
+    (doubt,) = map_warnings(bowed, MapOptions())
+    assert doubt.startswith("detrend: a bow of 25")
+    assert map_warnings(bowed, MapOptions(detrend="curvature")) == []
+    assert map_warnings(HeightMap(rough, (1e-4, 1e-4), unit="m"), MapOptions()) == []
+    measures = MapMeasures(bowed)
+    assert measures.rms_height_without_bow > 0.5 * measures.rms_height
+    shortest, ratio, _ = texture(measures.level, bowed.spacing)
+    assert texture(measures.flat, bowed.spacing)[0] == pytest.approx(
+        texture(rough, bowed.spacing)[0], rel=0.05
+    )
+    assert ratio < 0.5 or shortest > 2e-6
+
+
 def test_the_command_info_prints_the_description_or_one_line(capsys):
     assert main(["info", str(DATA / "steel.gwy"), "--channel", "Detail"]) == 0
     printed = capsys.readouterr().out
@@ -363,6 +405,20 @@ def test_texture_of_waves_and_tip_of_a_sphere():
     assert texture(rough, (1.0, 1.0))[1] > 0.8
     assert texture(rough, (4.0, 1.0))[1:] == pytest.approx((0.25, 90), rel=0.15)  # one sample
     assert finest_tip(-(x**2 + y**2) / 2000, (1.0, 1.0)) == pytest.approx(500)
+
+
+@pytest.mark.parametrize("shape", [(128, 128), (64, 200), (200, 64)])
+def test_lay_of_ridges_is_not_turned_towards_the_diagonals(shape):
+    """Ridges that the map cuts; the bound is four times the scatter of the samples."""
+    generator, (y, x) = np.random.default_rng(1), np.mgrid[: shape[0], : shape[1]]
+    for lay in (0, 20, 50, 75, 105, 160):
+        across = y * np.cos(np.radians(lay)) - x * np.sin(np.radians(lay))
+        heights = np.convolve(generator.standard_normal(500), np.hanning(20), "same")
+        ridges = np.interp(across, np.arange(-250, 250), heights)
+        noisy = ridges + 0.3 * ridges.std() * generator.standard_normal(shape)
+        for map_of_ridges in (np.cos(across / 4), ridges, noisy):
+            turned = texture(map_of_ridges, (1.0, 1.0))[2] - lay
+            assert abs((turned + 90) % 180 - 90) < 2
 
 
 def test_the_spectrum_of_a_self_affine_map_has_its_exponent():

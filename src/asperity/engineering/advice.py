@@ -14,11 +14,11 @@ from asperity.core.data import packaged_yaml
 from asperity.core.units import shown_si
 from asperity.elasticity.two_bodies import sliding_coupling
 from asperity.engineering.answer import LIMITS, Advice, Answer, limit_of
-from asperity.engineering.answer_numbers import sampling_error
 from asperity.engineering.body_stress import BodyAnswer
 from asperity.engineering.case import HARDNESS_OVER_YIELD, suggested_hardness
 from asperity.stress.analysis import PLASTIC_CONTACT
 from asperity.surface.reading.formats import PROFILE
+from asperity.surface.roughness import sampling_error
 
 WARNING, NOTE = "warning", "note"
 
@@ -235,7 +235,8 @@ def _on_map(answer: Answer) -> Iterator[Found]:
         if share > ALTERED_SHARE:
             yield False, key, {"size": share}
     if answer.case.options.radius is None:
-        yield False, "sample", {"size": sampling_error(face)}
+        # A mirrored map has a quarter of the independent waves of its cell.
+        yield False, "sample", {"size": face.images * sampling_error(face.height, face.grid)}
 
 
 def _on_neighbours(answer: Answer) -> Iterator[Found]:

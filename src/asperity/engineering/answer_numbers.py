@@ -11,7 +11,7 @@ import pandas as pd
 from asperity.contact import Contact
 from asperity.core.types import Array
 from asperity.engineering.face import RoughFace
-from asperity.fourier.grid import Fourier, Grid, mean_square
+from asperity.fourier.grid import Grid
 from asperity.stress.statistics.patches import contact_patches
 from asperity.surface.roughness import roughness_parameters
 from asperity.surface.treatment.treatment import TreatedMap
@@ -176,15 +176,3 @@ def _load_median(spots: pd.DataFrame) -> float:
     by_width = spots.sort_values("width_m")
     carried = by_width["load_N"].cumsum().to_numpy()
     return float(by_width["width_m"].iloc[np.searchsorted(carried, carried[-1] / 2)])
-
-
-def sampling_error(face: TreatedMap) -> float:
-    """Relative standard deviation of the rms height between places of a surface, from one of them.
-
-    The power of each wave of a random surface varies by itself from place to place; the fewer waves bear most
-    of the height, the more it varies. A mirrored map has a quarter of the independent waves of its cell.
-    """
-    modes = Fourier(face.grid).forward(face.height)
-    power = np.abs(modes) ** 2
-    squares, total = (mean_square(modes, face.grid, weight) for weight in (power, np.ones_like(power)))
-    return float(0.5 * face.images * np.sqrt(squares) / total)

@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from asperity.core.types import Array
+from asperity.fourier.grid import Grid
 from asperity.surface.reading.agreement import MapFile, metres, repeated_height
 from asperity.surface.reading.formats import PROFILE
 from asperity.surface.reading.height_map import (
@@ -20,9 +21,17 @@ from asperity.surface.reading.height_map import (
     MapOptions,
 )
 from asperity.surface.reading.map_file import open_map
-from asperity.surface.roughness import core_roughness, finest_tip, moments, rms_step, spectrum, texture
+from asperity.surface.roughness import (
+    core_roughness,
+    finest_tip,
+    moments,
+    rms_step,
+    sampling_error,
+    spectrum,
+    texture,
+)
 from asperity.surface.treatment.levelling import edge_step, fill_harmonic, find_spikes, subtract_trend
-from asperity.surface.treatment.treatment import DESPIKE, missing_options
+from asperity.surface.treatment.treatment import DESPIKE, ROUNDING, missing_options
 
 SHORT_WAVE_PIXELS = 8
 """Waves shorter than this number of pixels are called not resolved: the slopes of a contact on fewer nodes a
@@ -38,10 +47,6 @@ SMALLEST_RMS, LARGEST_RMS = 1e-9, 1e-3
 LARGEST_EDGE, LARGEST_ASPECT, SLOPES = 1.0, 1.9, (1e-5, 3.0)
 """Edge in m, ratio of the edges of a pixel, and rms gradients, beyond which the size of a map is doubtful: no
 instrument scans a metre, and a superpolished mirror has gradients of 1e-5."""
-
-LARGE_BOW = 0.5
-"""Rms height without bow, relative to that with it, below which the bow is called a form of its own: below
-that of self-affine surfaces."""
 
 CHOSEN = MapOptions(periodic="mirrored", undefined="harmonic")
 """What asperity run does to a map that is not periodic and lacks points."""
@@ -88,7 +93,9 @@ class MapDescription(NamedTuple):
 def describe_map(path: str | os.PathLike[str], options: MapOptions) -> MapDescription:
     """Description of the map in a file.
 
-    Roughness is that of the map without its mean plane, without a filter, with its spikes and without them.
+    Roughness is that of the map without its mean plane, without a filter, as `asperity.run` presses it by
+    default: with its spikes and its bow. Where there are spikes, or the bow counts, that without them stands
+    beside it.
 
     Raises
     ------
@@ -127,10 +134,14 @@ class MapMeasures:
         Heights without spikes and tilt, filled where there are no data.
     spiky : (ny, nx) array
         The same with the spikes.
+    flat : (ny, nx) array
+        The heights without spikes, tilt and bow.
     tilt : float
         Angle of the mean plane, in radians.
     bow : float
         Height of the terms of degree two, from lowest to highest point.
+    bow_counts : bool
+        True if the bow changes the rms height by more than the error of a sample of this size.
     rms_height, rms_height_without_bow : float
         Without tilt and spikes.
     """
@@ -146,8 +157,13 @@ class MapMeasures:
         self.level, slope, _ = subtract_trend(filled, "tilt", surface.length)
         self.spiky = self.level + np.where(self.spikes, height - filled, 0.0)
         self.tilt = math.atan(math.hypot(*slope))
-        flat, _, self.bow = subtract_trend(self.level, "curvature", surface.length)
-        self.rms_height, self.rms_height_without_bow = float(np.std(self.level)), float(np.std(flat))
+        self.flat, _, self.bow = subtract_trend(self.level, "curvature", surface.length)
+        self.rms_height, self.rms_height_without_bow = float(np.std(self.level)), float(np.std(self.flat))
+        added, grid = self.rms_height - self.rms_height_without_bow, Grid(height.shape, surface.length)
+        self.bow_counts = added > ROUNDING * float(np.abs(filled).max()) and (
+            not self.rms_height_without_bow
+            or added > sampling_error(self.flat, grid) * self.rms_height_without_bow
+        )
 
 
 def map_warnings(
@@ -177,10 +193,10 @@ def map_warnings(
             f"despike: {found.spike_count} spikes of up to {length(found.highest_spike)}; set it to "
             f"{DESPIKE:g} to replace them"
         )
-    if rms < LARGE_BOW * found.rms_height and options.detrend != "curvature":
+    if found.bow_counts and options.detrend != "curvature":
         warnings.append(
             f"detrend: a bow of {length(found.bow)}, with it an rms height of {length(found.rms_height)}, "
-            f"without it {length(rms)}; set it to curvature"
+            f"without it {length(rms)}, a change larger than the error of a sample; set it to curvature"
         )
     return warnings
 
@@ -230,7 +246,7 @@ def _of_heights(
         return surface.shown_length(value, digits=4)
 
     def roughness(height: Array) -> dict[str, str]:
-        """Parameters that the spikes change, in words."""
+        """Parameters that spikes and bow change, in words."""
         _, skewness, kurtosis = moments(height.ravel(), np.full(height.size, 1 / height.size))
         up = height if surface.orientation != LOWER_FACE else -height
         core, peaks, valleys = core_roughness(up)
@@ -251,26 +267,33 @@ def _of_heights(
         lies = {name: f"{lies[name]}, without spikes {text}" for name, text in roughness(level).items()}
     shortest, ratio, direction = texture(level, surface.spacing)
     lay = f", lay at {direction:.0f}° from x towards y" if ratio < DIRECTED else ""
+    sal, str_ = length(shortest), f"{ratio:.2g}"
+    if measures.bow_counts:
+        without = f", without {'spikes and ' if measures.spike_count else ''}bow"
+        lies = {name: f"{lies[name]}{without} {text}" for name, text in roughness(measures.flat).items()}
+        shortest, ratio, direction = texture(measures.flat, surface.spacing)
+        sal += f", without bow {length(shortest)}"
+        str_ += f", without bow {ratio:.2g}" + (f" and lay at {direction:.0f}°" if ratio < DIRECTED else "")
     tip = finest_tip(level if surface.orientation != LOWER_FACE else -level, surface.spacing)
     long_waves, short_waves, unresolved, hurst = spectrum_summary(level, surface)
     exponent = "" if math.isnan(hurst) else f", slope as for a Hurst exponent of {hurst:.2f}"
     step = edge_step(level)
     stated = "says" if surface.periodic else "does not say"
     verdict = "" if surface.periodic or step <= PERIODIC_STEP else ": it is not"
-    spikes, without = "no points", ""
+    spikes = "no points"
     beyond = f", beyond {DESPIKE:g} robust standard deviations from the local median"
     if measures.spike_count:
         spikes = (
             f"{surface.shown_share(int(np.count_nonzero(measures.spikes)))} in {measures.spike_count} spikes "
         )
         spikes += f"of up to {length(measures.highest_spike)}"
-        without, beyond = "spikes and ", f"{beyond}; plasticity, Sal, Str, tip and waves are without them"
+        beyond += "; plasticity, Sal, Str, tip and waves are without them"
     slope = rms_step(level, surface.spacing)
     found = {
         "spikes": f"{spikes}{beyond}",
         "tilt": f"{math.degrees(measures.tilt):.3g}°",
         "bow": f"{length(measures.bow)} from lowest to highest point",
-        "Sq": f"{lies['Sq']}, rms height; without {without}bow {length(measures.rms_height_without_bow)}",
+        "Sq": f"{lies['Sq']}, rms height",
         "Sa": f"{lies['Sa']}, mean absolute height",
         "Sz": f"{lies['Sz']}, from lowest to highest point",
         "Ssk": f"{lies['Ssk']}, skewness",
@@ -280,8 +303,8 @@ def _of_heights(
         "Spk": f"{lies['Spk']}, reduced height of the peaks above it",
         "Svk": f"{lies['Svk']}, reduced depth of the valleys below it",
         "plasticity": f"index {slope:.3g} × E*/H, modulus over hardness; far below 1 the contact is elastic",
-        "Sal": f"{length(shortest)}, shortest length over which the autocorrelation falls to 0.2",
-        "Str": f"{ratio:.2g}, shortest over longest such length{lay}",
+        "Sal": f"{sal}, shortest length over which the autocorrelation falls to 0.2",
+        "Str": f"{str_}, shortest over longest such length{lay}",
         "tip": f"the sharpest peaks fit a tip of radius up to {length(tip)}; a blunter one has rounded them",
         "waves": f"half of the mean square height is in waves longer than {length(long_waves)}, half of the "
         f"mean square gradient in waves shorter than {length(short_waves)}{exponent}",
