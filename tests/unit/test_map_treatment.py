@@ -247,6 +247,18 @@ def test_a_windowed_map_is_level_at_its_edges_and_itself_inside():
     np.testing.assert_allclose(np.diff(kept[middle, middle]), np.diff(expected), atol=1e-12)  # rounding
 
 
+@pytest.mark.parametrize("periodic", ["mirrored", "windowed", "none"])
+@pytest.mark.parametrize("shape", [(40, 40), (31, 46)])
+def test_a_map_turned_by_half_a_turn_is_treated_as_it_is(shape, periodic):
+    """The bound is that of rounding."""
+    height = rough((64, 64))[: shape[0], : shape[1]]
+    one, turned = (
+        treat_map(HeightMap(h, (1.0, 1.2)), periodic=periodic).map_alone().height
+        for h in (height, height[::-1, ::-1])
+    )
+    np.testing.assert_allclose(turned[::-1, ::-1], one, atol=1e-15)
+
+
 def test_short_waves_are_removed_and_more_points_change_nothing():
     surface = HeightMap(rough((32, 32)), (1.0, 1.0))
     smooth = make_periodic(surface, **PLAIN, wavelength_short=0.25)

@@ -218,13 +218,13 @@ def mirrored(height: Array) -> Array:
 
 
 def tukey_window(shape: tuple[int, ...]) -> Array:
-    """Tukey window, which falls to zero over the fraction `TAPER` at each end of an edge.
+    """Tukey window, which falls to zero at the points at both ends of an edge, over the fraction `TAPER`.
 
     F. J. Harris, Proc. IEEE 66 (1978) 51, doi 10.1109/PROC.1978.10837.
     """
     from scipy.signal.windows import tukey
 
-    window_y, window_x = (tukey(n, 2 * TAPER, sym=False) for n in shape)
+    window_y, window_x = (tukey(n, 2 * TAPER) for n in shape)
     return window_y[:, None] * window_x[None, :]
 
 
