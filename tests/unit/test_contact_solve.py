@@ -364,6 +364,10 @@ test_wrong_argument_is_refused = refuses(
         lambda: pressed(hardness=-np.inf),
         "hardness = -inf: a number > 0, .* or inf for an elastic contact",
     ),
+    (
+        lambda: solve_path(FLAT, HALF_SPACE, mean_pressures=[1e-3, 2e-3, 1e-3], hardness=0.1),
+        "mean_pressures = .*: rising values are needed with a hardness",
+    ),
 )
 
 

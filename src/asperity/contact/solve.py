@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -239,7 +240,7 @@ def solve_path(
     height, solid, length
         As for `solve`.
     area_fractions, mean_pressures, forces, approaches : sequence of float
-        Exactly one of them.
+        Exactly one of them. With a hardness they rise: each contact is that of first loading.
     progress : callable, optional
         Called as progress(done, total), where a load counts as one.
     **settings
@@ -248,6 +249,12 @@ def solve_path(
     Yields
     ------
     Contact
+
+    Raises
+    ------
+    ValueError
+        If the values fall, and there is a hardness. A flattened surface unloads elastically:
+        `asperity.Contact.flattened_height` without a hardness is pressed under the smaller loads.
 
     Examples
     --------
@@ -278,6 +285,11 @@ def solve_path(
         control = _checked_control(kind, value, grid)
         if hardness is not None:
             _checked_hardness(hardness, control)
+    if hardness is not None and any(later < earlier for earlier, later in pairwise(values)):
+        raise ValueError(
+            f"{name} = {shown(values)}: rising values are needed with a hardness, because a flattened "
+            "surface unloads elastically; press contact.flattened_height() without a hardness to unload"
+        )
     return _solve_each(partial(solve, height, solid, length, **settings), kind, values, progress)
 
 
