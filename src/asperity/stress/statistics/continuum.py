@@ -15,16 +15,16 @@ Percentiles of peaks
     A coarse grid misses the lowest peaks and hardly changes the high ones. The number of peaks is
     extrapolated, and the percentile of all of them is the peak of the same rank among those found.
 
-The error that remains is a share of the correction, or grows with the boundary per contact node, which
-measures how well patches are resolved: `SHARE_OF_CORRECTION` and `OF_BOUNDARY` hold the measured factors, for
-surfaces with few peaks, too. With hundreds of peaks the error of their sizes is a share of the peaks that the
-grid missed (`OF_MISSED`, `benchmarks/statements.py`). A surface with waves shorter than four nodes loses them
-on half of the nodes, and its corrections err more.
+The error that remains is a share of the change from half of the nodes to all, which vanishes neither as the
+contact fills nor by chance: of sizes, depths and decay lengths that of the number of its kind which changes
+most. `SHARE_OF_CHANGE` and the constants beside it hold the measured shares. With hundreds of peaks the error
+of their sizes is a share of the peaks that the grid missed (`OF_MISSED`, `benchmarks/statements.py`). A
+surface with waves shorter than four nodes loses them on half of the nodes, and its corrections err more.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -39,7 +39,7 @@ TOLERANCE = 1e-4
 """Of the second solution and of the planes of its stress: far below the error of the grid."""
 
 LEAST_NODES = 200
-"""Contact nodes below which there is no estimate."""
+"""Nodes in contact, and nodes out of contact, below which there is no estimate."""
 
 FLAT = 1e-3
 """Median curvature at the contact nodes, over the root mean square of all, below which heights are flat or
@@ -52,25 +52,48 @@ BOUNDARY_SHARE = 0.102
 SECOND_ORDER = "gradient_rms_contact", "peak_count", "mean_depth", "mean_depth_highest"
 """Numbers whose error falls with the square of the spacing."""
 
-SHARE_OF_CORRECTION = {
-    "area_fraction": (0.14, 1.3),
-    "gradient_rms_contact": (0.4, 5.5),
-    "mean_depth": (0.66, 6.5),
-}
-"""Number → error that remains over the correction, and what the squared gradient that is lost on half of the
-nodes, as a share of all, adds to this."""
+PERCENTILES = {"p90": 0.9, "p99": 0.99, "largest": 1.0}
+"""Name of a number → level of the quantile of the peaks that it is."""
 
-OF_BOUNDARY = {
-    "p90": (0.095, 3, 0.12),
-    "p99": (0.1, 3, 0.12),
-    "largest": (0.085, 4, 0.12),
-    "largest_von_mises": (0.085, 4, 0.12),
-    "mean_depth_highest": (0.235, 3, 0.2),
-    "decay_length_depth": (0.07, 1.5, 0.14),
-    "decay_length_plane": (0.14, 1, 0.14),
+LEVELS = (*PERCENTILES.values(),)
+
+DEPTHS = "mean_depth", "mean_depth_highest"
+DECAYS = "decay_length_depth", "decay_length_plane"
+
+SHARE_OF_CHANGE = {
+    "p90": 0.55,
+    "p99": 0.43,
+    "largest": 0.38,
+    "largest_von_mises": 0.38,
+    "mean_depth": 0.22,
+    "mean_depth_highest": 0.33,
+    "decay_length_depth": 0.55,
+    "decay_length_plane": 0.95,
 }
-"""Number → factor and power of the boundary per contact node that give the relative error that remains, and
-the factor of the boundary that is its most."""
+"""Number → relative error that remains, over the largest change of the numbers of its kind from half of the
+nodes to all; of depths that of the sizes is added."""
+
+OF_PRESSURE = {"p90": 0.32, "p99": 0.22, "largest": 0.27}
+"""The same for the peaks of the pressure."""
+
+COMMON = "pressure", "von_mises"
+"""Quantities whose peaks count for the change of the sizes of every other one, too."""
+
+LOST_DEPTH = 5
+"""What the squared gradient that is lost on half of the nodes, as a share of all, adds to the share of the
+mean depth."""
+
+OF_AREA = 0.43, 0.043
+"""Relative error of the area over the change of its estimate from half of the nodes to all, and over its
+correction; the sum counts."""
+
+OF_GRADIENT = 0.38, 0.5, 4.5, 0.012
+"""Relative error of the gradient over its correction: at small areas, what the squared area fraction adds,
+and what the lost squared gradient adds at small areas. The last one is over the correction of the area, and
+what it gives is added."""
+
+OF_PROPORTIONALITY = 0.9
+"""Relative error of κ over the root of the sum of squares of those of its factors."""
 
 OF_MISSED = {"pressure": 0.16, "von_mises": 0.16}
 """Quantity → relative error of its highest peaks over the share of peaks that the grid missed."""
@@ -84,14 +107,9 @@ LOWER_PEAKS = 1.5
 WIDTH = 0.75
 """Relative error of the standard deviation of the peaks over the share of missed ones."""
 
-PERCENTILES = {"p90": 0.9, "p99": 0.99, "largest": 1.0}
-"""Name of a number → level of the quantile of the peaks that it is."""
-
-LEVELS = (*PERCENTILES.values(),)
-
 OUTPUTS = (
     *("area_fraction", "gradient_rms_contact", "proportionality", *PERCENTILES),
-    *("mean_depth", "mean_depth_highest", "decay_length_depth", "decay_length_plane"),
+    *(*DEPTHS, *DECAYS),
 )
 """Numbers of `asperity.continuum`."""
 
@@ -132,6 +150,8 @@ def reason_against(pressure: Array, height: Array, plastic_area: float) -> str:
     bend = sum(np.roll(height, 1, axis) + np.roll(height, -1, axis) - 2 * height for axis in (0, 1))
     if np.median(np.abs(bend[touching])) <= FLAT * np.sqrt(np.mean(np.square(bend))):
         return "the heights in contact are flat or stepped, and no grid resolves their edges"
+    if touching.size - nodes < LEAST_NODES:
+        return f"{touching.size - nodes} nodes are out of contact, and {LEAST_NODES} are needed"
     return ""
 
 
@@ -192,25 +212,54 @@ def estimates(
     for name in SECOND_ORDER:
         if name in best:
             best[name] = found[name] + (found[name] - other[name]) / (ratio**2 - 1)
-    best["area_fraction"] = found["area_fraction"] - BOUNDARY_SHARE * found["boundary"]
+    best["area_fraction"], on_half = (
+        one["area_fraction"] - BOUNDARY_SHARE * one["boundary"] for one in (found, other)
+    )
     best["proportionality"] = best["area_fraction"] * best["gradient_rms_contact"] / fine.load
-    unresolved = float(found["boundary"] / found["area_fraction"])
-    error = xr.Dataset()
-    for name, (share, more) in SHARE_OF_CORRECTION.items():
-        if name in found:
-            error[name] = abs((share + more * lost) * (best[name] / found[name] - 1))
-    error["proportionality"] = np.hypot(error["area_fraction"], error["gradient_rms_contact"])
-    for name, (factor, power, most) in OF_BOUNDARY.items():
-        if name in found:
-            error[name] = xr.full_like(found[name], min(factor * unresolved**power, most * unresolved))
     if fine.stress is not None:
         best.update(_quantiles(peak_numbers(fine.stress, levels, best["peak_count"])))
+    error = xr.Dataset()
+    of_area, of_gradient = (
+        abs(best[name] / found[name] - 1) for name in ("area_fraction", "gradient_rms_contact")
+    )
+    change = abs(best["area_fraction"] / on_half - 1)
+    error["area_fraction"] = OF_AREA[0] * change + OF_AREA[1] * of_area
+    area = best["area_fraction"]
+    share = OF_GRADIENT[0] + OF_GRADIENT[1] * area**2 + OF_GRADIENT[2] * lost * (1 - area) ** 2
+    error["gradient_rms_contact"] = share * of_gradient + OF_GRADIENT[3] * of_area
+    both = np.hypot(error["area_fraction"], error["gradient_rms_contact"])
+    error["proportionality"] = OF_PROPORTIONALITY * both
+    if fine.stress is not None:
+        error.update(_errors_of_stress(found, other, lost))
         missed = abs(best["peak_count"] / found["peak_count"].where(found["peak_count"] > 0) - 1)
         shares = [OF_MISSED.get(str(name), OF_MISSED_COMPONENT) for name in found["quantity"].values]
         highest = xr.DataArray(shares, coords={"quantity": found["quantity"]})
         error["peak_quantile"] = missed * (highest + LOWER_PEAKS * (1 - found["level"]))
         error["peak_deviation"] = WIDTH * missed
     return found, best, error
+
+
+def _errors_of_stress(found: xr.Dataset, other: xr.Dataset, lost: float) -> xr.Dataset:
+    """Relative errors of sizes, depths and decay lengths; NaN where the other grid has no such number."""
+    changes = {name: abs(found[name] / other[name] - 1) for name in SHARE_OF_CHANGE}
+    changes = {name: change.where(np.isfinite(change)) for name, change in changes.items()}
+
+    def largest(names: Iterable[str]) -> xr.DataArray:
+        return xr.concat([changes[name] for name in names], "number").max(["number", "poisson"])
+
+    sizes = largest(PERCENTILES)
+    common = sizes.where(sizes["quantity"].isin(COMMON)).max()
+    sizes = sizes.where(~(sizes < common), common)
+    depths = largest(DEPTHS) + sizes
+    of_kind = dict.fromkeys(PERCENTILES, sizes) | dict.fromkeys(DEPTHS, depths)
+    of_kind |= dict.fromkeys(DECAYS, largest(DECAYS)) | {"largest_von_mises": common.fillna(sizes.max())}
+    is_pressure, error = found["quantity"] == "pressure", xr.Dataset()
+    for name, share in SHARE_OF_CHANGE.items():
+        error[name] = (share * of_kind[name]).where(changes[name].notnull())
+        if name in OF_PRESSURE:
+            error[name] *= xr.where(is_pressure, OF_PRESSURE[name] / share, 1.0)
+    error["mean_depth"] *= 1 + LOST_DEPTH * lost
+    return error
 
 
 def numbers_on(results: OnGrid, levels: Sequence[float] | Array = LEVELS) -> xr.Dataset:
