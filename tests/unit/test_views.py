@@ -215,6 +215,18 @@ def test_peaks_are_points_of_magnitude_and_depth(read):
     assert sum(bar.get_height() for bar in bars) == asp.peaks(stress, "pressure").sizes["peak"]
 
 
+@pytest.mark.parametrize("scatter", [0.0, 1e-15, 1e-9])
+def test_a_histogram_of_equal_peaks_has_few_bars(read, scatter):
+    """The peaks of a regular texture; the rule for the width of a bar asks for 1e9 of them."""
+    stress = read("stress", si=True)
+    values = stress["peak_value"].copy()
+    values[stress["peak_quantity"].values == "pressure"] = 1e9
+    values *= 1 + scatter * np.random.default_rng(1).standard_normal(values.size)
+    bars = asp.plot_peaks(stress.assign(peak_value=values), "pressure").axes[0].patches
+    assert len(bars) <= 200
+    assert sum(bar.get_height() for bar in bars) > 0
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [

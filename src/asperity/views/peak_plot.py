@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -26,6 +27,9 @@ SHAPE = 0.8
 
 AXIS_DEPTH = 1.3
 """Depth of the axis over that of the deepest peaks, which leaves room for the legend."""
+
+MOST_BINS = 200
+"""Most bins of a histogram."""
 
 TICKS = 5
 """Most intervals between ticks of magnitude, whose numbers may be long."""
@@ -103,7 +107,7 @@ def plot_peaks(
             values = np.abs(data["peak_value"].values)
             if in_surface:
                 shown, high = values[values <= limits.high] / unit.factor, limits.high / unit.factor
-                axis.hist(shown, bins="auto", range=(0, high), color="C0")
+                axis.hist(shown, bins=_number_of_bins(shown, high), range=(0, high), color="C0")
                 axis.set(xlim=(0, high), ylabel="number of peaks")
                 axis.locator_params(axis="y", integer=True)
             else:
@@ -114,6 +118,18 @@ def plot_peaks(
             axis.set_xlabel(unit.label(f"magnitude of peaks of {field_name(quantity)}"))
             finish_title(axis, title_of(result) if title is None else title, limits.beyond(values, unit))
     return figure
+
+
+def _number_of_bins(values: Array, high: float) -> int:
+    """Number of bins from 0 to `high` by the rule of Freedman and Diaconis, at least that of Sturges.
+
+    D. Freedman and P. Diaconis, Z. Wahrscheinlichkeitstheorie 57 (1981) 453, doi 10.1007/BF01025868. Equal
+    values, of which the rule asks for any number of bins, get `MOST_BINS`.
+    """
+    least = math.ceil(math.log2(max(values.size, 1))) + 1
+    quartiles = np.quantile(values, [0.25, 0.75]) if values.size else [0.0, high]
+    width = 2 * float(quartiles[1] - quartiles[0]) / float(np.cbrt(max(values.size, 1)))
+    return max(least, MOST_BINS if MOST_BINS * width <= high else math.ceil(high / width))
 
 
 def _peaks(
