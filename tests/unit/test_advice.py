@@ -148,3 +148,12 @@ def test_friction_on_a_thin_layer_is_warned_of_with_the_wave_it_changes_most():
     (found,) = (f for f in advice.advise(an_answer(friction=0.3)) if f.subject == "friction in the contact")
     assert found.level == "warning"
     assert "waves of 128 µm by up to 37 %" in found.text  # 1.23 μ at a wavenumber of 1/height
+
+
+def test_a_change_of_rounding_errors_is_not_told():
+    """The mean slope of a single node in contact is zero by symmetry."""
+    estimates = limits(largest=1.02e9)
+    estimates["gradient_rms_contact"].values[:2] = 1e-3, 1e-17
+    (found,) = (f for f in advice.advise(an_answer(estimates=estimates)) if f.subject == "resolution")
+    assert "rms gradient" not in found.text
+    assert "largest pressure by +2 %" in found.text

@@ -6,7 +6,9 @@ import xarray as xr
 from samples import refuses, rough
 
 import asperity as asp
-from asperity.stress.statistics.continuum import BOUNDARY_SHARE
+from asperity.fourier.grid import Grid
+from asperity.stress.statistics.continuum import BOUNDARY_SHARE, on_half_the_nodes
+from asperity.surface.treatment.levelling import low_pass_bounded, mirrored
 
 LAYER = asp.Layer(young=1.0, poisson=0.33)
 
@@ -133,6 +135,29 @@ def test_waves_below_four_nodes_are_estimated_too():
     on_grid, _, estimate, error = found["area_fraction"].values
     assert found.attrs["lost_gradient"] > 0.2
     assert abs(estimate / truth - 1) < min(error, 0.5 * abs(on_grid / truth - 1))
+
+
+@pytest.mark.parametrize("shape", [(32, 40), (30, 33)])
+def test_half_of_the_nodes_of_a_mirrored_map_are_mirror_images(shape):
+    """Against cosine series, whose points are the centres of pixels on both grids."""
+    part = asp.self_affine((64, 64), 0.8, 1 / 4, 1 / 32, rms_height=1e-3, seed=5)[: shape[0], : shape[1]]
+    grid = Grid((2 * shape[0], 2 * shape[1]), (1.0, 1.2))
+    found, half, _ = on_half_the_nodes(mirrored(part), grid)
+    assert half.shape == shape
+    np.testing.assert_allclose(found, found[::-1, ::-1], atol=1e-15)
+    if shape[0] % 2 == shape[1] % 2 == 0:
+        own, coarse = (Grid((one[0], one[1]), (0.5, 0.6)) for one in (shape, np.array(shape) // 2))
+        expected = low_pass_bounded(part, own, coarse, None) + part.mean()
+        np.testing.assert_allclose(found[: shape[0] // 2, : shape[1] // 2], expected, atol=1e-15)
+
+
+def test_a_contact_of_one_node_of_a_mirrored_map_grows_with_its_pixel():
+    """A quarter of the pressure on four times the area."""
+    height = np.random.default_rng(1).normal(size=(16, 16))
+    height[5, 7] = -50.0
+    contact = asp.solve(mirrored(1e-3 * height), LAYER, mean_pressure=1e-6)
+    area = asp.continuum(contact)["area_fraction"]
+    assert float(area.sel(kind="on_half") / area.sel(kind="on_grid")) == pytest.approx(4)
 
 
 def test_two_bodies_are_one_under_the_same_pressure():

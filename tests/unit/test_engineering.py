@@ -248,6 +248,25 @@ def test_neighbouring_balls_are_compared_with_one_alone():
     assert not [advice for advice in alone.advice if advice.subject == "neighbouring forms"]
 
 
+def test_a_cylinder_on_a_periodic_axis_is_a_line_contact():
+    """The stress is that of Hertz and the lateral stress ν p̄/(1 − ν) of the confined cell, which is told."""
+    flat = HeightMap(1e-12 * np.random.default_rng(0).normal(size=(8, 128)), (10e-6, 160e-6), periodic=True)
+    roller = {"radius": 1e-3, "form": "cylinder", "cylinder_axis": "y"}
+    answer = run(flat, STEEL, force=0.1, map_options=MapOptions(**roller, detrend="none"))
+    told = {advice.subject: advice.text for advice in answer.advice}
+    assert {"line contact", "mean lateral stress"} <= set(told)
+    assert "goes on along y without end" in told["line contact"]
+    assert "spans 9.4 % of" in told["neighbouring forms"]
+    assert not any("boundary to free" in text for text in told.values())
+    modulus, load = STEEL.young / (1 - STEEL.poisson**2), 0.1 / 10e-6
+    largest = np.sqrt(load * modulus / (np.pi * 1e-3))  # Johnson (1985), Eq. 4.45; von Mises 0.558 of it
+    lateral = STEEL.poisson / (1 - STEEL.poisson) * answer.numbers.nominal_pressure
+    von_mises = answer.bodies["lower"].largest_von_mises
+    assert von_mises == pytest.approx(0.558 * largest + lateral, rel=0.015)  # seven nodes across the contact
+    assert von_mises > 1.03 * 0.558 * largest
+    assert f"{100 * lateral / von_mises:.2g} % of the largest von Mises" in told["mean lateral stress"]
+
+
 def test_patches_and_edges_carry_their_load():
     """A large ball, and a small one at the edge of the map."""
     x = np.arange(48) * 1e-6

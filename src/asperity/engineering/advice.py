@@ -53,6 +53,9 @@ EDGE_LOAD = 0.01
 NEIGHBOUR_CHANGE = 0.05
 """Change of real contact or largest pressure by the periodic images of a form that deserves a warning."""
 
+CONFINED = 0.01
+"""Mean lateral stress over the largest von Mises stress from which a form differs from one on a wide body."""
+
 WIDE_SPAN = 0.5
 """Width of a contact over the distance between neighbouring forms above which they change each other."""
 
@@ -68,6 +71,9 @@ RUBBER, HIGHEST_RATIO = 0.4, 0.495
 
 HIGHEST_YIELD = 0.1
 """Yield stress over Young's modulus: about the theoretical strength of a crystal."""
+
+ROUNDING = 1e-6
+"""Number over that of its kind from which its change by another grid is told."""
 
 ACCEPTED_VIOLATION = 1e-3
 """Violation of the conditions of contact, relative, from which a solution is doubtful."""
@@ -189,7 +195,11 @@ def _on_pixels(answer: Answer) -> Iterator[Found]:
     known = {}
     for name in LIMITS:
         values = limit_of(limits, name)
-        if values["on_half"] and math.isfinite(values["on_grid"] / values["on_half"]):
+        least, most = sorted(abs(values[kind]) for kind in ("on_grid", "on_half"))
+        # The mean slope of a contact of single nodes, by symmetry zero, is left with rounding errors.
+        if math.isfinite(least + most) and least > ROUNDING * (
+            numbers.rms_gradient if "gradient" in name else most
+        ):
             known[name] = values["on_grid"] / values["on_half"] - 1
     if not known:
         return
@@ -244,6 +254,14 @@ def _on_neighbours(answer: Answer) -> Iterator[Found]:
     if answer.neighbours is None:
         return
     span, alone = answer.neighbours
+    if answer.case.options.form == "cylinder":
+        yield False, "line_contact", {"axis": answer.case.options.cylinder_axis}
+    for part in answer.bodies.values():
+        ratio, stress = part.body.poisson, part.largest_von_mises
+        lateral = ratio / (1 - ratio) * answer.numbers.nominal_pressure
+        if lateral > CONFINED * stress:
+            yield False, "confined", {"lateral": lateral, "size": lateral / stress}
+            break
     if alone is None:
         yield span > WIDE_SPAN, "neighbours", {"span": span}
         return

@@ -126,8 +126,8 @@ class Answer:
         ``lower`` and, if it is elastic, ``upper`` → `BodyAnswer`.
     neighbours : (float, Contact or None) or None
         Width of the contact of a ball or cylinder over the distance to its periodic images, the larger of
-        those along y and x; and the contact under the same load without images, None for layers. None without
-        such a form, and with a free boundary.
+        those along y and x, but that across a cylinder; and the contact under the same load without images,
+        None for layers and cylinders. None without such a form, and with a free boundary.
     plastic : Contact or None
         Under the hardness, which is 3 times the yield stress if none is given.
     curve : AnswerCurve or None

@@ -251,11 +251,15 @@ def unfiltered_contact(case: Case) -> Contact | None:
 def neighbours_of(face: TreatedMap, case: Case, contact: Contact) -> tuple[float, Contact | None]:
     """Width of a contact over the distance between its periodic images, and the contact without them.
 
-    None for layers, whose contact cannot be solved without images.
+    None for layers, whose contact cannot be solved without images. A cylinder goes on along its axis, where
+    its images are parts of itself, and would end without them: its width is that across, and there is none.
     """
     widths = np.ptp(np.argwhere(face.part(contact.pressure) > 0), axis=0) + 1
+    spans = dict(zip("yx", (widths / face.map_shape).tolist(), strict=True))
+    if case.options.form == "cylinder":
+        return spans["x" if case.options.cylinder_axis == "y" else "y"], None
     has_layer = any(body.height is not None for body in case.bodies.values())
-    return float((widths / face.map_shape).max()), None if has_layer else press(face.map_alone(), case)
+    return max(spans.values()), None if has_layer else press(face.map_alone(), case)
 
 
 def _part(progress: Progress | None, begin: float, end: float) -> Progress:

@@ -46,6 +46,9 @@ FLAT = 1e-3
 stepped; it is 0.7 on a Gaussian surface."""
 
 
+MIRRORED = 1e-9
+"""Largest difference of heights from their mirror images, over their range, for rounding errors."""
+
 BOUNDARY_SHARE = 0.102
 """Area over spacing and boundary that nodes in contact count too much."""
 
@@ -159,12 +162,18 @@ def on_half_the_nodes(height: Array, grid: Grid) -> tuple[Array, Grid, float]:
     """Long waves of periodic heights on half as many nodes, their grid, and the share of the gradient lost.
 
     The share is that of the squared gradient in waves that half of the nodes along both edges do not hold.
+    The mirrors of a mirrored map stand between two nodes. Its nodes here are moved by half a spacing of all
+    nodes, so that they are mirror images of each other, too.
     """
     half = Grid((max(grid.shape[0] // 2, 4), max(grid.shape[1] // 2, 4)), grid.length)
     modes = Fourier(grid).forward(height)
     whole = mean_square(modes, grid, grid.wavenumber() ** 2)
     modes = resample(modes, grid, half)
     kept = mean_square(modes, half, half.wavenumber() ** 2)
+    along = (half.qy[:, None], half.odd_qy[:, None]), (half.qx[None, :], half.odd_qx[None, :])
+    for axis, (q, odd_q) in enumerate(along):
+        if np.abs(height - np.flip(height, axis)).max() <= MIRRORED * np.ptp(height):
+            modes *= np.where(odd_q == q, np.exp(0.5j * grid.spacing[axis] * odd_q), 0)
     return Fourier(half).inverse(modes), half, 1 - kept / whole if whole else 0.0
 
 
