@@ -12,6 +12,7 @@ import tempfile
 from dataclasses import asdict
 from pathlib import Path
 
+import contact_numbers
 import numpy as np
 from hypothesis import strategies as st
 from inputs import (
@@ -514,4 +515,5 @@ PROPERTIES = {
     "map": (map_files(), try_map),
     "table": (tables, try_table),
     **ANSWERS,
+    **contact_numbers.PROPERTIES,
 }
