@@ -299,7 +299,8 @@ def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, 
     ends = (after - (CORRELATED - below) / (above - below)) * radius[1]
     shortest = float(ends.min())
     blur = [max(LAY_FILTER * shortest, LEAST_FILTER * max(spacing)) / step for step in spacing]
-    cut = [int(2 * width) for width in blur]  # the filter continues the map beyond its edges
+    # The filter continues the map beyond its edges.
+    cut = [min(int(2 * width), (n - 1) // 2) for width, n in zip(blur, height.shape, strict=True)]
     inside = slice(cut[0], ny - cut[0]), slice(cut[1], nx - cut[1])
     slope_y = gaussian_filter(centred, blur, (1, 0))[inside] / spacing[0]
     slope_x = gaussian_filter(centred, blur, (0, 1))[inside] / spacing[1]

@@ -129,7 +129,8 @@ def _spikes_among(marked: Array, height: Array, known: Array) -> Array:
         rows, bend, change = (np.moveaxis(field, axis, 0) for field in (height, second[axis], fourth[axis]))
         bend[1:-1] = rows[2:] - 2 * rows[1:-1] + rows[:-2]
         change[2:-2] = bend[3:-1] - 2 * bend[2:-2] + bend[1:-3]
-    second, fourth = np.abs(second), np.abs(fourth)
+    np.abs(second, out=second)
+    np.abs(fourth, out=fourth)
     bends = np.median(second[:, known])
     own = float(np.median(fourth[:, known]) / bends) if bends > 0 else np.inf
     corner = np.ones(height.shape, dtype=bool)
