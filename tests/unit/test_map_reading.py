@@ -421,6 +421,15 @@ def test_lay_of_ridges_is_not_turned_towards_the_diagonals(shape):
             assert abs((turned + 90) % 180 - 90) < 2
 
 
+@pytest.mark.parametrize("edge", [1e3, 1e9])
+def test_texture_of_long_pixels_takes_bounded_steps(edge):
+    """Half of the shorter edge of a pixel would make 1e11 steps."""
+    heights = np.random.default_rng(1).standard_normal((64, 64))
+    found = []
+    assert memory_of(lambda: found.extend(texture(heights, (edge, 1.0)))) < 50e6
+    assert np.isfinite(found).all()
+
+
 def test_the_spectrum_of_a_self_affine_map_has_its_exponent():
     part = self_affine((512, 512), 0.8, 0.25, 0.004, rms_height=1e-3, seed=3)[:256, :256]  # not periodic
     *_, hurst = spectrum_summary(part, HeightMap(part, (0.5, 0.5)))

@@ -35,6 +35,10 @@ CORE_SHARE, RATIO_CLASSES = 0.4, 5000
 DIRECTIONS = 180
 """Directions over half a turn in which the autocorrelation is followed."""
 
+MOST_STEPS = 16
+"""Most steps along a direction, per point of the longer edge of the map: 1.4 are half a pixel where pixels
+are squares, and more where they are not."""
+
 LAY_FILTER = 0.125
 """Standard deviation of the Gaussian filter before the slopes that give the lay, over the shortest length of
 the texture. Without it white noise as high as ridges of four such lengths turns their lay by 13°, with it by
@@ -289,18 +293,20 @@ def texture(height: Array, spacing: tuple[float, float]) -> tuple[float, float, 
         return np.nan, np.nan, np.nan
     angle = np.pi * np.arange(DIRECTIONS) / DIRECTIONS
     farthest = np.hypot(rows[-1] * spacing[0], columns[-1] * spacing[1])
-    radius = np.arange(0.0, farthest, min(spacing) / 2)
+    step = max(min(spacing) / 2, farthest / (MOST_STEPS * max(ny, nx)))
+    radius = np.arange(0.0, farthest, step)
     y, x = (
         np.outer(part(angle), radius) / step for part, step in zip((np.sin, np.cos), spacing, strict=True)
     )
     along = map_coordinates(correlation, [y, x + nx // 2], order=1, cval=-1.0) / correlation[0, nx // 2]
     after = np.argmax(along < CORRELATED, axis=1)
     above, below = (along[np.arange(DIRECTIONS), after - step] for step in (1, 0))
-    ends = (after - (CORRELATED - below) / (above - below)) * radius[1]
+    ends = (after - (CORRELATED - below) / (above - below)) * step
     shortest = float(ends.min())
-    blur = [max(LAY_FILTER * shortest, LEAST_FILTER * max(spacing)) / step for step in spacing]
+    width = max(LAY_FILTER * shortest, LEAST_FILTER * max(spacing))
+    blur = [min(width / step, n / 4) for step, n in zip(spacing, height.shape, strict=True)]
     # The filter continues the map beyond its edges.
-    cut = [min(int(2 * width), (n - 1) // 2) for width, n in zip(blur, height.shape, strict=True)]
+    cut = [min(int(2 * pixels), (n - 1) // 2) for pixels, n in zip(blur, height.shape, strict=True)]
     inside = slice(cut[0], ny - cut[0]), slice(cut[1], nx - cut[1])
     slope_y = gaussian_filter(centred, blur, (1, 0))[inside] / spacing[0]
     slope_x = gaussian_filter(centred, blur, (0, 1))[inside] / spacing[1]

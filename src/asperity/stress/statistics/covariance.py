@@ -299,7 +299,7 @@ def autocovariance(
     weight[0] = 1.0
     if along_y.size % 2 == 0:
         weight[-1] = 1.0
-    ring = (np.sqrt(along_y[:rows, None] + along_x) + 0.5).astype(np.int64).ravel()
+    ring = np.minimum(np.sqrt(along_y[:rows, None] + along_x) + 0.5, rings).astype(np.int64).ravel()
     total = np.bincount(ring, (weight[:, None] * covariance[:rows]).ravel())
     count = np.bincount(ring, np.repeat(weight, along_x.size))
     return width * np.arange(rings), total[:rings] / count[:rings]
