@@ -102,9 +102,11 @@ def _of_curve(curve: AnswerCurve) -> Figure:
     with canvas([0.8] * len(panels), None) as (figure, axes):
         for axis, (name, (label, factor)) in zip(axes, panels.items(), strict=True):
             values = factor * numbers[name].values.reshape(loads.size, -1)
+            margin = max((loads[-1] / loads[0]) ** 0.05, 1.01)
+            limits = 1e-6 * loads[0] / margin, 1e-6 * loads[-1] * margin
+            axis.set(xscale="log", xlim=limits, xlabel="mean pressure (MPa)", ylabel=label)
             for column, marker in zip(values.T, "os", strict=False):
-                axis.semilogx(1e-6 * loads, column, f"-{marker}", ms=3)
-            axis.set(xlabel="mean pressure (MPa)", ylabel=label)
+                axis.plot(1e-6 * loads, column, f"-{marker}", ms=3)
             finite = values[np.isfinite(values)]  # the stiffness is infinite in full contact
             highest = finite.max(initial=0)
             if highest > WIDE * finite.min(initial=np.inf) > 0:
