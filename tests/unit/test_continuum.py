@@ -69,7 +69,7 @@ def test_stated_errors_cover_the_true_ones(on_two_grids):
     [(0.8, 4, 0.02), (0.5, 4, 0.45), (0.8, 4, 0.7), (0.8, 4, 0.9), (0.95, 20, 0.3), (0.95, 20, 0.85)],
 )
 def test_stated_errors_cover_the_true_ones_as_the_contact_fills(hurst, waves, area):
-    """Against four times as many nodes; of many surfaces, 90 to 98 % are covered (docs/continuum.md)."""
+    """Against four times as many nodes; of many surfaces, 97 to 100 % are covered (docs/continuum.md)."""
     long = 1 / max(16 // waves, 1)
 
     def estimates(nodes, **load):
