@@ -11,7 +11,7 @@ import asperity as asp
 from asperity import engineering
 from asperity.engineering.answer_numbers import contact_spots
 from asperity.fourier.grid import Grid
-from asperity.surface.treatment.treatment import MapTreatment, TreatedMap
+from asperity.surface.treatment.treatment import TreatedMap
 
 COVERED = 0.5
 """Share of the stated errors of one surface that cover the true ones, at least; on average it is 0.96."""
@@ -31,9 +31,7 @@ spots = st.fixed_dictionaries(
 def spots_of(touching, boundary):
     """Spots of a pressure of one where nodes touch."""
     pressure = touching.astype(float)
-    face = TreatedMap(
-        pressure, Grid(pressure.shape), 0.1, MapTreatment(0, 0, 0, 0, 0, 0, 0, 0), boundary=boundary
-    )
+    face = TreatedMap(pressure, Grid(pressure.shape), 0.1, None, boundary=boundary)
     return contact_spots(face, SimpleNamespace(pressure=pressure))
 
 

@@ -16,7 +16,7 @@ from asperity.fourier.grid import Fourier, Grid, resample
 from asperity.reference.hertz import Hertz
 from asperity.reference.sliding_sphere import SlidingSphere
 from asperity.surface.reading.height_map import HeightMap
-from asperity.surface.treatment.treatment import MapTreatment, TreatedMap
+from asperity.surface.treatment.treatment import TreatedMap
 
 EDGE, POINTS, RADIUS, FORCE = 160e-6, 160, 1e-3, 1.0
 STEEL, ALUMINIUM = Body(210e9, 0.3), Body(70e9, 0.33)
@@ -290,7 +290,7 @@ def spots_of(touching):
     """Spots of a pressure of one on a periodic cell, a micrometre between nodes."""
     pressure = np.asarray(touching, float)
     grid = Grid(pressure.shape, tuple(1e-6 * n for n in pressure.shape))
-    face = TreatedMap(pressure, grid, 2e-6, MapTreatment(0, 0, 0, 0, 0, 0, 0, 0))
+    face = TreatedMap(pressure, grid, 2e-6, None)
     return contact_spots(face, SimpleNamespace(pressure=pressure))
 
 
