@@ -200,10 +200,9 @@ class Units:
 
     def heights(self, height: Array) -> Array:
         """Heights above the datum, clipped."""
-        clipped = self.clipped_by(height)
         out = height - self.datum
-        if clipped is not None:
-            out -= clipped
+        if min(self.below, self.above) < math.inf:
+            np.clip(out, -self.below, self.above, out=out)
         out *= 1 / self.height
         return out
 
