@@ -151,8 +151,7 @@ def solve(
             rtol,
             iterations,
             float(iterate.pressure.sum(dtype=float)) / problem.grid.size,
-            f"rounding of heights and displacements alone is an error of about {system.rounding:.1g}; a "
-            "larger rtol is needed, or numbers that differ less in magnitude",
+            _remedy(system),
         )
     problem.response.release()
     return State(
@@ -163,6 +162,14 @@ def solve(
         iterations,
         iterate.displacement,
     )
+
+
+def _remedy(system: ContactSystem) -> str:
+    """What to do where the loop has stopped."""
+    if system.error <= 10 * system.rounding:
+        found = f"rounding of heights and displacements alone is an error of about {system.rounding:.1g}"
+        return f"{found}: a larger rtol is needed"
+    return "a larger rtol is needed, or a solid that is less soft to bending, or numbers of like magnitude"
 
 
 def _start_from_coarse_grids(problem: Problem, control: Control) -> tuple[Pressure, int]:
