@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextvars
+import math
+import threading
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -24,8 +26,32 @@ PARTS_OF_THREAD = 4
 STRIP = 131_072
 """Number of elements of which several arrays stay in the processor's cache."""
 
+CACHE_LINE = 64
+"""Bytes of a line of the processor's cache."""
+
 _helpers = ThreadPoolExecutor(max_workers=256, thread_name_prefix="asperity")
 """Threads that help the calling one; they are started when they are first needed."""
+
+
+class KeptArrays(threading.local):
+    """Arrays of each thread that are used again: the system clears new memory, which takes time."""
+
+    def __init__(self) -> None:
+        self._kept: dict[str, Any] = {}
+
+    def array(self, name: str, shape: tuple[int, ...], dtype: Any) -> Any:
+        """An array with any values, in memory that is kept under this name."""
+        size = math.prod(shape) * np.dtype(dtype).itemsize
+        if name not in self._kept or self._kept[name].size < size:
+            self._kept[name] = aligned_memory(size)
+        return self._kept[name][:size].view(dtype).reshape(shape)
+
+
+def aligned_memory(size: int) -> Any:
+    """So many bytes with any values, which begin with a line of the processor's cache."""
+    memory = np.empty(size + CACHE_LINE, np.uint8)
+    start = -memory.ctypes.data % CACHE_LINE
+    return memory[start : start + size]
 
 
 def results_of(tasks: Sequence[Callable[[], Any]], threads: int) -> list[Any]:

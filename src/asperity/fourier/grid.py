@@ -156,9 +156,9 @@ class Grid:
         """|q| of every stored mode, (ny, nx // 2 + 1)."""
         return self.half_wavenumber()[np.abs(self.ky)]
 
-    def half_wavenumber(self, rows: slice = ALL) -> Array:
-        """|q| of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1), or of some of them."""
-        qy, qx = self.qy[: self.shape[0] // 2 + 1, None], self.qx[None, :]
+    def half_wavenumber(self, rows: slice = ALL, columns: slice = ALL) -> Array:
+        """|q| of the rows 0 ≤ ky ≤ ny/2, (ny // 2 + 1, nx // 2 + 1), or of some rows and columns."""
+        qy, qx = self.qy[: self.shape[0] // 2 + 1, None], self.qx[None, columns]
         out = qy[rows] ** 2 + qx**2  # neither overflows nor vanishes, see `magnitude`; faster than `np.hypot`
         return np.sqrt(out, out=out)
 

@@ -11,7 +11,7 @@ of the contact. `analyse_lateral_conditions` analyses several conditions in the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import product
@@ -22,8 +22,8 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from asperity.core.arguments import choices, require_finite
-from asperity.core.parallel import results_of
-from asperity.core.types import Array, Progress
+from asperity.core.parallel import KeptArrays
+from asperity.core.types import Progress
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.fourier import current_engine
 from asperity.fourier.grid import Work
@@ -35,11 +35,11 @@ from asperity.stress.peaks.finder import (
     checked_floor,
     plane_peaks,
 )
-from asperity.stress.peaks.maxima import Maxima, maxima_in_rows
-from asperity.stress.planes.fields import FIELDS, MARGIN, Fields
+from asperity.stress.planes.fields import FIELDS, Fields, Visit
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.planes.stream import PLANE_TOLERANCE, LinearPlane, PlaneStream, uniform_part
-from asperity.stress.statistics.covariance import References, row_sums
+from asperity.stress.search import PlaneSearch
+from asperity.stress.statistics.covariance import References
 
 QUANTITIES = ("pressure", *FIELDS)
 """Quantities whose peaks can be sought."""
@@ -61,9 +61,6 @@ PLASTIC_CONTACT = (
     "strain and residual stress"
 )
 """Attribute ``plastic_contact`` of a stress under a contact that reaches its hardness."""
-
-NODES_AT_ONCE = 2**14
-"""Nodes of a strip of rows whose fields are computed, searched and summed while they are in the cache."""
 
 
 def analyse_stress(
@@ -201,9 +198,13 @@ class _Analysis:
         self._fields = list(dict.fromkeys(self._field(*kind) for kind in kinds))
         self._sought = np.array([field.name in self._quantities for field in self._fields])
         count = self._von_mises = sum(field.name == "von_mises" for field in self._fields)
-        self._finder = PeakFinder()
+        self._finder = PeakFinder(stream.threads)
+        self._search: PlaneSearch | None = None
+        self._kept = KeptArrays()
         self._mean, self._largest = np.zeros((2, count, depths.size))
-        self._references = References(count, depths.size, solid.grid, stream.threads, stream.work)
+        self._references = References(
+            count, depths.size, solid.grid, stream.dtype, stream.keeps_planes, stream.threads, stream.work
+        )
         self._points = np.zeros(depths.size, np.int64)
 
     def _field(self, name: str, lateral: str, poisson: float) -> _Field:
@@ -223,61 +224,64 @@ class _Analysis:
         self, progress: Progress | None, observe: Callable[[LinearPlane], None] | None
     ) -> dict[str, xr.Dataset]:
         """Take all planes, and those above the reference planes again that were not kept."""
-        stream, references = self._stream, self._references
-        for number, plane in enumerate(stream.planes(progress)):
-            self._add(number, plane)
-            if observe is not None:
-                observe(plane)
-        if missing := int(references.missing.max()):
-            for number, plane in enumerate(stream.planes(count=missing)):
-                references.add_again(number, plane.grid, self._fields_of(plane, self._von_mises).whole())
+        self._take_all(progress, observe)
+        if missing := int(self._references.missing.max()):
+            self._take_again(missing)
         found = {lateral: self._dataset(lateral) for lateral in self._laterals}
         for dataset in found.values():
             require_finite("analyse_stress", dataset.data_vars)
         return found
 
-    def _fields_of(self, plane: LinearPlane, count: int | None = None) -> Fields:
-        """The first of the fields in a plane, by default all."""
-        return plane.fields(*zip(*self._fields[:count], strict=True))
+    def _take_all(self, progress: Progress | None, observe: Callable[[LinearPlane], None] | None) -> None:
+        for number, plane in enumerate(self._stream.planes(progress, watch=self._watch)):
+            search, size, count = self._search, plane.grid.size, self._von_mises
+            assert search is not None
+            self._references.add(number, search.sums[:count], partial(self._fields_of, plane))
+            self._points[number] = max(plane.grid.shape)
+            self._mean[:, number] = search.sums[:count, :, 0].sum(axis=1) / size
+            self._largest[:, number] = search.sums[:count, :, 2].max(axis=1)
+            if observe is not None:
+                observe(plane)
+            scale = np.sqrt(search.sums[count, :, 1].sum() / size)
+            maxima = search.maxima(max(plane.bound, self._floor * scale, ROUNDING * scale))
+            searched = SearchedPlane(plane.depth, plane.grid, search.fields, plane.refresh)
+            self._finder.add(searched, maxima)
+        self._finder.finish()
+        self._search = None  # with the basis fields
 
-    def _add(self, number: int, plane: LinearPlane) -> None:
-        fields, count = self._fields_of(plane), self._von_mises
-        (ny, nx), references = plane.grid.shape, self._references.on(plane.grid)
-        rows = max(16, NODES_AT_ONCE // nx)
-        taken = None
-        if self._references.is_rising:
-            taken = np.empty((count, ny, nx), plane.basis.values.dtype)
+    def _take_again(self, count: int) -> None:
+        for number, _ in enumerate(self._stream.planes(count=count, watch=self._watch_again)):
+            assert self._search is not None
+            self._references.compare(number, self._search.sums, self._references.missing > number)
+        self._search = None
 
+    def _fields_of(self, plane: LinearPlane, chosen: Iterable[int]) -> Fields:
+        """Some of the fields in a plane."""
+        return plane.fields(*zip(*(self._fields[number] for number in chosen), strict=True))
+
+    def _watch(self, plane: LinearPlane) -> Visit:
+        """Search and sum the rows of a plane as they are computed."""
         # The floor is known when the plane is; until then, one that is a little lower.
-        lower_floor = max(plane.bound, 0.99 * self._floor * plane.scale)
-
-        def reduced(first: int) -> tuple[Maxima, Array]:
-            last = min(first + rows, ny)
-            values = fields.rows(first - 1, last + 1)
-            if taken is not None:
-                taken[:, first:last] = values[:count, 1:-1, MARGIN : MARGIN + nx]
-            return (
-                maxima_in_rows(values, nx, first, lower_floor),
-                row_sums(values[: count + 1], nx, first, references),
-            )
-
-        tasks = [partial(reduced, first) for first in range(0, ny, rows)]
-        strips, sums = zip(*results_of(tasks, self._stream.threads), strict=True)
-        total = np.concatenate(sums, axis=1)
-        self._references.add(
-            number,
-            total[:count],
-            lambda: self._fields_of(plane, count).whole() if taken is None else taken,
+        floor = max(plane.bound, 0.99 * self._floor * plane.scale)
+        fields, references = (
+            self._fields_of(plane, range(len(self._fields))),
+            self._references.on(plane.grid, plane.basis.values),
         )
-        self._points[number] = max(ny, nx)
-        self._mean[:, number] = total[:count, :, 0].sum(axis=1) / plane.grid.size
-        self._largest[:, number] = total[:count, :, 2].max(axis=1)
-        scale = np.sqrt(total[count, :, 1].sum() / plane.grid.size)
-        floor = max(plane.bound, self._floor * scale, ROUNDING * scale)
-        maxima = Maxima.join(list(strips))
-        high = self._sought[maxima.field] & (maxima.magnitude > floor)
-        searched = SearchedPlane(plane.depth, plane.grid, fields)
-        self._finder.add(searched, maxima.select(np.flatnonzero(high)))
+        above = self._finder.plane_above(plane.grid) if self._stream.keeps_planes else None
+        self._search = PlaneSearch(
+            fields, self._sought, floor, self._von_mises + 1, references, self._kept, above
+        )
+        return self._search.add_rows
+
+    def _watch_again(self, plane: LinearPlane) -> Visit:
+        """Sum the rows of a plane that is computed again."""
+        count = self._von_mises
+        fields, references = (
+            self._fields_of(plane, range(count)),
+            self._references.on(plane.grid, plane.basis.values),
+        )
+        self._search = PlaneSearch(fields, np.zeros(count, bool), np.inf, count, references, self._kept)
+        return self._search.add_rows
 
     def _peaks(self, lateral: str) -> dict[tuple[str, float], Peaks]:
         """Quantity and Poisson's ratio (NaN: the same for every one) → its peaks, when all planes passed."""

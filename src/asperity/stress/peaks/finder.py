@@ -17,7 +17,7 @@ Peaks of a signed field are those of its magnitude; the value keeps the sign.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -30,8 +30,11 @@ from asperity.elasticity.loaded_solid import BOUNDARIES
 from asperity.fourier.grid import Grid
 from asperity.stress.peaks.maxima import Entries, Maxima, maxima_in_rows, refine_in_plane, refine_in_solid
 from asperity.stress.peaks.selection import checked_ratio
-from asperity.stress.planes.fields import Fields
+from asperity.stress.planes.fields import NODES_AT_ONCE, Fields
 from asperity.stress.planes.planes import StressPlane
+
+REFINED_AT_ONCE = 2**16
+"""Peaks that are refined together: about a kilobyte each."""
 
 
 @dataclass(frozen=True)
@@ -70,33 +73,31 @@ NO_PEAKS = Peaks(_NOTHING, _NOTHING, _NOTHING, _NOTHING, _NOTHING, np.empty(0, b
 
 
 class SearchedPlane(NamedTuple):
-    """Fields of a plane, of which the peaks are sought."""
+    """Fields of a plane, of which the peaks are sought; `refresh` brings their basis fields into memory."""
 
     depth: float
     grid: Grid
     fields: Fields
+    refresh: Callable[[], None] = lambda: None
 
-    def around(self, maxima: Maxima, grid: Grid, reach: int = 1) -> Array:
-        """Values at and around the nodes of maxima in a plane on `grid`."""
-        return self.fields.at(maxima.field, maxima.row, maxima.column, grid.shape, reach)
-
-    def exceeded(self, maxima: Maxima, grid: Grid) -> tuple[Array, Array]:
+    def exceeded(
+        self, maxima: Maxima, grid: Grid, decided: Array, wins: Array, threads: int
+    ) -> tuple[Array, Array]:
         """True where a maximum in a plane on `grid` is above the nine values here, and these if it is.
 
-        Most maxima end at the value at the node itself.
+        Those that are `decided` do not depend on the values.
         """
-        magnitude, values = maxima.magnitude, np.empty_like(maxima.here)
-        higher = magnitude > np.abs(self.around(maxima, grid, reach=0)[:, 0, 0])
-        some = np.flatnonzero(higher)
-        values[some] = nine = self.around(maxima.select(some), grid)
-        higher[some] = magnitude[some] > np.abs(nine).max(axis=(1, 2), initial=0)
-        return higher, values
+        self.refresh()
+        magnitude = maxima.magnitude
+        magnitude[decided] = np.where(wins, np.inf, 0.0)
+        return self.fields.exceeded(maxima.field, maxima.row, maxima.column, grid.shape, magnitude, threads)
 
 
 class PeakFinder:
     """Finds the peaks of one or several fields as their planes are added one by one."""
 
-    def __init__(self) -> None:
+    def __init__(self, threads: int = 1) -> None:
+        self._threads = threads
         self._found: list[tuple[Array, Peaks]] = []
         self._last: tuple[SearchedPlane, Maxima] | None = None
         self._depth_above = np.nan
@@ -105,6 +106,14 @@ class PeakFinder:
         """Peaks of a field found so far: those of every plane but the last."""
         of_field = [peaks.select(np.flatnonzero(own == field)) for own, peaks in self._found]
         return Peaks.join([NO_PEAKS, *of_field])
+
+    def plane_above(self, grid: Grid) -> Fields | None:
+        """Fields of the last plane, if it is on this grid."""
+        return self._last[0].fields if self._last is not None and self._last[0].grid == grid else None
+
+    def finish(self) -> None:
+        """Forget the last plane, in which there are no peaks."""
+        self._last = None
 
     def add(self, plane: SearchedPlane, maxima: Maxima) -> None:
         """Add the next plane downward.
@@ -125,19 +134,20 @@ class PeakFinder:
                 raise ValueError(
                     f"depth = {plane.depth!r}: planes rising in depth are needed, below {last.depth}"
                 )
-            kept, maxima.above = last.exceeded(maxima, plane.grid)
-            upper_kept, below = plane.exceeded(upper, last.grid)
+            pair = partner = np.empty(0, np.int64)
+            wins = np.empty(0, bool)
             if last.grid.shape != plane.grid.shape and upper.size and maxima.size:
                 pair, partner, wins = _matched_maxima(upper, last, maxima, plane)
-                upper_kept[pair], kept[partner] = wins, ~wins
-                # Maxima that win have not been compared with all nine values.
-                won, won_below = pair[wins], partner[~wins]
-                below[won] = plane.around(upper.select(won), last.grid)
-                maxima.above[won_below] = last.around(maxima.select(won_below), plane.grid)
+            # First what is compared with this plane, then with the last one, see `LinearPlane.refresh`.
+            upper_kept, below = plane.exceeded(upper, last.grid, pair, wins, self._threads)
+            kept, maxima.above = last.exceeded(maxima, plane.grid, partner, ~wins, self._threads)
             chosen = np.flatnonzero(upper_kept)
             if chosen.size:
-                found, depths = upper.select(chosen), (self._depth_above, last.depth, plane.depth)
-                self._found.append((found.field, _refined(found, last, below[chosen], depths)))
+                depths = self._depth_above, last.depth, plane.depth
+                for start in range(0, chosen.size, REFINED_AT_ONCE):
+                    some = chosen[start : start + REFINED_AT_ONCE]
+                    found = upper.select(some)
+                    self._found.append((found.field, _refined(found, last, below[some], depths)))
             self._depth_above = last.depth
         self._last = plane, maxima.select(np.flatnonzero(kept))
 
@@ -303,8 +313,10 @@ def _searched(
     check_nodes(grid)
     field, floor = grid.field("field", field), checked_floor(floor)
     periodic = choice("boundary", boundary, BOUNDARIES) == "periodic"
-    plane, (ny, nx) = SearchedPlane(depth, grid, Fields.of_array(field, periodic)), grid.shape
-    return plane, maxima_in_rows(plane.fields.rows(-1, ny + 1), nx, 0, floor)
+    plane = SearchedPlane(depth, grid, Fields.of_array(field, periodic))
+    ny, rows = grid.shape[0], max(1, 2 * NODES_AT_ONCE // grid.shape[1])
+    strips = ((first, min(first + rows, ny)) for first in range(0, ny, rows))
+    return plane, Maxima.join([maxima_in_rows(plane.fields, *strip, floor) for strip in strips])
 
 
 def checked_floor(floor: float) -> float:

@@ -15,12 +15,15 @@ from typing import Any, Self
 
 import numpy as np
 
-from asperity.core.compiled import compiled
+from asperity.core.compiled import compiled, inlined
 from asperity.core.types import Array
-from asperity.stress.planes.fields import MARGIN
+from asperity.stress.planes.fields import MARGIN, Fields, value_at
 
 MIN_DETERMINANT = 1e-12
 """A smaller determinant of the second derivatives, over the product of those along the axes, is rounding."""
+
+EIGHT_ONES = np.uint64(0x0101010101010101)
+"""Its product with a word of eight flags has their number in the highest byte."""
 
 
 class Entries:
@@ -70,66 +73,152 @@ class Maxima(Entries):
         return np.abs(self.here[:, 1, 1])
 
 
-def maxima_in_rows(values: Array, columns: int, first: int, floor: float) -> Maxima:
-    """Maxima in consecutive rows of a plane: nodes whose magnitude is above the floor and the 8 neighbours.
+def maxima_in_rows(fields: Fields, first: int, last: int, floor: float) -> Maxima:
+    """Maxima in rows of a plane: nodes whose magnitude is above the floor and the 8 neighbours.
 
     Parameters
     ----------
-    values : (fields, rows + 2, at least `MARGIN` + columns + 1) array
-        As of `asperity.stress.planes.fields.Fields.rows`, with one row more on both sides.
-    columns, first : int
-        Number of columns, and of the first row.
+    fields : Fields
+    first, last : int
+        First row and last row + 1.
     floor : float
     """
-    fields, rows = values.shape[0], values.shape[1] - 2
-    flags = np.empty((fields, rows, -(-columns // 8) * 8), bool)
-    flags[:, :, columns:] = False
-    _mark(values, columns, values.dtype.type(floor), flags)
-    count = int(np.count_nonzero(flags))
-    field, row, column = np.empty((3, count), np.int64)
+    values, columns = fields.rows(first - 1, last + 1), fields.basis.columns
+    flags = np.zeros((*values.shape[:2], -(-columns // 8) * 8), bool)
+    sought = np.ones(values.shape[0], bool)
+    least, words, lines = values.dtype.type(floor), flags.view(np.uint64), (1, values.shape[1] - 1)
+    count = mark(values, *lines, columns, least, sought, flags, words)
+    return marked(fields, values, flags, count, *lines, first - 1, None)
+
+
+def marked(
+    fields: Fields,
+    values: Array,
+    flags: Array,
+    count: int,
+    start: int,
+    stop: int,
+    first: int,
+    above: Fields | None,
+) -> Maxima:
+    """The maxima among flagged nodes, `count` in all, of the lines from `start` to `stop` − 1.
+
+    Line 0 is the row `first`. No neighbour exceeds a maximum, nor does one before it equal it. Those
+    that do not exceed the plane above at their node are left out, if it is given.
+    """
+    field, row, column = np.empty((3, count), np.int32)
     here = np.empty((count, 3, 3), values.dtype)
-    _collect(values, flags.view(np.uint64), flags, field, row, column, here)
-    return Maxima(field, row + first, column, here)
+    words, plane = flags.view(np.uint64), fields if above is None else above
+    kept = _collect(
+        plane.basis,
+        plane.formulas,
+        above is not None,
+        values,
+        (start, stop),
+        first,
+        words,
+        flags,
+        field,
+        row,
+        column,
+        here,
+    )
+    return Maxima(*(array[:kept].copy() for array in (field, row, column, here)))
 
 
 @compiled
-def _mark(values: Any, columns: int, floor: float, flags: Any) -> None:
-    """Flag the nodes that no neighbour exceeds, nor one before it equals."""
+def mark(
+    values: Any, start: int, stop: int, columns: int, floor: float, sought: Any, flags: Any, words: Any
+) -> int:
+    """Flag the nodes of some lines that may be maxima, from the four nearest neighbours; their number.
+
+    Parameters
+    ----------
+    values : (fields, lines, at least `MARGIN` + columns + 1) array
+    start, stop : int
+        The first line and the last + 1, between others.
+    columns : int
+    floor : float
+        Nodes of a magnitude at or below it are not flagged.
+    sought : (fields,) bool array
+        Fields to search.
+    flags : (fields, lines, columns or more) bool array
+    words : (fields, lines, a eighth of them) uint64 array
+        The same memory.
+    """
+    count = np.uint64(0)
     for t in range(flags.shape[0]):
-        for j in range(flags.shape[1]):
-            start, stop = MARGIN - 1, MARGIN + columns + 1
-            above, here = values[t, j, start:stop], values[t, j + 1, start:stop]
-            below, line = values[t, j + 2, start:stop], flags[t, j, :columns]
+        for j in range(start, stop):
+            first, last = MARGIN - 1, MARGIN + columns + 1
+            above, here = values[t, j - 1, first:last], values[t, j, first:last]
+            below, line = values[t, j + 1, first:last], flags[t, j, :columns]
+            if not sought[t]:
+                words[t, j] = 0
+                continue
             for i in range(line.size):
                 centre = abs(here[i + 1])
                 line[i] = (
                     (centre > floor)
-                    & (centre > abs(above[i]))
                     & (centre > abs(above[i + 1]))
-                    & (centre > abs(above[i + 2]))
                     & (centre > abs(here[i]))
                     & (centre >= abs(here[i + 2]))
-                    & (centre >= abs(below[i]))
                     & (centre >= abs(below[i + 1]))
-                    & (centre >= abs(below[i + 2]))
                 )
+            for word in words[t, j]:
+                count += (word * EIGHT_ONES) >> np.uint64(56)
+    return np.int64(count)  # type: ignore[return-value]
+
+
+@inlined
+def _is_highest(values: Any, t: int, j: int, i: int) -> bool:
+    """Whether a node is above its four diagonal neighbours."""
+    centre, left, right = abs(values[t, j, MARGIN + i]), MARGIN + i - 1, MARGIN + i + 1
+    return (
+        centre > abs(values[t, j - 1, left])
+        and centre > abs(values[t, j - 1, right])
+        and centre >= abs(values[t, j + 1, left])
+        and centre >= abs(values[t, j + 1, right])
+    )
 
 
 @compiled
-def _collect(values: Any, words: Any, flags: Any, field: Any, row: Any, column: Any, here: Any) -> None:
-    """Fill arrays with the flagged nodes and the values around them; a word holds eight flags."""
+def _collect(
+    above: Any,
+    fields: Any,
+    compared: bool,
+    values: Any,
+    lines: tuple[int, int],
+    first: int,
+    words: Any,
+    flags: Any,
+    field: Any,
+    row: Any,
+    column: Any,
+    here: Any,
+) -> int:
+    """Fill arrays with the maxima among the flagged nodes and the values around them; their number.
+
+    A word holds eight flags. If `compared`, maxima have to exceed the fields of the plane `above`, too.
+    """
     n = 0
     for t in range(flags.shape[0]):
-        for j in range(flags.shape[1]):
+        kind, ratio, uniform = fields.kinds[t], fields.ratios[t], fields.uniforms[t]
+        for j in range(lines[0], lines[1]):
             for w in range(words.shape[2]):
                 if words[t, j, w]:
                     for i in range(8 * w, 8 * w + 8):
-                        if flags[t, j, i]:
-                            field[n], row[n], column[n] = t, j, i
-                            for a in range(3):
-                                for b in range(3):
-                                    here[n, a, b] = values[t, j + a, MARGIN - 1 + i + b]
-                            n += 1
+                        if not (flags[t, j, i] and _is_highest(values, t, j, i)):
+                            continue
+                        if compared:
+                            other = value_at(above, kind, ratio, uniform, first + j, i)
+                            if not abs(values[t, j, MARGIN + i]) > abs(other):
+                                continue
+                        field[n], row[n], column[n] = t, first + j, i
+                        for a in range(3):
+                            for b in range(3):
+                                here[n, a, b] = values[t, j - 1 + a, MARGIN - 1 + i + b]
+                        n += 1
+    return n
 
 
 def refine_in_plane(values: Array) -> Array:

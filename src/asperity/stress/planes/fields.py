@@ -17,12 +17,15 @@ stress.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from asperity.core.compiled import compiled, inlined
+from asperity.core.parallel import in_parts
 from asperity.core.types import Array
 from asperity.elasticity.layer import COMPONENTS
 
@@ -40,6 +43,10 @@ _VON_MISES, _LARGEST_SHEAR, _PRINCIPAL_1, _PRINCIPAL_2, _PRINCIPAL_3, _HYDROSTAT
 _SLOPE_XX, _SLOPE_YY, _SLOPE_XY = 6, 7, 8
 
 
+Visit = Callable[[int, int, int], None]
+"""Called with a band, see `bands_of`, and the first row and last row + 1 of those that have been computed."""
+
+
 class BasisField(NamedTuple):
     """A linear combination `constant` × A + `slope` × B of the basis fields of one component."""
 
@@ -53,6 +60,15 @@ BASIS = (*((name, "constant") for name in COMPONENTS), ("xx", "slope"), ("yy", "
 
 MARGIN = 16
 """Numbers before the first node of a row of fields; the last of them is the neighbour beyond the edge."""
+
+BANDS = 8
+"""Most bands of a plane."""
+
+ROWS_OF_BAND = 64
+"""Fewest rows of a band, if there are several."""
+
+NODES_AT_ONCE = 2**15
+"""Nodes of rows that are transformed, searched and summed while they are in the cache."""
 
 BLOCK = 512
 """Nodes for which the values that all von Mises stresses share fit into the processor's cache."""
@@ -135,18 +151,33 @@ class Fields:
         (fields, last − first, at least `MARGIN` + nx + 1) array
             Node i of a row is at the place `MARGIN` + i.
         """
-        length = -(-(MARGIN + self.basis.columns + 1) // MARGIN) * MARGIN
-        out = np.empty((self.formulas.kinds.size, last - first, length), self.basis.values.dtype)
+        shape = self.formulas.kinds.size, last - first, row_length(self.basis.columns)
+        out = np.empty(shape, self.basis.values.dtype)
         shared = np.empty((5, BLOCK), out.dtype)
-        _fill_rows(self.basis, self.formulas, first, self.periodic, shared, out)
+        fill_rows(self.basis, self.formulas, first, self.periodic, shared, out, 0, last - first)
         return out
 
     def whole(self) -> Array:
         """Fields in the whole plane, (fields, ny, nx)."""
         return self.rows(0, self.basis.values.shape[1])[:, :, MARGIN : MARGIN + self.basis.columns]
 
-    def at(self, which: Array, row: Array, column: Array, shape: tuple[int, int], reach: int = 0) -> Array:
-        """Fields at nodes of a grid of the same cell, and at those around them.
+    def at(self, row: Array, column: Array) -> Array:
+        """The first of the fields at nodes of the plane, (nodes,)."""
+        out = np.empty(row.size, self.basis.values.dtype)
+        kind, ratio, uniform = (each[0] for each in self.formulas)
+        _take_nodes(self.basis, kind, ratio, uniform, row, column, out)
+        return out
+
+    def exceeded(
+        self,
+        which: Array,
+        row: Array,
+        column: Array,
+        shape: tuple[int, int],
+        magnitude: Array,
+        threads: int,
+    ) -> tuple[Array, Array]:
+        """True where a magnitude is above the nine values at and around a node, and these values if it is.
 
         On another grid than that of the plane, the basis fields are interpolated in double precision by
         Lagrange's formula on the six nearest nodes along each axis.
@@ -154,29 +185,64 @@ class Fields:
         Parameters
         ----------
         which, row, column : (nodes,) integer arrays
-            One of the fields, and a node.
+            One of the fields, and a node of a grid of the same cell.
         shape : (rows, columns)
-            Of the grid of these nodes.
-        reach : int
-            Nodes on each side that are evaluated, too.
+            Of this grid.
+        magnitude : (nodes,) array in the precision of the plane
+        threads : int
 
         Returns
         -------
-        (nodes, 2 reach + 1, 2 reach + 1) array in the precision of the plane
+        kept : (nodes,) bool array
+        values : (nodes, 3, 3) array in the precision of the plane
+            Where a magnitude is not above all of them, some are left out.
         """
-        basis, side = self.basis, 2 * reach + 1
-        out = np.empty((which.size, side, side), basis.values.dtype)
-        if shape == (basis.values.shape[1], basis.columns):
-            _take_nodes(basis, self.formulas, which, row, column, self.periodic, out)
-            return out
-        numbers = np.arange(len(BASIS))
-        place, mean = np.where(basis.place < 0, -1, numbers), float(basis.mean_pressure)
-        given = Basis(np.empty((numbers.size, 1, 1)), 1, place, mean)
-        kinds, ratios, uniforms = self.formulas
-        precise = Formulas(kinds, ratios.astype(float), uniforms.astype(float))
-        stencils = np.empty((2, side, 6), np.int64), np.empty((2, side, 6))
-        _interpolate_nodes(basis, given, precise, which, row, column, shape, self.periodic, *stencils, out)
-        return out
+        basis, numbers = self.basis, np.arange(len(BASIS))
+        kept, out = np.empty(which.size, bool), np.empty((which.size, 3, 3), basis.values.dtype)
+        given = np.where(basis.place < 0, -1, numbers), float(basis.mean_pressure)
+        precise = Formulas(self.formulas.kinds, *(each.astype(float) for each in self.formulas[1:]))
+        needed = np.array([_needed(int(kind), basis.place) for kind in self.formulas.kinds])
+
+        def compare(part: slice) -> None:
+            _compare(
+                basis,
+                Basis(np.empty((numbers.size, 1, 1)), 1, *given),
+                self.formulas,
+                precise,
+                needed,
+                (which[part], row[part], column[part]),
+                shape,
+                self.periodic,
+                magnitude[part],
+                (np.empty((2, 3, 6), np.int64), np.empty((2, 3, 6))),
+                kept[part],
+                out[part],
+            )
+
+        in_parts(compare, which.size, threads, smallest=256)
+        return kept, out
+
+
+def _needed(kind: int, place: Array) -> Array:
+    """True for every entry of `BASIS` on which a field depends."""
+    needed = np.zeros(len(BASIS), bool)
+    if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
+        slope = {_XX: _SLOPE_XX, _YY: _SLOPE_YY, _XY: _SLOPE_XY}.get(kind, kind)
+        needed[[kind, slope]] = True
+        return needed
+    return place >= 0
+
+
+def row_length(columns: int) -> int:
+    """Numbers in a row of fields with its margins."""
+    return -(-(MARGIN + columns + 1) // MARGIN) * MARGIN
+
+
+def bands_of(rows: int) -> list[tuple[int, int]]:
+    """First row and last row + 1 of bands of a plane; a thread goes through a band from row to row."""
+    count = min(BANDS, max(1, rows // ROWS_OF_BAND))
+    edges = [rows * number // count for number in range(count + 1)]
+    return list(pairwise(edges))
 
 
 @inlined
@@ -284,7 +350,7 @@ def _measure(kind: int, x: float, y: float, z: float, yz: float, xz: float, xy: 
 
 
 @inlined
-def _value_at(basis: Any, kind: int, ratio: Any, uniform: Any, row: Any, column: Any) -> float:
+def value_at(basis: Any, kind: int, ratio: Any, uniform: Any, row: Any, column: Any) -> float:
     """A field at one node."""
     values, _, place, mean = basis
     if kind < _VON_MISES and (kind != _YY or place[_SLOPE_YY] >= 0):
@@ -330,7 +396,7 @@ def _fill_row(basis: Any, kind: int, ratio: Any, uniform: Any, row: int, out: An
             out[i] = constant[i] + ratio * slope[i] + added
         return
     for i in range(out.size):
-        out[i] = _value_at(basis, kind, ratio, uniform, row, i)
+        out[i] = value_at(basis, kind, ratio, uniform, row, i)
 
 
 @compiled
@@ -376,10 +442,16 @@ def _fill_von_mises(basis: Any, fields: Any, row: int, shared: Any, out: Any, li
 
 
 @compiled
-def _fill_rows(basis: Any, fields: Any, first: int, periodic: bool, shared: Any, out: Any) -> None:
+def fill_rows(
+    basis: Any, fields: Any, first: int, periodic: bool, shared: Any, out: Any, start: int, stop: int
+) -> None:
+    """Fill the lines from `start` to `stop` − 1 of `out` with rows from `first` on, see `Fields.rows`.
+
+    `shared` is an array (5, `BLOCK`) in the precision of the plane.
+    """
     ny, nx = basis.values.shape[1], basis.columns
-    for line in range(out.shape[1]):
-        row = neighbour(first + line, ny, periodic)
+    for line in range(start, stop):
+        row = neighbour(first + line - start, ny, periodic)
         if fields.kinds[0] == _VON_MISES:
             _fill_von_mises(basis, fields, row, shared, out, line)
         for m in range(fields.kinds.size):
@@ -391,54 +463,73 @@ def _fill_rows(basis: Any, fields: Any, first: int, periodic: bool, shared: Any,
 
 
 @compiled
-def _take_nodes(basis: Any, fields: Any, which: Any, row: Any, column: Any, periodic: bool, out: Any) -> None:
-    ny, nx = basis.values.shape[1], basis.columns
-    reach = out.shape[1] // 2
-    for n in range(which.size):
-        kind, ratio, uniform = fields.kinds[which[n]], fields.ratios[which[n]], fields.uniforms[which[n]]
-        for a in range(out.shape[1]):
-            j = neighbour(row[n] + a - reach, ny, periodic)
-            for b in range(out.shape[2]):
-                i = neighbour(column[n] + b - reach, nx, periodic)
-                out[n, a, b] = _value_at(basis, kind, ratio, uniform, j, i)
+def _take_nodes(basis: Any, kind: int, ratio: Any, uniform: Any, row: Any, column: Any, out: Any) -> None:
+    for n in range(out.size):
+        out[n] = value_at(basis, kind, ratio, uniform, row[n], column[n])
+
+
+_FROM_CENTRE = ((0, 0), (0, 1), (1, 0), (0, -1), (-1, 0), (1, 1), (1, -1), (-1, -1), (-1, 1))
+"""A node and those around it: most maxima end at the node itself."""
 
 
 @compiled
-def _interpolate_nodes(
+def _compare(
     basis: Any,
     given: Any,
     fields: Any,
-    which: Any,
-    row: Any,
-    column: Any,
+    precise: Any,
+    needed: Any,
+    nodes: Any,
     shape: tuple[int, int],
     periodic: bool,
-    places: Any,
-    weights: Any,
+    magnitude: Any,
+    stencils: Any,
+    kept: Any,
     out: Any,
 ) -> None:
-    """As `_take_nodes`, from basis fields interpolated to `given`, which has one node."""
-    ny, nx = basis.values.shape[1], basis.columns
-    reach = out.shape[1] // 2
-    zero = np.int64(0)
+    """As `Fields.exceeded`; `given` has one node, to which the `needed` basis fields are interpolated."""
+    (which, row, column), (places, weights) = nodes, stencils
+    ny, nx, zero = basis.values.shape[1], basis.columns, np.int64(0)
+    same = ny == shape[0] and nx == shape[1]
     for n in range(which.size):
-        kind, ratio, uniform = fields.kinds[which[n]], fields.ratios[which[n]], fields.uniforms[which[n]]
-        for a in range(out.shape[1]):
-            _fill_stencil(row[n] + a - reach, shape[0], ny, periodic, places[0, a], weights[0, a])
-            _fill_stencil(column[n] + a - reach, shape[1], nx, periodic, places[1, a], weights[1, a])
-        for a in range(out.shape[1]):
-            for b in range(out.shape[2]):
+        m = which[n]
+        kept[n] = True
+        for k in range(9):
+            a, b = _FROM_CENTRE[k]
+            j, i = row[n] + a, column[n] + b
+            if same:
+                j, i = neighbour(j, ny, periodic), neighbour(i, nx, periodic)
+                value = value_at(basis, fields.kinds[m], fields.ratios[m], fields.uniforms[m], j, i)
+            else:
+                if k < 3 or k == 4:
+                    _fill_stencil(j, shape[0], ny, periodic, places[0, a], weights[0, a])
+                if k < 4:
+                    _fill_stencil(i, shape[1], nx, periodic, places[1, b], weights[1, b])
                 for part in range(given.place.size):
-                    if given.place[part] >= 0:
-                        total = 0.0
-                        for k in range(6):
-                            line = basis.values[basis.place[part], places[0, a, k]]
-                            along = 0.0
-                            for m in range(6):
-                                along += weights[1, b, m] * line[places[1, b, m]]
-                            total += weights[0, a, k] * along
-                        given.values[part, 0, 0] = total
-                out[n, a, b] = _value_at(given, kind, ratio, uniform, zero, zero)
+                    if needed[m, part]:
+                        values = basis.values[basis.place[part]]
+                        along_y, along_x = (places[0, a], weights[0, a]), (places[1, b], weights[1, b])
+                        given.values[part, 0, 0] = _weighted(values, along_y, along_x)
+                of_field = fields.kinds[m], precise.ratios[m], precise.uniforms[m]
+                value = basis.values.dtype.type(value_at(given, *of_field, zero, zero))
+            out[n, a + 1, b + 1] = value
+            if not magnitude[n] > abs(value):
+                kept[n] = False
+                break
+
+
+@inlined
+def _weighted(values: Any, along_y: Any, along_x: Any) -> float:
+    """Lagrange's formula from the values at the places of a stencil along each axis."""
+    place, weight = along_x
+    a, b, c, d, e, f = place[0], place[1], place[2], place[3], place[4], place[5]
+    u, v, w, x, y, z = weight[0], weight[1], weight[2], weight[3], weight[4], weight[5]
+    total = 0.0
+    for k in range(6):
+        line = values[along_y[0][k]]
+        along = (u * line[a] + v * line[b]) + (w * line[c] + x * line[d]) + (y * line[e] + z * line[f])
+        total += along_y[1][k] * along
+    return total
 
 
 _INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) for k in range(6)])
@@ -459,7 +550,11 @@ def _fill_stencil(node: int, others: int, nodes: int, periodic: bool, place: Any
         base = max(2, min(base, nodes - 4))
     fraction = position - base
     for k in range(6):
-        place[k] = (base + k - 2) % nodes
+        place[k] = base + k - 2
+        while place[k] < 0:
+            place[k] += nodes
+        while place[k] >= nodes:
+            place[k] -= nodes
         weight[k] = _INVERSE_PRODUCTS[k]
         for m in range(6):
             if m != k:

@@ -20,7 +20,7 @@ nodes take for long ones.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property, partial
 
 import numpy as np
@@ -31,7 +31,7 @@ from asperity.core.types import Array
 from asperity.elasticity.loaded_rectangle import padded_grid
 from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.fourier.grid import Fourier, Grid, Work, resample
-from asperity.stress.planes.fields import BasisField
+from asperity.stress.planes.fields import BasisField, Visit, bands_of
 from asperity.stress.planes.rectangle import rectangle_stress
 from asperity.stress.planes.truncation import PlaneGrid, Truncation, coarser_grids
 
@@ -66,7 +66,7 @@ class FreePlanes:
         solid: LoadedSolid,
         depths: Array,
         tolerance: float,
-        envelope: float,
+        envelope: Callable[[float], float],
         traction: tuple[float, float],
         threads: int,
         work: Work,
@@ -104,7 +104,14 @@ class FreePlanes:
         """Numbers in a row of the array that is filled."""
         return grid.shape[1]
 
-    def compute(self, depth: float, own: PlaneGrid, fields: Sequence[BasisField], values: Array) -> None:
+    def compute(
+        self,
+        depth: float,
+        own: PlaneGrid,
+        fields: Sequence[BasisField],
+        values: Array,
+        visit: Visit | None = None,
+    ) -> None:
         """Compute the basis fields of one plane; arguments as for `PeriodicPlanes`."""
         cell, modes, taper = self._cell(own.grid)
         ny, nx = own.grid.shape
@@ -119,6 +126,10 @@ class FreePlanes:
         tasks = [partial(transform, field, out) for field, out in zip(fields, values, strict=True)]
         results_of(tasks, self._threads)
         self._work.nodes += 2 * len(fields) * cell.size
+
+        if visit is not None:
+            bands = [partial(visit, number, *band) for number, band in enumerate(bands_of(ny))]
+            results_of(bands, self._threads)
 
     def _cell(self, grid: Grid) -> tuple[Grid, Array, Array | float]:
         """Cell of the convolution, coefficients of the pressure in it, and the taper of the influence."""

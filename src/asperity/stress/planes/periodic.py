@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Callable, Sequence
 from functools import partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
-from asperity.core.compiled import compiled, inlined
-from asperity.core.parallel import results_of
+from asperity.core.compiled import compiled, fused, fused_inlined, inlined
+from asperity.core.parallel import KeptArrays, results_of
 from asperity.core.types import Array
 from asperity.elasticity.layer import COMPONENTS
 from asperity.elasticity.loaded_solid import LoadedSolid
-from asperity.fourier.grid import Fourier, Grid, Work, resample
-from asperity.stress.planes.fields import BasisField
+from asperity.fourier.grid import Fourier, Grid, Work
+from asperity.stress.planes.fields import NODES_AT_ONCE, BasisField, Visit, bands_of
 from asperity.stress.planes.truncation import PlaneGrid, Truncation, coarser_grids
 
 _XX, _YY, _ZZ, _YZ, _XZ, _XY = range(6)
@@ -32,8 +34,8 @@ class PeriodicPlanes:
     depths : (planes,) array
     tolerance : float
         Of the planes on coarser grids, see `asperity.stress_planes`.
-    envelope : float
-        The constant K of `asperity.stress.planes.truncation.envelope_of`.
+    envelope : callable
+        Depth → the constant K of `asperity.stress.planes.truncation.envelope_of`.
     traction : (x, y)
         Shear traction over pressure.
     threads : int
@@ -54,7 +56,7 @@ class PeriodicPlanes:
         solid: LoadedSolid,
         depths: Array,
         tolerance: float,
-        envelope: float,
+        envelope: Callable[[float], float],
         traction: tuple[float, float],
         threads: int,
         work: Work,
@@ -66,22 +68,33 @@ class PeriodicPlanes:
         self.plan = [truncation.choose(depth) for depth in depths]
         self.mean_pressure = float(modes[0, 0].real)
         self.dtype = np.dtype(dtype)
+        self._pressure, self._kept = solid.pressure, KeptArrays()
         self._finest = solid.grid, modes.astype(np.result_type(self.dtype, np.complex64), copy=False)
         self._use(solid.grid)
 
     def _use(self, grid: Grid) -> None:
-        """Resample the modes of the pressure to a grid."""
+        """Prepare the transforms on a grid."""
         self._fourier = Fourier(grid, self.dtype)
-        modes = resample(self._finest[1], self._finest[0], grid)
-        q = grid.half_wavenumber().astype(self.dtype)
-        along_x, self._along_y = (
+        self._along_x, self._along_y = (
             np.stack(pair).astype(self.dtype) for pair in ((grid.qx, grid.odd_qx), (grid.qy, grid.odd_qy))
         )
-        starts = range(COLUMNS_AT_ONCE, q.shape[1], COLUMNS_AT_ONCE)
-        parts = (
-            np.split(array, starts, axis=1) for array in (modes, q, 1 / np.where(q > 0, q, np.inf), along_x)
+
+    def _modes_of(self, columns: slice) -> Array:
+        """Modes of the pressure on the present grid in some columns, (ny, columns)."""
+        (finest, modes), grid = self._finest, self._fourier.grid
+        out = self._kept.array("modes", (grid.shape[0], columns.stop - columns.start), modes.dtype)
+        if grid == finest:
+            np.copyto(out, modes[:, columns])
+            return out
+        out[:] = 0
+        rows, kept = (
+            (grid.shape[0] - 1) // 2,
+            slice(columns.start, min(columns.stop, (grid.shape[1] + 1) // 2)),
         )
-        self._strips = [[np.ascontiguousarray(part) for part in strip] for strip in zip(*parts, strict=True)]
+        count = kept.stop - kept.start
+        out[: rows + 1, :count] = modes[: rows + 1, kept]
+        out[out.shape[0] - rows :, :count] = modes[modes.shape[0] - rows :, kept]
+        return out
 
     @staticmethod
     def row_length(grid: Grid) -> int:
@@ -91,7 +104,14 @@ class PeriodicPlanes:
         """
         return 16 * (-(-grid.half_shape[1] // 8) | 1)
 
-    def compute(self, depth: float, own: PlaneGrid, fields: Sequence[BasisField], values: Array) -> None:
+    def compute(
+        self,
+        depth: float,
+        own: PlaneGrid,
+        fields: Sequence[BasisField],
+        values: Array,
+        visit: Visit | None = None,
+    ) -> None:
         """Compute the basis fields of one plane.
 
         Parameters
@@ -102,59 +122,108 @@ class PeriodicPlanes:
         fields : sequence of BasisField
         values : (fields, ny, `row_length`) array
             The first nx columns are filled.
+        visit : callable, optional
+            Called when some rows are filled.
         """
         grid = own.grid
         if grid != self._fourier.grid:
             self._use(grid)
-        engine, nx = self._fourier.engine, grid.shape[1]
+        engine, (ny, nx) = self._fourier.engine, grid.shape
         spectra = values.view(self._fourier.complex)[:, :, : grid.half_shape[1]]
+        along_x = list(range(len(fields)))
+        first = {field.component: number for number, field in reversed(list(enumerate(fields)))}
+        is_surface = is_xz_derived = False
+        if len(first) == len(COMPONENTS) and self._layer.height is None and not any(self._traction):
+            is_surface = depth == 0 and grid == self._finest[0]
+            is_xz_derived = not is_surface and fields[first["xx"]].slope >= 0
+        own_fields = list(fields)
+        mean = self.dtype.type(self.mean_pressure)
+        combinations = np.array([_in_surface(field) for field in fields], self.dtype)
+        if is_surface:
+            along_x = [first["xx"], first["xy"]]
+            own_fields = [BasisField(field.component, 1.0, 0.0) for field in fields]
+        along_y = [n for n in along_x if not (is_xz_derived and n == first["xz"])]
+        edges = [0, *(k for k in range(1, len(along_y)) if along_y[k] > along_y[k - 1] + 1), len(along_y)]
+        runs = [slice(along_y[start], along_y[stop - 1] + 1) for start, stop in pairwise(edges)]
 
-        def transform_columns(number: int) -> None:
-            first = number * COLUMNS_AT_ONCE
-            columns = slice(first, min(first + COLUMNS_AT_ONCE, own.columns))
-            count = columns.stop - first
-            strip = [np.ascontiguousarray(array[:, :count]) for array in self._strips[number]]
-            for coefficients, out in zip(self._coefficients(depth, fields, strip), spectra, strict=True):
-                engine.inverse_along_y(coefficients, out[:, columns])
+        def transform_columns(start: int) -> None:
+            columns = slice(start, min(start + COLUMNS_AT_ONCE, own.columns))
+            found = self._coefficients(depth, [own_fields[n] for n in along_y], columns)
+            done = 0
+            for some in runs:
+                count = some.stop - some.start
+                engine.inverse_along_y(found[done : done + count], spectra[some, :, columns])
+                done += count
 
-        def transform_rows(number: int) -> None:
-            spectra[number, :, own.columns :] = 0
-            engine.inverse_along_x(spectra[number], values[number, :, :nx])
+        def transform_rows(band: int) -> None:
+            for start in range(bands[band][0], bands[band][1], rows):
+                stop = min(start + rows, bands[band][1])
+                if is_xz_derived:
+                    constant, slope = fields[first["xx"]][1:]
+                    factor = self._along_x[1, : own.columns] * self.dtype.type(
+                        fields[first["xz"]].constant * 0.5 * depth / (constant + slope)
+                    )
+                    numbers = tuple(first[name] for name in ("xx", "yy", "zz", "xz"))
+                    _fill_xz(numbers, factor, start, stop, np.empty(2 * own.columns, self.dtype), values)
+                for some in runs if is_surface else [slice(None)]:
+                    spectra[some, start:stop, own.columns :] = 0
+                    engine.inverse_along_x(spectra[some, start:stop], values[some, start:stop, :nx])
+                if is_surface:
+                    places = np.array([first["xx"], first["xy"]])
+                    shared = np.empty((4, nx), self.dtype)
+                    _fill_surface(self._pressure, mean, places, combinations, start, stop, shared, values)
+                if visit is not None:
+                    visit(band, start, stop)
 
-        strips = range(-(-own.columns // COLUMNS_AT_ONCE))
-        results_of([partial(transform_columns, number) for number in strips], self._threads)
-        results_of([partial(transform_rows, number) for number in range(len(fields))], self._threads)
-        self._work.nodes += round(len(fields) * grid.size * (1 + own.columns / grid.half_shape[1]) / 2)
+        starts, bands, rows = (
+            range(0, own.columns, COLUMNS_AT_ONCE),
+            bands_of(ny),
+            max(4, NODES_AT_ONCE // nx),
+        )
+        results_of([partial(transform_columns, start) for start in starts], self._threads)
+        results_of([partial(transform_rows, band) for band in range(len(bands))], self._threads)
+        columns = len(along_y) * own.columns / grid.half_shape[1]
+        self._work.nodes += round(grid.size * (len(along_x) + columns) / 2)
 
-    def _coefficients(
-        self, depth: float, fields: Sequence[BasisField], strip: Sequence[Array]
-    ) -> Iterator[Array]:
-        """Coefficients of one basis field after the other, (ny, columns), in the same array.
-
-        Parameters
-        ----------
-        depth : float
-        fields : sequence of BasisField
-        strip : sequence of arrays
-            Of some columns of the half spectrum: modes of the pressure, (ny, columns); the wavenumber q, and
-            1/q or 0 at q = 0, (ny // 2 + 1, columns); q_x for factors even and odd in it, (2, columns).
-        """
-        real, (modes, q, over_q, along_x) = self.dtype.type, strip
+    def _coefficients(self, depth: float, fields: Sequence[BasisField], columns: slice) -> Array:
+        """Coefficients of basis fields in some columns, (fields, ny, columns)."""
+        real, grid = self.dtype.type, self._fourier.grid
+        modes = self._modes_of(columns)
+        every = self._kept.array("coefficients", (len(fields), *modes.shape), modes.dtype)
+        if self._layer.height is None and not any(self._traction):
+            kinds = np.array([COMPONENTS.index(field.component) for field in fields])
+            factors = np.array([(field.constant, field.slope) for field in fields], self.dtype)
+            along_x, numbers = np.ascontiguousarray(self._along_x[:, columns]), modes.view(self.dtype)
+            _fill_half_space(
+                kinds,
+                factors,
+                real(depth),
+                (along_x, self._along_y),
+                numbers,
+                self._kept.array("row", (3, along_x.shape[1]), float),
+                self._kept.array("row", (3, along_x.shape[1]), np.int64)[2],
+                self._kept.array("factors", (4, 2 * along_x.shape[1]), self.dtype),
+                every.view(self.dtype),
+            )
+            if columns.start == 0:
+                every[:, 0, 0] = [self._mean(field) for field in fields]
+            return every
+        q = grid.half_wavenumber(columns=columns).astype(self.dtype)
+        over_q = 1 / np.where(q > 0, q, np.inf).astype(self.dtype)
         kernels = self._layer.kernels(q, depth)[:3]
         shear_kernels = self._layer.shear_kernels(q, depth) if any(self._traction) else None
-        directions = along_x, self._along_y, over_q
+        directions = np.ascontiguousarray(self._along_x[:, columns]), self._along_y, over_q
         factor = np.empty(q.shape[1], self.dtype)
-        out = np.empty_like(modes)
         traction = tuple(map(real, self._traction))
-        for field in fields:
+        for field, out in zip(fields, every, strict=True):
             component, a, b = COMPONENTS.index(field.component), real(field.constant), real(field.slope)
             numbers, into = modes.view(self.dtype), out.view(self.dtype)
             _fill_spectrum(component, a, b, directions, kernels, factor, numbers, into)
             if shear_kernels is not None:
                 _add_sliding(component, a, b, traction, directions, tuple(shear_kernels), modes, out)
-            if q[0, 0] == 0:
+            if columns.start == 0:
                 out[0, 0] = self._mean(field)
-            yield out
+        return every
 
     def _mean(self, field: BasisField) -> float:
         """The mean of a basis field."""
@@ -211,6 +280,191 @@ def _fill_spectrum(
                 for i in range(factor.size):
                     factor[i] = -factor[i]
             _multiply(factor, modes[rows - j], component in (_XZ, _YZ), out[rows - j])
+
+
+def _in_surface(field: BasisField) -> tuple[float, float, float, float]:
+    """Factors of A_xx, A_yy, A_zz and A_xy in a basis field in the surface of a half-space.
+
+    There σ_zz is minus the pressure, σ_yz and σ_xz are zero, and A_xx + A_yy = σ_zz, B_xx = 2 A_yy,
+    B_yy = 2 A_xx and B_xy = −2 A_xy but for the mean mode: A_xx and A_xy alone are transformed.
+    """
+    a, b = field.constant, field.slope
+    return {
+        "xx": (a, 2 * b, 0.0, 0.0),
+        "yy": (2 * b, a, 0.0, 0.0),
+        "zz": (0.0, 0.0, a, 0.0),
+        "xy": (0.0, 0.0, 0.0, a - 2 * b),
+    }.get(field.component, (0.0, 0.0, 0.0, 0.0))
+
+
+@compiled
+def _fill_surface(
+    pressure: Any, mean: float, places: Any, factors: Any, start: int, stop: int, shared: Any, values: Any
+) -> None:
+    """Fill rows of the basis fields in the surface from A_xx and A_xy, whose places in `values` are given.
+
+    `shared` is an array (4, nx) in the precision of the planes.
+    """
+    xx, yy, zz, xy = shared[0], shared[1], shared[2], shared[3]
+    for j in range(start, stop):
+        own_xx, own_xy, above = values[places[0], j], values[places[1], j], pressure[j]
+        for i in range(xx.size):
+            xx[i] = own_xx[i]
+        for i in range(xx.size):
+            xy[i] = own_xy[i]
+        for i in range(xx.size):
+            zz[i] = -above[i]
+        for i in range(xx.size):
+            yy[i] = zz[i] - xx[i] + mean
+        for n in range(values.shape[0]):
+            a, b, c, d = factors[n, 0], factors[n, 1], factors[n, 2], factors[n, 3]
+            out = values[n, j, : xx.size]
+            for i in range(xx.size):
+                out[i] = a * xx[i] + b * yy[i]
+            if c != 0 or d != 0:
+                for i in range(xx.size):
+                    out[i] += c * zz[i] + d * xy[i]
+
+
+@compiled
+def _fill_xz(numbers: Any, factor: Any, start: int, stop: int, trace: Any, values: Any) -> None:
+    """Fill rows of A_xz after the transform along y: i q_x depth/2 times the trace of A, in a half-space.
+
+    Parameters
+    ----------
+    numbers : (4,) tuple
+        Places in `values` of xx, yy, zz and xz.
+    factor : (columns,) array
+        q_x depth/2.
+    start, stop : int
+    trace : (2 columns,) array
+        Any values.
+    values : (fields, ny, at least 2 columns) array
+        Real and imaginary parts in turn.
+    """
+    for j in range(start, stop):
+        xx, yy = values[numbers[0], j], values[numbers[1], j]
+        zz, xz = values[numbers[2], j], values[numbers[3], j]
+        # The trace first: only loops that read and write few arrays are turned into operations on vectors.
+        for i in range(trace.size):
+            trace[i] = xx[i] + yy[i] + zz[i]
+        for i in range(factor.size):
+            xz[2 * i] = -factor[i] * trace[2 * i + 1]
+            xz[2 * i + 1] = factor[i] * trace[2 * i]
+
+
+@fused
+def _fill_half_space(
+    kinds: Any,
+    factors: Any,
+    depth: float,
+    directions: Any,
+    modes: Any,
+    row: Any,
+    exponent: Any,
+    shared: Any,
+    out: Any,
+) -> None:
+    """Fill `out` with the coefficients of a A + b B of some components in a half-space under the pressure.
+
+    As `_fill_spectrum` with the kernels of the half-space, and about three times as fast.
+
+    Parameters
+    ----------
+    kinds : (fields,) integer array
+        Places of the components in `COMPONENTS`.
+    factors : (fields, 2) array
+        a and b.
+    depth : float
+    directions : tuple
+        q_x of the columns and q_y of the rows, as for `_fill_spectrum`.
+    modes : (ny, 2 columns) array
+        Coefficients of the pressure, real and imaginary parts in turn.
+    row : (3, columns) array in double precision
+    exponent : (columns,) integer array
+        The memory of the third row.
+    shared : (4, 2 columns) array
+        With any values, as `row`.
+    out : (fields, ny, 2 columns) array
+    """
+    (qx, odd_qx), (qy, odd_qy) = directions
+    rows, columns = out.shape[1], qx.size
+    scaled, over_square, decay, factor = shared[0], shared[1], shared[2], shared[3]
+    one = qx.dtype.type(1)
+    for j in range(rows // 2 + 1):
+        for i in range(columns):
+            square = qx[i] * qx[i] + qy[j] * qy[j]
+            scaled[i] = depth * np.sqrt(square)
+            over_square[i] = one / square if square > 0 else qx.dtype.type(0)
+        _fill_decay(scaled, row[0], row[1], row[2], exponent, decay)
+        for n in range(kinds.size):
+            kind, a, b = kinds[n], factors[n, 0], factors[n, 1]
+            if kind == _ZZ:
+                for i in range(columns):
+                    factor[2 * i] = factor[2 * i + 1] = -a * (one + scaled[i]) * decay[i]
+            elif kind == _XY:
+                for i in range(columns):
+                    both = odd_qx[i] * odd_qy[j] * over_square[i] * decay[i]
+                    factor[2 * i] = factor[2 * i + 1] = both * (b + b - a * (one - scaled[i]))
+            elif kind == _YZ:
+                for i in range(columns):
+                    factor[2 * i] = factor[2 * i + 1] = a * depth * odd_qy[j] * decay[i]
+            elif kind == _XZ:
+                for i in range(columns):
+                    factor[2 * i] = factor[2 * i + 1] = a * depth * odd_qx[i] * decay[i]
+            else:
+                for i in range(columns):
+                    c, s = qx[i] * qx[i] * over_square[i], qy[j] * qy[j] * over_square[i]
+                    own, other = (c, s) if kind == _XX else (s, c)
+                    value = -(a * own * (one - scaled[i]) + (b + b) * other) * decay[i]
+                    factor[2 * i] = factor[2 * i + 1] = value
+            # The row of −qy has the same factors but for the sign of those odd in qy.
+            for k, sign in ((j, one), (rows - j, -one if kind in (_YZ, _XY) else one)):
+                if k == j or 0 < j < k:
+                    _multiply_twice(factor, sign, modes[k], kind in (_XZ, _YZ), out[n, k])
+
+
+_LARGEST_ARGUMENT = 700.0
+_LOG2_E = 1 / math.log(2.0)
+_LN2_HIGH, _LN2_LOW = 0.693145751953125, 1.4286068203094173e-06
+_TAYLOR = tuple(1.0 / math.factorial(k) for k in range(13, -1, -1))
+_MANTISSA, _BIAS = 52, 1023
+"""Bits of the mantissa of a number in double precision, and its exponent for 1."""
+
+
+@fused
+def _fill_decay(scaled: Any, argument: Any, power: Any, scale: Any, exponent: Any, out: Any) -> None:
+    """Fill `out` with e^(−x): 2^n times a Taylor series on |x| ≤ ln 2 / 2, which is computed in vectors.
+
+    `scale` and `exponent` are the same memory as numbers and as integers.
+    """
+    for i in range(argument.size):
+        argument[i] = -scaled[i] if scaled[i] < _LARGEST_ARGUMENT else -_LARGEST_ARGUMENT
+    for i in range(argument.size):
+        exponent[i] = np.int64(argument[i] * _LOG2_E - 0.5)
+    for i in range(argument.size):
+        argument[i] = argument[i] - exponent[i] * _LN2_HIGH - exponent[i] * _LN2_LOW
+    for i in range(argument.size):
+        total = _TAYLOR[0]
+        for coefficient in _TAYLOR[1:]:
+            total = total * argument[i] + coefficient
+        power[i] = total
+    for i in range(argument.size):
+        exponent[i] = (exponent[i] + _BIAS) << _MANTISSA
+    for i in range(argument.size):
+        out[i] = power[i] * scale[i]
+
+
+@fused_inlined
+def _multiply_twice(factor: Any, sign: float, modes: Any, turned: bool, out: Any) -> None:
+    """Fill `out` with factors, each twice in turn, times coefficients, times −i if turned."""
+    if turned:
+        for i in range(out.size // 2):
+            out[2 * i] = sign * factor[2 * i] * modes[2 * i + 1]
+            out[2 * i + 1] = -sign * factor[2 * i + 1] * modes[2 * i]
+    else:
+        for k in range(out.size):
+            out[k] = sign * factor[k] * modes[k]
 
 
 @inlined

@@ -17,16 +17,16 @@ Planes are computed in single precision where the tolerance is well above its ro
 
 from __future__ import annotations
 
-import math
-from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from asperity.core.arguments import choices, number, real_array, whole_number
+from asperity.core.parallel import aligned_memory
 from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import COMPONENTS, Layer
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
@@ -39,6 +39,7 @@ from asperity.stress.planes.fields import (
     BasisField,
     Fields,
     Formulas,
+    Visit,
 )
 from asperity.stress.planes.free_boundary import FreePlanes
 from asperity.stress.planes.periodic import PeriodicPlanes
@@ -53,6 +54,11 @@ square."""
 
 SINGLE_PRECISION_PRESSURES = (1e-10, 1e15)
 """Largest pressures for which single precision will do: squares of stresses stay within it."""
+
+KEPT_BYTES = 550_000_000
+"""Memory in which the basis fields of two planes are kept side by side: those of 2048² nodes in double
+precision. Of larger planes only one is in memory, and the plane above it is computed again where its stress
+is compared with that below."""
 
 MAX_PLANES = 10_000
 """Most planes of one stream. `depth_grid` makes about sixty; 8192 are half a spacing apart at 4096²."""
@@ -79,12 +85,14 @@ class LinearPlane:
     depth, grid, bound
         Of the plane, as in `asperity.stress.planes.planes.StressPlane`.
     basis : Basis
-        Its arrays are used again: those of a plane hold the plane after the next when it is computed.
+        Its arrays are used again: see `PlaneStream.planes`.
     fixed : bool
         True if A is the stress itself, for one Poisson's ratio.
     solid : LoadedSolid
     scale : float
         Root mean square of σ_zz or less, as far as it is known before the plane is computed.
+    refresh : callable
+        Computes the basis fields again if those of another plane have been written over them.
     """
 
     depth: float
@@ -94,6 +102,7 @@ class LinearPlane:
     fixed: bool
     solid: LoadedSolid
     scale: float
+    refresh: Callable[[], None]
 
     def fields(self, names: Sequence[str], ratios: Sequence[float], uniforms: Sequence[float]) -> Fields:
         """Fields of these names and Poisson's ratios, given uniform parts over the mean pressure.
@@ -113,7 +122,7 @@ class LinearPlane:
     def field_at(self, name: str, poisson: float, nodes: Array) -> Array:
         """The field `name` at some nodes, given by their places in the flat array of the plane."""
         row, column = np.divmod(nodes, self.grid.shape[1])
-        return self._one(name, poisson).at(np.zeros_like(nodes), row, column, self.grid.shape)[:, 0, 0]
+        return self._one(name, poisson).at(row, column)
 
     def named_fields(self, names: Sequence[str], ratios: Sequence[float]) -> dict[str, Array]:
         """Fields by name, (ratios, ny, nx)."""
@@ -171,38 +180,62 @@ class PlaneStream:
         self.threads = whole_number("threads", threads, accepted, lambda count: 1 <= count <= MAX_THREADS)
         self.work = Work() if work is None else work
         self.friction, self.sliding_direction = float(friction), sliding_direction
+        low, high = SINGLE_PRECISION_PRESSURES
+        fits = low <= max(self.solid.pressure.max(), -self.solid.pressure.min()) <= high
+        single = fits and self._tolerance >= SINGLE_PRECISION_TOLERANCE and self.solid.boundary == "periodic"
+        self.dtype = np.dtype("float32" if single else "float64")
 
-    def planes(self, progress: Progress | None = None, count: int | None = None) -> Iterator[LinearPlane]:
-        """The planes one after the other, or the first `count` of them."""
+    @property
+    def keeps_planes(self) -> bool:
+        """Whether the basis fields of two planes are kept side by side at all depths."""
+        fields, grid = len(self._basis_fields()[0]), self.solid.grid
+        return 2 * fields * grid.size * self.dtype.itemsize <= KEPT_BYTES
+
+    def planes(
+        self,
+        progress: Progress | None = None,
+        count: int | None = None,
+        watch: Callable[[LinearPlane], Visit] | None = None,
+    ) -> Iterator[LinearPlane]:
+        """The planes one after the other, or the first `count` of them.
+
+        `watch` is called with every plane before it is computed, and returns what is to be called when some
+        rows of it are there. The basis fields of a plane are in memory until the next plane but one is
+        computed, those of large planes until the next; `LinearPlane.refresh` brings them back.
+        """
         depths, (basis_fields, place) = self.depths[:count], self._basis_fields()
         source = self._source(depths)
         done = np.cumsum([each.grid.size for each in source.plan], dtype=float)
-        memory = deque([np.empty(0, source.dtype)] * 2)
-        for depth, own, share in zip(depths, source.plan, done / done[-1], strict=True):
-            memory.rotate()
+        sizes = [len(basis_fields) * own.grid.shape[0] * source.row_length(own.grid) for own in source.plan]
+        memory = _Memory(sizes, source.dtype)
+        for index, (depth, own) in enumerate(zip(depths, source.plan, strict=True)):
             shape = len(basis_fields), own.grid.shape[0], source.row_length(own.grid)
-            size = math.prod(shape)
-            if memory[0].size < size:
-                memory[0] = np.empty(size, source.dtype)
-            values = memory[0][:size].reshape(shape)
-            source.compute(depth, own, basis_fields, values)
+            values = memory.array(index, shape)
+            compute = partial(source.compute, depth, own, basis_fields, values)
             basis = Basis(values, own.grid.shape[1], place, source.dtype.type(source.mean_pressure))
-            fixed = len(self.ratios) == 1
-            yield LinearPlane(float(depth), own.grid, own.bound, basis, fixed, self.solid, own.scale)
+            plane = LinearPlane(
+                float(depth),
+                own.grid,
+                own.bound,
+                basis,
+                len(self.ratios) == 1,
+                self.solid,
+                own.scale,
+                partial(memory.use, index, compute),
+            )
+            memory.use(index, partial(compute, visit=None if watch is None else watch(plane)))
+            yield plane
             if progress is not None:
-                progress(float(share), 1.0)
+                progress(float(done[index] / done[-1]), 1.0)
 
     def _source(self, depths: Array) -> PeriodicPlanes | FreePlanes:
         """Where the basis fields come from."""
         solid, tolerance = self.solid, self._tolerance
-        envelope = envelope_of(solid.layer, min(self.ratios), float(np.hypot(*self._traction)))
-        low, high = SINGLE_PRECISION_PRESSURES
-        fits = low <= float(np.abs(solid.pressure).max()) <= high
-        single = fits and tolerance >= SINGLE_PRECISION_TOLERANCE
+        envelope = partial(envelope_of, solid.layer, min(self.ratios), float(np.hypot(*self._traction)))
         arguments = solid, depths, tolerance, envelope, self._traction, self.threads, self.work
         if solid.boundary == "free":
             return FreePlanes(*arguments)
-        return PeriodicPlanes(*arguments, "float32" if single else "float64")
+        return PeriodicPlanes(*arguments, self.dtype.name)
 
     def _basis_fields(self) -> tuple[list[BasisField], Array]:
         """The fields to transform, A and B, or A + ν B for one Poisson's ratio, and their `Basis.place`."""
@@ -223,6 +256,38 @@ class PlaneStream:
                 place[entry] = len(fields)
                 fields.append(BasisField(name, float(part == "constant"), slope))
         return fields, place
+
+
+class _Memory:
+    """Memory for the basis fields of one plane after the other.
+
+    Planes of even numbers begin at its start, those of odd numbers end at its end. Neighbours lie side by
+    side up to `KEPT_BYTES`; larger ones share memory.
+    """
+
+    def __init__(self, sizes: Sequence[int], dtype: np.dtype[Any]) -> None:
+        most = max(sizes)
+        size = max(most, min(2 * most, KEPT_BYTES // dtype.itemsize // 16 * 16))
+        self._block = aligned_memory(size * dtype.itemsize).view(dtype)
+        self._sizes = sizes
+        self._intact: set[int] = set()
+
+    def array(self, number: int, shape: tuple[int, ...]) -> Array:
+        """Memory of a plane."""
+        start, stop = self._part(number)
+        return self._block[start:stop].reshape(shape)
+
+    def use(self, number: int, compute: Callable[[], None]) -> None:
+        """Compute a plane, unless it is there."""
+        if number not in self._intact:
+            start, stop = self._part(number)
+            parts = {other: self._part(other) for other in self._intact}
+            self._intact = {other for other, (a, b) in parts.items() if b <= start or stop <= a} | {number}
+            compute()
+
+    def _part(self, number: int) -> tuple[int, int]:
+        size = self._sizes[number]
+        return (self._block.size - size, self._block.size) if number % 2 else (0, size)
 
 
 def checked_ratios(poisson: float | Sequence[float] | None, layer: Layer) -> list[float]:

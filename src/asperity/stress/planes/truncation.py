@@ -1,4 +1,4 @@
-"""The coarsest grid that holds the stress at a depth, and the error bound that proves it.
+"""The coarsest grid that holds the stress at a depth, and the bound of its error.
 
 Bound
 -----
@@ -7,15 +7,16 @@ shear, hydrostatic or von Mises stress) larger than K (1 + q d) e^(−q d) |p̂|
 `envelope_of`. No field changes by more than the fields of the modes that are dropped: the largest shear and
 the von Mises stress are seminorms, and principal stresses move by at most the spectral norm of the change
 (H. Weyl, Math. Ann. 71 (1912) 441, DOI 10.1007/BF01456804). The sum over the modes that a grid drops
-therefore bounds the error of every field at every node. The proof of K is in ``docs/method.md``. The grid
-chosen is the coarsest whose bound is below the tolerance times the root mean square of σ_zz in that plane,
+therefore bounds the error of every field at every node. ``docs/method.md`` has the proof of K in a
+half-space; that of a layer is computed from its kernels. The grid chosen is the coarsest whose bound is below
+the tolerance times the root mean square of σ_zz in that plane,
 which Parseval's theorem gives beforehand and which is at most the largest |σ_zz| there. What is left of the
 tolerance bounds the columns of modes that are left out of the transforms along y.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -23,6 +24,10 @@ import numpy as np
 from asperity.core.types import Array
 from asperity.elasticity.layer import Layer
 from asperity.fourier.grid import Grid, good_size
+
+ENVELOPE_MARGIN = 0.01
+"""Allowance for the wavenumbers between those at which the bound of a layer is computed; the largest found by
+``benchmarks/bound.py`` is 1e-4."""
 
 MIN_NODES = 16
 """Fewest nodes on an edge of a coarse grid: below it a plane costs no less."""
@@ -60,8 +65,8 @@ class Truncation:
     layer : Layer
     tolerance : float
         Largest error relative to the root mean square of σ_zz in the plane; 0 keeps the grid.
-    envelope : float
-        The constant K.
+    envelope : callable
+        Depth → the constant K.
     aliases : float
         Number of short waves of comparable size that the nodes of a plane take for one long wave, at most;
         0 where the modes of the plane are transformed.
@@ -73,7 +78,7 @@ class Truncation:
         grids: Sequence[Grid],
         layer: Layer,
         tolerance: float,
-        envelope: float,
+        envelope: Callable[[float], float],
         aliases: float = 0.0,
     ) -> None:
         grid, self._grids, self._layer = grids[0], grids, layer
@@ -120,7 +125,7 @@ class Truncation:
                 nyquist = np.pi / max(grid.spacing)
                 alias = np.maximum(2 * nyquist - self._wavenumber, nyquist)
                 bounds[number] += self._aliases * self._kept[number] @ _decayed(alias * depth)
-        return self._envelope * bounds
+        return self._envelope(depth) * bounds
 
     def choose(self, depth: float, all_columns: bool = False) -> PlaneGrid:
         """The coarsest sufficient grid at `depth`, and its bound."""
@@ -135,17 +140,48 @@ class Truncation:
             return PlaneGrid(grid, bound, scale, grid.half_shape[1])
         # What is left of the tolerance allows columns to be left out of the transforms along y.
         count = grid.half_shape[1]
-        dropped = self._envelope * self._of_columns[:count] * _decayed(self._qx[:count] * depth)
+        dropped = self._of_columns[:count] * _decayed(self._qx[:count] * depth)
+        dropped *= self._envelope(depth)
         beyond = np.append(np.cumsum(dropped[::-1])[::-1], 0.0)
         columns = max(1, int(np.flatnonzero(beyond <= allowed - bound)[0]))
         return PlaneGrid(grid, bound + float(beyond[columns]), scale, columns)
 
 
-def envelope_of(layer: Layer, poisson: float, friction: float = 0.0) -> float:
-    """The constant K for all ratios ≥ `poisson`, under pressure and a shear traction `friction` times it."""
+def envelope_of(layer: Layer, poisson: float, friction: float, depth: float) -> float:
+    """The constant K at a depth, under pressure and a shear traction `friction` times it.
+
+    In a half-space it is the same at every depth, and holds for all ratios ≥ `poisson`. In a layer it is the
+    largest ratio of the bound of a mode, from its kernels, to that of the half-space without K, at
+    wavenumbers so close that it changes by less than `ENVELOPE_MARGIN` between them.
+    """
     lateral = 1 - 2 * poisson
-    half_space = max(np.sqrt(3.0), lateral) + friction * max(np.sqrt(5.0), np.sqrt(3.0 + lateral**2))
-    return float(half_space * (1.0 if layer.height is None else 2.0))
+    of_pressure, of_traction = max(np.sqrt(3.0), lateral), max(np.sqrt(5.0), np.sqrt(3.0 + lateral**2))
+    half_space = float(of_pressure + friction * of_traction)
+    if layer.height is None:
+        return half_space
+    # Below these the kernels have their limits for thin layers, above them those of the half-space.
+    wavenumber = np.geomspace(1e-4, 40.0, 500) / layer.height
+    z, along, shear = layer.kernels(wavenumber, depth)[:3]
+    bound = _mode_bound(z, along, layer.poisson * (z + along), shear)
+    if friction:
+        n, m, x, across, turn = layer.shear_kernels(wavenumber, depth)
+        of_across = np.sqrt(3.0) * np.maximum(np.abs(across), np.abs(turn))
+        bound = bound + friction * np.hypot(_mode_bound(n, m, layer.poisson * (n + m), x), of_across)
+    largest = np.max(bound / _decayed(wavenumber * depth))
+    return max(half_space, float(largest) * (1 + ENVELOPE_MARGIN))
+
+
+def _mode_bound(z: Array, along: Array, across: Array, shear: Array) -> Array:
+    """Bound of every field of modes with these normal stresses in phase, and a shear stress out of phase.
+
+    The von Mises stress is largest where the one or the other is. Half of the sum and the half of the
+    difference of two normal stresses, or the shear stress, bound the principal stresses, by which the
+    hydrostatic stress is bounded; the largest shear stress is at most the von Mises stress over √3.
+    """
+    differences = (z - along) ** 2 + (along - across) ** 2 + (across - z) ** 2
+    von_mises = np.maximum(np.sqrt(0.5 * differences), np.sqrt(3.0) * np.abs(shear))
+    half = np.maximum(0.5 * np.abs(z - along), np.abs(shear))
+    return np.maximum.reduce([von_mises, 0.5 * np.abs(z + along) + half, np.abs(across)])
 
 
 def coarser_grids(grid: Grid) -> list[Grid]:

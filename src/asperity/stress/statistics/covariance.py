@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,22 +11,20 @@ import xarray as xr
 
 from asperity.core.arguments import require_finite
 from asperity.core.compiled import compiled, sums_without_nan
+from asperity.core.parallel import results_of
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid, Work, resample
-from asperity.stress.planes.fields import MARGIN
+from asperity.stress.planes.fields import MARGIN, NODES_AT_ONCE, Fields
 
 MOST_KEPT = 8
 """Planes above the reference that are kept while the largest value still rises from plane to plane."""
 
-PACKED = {"float32": np.uint16, "float64": np.uint32}
-"""Types of the whole numbers from 0 to the largest value in which planes are kept. Rounding, by 1e-5 or 2e-10
-of the largest value, is averaged over all nodes: the error of a covariance is below 1e-6 or 1e-11 of it."""
+PACKED = {"float32": np.int16, "float64": np.int32}
+"""Types of the whole numbers in which planes are kept. Rounding, by 2e-5 or 2e-10 of the largest value, is
+averaged over all nodes: the error of a covariance is below 1e-6 or 1e-11 of it."""
 
 SUMS = 4
-"""Numbers of each row in `row_sums`."""
-
-_BLOCK = 1024
-"""Numbers that are summed in their own precision."""
+"""Numbers of each row in `sum_rows`."""
 
 
 class References:
@@ -33,7 +32,8 @@ class References:
 
     The planes come one by one, each on a grid no finer than the one before. Those above the reference are
     kept as long as the largest value rises from every plane to the next, and compared with the reference
-    when it no longer does. Where it rises again later, the planes above are to be added again.
+    when it no longer does. Where it rises again later, or none is kept, the planes above are to be added
+    again.
 
     Parameters
     ----------
@@ -41,6 +41,10 @@ class References:
         Number of fields, and of planes of the stream.
     finest : Grid
         Grid on which lags in a plane are sampled.
+    dtype : "float32" | "float64"
+        Precision of the planes.
+    keeps : bool
+        Whether there is memory for planes above the reference, and for the modes of the references.
     threads : int
     work : Work
         Where transforms are counted.
@@ -55,36 +59,52 @@ class References:
         Number of the uppermost planes that are to be added again.
     """
 
-    def __init__(self, fields: int, planes: int, finest: Grid, threads: int, work: Work) -> None:
+    def __init__(
+        self, fields: int, planes: int, finest: Grid, dtype: Any, keeps: bool, threads: int, work: Work
+    ) -> None:
         self.number = np.zeros(fields, int)
         self.covariance = np.full((fields, planes), np.nan)
         self.missing = np.zeros(fields, int)
-        self._finest, self._threads, self._work = finest, threads, work
+        self._finest, self._real, self._keeps = finest, np.dtype(dtype), keeps
+        self._threads, self._work = threads, work
         self._grid = finest
-        self._fields = np.empty((0, 0, 0))
-        self._largest, self._means = np.full(fields, -np.inf), np.zeros(fields)
-        self._rising = np.full(fields, True)
-        self._above: list[tuple[Array, Array]] = []
+        self._packed = np.empty((0, 1, 1), PACKED[self._real.name])
+        self._largest, self._means, self._steps = np.full(fields, -np.inf), np.zeros(fields), np.ones(fields)
+        self._rising = np.full(fields, keeps)
+        self._above: list[tuple[Array, Array, Array]] = []
+        self._own: dict[int, tuple[Grid, Array, float, float]] = {}
         self._modes: dict[int, tuple[Grid, Array]] = {}
 
-    @property
-    def is_rising(self) -> bool:
-        """True while the next plane may become a reference whose planes above are all kept."""
-        return bool(self._rising.any())
+    def on(self, grid: Grid, memory: Array) -> Array:
+        """The references on the grid of a plane in steps, (fields, ny, nx); none before the first plane.
 
-    def on(self, grid: Grid) -> Array:
-        """The references on the grid of the next plane, (fields, ny, nx); none before the first plane."""
-        if self._fields.size and grid != self._grid:
+        `memory` is that of the plane, which is computed later: it holds what is needed meanwhile.
+        """
+        if len(self._packed) and grid != self._grid:
             self._end(np.flatnonzero(self._rising))
-            fields = np.empty((self.number.size, *grid.shape), self._fields.dtype)
-            for m, field in enumerate(fields):
-                field[:] = self._resampled(m, grid)
-                self._means[m] = self._modes[m][1][0, 0].real
-            self._fields = fields
+            former = self._packed
+            packed = np.empty((self.number.size, *grid.shape), former.dtype)
+            fourier = Fourier(grid, self._real, self._threads, self._work)
+            numbers = memory.reshape(-1)
+            if numbers.size < grid.size + 3 * self._grid.size:
+                numbers = np.empty(grid.size + 3 * max(self._grid.size, self._finest.size), self._real)
+            field, numbers = numbers[: grid.size].reshape(grid.shape), numbers[grid.size :]
+            for m in range(self.number.size):
+                source, own, step, mean = self._own.setdefault(
+                    m, (self._grid, former[m], self._steps[m], self._means[m])
+                )
+                if source == grid:
+                    packed[m], self._steps[m], self._means[m] = own, step, mean
+                else:
+                    source, modes = self._transformed(m, grid.size > self._grid.size, numbers)
+                    field = fourier.inverse(resample(modes, source, grid), field, overwrite=True)
+                    largest = max(field.max(), -field.min())
+                    self._fill(packed, [m], largest, partial(_rows_of, field), 0)
+            self._packed = packed
         self._grid = grid
-        return self._fields
+        return self._packed
 
-    def add(self, number: int, sums: Array, fields: Callable[[], Array]) -> None:
+    def add(self, number: int, sums: Array, fields: Callable[[list[int]], Fields]) -> None:
         """Add the next plane downward, given the sums of its rows with the references on its grid.
 
         It becomes the reference of the fields whose largest value is the largest so far.
@@ -93,150 +113,186 @@ class References:
         ----------
         number : int
         sums : (fields, ny, `SUMS`) array
-            As of `row_sums`.
+            As of `sum_rows`.
         fields : callable
-            Returns the fields of the plane, (fields, ny, nx), which are kept if a largest value has risen.
+            Returns some of the fields of the plane, which are kept if their largest value has risen.
         """
-        size, (total, square, _, product) = self._grid.size, sums.sum(axis=1).T
+        size, (total, square, _, _) = self._grid.size, sums.sum(axis=1).T
         largest, mean = sums[:, :, 2].max(axis=1), total / size
-        self.covariance[:, number] = product / size - mean * self._means
+        self.compare(number, sums, np.ones(largest.size, bool))
         has_risen = largest > self._largest
-        risen = np.flatnonzero(has_risen)
+        risen = np.flatnonzero(has_risen).tolist()
         self._end(np.flatnonzero(self._rising & ~has_risen))
-        if not risen.size:
+        if not risen:
             return
-        if self.is_rising and self._fields.size:
-            self._above.append(self._packed())
+        if self._rising.any() and len(self._packed):
+            self._above.append((self._steps.copy(), self._means.copy(), self._packed))
         if len(self._above) > MOST_KEPT:
             self._rising[:] = False
             self._above = []
-        former, self._fields = self._fields, fields()
-        for m in np.flatnonzero(~has_risen).tolist():
-            self._fields[m] = former[m]
-        self.number[risen], self._largest[risen], self._means[risen] = number, largest[risen], mean[risen]
+        if self._above or not len(self._packed):
+            former, self._packed = (
+                self._packed,
+                np.empty((largest.size, *self._grid.shape), self._packed.dtype),
+            )
+            for m in np.flatnonzero(~has_risen).tolist():
+                self._packed[m] = former[m]
+        self._largest[risen] = largest[risen]
+        self._fill(self._packed, risen, largest[risen], fields(risen).rows, MARGIN)
+        self.number[risen] = number
         self.covariance[risen, number] = (square / size - mean * mean)[risen]
-        for m in risen.tolist():
+        self.missing[risen] = np.where(self._rising[risen], 0, number)
+        for m in risen:
             self._modes.pop(m, None)
-            self.missing[m] = 0 if self._rising[m] else number
+            self._own.pop(m, None)
 
-    def _packed(self) -> tuple[Array, Array]:
-        """The references in little memory: steps, (fields,), and numbers of steps."""
-        packed = np.empty(self._fields.shape, PACKED[self._fields.dtype.name])
-        steps = np.where(self._largest > 0, self._largest, 1.0) / np.iinfo(packed.dtype).max
-        _pack(self._fields, (1 / steps).astype(self._fields.dtype), packed)
-        return steps, packed
+    def compare(self, number: int, sums: Array, chosen: Array) -> None:
+        """Set the covariances of a plane, given the sums of its rows with the references on its grid."""
+        size = self._grid.size
+        total, product = sums[chosen, :, 0].sum(axis=1), sums[chosen, :, 3].sum(axis=1) * self._steps[chosen]
+        self.covariance[chosen, number] = (product - total * self._means[chosen]) / size
+
+    def _fill(
+        self, packed: Array, places: list[int], largest: Any, rows: Callable[[int, int], Array], margin: int
+    ) -> None:
+        """Write fields to their places in `packed`, in steps that follow from their largest values.
+
+        `rows` returns some rows of the fields, which begin after a margin.
+        """
+        steps = np.where(largest > 0, largest, 1.0) / np.iinfo(packed.dtype).max
+        per_step, which = np.atleast_1d(1 / steps).astype(self._real), np.array(places)
+        strip = max(1, 2 * NODES_AT_ONCE // packed.shape[2])
+
+        def fill(first: int) -> Array:
+            sums = np.zeros(which.size, np.int64)
+            values = rows(first, min(first + strip, packed.shape[1]))
+            _pack(values, margin, per_step, which, first, packed, sums)
+            return sums
+
+        tasks = [partial(fill, first) for first in range(0, packed.shape[1], strip)]
+        sums = np.sum(results_of(tasks, self._threads), axis=0)
+        self._steps[places], self._means[places] = steps, steps * sums / packed[0].size
 
     def _end(self, fields: Array) -> None:
         """Compare the kept planes with the references of some fields, which have not risen further."""
         self._rising[fields] = False
         for m in fields.tolist():
-            for above, (steps, packed) in enumerate(self._above):
-                self.covariance[m, above] = steps[m] * _covariance(packed[m], self._fields[m])
-        if not self.is_rising:
+            for above, (steps, means, packed) in enumerate(self._above):
+                product = steps[m] * self._steps[m] * _mean_product(packed[m], self._packed[m])
+                self.covariance[m, above] = product - means[m] * self._means[m]
+        if not self._rising.any():
             self._above = []
 
-    def _transformed(self, m: int) -> tuple[Grid, Array]:
-        """The modes of a reference and their grid, that of the plane in which it was found."""
-        if m not in self._modes:
-            fourier = Fourier(self._grid, self._fields.dtype, self._threads, self._work)
-            self._modes[m] = self._grid, fourier.forward(self._fields[m])
-        return self._modes[m]
-
-    def _resampled(self, m: int, grid: Grid) -> Array:
-        """A reference on a grid."""
-        source, modes = self._transformed(m)
-        fourier = Fourier(grid, self._fields.dtype, self._threads, self._work)
-        return fourier.inverse(resample(modes, source, grid), overwrite=True)
+    def _transformed(self, m: int, finer: bool, memory: Array | None = None) -> tuple[Grid, Array]:
+        """The modes of a reference and their grid: that of its plane, or the present one if it will do."""
+        if m in self._modes:
+            return self._modes[m]
+        grid, packed, step = self._grid, self._packed[m], self._steps[m]
+        if finer and m in self._own:
+            grid, packed, step, _ = self._own[m]
+        fourier = Fourier(grid, self._real, self._threads, self._work)
+        out = None
+        if memory is None or self._keeps:
+            field = packed * self._real.type(step)
+        else:
+            start = 2 * grid.half_shape[0] * grid.half_shape[1]
+            out = memory[:start].view(fourier.complex).reshape(grid.half_shape)
+            field = memory[start : start + grid.size].reshape(grid.shape)
+            np.multiply(packed, self._real.type(step), out=field)
+        found = grid, fourier.forward(field, out)
+        if self._keeps:
+            self._modes[m] = found
+        return found
 
     def in_plane(self) -> tuple[Array, Array]:
         """Lags, (lags,), and the covariance of each reference within its plane, (fields, lags)."""
-        lag, found = np.empty(0), []
+        rings, found = _Rings(self._finest), []
         for m in range(self.number.size):
-            source, modes = self._transformed(m)
-            lag, covariance = autocovariance(modes, source, self._finest, self._threads, self._work)
-            found.append(covariance)
-        return lag, np.stack(found)
-
-    def add_again(self, number: int, grid: Grid, fields: Array) -> None:
-        """Compare a plane above some references that has not been compared, given its fields."""
-        for m in np.flatnonzero(self.missing > number).tolist():
-            self.covariance[m, number] = _covariance(fields[m], self._resampled(m, grid))
+            source, modes = self._transformed(m, True)
+            found.append(rings.autocovariance(modes, source, self._threads, self._work))
+        return rings.lag, np.stack(found)
 
 
-def row_sums(values: Array, columns: int, first: int, references: Array) -> Array:
-    """Sum of each row of fields ≥ 0, sum of squares, largest value, and sum of products with references.
+def _rows_of(field: Array, first: int, last: int) -> Array:
+    """Some rows of a field, (1, rows, nx)."""
+    return field[None, first:last]
+
+
+@sums_without_nan
+def sum_rows(
+    values: Any, start: int, stop: int, columns: int, first: int, references: Any, shared: Any, out: Any
+) -> None:
+    """Sum rows of fields: the sum, the sum of squares, the largest value, that of products with references.
 
     Parameters
     ----------
-    values : (fields, rows + 2, at least `MARGIN` + columns) array
-        As of `asperity.stress.planes.fields.Fields.rows`, with one row more on both sides.
+    values : (fields, lines, at least `MARGIN` + columns) array
+        As of `asperity.stress.planes.fields.Fields.rows`.
+    start, stop : int
+        First line, that of the row `first`, and last line + 1.
     columns, first : int
-        Number of columns, and of the first row.
     references : (fields, ny, columns) array
         There may be fewer fields than in `values`: the products of the others are 0.
-
-    Returns
-    -------
-    (fields, rows, `SUMS`) array
+    shared : (`BLOCK`,) array in the precision of the fields
+        Any values.
+    out : (fields, ny, `SUMS`) array
+        Becomes the sums of the first fields; the largest value of all these rows stands in the first one.
     """
-    sums = np.zeros((values.shape[0], values.shape[1] - 2, SUMS))
-    sums[:, :, 2] = values[:, 1:-1, MARGIN : MARGIN + columns].max(axis=2)
-    _sum_rows(values, columns, first, references.astype(values.dtype, copy=False), sums)
-    return sums
-
-
-@sums_without_nan
-def _sum_rows(values: Any, columns: int, first: int, references: Any, sums: Any) -> None:
-    for m in range(sums.shape[0]):
-        for j in range(sums.shape[1]):
-            for start in range(0, columns, _BLOCK):
-                stop = min(start + _BLOCK, columns)
-                some = values[m, j + 1, MARGIN + start : MARGIN + stop]
-                total = square = product = some[0] - some[0]
+    for m in range(out.shape[0]):
+        # A running largest value for each place in a block: unlike a single one, it is computed in vectors.
+        shared[:] = values[m, start, MARGIN]
+        for j in range(start, stop):
+            row = first + j - start
+            total = square = product = 0.0
+            for begin in range(0, columns, shared.size):
+                end = min(begin + shared.size, columns)
+                some = values[m, j, MARGIN + begin : MARGIN + end]
+                part = squares = products = some[0] - some[0]
                 for i in range(some.size):
-                    total += some[i]
-                    square += some[i] * some[i]
+                    part += some[i]
+                    squares += some[i] * some[i]
+                for i in range(some.size):
+                    shared[i] = max(shared[i], some[i])
                 if m < references.shape[0]:
-                    other = references[m, first + j, start:stop]
+                    other = references[m, row, begin:end]
                     for i in range(some.size):
-                        product += some[i] * other[i]
-                sums[m, j, 0] += total
-                sums[m, j, 1] += square
-                sums[m, j, 3] += product
+                        products += some[i] * some.dtype.type(other[i])
+                total += part
+                square += squares
+                product += products
+            out[m, row, 0], out[m, row, 1], out[m, row, 3] = total, square, product
+        largest = shared[0]
+        for i in range(shared.size):
+            largest = max(largest, shared[i])
+        out[m, first, 2] = largest
 
 
 @compiled
-def _pack(fields: Any, per_step: Any, out: Any) -> None:
-    """Fill `out` with fields ≥ 0 as whole numbers of steps."""
-    for m in range(fields.shape[0]):
-        factor, half = per_step[m], per_step.dtype.type(0.5)
-        for j in range(fields.shape[1]):
-            line, steps = fields[m, j], out[m, j]
-            for i in range(line.size):
-                steps[i] = line[i] * factor + half
-
-
-def _covariance(one: Array, two: Array) -> float:
-    """Mean of the product of two fields, less the product of their means."""
-    mean_one, mean_two, product = _moments(one, two)
-    return product - mean_one * mean_two
+def _pack(values: Any, margin: int, per_step: Any, which: Any, first: int, out: Any, sums: Any) -> None:
+    """Fill rows of `out` from `first` on with fields in whole numbers of steps; add the numbers to `sums`."""
+    for n in range(which.size):
+        factor = per_step[n]
+        for j in range(values.shape[1]):
+            steps = out[which[n], first + j]
+            line = values[n, j, margin : margin + steps.size]
+            for i in range(steps.size):
+                steps[i] = np.rint(line[i] * factor)
+            total = 0
+            for i in range(steps.size):
+                total += steps[i]
+            sums[n] += total
 
 
 @sums_without_nan
-def _moments(one: Any, two: Any) -> tuple[float, float, float]:
-    """Means of two fields and of their product, summed row by row."""
-    mean_one = mean_two = product = 0.0
+def _mean_product(one: Any, two: Any) -> float:
+    """Mean of the product of two fields of whole numbers."""
+    total = 0.0
     for j in range(one.shape[0]):
-        row_one = row_two = row_product = 0.0
+        product = 0.0
         for i in range(one.shape[1]):
-            value_one, value_two = float(one[j, i]), float(two[j, i])
-            row_one += value_one
-            row_two += value_two
-            row_product += value_one * value_two
-        mean_one += row_one
-        mean_two += row_two
-        product += row_product
-    return mean_one / one.size, mean_two / one.size, product / one.size
+            product += float(one[j, i]) * float(two[j, i])
+        total += product
+    return total / one.size
 
 
 def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tuple[Array, Array]:
@@ -272,37 +328,59 @@ def autocorrelation(field: Array, grid: Grid, finest: Grid | None = None) -> tup
     1.000e-06, to half at 0.07
     """
     modes = Fourier(grid).forward(grid.field("field", field))
-    lag, covariance = autocovariance(modes, grid, grid if finest is None else finest)
-    require_finite("autocorrelation", {"lag": lag, "covariance": covariance})
-    return lag, covariance
+    rings = _Rings(grid if finest is None else finest)
+    covariance = rings.autocovariance(modes, grid)
+    require_finite("autocorrelation", {"lag": rings.lag, "covariance": covariance})
+    return rings.lag, covariance
 
 
-def autocovariance(
-    modes: Array, grid: Grid, finest: Grid, threads: int = 1, work: Work | None = None
-) -> tuple[Array, Array]:
-    """Lags and covariance as of `autocorrelation`, from the coefficients of the field."""
-    power = modes.real**2 + modes.imag**2
-    power[0, 0] = 0
-    if grid != finest:
-        power = resample(power, grid, finest)
-    fourier = Fourier(finest, power.dtype, threads, Work() if work is None else work)
-    covariance = fourier.inverse(power)
-    width = min(finest.spacing)
-    rings = int(min(finest.length) / 2 / width + 1e-9) + 1
-    along_y, along_x = (
-        (np.minimum(axis, length - axis) / width) ** 2
-        for axis, length in zip(finest.coordinates(), finest.length, strict=True)
-    )
-    # The lags (y, x) and (−y, −x) have the same value: half of the rows are enough.
-    rows = along_y.size // 2 + 1
-    weight = np.full(rows, 2.0)
-    weight[0] = 1.0
-    if along_y.size % 2 == 0:
-        weight[-1] = 1.0
-    ring = np.minimum(np.sqrt(along_y[:rows, None] + along_x) + 0.5, rings).astype(np.int64).ravel()
-    total = np.bincount(ring, (weight[:, None] * covariance[:rows]).ravel())
-    count = np.bincount(ring, np.repeat(weight, along_x.size))
-    return width * np.arange(rings), total[:rings] / count[:rings]
+class _Rings:
+    """Rings of lag vectors of a grid, and the autocovariances that are averaged over them.
+
+    Attributes
+    ----------
+    lag : (lags,) array
+    """
+
+    def __init__(self, grid: Grid) -> None:
+        self._grid, width = grid, min(grid.spacing)
+        self.lag = width * np.arange(int(min(grid.length) / 2 / width + 1e-9) + 1)
+        along_y, along_x = (
+            (np.minimum(axis, length - axis) / width) ** 2
+            for axis, length in zip(grid.coordinates(), grid.length, strict=True)
+        )
+        # The lags (y, x) and (−y, −x) have the same value: half of the rows are enough.
+        self._squares = along_y[: along_y.size // 2 + 1], along_x
+        self._weight = np.full(along_y.size // 2 + 1, 2.0)
+        self._weight[0] = 1.0
+        if along_y.size % 2 == 0:
+            self._weight[-1] = 1.0
+
+    def autocovariance(self, modes: Array, source: Grid, threads: int = 1, work: Work | None = None) -> Array:
+        """Covariance of a field at the lags, from its coefficients on the grid `source`."""
+        power = np.empty_like(modes)
+        np.multiply(modes, np.conj(modes, out=power), out=power)
+        power[0, 0] = 0
+        if source != self._grid:
+            power = resample(power, source, self._grid)
+        fourier = Fourier(self._grid, power.real.dtype, threads, Work() if work is None else work)
+        covariance = fourier.inverse(power, overwrite=True)
+        sums = np.zeros((2, self.lag.size + 1))
+        _sum_rings(covariance, *self._squares, self._weight, sums)
+        return sums[0, :-1] / sums[1, :-1]
+
+
+@compiled
+def _sum_rings(values: Any, along_y: Any, along_x: Any, weight: Any, out: Any) -> None:
+    """Add to `out`, (2, rings + 1), values with their weights and the weights, by the nearest whole lag.
+
+    The last place takes all longer lags.
+    """
+    for j in range(along_y.size):
+        for i in range(along_x.size):
+            ring = int(min(np.sqrt(along_y[j] + along_x[i]) + 0.5, out.shape[1] - 1.0))
+            out[0, ring] += weight[j] * values[j, i]
+            out[1, ring] += weight[j]
 
 
 def half_length(distance: Array, correlation: Array) -> float:

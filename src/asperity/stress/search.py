@@ -1,0 +1,150 @@
+"""Search of a plane for the maxima of its fields, and sums of its rows, while these are in the cache."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from asperity.core.compiled import compiled
+from asperity.core.parallel import KeptArrays
+from asperity.core.types import Array
+from asperity.stress.peaks.maxima import Maxima, mark, marked, maxima_in_rows
+from asperity.stress.planes.fields import BLOCK, MARGIN, Fields, bands_of, fill_rows, row_length
+from asperity.stress.statistics.covariance import SUMS, sum_rows
+
+
+class PlaneSearch:
+    """Computes, searches and sums the fields of a plane row by row, as its basis fields are transformed.
+
+    Parameters
+    ----------
+    fields : Fields
+    sought : (fields,) bool array
+        Fields whose maxima are sought.
+    floor : float
+        Maxima of a magnitude at or below it are left out.
+    summed : int
+        Number of the first fields whose rows are summed.
+    references : (fields, ny, nx) array
+        Whole numbers, by which the first fields are multiplied.
+    kept : KeptArrays
+    above : Fields, optional
+        Those of the plane above, if it is in memory and on the same grid: most maxima do not exceed it.
+
+    Attributes
+    ----------
+    sums : (summed, ny, `SUMS`) array
+        As of `asperity.stress.statistics.covariance.sum_rows`.
+    """
+
+    def __init__(
+        self,
+        fields: Fields,
+        sought: Array,
+        floor: float,
+        summed: int,
+        references: Array,
+        kept: KeptArrays,
+        above: Fields | None = None,
+    ) -> None:
+        self._kept = kept
+        self.fields, self._sought, self._references, self._above = fields, sought, references, above
+        self._real = fields.basis.values.dtype
+        self._floor = self._real.type(floor)
+        self._rows = fields.basis.values.shape[1]
+        self._bands = bands_of(self._rows)
+        self.sums = np.zeros((summed, self._rows, SUMS))
+        self._strips: dict[int, tuple[Array, Array, Array]] = {}
+        self._found: list[list[Maxima]] = [[] for _ in self._bands]
+
+    def add_rows(self, band: int, first: int, last: int) -> None:
+        """Add the next rows of a band, whose number is that of the first ones or, at the end, smaller."""
+        (start, stop), columns = self._bands[band], self.fields.basis.columns
+        begun = first > start
+        if not begun:
+            shape = self._sought.size, last - first + 2, row_length(columns)
+            values = self._kept.array("values", shape, self._real)
+            flags = self._kept.array("flags", (*shape[:2], -(-columns // 8) * 8), bool)
+            flags[:, :, columns:] = False
+            self._strips[band] = values, flags, self._kept.array("shared", (5, BLOCK), self._real)
+        values, flags, shared = self._strips[band]
+        count = _search(
+            self.fields.basis,
+            self.fields.formulas,
+            self.fields.periodic,
+            first,
+            last,
+            begun,
+            self._sought,
+            self._floor,
+            self._references,
+            shared,
+            values,
+            flags,
+            flags.view(np.uint64),
+            self.sums,
+        )
+        lines = 1 if begun else 3, last - first + 1
+        if count:
+            self._found[band].append(
+                marked(self.fields, values, flags, count, *lines, first - 2, self._above)
+            )
+        if last == stop:
+            del self._strips[band]
+
+    def maxima(self, floor: float) -> Maxima:
+        """Maxima above a floor in all rows, when all have been added, by fields, rising rows and columns."""
+        edges = [start for start, _ in self._bands]
+        around = [(edge - 1, edge + 1) for edge in edges]
+        if not self.fields.periodic:
+            around[0] = 0, 1
+            around.append((self._rows - 1, self._rows))
+        found = [part for of_band in self._found for part in of_band]
+        self._found = []
+        found += [maxima_in_rows(self.fields, first, last, float(self._floor)) for first, last in around]
+        every = Maxima.join(found)
+        del found
+        every.row %= self._rows
+        order = np.argsort(every.field * self._rows + every.row, kind="stable")
+        high = self._sought[every.field] & (every.magnitude > floor)
+        return every.select(order[high[order]])
+
+
+@compiled
+def _search(
+    basis: Any,
+    fields: Any,
+    periodic: bool,
+    first: int,
+    last: int,
+    begun: bool,
+    sought: Any,
+    floor: float,
+    references: Any,
+    shared: Any,
+    values: Any,
+    flags: Any,
+    words: Any,
+    sums: Any,
+) -> int:
+    """Fill lines of `values` with rows of the fields, sum them, and mark the maxima in those between others.
+
+    The two rows before, if the band has begun, are in the last lines of `values` and come first.
+
+    Returns
+    -------
+    count : int
+        Number of the maxima in the lines from 1, or from 3 if the band has not begun.
+    """
+    columns, lines = basis.columns, values.shape[1]
+    if begun:
+        for t in range(values.shape[0]):
+            for k in range(2):
+                before, line = values[t, lines - 2 + k], values[t, k]
+                for i in range(MARGIN - 1, MARGIN + columns + 1):
+                    line[i] = before[i]
+    stop = 2 + last - first
+    fill_rows(basis, fields, first, periodic, shared, values, 2, stop)
+    sum_rows(values, 2, stop, columns, first, references, shared[0], sums)
+    return mark(values, 1 if begun else 3, stop - 1, columns, floor, sought, flags, words)
