@@ -2,10 +2,11 @@
 
     python studies/challenge/challenge.py studies/challenge/config.yaml
 
-solves the contacts that are missing in the folder of results, then writes the tables docs/challenge.csv and
-docs/challenge_pressures.csv. ``--map FILE`` takes the heights of a map, peaks upward, in place of the random
-surface of the definition; its grid is interpolated to the finer ones. Without a configuration, figure and
-page are written from the tables that are kept. Run it in the project's folder.
+solves the contacts that are missing in the folder of results and computes the stress under one load, then
+writes the tables docs/challenge*.csv, the figures and the page. ``--map FILE`` takes the heights of a map,
+peaks upward, in place of the random surface of the definition; its grid is interpolated to the finer ones.
+Without a configuration, figures and page are written from the tables that are kept. Run it in the project's
+folder.
 
 M. H. Müser et al., Meeting the contact-mechanics challenge, Tribol. Lett. 65 (2017) 118, doi
 10.1007/s11249-017-0900-2.
@@ -18,6 +19,8 @@ import json
 import resource
 import time
 from collections.abc import Mapping
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -28,10 +31,10 @@ import yaml
 from jinja2 import Environment, StrictUndefined
 from matplotlib.figure import Figure
 
-from asperity import Grid, Layer, read_map, solve_path
+from asperity import Grid, Layer, LoadedSolid, analyse_stress, read_map, solve, solve_path
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, mean_square, resample
-from asperity.stress.statistics.continuum import BOUNDARY_SHARE
+from asperity.stress.statistics.continuum import BOUNDARY_SHARE, PERCENTILES, OnGrid, estimates, numbers_on
 from asperity.views.style import panels, save, style
 
 BINS = np.linspace(0, 2.5, 101)
@@ -39,6 +42,11 @@ BINS = np.linspace(0, 2.5, 101)
 
 KEPT = Path("docs/challenge.csv")
 PRESSURES = Path("docs/challenge_pressures.csv")
+STRESSES = Path("docs/challenge_stress.csv")
+PROFILES = Path("docs/challenge_profiles.csv")
+TOLERANCE = 1e-4
+"""Of the stress in planes on coarser grids, which are in single precision."""
+
 SECOND_ORDER = ("mean_gap", "max_pressure")
 """Numbers whose error falls with the square of the spacing."""
 
@@ -118,6 +126,95 @@ def collect(config: Mapping[str, Any], height: Array, grid: Grid, source: str) -
     return xr.concat(found, xr.Variable("points", config["points"])).assign(memory_GB=memory)
 
 
+def stress_on(
+    config: Mapping[str, Any], surface: tuple[Array, Grid], points: int, other: xr.Dataset | None
+) -> xr.Dataset:
+    """Peaks and depth profiles of the von Mises stress over E*ḡ, and cost, under one load on one grid.
+
+    With the numbers of the grid before, `other`, also the estimates at vanishing spacing and their errors.
+    """
+    height, grid = on_grid(*surface, points)
+    unit = config["effective_modulus"] * config["rms_gradient"]
+    solid, load = Layer(young=config["effective_modulus"], poisson=0.0), config["stress_load"] * unit
+    pressure = solve(height, solid, grid.length, mean_pressure=load).pressure
+    del height, surface
+    start = time.process_time()
+    loaded = LoadedSolid(pressure, grid, solid)
+    stress = analyse_stress(loaded, poisson=config["poisson"], tolerance=TOLERANCE)
+    seconds = time.process_time() - start
+    for name in ("peak_value", "largest_von_mises", "mean_von_mises"):
+        stress[name] = stress[name] / unit
+    results = OnGrid(pressure, load, np.nan, grid, stress)
+    numbers = numbers_on(results)
+    if other is not None:
+        _, best, error = estimates(results, other, 0.0)
+        for name in PERCENTILES:
+            numbers[f"{name}_limit"], numbers[f"{name}_error"] = best[name], error[name]
+    numbers = numbers.sel(quantity="von_mises").merge(
+        stress[["largest_von_mises", "mean_von_mises"]].rename(
+            largest_von_mises="profile_largest", mean_von_mises="profile_mean"
+        )
+    )
+    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / 1e9
+    return numbers.assign(points=points, seconds=seconds, memory_GB=memory)
+
+
+def stresses(config: Mapping[str, Any], surface: tuple[Array, Grid], source: str) -> list[xr.Dataset]:
+    """Stress on all grids, read from files or computed, each in a process of its own for its memory."""
+    settings, found = json.dumps([dict(config), source]), []
+    for points in config["points"]:
+        path = Path(config["results"], f"{points}_stress.nc")
+        if not path.exists() or xr.load_dataset(path).attrs["settings"] != settings:
+            print(f"{points}²: stress", flush=True)
+            other = found[0] if len(found) == 1 else None
+            with ProcessPoolExecutor(1, get_context("spawn")) as process:
+                result = process.submit(stress_on, config, surface, points, other).result()
+            path.parent.mkdir(parents=True, exist_ok=True)
+            result.assign_attrs(settings=settings).to_netcdf(path)
+        found.append(xr.load_dataset(path))
+    return found
+
+
+def stress_tables(found: list[xr.Dataset]) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """Percentiles of the peaks by grid and Poisson's ratio, with estimates as grid 0, and the profiles."""
+    rows, profiles = [], []
+    for data in found:
+        for ratio in data["poisson"].values:
+            of_ratio = data.sel(poisson=ratio)
+            deepest = int(of_ratio["profile_largest"].argmax("plane"))
+            row = {name: float(of_ratio[name]) for name in ("points", "poisson", *PERCENTILES)}
+            row["depth"] = float(data["plane_depth"][deepest])
+            rows.append(row | {name: float(data[name]) for name in ("seconds", "memory_GB")})
+            if "largest_limit" in data:
+                limit = {name: float(of_ratio[f"{name}_limit"]) for name in PERCENTILES}
+                errors = {f"{name}_error": float(of_ratio[f"{name}_error"]) for name in PERCENTILES}
+                rows.append({"points": 0, "poisson": ratio, **limit, **errors})
+        profile = data[["profile_largest", "profile_mean", "plane_depth"]].to_dataframe().reset_index()
+        profiles.append(profile.assign(points=int(data["points"])).drop(columns="plane"))
+    return pd.DataFrame(rows).sort_values(["points", "poisson"]), pd.concat(profiles)
+
+
+def draw_stress(rows: pd.DataFrame, profiles: pd.DataFrame) -> Figure:
+    """Largest and mean von Mises stress by depth, and percentiles of its peaks by grid."""
+    figure, (by_depth, by_grid) = panels(1, 2, height=75.0)
+    finest = profiles[(profiles["points"] == profiles["points"].max()) & (profiles["plane_depth"] > 0)]
+    for number, (ratio, profile) in enumerate(finest.groupby("poisson")):
+        look = {"color": f"C{number}"}
+        by_depth.plot(profile["plane_depth"], profile["profile_largest"], label=f"{ratio:g}", **look)
+        by_depth.plot(profile["plane_depth"], profile["profile_mean"], ls="--", **look)
+        some = rows[(rows["poisson"] == ratio)].set_index("points")
+        on_grids = some.drop(index=0, errors="ignore")
+        for name, marker in zip(PERCENTILES, "o^s", strict=True):
+            by_grid.plot(1 / on_grids.index, on_grids[name], marker=marker, ms=3, ls="", **look)
+            if 0 in some.index:
+                by_grid.plot(0, some.loc[0, name], marker=marker, ms=5, mfc="none", **look)
+    by_depth.set(xscale="log", ylim=(0, None), xlabel="depth, µm")
+    by_depth.set_ylabel(r"$\sigma_{\mathrm{vM}} / E^*\bar{g}$")
+    by_depth.legend(title="ν")
+    by_grid.set(xlabel="1 / nodes on an edge", ylabel=r"peaks of $\sigma_{\mathrm{vM}} / E^*\bar{g}$")
+    return figure
+
+
 def limits(data: xr.Dataset) -> pd.DataFrame:
     """Numbers of each grid, and their limits at vanishing spacing from the first two grids, a row each.
 
@@ -182,8 +279,9 @@ def draw(rows: pd.DataFrame, densities: pd.DataFrame) -> Figure:
     return figure
 
 
-def page(rows: pd.DataFrame) -> str:
+def page(rows: pd.DataFrame, stress: pd.DataFrame) -> str:
     """The page docs/challenge.md, from its template."""
+    config = yaml.safe_load(Path(__file__).with_name("config.yaml").read_text(encoding="utf-8"))
     grids = sorted(points for points in set(rows["points"]) if points)
     tables = {points: of_grid.set_index("load") for points, of_grid in rows.groupby("points")}
     limit, finest = tables[0], tables[grids[-1]]
@@ -198,7 +296,16 @@ def page(rows: pd.DataFrame) -> str:
     text = Path(__file__).with_name("page.md.j2").read_text(encoding="utf-8")
     shown = [float(load) for load in limit.index[[0, 5, 9, 13]]] if len(limit) == 14 else list(limit.index)
     return environment.from_string(text).render(
-        tables=tables, limit=limit, finest=finest, grids=grids, changes=changes, cost=cost, shown=shown
+        tables=tables,
+        limit=limit,
+        finest=finest,
+        grids=grids,
+        changes=changes,
+        cost=cost,
+        shown=shown,
+        stress=stress,
+        stress_load=config["stress_load"],
+        tolerance=TOLERANCE,
     )
 
 
@@ -209,6 +316,7 @@ def main() -> None:
     )
     parser.add_argument("config", nargs="?", type=Path, help="without it, the kept tables are used")
     parser.add_argument("--map", type=Path, help="heights in place of the random surface")
+    parser.add_argument("--stress", action="store_true", help="keep the tables of the contacts")
     options = parser.parse_args()
     if options.config:
         config = yaml.safe_load(options.config.read_text(encoding="utf-8"))
@@ -218,16 +326,22 @@ def main() -> None:
             source = options.map.name
         else:
             (height, grid), source = random_height(config), "definition"
-        data = collect(config, height, grid, source)
-        limits(data).to_csv(KEPT, index=False, float_format="%.6g")
-        loads = np.array(config["loads"])[[len(config["loads"]) // 2, -1]]
-        density = data["density"].sel(load=loads).assign_coords(bin=(BINS[1:] + BINS[:-1]) / 2)
-        frame = density.rename(bin="pressure").to_dataframe().reset_index()
-        frame.to_csv(PRESSURES, index=False, float_format="%.5g")
+        if not options.stress:
+            data = collect(config, height, grid, source)
+            limits(data).to_csv(KEPT, index=False, float_format="%.6g")
+            loads = np.array(config["loads"])[[len(config["loads"]) // 2, -1]]
+            density = data["density"].sel(load=loads).assign_coords(bin=(BINS[1:] + BINS[:-1]) / 2)
+            frame = density.rename(bin="pressure").to_dataframe().reset_index()
+            frame.to_csv(PRESSURES, index=False, float_format="%.5g")
+        tables = stress_tables(stresses(config, (height, grid), source))
+        for path, table in zip((STRESSES, PROFILES), tables, strict=True):
+            table.to_csv(path, index=False, float_format="%.5g")
     rows, densities = pd.read_csv(KEPT), pd.read_csv(PRESSURES)
+    stress, profiles = pd.read_csv(STRESSES), pd.read_csv(PROFILES)
     with style():
         save(draw(rows, densities), KEPT.with_suffix(".png"))
-    KEPT.with_suffix(".md").write_text(page(rows) + "\n", encoding="utf-8")
+        save(draw_stress(stress, profiles), STRESSES.with_suffix(".png"))
+    KEPT.with_suffix(".md").write_text(page(rows, stress) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -190,4 +190,14 @@ def test_tiny_challenge(tmp_path):
     assert (excess > 0.04 * limit["area_fraction"].values).all()
     again = challenge.collect(config | {"results": str(tmp_path)}, height, grid, "definition")
     assert again.equals(data)
-    assert "| 0.03 |" in challenge.page(rows)
+    surface = challenge.random_height(config | {"results": ""})
+    found: list = []
+    for points in config["points"]:
+        found.append(challenge.stress_on(config, surface, points, found[0] if len(found) == 1 else None))
+    stress, profiles = challenge.stress_tables(found)
+    assert set(stress["points"]) == {0, 128, 256, 512}
+    # The estimate of the 99th percentile from the first two grids is nearer to the finest grid than theirs.
+    of_half = stress[stress["poisson"] == 0.5].set_index("points")["p99"]
+    assert abs(of_half[0] / of_half[512] - 1) < abs(of_half[256] / of_half[512] - 1)
+    assert challenge.draw_stress(stress, profiles).axes
+    assert "| 0.03 |" in challenge.page(rows, stress)
