@@ -92,4 +92,4 @@ def largest_of_every_field(poisson, friction, height, envelope):
 def test_envelope_bounds_every_field_of_a_mode(poisson, friction, height):
     envelope = partial(envelope_of, asp.Layer(1.0, poisson, height), poisson, friction)
     largest = largest_of_every_field(poisson, friction, height, envelope)
-    assert 0.5 < largest <= 1 + 1e-12
+    assert (0.5 if height is None else 0.35) < largest <= 1 + 1e-12

@@ -81,7 +81,7 @@ def test_oblong_cell_keeps_the_bound_on_both_axes():
     contact = spots((60, 240), (0.25, 1.0))
     grid = contact.grid
     modes = Fourier(grid).forward(contact.pressure)
-    truncation = Truncation(modes, coarser_grids(grid), HALF_SPACE, 1e-4, np.sqrt(3))
+    truncation = Truncation(modes, coarser_grids(grid), HALF_SPACE, 1e-4, lambda depth: np.sqrt(3))
     chosen, bound, *_ = truncation.choose(0.05)
     assert chosen.shape[0] < 60
     assert chosen.shape[1] < 240

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from asperity.core.compiled import compiled, fused, fused_inlined, inlined
+from asperity.core.compiled import compiled, fused, fused_inlined
 from asperity.core.parallel import KeptArrays, results_of
 from asperity.core.types import Array
 from asperity.elasticity.layer import COMPONENTS
@@ -187,99 +187,38 @@ class PeriodicPlanes:
 
     def _coefficients(self, depth: float, fields: Sequence[BasisField], columns: slice) -> Array:
         """Coefficients of basis fields in some columns, (fields, ny, columns)."""
-        real, grid = self.dtype.type, self._fourier.grid
+        real, kept = self.dtype.type, self._kept
         modes = self._modes_of(columns)
-        every = self._kept.array("coefficients", (len(fields), *modes.shape), modes.dtype)
-        if self._layer.height is None and not any(self._traction):
-            kinds = np.array([COMPONENTS.index(field.component) for field in fields])
-            factors = np.array([(field.constant, field.slope) for field in fields], self.dtype)
-            along_x, numbers = np.ascontiguousarray(self._along_x[:, columns]), modes.view(self.dtype)
-            _fill_half_space(
-                kinds,
-                factors,
-                real(depth),
-                (along_x, self._along_y),
-                numbers,
-                self._kept.array("row", (3, along_x.shape[1]), float),
-                self._kept.array("row", (3, along_x.shape[1]), np.int64)[2],
-                self._kept.array("factors", (4, 2 * along_x.shape[1]), self.dtype),
-                every.view(self.dtype),
-            )
-            if columns.start == 0:
-                every[:, 0, 0] = [self._mean(field) for field in fields]
-            return every
-        q = grid.half_wavenumber(columns=columns).astype(self.dtype)
-        over_q = 1 / np.where(q > 0, q, np.inf).astype(self.dtype)
-        kernels = self._layer.kernels(q, depth)[:3]
-        shear_kernels = self._layer.shear_kernels(q, depth) if any(self._traction) else None
-        directions = np.ascontiguousarray(self._along_x[:, columns]), self._along_y, over_q
-        factor = np.empty(q.shape[1], self.dtype)
-        traction = tuple(map(real, self._traction))
-        for field, out in zip(fields, every, strict=True):
-            component, a, b = COMPONENTS.index(field.component), real(field.constant), real(field.slope)
-            numbers, into = modes.view(self.dtype), out.view(self.dtype)
-            _fill_spectrum(component, a, b, directions, kernels, factor, numbers, into)
-            if shear_kernels is not None:
-                _add_sliding(component, a, b, traction, directions, tuple(shear_kernels), modes, out)
-            if columns.start == 0:
-                out[0, 0] = self._mean(field)
-        return every
+        out = kept.array("coefficients", (len(fields), *modes.shape), modes.dtype)
+        directions = np.ascontiguousarray(self._along_x[:, columns]), self._along_y
+        kinds = np.array([COMPONENTS.index(field.component) for field in fields])
+        factors = np.array([(field.constant, field.slope) for field in fields], self.dtype)
+        kernels = np.empty((3, 1, 1), self.dtype)
+        if is_layer := self._layer.height is not None:
+            kernels = np.stack(self._layer.kernels(self._wavenumber(columns), depth)[:3])
+        count = modes.shape[1]
+        row = kept.array("row", (3, count), float)
+        rows = row, row[2].view(np.int64), kept.array("shared", (6, 2 * count), self.dtype)
+        numbers = modes.view(self.dtype), out.view(self.dtype)
+        _fill_spectra(kinds, factors, real(depth), directions, is_layer, kernels, *rows, *numbers)
+        if any(self._traction):
+            q = self._wavenumber(columns)
+            shear_kernels = tuple(self._layer.shear_kernels(q, depth))
+            over_q = 1 / np.where(q > 0, q, np.inf).astype(self.dtype)
+            sliding = tuple(map(real, self._traction)), (*directions, over_q), shear_kernels
+            for kind, (constant, slope), spectrum in zip(kinds, factors, out, strict=True):
+                _add_sliding(kind, constant, slope, *sliding, modes, spectrum)
+        if columns.start == 0:
+            out[:, 0, 0] = [self._mean(field) for field in fields]
+        return out
+
+    def _wavenumber(self, columns: slice) -> Array:
+        return self._fourier.grid.half_wavenumber(columns=columns).astype(self.dtype)
 
     def _mean(self, field: BasisField) -> float:
         """The mean of a basis field."""
         traction = dict(zip(("xz", "yz"), self._traction, strict=True))
         return field.constant * self.mean_pressure * {"zz": -1.0, **traction}.get(field.component, 0.0)
-
-
-@compiled
-def _fill_spectrum(
-    component: int, a: float, b: float, directions: Any, kernels: Any, factor: Any, modes: Any, out: Any
-) -> None:
-    """Fill `out` with the coefficients of a A + b B of one component under the pressure.
-
-    Parameters
-    ----------
-    component : int
-        Its place in `COMPONENTS`.
-    a, b : float
-    directions : tuple
-        q_x of the columns and q_y of the rows, each for factors even in it and, zero in a Nyquist mode, for
-        odd ones; 1/q of the rows with q_y ≥ 0, and 0 at q = 0.
-    kernels : tuple
-        Z, L and T of `Layer.kernels` in the rows with q_y ≥ 0.
-    factor : (columns,) array
-        Any values.
-    modes, out : (ny, 2 columns) arrays
-        Coefficients of the pressure and those to fill, real and imaginary parts in turn.
-    """
-    (qx, odd_qx), (qy, odd_qy), over_q = directions
-    rows = out.shape[0]
-    for j in range(rows // 2 + 1):
-        over, z, along, shear = over_q[j], kernels[0][j], kernels[1][j], kernels[2][j]
-        if component == _ZZ:
-            for i in range(factor.size):
-                factor[i] = -a * z[i]
-        elif component == _XZ:
-            for i in range(factor.size):
-                factor[i] = -a * (odd_qx[i] * over[i]) * shear[i]
-        elif component == _YZ:
-            for i in range(factor.size):
-                factor[i] = -a * (odd_qy[j] * over[i]) * shear[i]
-        elif component == _XY:
-            for i in range(factor.size):
-                both = odd_qx[i] * over[i] * (odd_qy[j] * over[i])
-                factor[i] = both * (b * (z[i] + along[i]) - a * along[i])
-        else:
-            for i in range(factor.size):
-                c, s = qx[i] * over[i], qy[j] * over[i]
-                own, other = (c, s) if component == _XX else (s, c)
-                factor[i] = -(a * own * own * along[i] + b * other * other * (z[i] + along[i]))
-        _multiply(factor, modes[j], component in (_XZ, _YZ), out[j])
-        if 0 < j < rows - j:
-            if component in (_YZ, _XY):
-                for i in range(factor.size):
-                    factor[i] = -factor[i]
-            _multiply(factor, modes[rows - j], component in (_XZ, _YZ), out[rows - j])
 
 
 def _in_surface(field: BasisField) -> tuple[float, float, float, float]:
@@ -354,20 +293,20 @@ def _fill_xz(numbers: Any, factor: Any, start: int, stop: int, trace: Any, value
 
 
 @fused
-def _fill_half_space(
+def _fill_spectra(
     kinds: Any,
     factors: Any,
     depth: float,
     directions: Any,
-    modes: Any,
+    is_layer: bool,
+    kernels: Any,
     row: Any,
     exponent: Any,
     shared: Any,
+    modes: Any,
     out: Any,
 ) -> None:
-    """Fill `out` with the coefficients of a A + b B of some components in a half-space under the pressure.
-
-    As `_fill_spectrum` with the kernels of the half-space, and about three times as fast.
+    """Fill `out` with the coefficients of a A + b B of some components under the pressure.
 
     Parameters
     ----------
@@ -377,51 +316,63 @@ def _fill_half_space(
         a and b.
     depth : float
     directions : tuple
-        q_x of the columns and q_y of the rows, as for `_fill_spectrum`.
-    modes : (ny, 2 columns) array
-        Coefficients of the pressure, real and imaginary parts in turn.
+        q_x of the columns and q_y of the rows, each for factors even in it and, zero in a Nyquist mode, for
+        odd ones.
+    is_layer : bool
+    kernels : (3, ny // 2 + 1, columns) array
+        Z, L and T of a layer; those of the half-space are computed here.
     row : (3, columns) array in double precision
     exponent : (columns,) integer array
         The memory of the third row.
-    shared : (4, 2 columns) array
+    shared : (6, 2 columns) array
         With any values, as `row`.
+    modes : (ny, 2 columns) array
+        Coefficients of the pressure, real and imaginary parts in turn.
     out : (fields, ny, 2 columns) array
     """
     (qx, odd_qx), (qy, odd_qy) = directions
-    rows, columns = out.shape[1], qx.size
-    scaled, over_square, decay, factor = shared[0], shared[1], shared[2], shared[3]
-    one = qx.dtype.type(1)
+    rows, columns, one = out.shape[1], qx.size, qx.dtype.type(1)
+    over, z, along, shear = shared[0], shared[1], shared[2], shared[3]
+    scaled, factor = shared[4], shared[5]
     for j in range(rows // 2 + 1):
         for i in range(columns):
-            square = qx[i] * qx[i] + qy[j] * qy[j]
-            scaled[i] = depth * np.sqrt(square)
-            over_square[i] = one / square if square > 0 else qx.dtype.type(0)
-        _fill_decay(scaled, row[0], row[1], row[2], exponent, decay)
+            q = np.sqrt(qx[i] * qx[i] + qy[j] * qy[j])
+            scaled[i] = depth * q
+            over[i] = one / q if q > 0 else qx.dtype.type(0)
+        if is_layer:
+            for i in range(columns):
+                z[i], along[i], shear[i] = kernels[0, j, i], kernels[1, j, i], kernels[2, j, i]
+        else:
+            _fill_decay(scaled, row[0], row[1], row[2], exponent, z)
+            for i in range(columns):
+                along[i] = (one - scaled[i]) * z[i]
+                shear[i] = scaled[i] * z[i]
+                z[i] = (one + scaled[i]) * z[i]
         for n in range(kinds.size):
             kind, a, b = kinds[n], factors[n, 0], factors[n, 1]
             if kind == _ZZ:
                 for i in range(columns):
-                    factor[2 * i] = factor[2 * i + 1] = -a * (one + scaled[i]) * decay[i]
-            elif kind == _XY:
-                for i in range(columns):
-                    both = odd_qx[i] * odd_qy[j] * over_square[i] * decay[i]
-                    factor[2 * i] = factor[2 * i + 1] = both * (b + b - a * (one - scaled[i]))
+                    factor[2 * i] = factor[2 * i + 1] = -a * z[i]
             elif kind == _YZ:
                 for i in range(columns):
-                    factor[2 * i] = factor[2 * i + 1] = a * depth * odd_qy[j] * decay[i]
+                    factor[2 * i] = factor[2 * i + 1] = a * odd_qy[j] * over[i] * shear[i]
             elif kind == _XZ:
                 for i in range(columns):
-                    factor[2 * i] = factor[2 * i + 1] = a * depth * odd_qx[i] * decay[i]
+                    factor[2 * i] = factor[2 * i + 1] = a * odd_qx[i] * over[i] * shear[i]
+            elif kind == _XY:
+                for i in range(columns):
+                    both = odd_qx[i] * over[i] * (odd_qy[j] * over[i])
+                    factor[2 * i] = factor[2 * i + 1] = both * (b * (z[i] + along[i]) - a * along[i])
             else:
                 for i in range(columns):
-                    c, s = qx[i] * qx[i] * over_square[i], qy[j] * qy[j] * over_square[i]
+                    c, s = qx[i] * over[i], qy[j] * over[i]
                     own, other = (c, s) if kind == _XX else (s, c)
-                    value = -(a * own * (one - scaled[i]) + (b + b) * other) * decay[i]
-                    factor[2 * i] = factor[2 * i + 1] = value
+                    value = a * own * own * along[i] + b * other * other * (z[i] + along[i])
+                    factor[2 * i] = factor[2 * i + 1] = -value
             # The row of −qy has the same factors but for the sign of those odd in qy.
             for k, sign in ((j, one), (rows - j, -one if kind in (_YZ, _XY) else one)):
                 if k == j or 0 < j < k:
-                    _multiply_twice(factor, sign, modes[k], kind in (_XZ, _YZ), out[n, k])
+                    _multiply(factor, sign, modes[k], kind in (_XZ, _YZ), out[n, k])
 
 
 _LARGEST_ARGUMENT = 700.0
@@ -456,7 +407,7 @@ def _fill_decay(scaled: Any, argument: Any, power: Any, scale: Any, exponent: An
 
 
 @fused_inlined
-def _multiply_twice(factor: Any, sign: float, modes: Any, turned: bool, out: Any) -> None:
+def _multiply(factor: Any, sign: float, modes: Any, turned: bool, out: Any) -> None:
     """Fill `out` with factors, each twice in turn, times coefficients, times −i if turned."""
     if turned:
         for i in range(out.size // 2):
@@ -467,27 +418,15 @@ def _multiply_twice(factor: Any, sign: float, modes: Any, turned: bool, out: Any
             out[k] = sign * factor[k] * modes[k]
 
 
-@inlined
-def _multiply(factor: Any, modes: Any, imaginary: bool, out: Any) -> None:
-    """Fill `out` with a factor, or one times the imaginary unit, times coefficients."""
-    if imaginary:
-        for i in range(factor.size):
-            out[2 * i] = -factor[i] * modes[2 * i + 1]
-            out[2 * i + 1] = factor[i] * modes[2 * i]
-    else:
-        for i in range(factor.size):
-            out[2 * i] = factor[i] * modes[2 * i]
-            out[2 * i + 1] = factor[i] * modes[2 * i + 1]
-
-
 @compiled
 def _add_sliding(
     component: int, a: float, b: float, traction: Any, directions: Any, kernels: Any, modes: Any, out: Any
 ) -> None:
     """Add to `out` the coefficients of a A + b B of one component under a shear traction.
 
-    The traction is `traction` times the pressure; the equations are in ``docs/method.md``. `kernels` are N,
-    M, X, P and Q of `Layer.shear_kernels`, `modes` and `out` complex; the others are as of `_fill_spectrum`.
+    The traction is `traction` times the pressure; the equations are in ``docs/method.md``. `directions` are
+    as of `_fill_spectra`, and 1/q of the rows with q_y ≥ 0; `kernels` N, M, X, P and Q of
+    `Layer.shear_kernels`, `modes` and `out` complex.
     """
     (qx, odd_qx), (qy, odd_qy), over_q = directions
     friction_x, friction_y = traction
