@@ -147,7 +147,7 @@ def commands(grids: list[int]) -> dict[str, str]:
         "contact": f"python benchmarks/contact.py --points {' '.join(map(str, grids))} {out}",
         "free": f"python benchmarks/contact.py --boundary free --points {min(1024, max(grids))} {out}",
         "threads": f"python benchmarks/contact.py --threads --points {min(4096, max(grids))} {out}",
-        "stress": f"python benchmarks/stress.py --points {some} {out}",
+        "stress": f"python benchmarks/stress.py --points {some} --threads 1 2 {out}",
         "options": f"python benchmarks/options.py --grid {min(1024, max(grids))} {out}/options.csv",
         "study": f"python benchmarks/study.py {out}",
     }
@@ -275,7 +275,9 @@ def contact() -> str:
         {
             "nodes": f"{run['points']}²",
             "H": f"{hurst}",
-            "s": number(run["seconds"]),
+            "threads": str(run["threads"]),
+            "processor time, s": number(run["seconds"]),
+            "wall time, s": number(run["wall"]),
             "over its transforms": number(run["seconds"] / run["transform_seconds"], ".2f"),
             "double + single pairs": f"{run['double_pairs']:.1f} + {run['single_pairs']:.1f}",
             "pair equivalents": number(run["equivalents"], ".1f"),
@@ -351,10 +353,13 @@ def stress() -> str:
             "nodes": f"{run['points']}²",
             "planes": str(run["planes"]),
             "plane equivalents": number(run["equivalents"], ".1f"),
-            "s": number(run["seconds"]),
+            "threads": str(run["threads"]),
+            "processor time, s": number(run["seconds"]),
+            "wall time, s": number(run["wall"]),
             "over its transforms": number(run["seconds"] / run["transform_seconds"], ".2f"),
             "memory, GiB": number(run["memory_GiB"], ".2f"),
             "before, GiB": number(run["before_GiB"], ".2f"),
+            "load": number(run["load_average"], ".1f"),
         }
         for run in read("stress").to_dict("records")
     ]

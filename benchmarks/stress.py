@@ -1,10 +1,11 @@
 """Cost of the stress in the whole solid by grid, and its accuracy.
 
-    python benchmarks/stress.py --points 1024 2048 4096 --out results/benchmarks
+    python benchmarks/stress.py --points 1024 2048 4096 --threads 1 2 --out results/benchmarks
     python benchmarks/stress.py --accuracy
 
-The first writes ``stress.csv``: the whole analysis on each grid, in a process of its own on one thread. A
-plane equivalent is the work of eight real transforms of the contact's grid, one for each linear part of the
+The first writes ``stress.csv``: the whole analysis on each grid and number of threads, in a process of its
+own, with the load of the machine. A plane equivalent is the work of eight real transforms of the contact's
+grid, one for each linear part of the
 stress; all transforms are counted by their nodes, those of the covariances too. The second prints the tables
 of docs/stress.md: errors of coarse planes, peaks by the distance of planes and by the grid, and the
 difference from tamaas, if it is installed.
@@ -55,7 +56,7 @@ def press(points: int, hurst: float, nodes: int = 8) -> asp.LoadedSolid:
 
 
 class TransformClock:
-    """Processor time of all Fourier transforms while it runs."""
+    """Processor time of all Fourier transforms while it runs, on all threads."""
 
     NAMES = ("c2c", "r2c", "c2r")
 
@@ -80,35 +81,39 @@ class TransformClock:
         return call
 
 
-def measure_once(path: Path) -> None:
+def measure_once(path: Path, threads: int) -> None:
     """Print the cost of the whole analysis under a pressure in a file, the least of some runs, as JSON."""
-    contact, settings = under(np.load(path)), {"poisson": RATIOS, "tolerance": TOLERANCE}
+    contact, settings = under(np.load(path)), {"poisson": RATIOS, "tolerance": TOLERANCE, "threads": threads}
     y, x = asp.Grid((64, 64)).coordinates()
     small = np.maximum(np.sin(40 * y)[:, None] * np.sin(40 * x)[None, :] - 0.5, 0)
     asp.analyse_stress(under(small), **settings)  # compiles
-    before, times = peak_memory(), []
+    before, times, walls = peak_memory(), [], []
     for _ in range(REPEATS):
-        work, start = Work(), time.process_time()
+        work, start, begun = Work(), time.process_time(), time.perf_counter()
         with TransformClock() as clock:
             data = asp.analyse_stress(contact, **settings, work=work)
         times.append((time.process_time() - start, clock.seconds))
+        walls.append(time.perf_counter() - begun)
     cost = {"planes": data.sizes["plane"], "equivalents": work.nodes / contact.grid.size / 8}
-    cost |= dict(zip(("seconds", "transform_seconds"), min(times), strict=True))
+    cost |= dict(zip(("seconds", "transform_seconds"), min(times), strict=True)) | {"wall": min(walls)}
     cost |= {"memory_GiB": 1e6 * peak_memory() / 2**30, "before_GiB": 1e6 * before / 2**30}
+    cost |= {"load_average": os.getloadavg()[0]}
     print(json.dumps(cost))
 
 
-def measure(grids: list[int], out: Path) -> None:
-    """Measure the whole analysis by grid, each in a process of its own, and keep the table."""
+def measure(grids: list[int], threads: list[int], out: Path) -> None:
+    """Measure the whole analysis by grid and threads, each in a process of its own, and keep the table."""
     rows = []
     with tempfile.TemporaryDirectory() as folder:
         for points in grids:
             path = Path(folder) / "pressure.npy"
             np.save(path, press(points, HURST).pressure)
-            command = [sys.executable, __file__, "--run", str(path)]
-            run = subprocess.run(command, check=True, capture_output=True, text=True)
-            rows.append({"points": points, **json.loads(run.stdout), "date": time.strftime("%Y-%m-%d")})
-            print(rows[-1], flush=True)
+            for count in threads:
+                command = [sys.executable, __file__, "--run", str(path), "--threads", str(count)]
+                run = subprocess.run(command, check=True, capture_output=True, text=True)
+                row = {"points": points, "threads": count, **json.loads(run.stdout)}
+                rows.append(row | {"date": time.strftime("%Y-%m-%d")})
+                print(rows[-1], flush=True)
     out.mkdir(parents=True, exist_ok=True)
     table = pd.DataFrame(rows)
     table.to_csv(out / "stress.csv", index=False, float_format="%.3g", lineterminator="\n")
@@ -177,14 +182,15 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--points", type=int, nargs="+", default=[1024], help="nodes on an edge")
+    parser.add_argument("--threads", type=int, nargs="+", default=[1])
     parser.add_argument("--accuracy", action="store_true", help="print the tables of the accuracy instead")
     parser.add_argument("--out", type=Path, default=Path("results/benchmarks"))
     parser.add_argument("--run", type=Path, help=argparse.SUPPRESS)
     options = parser.parse_args()
     if options.run:
-        measure_once(options.run)
+        measure_once(options.run, options.threads[0])
     elif not options.accuracy:
-        measure(options.points, options.out)
+        measure(options.points, options.threads, options.out)
     else:
         contact = press(2048, HURST)
         against_depth(contact)

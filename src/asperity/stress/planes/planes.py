@@ -48,7 +48,7 @@ class StressPlane:
     fields : dict
         Name → array (ratios, ny, nx) in the unit of the contact pressure.
     bound : float
-        Proven largest error of any field at any node from the modes that the grid drops, in the same unit.
+        Bound of the error of any field at any node from the modes that the grid drops, in the same unit.
     """
 
     depth: float

@@ -188,8 +188,10 @@ class PlaneStream:
     @property
     def keeps_planes(self) -> bool:
         """Whether the basis fields of two planes are kept side by side at all depths."""
+        source = FreePlanes if self.solid.boundary == "free" else PeriodicPlanes
         fields, grid = len(self._basis_fields()[0]), self.solid.grid
-        return 2 * fields * grid.size * self.dtype.itemsize <= KEPT_BYTES
+        size = fields * grid.shape[0] * source.row_length(grid)
+        return 2 * size <= KEPT_BYTES // self.dtype.itemsize // 16 * 16
 
     def planes(
         self,

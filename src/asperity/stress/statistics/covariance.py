@@ -21,7 +21,8 @@ MOST_KEPT = 8
 
 PACKED = {"float32": np.int16, "float64": np.int32}
 """Types of the whole numbers in which planes are kept. Rounding, by 2e-5 or 2e-10 of the largest value, is
-averaged over all nodes: the error of a covariance is below 1e-6 or 1e-11 of it."""
+averaged over all nodes: the error of a covariance is below 1e-6 or 1e-11 of it (1e-5 or 1e-10 on 16² nodes).
+"""
 
 SUMS = 4
 """Numbers of each row in `sum_rows`."""
