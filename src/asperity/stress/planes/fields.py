@@ -203,6 +203,9 @@ class Fields:
         precise = Formulas(self.formulas.kinds, *(each.astype(float) for each in self.formulas[1:]))
         needed = np.array([_needed(int(kind), basis.place) for kind in self.formulas.kinds])
 
+        own = basis.values.shape[1], basis.columns
+        stencils = tuple(_stencils(*pair, self.periodic) for pair in zip(shape, own, strict=True))
+
         def compare(part: slice) -> None:
             _compare(
                 basis,
@@ -214,7 +217,7 @@ class Fields:
                 shape,
                 self.periodic,
                 magnitude[part],
-                (np.empty((2, 3, 6), np.int64), np.empty((2, 3, 6))),
+                stencils,
                 kept[part],
                 out[part],
             )
@@ -488,7 +491,7 @@ def _compare(
     out: Any,
 ) -> None:
     """As `Fields.exceeded`; `given` has one node, to which the `needed` basis fields are interpolated."""
-    (which, row, column), (places, weights) = nodes, stencils
+    (which, row, column), ((place_y, weight_y), (place_x, weight_x)) = nodes, stencils
     ny, nx, zero = basis.values.shape[1], basis.columns, np.int64(0)
     same = ny == shape[0] and nx == shape[1]
     for n in range(which.size):
@@ -501,14 +504,13 @@ def _compare(
                 j, i = neighbour(j, ny, periodic), neighbour(i, nx, periodic)
                 value = value_at(basis, fields.kinds[m], fields.ratios[m], fields.uniforms[m], j, i)
             else:
-                if k < 3 or k == 4:
-                    _fill_stencil(j, shape[0], ny, periodic, places[0, a], weights[0, a])
-                if k < 4:
-                    _fill_stencil(i, shape[1], nx, periodic, places[1, b], weights[1, b])
                 for part in range(given.place.size):
                     if needed[m, part]:
                         values = basis.values[basis.place[part]]
-                        along_y, along_x = (places[0, a], weights[0, a]), (places[1, b], weights[1, b])
+                        along_y, along_x = (
+                            (place_y[j + 1], weight_y[j + 1]),
+                            (place_x[i + 1], weight_x[i + 1]),
+                        )
                         given.values[part, 0, 0] = _weighted(values, along_y, along_x)
                 of_field = fields.kinds[m], precise.ratios[m], precise.uniforms[m]
                 value = basis.values.dtype.type(value_at(given, *of_field, zero, zero))
@@ -536,26 +538,19 @@ _INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) f
 """Denominators of Lagrange's formula on six nodes."""
 
 
-@compiled
-def _fill_stencil(node: int, others: int, nodes: int, periodic: bool, place: Any, weight: Any) -> None:
-    """Places and weights of the six nodes nearest to a node of another grid, for Lagrange's interpolation.
+def _stencils(others: int, nodes: int, periodic: bool) -> tuple[Array, Array]:
+    """Places and weights, (others + 2, 6), of the six nodes nearest to the nodes −1 to `others` of another grid.
 
     Over a free boundary a node beyond an edge is its mirror image, and all six lie within the map.
     """
+    node = np.arange(-1, others + 1)
     if not periodic:
-        node = neighbour(node, others, periodic)
+        node[[0, -1]] = 1, others - 2
     position = node * (nodes / others)
-    base = int(np.floor(position))
+    base = np.floor(position).astype(np.int64)
     if not periodic:
-        base = max(2, min(base, nodes - 4))
-    fraction = position - base
-    for k in range(6):
-        place[k] = base + k - 2
-        while place[k] < 0:
-            place[k] += nodes
-        while place[k] >= nodes:
-            place[k] -= nodes
-        weight[k] = _INVERSE_PRODUCTS[k]
-        for m in range(6):
-            if m != k:
-                weight[k] *= fraction - (m - 2)
+        base = np.clip(base, 2, nodes - 4)
+    steps = np.arange(-2, 4)
+    apart = (position - base)[:, None] - steps
+    weights = np.stack([np.prod(np.delete(apart, k, axis=1), axis=1) for k in range(6)], axis=1)
+    return (base[:, None] + steps) % nodes, weights * _INVERSE_PRODUCTS
