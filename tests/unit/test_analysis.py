@@ -10,6 +10,7 @@ from samples import refuses, spots
 import asperity as asp
 from asperity.fourier.grid import Fourier
 from asperity.stress.analysis import QUANTITIES, analyse_lateral_conditions
+from asperity.stress.planes import stream
 from asperity.stress.planes.planes import depth_grid
 
 RATIOS = [0.0, 0.33, 0.5]
@@ -201,3 +202,18 @@ test_wrong_argument_is_refused = refuses(
         "lateral = 'slip': one of confined",
     ),
 )
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-5])
+def test_large_planes_are_computed_again(contact, monkeypatch, tolerance):
+    """With one plane in memory at a time: the same peaks, and covariances to the steps of kept planes."""
+    settings = {"poisson": RATIOS, "tolerance": tolerance}
+    both = asp.analyse_stress(contact, **settings)
+    monkeypatch.setattr(stream, "KEPT_BYTES", 1)
+    one = asp.analyse_stress(contact, **settings)
+    packed = [name for name in both if name.startswith("covariance")]
+    xr.testing.assert_identical(one.drop_vars(packed), both.drop_vars(packed))
+    # The steps of 16 bits are 3e-5 of the largest value, those of 32 bits 5e-10.
+    steps = 1e-5 if tolerance == 1e-4 else 1e-10
+    for name in packed:
+        np.testing.assert_allclose(one[name], both[name], rtol=0, atol=steps * float(both[name].max()))

@@ -539,7 +539,7 @@ _INVERSE_PRODUCTS = np.array([1 / np.prod([k - m for m in range(6) if m != k]) f
 
 
 def _stencils(others: int, nodes: int, periodic: bool) -> tuple[Array, Array]:
-    """Places and weights, (others + 2, 6), of the six nodes nearest to the nodes −1 to `others` of another grid.
+    """Places and weights, (others + 2, 6), of the six nodes nearest to nodes −1 to `others` of another grid.
 
     Over a free boundary a node beyond an edge is its mirror image, and all six lie within the map.
     """
