@@ -73,6 +73,7 @@ class References:
         self._largest, self._means, self._steps = np.full(fields, -np.inf), np.zeros(fields), np.ones(fields)
         self._rising = np.full(fields, keeps)
         self._above: list[tuple[Array, Array, Array]] = []
+        self._free: list[Array] = []
         self._own: dict[int, tuple[Grid, Array, float, float]] = {}
         self._modes: dict[int, tuple[Grid, Array]] = {}
 
@@ -84,7 +85,7 @@ class References:
         if len(self._packed) and grid != self._grid:
             self._end(np.flatnonzero(self._rising))
             former = self._packed
-            packed = np.empty((self.number.size, *grid.shape), former.dtype)
+            packed = self._empty(grid)
             fourier = Fourier(grid, self._real, self._threads, self._work)
             numbers = memory.reshape(-1)
             if numbers.size < grid.size + 3 * self._grid.size:
@@ -132,10 +133,7 @@ class References:
             self._rising[:] = False
             self._above = []
         if self._above or not len(self._packed):
-            former, self._packed = (
-                self._packed,
-                np.empty((largest.size, *self._grid.shape), self._packed.dtype),
-            )
+            former, self._packed = self._packed, self._empty(self._grid)
             for m in np.flatnonzero(~has_risen).tolist():
                 self._packed[m] = former[m]
         self._largest[risen] = largest[risen]
@@ -174,6 +172,13 @@ class References:
         sums = np.sum(results_of(tasks, self._threads), axis=0)
         self._steps[places], self._means[places] = steps, steps * sums / packed[0].size
 
+    def _empty(self, grid: Grid) -> Array:
+        """An array for the references on a grid, in memory that is used again: new memory is cleared first."""
+        size = self.number.size * grid.size
+        fits = self._free and self._free[-1].size >= size
+        numbers = self._free.pop()[:size] if fits else np.empty(size, self._packed.dtype)
+        return numbers.reshape(-1, *grid.shape)
+
     def _end(self, fields: Array) -> None:
         """Compare the kept planes with the references of some fields, which have not risen further."""
         self._rising[fields] = False
@@ -182,6 +187,7 @@ class References:
                 product = steps[m] * self._steps[m] * _mean_product(packed[m], self._packed[m])
                 self.covariance[m, above] = product - means[m] * self._means[m]
         if not self._rising.any():
+            self._free += [packed.reshape(-1) for _, _, packed in self._above]
             self._above = []
 
     def _transformed(self, m: int, finer: bool, memory: Array | None = None) -> tuple[Grid, Array]:
