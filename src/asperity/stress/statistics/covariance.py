@@ -173,7 +173,7 @@ class References:
         self._steps[places], self._means[places] = steps, steps * sums / packed[0].size
 
     def _empty(self, grid: Grid) -> Array:
-        """An array for the references on a grid, in memory that is used again: new memory is cleared first."""
+        """An array for the references on a grid, in memory that is used again: new memory is cleared."""
         size = self.number.size * grid.size
         fits = self._free and self._free[-1].size >= size
         numbers = self._free.pop()[:size] if fits else np.empty(size, self._packed.dtype)
