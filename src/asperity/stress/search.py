@@ -69,22 +69,10 @@ class PlaneSearch:
             flags[:, :, columns:] = False
             self._strips[band] = values, flags, self._kept.array("shared", (5, BLOCK), self._real)
         values, flags, shared = self._strips[band]
-        count = _search(
-            self.fields.basis,
-            self.fields.formulas,
-            self.fields.periodic,
-            first,
-            last,
-            begun,
-            self._sought,
-            self._floor,
-            self._references,
-            shared,
-            values,
-            flags,
-            flags.view(np.uint64),
-            self.sums,
-        )
+        fields, arrays = self.fields, (values, flags, flags.view(np.uint64), shared)
+        search = begun, self._sought, self._floor, self._references
+        plane = fields.basis, fields.formulas, fields.periodic
+        count = _search(*plane, first, last, search, arrays, self.sums)
         lines = 1 if begun else 3, last - first + 1
         if count:
             self._found[band].append(
@@ -113,20 +101,7 @@ class PlaneSearch:
 
 @compiled
 def _search(
-    basis: Any,
-    fields: Any,
-    periodic: bool,
-    first: int,
-    last: int,
-    begun: bool,
-    sought: Any,
-    floor: float,
-    references: Any,
-    shared: Any,
-    values: Any,
-    flags: Any,
-    words: Any,
-    sums: Any,
+    basis: Any, fields: Any, periodic: bool, first: int, last: int, search: Any, arrays: Any, sums: Any
 ) -> int:
     """Fill lines of `values` with rows of the fields, sum them, and mark the maxima in those between others.
 
@@ -137,6 +112,7 @@ def _search(
     count : int
         Number of the maxima in the lines from 1, or from 3 if the band has not begun.
     """
+    (begun, sought, floor, references), (values, flags, words, shared) = search, arrays
     columns, lines = basis.columns, values.shape[1]
     if begun:
         for t in range(values.shape[0]):

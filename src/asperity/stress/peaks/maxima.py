@@ -109,21 +109,10 @@ def marked(
     field, row, column = np.empty((3, count), np.int32)
     here = np.empty((count, 3, 3), values.dtype)
     words, plane = flags.view(np.uint64), fields if above is None else above
-    kept = _collect(
-        plane.basis,
-        plane.formulas,
-        above is not None,
-        values,
-        (start, stop),
-        first,
-        words,
-        flags,
-        field,
-        row,
-        column,
-        here,
-    )
-    return Maxima(*(array[:kept].copy() for array in (field, row, column, here)))
+    found, marks = (field, row, column, here), (flags, words)
+    compared = above is not None
+    kept = _collect(plane.basis, plane.formulas, compared, values, (start, stop), first, marks, found)
+    return Maxima(*(array[:kept].copy() for array in found))
 
 
 @compiled
@@ -183,23 +172,13 @@ def _is_highest(values: Any, t: int, j: int, i: int) -> bool:
 
 @compiled
 def _collect(
-    above: Any,
-    fields: Any,
-    compared: bool,
-    values: Any,
-    lines: tuple[int, int],
-    first: int,
-    words: Any,
-    flags: Any,
-    field: Any,
-    row: Any,
-    column: Any,
-    here: Any,
+    above: Any, fields: Any, compared: bool, values: Any, lines: Any, first: int, marks: Any, found: Any
 ) -> int:
     """Fill arrays with the maxima among the flagged nodes and the values around them; their number.
 
     A word holds eight flags. If `compared`, maxima have to exceed the fields of the plane `above`, too.
     """
+    (flags, words), (field, row, column, here) = marks, found
     n = 0
     for t in range(flags.shape[0]):
         kind, ratio, uniform = fields.kinds[t], fields.ratios[t], fields.uniforms[t]

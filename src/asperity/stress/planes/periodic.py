@@ -200,7 +200,7 @@ class PeriodicPlanes:
         row = kept.array("row", (3, count), float)
         rows = row, row[2].view(np.int64), kept.array("shared", (6, 2 * count), self.dtype)
         numbers = modes.view(self.dtype), out.view(self.dtype)
-        _fill_spectra(kinds, factors, real(depth), directions, is_layer, kernels, *rows, *numbers)
+        _fill_spectra((kinds, factors), real(depth), directions, is_layer, kernels, rows, *numbers)
         if any(self._traction):
             q = self._wavenumber(columns)
             shear_kernels = tuple(self._layer.shear_kernels(q, depth))
@@ -294,26 +294,14 @@ def _fill_xz(numbers: Any, factor: Any, start: int, stop: int, trace: Any, value
 
 @fused
 def _fill_spectra(
-    kinds: Any,
-    factors: Any,
-    depth: float,
-    directions: Any,
-    is_layer: bool,
-    kernels: Any,
-    row: Any,
-    exponent: Any,
-    shared: Any,
-    modes: Any,
-    out: Any,
+    fields: Any, depth: float, directions: Any, is_layer: bool, kernels: Any, rows: Any, modes: Any, out: Any
 ) -> None:
     """Fill `out` with the coefficients of a A + b B of some components under the pressure.
 
     Parameters
     ----------
-    kinds : (fields,) integer array
-        Places of the components in `COMPONENTS`.
-    factors : (fields, 2) array
-        a and b.
+    fields : tuple
+        Places of the components in `COMPONENTS`, (fields,), and a and b, (fields, 2).
     depth : float
     directions : tuple
         q_x of the columns and q_y of the rows, each for factors even in it and, zero in a Nyquist mode, for
@@ -321,20 +309,18 @@ def _fill_spectra(
     is_layer : bool
     kernels : (3, ny // 2 + 1, columns) array
         Z, L and T of a layer; those of the half-space are computed here.
-    row : (3, columns) array in double precision
-    exponent : (columns,) integer array
-        The memory of the third row.
-    shared : (6, 2 columns) array
-        With any values, as `row`.
+    rows : tuple
+        Arrays with any values: (3, columns) in double precision, the memory of its third row as integers, and
+        (6, 2 columns) in that of the planes.
     modes : (ny, 2 columns) array
         Coefficients of the pressure, real and imaginary parts in turn.
     out : (fields, ny, 2 columns) array
     """
-    (qx, odd_qx), (qy, odd_qy) = directions
-    rows, columns, one = out.shape[1], qx.size, qx.dtype.type(1)
+    (kinds, factors), (row, exponent, shared), ((qx, odd_qx), (qy, odd_qy)) = fields, rows, directions
+    ny, columns, one = out.shape[1], qx.size, qx.dtype.type(1)
     over, z, along, shear = shared[0], shared[1], shared[2], shared[3]
     scaled, factor = shared[4], shared[5]
-    for j in range(rows // 2 + 1):
+    for j in range(ny // 2 + 1):
         for i in range(columns):
             q = np.sqrt(qx[i] * qx[i] + qy[j] * qy[j])
             scaled[i] = depth * q
@@ -370,7 +356,7 @@ def _fill_spectra(
                     value = a * own * own * along[i] + b * other * other * (z[i] + along[i])
                     factor[2 * i] = factor[2 * i + 1] = -value
             # The row of −qy has the same factors but for the sign of those odd in qy.
-            for k, sign in ((j, one), (rows - j, -one if kind in (_YZ, _XY) else one)):
+            for k, sign in ((j, one), (ny - j, -one if kind in (_YZ, _XY) else one)):
                 if k == j or 0 < j < k:
                     _multiply(factor, sign, modes[k], kind in (_XZ, _YZ), out[n, k])
 
