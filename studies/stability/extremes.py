@@ -10,8 +10,9 @@ defect. A solution counts only if `solution_check` confirms it.
 from __future__ import annotations
 
 import math
+import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from itertools import combinations_with_replacement
@@ -25,10 +26,14 @@ from asperity.contact import solve
 from asperity.core.errors import ConvergenceError
 from asperity.core.types import Array
 from asperity.elasticity.layer import Layer
+from asperity.elasticity.two_bodies import Solid
 from asperity.fourier.grid import Grid
 from asperity.surface.johnson import johnson
 from asperity.surface.roughness import roughness_parameters
 from asperity.surface.self_affine import self_affine
+
+Arguments = tuple[Array, Solid, dict[str, Any], dict[str, Any]]
+"""Height, solid, the imposed quantity, and the other keywords of `asperity.solve`."""
 
 TOLERANCES = {"float64": 1e-6, "float32": 1e-4}
 """Tolerance of the solver in each precision."""
@@ -38,6 +43,9 @@ OUTCOMES = (
     *("refused", "wrong", "warned", "failed"),
 )
 """Outcomes of a case, by number; "no cell" stands for two levels of the same setting."""
+
+NAMING = (" = ", "height:")
+"""One of them is in a message that names an argument."""
 
 NO_CELL, CHECKED, CERTIFIED, NOT_CONVERGED, REFUSED, WRONG, WARNED, FAILED = range(len(OUTCOMES))
 ACCEPTABLE = (NO_CELL, CHECKED, CERTIFIED, NOT_CONVERGED, REFUSED)
@@ -135,12 +143,15 @@ class Attempt(NamedTuple):
         Violation of the conditions of contact and error of the pressure, in units of the tolerance.
     reason : str
         Why there is no solution, or none that was compared with the direct one.
+    seconds : float
+        Processor time of the solution.
     """
 
     outcome: int
     violation: float = math.nan
     error: float = math.nan
     reason: str = ""
+    seconds: float = math.nan
 
 
 def outcome_matrix(levels: str = "all") -> xr.Dataset:
@@ -168,7 +179,7 @@ def outcome_matrix(levels: str = "all") -> xr.Dataset:
     outside = np.array([attempt(ExtremeCase(**{name: value})) for name, value in beyond], object)
     meanings = " ".join(name.replace(" ", "_") for name in OUTCOMES)
     flags = {"flag_values": np.arange(len(OUTCOMES), dtype=np.int8), "flag_meanings": meanings}
-    outcome, violation, error, reason = np.moveaxis(np.array(matrix.tolist(), object), 2, 0)
+    outcome, violation, error, reason, _ = np.moveaxis(np.array(matrix.tolist(), object), 2, 0)
     both, out = ("level", "other_level"), "beyond"
     default = [getattr(ExtremeCase(), name) == value for name, value in chosen]
     return xr.Dataset(
@@ -213,28 +224,46 @@ def label(value: Any) -> str:
 
 @cache
 def attempt(case: ExtremeCase) -> Attempt:
-    """Outcome of solving a case while floating-point errors raise and warnings are errors."""
+    """Outcome of a case."""
+    return solve_and_check(lambda: extreme_arguments(case))
+
+
+def solve_and_check(arguments: Callable[[], Arguments]) -> Attempt:
+    """Outcome of making the arguments of a contact and solving it.
+
+    Floating-point errors raise, and warnings are errors.
+    """
     with np.errstate(over="raise", divide="raise", invalid="raise"), warnings.catch_warnings():
         warnings.simplefilter("error")
         try:
-            unit = unit_surface(case)
-            tall = None if math.isinf(case.scaled_height) else case.scaled_height / (2 * math.pi)
-            layer = Layer(1.0, case.poisson, tall, case.bottom)
-            imposed = imposed_quantity(case, unit, layer)
-            rtol = TOLERANCES.get(case.precision, TOLERANCES["float64"])
-            height = case.rms_gradient * unit
-            contact = solve(height, layer, **imposed, method=case.method, dtype=case.precision, rtol=rtol)
+            height, solid, imposed, settings = arguments()
+            begin = time.process_time()
+            contact = solve(height, solid, **imposed, **settings)
+            seconds = time.process_time() - begin
         except ConvergenceError as error:
             return Attempt(NOT_CONVERGED, reason=str(error))
-        except (ValueError, TypeError) as error:
-            return Attempt(REFUSED, reason=str(error))
-        except Exception as error:  # a defect, to be shown in the matrix
-            expected = isinstance(error, Warning | FloatingPointError)
-            text = f"{type(error).__name__}: {' '.join(str(error).split())}"
-            return Attempt(WARNED if expected else FAILED, reason=text)
-        check = check_solution(contact, imposed, rtol)
+        except Exception as error:
+            text = " ".join(str(error).split())
+            if isinstance(error, ValueError | TypeError) and any(mark in text for mark in NAMING):
+                return Attempt(REFUSED, reason=text)
+            outcome = WARNED if isinstance(error, Warning | FloatingPointError) else FAILED
+            return Attempt(outcome, reason=f"{type(error).__name__}: {text}")
+        check = check_solution(contact, imposed, settings["rtol"], height)
     outcome = (CHECKED if check.direct else CERTIFIED) if check.holds else WRONG
-    return Attempt(outcome, check.violation, check.error, check.reason)
+    return Attempt(outcome, check.violation, check.error, check.reason, seconds)
+
+
+def extreme_arguments(case: ExtremeCase) -> Arguments:
+    """Height, solid, the imposed quantity, and the other keywords of `asperity.solve`."""
+    unit = unit_surface(case)
+    tall = None if math.isinf(case.scaled_height) else case.scaled_height / (2 * math.pi)
+    layer = Layer(1.0, case.poisson, tall, case.bottom)
+    imposed = imposed_quantity(case, unit, layer)
+    rtol = TOLERANCES.get(case.precision, TOLERANCES["float64"])
+    return (
+        *(case.rms_gradient * unit, layer, imposed),
+        {"method": case.method, "dtype": case.precision, "rtol": rtol},
+    )
 
 
 def unit_surface(case: ExtremeCase) -> Array:

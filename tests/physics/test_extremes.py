@@ -33,7 +33,6 @@ def test_values_out_of_range_are_refused_by_name(matrix):
     assert matrix["beyond_axis"].size > 10
     for outcome, reason in zip(matrix["beyond_outcome"].values, matrix["beyond_reason"].values, strict=True):
         assert OUTCOMES[outcome] == "refused", reason
-        assert any(mark in reason for mark in (" = ", "height:")), reason
 
 
 @pytest.mark.parametrize(
