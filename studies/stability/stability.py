@@ -1,8 +1,9 @@
-"""Rounding of the layer's formulas, and contacts at the ends of all ranges: writes docs/stability.md.
+"""Rounding of the layer's formulas, contacts at the ends of all ranges, and of all families of surfaces.
 
     python studies/stability/stability.py
 
-computes all in half a minute and writes the page with its two figures. Run it in the project's folder.
+computes them in two minutes and writes docs/stability.md with its three figures and a table of times. Run it
+in the project's folder.
 """
 
 from __future__ import annotations
@@ -12,6 +13,8 @@ from typing import Any
 
 import extremes
 import extremes_figure
+import family_figure
+import family_outcomes
 import rounding
 import rounding_figure
 from jinja2 import Environment, StrictUndefined
@@ -26,6 +29,7 @@ def main() -> None:
     found = {
         "rounding": (rounding_figure, rounding.rounding_errors(per_decade=4)),
         "extremes": (extremes_figure, extremes.outcome_matrix()),
+        "families": (family_figure, family_outcomes.family_outcomes()),
     }
     captions: dict[str, Any] = {}
     for name, (module, data) in found.items():
@@ -33,6 +37,8 @@ def main() -> None:
             save(module.draw(data), DOCS / f"{name}.png")
         captions[name] = module.caption(data)
     captions["elements"] = rounding.element_errors()
+    times = family_figure.times_by_grid(found["families"][1])
+    times.to_csv(DOCS / "families.csv", index=False, float_format="%.3g")
     environment = Environment(undefined=StrictUndefined)
     text = Path(__file__).with_name("page.md.j2").read_text(encoding="utf-8")
     page = environment.from_string(text).render(captions)
