@@ -1,12 +1,18 @@
 """Random arguments: surfaces, solids, numbers, and in odd cases what is none of these."""
 
 import math
+import sys
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 from hypothesis import strategies as st
 
 import asperity as asp
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "studies" / "stability"))
+
+from families import FAMILIES, Nodes
 
 LONGEST_MESSAGE = 500
 """Characters of an error message."""
@@ -71,7 +77,7 @@ class Height(NamedTuple):
     offset: float = 0.0
 
 
-KINDS = ("noise", "smooth", "levels", "integers", "tilted", "flat", "spike")
+KINDS = ("smooth", "levels", "integers", "spike", *FAMILIES)
 ODD_KINDS = ("nan", "inf", "1e300", "complex", "boolean", "objects", "line", "empty", "text")
 heights = st.builds(
     Height,
@@ -99,11 +105,11 @@ def made(height):
     }
     if kind in unscaled:
         return unscaled[kind]()
+    if kind in FAMILIES:
+        return FAMILIES[kind](Nodes(shape, 0.3, seed)) * scale + offset
     values = {
         "smooth": np.cos(2 * np.pi * x / shape[1]) + np.cos(2 * np.pi * y / shape[0]),
         "levels": np.round(noise),
-        "tilted": x.astype(float),
-        "flat": np.zeros(shape),
         "spike": -1.0 * ((x == 0) & (y == 0)),
     }.get(kind, noise)
     if kind in ("nan", "inf", "1e300"):

@@ -43,9 +43,12 @@ from asperity.elasticity.layer_fields import DISPLACEMENTS, PRESCRIBED
 sys.path.insert(0, str(Path(__file__).parents[1] / "unit"))
 
 import bad_input
+import families
+import family_outcomes
 import random_input
 import random_pressure
 from answers import ANSWERS
+from extremes import OUTCOMES
 
 WORST_NODE = 100.0
 """Violation of the contact conditions that a node may have, in units of the solver's tolerance."""
@@ -139,6 +142,44 @@ def rounding(contact):
     scale = float(np.std(contact.height, dtype=float)) or float(contact.max_pressure) * nodal_compliance
     largest = float(np.abs(contact.height).max())
     return 10 * float(np.finfo(contact.pressure.dtype).eps) * largest / scale if scale else 0.0
+
+
+def power_of_ten(low, high):
+    """A number between two powers of ten."""
+    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
+
+
+loads = st.tuples(st.just("load"), power_of_ten(-10, 0))
+of_family = {
+    "family": st.sampled_from(list(families.FAMILIES)),
+    "shape": st.tuples(st.integers(1, 48), st.integers(1, 48)),
+    "relief": st.just(1.0) | power_of_ten(-6, 6),
+    "offset": st.sampled_from(families.LEVELS["offset"]),
+    "imposed": loads
+    | loads
+    | st.tuples(st.just("area"), power_of_ten(-3, 0))
+    | st.tuples(st.just("approach"), power_of_ten(-6, -0.001)),
+    "hardness": st.none() | st.floats(1.0001, 30),
+    "precision": st.sampled_from(families.LEVELS["precision"]),
+    "size": st.floats(0.05, 0.45),
+    "seed": st.integers(0, 100),
+}
+engineered = st.builds(
+    families.FamilyCase, **of_family, solid=st.sampled_from(list(families.SOLIDS))
+) | st.builds(
+    families.FamilyCase,
+    **of_family,
+    solid=st.sampled_from(families.HALF_SPACES),
+    boundary=st.just("free"),
+)
+
+
+def try_family(case):
+    """A surface that engineers press, under any load: solved, and confirmed by a check without the solver."""
+    found = family_outcomes.attempt_family(case)
+    outcome = OUTCOMES[found.outcome]
+    require(found.outcome in family_outcomes.ACCEPTABLE, f"{outcome}: {found.reason}")
+    return outcome
 
 
 def try_bound(case):
@@ -503,6 +544,7 @@ approach = .*: (less than|a length from)
 Without an entry every refusal counts as one."""
 
 PROPERTIES = {
+    "family": (engineered, try_family),
     "contact": (contacts, try_contact),
     "bound": (random_pressure.pressures, try_bound),
     "stress": (stresses, try_stress),
