@@ -77,11 +77,15 @@ def draw(data: xr.Dataset) -> Figure:
 
 def caption(data: xr.Dataset) -> str:
     """Numbers of outcomes, and of contacts that take too much time."""
-    outcome = data["outcome"].values
-    lines = [f"contacts: {outcome.size}", f"solved, and confirmed: {np.isin(outcome, SOLVED).sum()}"]
-    lines += [f"{OUTCOMES[number]}: {np.sum(outcome == number)}" for number in _COLOURS]
-    slow = int(np.nansum(data["multiple"].values > MOST))
-    lines.append(f"above {MOST:g} times the median time per node of their grid: {slow}")
+    outcome, on_sheet = data["outcome"].values, data["solid"].values == "sheet"
+    slow = data["multiple"].values > MOST
+    found = {"contacts": outcome >= 0, "solved, and confirmed": np.isin(outcome, SOLVED)}
+    found |= {OUTCOMES[number]: outcome == number for number in _COLOURS}
+    found[f"above {MOST:g} times the median time per node of their grid"] = slow
+    lines = []
+    for name, which in found.items():
+        sheets = f", {np.sum(which & on_sheet)} of them on the sheet" if which.any() else ""
+        lines.append(f"{name}: {which.sum()}{sheets}")
     return "\n".join(f"- {line}" for line in lines)
 
 

@@ -38,7 +38,7 @@ def test_figure_and_table_show_every_contact(outcomes):
     drawn = family_figure.draw(outcomes).axes[0]
     assert len(drawn.get_xticks()) * len(drawn.get_yticks()) == outcomes["outcome"].size
     count = int(np.isin(outcomes["outcome"].values, SOLVED).sum())
-    assert f"solved, and confirmed: {count}" in family_figure.caption(outcomes)
+    assert f"solved, and confirmed: {count}," in family_figure.caption(outcomes)
     assert family_figure.times_by_grid(outcomes)["contacts"].sum() == count
 
 
