@@ -108,8 +108,8 @@ def _checked(contact: Contact, height: Array, imposed: dict[str, Any], tolerance
     if not 0 <= pressure.min() <= pressure.max() <= contact.hardness:
         return SolutionCheck(math.inf, reason="a pressure is not between zero and the hardness")
     precision = float(np.finfo(contact.pressure.dtype).eps)
-    lowest = float(height.min())
-    height = height - lowest
+    whole, lowest = height, float(height.min())
+    height = whole - lowest
     known = dict(imposed)
     if "approach" in known:
         known["approach"] -= lowest
@@ -142,7 +142,7 @@ def _checked(contact: Contact, height: Array, imposed: dict[str, Any], tolerance
     violation = max(violation, ALLOWED_AT_NODE / ALLOWED * certificate.load_imbalance / tolerance)
     if not violation <= ALLOWED_AT_NODE:
         return SolutionCheck(violation, reason=str(certificate))
-    if "area_fraction" in imposed and not area_is_nearest(contact, imposed["area_fraction"]):
+    if "area_fraction" in imposed and not area_is_nearest(contact, imposed["area_fraction"], whole):
         return SolutionCheck(violation, reason="another load has a number of contact nodes that is nearer")
     error, noise = energy_error(contact, height, pressure, rounding, **known)
     direct, reason = False, ""
@@ -269,15 +269,15 @@ def free_compliance(shape: tuple[int, int], spacing: tuple[float, float]) -> tup
     return matrix, factor, float(np.trace(cho_solve(factor, np.eye(row.size))))
 
 
-def area_is_nearest(contact: Contact, area_fraction: float) -> bool:
-    """Whether no other load has a number of contact nodes nearer to the imposed one.
+def area_is_nearest(contact: Contact, area_fraction: float, height: Array) -> bool:
+    """Whether no other load has a number of contact nodes nearer to the imposed one, on these heights.
 
     The contact is solved under loads farther and farther in the direction of the imposed number, until the
     number changes.
     """
     size, pressure = contact.grid.size, contact.pressure
     wanted, nodes = max(1, round(area_fraction * size)), int(np.count_nonzero(pressure))
-    together = int(np.count_nonzero(contact.height == contact.height.min()))
+    together = int(np.count_nonzero(height == height.min()))
     if nodes == 0 or abs(nodes - wanted) <= max(1, AREA_ERROR * wanted) or wanted < nodes == together:
         return nodes > 0
     found, change = nodes, 1e-3
@@ -286,7 +286,7 @@ def area_is_nearest(contact: Contact, area_fraction: float) -> bool:
         if load >= contact.hardness:
             break
         other = solve(
-            contact.height,
+            height,
             contact.solid,
             contact.grid.length,
             mean_pressure=load,

@@ -149,7 +149,7 @@ def test_energy_bound_of_a_free_map_holds(hardness, size):
 
 def test_area_of_another_load_may_be_nearer():
     contact, _ = solved(FamilyCase("cone", imposed=("area", 0.1)))
-    assert area_is_nearest(contact, 0.1)
-    assert not area_is_nearest(contact, 0.2)
+    assert area_is_nearest(contact, 0.1, contact.height)
+    assert not area_is_nearest(contact, 0.2, contact.height)
     flat = asp.solve(np.zeros((8, 8)), contact.solid, area_fraction=0.1)
-    assert area_is_nearest(flat, 0.1)
+    assert area_is_nearest(flat, 0.1, flat.height)
