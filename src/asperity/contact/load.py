@@ -278,6 +278,9 @@ def extended(
         borne = _borne(elastic, near_nodes, factor * rate, iterate.problem)
         new_load = load + min(max(borne - load, -MAX_LOAD_CHANGE * load), MAX_LOAD_CHANGE * load)
     if converged:
+        if new_load == load and system.plastic.size + 1 >= iterate.nodes.size:
+            # Where all nodes are plastic no tangent tells at which load the next one touches.
+            new_load = area.power_law(load, iterate.nodes.size)
         found = area.bracketed(load, iterate.nodes.size, new_load)
         if found is None:
             return None

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
-from asperity.core.compiled import compiled
 from asperity.core.parallel import KeptArrays
 from asperity.core.types import Array
 from asperity.stress.peaks.maxima import Maxima, mark, marked, maxima_in_rows
-from asperity.stress.planes.fields import BLOCK, MARGIN, Fields, bands_of, fill_rows, row_length
+from asperity.stress.planes.fields import BLOCK, Fields, bands_of, fill_rows, row_length
 from asperity.stress.statistics.covariance import SUMS, sum_rows
 
 
@@ -69,11 +66,17 @@ class PlaneSearch:
             flags[:, :, columns:] = False
             self._strips[band] = values, flags, self._kept.array("shared", (5, BLOCK), self._real)
         values, flags, shared = self._strips[band]
-        fields, arrays = self.fields, (values, flags, flags.view(np.uint64), shared)
-        search = begun, self._sought, self._floor, self._references
-        plane = fields.basis, fields.formulas, fields.periodic
-        count = _search(*plane, first, last, search, arrays, self.sums)
+        fields = self.fields
+        if begun:  # with the last two rows before these
+            values[:, :2] = values[:, -2:]
+        stop = 2 + last - first
+        fill_rows(fields.basis, fields.formulas, first, fields.periodic, shared, values, 2, stop)
+        # Called from here, not from a compiled loop: the order of its sums would be that of the caller.
+        sum_rows(values, 2, stop, columns, first, self._references, shared[0], self.sums)
         lines = 1 if begun else 3, last - first + 1
+        count = mark(
+            values, lines[0], stop - 1, columns, self._floor, self._sought, flags, flags.view(np.uint64)
+        )
         if count:
             self._found[band].append(
                 marked(self.fields, values, flags, count, *lines, first - 2, self._above)
@@ -97,30 +100,3 @@ class PlaneSearch:
         order = np.argsort(every.field * self._rows + every.row, kind="stable")
         high = self._sought[every.field] & (every.magnitude > floor)
         return every.select(order[high[order]])
-
-
-@compiled
-def _search(
-    basis: Any, fields: Any, periodic: bool, first: int, last: int, search: Any, arrays: Any, sums: Any
-) -> int:
-    """Fill lines of `values` with rows of the fields, sum them, and mark the maxima in those between others.
-
-    The two rows before, if the band has begun, are in the last lines of `values` and come first.
-
-    Returns
-    -------
-    count : int
-        Number of the maxima in the lines from 1, or from 3 if the band has not begun.
-    """
-    (begun, sought, floor, references), (values, flags, words, shared) = search, arrays
-    columns, lines = basis.columns, values.shape[1]
-    if begun:
-        for t in range(values.shape[0]):
-            for k in range(2):
-                before, line = values[t, lines - 2 + k], values[t, k]
-                for i in range(MARGIN - 1, MARGIN + columns + 1):
-                    line[i] = before[i]
-    stop = 2 + last - first
-    fill_rows(basis, fields, first, periodic, shared, values, 2, stop)
-    sum_rows(values, 2, stop, columns, first, references, shared[0], sums)
-    return mark(values, 1 if begun else 3, stop - 1, columns, floor, sought, flags, words)
