@@ -165,7 +165,10 @@ of_family = {
     "seed": st.integers(0, 100),
 }
 engineered = st.builds(
-    families.FamilyCase, **of_family, solid=st.sampled_from(list(families.SOLIDS))
+    families.FamilyCase,
+    **of_family,
+    # Not the thin free sheet, a known limit: docs/contact.md.
+    solid=st.sampled_from([solid for solid in families.SOLIDS if solid != "sheet"]),
 ) | st.builds(
     families.FamilyCase,
     **of_family,

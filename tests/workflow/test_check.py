@@ -2,12 +2,14 @@
 
 import shutil
 
+import numpy as np
 import pytest
 from project import ROOT, run, script
 
-from asperity.elasticity.layer import Layer
+from asperity.elasticity.layer import COMPONENTS
 from asperity.results import dataset
 from asperity.stress.analysis import SOUGHT
+from asperity.stress.planes import periodic
 from asperity.study.config.study import read_study
 from asperity.study.stages.statistics import SeedResults, surface_statistics
 from asperity.study.stages.stress import stress_of_seed
@@ -38,14 +40,15 @@ def test_the_check_makes_what_it_compares(quick_study):
 
 def test_one_percent_in_a_kernel_is_caught(quick_study, folder, monkeypatch):
     """That of the lateral stress, in all stages after the contact."""
-    genuine = Layer.kernels
+    genuine = periodic._fill_spectra
 
-    def one_percent(layer, q, depth):
-        kernels = genuine(layer, q, depth)
-        return kernels._replace(longitudinal=1.01 * kernels.longitudinal)
+    def one_percent(fields, *others):
+        components, factors = fields
+        lateral = np.isin(components, [COMPONENTS.index(name) for name in ("xx", "yy", "xy")])
+        genuine((components, factors * np.where(lateral, 1.01, 1)[:, None].astype(factors.dtype)), *others)
 
     monkeypatch.chdir(folder)
-    monkeypatch.setattr(Layer, "kernels", one_percent)
+    monkeypatch.setattr(periodic, "_fill_spectra", one_percent)
     config, results = read_study(["config/quick.yaml"]), quick_study.results
     surface, contact = (
         dataset.read(results / stage / "cutoff_64/seed1.nc") for stage in ("surface", "contact")
