@@ -300,7 +300,8 @@ class Step:
     nodes, pressure, level : (count,) arrays
         Before the step.
     change : (count,) array
-        Change of the pressure; that of a held node is its overlap / nodal compliance.
+        Change of the pressure; that of a held node is its overlap over the displacement of a node per unit of
+        its own pressure.
     enters : (count,) array of bool
         True at nodes that enter the contact.
     approach : float
@@ -322,19 +323,20 @@ class Step:
     ) -> Step:
         """The step that a correction leads to."""
         enter, real, held = after.enter, iterate.pressure.dtype, after.held
+        overlap = after.overlap * np.float32(iterate.problem.unit / iterate.problem.own_compliance)
         new = held.nodes[enter]
         at = np.searchsorted(iterate.nodes, new)
         change = np.zeros_like(iterate.pressure)
         change[system.elastic] = correction.pressure
         if system.plastic.size:
-            change[system.plastic] = after.overlap[held.side < 0]
+            change[system.plastic] = overlap[held.side < 0]
         enters = np.zeros(iterate.nodes.size + new.size, np.bool_)
         enters[at + np.arange(new.size)] = True
         return cls(
             inserted(iterate.nodes, at, new),
             inserted(iterate.pressure, at, np.zeros(new.size, real)),
             inserted(iterate.level, at, held.level[enter]),
-            inserted(change, at, after.overlap[enter]),
+            inserted(change, at, overlap[enter]),
             enters,
             system.approach,
         )
@@ -438,8 +440,8 @@ def _error(
     The solution p* of the contact problem and a pressure p differ by the pressure that removes what is wrong
     with p: the residual on the contact nodes, the penetration of nodes without pressure, and the gap of
     plastic nodes. The error estimate is the norm of that pressure, as the preconditioner M gives it; a node
-    that penetrates, or a plastic one with a gap, counts with that length over the nodal compliance. Two lower
-    bounds hold it up:
+    that penetrates, or a plastic one with a gap, counts with that length over the displacement of a node per
+    unit of its own pressure. Two lower bounds hold it up:
 
     - A layer that is much stiffer than the half-space answers a residual by a much larger pressure than M,
       which is made for the half-space. There the norm of the pressure is used with which the whole layer, all
@@ -452,7 +454,8 @@ def _error(
     if system.has_free_approach:
         shift = total(added, threads, system.preconditioned) / operators.uniform_sum
     corrected = total(_projected_square, threads, system.preconditioned, operators.uniform, shift)
-    penetration = np.maximum(held.side * (approach - held.level.astype(float)), 0) / problem.unit
+    penetration = np.maximum(held.side * (approach - held.level.astype(float)), 0)
+    penetration /= problem.own_compliance
     error = math.hypot(math.sqrt(corrected), float(np.linalg.norm(penetration)))
     if inner.layer_stiffness is not None:
         error = max(error, _response_of_layer(problem, system, inner.layer_stiffness))

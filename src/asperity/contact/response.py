@@ -127,7 +127,7 @@ class Response:
         """Factors of all coefficients."""
         return self.half_compliance[np.abs(self.mode_grid.ky)]
 
-    @property
+    @cached_property
     def own_compliance(self) -> float:
         """Displacement of a node per unit of a pressure on it alone: none moves further under that load."""
         rows = np.bincount(np.abs(self.grid.ky))
@@ -220,7 +220,7 @@ class FreeResponse(Response):
         """The padded grid, on which distances within the map do not wrap around."""
         return padded_grid(self.grid)
 
-    @property
+    @cached_property
     def own_compliance(self) -> float:
         return rectangle_compliance(0.0, 0.0, self.grid.spacing, self.solid.effective_modulus).item()
 
