@@ -259,7 +259,8 @@ def reach(
         return lowest, math.inf, math.inf
     if control.kind == "mean_pressure":
         load, datum = control.value / units.stress * nodes, lowest
-        above = 2 * load * response.own_compliance * units.length
+        # Twice the bound: a clipped node keeps a gap.
+        above = 4 * load * response.own_compliance * units.length
         if (full := math.ceil(load / hardness) - 1 if hardness < math.inf else 0) > 0:
             first = float(np.partition(height, full, axis=None)[full])
             if first - lowest > above:
@@ -269,7 +270,7 @@ def reach(
         datum = control.value
         # Without surroundings all displacements are downward: higher nodes than the approach never touch.
         above = _largest_displacement(height, datum, response) if response.repeats else datum - lowest
-        above = min(above, nodes * hardness * response.own_compliance * units.length)
+        above = 2 * min(above, nodes * hardness * response.own_compliance * units.length)
         below = above if hardness < math.inf and response.repeats else math.inf
     return datum, below, above
 
