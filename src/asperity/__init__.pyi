@@ -13,6 +13,7 @@ from .engineering.continuum import continuum as continuum
 from .engineering.load_curve import load_curve as load_curve
 from .engineering.output import write_answer as write_answer
 from .engineering.run import run as run
+from .engineering.sample import pooled as pooled
 from .fourier import fft_engine as fft_engine
 from .fourier.grid import Grid as Grid
 from .results import read_result as read_result

@@ -8,3 +8,5 @@ from .output import save_case as save_case
 from .output import write_answer as write_answer
 from .run import answer_of as answer_of
 from .run import run as run
+from .sample import Sample as Sample
+from .sample import pooled as pooled

@@ -334,12 +334,14 @@ def _body_rows(group: str, body: BodyAnswer) -> Iterator[Row]:
     volume, depths, fraction = body.volume_above_yield, body.depths_above_yield, body.fraction_above_yield
     if volume is None or depths is None or fraction is None:
         yield row("volume above yield", 0.0, "m^3", "none: everything stays elastic")
+        yield row("volume above yield per area", 0.0, "m")
         return
     first, last = depths
     factor, symbol = scaled_unit([last], "m")
     share = f"{100 * fraction:.3g} % of the volume down to {shown_si(last, 'm', 3)}"
     between = f"depths from {first / factor:.3g} to {last / factor:.3g} {symbol}"
     yield row("volume above yield", volume, "m^3", shown_si(volume, "m^3", 3))
+    yield row("volume above yield per area", fraction * last, "m")
     yield row("share above yield", fraction, "1", share)
     yield row("deepest point above yield", last, "m", between)
 

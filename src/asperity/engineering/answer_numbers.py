@@ -69,8 +69,8 @@ class ContactNumbers:
     rms_gradient: float = _named("rms gradient", "1")
     gradient_rms_contact: float = _named("rms gradient in contact", "1")
     patches: int = _named("patches of contact", "1")
+    nominal_area: float = _named("nominal area", "m^2")
     contact_nodes: int
-    nominal_area: float
     peak_to_valley: float
     typical_patch_width: float
     pressure_on_spike: bool

@@ -1,0 +1,257 @@
+"""Maps of one surface as a sample: every number as its mean over the maps, with a 95 % interval."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import groupby
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+
+from asperity.core.markup import table, with_error
+from asperity.core.types import Array
+from asperity.core.units import scaled_unit, shown_si
+from asperity.engineering.answer import Answer, case_in_words
+from asperity.surface.treatment.treatment import TreatedMap
+
+LEVEL = 0.95
+"""Confidence of the intervals."""
+
+SAME = 1e-6
+"""Relative difference of pixels, and of numbers that all maps have alike, by rounding."""
+
+OTHER_UNIT = 100
+"""Ratio of rms heights from which two maps have heights in unlike units, as nm and µm."""
+
+PLACES = "at x", "at y"
+"""Numbers that have no mean: places on a map."""
+
+SHARES = (
+    *("real contact", "plastic real contact", "share above yield"),
+    *("area at the hardness", "load at the hardness"),
+)
+"""Plain numbers that are shown in per cent."""
+
+SCALED = "m", "m^2", "m^3", "Pa", "N"
+"""Units that take prefixes."""
+
+ONE_MAP = "one map: no interval, as parts of one map do not tell how places of the surface differ"
+
+
+class SampleRow(NamedTuple):
+    """One number of a sample: group, name, unit, its mean and interval, and its value on each map."""
+
+    group: str
+    name: str
+    unit: str
+    mean: Mean
+    of_each: Array
+
+    @property
+    def shown(self) -> tuple[str, list[str]]:
+        """The mean with half of its interval, and the value of each map, for a reader."""
+        factor, symbol = (1.0, "") if self.unit not in SCALED else scaled_unit(self.of_each, self.unit)
+        factor, symbol = (0.01, "%") if self.name in SHARES else (factor, symbol or self.unit.strip("1"))
+        mean = with_error(self.mean.value / factor, self.mean.error / factor)
+        return f"{mean} {symbol}".strip(), [f"{value / factor:.4g}" for value in self.of_each]
+
+
+class Mean(NamedTuple):
+    """Mean over the maps of a sample, half of its 95 % interval, and the two parts of that.
+
+    Attributes
+    ----------
+    value : float
+    error : float
+        Root of the sum of the squares of both parts; NaN for one map.
+    of_maps : float
+        Of Student's t over the maps; NaN for one map.
+    of_grid : float
+        Mean of the errors of the grid; NaN where no map has one.
+    """
+
+    value: float
+    error: float
+    of_maps: float
+    of_grid: float
+
+
+def mean_of_maps(values: ArrayLike, errors: ArrayLike = np.nan) -> Mean:
+    """Mean of a number over maps of one surface, with its 95 % interval.
+
+    Parameters
+    ----------
+    values : (maps,) array
+    errors : (maps,) array, optional
+        Error of the grid of each value, NaN where there is none. It has the same sign on all maps, so that it
+        does not fall with their number.
+
+    Examples
+    --------
+    >>> from asperity.engineering.sample import mean_of_maps
+    >>> found = mean_of_maps([0.29, 0.30, 0.31], [0.01, 0.01, 0.01])
+    >>> print(f"{found.value:.2f} ± {found.error:.3f}, without the grid ± {found.of_maps:.3f}")
+    0.30 ± 0.027, without the grid ± 0.025
+    """
+    from scipy.stats import t
+
+    values, known = np.asarray(values, dtype=float), np.ravel(errors)[np.isfinite(np.ravel(errors))]
+    of_grid = float(np.abs(known).mean()) if known.size else np.nan
+    of_maps = np.nan
+    if values.size > 1:
+        scatter = float(values.std(ddof=1)) if np.ptp(values) > SAME * np.abs(values).max() else 0.0
+        of_maps = float(t.ppf((1 + LEVEL) / 2, values.size - 1)) * scatter / np.sqrt(values.size)
+    return Mean(float(values.mean()), float(np.hypot(of_maps, np.nan_to_num(of_grid))), of_maps, of_grid)
+
+
+def pooled(answers: Sequence[Answer]) -> Sample:
+    """The numbers of maps of one surface, in one case, as a sample.
+
+    Parameters
+    ----------
+    answers : sequence of Answer
+        Of `run`, for maps of unlike places, with the same pixels, bodies and load.
+
+    Raises
+    ------
+    ValueError
+        If there is no answer, or maps, bodies or loads are unlike.
+
+    Examples
+    --------
+    >>> steel, edge = asp.Body(young=210e9, poisson=0.3), 2e-4
+    >>> heights = [asp.self_affine((64, 64), 0.8, 1e-4, 2.5e-5, 1e-7, seed, length=edge) for seed in range(3)]
+    >>> maps = [asp.HeightMap(height, (edge, edge), periodic=True, name="ground") for height in heights]
+    >>> sample = asp.pooled([asp.run(each, steel, mean_pressure=50e6) for each in maps])
+    >>> area = sample.mean("contact", "real contact")
+    >>> print(f"real contact {100 * area.value:.1f} ± {100 * area.error:.1f} %")
+    real contact 5.1 ± 0.9 %
+    """
+    if not answers:
+        raise ValueError("answers: at least one is needed")
+    count = Counter(answer.face.name for answer in answers)
+    names = [
+        answer.face.name if count[answer.face.name] == 1 else f"{answer.face.name} {number}"
+        for number, answer in enumerate(answers, 1)
+    ]
+    named = dict(zip(names, answers, strict=True))
+    check_alike({name: answer.face for name, answer in named.items()})
+    cases = {name: case_in_words(answer.case) for name, answer in named.items()}
+    for name, case in cases.items():
+        if case != cases[names[0]]:
+            raise ValueError(
+                f"answers: {name} is of {case}, {names[0]} of {cases[names[0]]}; one case is needed"
+            )
+    return Sample(
+        cases[names[0]],
+        tuple(names),
+        pd.concat([answer.frame().assign(map=name) for name, answer in named.items()], ignore_index=True),
+        pd.concat([answer.peaks().assign(map=name) for name, answer in named.items()], ignore_index=True),
+    )
+
+
+def check_alike(faces: Mapping[str, TreatedMap]) -> None:
+    """Raise `ValueError` for maps of unlike pixels, or of heights in unlike units."""
+    (first, known), *others = faces.items()
+    for name, face in others:
+        pixels = [each.grid.spacing for each in (face, known)]
+        if any(abs(a / b - 1) > SAME for a, b in zip(*pixels, strict=True)):
+            own, other = (f"{shown_si(x, 'm')} x {shown_si(y, 'm')}" for y, x in pixels)
+            raise ValueError(
+                f"pooled: {name} has pixels of {own}, {first} of {other}; maps of the same pixels are needed"
+            )
+        heights = [float(each.height.std()) for each in (face, known)]
+        if max(heights) > OTHER_UNIT * min(heights):
+            own, other = (shown_si(height, "m") for height in heights)
+            raise ValueError(
+                f"pooled: {name} has an rms height of {own}, {first} of {other}; the same unit is needed"
+            )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Sample:
+    """Numbers of several maps of one surface; ``print`` shows their means, `frame` is them as a table.
+
+    Attributes
+    ----------
+    case : str
+        Bodies and load in one line.
+    names : tuple of str
+        Of the maps.
+    numbers : DataFrame
+        Numbers of all maps as of `Answer.frame`, with the name of the ``map``.
+    peaks : DataFrame
+        Peaks of all maps as of `Answer.peaks`, with the name of the ``map``.
+    """
+
+    case: str
+    names: tuple[str, ...]
+    numbers: pd.DataFrame
+    peaks: pd.DataFrame
+
+    @cached_property
+    def rows(self) -> list[SampleRow]:
+        """All numbers, line by line: estimates for vanishing pixels where all maps have one.
+
+        The share above yield is that of the volume down to the deepest point above yield of all maps.
+        """
+        found: list[SampleRow] = []
+        for (group, name), part in self.numbers.groupby(["group", "name"], sort=False):
+            of_maps = part.set_index("map").reindex(list(self.names))
+            values = of_maps["estimate" if of_maps["estimate"].notna().all() else "value"].to_numpy(
+                dtype=float
+            )
+            if name == "share above yield":
+                known = {row.name: row.of_each for row in found if row.group == group}
+                deepest = self.numbers.query("group == @group and name == 'deepest point above yield'")[
+                    "value"
+                ]
+                values = known["volume above yield per area"] / deepest.max()
+            if name not in PLACES:
+                mean = mean_of_maps(values, of_maps["error"])
+                found.append(SampleRow(group, name, part["unit"].iloc[0], mean, values))
+        return found
+
+    def mean(self, group: str, name: str) -> Mean:
+        """Mean of a number, by its group and name as `frame` lists them.
+
+        Raises
+        ------
+        KeyError
+            If there is no such number.
+        """
+        for row in self.rows:
+            if (row.group, row.name) == (group, name):
+                return row.mean
+        raise KeyError(f"{group}, {name}")
+
+    def frame(self) -> pd.DataFrame:
+        """All numbers as a table; the columns are described in ``docs/tables.md``."""
+        columns = ["group", "name", "unit", "mean", "error", "error_of_maps", "error_of_grid"]
+        columns += [f"map_{name}" for name in self.names]
+        return pd.DataFrame([(*row[:3], *row.mean, *row.of_each) for row in self.rows], columns=columns)
+
+    def text(self) -> str:
+        """The means as a block of text."""
+        width = max(len(row.name) for row in self.rows)
+        lines = [f"{len(self.names)} maps of one surface: {', '.join(self.names)}", self.case]
+        lines += [ONE_MAP] if len(self.names) == 1 else []
+        for group, rows in groupby(self.rows, key=lambda row: row.group):
+            lines += ["", group]
+            for row in rows:
+                mean, each = row.shown
+                lines.append(f"  {row.name:<{width}}  {mean:<24}  {'  '.join(each)}".rstrip())
+        return "\n".join(lines)
+
+    __str__ = text
+
+    def _repr_html_(self) -> str:
+        return table(self.case, [(row.name, row.shown[0]) for row in self.rows])
+
+    def __repr__(self) -> str:
+        return f"<Sample of {len(self.names)} maps, {self.case}>"
