@@ -43,6 +43,22 @@ CONFIGS = [
     ("surfaces: {hurst_02: {johnson: {gamma: 1}}}", "surfaces.hurst_02.johnson.delta: missing; a number > 0"),
     ("studies: {hurst: [unknown]}", "studies.hurst = 'unknown': the name of a surface is needed (hurst_02"),
     ("surfaces: {skew_positive: {moments: {skewness: 0, kurtosis: 3}}}", "surfaces.skew_positive.moments: o"),
+    (
+        "surfaces: {hurst_02: {heights: {moments: {skewness: 2, kurtosis: 4}}}}",
+        "hurst_02.heights.moments.kurtosis = 4: ",
+    ),
+    (
+        "surfaces: {skew_positive: {heights: {moments: {skewness: 0, kurtosis: 3}}}}",
+        "skew_positive.heights: only one",
+    ),
+    (
+        "surfaces: {hurst_02: {heights: {map: {file: no.nid}}}}",
+        "surfaces.hurst_02.heights.map.file = 'no.nid': no such",
+    ),
+    (
+        "surfaces: {hurst_02: {heights: {}}}",
+        "surfaces.hurst_02.heights = {}: one of moments, plateau and map is needed",
+    ),
     ("measured: {mine: {label: mine, detrend: tilt}}", "measured.mine.file: missing; a file name"),
     ("studies: {compressibility: [hurst_02, hurst_08]}", "studies.compressibility = ['hurst_02', 'hurst_08'"),
     ("stress: {poisson: [0.33, 0.33]}", "stress.poisson = [0.33, 0.33]: a list of 1 to 16 distinct items"),

@@ -7,6 +7,7 @@ from scipy.stats import norm
 
 from asperity.fourier.grid import Fourier, Grid
 from asperity.study.stages.surface import make_surface, moment_errors
+from asperity.surface.heights import with_heights
 from asperity.surface.johnson import johnson, with_moments
 from asperity.surface.roughness import roughness_parameters, spectrum
 from asperity.surface.self_affine import self_affine, target_spectrum
@@ -108,6 +109,16 @@ def test_the_errors_of_the_moments_are_the_scatter_of_samples():
     assert abs(np.mean([float(s["kurtosis"]) for s in samples]) - 3) < 0.3
 
 
+def two_gaussians(peaks, valleys, ratio):
+    """Skewness and kurtosis of ISO 13565-3's curve of a lower face, by a sum over the normal variable."""
+    normal = np.linspace(-8, 8, 400001)
+    weight = norm.pdf(normal) / norm.pdf(normal).sum()
+    height = np.where(normal < norm.ppf(ratio / 100), peaks, valleys) * (normal - norm.ppf(ratio / 100))
+    centred = height - weight @ height
+    second, third, fourth = (weight @ centred**power for power in (2, 3, 4))
+    return third / second**1.5, fourth / second**2
+
+
 NODES = ((0, 0), (5, 3), (40, 17), (-1, -1))
 
 GAUSSIAN = self_affine((64, 64), 0.8, 0.5, 0.125, rms_height=1e-3, seed=1)
@@ -179,4 +190,48 @@ test_a_wrong_argument_is_named = refuses(
     (lambda: roughness_parameters(FLAT), ".*heights that differ by at least 1e-75 are needed, this"),
     (lambda: johnson(FLAT, 1.25, 1.0), ".*this surface is flat"),
     (lambda: with_moments(FLAT, 0.5, 3.0), ".*this surface is flat"),
+    (lambda: with_heights(FLAT, moments=(0.5, 3.0)), ".*this surface is flat"),
+    (lambda: with_heights(GAUSSIAN), "no distribution: exactly one of moments, plateau, sample is needed"),
+    (lambda: with_heights(GAUSSIAN, moments=(0, 3), plateau=(1, 2, 80)), "moments, plateau: exactly one of"),
+    (lambda: with_heights(GAUSSIAN, moments=0.5), r"moments = 0.5: 2 numbers \(skewness, kurtosis\) are"),
+    (lambda: with_heights(GAUSSIAN, moments=(1, 1.5)), "skewness = 1.0, kurtosis = 1.5: no Johnson curve"),
+    (lambda: with_heights(GAUSSIAN, plateau=(1, 2, 100)), "plateau Rmq = 100: a number between 0 and 100"),
+    (lambda: with_heights(GAUSSIAN, sample=np.zeros(5)), ".*this surface is flat"),
 )
+
+
+@pytest.mark.parametrize(
+    ("distribution", "expected"),
+    [
+        # Moments of the distribution, and the largest residual: what the band leaves of tails and bends.
+        ({"moments": (-1.0, 4.0)}, (-1.0, 4.0, 0.005)),
+        ({"moments": (0.0, 2.2)}, (0.0, 2.2, 0.005)),
+        ({"moments": (0.0, 6.0)}, (0.0, 6.0, 0.02)),
+        ({"plateau": (1.0, 1.0, 70.0)}, (0.0, 3.0, 0.005)),
+        ({"plateau": (0.2, 0.6, 60.0)}, (*two_gaussians(0.2, 0.6, 60.0), 0.01)),
+        ({"sample": norm.ppf(np.linspace(0.001, 0.999, 999)) ** 3}, (0.0, None, 0.1)),
+    ],
+)
+def test_heights_of_a_distribution_at_one_spectrum(distribution, expected):
+    """Amplitudes stay to rounding; moments are missed by no more than the residual of the heights allows."""
+    gaussian = self_affine((128, 128), 0.8, 1 / 4, 1 / 32, rms_height=1e-3, seed=1)
+    shaped = with_heights(gaussian, **distribution)
+    before, after = (np.abs(np.fft.rfft2(height)) for height in (gaussian, shaped.height))
+    np.testing.assert_allclose(after, before, rtol=0, atol=1e-12 * before.max())
+    found = roughness_parameters(shaped.height)
+    skewness, kurtosis, residual = expected
+    assert shaped.heights_residual < residual
+    assert found.skewness == pytest.approx(skewness, abs=3 * residual)
+    assert kurtosis is None or found.kurtosis == pytest.approx(kurtosis, abs=20 * residual)
+
+
+@pytest.mark.parametrize("fine", [(96, 96), (250, 128)])
+def test_given_heights_are_one_surface_at_every_resolution(fine):
+    """Waves of a coarse grid at which four nodes are not on the shortest wave, too; rounding grows tenfold
+    with each ten iterations at most."""
+    coarse, other = (
+        with_heights(self_affine(shape, seed=7, **BAND), moments=(1.0, 4.0)).height
+        for shape in ((48, 48), fine)
+    )
+    a, b = Fourier(Grid((48, 48))).forward(coarse), Fourier(Grid(fine)).forward(other)
+    np.testing.assert_allclose(b[:17, :17], a[:17, :17], rtol=0, atol=1e-9 * np.abs(a).max())

@@ -61,3 +61,32 @@ def test_stages_in_si_are_those_of_the_study(tmp_path, monkeypatch):
         assert si.attrs["unit_system"] == ("SI" if stage != "peaks" else study.attrs["unit_system"])
         for variable, unit in units.items():  # the tolerance of the contact is 1e-6
             np.testing.assert_allclose(si[variable] / unit, study[variable], rtol=1e-5, atol=1e-8)
+
+
+def test_given_heights_at_one_spectrum(tmp_path, capsys):
+    """From moments, a honed surface and a map, turned over and without its missing points."""
+    gaussian = asp.self_affine((64, 64), 0.8, 0.25, 0.05, 1e-3, seed=1)
+    heights = np.random.default_rng(1).gamma(2.0, size=(30, 40)) * 1e-6
+    heights[3, 4] = np.nan
+    np.savetxt(tmp_path / "map.csv", heights, delimiter=",")
+    of_map = "--physical-size 3um 4um --unit m"
+    level = asp.treat_map(asp.HeightMap(heights, (3e-6, 4e-6)), periodic="none", undefined="harmonic").height
+    for words, distribution in {
+        "--skewness 0.5 --kurtosis 4 --keep-spectrum": {"moments": (0.5, 4.0)},
+        "--plateau 0.2 0.6 60": {"plateau": (0.2, 0.6, 60.0)},
+        f"--heights-of {tmp_path / 'map.csv'} {of_map}": {"sample": level[np.isfinite(heights)]},
+    }.items():
+        if "map" in words:
+            with pytest.raises(AssertionError):
+                make(tmp_path, f"{BAND} --points 64 {words}")
+            assert "map.csv: --orientation: " in capsys.readouterr().err
+        command = [
+            *f"{BAND} --points 64 {words}".split(),
+            *(["--orientation", "peaks up"] if "map" in words else []),
+        ]
+        assert main(["surface", *command, "--out", str(tmp_path / "shaped.nc")]) == 0
+        surface, shaped = dataset.read(tmp_path / "shaped.nc"), asp.with_heights(gaussian, **distribution)
+        np.testing.assert_allclose(surface["height"], shaped.height, rtol=0, atol=1e-15)
+        assert float(surface["heights_residual"]) == pytest.approx(shaped.heights_residual)
+        assert "spectrum kept to" in capsys.readouterr().out
+        surface.close()

@@ -14,7 +14,10 @@ def require_maps(jobs):
 
     names = {job.wildcards.surface for job in jobs if job.rule.name == "contact"}
     found = [
-        problem for name in sorted(names & set(MEASURED)) for problem in map_problems(name, MEASURED[name])
+        problem
+        for name in sorted(names)
+        for key, entry in maps_of_surface(name)
+        for problem in map_problems(key, entry)
     ]
     if found:
         sys.exit("\n".join(f"config: {problem}" for problem in found))

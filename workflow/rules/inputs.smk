@@ -2,9 +2,11 @@
 from pathlib import Path
 from asperity.paper.claims.sources import CHOICES
 from asperity.paper.figures import figures_of, surfaces_with_load_area, surfaces_with_ratios
+from asperity.study.config.check import maps_of
 from asperity.study.config.defaults import contact_of
 
 STUDIES = config["studies"]
+MAPS = maps_of(config)
 STUDIED = {name for names in STUDIES.values() for name in names}
 FIGURES = figures_of(config)
 WITH_LOAD_AREA = surfaces_with_load_area(config)
@@ -20,6 +22,12 @@ OTHER_COMPONENTS = [name for name in CHOICES["shear"] if config["claims"] and na
 def seeds_of(surface):
     """Seeds of a surface. A measured map has no seeds: the first one stands for it."""
     return config["seeds"][:1] if surface in MEASURED else config["seeds"]
+
+
+def maps_of_surface(surface):
+    """Dotted key and settings of the measured map of a surface, or of its heights, if it has one."""
+    keys = (f"measured.{surface}", f"surfaces.{surface}.heights.map")
+    return [(key, MAPS[key]) for key in keys if key in MAPS]
 
 
 def results_of_seeds(stage):

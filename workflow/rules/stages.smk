@@ -3,7 +3,7 @@
 # its contact: starting a job takes longer than making most surfaces.
 rule contact:
     input:
-        map=lambda wildcards: ([MEASURED[wildcards.surface]["file"]] if wildcards.surface in MEASURED else []),
+        map=lambda wildcards: [entry["file"] for _, entry in maps_of_surface(wildcards.surface)],
     output:
         surface=f"{RESULTS}/surface/{{surface}}/seed{{seed}}.nc",
         contact=f"{RESULTS}/contact/{{surface}}/seed{{seed}}.nc",

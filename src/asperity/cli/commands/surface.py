@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import Any
 
 from asperity.cli.files import check_out
 from asperity.cli.parser import flag, section
@@ -15,6 +16,7 @@ from asperity.study.config.check import needed_instead
 from asperity.study.config.defaults import PRESETS, default
 from asperity.study.config.schema import setting
 from asperity.study.stages.surface import make_surface
+from asperity.surface.reading.height_map import MapError
 
 LENGTHS = ("wavelength_long", "wavelength_short", "rms_height")
 """Settings that are lengths."""
@@ -29,11 +31,7 @@ def run(options: argparse.Namespace) -> None:
     given = section(options, "surfaces.NAME")
     edge = None if options.length is None else to_si(options.length, "length", "--length")
     parameters = given | {name: _in_cell_lengths(name, given[name], edge) for name in LENGTHS}
-    moments = {name: parameters.pop(f"moments.{name}", None) for name in ("skewness", "kurtosis")}
-    if any(value is not None for value in moments.values()):
-        if None in moments.values():
-            raise ValueError("--skewness, --kurtosis: both are needed, or none of them")
-        parameters["moments"] = moments
+    parameters |= _distribution(options, parameters)
     points = parameters.setdefault(
         "points", PRESETS[default("accuracy")].points(parameters["wavelength_short"])
     )
@@ -47,18 +45,57 @@ def run(options: argparse.Namespace) -> None:
         )
     name = Path(options.out).stem
     parameters.setdefault("label", f"H = {parameters['hurst']:g}")
-    surface = make_surface(parameters, options.seed)
+    try:
+        surface = make_surface(parameters, options.seed)
+    except MapError as error:
+        raise error.renamed(flag) from error
     settings = {"name": name, "seed": options.seed, "surface": parameters}
     if edge is not None:
         surface, settings = in_si(surface, settings, edge)
     write_result(surface, options.out, f"Rough surface {name}", settings)
     height, gradient = float(surface["rms_height"]), float(surface["rms_gradient"])
+    missed = ""
+    if "heights_residual" in surface:
+        missed = (
+            f", spectrum kept to {float(surface['spectrum_residual']):.1g}, heights to "
+            f"{100 * float(surface['heights_residual']):.2g} % of the rms height"
+        )
     print(
         f"{one_line(options.out)}: {surface.sizes['x']} × {surface.sizes['y']} nodes, "
         f"rms height {f'{height:.4g} cell lengths' if edge is None else shown_si(height, 'm')}, "
         f"rms gradient {gradient:.4g}, skewness {float(surface['skewness']):.3g}, "
-        f"kurtosis {float(surface['kurtosis']):.3g}"
+        f"kurtosis {float(surface['kurtosis']):.3g}{missed}"
     )
+
+
+def _distribution(options: argparse.Namespace, parameters: dict[str, Any]) -> dict[str, Any]:
+    """Settings of the heights of a surface, by `moments` or `heights`, taken from its parameters.
+
+    Raises
+    ------
+    ValueError
+        If options are missing or exclude each other.
+    """
+    names = ("skewness", "kurtosis")
+    moments = {
+        name: value for name in names if (value := parameters.pop(f"moments.{name}", None)) is not None
+    }
+    of_map, parts = section(options, "measured.NAME"), ("rpq", "rvq", "rmq")
+    if len(moments) == 1:
+        raise ValueError("--skewness, --kurtosis: both are needed, or none of them")
+    if options.keep_spectrum and not moments:
+        raise ValueError("--keep-spectrum: --skewness and --kurtosis are needed with it")
+    if of_map and not options.heights_of:
+        raise ValueError(f"{flag(next(iter(of_map)))}: --heights-of is needed with it")
+    given = {
+        "moments": moments,
+        "plateau": options.plateau and dict(zip(parts, options.plateau, strict=True)),
+        "map": options.heights_of and {"file": options.heights_of, **of_map},
+    }
+    given = {kind: value for kind, value in given.items() if value}
+    if len(given) > 1:
+        raise ValueError("--skewness, --plateau, --heights-of: only one of them is accepted")
+    return given if moments and not options.keep_spectrum else {"heights": given} if given else {}
 
 
 def _in_cell_lengths(name: str, text: str, edge: float | None) -> float:

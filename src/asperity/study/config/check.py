@@ -72,11 +72,24 @@ def check(config: Mapping[str, Any]) -> dict[str, Any]:
     return whole
 
 
+AS_SAMPLE = {"periodic": "none", "undefined": "harmonic"}
+"""Treatment of a map of which the distribution of heights is taken, without the points that are filled."""
+
+
 def check_files(config: Mapping[str, Any]) -> None:
-    """Raise `ConfigError` for the first measured surface whose file does not exist."""
-    for name, surface in config.get("measured", {}).items():
-        if not is_file(surface["file"]):
-            raise ConfigError(f"measured.{name}.file = {shown(surface['file'])}: no such file")
+    """Raise `ConfigError` for the first measured map whose file does not exist."""
+    for key, entry in maps_of(config).items():
+        if not is_file(entry["file"]):
+            raise ConfigError(f"{key}.file = {shown(entry['file'])}: no such file")
+
+
+def maps_of(config: Mapping[str, Any]) -> dict[str, Any]:
+    """Dotted key → settings of every measured map, of a surface or of the heights of one."""
+    maps = {f"measured.{name}": entry for name, entry in config.get("measured", {}).items()}
+    for name, surface in config.get("surfaces", {}).items():
+        if "map" in (heights := surface.get("heights", {})):
+            maps[f"surfaces.{name}.heights.map"] = AS_SAMPLE | heights["map"]
+    return maps
 
 
 def needed_instead(value: Any, entry: Entry) -> str:
@@ -169,13 +182,15 @@ def _contradictions(config: Mapping[str, Any]) -> Iterator[str]:
                 f"{key}.points = {points!r}: at least {round(2 / short)} are needed, "
                 f"two on wavelength_short = {short!r}"
             )
-        if "moments" in surface:
-            if "johnson" in surface:
-                yield f"{key}.moments: only one of moments and johnson is accepted"
-            least, kurtosis = 1 + surface["moments"]["skewness"] ** 2, surface["moments"]["kurtosis"]
+        given = [kind for kind in ("johnson", "moments", "heights") if kind in surface]
+        if len(given) > 1:
+            yield f"{key}.{given[1]}: only one of {given[1]} and {given[0]} is accepted"
+        for place, group in (("", surface), ("heights.", surface.get("heights", {}))):
+            moments = group.get("moments", {"skewness": 0.0, "kurtosis": 3.0})
+            least, kurtosis = 1 + moments["skewness"] ** 2, moments["kurtosis"]
             if kurtosis <= least:
                 needed = f"a number > {number(least)}, 1 + skewness²,"
-                yield f"{key}.moments.kurtosis = {kurtosis!r}: {needed} is needed"
+                yield f"{key}.{place}moments.kurtosis = {kurtosis!r}: {needed} is needed"
     most = setting("surfaces.NAME.points")["maximum"]
     for section in ("surfaces", "measured"):
         for name, surface in config[section].items():

@@ -11,11 +11,13 @@ import xarray as xr
 
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, Grid
+from asperity.study.config.check import AS_SAMPLE
+from asperity.surface.heights import with_heights
 from asperity.surface.johnson import johnson, with_moments
 from asperity.surface.reading.height_map import HeightMap, MapError, MapOptions
 from asperity.surface.roughness import spectrum, surface_dataset
 from asperity.surface.self_affine import self_affine, target_spectrum
-from asperity.surface.treatment.treatment import cell_edge, make_periodic, usable_map
+from asperity.surface.treatment.treatment import cell_edge, make_periodic, treat_map, usable_map
 
 _MAP_OPTIONS = {field.name for field in fields(MapOptions)}
 
@@ -27,7 +29,8 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
     ----------
     parameters : mapping
         Entry of section ``surfaces`` of the configuration: hurst, wavelength_long, wavelength_short,
-        rms_height, points, and optionally johnson or moments. Lengths are in units of the cell edge.
+        rms_height, points, and optionally johnson, moments or heights. Lengths are in units of the cell
+        edge.
     seed : int
 
     Returns
@@ -35,7 +38,7 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
     dataset
         Heights, roughness parameters, spectrum, and the expected spectrum of the Gaussian surface. For a
         Gaussian surface also the standard errors of skewness and kurtosis, for a transformed one the spectrum
-        before the transform.
+        before the transform, and for one with given heights the residuals of spectrum and heights.
     """
     grid = Grid((parameters["points"], parameters["points"]))
     band = {name: parameters[name] for name in ("hurst", "wavelength_long", "wavelength_short", "rms_height")}
@@ -44,13 +47,27 @@ def make_surface(parameters: Mapping[str, Any], seed: int) -> xr.Dataset:
         height = johnson(gaussian, **parameters["johnson"])
     elif "moments" in parameters:
         height = with_moments(gaussian, **parameters["moments"])
+    elif "heights" in parameters:
+        shaped = with_heights(gaussian, **_distribution(parameters["heights"]))
+        height = shaped.height
     dataset = surface_dataset(height, grid)
+    if "heights" in parameters:
+        dataset["heights_residual"] = shaped.heights_residual
+        dataset["spectrum_residual"] = shaped.spectrum_residual
     dataset["spectrum_target"] = ("wavenumber", target_spectrum(grid, **band)[1])
     if height is gaussian:
         dataset["skewness_error"], dataset["kurtosis_error"] = moment_errors(grid, **band)
     else:
         dataset["spectrum_before"] = ("wavenumber", spectrum(gaussian)[1])
     return dataset
+
+
+def _distribution(heights: Mapping[str, Any]) -> dict[str, Any]:
+    """Arguments of `with_heights` for the setting heights of a surface."""
+    if "map" not in heights:
+        return {name: [*values.values()] for name, values in heights.items()}
+    surface, options = _checked(AS_SAMPLE | heights["map"])
+    return {"sample": treat_map(surface, options).height[np.isfinite(surface.height)]}
 
 
 def read_surface(parameters: Mapping[str, Any]) -> xr.Dataset:
@@ -87,12 +104,12 @@ def read_surface(parameters: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def map_problems(name: str, parameters: Mapping[str, Any]) -> tuple[str, ...]:
-    """Everything for which `read_surface` would refuse the entry of this name before it computes."""
+def map_problems(key: str, parameters: Mapping[str, Any]) -> tuple[str, ...]:
+    """Everything for which `read_surface` would refuse the entry of this dotted key before it computes."""
     try:
         _checked(parameters)
     except MapError as error:
-        return error.renamed(lambda field: f"measured.{name}.{field}").lines
+        return error.renamed(lambda field: f"{key}.{field}").lines
     return ()
 
 
