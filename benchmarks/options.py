@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 
 import asperity as asp
-from asperity.stress.cycles import Cycles
+from asperity.stress.cycles.smooth_body import Cycles
 
 HARDNESSES = (3.0, 1.0, 0.5, 0.2, 0.1, 0.05)
 """Hardness over E* times the rms gradient."""

@@ -19,7 +19,7 @@ from asperity.engineering.close_up import CloseUp
 from asperity.engineering.continuum import HalfGrid, estimates
 from asperity.fourier.grid import Grid
 from asperity.stress.analysis import SOUGHT, analyse_stress
-from asperity.stress.cycles import Cycles
+from asperity.stress.cycles.smooth_body import Cycles
 from asperity.stress.peaks.selection import peaks
 from asperity.stress.planes.stream import LinearPlane
 from asperity.surface.treatment.treatment import TreatedMap

@@ -19,7 +19,7 @@ from asperity.elasticity.loaded_solid import LARGEST as LARGEST_PRESSURE
 from asperity.elasticity.loaded_solid import traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
 from asperity.engineering.face import CounterMap, Source, counter_map_of, options_of
-from asperity.stress.cycles import check_motion, hydrostatic_factor
+from asperity.stress.cycles.smooth_body import check_motion, hydrostatic_factor
 from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.stream import shear_traction
 from asperity.surface.reading.height_map import HeightMap, MapOptions

@@ -44,7 +44,7 @@ from asperity.fourier.grid import Grid
 from asperity.stress.planes.fields import MARGIN, principal_stresses
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.planes.stream import PLANE_TOLERANCE, LinearPlane, PlaneStream, uniform_part
-from asperity.stress.smallest_sphere import DIMENSIONS, smallest_sphere
+from asperity.stress.cycles.smallest_sphere import DIMENSIONS, smallest_sphere
 
 FATIGUE_RATIOS = (0.5, 1.0)
 """Accepted fatigue limits in torsion over bending: at 1/2 (α = 0) the hydrostatic stress has no effect, and
@@ -139,7 +139,7 @@ def hydrostatic_factor(fatigue_torsion: float | None, fatigue_bending: float | N
 
     Examples
     --------
-    >>> from asperity.stress.cycles import hydrostatic_factor
+    >>> from asperity.stress.cycles.smooth_body import hydrostatic_factor
     >>> print(f"{hydrostatic_factor(300e6, 480e6):.3f}")
     0.375
     """
