@@ -19,6 +19,7 @@ from .fourier.grid import Grid as Grid
 from .results import read_result as read_result
 from .results import write_result as write_result
 from .stress.analysis import analyse_stress as analyse_stress
+from .stress.cycles.hertz_contact import HertzContact as HertzContact
 from .stress.cycles.smooth_body import stress_cycles as stress_cycles
 from .stress.peaks.finder import find_peaks as find_peaks
 from .stress.peaks.finder import plane_peaks as plane_peaks

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
@@ -62,6 +63,9 @@ class LoadedSolid:
     hardness : float
         That of the contact. A pressure that reaches it has plateaus: peaks of the stress are then those at
         the nodes, because quadratics through the nodes overshoot.
+    background : callable, optional
+        Depth → stress (6,) that is added there, uniform over a plane of a periodic cell, such as that of a
+        contact far wider than the cell.
 
     Examples
     --------
@@ -82,6 +86,7 @@ class LoadedSolid:
     layer: Layer
     boundary: str = "periodic"
     hardness: float = math.inf
+    background: Callable[[float], Array] | None = None
 
     def __post_init__(self) -> None:
         if not isinstance(self.grid, Grid) or not isinstance(self.layer, Layer):
@@ -91,6 +96,8 @@ class LoadedSolid:
         choice("boundary", self.boundary, BOUNDARIES)
         if self.boundary == "free" and self.layer.height is not None:
             raise ValueError("boundary = 'free': a half-space is needed, the solid is a layer")
+        if self.background is not None and self.boundary == "free":
+            raise ValueError("background: a periodic boundary is needed, it is free")
         for edge in self.grid.length:
             number("grid.length", edge, f"an edge {RANGE}", lambda size: SMALLEST <= size <= LARGEST)
         pressure = self.grid.field("pressure", self.pressure)

@@ -2,6 +2,7 @@ from .answer import Answer as Answer
 from .body_stress import BodyAnswer as BodyAnswer
 from .case import Body as Body
 from .case import Case as Case
+from .case import HertzPlace as HertzPlace
 from .case import Load as Load
 from .face import CounterMap as CounterMap
 from .output import save_case as save_case

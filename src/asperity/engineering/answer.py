@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -163,7 +164,7 @@ class Answer:
     @cached_property
     def rows(self) -> list[Row]:
         """All numbers, line by line."""
-        shown = [*_contact_rows(self.numbers, self.bodies["lower"].limits)]
+        shown = [*_contact_rows(self.numbers, self.bodies["lower"].limits), *_hertz_rows(self.case)]
         for name, resistivity in self.case.resistivities.items():
             value, unit = self.contact.conductance(resistivity), CONDUCTANCE_UNITS[name]
             words = name.replace("_", " contact ")
@@ -241,7 +242,7 @@ class Answer:
 
 def case_in_words(case: Case) -> str:
     """Bodies and load in one line."""
-    load, kind = case.load, case.load.kind.replace("_", " ")
+    load, kind = case.load, case.load.kind.replace("_", " ").replace("hertz", "Hertz")
     value = shown_si(load.value, CONTROL_UNITS[load.kind])
     if load.kind == "area_fraction":
         kind, value = "real contact area", f"{100 * load.value:.4g} %"
@@ -275,6 +276,26 @@ def _contact_rows(numbers: ContactNumbers, limits: xr.Dataset) -> Iterator[Row]:
         if field.metadata:
             name, unit, value = field.metadata["name"], field.metadata["unit"], getattr(numbers, field.name)
             yield _row("contact", name, value, unit, words.get(field.name) or shown_si(value, unit), limits)
+
+
+def _hertz_rows(case: Case) -> Iterator[Row]:
+    """The smooth contact, of which the map is a small part."""
+    contact, group = case.hertz_contact, "Hertz contact of the smooth bodies"
+    if contact is None or case.hertz is None:
+        return
+    y, x = case.hertz.at
+    shear, depth = contact.largest_shear(case.lower.poisson)
+    at = f"at {y:g} half-widths along y and {x:g} along x" if y or x else "in the middle"
+    values = {
+        "largest Hertz pressure": (contact.largest_pressure, "Pa", ""),
+        "half-width along x": (contact.half_width_x, "m", ""),
+        "half-width along y": (contact.half_width_y, "m", ""),
+        "Hertz pressure on the map": (case.cell_pressure, "Pa", at),
+        "largest shear stress, smooth": (shear, "Pa", f"at depth {shown_si(depth, 'm', 3)}, without friction"),
+    }
+    for name, (value, unit, where) in values.items():
+        if math.isfinite(value):
+            yield Row(group, name, value, unit, f"{shown_si(value, unit)} {where}".strip())
 
 
 def _curve_rows(curve: AnswerCurve, several: bool) -> Iterator[Row]:

@@ -138,7 +138,7 @@ def body_answer(
     """
     body = case.bodies[name]
     watch = _Extremes(case.fields, body.poisson, body.yield_stress)
-    loaded, sliding, cycles = contact.in_body(name), case.sliding_of(name), None
+    loaded, sliding, cycles = case.loaded_body(contact, name), case.sliding_of(name), None
     if body.fatigue_torsion is not None:
         limits = body.fatigue_torsion, body.fatigue_bending, body.yield_stress
         cycles = Cycles(loaded, *limits, sliding["sliding_direction"], body.poisson)
@@ -159,7 +159,7 @@ def body_answer(
         **sliding,
     )
     main = stress.sel(quantity=list(LIMITED))
-    estimated = estimates(contact, half, main, name)
+    estimated = estimates(contact, half, main, name, case.loaded_body)
     progress(1.0, 1.0)
     volume, depths, fraction = None, None, None
     if body.yield_stress is not None:

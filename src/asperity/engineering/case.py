@@ -5,20 +5,22 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 
+from asperity.contact import Contact
 from asperity.core.arguments import choice, choices, magnitude, number
 from asperity.core.errors import shown
 from asperity.core.units import DIMENSIONS, shown_si, to_si
 from asperity.elasticity.layer import Layer
 from asperity.elasticity.loaded_solid import LARGEST as LARGEST_PRESSURE
-from asperity.elasticity.loaded_solid import traction_direction
+from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
 from asperity.elasticity.two_bodies import TwoBodies
-from asperity.engineering.face import CounterMap, Source, counter_map_of, options_of
+from asperity.engineering.face import CounterMap, Source, counter_map_of, is_hertz, options_of
+from asperity.stress.cycles.hertz_contact import HertzContact
 from asperity.stress.cycles.smooth_body import check_motion, hydrostatic_factor
 from asperity.stress.planes.fields import FIELDS
 from asperity.stress.planes.stream import shear_traction
@@ -26,6 +28,7 @@ from asperity.surface.reading.height_map import HeightMap, MapOptions
 
 LOAD_QUANTITIES = {
     "pressure": ("mean_pressure", "pressure"),
+    "hertz_pressure": ("hertz_pressure", "pressure"),
     "force": ("force", "force"),
     "approach": ("approach", "length"),
     "area_fraction": ("area_fraction", ""),
@@ -125,14 +128,56 @@ class Body:
 
 
 @dataclass(frozen=True)
+class HertzPlace:
+    """Place of the map in a Hertz contact of bodies that are far larger than the map.
+
+    Parameters
+    ----------
+    radius_x, radius_y : float
+        Combined radii of curvature of both bodies along x and along y in m; infinite along the axis of a
+        roller.
+    at : (y, x)
+        Place of the map from the middle of the contact, in half-widths.
+    """
+
+    radius_x: float
+    radius_y: float
+    at: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        for name in ("radius_x", "radius_y"):
+            if getattr(self, name) != math.inf:
+                magnitude(name, getattr(self, name))
+        if self.radius_x == self.radius_y == math.inf:
+            raise ValueError("radius_x = inf, radius_y = inf: at most one of them is infinite")
+        y, x = self.at
+        roller = (self.radius_y == math.inf and y) or (self.radius_x == math.inf and x)
+        if not self.share > 0 or roller:
+            where = " across the axis of the roller" if math.inf in (self.radius_x, self.radius_y) else ""
+            raise ValueError(f"at = {y:g} {x:g}: a place inside the contact, nearer than one half-width{where}, is needed")
+
+    @property
+    def share(self) -> float:
+        """Pressure at the place over the largest pressure."""
+        return math.sqrt(max(0.0, 1 - self.at[0] ** 2 - self.at[1] ** 2))
+
+    def contact(self, kind: str, load: float, effective_modulus: float) -> HertzContact:
+        """The Hertz contact under a load of the kinds of `Load`, of which `mean_pressure` is that at the place."""
+        given = {"force": load} if kind == "force" else {"largest_pressure": load}
+        if kind == "mean_pressure":
+            given["largest_pressure"] /= self.share
+        return HertzContact.from_radii(self.radius_x, self.radius_y, effective_modulus, **given)
+
+
+@dataclass(frozen=True)
 class Load:
     """The one quantity that is imposed.
 
     Parameters
     ----------
-    kind : "mean_pressure", "force", "approach" or "area_fraction"
-        Load over the nominal area in Pa; load in N; approach of the bodies since their first touch in m; real
-        over nominal contact area.
+    kind : "mean_pressure", "hertz_pressure", "force", "approach" or "area_fraction"
+        Load over the nominal area in Pa; largest pressure of a Hertz contact; load in N; approach of the
+        bodies since their first touch in m; real over nominal contact area.
     value : float
     path : tuple of float
         Rising loads of a load curve, of which the value is the last; empty without one.
@@ -193,6 +238,9 @@ class Case:
     counter_map : CounterMap or None
     fields : names
         Fields of `asperity.stress_planes` whose peaks are listed and that are drawn.
+    hertz : HertzPlace, optional
+        Place of the map in the Hertz contact of two half-spaces. The load is then the largest pressure or the
+        force of that contact, or the mean pressure at the place.
 
     Examples
     --------
@@ -211,6 +259,7 @@ class Case:
     options: MapOptions = MapOptions()  # noqa: RUF009  is immutable
     counter_map: CounterMap | None = None
     fields: Sequence[str] = ("von_mises",)
+    hertz: HertzPlace | None = None
 
     def __post_init__(self) -> None:
         for name, body in (("lower", self.lower), ("upper", self.upper or self.lower)):
@@ -234,8 +283,49 @@ class Case:
                 )
             if any(values) and self.solid.height is not None:
                 raise ValueError(f"{name} = {values[0]:g}: half-spaces are needed, not layers")
-        if self.load.kind == "mean_pressure":
-            self.check_pressure(self.load.value)
+        self._check_hertz()
+        if self.load.kind == "mean_pressure" or self.hertz is not None:
+            self.check_pressure(self.cell_pressure)
+
+    def _check_hertz(self) -> None:
+        if self.hertz is None:
+            if self.load.kind == "hertz_pressure":
+                raise ValueError(f"hertz_pressure = {shown_si(self.load.value, 'Pa')}: a radius is needed")
+            return
+        kinds = ("hertz_pressure", "force", "mean_pressure")
+        if self.load.kind not in kinds:
+            raise ValueError(f"{self.load.kind}: one of {', '.join(kinds)} is needed in a Hertz contact")
+        if self.load.kind == "force" and math.inf in (self.hertz.radius_x, self.hertz.radius_y):
+            raise ValueError("force: hertz_pressure is needed under a roller, whose length is not known")
+        if self.solid.height is not None:
+            raise ValueError(f"layer_height = {self.solid.height:g}: half-spaces are needed in a Hertz contact")
+        if self.options.periodic == "none":
+            raise ValueError("boundary = 'free': periodic is needed in a Hertz contact, of which the map is a part")
+
+    @property
+    def hertz_contact(self) -> HertzContact | None:
+        """The Hertz contact under the load."""
+        if self.hertz is None:
+            return None
+        return self.hertz.contact(self.load.kind, self.load.value, self.solid.effective_modulus)
+
+    @property
+    def cell_pressure(self) -> float:
+        """Mean pressure on the map in a Hertz contact; without one the load."""
+        contact = self.hertz_contact
+        return self.load.value if contact is None else contact.largest_pressure * self.hertz.share  # type: ignore
+
+    def loaded_body(self, contact: Contact, name: str) -> LoadedSolid:
+        """A body under the pressure of a contact, with what the Hertz contact adds to the stress."""
+        loaded = contact.in_body(name)
+        if self.hertz is None:
+            return loaded
+        smooth = self.hertz.contact("mean_pressure", contact.mean_pressure, self.solid.effective_modulus)
+        y, x = (
+            share * width if share else 0.0
+            for share, width in zip(self.hertz.at, (smooth.half_width_y, smooth.half_width_x), strict=True)
+        )
+        return replace(loaded, background=smooth.background(y, x, loaded.layer, **self.sliding_of(name)))
 
     def check_pressure(self, mean_pressure: float) -> None:
         """Raise `ValueError` for a mean pressure that the bodies do not bear, or that no body bears."""
@@ -282,6 +372,7 @@ class Case:
             options_of(settings),
             counter_map_of(settings),
             tuple(settings.get("fields", ("von_mises",))),
+            hertz_of(settings),
         )
 
     def settings(self) -> dict[str, Any]:
@@ -314,6 +405,13 @@ class Case:
             add("counter_turned_about", counter.turned_about, "y")
             add("counter_shift", tuple(counter.shift), (0.0, 0.0), "length")
         add("fields", self.fields, ("von_mises",))
+        if hertz := self.hertz:
+            is_roller = math.inf in (hertz.radius_x, hertz.radius_y)
+            add("radius", hertz.radius_y if hertz.radius_x == math.inf else hertz.radius_x, None, "length")
+            add("form", "cylinder" if is_roller else None)
+            add("cylinder_axis", "x" if hertz.radius_x == math.inf else None)
+            add("radius_y", None if is_roller else hertz.radius_y, None, "length")
+            add("at", hertz.at)
         return found
 
     def sliding_of(self, body: str) -> dict[str, Any]:
@@ -375,6 +473,17 @@ def loads_of(name: str, settings: Mapping[str, Any]) -> float | list[float]:
             )
         loads = np.geomspace(loads[0], loads[1], steps).tolist()
     return loads if len(loads) > 1 else loads[0]
+
+
+def hertz_of(settings: Mapping[str, Any]) -> HertzPlace | None:
+    """The Hertz contact in settings of ``asperity run``; None without one of its settings."""
+    if not is_hertz(settings) or "radius" not in settings:
+        return None
+    radius = to_si(settings["radius"], "length", "radius")
+    radii = radius, to_si(settings["radius_y"], "length", "radius_y") if "radius_y" in settings else radius
+    if settings.get("form") == "cylinder":
+        radii = (math.inf, radius) if settings.get("cylinder_axis") == "x" else (radius, math.inf)
+    return HertzPlace(*radii, tuple(settings.get("at", (0.0, 0.0))))
 
 
 def suggested_hardness(case: Case) -> float | None:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import xarray as xr
 
 from asperity.contact import Contact, solve
 from asperity.core.types import Progress
+from asperity.elasticity.loaded_solid import LoadedSolid
 from asperity.fourier.grid import Grid
 from asperity.stress.analysis import analyse_stress
 from asperity.stress.planes.planes import depth_grid
@@ -129,14 +131,20 @@ def solved_on_half(contact: Contact) -> HalfGrid:
     return HalfGrid(half, lost, reason)
 
 
-def estimates(contact: Contact, half: HalfGrid, stress: xr.Dataset | None, body: str) -> xr.Dataset:
-    """The result of `continuum`, given the contact on half of the nodes."""
+def estimates(
+    contact: Contact,
+    half: HalfGrid,
+    stress: xr.Dataset | None,
+    body: str,
+    loaded: Callable[[Contact, str], LoadedSolid] = Contact.in_body,
+) -> xr.Dataset:
+    """The result of `continuum`, given the contact on half of the nodes, and a body as it was loaded."""
     coarse = None
     if stress is not None:
         planes = stress["plane_depth"].values
         spacing = planes[1] / min(contact.grid.spacing)  # the same on both grids, in their spacings
         coarse = analyse_stress(
-            half.contact.in_body(body),
+            loaded(half.contact, body),
             depth_grid(half.contact.grid, planes[-1], spacing, spacing / 4),
             poisson=stress["poisson"].values.tolist(),
             quantities=[str(name) for name in stress["quantity"].values],

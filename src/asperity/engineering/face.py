@@ -92,9 +92,16 @@ class RoughFace(NamedTuple):
     options: MapOptions | None = None
 
 
+def is_hertz(settings: Mapping[str, Any]) -> bool:
+    """True if the radius in settings of ``asperity run`` is that of a Hertz contact, not of the map."""
+    return not settings.keys().isdisjoint(("hertz_pressure", "radius_y", "at"))
+
+
 def options_of(settings: Mapping[str, Any]) -> MapOptions:
     """What settings of ``asperity run`` say of the map."""
     given = {field.name: settings[field.name] for field in fields(MapOptions) if field.name in settings}
+    if is_hertz(settings):
+        given = {name: value for name, value in given.items() if name not in ("radius", "form", "cylinder_axis")}
     return MapOptions(**given | ({"periodic": "none"} if settings.get("boundary") == "free" else {}))
 
 

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from asperity.contact import Contact
 from asperity.core.types import Array
-from asperity.elasticity.loaded_solid import traction_direction
+from asperity.elasticity.loaded_solid import LoadedSolid, traction_direction
 from asperity.engineering.body_stress import STRESS_TOLERANCE
 from asperity.stress.analysis import analyse_stress
 from asperity.stress.peaks.selection import peaks
@@ -65,6 +65,7 @@ def load_curve(
     contacts: Iterable[Contact],
     bodies: Sequence[str] = (),
     resistivities: Mapping[str, float] | None = None,
+    loaded: Callable[[Contact, str], LoadedSolid] = Contact.in_body,
     **sliding: Any,
 ) -> xr.Dataset:
     """Numbers of contacts against their load; each contact is released before the next is solved.
@@ -77,6 +78,8 @@ def load_curve(
         Bodies whose largest von Mises stress is computed, by a stress analysis for each load.
     resistivities : mapping, optional
         Name of a conductance → sum of the resistivities of both bodies; see `asperity.Contact.conductance`.
+    loaded : callable, optional
+        Contact and name of a body → the body as it is loaded; by default by the contact alone.
     **sliding
         `friction` and `sliding_direction` on the lower body, as for `asperity.analyse_stress`.
 
@@ -110,7 +113,7 @@ def load_curve(
             row["plastic_area"] = contact.plastic_area
         row |= {name: contact.conductance(value) for name, value in (resistivities or {}).items()}
         rows.append(row)
-        stresses.append([largest_von_mises(contact, body, **sliding) for body in bodies])
+        stresses.append([largest_von_mises(loaded(contact, body), body, **sliding) for body in bodies])
     if not rows:
         raise ValueError("contacts: at least one is needed")
     found = xr.Dataset({name: ("load", [row[name] for row in rows]) for name in rows[0]})
@@ -121,11 +124,11 @@ def load_curve(
 
 
 def largest_von_mises(
-    contact: Contact, body: str, friction: float = 0.0, sliding_direction: str | float = "x"
+    loaded: LoadedSolid, body: str, friction: float = 0.0, sliding_direction: str | float = "x"
 ) -> float:
     """Largest von Mises stress in a body, at the nodes or between them."""
     stress = analyse_stress(
-        contact.in_body(body),
+        loaded,
         quantities=("von_mises",),
         tolerance=STRESS_TOLERANCE,
         friction=friction,

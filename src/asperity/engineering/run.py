@@ -17,7 +17,7 @@ from asperity.engineering.advice import advise
 from asperity.engineering.answer import IN_FULL_CONTACT, Answer
 from asperity.engineering.answer_numbers import contact_numbers, contact_spots
 from asperity.engineering.body_stress import body_answer
-from asperity.engineering.case import LARGEST_LOAD, Body, Case, CounterMap, Load, suggested_hardness
+from asperity.engineering.case import LARGEST_LOAD, Body, Case, CounterMap, HertzPlace, Load, suggested_hardness
 from asperity.engineering.close_up import close_ups
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
@@ -38,6 +38,8 @@ def run(
     force: float | Sequence[float] | None = None,
     approach: float | Sequence[float] | None = None,
     area_fraction: float | Sequence[float] | None = None,
+    hertz_pressure: float | Sequence[float] | None = None,
+    hertz: HertzPlace | None = None,
     friction: float = 0.0,
     sliding_direction: str | float = "x",
     counter_map: str | os.PathLike[str] | HeightMap | CounterMap | None = None,
@@ -47,7 +49,7 @@ def run(
 ) -> Answer:
     """Press a measured surface against a flat or rough body and analyse the stress in every elastic body.
 
-    Exactly one of `mean_pressure`, `force`, `approach` and `area_fraction` is given. Several rising values
+    Exactly one of `mean_pressure`, `force`, `approach`, `area_fraction` and `hertz_pressure` is given. Several rising values
     are a load curve, and the answer is that of the last one. All numbers are in SI units.
 
     Parameters
@@ -66,6 +68,10 @@ def run(
         Approach of the bodies since their first touch, in m.
     area_fraction : float
         Real over nominal contact area.
+    hertz_pressure : float
+        Largest pressure of a Hertz contact, in Pa.
+    hertz : HertzPlace, optional
+        Place of the map in a Hertz contact, whose force or largest pressure is given.
     friction, sliding_direction : float, str or float
         Coefficient and direction of full sliding, for the stress; see `Case`.
     counter_map : path, HeightMap or CounterMap, optional
@@ -106,11 +112,15 @@ def run(
     1.58 GPa at a depth of 3.4 µm
     """
     load = Load.chosen(
-        mean_pressure=mean_pressure, force=force, approach=approach, area_fraction=area_fraction
+        mean_pressure=mean_pressure,
+        force=force,
+        approach=approach,
+        area_fraction=area_fraction,
+        hertz_pressure=hertz_pressure,
     )
     options = map_options or MapOptions()
     counter = counter_map if isinstance(counter_map, CounterMap | None) else CounterMap(counter_map)
-    case = Case(source, lower, upper, load, friction, sliding_direction, options, counter, fields)
+    case = Case(source, lower, upper, load, friction, sliding_direction, options, counter, fields, hertz)
     return answer_of(case, progress=progress)
 
 
@@ -132,6 +142,7 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     """
     rough = rough or read_face(case.source, case.options, case.counter_map)
     case, face = replace(case, options=rough.options or case.options), rough.face
+    check_cell(case, face)
     contact = press(face, case, _part(progress, 0.1, 0.5))
     spots = contact_spots(face, contact)
     numbers = contact_numbers(rough, contact, spots)
@@ -164,11 +175,27 @@ def answer_of(case: Case, rough: RoughFace | None = None, progress: Progress | N
     return replace(answer, advice=advise(answer))
 
 
+def check_cell(case: Case, face: TreatedMap) -> None:
+    """Raise `ValueError` unless the Hertz contact of a case is wider than the map."""
+    if (contact := case.hertz_contact) is None:
+        return
+    widths = 2 * contact.half_width_y, 2 * contact.half_width_x
+    for axis, width, edge in zip("yx", widths, face.map_length, strict=True):
+        if width < edge:
+            raise ValueError(
+                f"radius: a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; it "
+                f"is {shown_si(width, 'm')} wide under {shown_si(contact.largest_pressure, 'Pa')}. A form that "
+                "the map resolves is pressed with boundary = 'free' and a force or pressure"
+            )
+
+
 def press(face: TreatedMap, case: Case, progress: Progress | None = None) -> Contact:
     """The contact of the case."""
     load, lowest = case.load, float(face.height.min())
     imposed: dict[str, Any] = {load.kind: load.value}
-    if load.kind == "force":
+    if case.hertz is not None:
+        imposed = {"mean_pressure": case.cell_pressure}
+    elif load.kind == "force":
         imposed = {"mean_pressure": load.value / face.map_area}
         case.check_pressure(imposed["mean_pressure"])
     elif load.kind == "approach":
@@ -210,14 +237,14 @@ def answer_curve(answer: Answer, progress: Progress) -> AnswerCurve:
 
     names = list(case.different_bodies)
     sliding: dict[str, Any] = {"friction": case.friction, "sliding_direction": case.sliding_direction}
-    curve = load_curve(contacts(), names, case.resistivities, **sliding)
+    curve = load_curve(contacts(), names, case.resistivities, case.loaded_body, **sliding)
     begins = {}
     for name in names:
         if (limit := case.bodies[name].yield_stress) is not None:
 
             def stress_under(load: float, name: str = name) -> float:
                 under_load = press(face, replace(case, load=Load("mean_pressure", load)))
-                return largest_von_mises(under_load, name, **sliding)
+                return largest_von_mises(case.loaded_body(under_load, name), name, **sliding)
 
             stresses = curve["largest_von_mises_stress"].sel(body=name).values
             begins[name] = yield_load(curve["mean_pressure"].values, stresses, limit, stress_under)

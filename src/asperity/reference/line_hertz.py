@@ -1,10 +1,10 @@
 """Hertz contact of a cylinder with a half-space: pressure and stress in plane strain, at rest or sliding.
 
-The pressure is ``p0 √(1 − x²/b²)`` for every y, the shear traction μ times it along x. With lengths over b
+The pressure is ``p0 √(1 − x²/b²)`` for every y, the shear traction a multiple of it. With lengths over b
 and z the depth, ``m² = (√(A² + 4x²z²) + A)/2``, ``n² = (√(A² + 4x²z²) − A)/2`` with ``A = 1 − x² + z²`` and n
-of the sign of x, the stress over p0 is in closed form (E. McEwen, Phil. Mag. 40 (1949) 454, DOI
+of the sign of x, the stress is in closed form (E. McEwen, Phil. Mag. 40 (1949) 454, DOI
 10.1080/14786444908521733; K. L. Johnson, Contact Mechanics, Cambridge University Press, 1985, Eqs. 4.49 and
-7.8).
+7.8; the traction along y is in antiplane shear, with the analytic function m − z + i (x − n) of x + iz).
 """
 
 from __future__ import annotations
@@ -49,21 +49,24 @@ class LineHertz:
         half_width = float(np.sqrt(4 * load * curvature_radius / (np.pi * effective_modulus)))
         return cls(half_width, 2 * load / (np.pi * half_width))
 
-    def stress(self, x: ArrayLike, depth: ArrayLike, poisson: float, friction: float = 0.0) -> Array:
+    def stress(
+        self, x: ArrayLike, depth: ArrayLike, poisson: float, traction: tuple[float, float] = (0.0, 0.0)
+    ) -> Array:
         """Stress at places x, depth ≥ 0; they broadcast.
 
         Parameters
         ----------
         x, depth : array_like
         poisson : float
-        friction : float
-            The traction on the half-space is μ p along +x, or along −x if μ < 0.
+        traction : (x, y)
+            Shear traction on the half-space over the pressure.
 
         Returns
         -------
         (..., 6) array
             In the order xx, yy, zz, yz, xz, xy, z upward.
         """
+        along, across = traction
         x, z = np.broadcast_arrays(*(np.asarray(each, float) / self.half_width for each in (x, depth)))
         square = 1 - x**2 + z**2
         root = np.hypot(square, 2 * x * z)
@@ -74,8 +77,8 @@ class LineHertz:
             ratio = np.where(root > 0, (z**2 + n2) / root, 1.0)
             share = np.where(root > 0, (m2 - z**2) / root, 0.0)
         m, n = np.sqrt(m2), np.sign(x) * np.sqrt(n2)
-        xx = 2 * z - m * (1 + ratio) + friction * (n * (2 + share) - 2 * x)
-        zz = -m * (1 - ratio) - friction * n * share
-        xz = n * share + friction * (m * (1 + ratio) - 2 * z)
-        none = np.zeros_like(xx)
-        return self.largest_pressure * np.stack([xx, poisson * (xx + zz), zz, none, xz, none], axis=-1)
+        xx = 2 * z - m * (1 + ratio) + along * (n * (2 + share) - 2 * x)
+        zz = -m * (1 - ratio) - along * n * share
+        xz = n * share + along * (m * (1 + ratio) - 2 * z)
+        yz, xy = across * (m - z), across * (n - x)
+        return self.largest_pressure * np.stack([xx, poisson * (xx + zz), zz, yz, xz, xy], axis=-1)

@@ -63,6 +63,7 @@ class PeriodicPlanes:
         dtype: str,
     ) -> None:
         self._layer, self._traction, self._threads, self._work = solid.layer, traction, threads, work
+        self._background = solid.background
         modes = Fourier(solid.grid, threads=threads, work=work).forward(solid.pressure)
         truncation = Truncation(modes, coarser_grids(solid.grid), solid.layer, tolerance, envelope)
         self.plan = [truncation.choose(depth) for depth in depths]
@@ -133,7 +134,8 @@ class PeriodicPlanes:
         along_x = list(range(len(fields)))
         first = {field.component: number for number, field in reversed(list(enumerate(fields)))}
         is_surface = is_xz_derived = False
-        if len(first) == len(COMPONENTS) and self._layer.height is None and not any(self._traction):
+        is_plain = self._background is None and not any(self._traction)
+        if len(first) == len(COMPONENTS) and self._layer.height is None and is_plain:
             is_surface = depth == 0 and grid == self._finest[0]
             is_xz_derived = not is_surface and fields[first["xx"]].slope >= 0
         own_fields = list(fields)
@@ -210,6 +212,9 @@ class PeriodicPlanes:
                 _add_sliding(kind, constant, slope, *sliding, modes, spectrum)
         if columns.start == 0:
             out[:, 0, 0] = [self._mean(field) for field in fields]
+            if self._background is not None:
+                added = dict(zip(COMPONENTS, self._background(depth), strict=True))
+                out[:, 0, 0] += [field.constant * added[field.component] for field in fields]
         return out
 
     def _wavenumber(self, columns: slice) -> Array:

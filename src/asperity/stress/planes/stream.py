@@ -172,6 +172,8 @@ class PlaneStream:
         self._traction = shear_traction(friction, sliding_direction, self.solid.layer)
         self.depths = _checked_depths(depths, self.solid)
         self.ratios = checked_ratios(poisson, self.solid.layer)
+        if self.solid.background is not None and len(self.ratios) > 1:
+            raise ValueError(f"poisson has {len(self.ratios)} values: one is needed with a background")
         self.names = choices("fields", fields, FIELDS)
         self._tolerance = number(
             "tolerance", tolerance, "a number from 0 to below 1", lambda size: 0 <= size < 1

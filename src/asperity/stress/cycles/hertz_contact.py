@@ -1,0 +1,201 @@
+"""Hertz contact of two smooth bodies, in which a rough cell far smaller than the contact lies at one place.
+
+Scales are separate: over the cell the Hertz pressure hardly changes. The cell is solved as periodic, under the
+Hertz pressure of its place as mean pressure. Below it the stress is that of the cell, and that of the smooth
+contact at the place beyond the mean (q = 0) mode of the cell, which changes with the depth as in a half-space.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline
+from scipy.ndimage import map_coordinates
+
+from asperity.core.arguments import magnitude
+from asperity.core.types import Array
+from asperity.elasticity.layer import COMPONENTS, Layer
+from asperity.elasticity.loaded_solid import LoadedSolid
+from asperity.fourier.grid import Grid
+from asperity.reference.elliptic_hertz import EllipticHertz
+from asperity.reference.line_hertz import LineHertz
+from asperity.stress.planes.planes import stress_planes
+from asperity.stress.planes.stream import shear_traction
+
+NODES_PER_HALF_WIDTH = 48
+"""Pixels of the smooth pressure on a half-width: stresses err by 1e-3 of the largest pressure, at the edge of
+contact by more (``tests/physics/test_hertz_contact.py``)."""
+
+DEPTHS = np.concatenate([np.arange(0, 20) / 40, np.geomspace(0.5, 20, 31)])
+"""Depths over the smaller half-width between which the stress of the smooth contact is interpolated."""
+
+
+@dataclass(frozen=True)
+class HertzContact:
+    """Contact of two smooth bodies: an ellipse, or a strip under a roller.
+
+    Parameters
+    ----------
+    largest_pressure : float
+        Pressure p0 in the middle.
+    half_width_y, half_width_x : float
+        Half-widths along y and x; one of them is infinite under a roller whose axis has this direction.
+
+    Examples
+    --------
+    A ball of radius 5 mm in a groove, steel on steel:
+
+    >>> pair = asp.TwoBodies(asp.Layer(210e9, 0.3), asp.Layer(210e9, 0.3))
+    >>> contact = asp.HertzContact.from_radii(5e-3, 80e-3, pair.effective_modulus, largest_pressure=1.2e9)
+    >>> print(f"{contact.half_width_x * 1e6:.0f} x {contact.half_width_y * 1e6:.0f} µm, "
+    ...       f"{contact.largest_shear(0.3)[1] * 1e6:.0f} µm deep")
+    102 x 613 µm, 76 µm deep
+    """
+
+    largest_pressure: float
+    half_width_y: float
+    half_width_x: float
+
+    def __post_init__(self) -> None:
+        magnitude("largest_pressure", self.largest_pressure)
+        if not 0 < self.narrow < np.inf:
+            raise ValueError(
+                f"half_width_y = {self.half_width_y!r}, half_width_x = {self.half_width_x!r}: positive numbers "
+                "are needed, at most one of them infinite"
+            )
+
+    @classmethod
+    def from_radii(
+        cls,
+        radius_x: float,
+        radius_y: float,
+        effective_modulus: float,
+        *,
+        largest_pressure: float | None = None,
+        force: float | None = None,
+    ) -> Self:
+        """Contact of two bodies with the combined radii of curvature, 1/R = 1/R₁ + 1/R₂ along x and along y.
+
+        Parameters
+        ----------
+        radius_x, radius_y : float
+            Combined radii; infinite along the axis of a roller. A concave face has a negative radius.
+        effective_modulus : float
+        largest_pressure, force : float
+            One of them; under a roller the force per length.
+
+        Raises
+        ------
+        ValueError
+            If an argument is out of range, or not exactly one of largest pressure and force is given.
+        """
+        if (largest_pressure is None) == (force is None):
+            raise ValueError("exactly one of largest_pressure and force is needed")
+        load = magnitude("force", force) if force is not None else 1.0
+        low, high = sorted((radius_x, radius_y))
+        if high == np.inf:
+            line = LineHertz.from_load(load, magnitude("radius", low), effective_modulus)
+            unit, narrow, wide = line.largest_pressure, line.half_width, np.inf
+        else:
+            ellipse = EllipticHertz.from_load(load, high, low, effective_modulus)
+            unit, narrow, wide = ellipse.largest_pressure, ellipse.semi_minor, ellipse.semi_major
+        # Half-widths are proportional to the largest pressure.
+        scale = 1.0 if largest_pressure is None else magnitude("largest_pressure", largest_pressure) / unit
+        along_x, along_y = (narrow, wide) if radius_x <= radius_y else (wide, narrow)
+        return cls(scale * unit, scale * along_y, scale * along_x)
+
+    @property
+    def narrow(self) -> float:
+        """The smaller half-width."""
+        return min(self.half_width_y, self.half_width_x)
+
+    def pressure(self, y: ArrayLike, x: ArrayLike) -> Array:
+        """Pressure at places from the middle; y and x broadcast."""
+        inside = 1 - (np.asarray(y) / self.half_width_y) ** 2 - (np.asarray(x) / self.half_width_x) ** 2
+        return self.largest_pressure * np.sqrt(np.maximum(inside, 0.0))
+
+    def largest_shear(self, poisson: float) -> tuple[float, float]:
+        """Largest shear stress (Tresca) on the axis without friction, and its depth, to 0.1 % of it."""
+        depth = self.narrow * np.linspace(0, 2, 2001)
+        if np.inf in (self.half_width_y, self.half_width_x):
+            stress = LineHertz(self.narrow, self.largest_pressure).stress(0.0, depth, poisson)
+        else:
+            wide = max(self.half_width_y, self.half_width_x)
+            stress = EllipticHertz(wide, self.narrow, self.largest_pressure).stress_on_axis(depth, poisson)
+        shear = np.ptp(stress[:, :3], axis=1) / 2
+        return float(shear.max()), float(depth[shear.argmax()])
+
+    def stress(
+        self,
+        y: ArrayLike,
+        x: ArrayLike,
+        layer: Layer,
+        friction: float = 0.0,
+        sliding_direction: str | float = "x",
+    ) -> Callable[[float], Array]:
+        """Stress below places of the surface, as a function of the depth.
+
+        Under a roller in closed form; else that under the pressure on pixels, by `asperity.stress_planes`.
+
+        Parameters
+        ----------
+        y, x : (places,) arrays
+        layer : Layer
+            A half-space.
+        friction, sliding_direction
+            As for `stress_planes`.
+
+        Returns
+        -------
+        callable
+            Depth → (places, 6) array.
+        """
+        y, x = (np.atleast_1d(np.asarray(each, float)) for each in np.broadcast_arrays(y, x))
+        nu, traction = layer.poisson, shear_traction(friction, sliding_direction, layer)
+        if self.half_width_y == np.inf:
+            line = LineHertz(self.half_width_x, self.largest_pressure)
+            return lambda depth: line.stress(x, depth, nu, traction)
+        if self.half_width_x == np.inf:
+            turned, order = HertzContact(self.largest_pressure, np.inf, self.half_width_y), [1, 0, 2, 4, 3, 5]
+            degrees = np.degrees(np.arctan2(*traction))  # x and y change places
+            below = turned.stress(x, y, layer, friction, float(degrees))
+            return lambda depth: below(depth)[:, order]
+        half = np.array([self.half_width_y, self.half_width_x])
+        nodes = [
+            2 * int(NODES_PER_HALF_WIDTH * max(1.1, np.abs(place / width).max() + 0.1)) + 1
+            for place, width in zip((y, x), half, strict=True)
+        ]
+        spacing = half / NODES_PER_HALF_WIDTH
+        rows, columns = (
+            step * (np.arange(count) - count // 2) for step, count in zip(spacing, nodes, strict=True)
+        )
+        grid = Grid((nodes[0], nodes[1]), tuple(spacing * nodes))
+        solid = LoadedSolid(self.pressure(rows[:, None], columns), grid, layer, "free")
+        places = [y / spacing[0] + nodes[0] // 2, x / spacing[1] + nodes[1] // 2]
+        sliding = {"friction": friction, "sliding_direction": sliding_direction}
+        depths = self.narrow * DEPTHS
+        planes = stress_planes(solid, depths, fields=COMPONENTS, tolerance=0, **sliding)  # type: ignore
+        table = [
+            [map_coordinates(plane.fields[name][0], places, order=3, mode="nearest") for name in COMPONENTS]
+            for plane in planes
+        ]
+        spline = CubicSpline(depths, np.moveaxis(np.array(table), 1, 2))
+        return lambda depth: spline(min(depth, depths[-1]))
+
+    def background(
+        self,
+        y: float,
+        x: float,
+        layer: Layer,
+        friction: float = 0.0,
+        sliding_direction: str | float = "x",
+    ) -> Callable[[float], Array]:
+        """The part of `stress` at one place beyond the mean mode of a cell there, for `LoadedSolid`."""
+        below = self.stress(y, x, layer, friction, sliding_direction)
+        mean = self.pressure(y, x) * layer.uniform_stress()
+        mean[4], mean[3] = self.pressure(y, x) * np.array(shear_traction(friction, sliding_direction, layer))
+        return lambda depth: below(depth)[0] - mean
