@@ -8,8 +8,8 @@ from samples import refuses
 from scipy.optimize import minimize, nnls
 
 import asperity as asp
-from asperity.stress.cycles.smooth_body import LARGEST_FACTOR, Cycles, _reduce_rows, hydrostatic_factor
 from asperity.stress.cycles.smallest_sphere import smallest_sphere
+from asperity.stress.cycles.smooth_body import LARGEST_FACTOR, Cycles, _reduce_rows, hydrostatic_factor
 
 EDGE, NODES = 1.0, 1024
 

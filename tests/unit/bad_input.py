@@ -185,6 +185,9 @@ COMMANDS = [
     ('plan {"hurst":[', 1, "YAML is needed; "),
     # options and loads of solve
     ("run map.x3p --poison 0.3", 2, "--poison 0.3: not accepted; did you mean --poisson?"),
+    (f"{RUN} --hertz-pressure 1GPa", 2, "--hertz-pressure: needs --radius"),
+    (f"{RUN} --radius 5mm --at 0 0.5 --area-fraction 0.1", 2, "--area-fraction: Hertz pressure, force or m"),
+    (f"{RUN} --radius 5mm --at 0.9 0.9 --hertz-pressure 1GPa", 2, "--at = 0.9 0.9: a place inside the cont"),
     (f"{SOLVE} --mean-pressure 50MPa", 1, "--mean-pressure = '50MPa': needs --young and a surface with a"),
     (f"{SOLVE} --mean-pressure -1", 1, "--mean-pressure = -1.0: a number > 0 and ≤ 1000 is needed"),
     (f"{SOLVE} --force 3", 1, "--force = '3': a number with a unit of force (mN, N, kN) is needed, such as"),

@@ -291,7 +291,11 @@ def _hertz_rows(case: Case) -> Iterator[Row]:
         "half-width along x": (contact.half_width_x, "m", ""),
         "half-width along y": (contact.half_width_y, "m", ""),
         "Hertz pressure on the map": (case.cell_pressure, "Pa", at),
-        "largest shear stress, smooth": (shear, "Pa", f"at depth {shown_si(depth, 'm', 3)}, without friction"),
+        "largest shear stress, smooth": (
+            shear,
+            "Pa",
+            f"at depth {shown_si(depth, 'm', 3)}, without friction",
+        ),
     }
     for name, (value, unit, where) in values.items():
         if math.isfinite(value):

@@ -154,7 +154,9 @@ class HertzPlace:
         roller = (self.radius_y == math.inf and y) or (self.radius_x == math.inf and x)
         if not self.share > 0 or roller:
             where = " across the axis of the roller" if math.inf in (self.radius_x, self.radius_y) else ""
-            raise ValueError(f"at = {y:g} {x:g}: a place inside the contact, nearer than one half-width{where}, is needed")
+            raise ValueError(
+                f"at = {y:g} {x:g}: a place inside the contact, nearer than one half-width{where}, is needed"
+            )
 
     @property
     def share(self) -> float:
@@ -162,7 +164,7 @@ class HertzPlace:
         return math.sqrt(max(0.0, 1 - self.at[0] ** 2 - self.at[1] ** 2))
 
     def contact(self, kind: str, load: float, effective_modulus: float) -> HertzContact:
-        """The Hertz contact under a load of the kinds of `Load`, of which `mean_pressure` is that at the place."""
+        """The Hertz contact under a load of a kind of `Load`; `mean_pressure` is that at the place."""
         given = {"force": load} if kind == "force" else {"largest_pressure": load}
         if kind == "mean_pressure":
             given["largest_pressure"] /= self.share
@@ -292,15 +294,20 @@ class Case:
             if self.load.kind == "hertz_pressure":
                 raise ValueError(f"hertz_pressure = {shown_si(self.load.value, 'Pa')}: a radius is needed")
             return
-        kinds = ("hertz_pressure", "force", "mean_pressure")
-        if self.load.kind not in kinds:
-            raise ValueError(f"{self.load.kind}: one of {', '.join(kinds)} is needed in a Hertz contact")
+        if self.load.kind not in ("hertz_pressure", "force", "mean_pressure"):
+            raise ValueError(
+                f"{self.load.kind}: Hertz pressure, force or mean pressure is needed in a Hertz contact"
+            )
         if self.load.kind == "force" and math.inf in (self.hertz.radius_x, self.hertz.radius_y):
-            raise ValueError("force: hertz_pressure is needed under a roller, whose length is not known")
+            raise ValueError("force: the Hertz pressure is needed under a roller, whose length is not known")
         if self.solid.height is not None:
-            raise ValueError(f"layer_height = {self.solid.height:g}: half-spaces are needed in a Hertz contact")
+            raise ValueError(
+                f"layer_height = {self.solid.height:g}: half-spaces are needed in a Hertz contact"
+            )
         if self.options.periodic == "none":
-            raise ValueError("boundary = 'free': periodic is needed in a Hertz contact, of which the map is a part")
+            raise ValueError(
+                "boundary = 'free': periodic is needed in a Hertz contact, of which the map is a part"
+            )
 
     @property
     def hertz_contact(self) -> HertzContact | None:

@@ -101,7 +101,9 @@ def options_of(settings: Mapping[str, Any]) -> MapOptions:
     """What settings of ``asperity run`` say of the map."""
     given = {field.name: settings[field.name] for field in fields(MapOptions) if field.name in settings}
     if is_hertz(settings):
-        given = {name: value for name, value in given.items() if name not in ("radius", "form", "cylinder_axis")}
+        given = {
+            name: value for name, value in given.items() if name not in ("radius", "form", "cylinder_axis")
+        }
     return MapOptions(**given | ({"periodic": "none"} if settings.get("boundary") == "free" else {}))
 
 

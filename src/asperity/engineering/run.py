@@ -17,7 +17,15 @@ from asperity.engineering.advice import advise
 from asperity.engineering.answer import IN_FULL_CONTACT, Answer
 from asperity.engineering.answer_numbers import contact_numbers, contact_spots
 from asperity.engineering.body_stress import body_answer
-from asperity.engineering.case import LARGEST_LOAD, Body, Case, CounterMap, HertzPlace, Load, suggested_hardness
+from asperity.engineering.case import (
+    LARGEST_LOAD,
+    Body,
+    Case,
+    CounterMap,
+    HertzPlace,
+    Load,
+    suggested_hardness,
+)
 from asperity.engineering.close_up import close_ups
 from asperity.engineering.continuum import solved_on_half
 from asperity.engineering.face import RoughFace, read_face
@@ -49,8 +57,9 @@ def run(
 ) -> Answer:
     """Press a measured surface against a flat or rough body and analyse the stress in every elastic body.
 
-    Exactly one of `mean_pressure`, `force`, `approach`, `area_fraction` and `hertz_pressure` is given. Several rising values
-    are a load curve, and the answer is that of the last one. All numbers are in SI units.
+    Exactly one of `mean_pressure`, `force`, `approach`, `area_fraction` and `hertz_pressure` is given.
+    Several rising values are a load curve, and the answer is that of the last one. All numbers are in SI
+    units.
 
     Parameters
     ----------
@@ -183,9 +192,9 @@ def check_cell(case: Case, face: TreatedMap) -> None:
     for axis, width, edge in zip("yx", widths, face.map_length, strict=True):
         if width < edge:
             raise ValueError(
-                f"radius: a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; it "
-                f"is {shown_si(width, 'm')} wide under {shown_si(contact.largest_pressure, 'Pa')}. A form that "
-                "the map resolves is pressed with boundary = 'free' and a force or pressure"
+                f"radius: a Hertz contact wider than the map, {shown_si(edge, 'm')} along {axis}, is needed; "
+                f"it is {shown_si(width, 'm')} wide under {shown_si(contact.largest_pressure, 'Pa')}. A form "
+                "that the map resolves is pressed with boundary = 'free' and a force or pressure"
             )
 
 

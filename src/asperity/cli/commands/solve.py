@@ -36,7 +36,7 @@ def run(options: argparse.Namespace) -> None:
     check_out([("--out", options.out)], [options.surface])
     layer, contact = section(options, "layer"), section(options, "contact")
     young = options.young and to_si(options.young, "pressure", "--young")
-    given = {name: text for name in DIMENSIONS if (text := getattr(options, name)) is not None}
+    given = {name: text for name in DIMENSIONS if (text := getattr(options, name, None)) is not None}
     names = [flag(name) for name in (*given, *contact) if name in CONTROL_UNITS]
     if len(names) > 1:
         raise ValueError(f"{names[0]}: not accepted together with {names[1]}; one load is imposed")

@@ -1,8 +1,8 @@
-"""Hertz contact of two smooth bodies, in which a rough cell far smaller than the contact lies at one place.
+"""Hertz contact of two smooth bodies, in which a far smaller rough cell lies at one place.
 
-Scales are separate: over the cell the Hertz pressure hardly changes. The cell is solved as periodic, under the
-Hertz pressure of its place as mean pressure. Below it the stress is that of the cell, and that of the smooth
-contact at the place beyond the mean (q = 0) mode of the cell, which changes with the depth as in a half-space.
+Scales are separate: over the cell the Hertz pressure hardly changes. The cell is solved as periodic, under
+the Hertz pressure of its place as mean pressure. Below it the stress is that of the cell, and that of the
+smooth contact at the place beyond the mean (q = 0) mode of the cell.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from asperity.stress.planes.planes import stress_planes
 from asperity.stress.planes.stream import shear_traction
 
 NODES_PER_HALF_WIDTH = 48
-"""Pixels of the smooth pressure on a half-width: stresses err by 1e-3 of the largest pressure, at the edge of
-contact by more (``tests/physics/test_hertz_contact.py``)."""
+"""Pixels of the smooth pressure on a half-width: stresses err by 1e-3 of the largest pressure, in the surface
+with friction by 2e-3, close to the edge of contact by 1e-2 (``tests/physics/test_hertz_contact.py``)."""
 
 DEPTHS = np.concatenate([np.arange(0, 20) / 40, np.geomspace(0.5, 20, 31)])
 """Depths over the smaller half-width between which the stress of the smooth contact is interpolated."""
@@ -64,8 +64,8 @@ class HertzContact:
         magnitude("largest_pressure", self.largest_pressure)
         if not 0 < self.narrow < np.inf:
             raise ValueError(
-                f"half_width_y = {self.half_width_y!r}, half_width_x = {self.half_width_x!r}: positive numbers "
-                "are needed, at most one of them infinite"
+                f"half_width_y = {self.half_width_y!r}, half_width_x = {self.half_width_x!r}: positive "
+                "numbers are needed, at most one of them infinite"
             )
 
     @classmethod

@@ -41,10 +41,10 @@ from asperity.core.types import Array, Progress
 from asperity.elasticity.layer import COMPONENTS
 from asperity.elasticity.loaded_solid import ContactLike, LoadedSolid
 from asperity.fourier.grid import Grid
+from asperity.stress.cycles.smallest_sphere import DIMENSIONS, smallest_sphere
 from asperity.stress.planes.fields import MARGIN, principal_stresses
 from asperity.stress.planes.planes import depth_grid
 from asperity.stress.planes.stream import PLANE_TOLERANCE, LinearPlane, PlaneStream, uniform_part
-from asperity.stress.cycles.smallest_sphere import DIMENSIONS, smallest_sphere
 
 FATIGUE_RATIOS = (0.5, 1.0)
 """Accepted fatigue limits in torsion over bending: at 1/2 (α = 0) the hydrostatic stress has no effect, and
