@@ -62,6 +62,7 @@ def an_answer(bodies=1, estimates=None, imposed_area=0.05, doubts=(), friction=0
         numbers=SimpleNamespace(**(plain | numbers)),
         face=SimpleNamespace(**(shown | face), treatment=SimpleNamespace(**treated)),
         case=SimpleNamespace(
+            hertz_contact=None,
             load=SimpleNamespace(kind="area_fraction", value=imposed_area),
             friction=friction,
             solid=asp.Layer(1e6, 0.5, height=20.37e-6),
