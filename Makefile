@@ -33,6 +33,7 @@ quick: $(VENV)/ready ## Run every rule of the study on small cells, into results
 pages: study ## Write README's sentences, docs and the kept table again from the results of the paper's study, and fail if one differs from the commit
 	python -m asperity.paper results
 	python -m asperity.study.config describe config/README.md
+	python studies/height_distribution/height_distribution.py
 	python studies/nayak/nayak.py
 	python studies/master_curve/master_curve.py
 	python studies/challenge/challenge.py

@@ -15,7 +15,6 @@ M. H. Müser et al., Meeting the contact-mechanics challenge, Tribol. Lett. 65 (
 from __future__ import annotations
 
 import argparse
-import json
 import resource
 import time
 from collections.abc import Mapping
@@ -28,13 +27,13 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 import yaml
-from jinja2 import Environment, StrictUndefined
 from matplotlib.figure import Figure
 
 from asperity import Grid, Layer, LoadedSolid, analyse_stress, read_map, solve, solve_path
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, mean_square, resample
 from asperity.stress.statistics.continuum import BOUNDARY_SHARE, PERCENTILES, OnGrid, estimates, numbers_on
+from asperity.study.kept import kept, rendered
 from asperity.views.style import panels, save, style
 
 BINS = np.linspace(0, 2.5, 101)
@@ -111,17 +110,14 @@ def collect(config: Mapping[str, Any], height: Array, grid: Grid, source: str) -
     """Contacts on all grids, read from their files or computed."""
     modes = Fourier(grid).forward(height)
     rms_gradient = float(np.sqrt(mean_square(modes, grid, grid.wavenumber() ** 2)))
-    settings = json.dumps([dict(config), source])
     found = []
     for points in config["points"]:
-        path = Path(config["results"], f"{points}.nc")
-        if not path.exists() or xr.load_dataset(path).attrs["settings"] != settings:
-            print(f"{points}²: {len(config['loads'])} loads", flush=True)
-            path.parent.mkdir(parents=True, exist_ok=True)
+
+        def on_these(points: int = points) -> xr.Dataset:
             heights = on_grid(height, grid, points)
-            result = contacts(*heights, config["effective_modulus"], rms_gradient, config["loads"])
-            result.assign_attrs(settings=settings).to_netcdf(path)
-        found.append(xr.load_dataset(path))
+            return contacts(*heights, config["effective_modulus"], rms_gradient, config["loads"])
+
+        found.append(kept(Path(config["results"], f"{points}.nc"), [dict(config), source], on_these))
     memory = ("points", [one.attrs["memory_GB"] for one in found])
     return xr.concat(found, xr.Variable("points", config["points"])).assign(memory_GB=memory)
 
@@ -161,17 +157,15 @@ def stress_on(
 
 def stresses(config: Mapping[str, Any], surface: tuple[Array, Grid], source: str) -> list[xr.Dataset]:
     """Stress on all grids, read from files or computed, each in a process of its own for its memory."""
-    settings, found = json.dumps([dict(config), source]), []
+    found: list[xr.Dataset] = []
     for points in config["points"]:
-        path = Path(config["results"], f"{points}_stress.nc")
-        if not path.exists() or xr.load_dataset(path).attrs["settings"] != settings:
-            print(f"{points}²: stress", flush=True)
+
+        def on_these(points: int = points) -> xr.Dataset:
             other = found[0] if len(found) == 1 else None
             with ProcessPoolExecutor(1, get_context("spawn")) as process:
-                result = process.submit(stress_on, config, surface, points, other).result()
-            path.parent.mkdir(parents=True, exist_ok=True)
-            result.assign_attrs(settings=settings).to_netcdf(path)
-        found.append(xr.load_dataset(path))
+                return process.submit(stress_on, config, surface, points, other).result()
+
+        found.append(kept(Path(config["results"], f"{points}_stress.nc"), [dict(config), source], on_these))
     return found
 
 
@@ -292,10 +286,9 @@ def page(rows: pd.DataFrame, stress: pd.DataFrame) -> str:
         "gap": float((limit["mean_gap"] / finest["mean_gap"] - 1).abs().max()),
     }
     cost = [(points, tables[points]["seconds"].sum(), tables[points]["memory_GB"].max()) for points in grids]
-    environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    text = Path(__file__).with_name("page.md.j2").read_text(encoding="utf-8")
     shown = [float(load) for load in limit.index[[0, 5, 9, 13]]] if len(limit) == 14 else list(limit.index)
-    return environment.from_string(text).render(
+    return rendered(
+        Path(__file__).with_name("page.md.j2"),
         tables=tables,
         limit=limit,
         finest=finest,
@@ -341,7 +334,7 @@ def main() -> None:
     with style():
         save(draw(rows, densities), KEPT.with_suffix(".png"))
         save(draw_stress(stress, profiles), STRESSES.with_suffix(".png"))
-    KEPT.with_suffix(".md").write_text(page(rows, stress) + "\n", encoding="utf-8")
+    KEPT.with_suffix(".md").write_text(page(rows, stress), encoding="utf-8")
 
 
 if __name__ == "__main__":

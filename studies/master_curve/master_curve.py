@@ -12,7 +12,6 @@ all surfaces and areas. All errors are standard errors of the jackknife over sur
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -22,7 +21,6 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import xarray as xr
-from jinja2 import Environment, StrictUndefined
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -34,6 +32,7 @@ from asperity.reference.hertz import Hertz
 from asperity.results.dataset import grid_of
 from asperity.stress.statistics.covariance import half_length
 from asperity.study.config.study import read_study
+from asperity.study.kept import kept, rendered
 from asperity.study.stages.contact import solve_contact
 from asperity.study.stages.statistics import seed_statistics
 from asperity.study.stages.stress import compute_stress
@@ -119,15 +118,12 @@ def collect(config: Mapping[str, Any]) -> dict[str, xr.Dataset]:
     """Surface → numbers of all seeds, read from their files or computed."""
     found = {}
     for name, surface in config["surfaces"].items():
-        path = Path(config["results"], f"{name}.nc")
         parts = {section: config[section] for section in ("layer", "contact", "stress", "seeds")}
-        settings = json.dumps([surface, parts], default=str)
-        if not path.exists() or xr.load_dataset(path).attrs["settings"] != settings:
-            print(name, flush=True)
-            path.parent.mkdir(parents=True, exist_ok=True)
-            seeds = [numbers_of(surface, seed, config) for seed in config["seeds"]]
-            xr.concat(seeds, "seed").assign_attrs(settings=settings).to_netcdf(path)
-        found[name] = xr.load_dataset(path)
+
+        def of_seeds(surface: Mapping[str, Any] = surface) -> xr.Dataset:
+            return xr.concat([numbers_of(surface, seed, config) for seed in config["seeds"]], "seed")
+
+        found[name] = kept(Path(config["results"], f"{name}.nc"), [surface, parts], of_seeds)
     return found
 
 
@@ -291,14 +287,16 @@ def page(rows: pd.DataFrame) -> str:
     fits = [("height", key, key, "ln A", "A^b") for key in HEIGHT_SCALES]
     fits += [("depth", key, WAVELENGTH, key, "λ_s (s/λ_s)^b") for key in DEPTH_SCALES if key != WAVELENGTH]
     fits.append(("depth", WAVELENGTH, WAVELENGTH, "ln A", "A^b"))
-    environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters["percent"] = lambda found: f"{with_error(*(100 * found))} %"
-    environment.filters["error"] = lambda found: with_error(*found)
-    environment.filters["signed"] = lambda found: with_error(*found, signed=True)
-    text = Path(__file__).with_name("page.md.j2").read_text(encoding="utf-8")
+    filters = {
+        "percent": lambda found: f"{with_error(*(100 * found))} %",
+        "error": lambda found: with_error(*found),
+        "signed": lambda found: with_error(*found, signed=True),
+    }
     names = {key: name for key, (name, _) in (HEIGHT_SCALES | DEPTH_SCALES).items()}
     functions = (scatter, exponents, held_out, of_poisson, hertz_peak)
-    return environment.from_string(text).render(
+    return rendered(
+        Path(__file__).with_name("page.md.j2"),
+        filters,
         rows=rows,
         gaussian=rows[~rows["skewed"]],
         height=height,
@@ -314,14 +312,14 @@ def page(rows: pd.DataFrame) -> str:
 
 def main() -> None:
     """Write table, figure and page."""
-    kept = Path("docs/master_curve.csv")
+    table_file = Path("docs/master_curve.csv")
     if sys.argv[1:]:
         config = read_study(sys.argv[1:])
-        table(config, collect(config)).to_csv(kept, index=False, float_format="%.6g")
-    rows = pd.read_csv(kept)
+        table(config, collect(config)).to_csv(table_file, index=False, float_format="%.6g")
+    rows = pd.read_csv(table_file)
     with style():
-        save(draw(rows), kept.with_suffix(".png"))
-    kept.with_suffix(".md").write_text(page(rows) + "\n", encoding="utf-8")
+        save(draw(rows), table_file.with_suffix(".png"))
+    table_file.with_suffix(".md").write_text(page(rows), encoding="utf-8")
 
 
 if __name__ == "__main__":

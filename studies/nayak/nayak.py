@@ -11,10 +11,10 @@ configuration the page is written from the table that is kept. Run it in the pro
 
 from __future__ import annotations
 
-import json
 import math
 import sys
 from collections.abc import Mapping, Sequence
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -23,7 +23,6 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 import yaml
-from jinja2 import Environment, StrictUndefined
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from scipy.special import stdtrit
@@ -32,6 +31,7 @@ from asperity import Grid, Layer, self_affine, solve_path
 from asperity.core.markup import with_error
 from asperity.core.types import Array
 from asperity.fourier.grid import Fourier, gradient, mean_square
+from asperity.study.kept import kept, rendered
 from asperity.views.style import panels, save, style
 
 HALF_SPACE = Layer(young=1.0, poisson=0.0)
@@ -138,13 +138,9 @@ def collect(config: Mapping[str, Any]) -> dict[str, dict[float, xr.Dataset]]:
         seeds = seeds_on(points, config["grid_nodes"], config["most_seeds"])
         for nodes, edge, count in zip(config["nodes"], points, seeds, strict=True):
             path = Path(config["results"], f"{name}_{nodes:g}.nc")
-            settings = json.dumps([surface, edge, count, config["loads"]])
-            if not path.exists() or xr.load_dataset(path).attrs["settings"] != settings:
-                print(f"{name}: {count} seeds on {edge}²", flush=True)
-                path.parent.mkdir(parents=True, exist_ok=True)
-                result = contacts(surface, edge, count, config["loads"])
-                result.assign_attrs(settings=settings).to_netcdf(path)
-            found.setdefault(name, {})[nodes] = xr.load_dataset(path)
+            settings = [surface, edge, count, config["loads"]]
+            compute = partial(contacts, *settings)
+            found.setdefault(name, {})[nodes] = kept(path, settings, compute)
     return found
 
 
@@ -324,9 +320,8 @@ def page(rows: pd.DataFrame) -> str:
         number: {term: found[number][term, "ln_area"].changes[term] for term in STRUCTURE}
         for number in NUMBERS
     }
-    environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    text = Path(__file__).with_name("page.md.j2").read_text(encoding="utf-8")
-    return environment.from_string(text).render(
+    return rendered(
+        Path(__file__).with_name("page.md.j2"),
         rows=rows,
         numbers=NUMBERS,
         terms=TERMS,
@@ -340,14 +335,14 @@ def page(rows: pd.DataFrame) -> str:
 
 def main() -> None:
     """Write table, figure and page."""
-    kept = Path("docs/nayak.csv")
+    table_file = Path("docs/nayak.csv")
     if sys.argv[1:]:
         config = yaml.safe_load(Path(sys.argv[1]).read_text(encoding="utf-8"))
-        table(config, collect(config)).to_csv(kept, index=False, float_format="%.6g")
-    rows = with_logarithms(pd.read_csv(kept))
+        table(config, collect(config)).to_csv(table_file, index=False, float_format="%.6g")
+    rows = with_logarithms(pd.read_csv(table_file))
     with style():
-        save(draw(rows), kept.with_suffix(".png"))
-    kept.with_suffix(".md").write_text(page(rows) + "\n", encoding="utf-8")
+        save(draw(rows), table_file.with_suffix(".png"))
+    table_file.with_suffix(".md").write_text(page(rows), encoding="utf-8")
 
 
 if __name__ == "__main__":

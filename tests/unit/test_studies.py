@@ -1,6 +1,7 @@
 """The studies beside the paper: moments, boundaries and lengths, regressions, and a tiny run of each."""
 
 import challenge
+import height_distribution
 import master_curve
 import nayak
 import numpy as np
@@ -164,6 +165,27 @@ def test_tiny_master_curve_study(tmp_path):
     assert len(rows) == 3 * 2 * 2
     assert (rows.loc[rows["poisson"] == 0, "height_gradient_contact"] > 1).all()
     assert "Hertz" in master_curve.page(rows)
+
+
+def test_tiny_height_distribution(tmp_path, monkeypatch):
+    """Two seeds and three cases on small grids: pairs share their seed, so that Gaussian changes vanish."""
+    config = yaml.safe_load((ROOT / "studies/height_distribution/config.yaml").read_text(encoding="utf-8"))
+    config |= {"results": str(tmp_path), "seeds": [1, 2], "points": 128}
+    config["spectrum"] |= {"wavelength_short": 1 / 16}
+    kinds = ("gaussian", "skewness_plus_10", "johnson_plus")
+    config["cases"] = {name: config["cases"][name] for name in kinds}
+    rows = height_distribution.table(config)
+    assert height_distribution.table(config).equals(rows)
+    assert height_distribution.change(rows, "p99", "gaussian")[0] == 0
+    of_case = rows.groupby("case").mean()
+    assert of_case["gradient"]["skewness_plus_10"] == pytest.approx(1, rel=1e-9)
+    assert of_case["gradient"]["johnson_plus"] != pytest.approx(1, rel=1e-3)
+    # Blunt hills have a smaller gradient in contact, and peaks that are smaller by as much.
+    blunt, error = height_distribution.change(rows, "gradient_contact", "skewness_plus_10")
+    assert blunt < -3 * error
+    assert height_distribution.change(rows, "p99", "skewness_plus_10")[0] == pytest.approx(blunt, abs=0.2)
+    kept = pd.read_csv(ROOT / "docs/height_distribution.csv")
+    assert "| skewness plus 10 | 1.0" in height_distribution.page(kept, config)
 
 
 def test_persson_area_is_an_error_function():

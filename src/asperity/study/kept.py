@@ -1,0 +1,28 @@
+"""Kept results and pages of the small studies in the folder ``studies``."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import xarray as xr
+from jinja2 import Environment, StrictUndefined
+
+
+def kept(path: Path, settings: Any, compute: Callable[[], xr.Dataset]) -> xr.Dataset:
+    """The dataset in a file that was made with these settings, else computed and written there."""
+    text = json.dumps(settings, default=str)
+    if not path.exists() or xr.load_dataset(path).attrs["settings"] != text:
+        print(path.stem, flush=True)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        compute().assign_attrs(settings=text).to_netcdf(path)
+    return xr.load_dataset(path)
+
+
+def rendered(template: Path, filters: dict[str, Callable[..., Any]] | None = None, **values: Any) -> str:
+    """Text of a template with these values; a missing one is an error."""
+    environment = Environment(undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.filters.update(filters or {})
+    return environment.from_string(template.read_text(encoding="utf-8")).render(**values) + "\n"
